@@ -1,0 +1,48 @@
+// crossgait backends: which engines this build can use.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/apps/command.h"
+#include "crossgait/backends/registry.h"
+#include "crossgait/parity/table.h"
+#include "crossgait/physics/data_path.h"
+
+namespace crossgait::apps {
+namespace {
+
+void run(const JsonOption& json) {
+  WorldSpec spec;
+  spec.robot = std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped")));
+  Table table({"name", "engine", "contact", ""});
+  nlohmann::ordered_json entries = nlohmann::ordered_json::array();
+  for (const BackendEntry& entry : known_backends()) {
+    nlohmann::ordered_json object{
+        {"name", entry.name}, {"summary", entry.summary}, {"available", entry.available}};
+    if (entry.available) {
+      const BackendInfo info = make_backend(entry.name, spec)->info();
+      table.add_row({entry.name, info.engine + " " + info.version, info.mode, "available"});
+      object["engine"] = info.engine;
+      object["version"] = info.version;
+      object["mode"] = info.mode;
+      object["capabilities"] = {{"soft_contact", info.capabilities.soft_contact},
+                                {"matches_mujoco", info.capabilities.matches_mujoco},
+                                {"exact_field_query", info.capabilities.exact_field_query}};
+    } else {
+      table.add_row({entry.name, "", "", "not built in: " + entry.reason});
+      object["reason"] = entry.reason;
+    }
+    entries.push_back(std::move(object));
+  }
+  json.emit(table.str(), {{"backends", std::move(entries)}});
+}
+
+}  // namespace
+
+void add_backends_command(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("backends", "List the physics engines that this build can use");
+  auto json = std::make_shared<JsonOption>();
+  json->add_to(*command);
+  command->callback([json] { run(*json); });
+}
+
+}  // namespace crossgait::apps

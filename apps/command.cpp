@@ -1,0 +1,97 @@
+#include "crossgait/apps/command.h"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "crossgait/physics/atomic_file.h"
+#include "crossgait/physics/data_path.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/text.h"
+
+namespace crossgait::apps {
+
+void JsonOption::add_to(CLI::App& command) {
+  command.add_option("--json", path, "Write the result as JSON to FILE, or to standard output with -")
+      ->type_name("FILE|-");
+}
+
+void JsonOption::emit(const std::string& text, const nlohmann::ordered_json& json) const {
+  if (!to_stdout()) fmt::print("{}", text);
+  if (path.empty()) return;
+  const std::string bytes = json.dump(2) + "\n";
+  if (to_stdout()) {
+    fmt::print("{}", bytes);
+  } else {
+    write_file_atomically(path, bytes);
+  }
+}
+
+void add_robot_option(CLI::App& command, std::string& robot) {
+  command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file")
+      ->type_name("NAME|FILE.yaml|FILE.urdf")
+      ->capture_default_str();
+}
+
+void WorldOptions::add_to(CLI::App& command) {
+  add_robot_option(command, robot);
+  command
+      .add_option("--terrain", terrain,
+                  "The ground (see `crossgait terrain --list`), e.g. rough or stairs:rise=.01,run=.1")
+      ->type_name("NAME[:k=v,...]|FILE.png|FILE.csv")
+      ->capture_default_str();
+  command.add_option("--seed", seed, "Seed of a random terrain")->capture_default_str();
+  command.add_option("--physics-dt", physics_dt, "Physics time step, s")->capture_default_str();
+  command.add_option("--friction", friction, "Coefficient of friction between feet and ground")
+      ->capture_default_str();
+}
+
+WorldSpec WorldOptions::make() const {
+  WorldSpec spec;
+  spec.robot = std::make_shared<const RobotDescription>(load_robot(find_robot(robot)));
+  spec.terrain = make_terrain(terrain, seed);
+  spec.physics_dt = physics_dt;
+  spec.contact.friction = friction;
+  spec.validate();
+  return spec;
+}
+
+std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& option,
+                                  const std::string& expected) {
+  std::vector<double> numbers;
+  std::size_t begin = 0;
+  while (true) {
+    const std::size_t comma = text.find(',', begin);
+    const auto number = parse_number(text.substr(begin, comma == std::string::npos ? comma : comma - begin));
+    if (!number) throw ConfigError("command line", option, expected, fmt::format("\"{}\"", text));
+    numbers.push_back(*number);
+    if (comma == std::string::npos) break;
+    begin = comma + 1;
+  }
+  if (numbers.size() != count)
+    throw ConfigError("command line", option, expected, fmt::format("\"{}\"", text));
+  return numbers;
+}
+
+ProgressLine::ProgressLine(std::string label)
+    : label_(std::move(label)),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      begin_(std::chrono::steady_clock::now()) {}
+
+ProgressLine::~ProgressLine() {
+  if (shown_) std::fputs("\r\033[K", stderr);
+}
+
+void ProgressLine::update(double share) {
+  using std::chrono::steady_clock;
+  if (!terminal_ || steady_clock::now() - begin_ < std::chrono::seconds(2)) return;
+  const double elapsed = std::chrono::duration<double>(steady_clock::now() - begin_).count();
+  const double left = share > 0 ? elapsed * (1 - share) / share : 0;
+  fmt::print(stderr, "\r\033[K{}: {:3.0f} %, {:.0f} s left", label_, 100 * share, left);
+  std::fflush(stderr);
+  shown_ = true;
+}
+
+}  // namespace crossgait::apps

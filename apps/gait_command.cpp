@@ -1,0 +1,175 @@
+// crossgait gait: the gaits, their parameters, and foot targets over time.
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/apps/command.h"
+#include "crossgait/env/gait_source.h"
+#include "crossgait/parity/table.h"
+#include "crossgait/physics/atomic_file.h"
+#include "crossgait/physics/data_path.h"
+#include "crossgait/physics/error.h"
+
+namespace crossgait::apps {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Options {
+  std::string gait = "trot";
+  std::string robot = "scara_quadruped";
+  std::vector<std::string> settings;
+  double seconds = 0, dt = 0.02;
+  bool list = false, parameters = false;
+  std::string csv;
+  JsonOption json;
+};
+
+void list_gaits(const JsonOption& json) {
+  Table table({"gait", "lift-off FL FR RL RR", "duty", "cycle, s", "speed, m/s", "phases", ""});
+  ordered_json entries = ordered_json::array();
+  for (const Gait& gait : gaits()) {
+    std::string phases, offsets;
+    ordered_json entry{{"name", gait.name}, {"summary", gait.summary}};
+    for (const GaitPhase& phase : gait.phases) {
+      if (phase.name.empty()) break;
+      phases += fmt::format("{}{}", phases.empty() ? "" : ", ", phase.name);
+      entry["phases"].push_back({{"name", phase.name}, {"start", phase.start}});
+    }
+    for (const Leg leg : kLegs) {
+      offsets += fmt::format("{}{:.2f}", offsets.empty() ? "" : " ", gait.offset[leg]);
+      entry["offset"][std::string(name(leg))] = gait.offset[leg];
+      entry["duty"][std::string(name(leg))] = gait.duty[leg];
+    }
+    const double speed = nominal_speed(gait.preferred, gait.duty[Leg::FL]);
+    entry["nominal_speed_mps"] = speed;
+    table.add_row({std::string(gait.name), offsets, fmt::format("{:.2f}", gait.duty[Leg::FL]),
+                   fmt::format("{:.2f}", gait.preferred.cycle_time), fmt::format("{:.3f}", speed), phases,
+                   std::string(gait.summary)});
+    entries.push_back(std::move(entry));
+  }
+  json.emit(table.str(), {{"gaits", std::move(entries)}});
+}
+
+void list_parameters(const Options& options) {
+  const GaitParameters chosen = choose_gait(options.gait, options.settings).parameters;
+  Table table({"parameter", "unit", options.gait, "min", "max", "delta scale", "meaning"});
+  ordered_json entries = ordered_json::array();
+  for (const ParameterRow& row : gait_parameters()) {
+    const double value = chosen.*row.member;
+    table.add_row({std::string(row.name), std::string(row.unit), fmt::format("{:.4g}", value),
+                   fmt::format("{:.4g}", row.min), fmt::format("{:.4g}", row.max),
+                   fmt::format("{:.4g}", row.delta_scale), std::string(row.help)});
+    entries.push_back({{"name", row.name},
+                       {"unit", row.unit},
+                       {"value", value},
+                       {"default", row.default_value()},
+                       {"min", row.min},
+                       {"max", row.max},
+                       {"delta_scale", row.delta_scale},
+                       {"help", row.help}});
+  }
+  const std::string more = fmt::format("\nswing = {} (bezier or matched)\n", name(chosen.swing));
+  options.json.emit(
+      table.str() + more,
+      {{"gait", options.gait}, {"parameters", std::move(entries)}, {"swing", name(chosen.swing)}});
+}
+
+GaitGenerator make_generator(const Options& options) {
+  const GaitChoice choice = choose_gait(options.gait, options.settings);
+  return {choice.gait, choice.parameters, leg_origins(load_robot(find_robot(options.robot)))};
+}
+
+// One row per sample from t = 0: positions in the leg frames.
+std::string targets_csv(const Options& options, GaitGenerator& generator, int rows) {
+  std::string text = "t";
+  const auto out = std::back_inserter(text);
+  for (const Leg leg : kLegs) fmt::format_to(out, ",{0}.x,{0}.y,{0}.z", name(leg));
+  text += '\n';
+  for (int i = 0; i <= rows; ++i) {
+    const LegArray<FootTarget>& targets = i == 0 ? generator.targets() : generator.update(options.dt);
+    fmt::format_to(out, "{:.12g}", i * options.dt);
+    for (const Leg leg : kLegs) {
+      const Vector3& p = targets[leg].position;
+      fmt::format_to(out, ",{:.17g},{:.17g},{:.17g}", p.x(), p.y(), p.z());
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+void print_targets(const Options& options, GaitGenerator& generator, int rows) {
+  Table table({options.gait + ", t in s", "phase", "FL x, z mm", "FR x, z mm", "RL x, z mm", "RR x, z mm"});
+  ordered_json samples = ordered_json::array();
+  for (int i = 0; i <= rows; ++i) {
+    const LegArray<FootTarget>& targets = i == 0 ? generator.targets() : generator.update(options.dt);
+    std::vector<std::string> cells{fmt::format("{:.3f}", i * options.dt),
+                                   std::string(generator.current_phase_name())};
+    ordered_json sample{{"t", i * options.dt}, {"phase", generator.current_phase_name()}};
+    for (const Leg leg : kLegs) {
+      const FootTarget& foot = targets[leg];
+      cells.push_back(fmt::format("{:6.1f} {:5.1f} {}", 1e3 * foot.position.x(), 1e3 * foot.position.z(),
+                                  foot.swing ? "^" : "_"));
+      sample[std::string(name(leg))] = {
+          {"position_m", {foot.position.x(), foot.position.y(), foot.position.z()}}, {"swing", foot.swing}};
+    }
+    table.add_row(std::move(cells));
+    samples.push_back(std::move(sample));
+  }
+  const std::string legend =
+      "\n^ swing, _ stance; positions in the leg frames: x forward, z down from the shoulders\n";
+  options.json.emit(table.str() + legend, {{"gait", options.gait}, {"samples", std::move(samples)}});
+}
+
+void run(const Options& options) {
+  if (options.list) return list_gaits(options.json);
+  if (options.parameters) return list_parameters(options);
+  GaitGenerator generator = make_generator(options);
+  const double seconds = options.seconds > 0 ? options.seconds : generator.parameters().cycle_time;
+  const auto require = [](bool ok, const char* option, double found) {
+    if (!ok)
+      throw ConfigError("command line", option, "a time in s, at least one --dt long and at most 1e6 of them",
+                        fmt::format("{}", found));
+  };
+  require(std::isfinite(options.dt) && options.dt > 0, "--dt", options.dt);
+  require(std::isfinite(options.seconds) && options.seconds >= 0 && seconds / options.dt <= 1e6 &&
+              seconds >= options.dt,
+          "--seconds", options.seconds);
+  const int rows = static_cast<int>(std::lround(seconds / options.dt));
+  if (options.csv.empty()) return print_targets(options, generator, rows);
+  const std::string text = targets_csv(options, generator, rows);
+  if (options.csv == "-") {
+    fmt::print("{}", text);
+  } else {
+    write_file_atomically(options.csv, text);
+  }
+}
+
+}  // namespace
+
+void add_gait_command(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("gait", "The gaits, their parameters, and foot targets over time");
+  command->footer(
+      "\nExamples:\n"
+      "  crossgait gait --list\n"
+      "  crossgait gait --parameters --gait walk\n"
+      "  crossgait gait --gait gallop --dt .05\n"
+      "  crossgait gait --seconds 2 --dt .002 --set step_length=.08 --csv targets.csv");
+  auto options = std::make_shared<Options>();
+  command->add_flag("--list", options->list, "List the gaits");
+  command->add_flag("--parameters", options->parameters, "List the tunable parameters and the gait's values");
+  command->add_option("--gait", options->gait, "The gait to show")->capture_default_str();
+  command->add_option("--set", options->settings, "Change a gait parameter; may be repeated")
+      ->type_name("NAME=VALUE");
+  command->add_option("--seconds", options->seconds, "How long; one cycle by default");
+  command->add_option("--dt", options->dt, "Time between rows, s")->capture_default_str();
+  command->add_option("--csv", options->csv, "Write t and foot positions (m) as CSV")->type_name("FILE|-");
+  add_robot_option(*command, options->robot);
+  options->json.add_to(*command);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace crossgait::apps

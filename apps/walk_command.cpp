@@ -1,0 +1,51 @@
+// crossgait walk: one run in one engine.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/apps/walk_options.h"
+#include "crossgait/backends/registry.h"
+#include "crossgait/parity/report.h"
+
+namespace crossgait::apps {
+namespace {
+
+struct Options {
+  std::string backend = "mujoco";
+  WorldOptions world;
+  WalkOptions walk;
+  std::string trace;
+  JsonOption json;
+};
+
+void run(const Options& options) {
+  const auto backend = make_backend(options.backend, options.world.make());
+  const WalkSetup setup = options.walk.make(backend->robot());
+  ProgressLine progress(fmt::format("{} in {}", setup.gait, options.backend));
+  const WalkRun walk = record_walk(*backend, setup, [&](double share) { progress.update(share); });
+  if (!options.trace.empty()) write_trace_csv(backend->robot(), walk.trace, options.trace);
+  options.json.emit(describe(walk), to_json(walk));
+}
+
+}  // namespace
+
+void add_walk_command(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("walk", "Walk in one engine: a summary and, if asked, a trace");
+  command->footer(
+      "\nExamples:\n"
+      "  crossgait walk\n"
+      "  crossgait walk --backend bullet --terrain rough --seed 3 --seconds 10\n"
+      "  crossgait walk --set step_length=.08 --set cycle_time=.7 --trace walk.csv --json -");
+  auto options = std::make_shared<Options>();
+  command->add_option("--backend", options->backend, "Engine and mode (see `crossgait backends`)")
+      ->capture_default_str();
+  options->world.add_to(*command);
+  options->walk.add_to(*command);
+  command
+      ->add_option("--trace", options->trace,
+                   "Write state, targets and contacts of every control step as CSV")
+      ->type_name("FILE");
+  options->json.add_to(*command);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace crossgait::apps

@@ -1,0 +1,21 @@
+// Options that `walk` and `compare` share: the gait and its timing.
+#pragma once
+
+#include "crossgait/apps/command.h"
+#include "crossgait/parity/comparison.h"
+
+namespace crossgait::apps {
+
+struct WalkOptions {
+  std::string gait = "trot";
+  std::vector<std::string> settings;  // NAME=VALUE of gait parameters
+  WalkTiming timing;
+  bool compensate = true;
+
+  void add_to(CLI::App& command);
+  /// @param robot must outlive the setup
+  /// @throws ConfigError for an unknown gait or parameter
+  WalkSetup make(const RobotDescription& robot) const;
+};
+
+}  // namespace crossgait::apps

@@ -1,0 +1,57 @@
+// Bullet's collision side: colliders of the robot and the terrain.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+#include <btBulletDynamicsCommon.h>
+
+#include "crossgait/backends/bullet/constraint_solver.h"
+#include "crossgait/backends/bullet/multibody_model.h"
+#include "crossgait/backends/bullet/sphere_terrain.h"
+
+namespace crossgait::bullet {
+
+/// The btMultiBodyDynamicsWorld with one robot and one terrain, set up so that nothing but physics is left in
+/// it.
+class CollisionWorld {
+ public:
+  CollisionWorld(const WorldSpec& spec, ContactMode mode, MultibodyModel& model, ConstraintSolver& solver);
+  ~CollisionWorld();
+  CollisionWorld(const CollisionWorld&) = delete;
+  CollisionWorld& operator=(const CollisionWorld&) = delete;
+
+  /// Exactly one step of the spec's physics_dt. Contacts are found afresh: nothing survives from the last
+  /// step.
+  void step();
+  /// After the robot was moved by hand.
+  void robot_moved();
+  /// Height of the terrain under (x, y) by Bullet's ray test; NaN where the ray misses.
+  double terrain_height(double x, double y) const;
+
+ private:
+  void add_terrain();
+  void add_robot();
+  std::unique_ptr<btCompoundShape> make_shape(int link, const std::vector<ContactSphere>& spheres);
+
+  const WorldSpec& spec_;
+  ContactMode mode_;
+  MultibodyModel& model_;
+  ConstraintSolver& solver_;
+
+  btDefaultCollisionConfiguration configuration_;
+  SphereTerrainFactory sphere_terrain_;
+  btCollisionDispatcher dispatcher_;
+  btDbvtBroadphase broadphase_;
+  btMultiBodyDynamicsWorld world_;
+  std::vector<double> heights_;  // Bullet keeps a pointer
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+  std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders_;
+  btCollisionObject terrain_;
+  btAlignedObjectArray<btQuaternion> scratch_rotations_;
+  btAlignedObjectArray<btVector3> scratch_origins_;
+};
+
+}  // namespace crossgait::bullet

@@ -1,0 +1,102 @@
+#include "crossgait/backends/bullet/cone_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace crossgait::bullet {
+namespace {
+
+bool in_cone(const Vector3& x, double friction) noexcept {
+  return x[0] >= 0 && std::hypot(x[1], x[2]) <= friction * x[0];
+}
+
+// Along the ray d(theta) = (1, mu cos, mu sin) the best multiple is s = N / D, worth N^2 / (2 D), where N =
+// -g.d and D = d'Hd. The solution on the cone's surface is the ray of greatest worth.
+struct Ray {
+  double N, D, slope, curvature;  // slope and curvature of the worth, up to positive factors
+  Vector3 d;
+};
+
+Ray evaluate(const Matrix3& H, const Vector3& g, double mu, double theta) noexcept {
+  const double c = mu * std::cos(theta), s = mu * std::sin(theta);
+  const Vector3 d(1, c, s), d1(0, -s, c), d2(0, -c, -s);
+  const Vector3 Hd = H * d;
+  const double N = -g.dot(d), N1 = -g.dot(d1), N2 = -g.dot(d2);
+  const double D = d.dot(Hd), D1 = 2 * d1.dot(Hd), D2 = 2 * (d1.dot(H * d1) + d2.dot(Hd));
+  return {N, D, 2 * N1 * D - N * D1, 2 * N2 * D + N1 * D1 - N * D2, d};
+}
+
+double worth(const Ray& ray) noexcept { return ray.N > 0 ? ray.N * ray.N / ray.D : 0; }
+
+double best_sample(const Matrix3& H, const Vector3& g, double mu, int samples) noexcept {
+  double best_theta = 0, best = -1;
+  for (int i = 0; i < samples; ++i) {
+    const double theta = 2 * M_PI * i / samples;
+    if (const double w = worth(evaluate(H, g, mu, theta)); w > best) {
+      best = w;
+      best_theta = theta;
+    }
+  }
+  return best_theta;
+}
+
+// Newton's method for the stationary ray. @returns false where it leaves the concave neighbourhood.
+bool polish(const Matrix3& H, const Vector3& g, double mu, double theta, Ray& ray) noexcept {
+  for (int i = 0; i < 20; ++i) {
+    ray = evaluate(H, g, mu, theta);
+    if (ray.N <= 0 || ray.curvature >= 0) return false;
+    const double step = -ray.slope / ray.curvature;
+    if (std::abs(step) > 1) return false;
+    theta += step;
+    if (std::abs(step) < 1e-15) return true;
+  }
+  return true;
+}
+
+}  // namespace
+
+Vector3 solve_cone_block(const Matrix3& H, const Vector3& g, double friction, const Vector3& start) noexcept {
+  if (g[0] >= friction * std::hypot(g[1], g[2])) return Vector3::Zero();  // pushing apart already
+  if (friction == 0) return {std::max(0.0, -g[0] / H(0, 0)), 0, 0};
+  const Vector3 free = -(H.inverse() * g);
+  if (in_cone(free, friction)) return free;
+
+  const bool warm = start[1] != 0 || start[2] != 0;
+  Ray ray{};
+  double theta = warm ? std::atan2(start[2], start[1]) : best_sample(H, g, friction, 8);
+  for (const int samples : {16, 64, 256}) {
+    if (polish(H, g, friction, theta, ray)) {
+      const Vector3 x = ray.N / ray.D * ray.d;
+      const Vector3 gradient = H * x + g;
+      // A minimum over the solid cone, not of its surface alone: the gradient points inwards.
+      if (gradient[0] >= -1e-12 * std::abs(g[0])) return x;
+    }
+    theta = best_sample(H, g, friction, samples);
+  }
+  ray = evaluate(H, g, friction, theta);
+  return std::max(0.0, ray.N / ray.D) * ray.d;
+}
+
+int ConeProblem::solve(double tolerance, int max_sweeps) noexcept {
+  const Eigen::Index rows = 3 * contacts;
+  x.head(rows).setZero();
+  for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
+    double change = 0, largest = 0;
+    for (int c = 0; c < contacts; ++c) {
+      const Eigen::Index i = 3 * c;
+      const Matrix3 H = A.block<3, 3>(i, i);
+      const Vector3 old = x.segment<3>(i);
+      Vector3 g = b.segment<3>(i) - H * old;
+      // A is symmetric: its columns are contiguous, its rows are not.
+      for (int k = 0; k < 3; ++k) g[k] += A.col(i + k).head(rows).dot(x.head(rows));
+      const Vector3 next = solve_cone_block(H, g, friction, old);
+      x.segment<3>(i) = next;
+      change = std::max(change, (next - old).lpNorm<Eigen::Infinity>());
+      largest = std::max(largest, next.lpNorm<Eigen::Infinity>());
+    }
+    if (change <= tolerance * largest) return sweep;
+  }
+  return max_sweeps;
+}
+
+}  // namespace crossgait::bullet

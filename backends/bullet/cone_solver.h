@@ -1,0 +1,32 @@
+// Contact impulses of the matched mode: a quadratic problem over a product of friction cones.
+#pragma once
+
+#include "crossgait/physics/math.h"
+#include "crossgait/physics/state.h"
+
+namespace crossgait::bullet {
+
+/// Minimises 1/2 x'Ax + b'x over contacts x_i = (normal, tangent, tangent) with |tangents| <= friction *
+/// normal. This is the dual that MuJoCo's Newton solver reaches with elliptic cones: the cone couples normal
+/// and friction, whereas Bullet's own projection bounds friction by the normal impulse of the previous sweep.
+struct ConeProblem {
+  static constexpr int kMaxRows = 3 * kMaxContacts;
+
+  ConeProblem() : A(kMaxRows, kMaxRows), b(kMaxRows), x(kMaxRows) {}
+
+  int contacts = 0;
+  double friction = 0;
+  Eigen::MatrixXd A;  ///< leading 3 contacts square block, symmetric positive definite
+  Eigen::VectorXd b;  ///< leading 3 contacts
+  Eigen::VectorXd x;  ///< result, leading 3 contacts
+
+  /// Block Gauss-Seidel with an exact solution per contact, from zero.
+  /// @param tolerance stops when no impulse changes by more than this share of the largest
+  /// @returns sweeps taken
+  int solve(double tolerance, int max_sweeps) noexcept;
+};
+
+/// The block problem: argmin 1/2 x'Hx + g'x over one cone. `start` seeds the search on the cone's surface.
+Vector3 solve_cone_block(const Matrix3& H, const Vector3& g, double friction, const Vector3& start) noexcept;
+
+}  // namespace crossgait::bullet

@@ -1,0 +1,93 @@
+// Bullet's constraint solver with Crossgait's joint stage, and either contact mode.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+
+#include "crossgait/backends/bullet/cone_solver.h"
+#include "crossgait/backends/bullet/joint_stage.h"
+#include "crossgait/backends/bullet/multibody_model.h"
+#include "crossgait/physics/state.h"
+
+namespace crossgait::bullet {
+
+enum class ContactMode {
+  kMatched,  ///< MuJoCo's contact law
+  kNative,   ///< Bullet's own rows and sweeps
+};
+
+/// Bullet's world calls it once per step, after its forward dynamics and collision detection. The joint stage
+/// replaces Bullet's joint rows; contacts follow the mode.
+class ConstraintSolver final : public btMultiBodyConstraintSolver {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+
+  ConstraintSolver(const WorldSpec& spec, ContactMode mode, MultibodyModel& model);
+
+  /// Call before the world steps: remembers velocities and the torques to apply.
+  void begin_step(const JointVector& torque) noexcept;
+  /// False if the step produced a value that is not finite (velocities were then zeroed so that Bullet's
+  /// broadphase never sees one).
+  bool finite() const noexcept { return finite_; }
+  const ContactList& contacts() const noexcept { return contacts_; }
+  const JointStage& joints() const noexcept { return joints_; }
+
+  void solveMultiBodyGroup(btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
+                           int manifold_count, btTypedConstraint** constraints, int constraint_count,
+                           btMultiBodyConstraint** multibody_constraints, int multibody_constraint_count,
+                           const btContactSolverInfo& info, btIDebugDraw* drawer,
+                           btDispatcher* dispatcher) override;
+
+ private:
+  struct ContactPoint {
+    int link = -1, leg = -1;
+    Vector3 p_WP, normal;
+    double distance = 0;
+  };
+
+  // Matched mode: contact_law.cpp
+  void solve_matched() noexcept;
+  void find_contacts() noexcept;
+  void assemble_contacts() noexcept;
+  void apply_contacts() noexcept;
+
+  // Native mode: native_contact.cpp
+  btScalar solveGroupCacheFriendlySetup(btCollisionObject** bodies, int body_count,
+                                        btPersistentManifold** manifolds, int manifold_count,
+                                        btTypedConstraint** constraints, int constraint_count,
+                                        const btContactSolverInfo& info, btIDebugDraw* drawer) override;
+  btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
+                                         const btContactSolverInfo& info) override;
+  void refer_to_joint_stage(btMultiBodySolverConstraint& row) noexcept;
+  int leg_at(int link, const Vector3& p_WP) const noexcept;
+  void report_native_contacts() noexcept;
+
+  DofVector bullet_velocity() const noexcept;
+  void set_velocity(const DofVector& velocity) noexcept;
+  void report(const ContactPoint& point, const Vector3& force, const Vector3& velocity_before) noexcept;
+
+  const WorldSpec& spec_;
+  ContactMode mode_;
+  MultibodyModel& model_;
+  JointStage joints_;
+  SoftLaw contact_law_;
+  std::vector<ContactSphere> spheres_;
+  bool pending_ = false, finite_ = true;
+
+  DofVector before_;      // velocities before the step
+  DofVector correction_;  // of the joint stage to Bullet's velocities
+  JointVector torque_;
+  std::array<ContactPoint, kMaxContacts> points_;
+  int point_count_ = 0;
+  ConeProblem cone_;
+  PointJacobian J_;
+  Eigen::MatrixXd rows_;                               // dofs x 3 contacts: half_solve(J')
+  Eigen::MatrixXd projected_;                          // the same after project()
+  std::array<Eigen::Matrix3d, kMaxContacts> frames_;   // rows: normal, two tangents
+  std::array<Vector3, kMaxContacts> velocity_before_;  // in that frame
+  ContactList contacts_;
+};
+
+}  // namespace crossgait::bullet

@@ -1,0 +1,117 @@
+// Native mode: Bullet's contact rows and projected Gauss-Seidel sweeps, as Bullet ships them: hard contact
+// (position error reduction erp2 = 0.2, no softness), friction bounded by the normal impulse of the sweep.
+// The one change: rows respond through the joint stage (armature, closed loops) instead of the bare tree.
+#include <algorithm>
+#include <cmath>
+
+#include "crossgait/backends/bullet/constraint_solver.h"
+#include "crossgait/backends/bullet/convert.h"
+
+namespace crossgait::bullet {
+namespace {
+
+// A row between robot and terrain stores its Jacobian on whichever side the robot is.
+int jacobian_index(const btMultiBodySolverConstraint& row) {
+  return row.m_multiBodyA != nullptr ? row.m_jacAindex : row.m_jacBindex;
+}
+
+// Bullet clips the two friction impulses of a point to the cone after a step in each that it scales by that direction's
+// own response. Unless both are scaled alike, friction is not opposed to slip (a sled is dragged off its line of fall
+// and accelerates 4 % too much); where nothing slips the scale makes no difference.
+void scale_alike(btMultiBodySolverConstraint& a, btMultiBodySolverConstraint& b) {
+  const btScalar inverse = std::min(a.m_jacDiagABInv, b.m_jacDiagABInv);
+  for (btMultiBodySolverConstraint* row : {&a, &b}) {
+    row->m_rhs *= inverse / row->m_jacDiagABInv;
+    row->m_cfm *= inverse / row->m_jacDiagABInv;
+    row->m_jacDiagABInv = inverse;
+  }
+}
+
+}  // namespace
+
+btScalar ConstraintSolver::solveGroupCacheFriendlySetup(btCollisionObject** bodies, int body_count,
+                                                        btPersistentManifold** manifolds, int manifold_count,
+                                                        btTypedConstraint** constraints, int constraint_count,
+                                                        const btContactSolverInfo& info,
+                                                        btIDebugDraw* drawer) {
+  const btScalar result = btMultiBodyConstraintSolver::solveGroupCacheFriendlySetup(
+      bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info, drawer);
+  set_velocity(joints_.velocity());
+  for (int i = 0; i < m_multiBodyNormalContactConstraints.size(); ++i) {
+    refer_to_joint_stage(m_multiBodyNormalContactConstraints[i]);
+  }
+  for (int i = 0; i < m_multiBodyFrictionContactConstraints.size(); ++i) {
+    refer_to_joint_stage(m_multiBodyFrictionContactConstraints[i]);
+  }
+  for (int i = 0; i + 1 < m_multiBodyFrictionContactConstraints.size(); i += 2) {
+    scale_alike(m_multiBodyFrictionContactConstraints[i], m_multiBodyFrictionContactConstraints[i + 1]);
+  }
+  return result;
+}
+
+// Bullet iterates  dlambda = rhs - lambda cfm - (J dv) / (d + C)  with d = J M0^-1 J'. Replaces M0^-1 J' by
+// the response of the whole machine and the right-hand side by what the joint stage left to do.
+void ConstraintSolver::refer_to_joint_stage(btMultiBodySolverConstraint& row) noexcept {
+  const int at = jacobian_index(row);
+  const Eigen::Index n = before_.size();
+  const Eigen::Map<const Eigen::VectorXd> J(&m_data.m_jacobians[at], n);
+  Eigen::Map<Eigen::VectorXd> response(&m_data.m_deltaVelocitiesUnitImpulse[at], n);
+
+  const double softness = row.m_cfm / row.m_jacDiagABInv;
+  const double wanted = row.m_rhs / row.m_jacDiagABInv - J.dot(correction_);
+  DofVector y = J;
+  joints_.inertia().half_solve(y);
+  joints_.project(y);
+  joints_.inertia().finish_solve(y);
+  response = y;
+  const double inverse = 1 / (J.dot(y) + softness);
+  row.m_jacDiagABInv = inverse;
+  row.m_cfm = softness * inverse;
+  row.m_rhs = wanted * inverse;
+}
+
+btScalar ConstraintSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
+                                                         const btContactSolverInfo& info) {
+  report_native_contacts();
+  return btMultiBodyConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count, info);
+}
+
+// Bullet does not say which child of a compound touched: the sphere whose surface the point lies on.
+int ConstraintSolver::leg_at(int link, const Vector3& p_WP) const noexcept {
+  constexpr double kOnSurface = 1e-3;  // m, well under any sphere's radius
+  for (const ContactSphere& sphere : spheres_) {
+    if (sphere.link != link) continue;
+    const Vector3 centre = vector(model_.body().localPosToWorld(link, vector(sphere.p_CS)));
+    if (std::abs((p_WP - centre).norm() - sphere.radius) < kOnSurface) return sphere.leg;
+  }
+  return -1;
+}
+
+void ConstraintSolver::report_native_contacts() noexcept {
+  const double h = spec_.physics_dt;
+  const Eigen::Index n = before_.size();
+  const auto impulse = [&](const btMultiBodySolverConstraint& row) {
+    const btVector3& direction = row.m_multiBodyA != nullptr ? row.m_contactNormal1 : row.m_contactNormal2;
+    return Vector3(vector(direction) * static_cast<double>(row.m_appliedImpulse));
+  };
+  for (int i = 0; i < m_multiBodyNormalContactConstraints.size(); ++i) {
+    const btMultiBodySolverConstraint& row = m_multiBodyNormalContactConstraints[i];
+    if (static_cast<double>(row.m_appliedImpulse) <= 0) continue;  // speculative
+    const auto* p = static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
+    const bool robot_first = row.m_multiBodyA != nullptr;
+    ContactPoint point;
+    point.link = robot_first ? row.m_linkA : row.m_linkB;
+    point.leg = leg_at(point.link, vector(robot_first ? p->m_positionWorldOnA : p->m_positionWorldOnB));
+    point.p_WP = 0.5 * (vector(p->m_positionWorldOnA) + vector(p->m_positionWorldOnB));
+    point.normal = vector(p->m_normalWorldOnB) * (robot_first ? 1.0 : -1.0);
+    point.distance = p->getDistance();
+    Vector3 force = impulse(row);
+    for (int k = 0; k < 2; ++k) {
+      force += impulse(m_multiBodyFrictionContactConstraints[row.m_frictionIndex + k]);
+    }
+    joints_.inertia().point_jacobian(point.link, point.p_WP, J_);
+    report(point, force / h, J_ * before_.head(n));
+  }
+}
+
+}  // namespace crossgait::bullet

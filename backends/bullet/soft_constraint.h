@@ -1,0 +1,31 @@
+// MuJoCo's soft-constraint law, as coefficients of velocity-level constraint rows.
+#pragma once
+
+#include "crossgait/physics/robot.h"
+
+namespace crossgait::bullet {
+
+/// A soft row asks for  J v' + R lambda = J v - h (B J v + K imp r)  with impulse lambda, where r is the
+/// violation. Source: MuJoCo 2.2 manual, "Computation > Constraint model"; coefficients of
+/// engine_core_constraint.c (getimpedance, mj_makeImpedance) with solimp's midpoint 0.5 and power 2.
+class SoftLaw {
+ public:
+  /// @param step physics step h, s; MuJoCo keeps the time constant at two steps or more
+  SoftLaw(const Softness& softness, double step);
+
+  /// imp in (0, 1) at violation |r|, m.
+  double impedance(double violation) const noexcept;
+  /// R = (1 - imp) / imp * inverse_weight, 1/kg.
+  static double regularization(double impedance, double inverse_weight) noexcept {
+    return (1 - impedance) / impedance * inverse_weight;
+  }
+  /// Right-hand side for a row moving at `speed` with violation `r` and impedance `imp`, m/s.
+  double target_velocity(double speed, double imp, double r) const noexcept {
+    return speed - step_ * (damping_ * speed + stiffness_ * imp * r);
+  }
+
+ private:
+  double step_, stiffness_, damping_, min_, max_, width_;
+};
+
+}  // namespace crossgait::bullet

@@ -1,0 +1,160 @@
+#include "crossgait/backends/mujoco/model_xml.h"
+
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "crossgait/physics/principal_inertia.h"
+
+namespace crossgait::mujoco {
+namespace {
+
+// Bit masks: the robot collides with the terrain and with nothing else.
+constexpr int kTerrainBit = 1;
+constexpr int kRobotBit = 2;
+// mj_ray's geometry groups, so that a height query sees terrain alone.
+constexpr int kTerrainGroup = 0;
+constexpr int kRobotGroup = 1;
+
+class Xml {
+ public:
+  template <typename... Args>
+  void add(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+std::string numbers(const Vector3& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v.x(), v.y(), v.z()); }
+
+std::string quaternion(const Pose& X) {
+  const Quaternion q(X.linear());
+  return fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", q.w(), q.x(), q.y(), q.z());
+}
+
+std::string placement(const Pose& X) {
+  return fmt::format("pos='{}' quat='{}'", numbers(X.translation()), quaternion(X));
+}
+
+std::string softness(const Softness& s) {
+  return fmt::format("solref='{:.17g} {:.17g}' solimp='{:.17g} {:.17g} {:.17g} 0.5 2'", s.time_constant,
+                     s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width);
+}
+
+std::string contact_attributes(const ContactSpec& contact, int type, int affinity, int group) {
+  return fmt::format("contype='{}' conaffinity='{}' group='{}' condim='3' friction='{:.17g} 0 0' {}", type,
+                     affinity, group, contact.friction, softness(contact.softness));
+}
+
+std::string shape_geometry(const CollisionShape& shape) {
+  switch (shape.type) {
+    case ShapeType::kSphere:
+      return fmt::format("type='sphere' size='{:.17g}'", shape.size.x());
+    case ShapeType::kBox:
+      return fmt::format("type='box' size='{}'", numbers(shape.size));
+    case ShapeType::kCylinder:
+      return fmt::format("type='cylinder' size='{:.17g} {:.17g}'", shape.size.x(), shape.size.y());
+  }
+  return {};
+}
+
+void add_terrain(Xml& xml, const WorldSpec& spec) {
+  const std::string contact = contact_attributes(spec.contact, kTerrainBit, kRobotBit, kTerrainGroup);
+  if (const HeightField* field = spec.terrain.field()) {
+    // Heights are stored relative to the lowest point: MuJoCo's ray test takes the field to start at its
+    // base.
+    xml.add("<geom name='terrain' type='hfield' hfield='terrain' pos='0 0 {:.17g}' {}/>", field->min(),
+            contact);
+  } else {
+    xml.add("<geom name='terrain' type='plane' size='0 0 1' {}/>", contact);
+  }
+}
+
+// A pose in the body `index` of the description, as MuJoCo's body has it.
+Pose from_origin(const RobotDescription& robot, int index, const Pose& X) {
+  Pose result = X;
+  result.translation() -= body_origin(robot, index);
+  return result;
+}
+
+void add_body(Xml& xml, const WorldSpec& spec, int index) {
+  const RobotDescription& robot = *spec.robot;
+  const Body& body = robot.bodies[static_cast<std::size_t>(index)];
+  // The base's own place is set by reset.
+  xml.add("<body name='{}' {}>", body_name(index),
+          placement(index > 0 ? from_origin(robot, body.parent, body.X_PB) : Pose::Identity()));
+  if (index > 0) {
+    xml.add("<joint name='{}' type='hinge' axis='{}' armature='{:.17g}' limited='false'/>",
+            joint_name(index - 1), numbers(body.joint.axis), body.joint.armature);
+  } else if (!spec.fixed_base) {
+    xml.add("<freejoint/>");
+  }
+  const PrincipalInertia inertia = principal_inertia(body.inertia);
+  xml.add("<inertial {} mass='{:.17g}' diaginertia='{}'/>", placement(from_origin(robot, index, inertia.X_BP)),
+          body.inertia.mass,
+          numbers(inertia.moments));
+  const std::string contact = contact_attributes(spec.contact, kRobotBit, kTerrainBit, kRobotGroup);
+  for (std::size_t k = 0; k < body.shapes.size(); ++k) {
+    xml.add("<geom name='{}' {} {} {}/>", shape_name(index, static_cast<int>(k)),
+            shape_geometry(body.shapes[k]), placement(body.shapes[k].X_BG), contact);
+  }
+  for (int child = index + 1; child <= robot.joint_count(); ++child) {
+    if (robot.bodies[static_cast<std::size_t>(child)].parent == index) add_body(xml, spec, child);
+  }
+  xml.add("</body>");
+}
+
+void add_loops(Xml& xml, const RobotDescription& robot) {
+  if (robot.loops.empty()) return;
+  xml.add("<equality>");
+  for (std::size_t i = 0; i < robot.loops.size(); ++i) {
+    const LoopClosure& loop = robot.loops[i];
+    xml.add("<connect name='loop{}' body1='{}' body2='{}' anchor='{}' {}/>", i, body_name(loop.body_a),
+            body_name(loop.body_b), numbers(loop.p_AP - body_origin(robot, loop.body_a)),
+            softness(robot.loop_softness));
+  }
+  xml.add("</equality>");
+}
+
+}  // namespace
+
+std::string body_name(int body) { return fmt::format("body{}", body); }
+std::string joint_name(int joint) { return fmt::format("joint{}", joint); }
+std::string shape_name(int body, int shape) { return fmt::format("shape{}_{}", body, shape); }
+
+Vector3 body_origin(const RobotDescription& robot, int body) {
+  return body == 0 ? robot.bodies[0].inertia.p_BC : Vector3::Zero();
+}
+
+std::string model_xml(const WorldSpec& spec) {
+  Xml xml;
+  // Masses and inertias are the description's own; MuJoCo must neither infer, bound nor balance them.
+  xml.add(
+      "<mujoco><compiler angle='radian' inertiafromgeom='false' balanceinertia='false' boundmass='0' "
+      "boundinertia='0' autolimits='false'/>");
+  xml.add(
+      "<option timestep='{:.17g}' gravity='{}' integrator='Euler' solver='Newton' cone='elliptic' "
+      "jacobian='dense' iterations='{}' tolerance='{:.17g}' impratio='{:.17g}'/>",
+      spec.physics_dt, numbers(spec.gravity), spec.solver.iterations, spec.solver.tolerance,
+      spec.contact.impratio);
+  // Room for every shape of a fallen robot; userdata carries the terrain to the shared collision routine.
+  xml.add("<size nconmax='256' njmax='1024' nuserdata='1'/>");
+  if (const HeightField* field = spec.terrain.field()) {
+    // Elevation scale 1 m (heights are metres); the second figure is the depth of the solid below the lowest
+    // point.
+    xml.add("<asset><hfield name='terrain' nrow='{}' ncol='{}' size='{:.17g} {:.17g} {:.17g} 0.1'/></asset>",
+            field->rows(), field->columns(), field->size_x() / 2, field->size_y() / 2, 1.0);
+  }
+  xml.add("<worldbody>");
+  add_terrain(xml, spec);
+  add_body(xml, spec, 0);
+  xml.add("</worldbody>");
+  add_loops(xml, *spec.robot);
+  xml.add("</mujoco>");
+  return xml.take();
+}
+
+}  // namespace crossgait::mujoco

@@ -1,0 +1,310 @@
+#include "crossgait/backends/mujoco/mujoco_backend.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include "crossgait/backends/mujoco/model_xml.h"
+#include "crossgait/backends/mujoco/sphere_collision.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/principal_inertia.h"
+
+namespace crossgait::mujoco {
+namespace {
+
+struct Deleter {
+  void operator()(mjModel* m) const { mj_deleteModel(m); }
+  void operator()(mjData* d) const { mj_deleteData(d); }
+};
+using ModelPtr = std::unique_ptr<mjModel, Deleter>;
+using DataPtr = std::unique_ptr<mjData, Deleter>;
+
+// MuJoCo's default handlers wait for a key press and write a log file into the working directory.
+void install_handlers() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    mju_user_error = [](const char* message) {
+      throw std::runtime_error(fmt::format("MuJoCo: {}", message));
+    };
+    mju_user_warning = [](const char*) {};  // counted in mjData::warning, which do_step reads
+  });
+}
+
+ModelPtr compile(const WorldSpec& spec) {
+  const std::string xml = model_xml(spec);
+  const auto files = std::make_unique<mjVFS>();  // 2.2.2's file system is megabytes large: not for the stack
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), "model.xml", static_cast<int>(xml.size()));
+  xml.copy(static_cast<char*>(files->filedata[0]), xml.size());
+  std::array<char, 1000> error{};
+  ModelPtr model(mj_loadXML("model.xml", files.get(), error.data(), static_cast<int>(error.size())));
+  mj_deleteVFS(files.get());
+  if (!model) {
+    throw ConfigError(spec.robot->source, spec.robot->name, "a robot that MuJoCo can compile", error.data());
+  }
+  return model;
+}
+
+// MuJoCo takes one anchor and places the other where the bodies are at zero joint angles; ours are both
+// known.
+void set_loop_anchors(mjModel& m, const RobotDescription& robot) {
+  for (std::size_t i = 0; i < robot.loops.size(); ++i) {
+    mjtNum* anchors = m.eq_data + i * mjNEQDATA;
+    const Vector3 a = robot.loops[i].p_AP - body_origin(robot, robot.loops[i].body_a);
+    const Vector3 b = robot.loops[i].p_BP - body_origin(robot, robot.loops[i].body_b);
+    mju_copy3(anchors, a.data());
+    mju_copy3(anchors + 3, b.data());
+  }
+}
+
+void fill_heights(mjModel& m, const HeightField& field) {
+  const auto heights = field.heights();
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    m.hfield_data[i] = static_cast<float>(static_cast<double>(heights[i]) - field.min());
+  }
+}
+
+Vector3 vector(const mjtNum* v) { return {v[0], v[1], v[2]}; }
+Quaternion quaternion(const mjtNum* q) { return {q[0], q[1], q[2], q[3]}; }
+
+struct ShapeOwner {
+  int body = -1, leg = -1;
+};
+
+class MujocoBackend final : public PhysicsBackend {
+ public:
+  explicit MujocoBackend(const WorldSpec& world) : PhysicsBackend(world) {
+    install_handlers();
+    install_sphere_collision();
+    model_ = compile(spec());
+    set_loop_anchors(*model_, robot());
+    if (const HeightField* field = spec().terrain.field()) fill_heights(*model_, *field);
+    data_.reset(mj_makeData(model_.get()));
+    query_.reset(mj_makeData(model_.get()));
+    set_terrain(model_.get(), query_.get(), &spec().terrain);
+    mj_forward(model_.get(), query_.get());
+    index_elements();
+    reset();
+  }
+
+  const BackendInfo& info() const override {
+    static const BackendInfo kInfo{"mujoco",
+                                   "MuJoCo",
+                                   mj_versionString(),
+                                   "soft contact, elliptic cones, Newton",
+                                   {.soft_contact = true, .matches_mujoco = true, .exact_field_query = true}};
+    return kInfo;
+  }
+
+ private:
+  void index_elements() {
+    const mjModel& m = *model_;
+    owners_.resize(static_cast<std::size_t>(m.ngeom));
+    bodies_.resize(robot().bodies.size());
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      bodies_[b] = mj_name2id(&m, mjOBJ_BODY, body_name(static_cast<int>(b)).c_str());
+      for (std::size_t k = 0; k < robot().bodies[b].shapes.size(); ++k) {
+        const int geom =
+            mj_name2id(&m, mjOBJ_GEOM, shape_name(static_cast<int>(b), static_cast<int>(k)).c_str());
+        owners_[static_cast<std::size_t>(geom)] = {
+            static_cast<int>(b), leg_of_shape(robot(), static_cast<int>(b), static_cast<int>(k))};
+      }
+    }
+    // MuJoCo orders joints depth first, the description leg by leg.
+    for (int i = 0; i < robot().joint_count(); ++i) {
+      const int joint = mj_name2id(&m, mjOBJ_JOINT, joint_name(i).c_str());
+      q_address_.push_back(m.jnt_qposadr[joint]);
+      v_address_.push_back(m.jnt_dofadr[joint]);
+    }
+    terrain_geom_ = mj_name2id(&m, mjOBJ_GEOM, "terrain");
+    base_body_ = bodies_[0];
+  }
+
+  /// Where MuJoCo's base body sits in ours.
+  const Vector3& base_origin() const noexcept { return robot().bodies[0].inertia.p_BC; }
+
+  void do_reset(const RobotState& state) override {
+    mjData& d = *data_;
+    mj_resetData(model_.get(), &d);
+    set_terrain(model_.get(), &d, &spec().terrain);
+    d.time = state.time;
+    const Quaternion q = state.q_WB.normalized();
+    const std::array<mjtNum, 4> wxyz{q.w(), q.x(), q.y(), q.z()};
+    const Vector3 p_BC_W = q * base_origin();
+    const Vector3 p_WC = state.p_WB + p_BC_W;
+    if (spec().fixed_base) {
+      mju_copy3(model_->body_pos + 3 * base_body_, p_WC.data());
+      mju_copy4(model_->body_quat + 4 * base_body_, wxyz.data());
+    } else {
+      const Vector3 w_B = q.conjugate() * state.w_WB;  // a free joint's angular velocity is in the body frame
+      const Vector3 v_WC = state.v_WB + state.w_WB.cross(p_BC_W);
+      mju_copy3(d.qpos, p_WC.data());
+      mju_copy4(d.qpos + 3, wxyz.data());
+      mju_copy3(d.qvel, v_WC.data());
+      mju_copy3(d.qvel + 3, w_B.data());
+    }
+    for (std::size_t i = 0; i < q_address_.size(); ++i) {
+      d.qpos[q_address_[i]] = state.q[static_cast<Eigen::Index>(i)];
+      d.qvel[v_address_[i]] = state.qd[static_cast<Eigen::Index>(i)];
+    }
+  }
+
+  StepStatus do_step(const JointVector& tau, const Vector3& push) noexcept override {
+    mjData& d = *data_;
+    for (std::size_t i = 0; i < v_address_.size(); ++i) {
+      d.qfrc_applied[v_address_[i]] = tau[static_cast<Eigen::Index>(i)];
+    }
+    mju_copy3(d.xfrc_applied + 6 * base_body_, push.data());
+    mj_step(model_.get(), &d);
+    // On a bad state MuJoCo warns and silently resets itself.
+    const bool bad = d.warning[mjWARN_BADQPOS].number > 0 || d.warning[mjWARN_BADQVEL].number > 0 ||
+                     d.warning[mjWARN_BADQACC].number > 0;
+    return bad ? StepStatus::kDiverged : StepStatus::kOk;
+  }
+
+  void do_read_state(RobotState& state) const noexcept override {
+    const mjData& d = *data_;
+    if (spec().fixed_base) {
+      state.q_WB = quaternion(model_->body_quat + 4 * base_body_);
+      state.p_WB = vector(model_->body_pos + 3 * base_body_) - state.q_WB * base_origin();
+      state.v_WB.setZero();
+      state.w_WB.setZero();
+    } else {
+      state.q_WB = quaternion(d.qpos + 3);
+      const Vector3 p_BC_W = state.q_WB * base_origin();
+      state.p_WB = vector(d.qpos) - p_BC_W;
+      state.w_WB = state.q_WB * vector(d.qvel + 3);
+      state.v_WB = vector(d.qvel) - state.w_WB.cross(p_BC_W);
+    }
+    for (std::size_t i = 0; i < q_address_.size(); ++i) {
+      state.q[static_cast<Eigen::Index>(i)] = d.qpos[q_address_[i]];
+      state.qd[static_cast<Eigen::Index>(i)] = d.qvel[v_address_[i]];
+    }
+  }
+
+  void do_read_contacts(ContactList& contacts) const noexcept override {
+    const mjData& d = *data_;
+    for (int i = 0; i < d.ncon; ++i) {
+      const mjContact& c = d.contact[i];
+      if (c.efc_address < 0) continue;
+      const bool robot_first = c.geom1 != terrain_geom_;
+      const ShapeOwner owner = owners_[static_cast<std::size_t>(robot_first ? c.geom1 : c.geom2)];
+      const double sign = robot_first ? -1.0 : 1.0;  // MuJoCo's normal points from the first to the second
+      // Contact frame: rows of the 3x3 are normal and two tangents; elliptic cones keep force and velocity in
+      // it.
+      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> frame(c.frame);
+      Contact contact;
+      contact.body = owner.body;
+      contact.leg = owner.leg;
+      contact.p_WP = vector(c.pos);
+      contact.normal = sign * frame.row(0).transpose();
+      contact.distance = c.dist;
+      contact.force = sign * (frame.transpose() * vector(d.efc_force + c.efc_address));
+      contact.slip_speed = std::hypot(d.efc_vel[c.efc_address + 1], d.efc_vel[c.efc_address + 2]);
+      contacts.add(contact);
+    }
+  }
+
+  double do_terrain_height(double x, double y) const override {
+    const double top = spec().terrain.field() != nullptr ? spec().terrain.field()->max() + 1 : 1;
+    const std::array<mjtNum, 3> from{x, y, top}, down{0, 0, -1};
+    constexpr std::array<mjtByte, 6> kTerrainOnly{1, 0, 0, 0, 0, 0};
+    int geom = -1;
+    const double distance =
+        mj_ray(model_.get(), query_.get(), from.data(), down.data(), kTerrainOnly.data(), 1, -1, &geom);
+    return distance < 0 ? std::numeric_limits<double>::quiet_NaN() : top - distance;
+  }
+
+  // A copy of the configuration for questions between steps, so that asking never disturbs the simulation.
+  const mjData& refreshed_query() const {
+    mju_copy(query_->qpos, data_->qpos, model_->nq);
+    mj_kinematics(model_.get(), query_.get());
+    mj_comPos(model_.get(), query_.get());
+    mj_crb(model_.get(), query_.get());
+    return *query_;
+  }
+
+  Pose do_body_pose(int body) const override {
+    const mjData& d = refreshed_query();
+    const int id = bodies_[static_cast<std::size_t>(body)];
+    const Quaternion q = quaternion(d.xquat + 4 * id);
+    return make_pose(q, vector(d.xpos + 3 * id) - q * body_origin(robot(), body));
+  }
+
+  Eigen::MatrixXd do_mass_matrix() const override {
+    const mjData& d = refreshed_query();
+    const int nv = model_->nv, joints = robot().joint_count(), base = nv - joints;
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> M(nv, nv);
+    mj_fullM(model_.get(), M.data(), d.qM);
+    // Columns of S: MuJoCo's velocities (base: of its centre of mass, and angular in B; joints depth first) per unit of
+    // ours.
+    Eigen::MatrixXd S = Eigen::MatrixXd::Zero(nv, nv);
+    if (base == 6) {
+      const Vector3 p = state().q_WB * base_origin();
+      S.topLeftCorner<3, 3>().setIdentity();
+      S.block<3, 3>(0, 3) << 0, p.z(), -p.y(), -p.z(), 0, p.x(), p.y(), -p.x(), 0;  // w x p
+      S.block<3, 3>(3, 3) = state().q_WB.toRotationMatrix().transpose();
+    }
+    for (int i = 0; i < joints; ++i) S(v_address_[static_cast<std::size_t>(i)], base + i) = 1;
+    return S.transpose() * M * S;
+  }
+
+  SpatialInertia do_body_inertia(int body) const override {
+    const mjModel& m = *model_;
+    const int id = bodies_[static_cast<std::size_t>(body)];
+    return from_principal(m.body_mass[id],
+                          {make_pose(quaternion(m.body_iquat + 4 * id), vector(m.body_ipos + 3 * id)),
+                           vector(m.body_inertia + 3 * id)});
+  }
+
+  // Positions and velocities alone do not continue bit for bit: the solver starts from the last acceleration.
+  void do_save(std::vector<double>& engine) const override {
+    const mjModel& m = *model_;
+    const mjData& d = *data_;
+    engine.assign(d.qpos, d.qpos + m.nq);
+    engine.insert(engine.end(), d.qvel, d.qvel + m.nv);
+    engine.insert(engine.end(), d.qacc_warmstart, d.qacc_warmstart + m.nv);
+    engine.insert(engine.end(), m.body_pos + 3 * base_body_, m.body_pos + 3 * base_body_ + 3);
+    engine.insert(engine.end(), m.body_quat + 4 * base_body_, m.body_quat + 4 * base_body_ + 4);
+    engine.push_back(d.time);
+  }
+
+  void do_restore(const std::vector<double>& engine) override {
+    const mjModel& m = *model_;
+    mjData& d = *data_;
+    mj_resetData(&m, &d);
+    set_terrain(&m, &d, &spec().terrain);
+    const double* next = engine.data();
+    const auto take = [&next](mjtNum* to, int count) {
+      mju_copy(to, next, count);
+      next += count;
+    };
+    take(d.qpos, m.nq);
+    take(d.qvel, m.nv);
+    take(d.qacc_warmstart, m.nv);
+    take(m.body_pos + 3 * base_body_, 3);
+    take(m.body_quat + 4 * base_body_, 4);
+    take(&d.time, 1);
+  }
+
+  ModelPtr model_;
+  DataPtr data_;
+  DataPtr query_;
+  std::vector<ShapeOwner> owners_;          // per MuJoCo geom
+  std::vector<int> bodies_;                 // MuJoCo body of each of ours
+  std::vector<int> q_address_, v_address_;  // of each joint
+  int terrain_geom_ = -1, base_body_ = -1;
+};
+
+}  // namespace
+
+std::unique_ptr<PhysicsBackend> make_mujoco_backend(const WorldSpec& spec) {
+  return std::make_unique<MujocoBackend>(spec);
+}
+
+}  // namespace crossgait::mujoco

@@ -1,0 +1,50 @@
+#include "crossgait/backends/mujoco/sphere_collision.h"
+
+#include <bit>
+#include <cstdint>
+#include <mutex>
+
+namespace crossgait::mujoco {
+namespace {
+
+// A pointer in mjData's array of numbers, marked so that another program's user data is not mistaken for
+// ours: bit patterns of user-space pointers are denormal doubles, which nobody stores by accident.
+const Terrain* terrain_of(const mjModel* m, const mjData* d) {
+  if (m->nuserdata != 1) return nullptr;
+  return std::bit_cast<const Terrain*>(d->userdata[0]);
+}
+
+mjfCollision& field_sphere_entry() { return mjCOLLISIONFUNC[mjGEOM_HFIELD][mjGEOM_SPHERE]; }
+
+mjfCollision original_routine = nullptr;
+
+int collide(const mjModel* m, const mjData* d, mjContact* contact, int field, int sphere, mjtNum margin) {
+  const Terrain* terrain = terrain_of(m, d);
+  if (terrain == nullptr) return original_routine(m, d, contact, field, sphere, margin);
+
+  const mjtNum* p = d->geom_xpos + 3 * sphere;
+  SphereContact touch;
+  if (!terrain->touch_sphere(Vector3(p[0], p[1], p[2]), m->geom_size[3 * sphere], touch)) return 0;
+  contact->dist = touch.distance;
+  mju_copy3(contact->pos, touch.position.data());
+  mju_copy3(contact->frame, touch.normal.data());
+  mju_zero3(contact->frame + 3);  // MuJoCo completes the tangents
+  return 1;
+}
+
+}  // namespace
+
+void install_sphere_collision() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    original_routine = field_sphere_entry();
+    field_sphere_entry() = collide;
+  });
+}
+
+void set_terrain(const mjModel* m, mjData* d, const Terrain* terrain) {
+  static_assert(sizeof(terrain) == sizeof(mjtNum));
+  if (m->nuserdata == 1) d->userdata[0] = std::bit_cast<mjtNum>(terrain);
+}
+
+}  // namespace crossgait::mujoco

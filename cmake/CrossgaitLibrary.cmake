@@ -1,0 +1,33 @@
+# crossgait_library(NAME SOURCES ... [PUBLIC targets] [PRIVATE targets]): one static library per folder,
+# exported as crossgait::NAME. Headers are included as "crossgait/<folder>/<file>.h" in the tree (through a link in
+# the build folder) exactly as after installation.
+
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/include/crossgait SYMBOLIC)
+
+add_library(crossgait_options INTERFACE)
+target_compile_features(crossgait_options INTERFACE cxx_std_20)
+target_compile_options(crossgait_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+                                                   $<$<BOOL:${CROSSGAIT_WERROR}>:-Werror>
+                                                   # bit-identical results wherever a compiler may fuse a*b+c
+                                                   -ffp-contract=off)
+if(CROSSGAIT_SANITIZE)
+  target_compile_options(crossgait_options INTERFACE -fsanitize=${CROSSGAIT_SANITIZE} -fno-omit-frame-pointer
+                                                     -fno-sanitize-recover=all
+                                                     # g++ warns falsely in instrumented standard headers
+                                                     -Wno-maybe-uninitialized)
+  target_link_options(crossgait_options INTERFACE -fsanitize=${CROSSGAIT_SANITIZE})
+endif()
+
+function(crossgait_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  set(target crossgait_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(crossgait::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
+                                              $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:crossgait_options>)
+  install(TARGETS ${target} EXPORT crossgait-targets)
+endfunction()

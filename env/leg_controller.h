@@ -1,0 +1,65 @@
+// From foot targets to servo targets: inverse kinematics of four legs, and a count of what could not be
+// reached.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "crossgait/env/servo_compensation.h"
+#include "crossgait/physics/robot.h"
+#include "crossgait/physics/state.h"
+#include "crossgait/physics/terrain.h"
+
+namespace crossgait {
+
+/// Solves all four legs at once. Constructing one reads the geometry of the robot; updates allocate nothing.
+class LegController {
+ public:
+  /// The robot must outlive the controller.
+  /// @throws ConfigError if the robot has no legs or they are not five-bars
+  explicit LegController(const RobotDescription& robot, const ServoCompensation& compensation = {},
+                         WorkingMode mode = kDefaultMode);
+
+  /// @param feet targets in each leg's frame (x forward, y left, z down), m
+  /// @param dt   time since the last update, s; velocities are differences over it
+  /// @returns targets of the actuated joints
+  const JointTargets& update(const LegArray<Vector3>& feet, double dt) noexcept;
+
+  /// Forgets the last update, so that the next one starts from rest, and the count of clamped solutions.
+  void restart() noexcept;
+
+  /// The robot at rest over the world origin, facing +x, with its feet where `feet` says and just clear of
+  /// `terrain`.
+  /// @throws ConfigError if a foot is out of reach
+  RobotState standing_state(const LegArray<Vector3>& feet, const Terrain& terrain) const;
+
+  const LegArray<FiveBarGeometry>& geometry() const noexcept { return geometry_; }
+  /// Status of each leg in the last update.
+  const LegArray<IkStatus>& status() const noexcept { return status_; }
+  /// Leg solutions that were not kOk since construction or `restart`.
+  std::int64_t clamped() const noexcept { return clamped_; }
+
+ private:
+  struct LegServos {
+    std::array<Eigen::Index, 3> slots;  // tilt, shoulder_left, shoulder_right in JointTargets
+    Vector3 stiffness, damping;         // N m/rad; N m s/rad, servo and joint together
+    double elbow_damping = 0;           // N m s/rad
+  };
+  struct LastUpdate {
+    Vector3 position = Vector3::Zero(), servos = Vector3::Zero();  // m, rad
+  };
+  Vector3 lead(Leg leg, const Vector3& position, const LegAngles& angles, double dt) const noexcept;
+
+  const RobotDescription& robot_;
+  ServoCompensation compensation_;
+  WorkingMode mode_;
+  LegArray<FiveBarGeometry> geometry_;
+  LegArray<LegServos> servos_{};
+  LegArray<LastUpdate> last_{};
+  bool moving_ = false;  // last_ holds an earlier update
+  LegArray<IkStatus> status_{};
+  JointTargets targets_;
+  std::int64_t clamped_ = 0;
+};
+
+}  // namespace crossgait

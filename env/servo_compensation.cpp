@@ -1,0 +1,41 @@
+#include "crossgait/env/servo_compensation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace crossgait {
+namespace {
+
+// Force (x, depth) in the leg's plane that drags the passive elbow of one chain along.
+Vector2 elbow_drag(const FiveBarChain& chain, double elbow_sign, const Vector2& foot, const Vector2& velocity,
+                   double damping) noexcept {
+  const ChainLinks links = place_links(chain, foot, elbow_sign);
+  const Vector2 r = foot - Vector2(chain.shoulder_x, 0);
+  // Near a straight or folded elbow its rate grows without bound; a twentieth of the largest value is far
+  // beyond use.
+  const double smallest = 0.05 * chain.upper * chain.lower;
+  const double c = std::max(std::abs(cross(links.upper, links.lower)), smallest);
+  return damping * r.dot(velocity) / (c * c) * r;
+}
+
+}  // namespace
+
+Vector3 elbow_drag_torque(const FiveBarGeometry& g, const Vector3& foot, const LegAngles& angles,
+                          WorkingMode mode, const Vector3& velocity, double elbow_damping) noexcept {
+  // Depth in the leg's plane and its gradient: D^2 = Y^2 + Z^2 - a^2 (ik/leg_kinematics.h).
+  const double a = g.axis_to_plane_out, b = g.axis_to_shoulder_down;
+  const double Y = g.side * foot.y() + a, Z = foot.z() + b;
+  const double D = std::sqrt(std::max(Y * Y + Z * Z - a * a, 1e-8));
+  const double D_y = g.side * Y / D, D_z = Z / D;
+  const Vector2 in_plane(foot.x(), D - b);
+  const Vector2 rate(velocity.x(), D_y * velocity.y() + D_z * velocity.z());
+
+  const ElbowSigns signs = elbow_signs(mode);
+  const Vector2 drag = elbow_drag(g.a, signs.a, in_plane, rate, elbow_damping) +
+                       elbow_drag(g.b, signs.b, in_plane, rate, elbow_damping);
+  const Vector3 force(drag.x(), D_y * drag.y(), D_z * drag.y());
+  const Vector3 torque = leg_jacobian(g, angles).transpose() * force;
+  return torque.allFinite() ? torque : Vector3(Vector3::Zero());
+}
+
+}  // namespace crossgait

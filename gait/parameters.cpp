@@ -1,0 +1,142 @@
+#include "crossgait/gait/parameters.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace {
+
+using P = GaitParameters;
+
+// Ranges and delta scales of the first six are the guide's.
+constexpr std::array kTable{
+    ParameterRow{"step_height", "m", "lift of a swinging foot", &P::step_height, 0.03, 0.09, 0.005},
+    ParameterRow{"step_length", "m", "sweep of a foot over its stance", &P::step_length, 0.03, 0.10, 0.005},
+    ParameterRow{"cycle_time", "s", "duration of a gait cycle", &P::cycle_time, 0.8, 1.5, 0.05},
+    ParameterRow{"body_height", "m", "depth of a standing foot below the shoulders", &P::body_height, 0.04,
+                 0.055, 0.003},
+    ParameterRow{"stance_width", "m", "twice the outward shift of every foot", &P::stance_width, 0.06, 0.12,
+                 0.004},
+    ParameterRow{"foot_clearance", "m", "additional lift of a swinging foot", &P::foot_clearance, 0.0, 0.02,
+                 0.002},
+    ParameterRow{"swing_shape", "-", "place of the Bezier swing's inner control points", &P::swing_shape,
+                 0.05, 0.95, 0.05},
+    ParameterRow{"lateral_offset_fl", "m", "further outward shift of the foot FL", &P::lateral_offset_fl,
+                 -0.02, 0.02, 0.002},
+    ParameterRow{"lateral_offset_fr", "m", "further outward shift of the foot FR", &P::lateral_offset_fr,
+                 -0.02, 0.02, 0.002},
+    ParameterRow{"lateral_offset_rl", "m", "further outward shift of the foot RL", &P::lateral_offset_rl,
+                 -0.02, 0.02, 0.002},
+    ParameterRow{"lateral_offset_rr", "m", "further outward shift of the foot RR", &P::lateral_offset_rr,
+                 -0.02, 0.02, 0.002},
+};
+
+constexpr std::string_view kSource = "gait parameters";
+constexpr std::array kCurves{SwingCurve::kBezier, SwingCurve::kMatched};
+
+/// Smallest value for which the formulas hold.
+double valid_from(double P::*member) {
+  constexpr double kShortestCycle = 0.05, kLowestBody = 1e-3, kUnbounded = -1e3;
+  if (member == &P::cycle_time) return kShortestCycle;
+  if (member == &P::body_height) return kLowestBody;
+  if (member == &P::step_height || member == &P::foot_clearance) return 0;
+  return kUnbounded;
+}
+
+constexpr double kValidTo = 1e3;  // m or s; also keeps infinities out
+
+bool holds(const ParameterRow& row, double value) {
+  return value >= valid_from(row.member) && value <= kValidTo;
+}
+
+SwingCurve curve_from_name(std::string_view text) {
+  for (const SwingCurve curve : kCurves) {
+    if (name(curve) == text) return curve;
+  }
+  throw ConfigError(kSource, "swing", "bezier or matched", fmt::format("'{}'", text));
+}
+
+}  // namespace
+
+std::string_view name(SwingCurve curve) noexcept {
+  return curve == SwingCurve::kBezier ? "bezier" : "matched";
+}
+
+GaitParameters guide_parameters() {
+  return {.step_height = 0.015,
+          .step_length = 0.05,
+          .cycle_time = 0.8,
+          .body_height = 0.07,
+          .stance_width = 0.08,
+          .foot_clearance = 0.01,
+          .swing_shape = 0.35};
+}
+
+std::span<const ParameterRow> gait_parameters() { return kTable; }
+
+const ParameterRow& find_parameter(std::string_view name) {
+  std::string known;
+  for (const ParameterRow& row : kTable) {
+    if (row.name == name) return row;
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", row.name);
+  }
+  throw ConfigError(kSource, name, "one of " + known, "an unknown name");
+}
+
+void set(GaitParameters& parameters, std::string_view name, double value) {
+  const ParameterRow& row = find_parameter(name);
+  if (!(value >= row.min && value <= row.max)) {
+    throw ConfigError(kSource, name, fmt::format("{:g} to {:g} {}", row.min, row.max, row.unit),
+                      fmt::format("{:g}", value));
+  }
+  parameters.*row.member = value;
+}
+
+void assign(GaitParameters& parameters, std::string_view text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string_view::npos) {
+    throw ConfigError(kSource, text, "name=value", "no '='");
+  }
+  const std::string_view name = text.substr(0, equals), value = text.substr(equals + 1);
+  if (name == "swing") {
+    parameters.swing = curve_from_name(value);
+    return;
+  }
+  double number = 0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  if (error != std::errc() || end != value.data() + value.size()) {
+    throw ConfigError(kSource, name, "a number", fmt::format("'{}'", value));
+  }
+  set(parameters, name, number);
+}
+
+GaitParameters clip(const GaitParameters& parameters) noexcept {
+  GaitParameters clipped = parameters;
+  for (const ParameterRow& row : kTable) clipped.*row.member = row.clip(parameters.*row.member);
+  return clipped;
+}
+
+bool is_valid(const GaitParameters& parameters) noexcept {
+  for (const ParameterRow& row : kTable) {
+    if (!holds(row, parameters.*row.member)) return false;
+  }
+  return true;
+}
+
+void validate(const GaitParameters& parameters, std::string_view source) {
+  for (const ParameterRow& row : kTable) {
+    const double value = parameters.*row.member;
+    if (!holds(row, value)) {
+      throw ConfigError(source, row.name,
+                        fmt::format("{:g} to {:g} {}", valid_from(row.member), kValidTo, row.unit),
+                        fmt::format("{:g}", value));
+    }
+  }
+}
+
+}  // namespace crossgait

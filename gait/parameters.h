@@ -1,0 +1,79 @@
+// The numbers that shape a gait, and the one table that names them. SI units.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "crossgait/physics/leg.h"
+
+namespace crossgait {
+
+/// Which path a swinging foot takes; see foot_trajectory.h.
+enum class SwingCurve {
+  kBezier,   ///< the guide's: apex at 3/4 of step_height + foot_clearance, lands moving forward
+  kMatched,  ///< apex at step_height + foot_clearance, lifts off and lands at ground speed
+};
+
+/// "bezier", "matched".
+std::string_view name(SwingCurve curve) noexcept;
+
+/// Parameters of a gait. The initialisers are the defaults, the only ones there are.
+struct GaitParameters {
+  double step_height = 0.04;  ///< lift of a swinging foot, m; adds to foot_clearance
+  double step_length =
+      0.06;  ///< sweep of a foot over its stance, m: ground speed = step_length / (duty cycle_time)
+  double cycle_time = 0.8;    ///< s
+  double body_height = 0.05;  ///< depth of a standing foot's centre below the shoulders, m
+  double stance_width =
+      0.08;  ///< each foot stands half of it outward from its own leg's plane, m; see foot_spacing
+  double foot_clearance = 0.01;  ///< additional lift, m
+  double swing_shape = 0.35;     ///< place of the inner control points of the Bezier swing, -
+  double lateral_offset_fl = 0;  ///< further outward shift of a single foot, m
+  double lateral_offset_fr = 0;
+  double lateral_offset_rl = 0;
+  double lateral_offset_rr = 0;
+  SwingCurve swing = SwingCurve::kBezier;
+};
+
+/// The numbers of the guide's GaitParameters (body_height .07, step_length .05, step_height .015, ...). Some
+/// lie outside the ranges of the table, which are the guide's for adaptation.
+GaitParameters guide_parameters();
+
+/// One tunable parameter. Clipping, normalisation, `--set`, action and observation layouts, traces and plots
+/// follow from its row.
+struct ParameterRow {
+  std::string_view name, unit, help;
+  double GaitParameters::*member;
+  double min, max;     ///< range for tuning and adaptation
+  double delta_scale;  ///< change per adaptation step at full action
+
+  constexpr double default_value() const { return GaitParameters{}.*member; }
+  constexpr double clip(double value) const { return value < min ? min : value > max ? max : value; }
+  /// [min, max] to [-1, 1].
+  constexpr double normalise(double value) const { return 2 * ((value - min) / (max - min)) - 1; }
+};
+
+/// The table. Its order is that of action and observation vectors.
+std::span<const ParameterRow> gait_parameters();
+
+/// @throws ConfigError listing the known names
+const ParameterRow& find_parameter(std::string_view name);
+
+/// Sets one parameter by name. @throws ConfigError for an unknown name or a value outside the row's range
+void set(GaitParameters& parameters, std::string_view name, double value);
+
+/// Sets one parameter from text "name=value", including "swing=bezier" and "swing=matched".
+/// @throws ConfigError as `set`, and for text that is no such assignment
+void assign(GaitParameters& parameters, std::string_view text);
+
+/// Every parameter of the table moved into its range.
+GaitParameters clip(const GaitParameters& parameters) noexcept;
+
+/// Whether the formulas hold: finite, lengths and heights not negative, body_height positive, cycle_time at
+/// least 0.05 s. Wider than the table's ranges.
+bool is_valid(const GaitParameters& parameters) noexcept;
+
+/// @throws ConfigError (naming `source` and the parameter) unless `is_valid`
+void validate(const GaitParameters& parameters, std::string_view source);
+
+}  // namespace crossgait

@@ -1,0 +1,177 @@
+#include "crossgait/ik/geometry.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace {
+
+/// Largest misalignment of an axis (rad) or offset (m) that still counts as none: far below what would move
+/// the foot by the 1e-9 m to which the kinematics agree with the engines only if files give angles to full
+/// precision, so a frame written as rpy="1.57 0 0" is refused rather than silently wrong.
+constexpr double kAligned = 1e-9;
+
+/// Names an element of one leg in messages, and finds its frames at zero joint angles.
+class LegFrames {
+ public:
+  LegFrames(const RobotDescription& robot, Leg leg) : robot_(robot), leg_(leg) {}
+
+  [[noreturn]] void fail(std::string_view what, const std::string& expected, const std::string& found) const {
+    throw ConfigError(robot_.source, fmt::format("leg {} {}", name(leg_), what), expected, found);
+  }
+
+  /// Pose of the body that joint `joint` moves, in the base frame, at zero joint angles.
+  Pose pose(int joint) const {
+    Pose X = Pose::Identity();
+    for (int body = joint + 1; body > 0; body = at(body).parent) X = at(body).X_PB * X;
+    return X;
+  }
+
+  /// Sign of a joint axis along `direction` of the base frame.
+  double axis_sign(int joint, const Vector3& direction, std::string_view along) const {
+    const Vector3 axis = pose(joint).linear() * robot_.joint(joint).axis;
+    const double cosine = axis.dot(direction);
+    if ((axis - std::copysign(1.0, cosine) * direction).norm() > kAligned) {
+      fail("axis of joint " + robot_.joint(joint).name,
+           fmt::format("parallel to {} of the base at zero angles", along),
+           fmt::format("({:g}, {:g}, {:g})", axis.x(), axis.y(), axis.z()));
+    }
+    return std::copysign(1.0, cosine);
+  }
+
+  void require_parent(int joint, int parent_body) const {
+    if (at(joint + 1).parent != parent_body) {
+      fail("joint " + robot_.joint(joint).name, "child of " + at(parent_body).name,
+           "child of " + at(at(joint + 1).parent).name);
+    }
+  }
+
+  JointLimits limits(int joint) const { return {robot_.joint(joint).lower, robot_.joint(joint).upper}; }
+
+  const Body& at(int body) const { return robot_.bodies[static_cast<std::size_t>(body)]; }
+
+ private:
+  const RobotDescription& robot_;
+  Leg leg_;
+};
+
+Vector2 in_plane(const Vector3& v) { return {v.x(), -v.z()}; }
+
+/// (cos, sin) of the angle from `from` to `to`.
+Vector2 rotation_between(const Vector2& from, const Vector2& to) {
+  return Vector2(from.dot(to), from.x() * to.y() - from.y() * to.x()).normalized();
+}
+
+/// The point where the lower links of joints `elbow_a` and `elbow_b` are joined, in either link's frame.
+struct Tips {
+  Vector3 a, b;
+};
+
+Tips joined_tips(const RobotDescription& robot, const LegFrames& frames, int elbow_a, int elbow_b) {
+  for (const LoopClosure& loop : robot.loops) {
+    if (loop.body_a == elbow_a + 1 && loop.body_b == elbow_b + 1) return {loop.p_AP, loop.p_BP};
+    if (loop.body_b == elbow_a + 1 && loop.body_a == elbow_b + 1) return {loop.p_BP, loop.p_AP};
+  }
+  frames.fail("loop",
+              fmt::format("a closure of {} and {}", frames.at(elbow_a + 1).name, frames.at(elbow_b + 1).name),
+              "none");
+}
+
+/// Fills everything but `shoulder_x`.
+FiveBarChain chain(const LegFrames& frames, int tilt, int shoulder, int elbow, const Vector3& tip) {
+  frames.require_parent(shoulder, tilt + 1);
+  frames.require_parent(elbow, shoulder + 1);
+  const Vector3 y = Vector3::UnitY();
+  FiveBarChain c;
+  // A rotation about +y carries x towards -z, that is towards +z down: it increases plane angles.
+  c.shoulder_sign = frames.axis_sign(shoulder, y, "y");
+  c.elbow_sign = frames.axis_sign(elbow, y, "y");
+  c.shoulder_limits = frames.limits(shoulder);
+  c.elbow_limits = frames.limits(elbow);
+  const Pose X_elbow = frames.pose(elbow);
+  const Vector2 upper = in_plane(X_elbow.translation() - frames.pose(shoulder).translation());
+  const Vector2 lower = in_plane(X_elbow.linear() * tip);
+  c.upper = upper.norm();
+  c.lower = lower.norm();
+  if (c.upper > 0) c.upper_zero = upper / c.upper;
+  if (c.upper > 0 && c.lower > 0) c.lower_zero = rotation_between(upper, lower);
+  return c;
+}
+
+}  // namespace
+
+void validate(const FiveBarGeometry& g, const std::string& source) {
+  const double base = g.base_distance();
+  const auto fail = [&](const char* element, const char* expected, double found) {
+    throw ConfigError(source, element, expected, fmt::format("{:g} m", found));
+  };
+  if (!(base > 0)) fail("shoulders", "shoulder_left behind shoulder_right", base);
+  for (const FiveBarChain* c : {&g.a, &g.b}) {
+    if (!(c->upper > 0)) fail("upper link", "a positive length", c->upper);
+    if (!(c->lower > 0)) fail("lower link", "a positive length", c->lower);
+  }
+  // The disc that a chain cannot fold into must lie within the reach of the other chain.
+  for (const auto& [near, far] : {std::pair(&g.a, &g.b), std::pair(&g.b, &g.a)}) {
+    const double slack = far->upper + far->lower - base - std::abs(near->upper - near->lower);
+    if (!(slack > 0)) fail("links", "chains long enough to meet around both shoulders", slack);
+  }
+}
+
+FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg) {
+  if (!robot.legs) throw ConfigError(robot.source, "legs", "a robot with legs", "none");
+  const LegModel& model = (*robot.legs)[leg];
+  const LegFrames frames(robot, leg);
+  frames.require_parent(model.tilt, 0);
+  const Tips tips = joined_tips(robot, frames, model.elbow_left, model.elbow_right);
+  if (model.foot_body != model.elbow_left + 1 && model.foot_body != model.elbow_right + 1) {
+    frames.fail("foot", "on one of the two lower links", "on " + frames.at(model.foot_body).name);
+  }
+  const Vector3& foot = model.foot_body == model.elbow_left + 1 ? tips.a : tips.b;
+  if (const double off = (foot - model.p_BF).norm(); off > kAligned) {
+    frames.fail("foot", "its centre where the lower links are joined", fmt::format("{:g} m away", off));
+  }
+
+  FiveBarGeometry g;
+  g.side = side_sign(leg);
+  // A rotation about +x carries a hanging leg towards +y.
+  g.tilt_sign = g.side * frames.axis_sign(model.tilt, Vector3::UnitX(), "x");
+  g.tilt_limits = frames.limits(model.tilt);
+  g.a = chain(frames, model.tilt, model.shoulder_left, model.elbow_left, tips.a);
+  g.b = chain(frames, model.tilt, model.shoulder_right, model.elbow_right, tips.b);
+
+  const Vector3 axis = frames.pose(model.tilt).translation();
+  const Vector3 left = frames.pose(model.shoulder_left).translation();
+  const Vector3 right = frames.pose(model.shoulder_right).translation();
+  if (const double step = right.z() - left.z(); std::abs(step) > kAligned) {
+    frames.fail("shoulders", "both at one height", fmt::format("right {:g} m above left", step));
+  }
+  const double plane_left = (frames.pose(model.elbow_left) * tips.a).y();
+  const double plane_right = (frames.pose(model.elbow_right) * tips.b).y();
+  if (const double gap = plane_right - plane_left; std::abs(gap) > kAligned) {
+    frames.fail("lower links", "joined in one plane y = const", fmt::format("{:g} m apart", gap));
+  }
+  g.p_BL = {(left.x() + right.x()) / 2, plane_left, left.z()};
+  g.a.shoulder_x = left.x() - g.p_BL.x();
+  g.b.shoulder_x = right.x() - g.p_BL.x();
+  g.axis_to_plane_out = g.side * (plane_left - axis.y());
+  g.axis_to_shoulder_down = axis.z() - left.z();
+  validate(g, fmt::format("{}: leg {}", robot.source, name(leg)));
+  return g;
+}
+
+LegArray<FiveBarGeometry> five_bar_geometry(const RobotDescription& robot) {
+  LegArray<FiveBarGeometry> all;
+  for (const Leg leg : kLegs) all[leg] = five_bar_geometry(robot, leg);
+  return all;
+}
+
+LegArray<Vector3> leg_origins(const LegArray<FiveBarGeometry>& legs) {
+  LegArray<Vector3> origins;
+  for (const Leg leg : kLegs) origins[leg] = legs[leg].p_BL;
+  return origins;
+}
+
+}  // namespace crossgait

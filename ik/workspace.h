@@ -1,0 +1,65 @@
+// What a leg reaches: sampled grids, boxes of safe targets, and how far a foot can go in a direction.
+#pragma once
+
+#include <vector>
+
+#include "crossgait/ik/leg_kinematics.h"
+
+namespace crossgait {
+
+/// Axis-aligned box of foot targets in the leg frame, m.
+struct TargetBox {
+  Vector3 min = Vector3::Zero(), max = Vector3::Zero();
+};
+
+/// What it takes for a target to be called safe: reachable, and this far from trouble (rad; see LegMargins).
+struct RequiredMargins {
+  double joint_limit = 0.05;
+  double serial = 0.15;
+  double parallel = 0.15;
+};
+
+/// One target's verdict.
+struct WorkspaceSample {
+  IkStatus status = IkStatus::kInvalidTarget;
+  LegMargins margins;  ///< of the posture; meaningful where status is kOk
+};
+
+WorkspaceSample sample_target(const FiveBarGeometry& geometry, const Vector3& target,
+                              WorkingMode mode) noexcept;
+
+bool is_safe(const WorkspaceSample& sample, const RequiredMargins& required) noexcept;
+bool is_safe(const FiveBarGeometry& geometry, const Vector3& target, WorkingMode mode,
+             const RequiredMargins& required) noexcept;
+
+/// Regular grid over a box, x fastest, then y, then z. Both ends of every side are sampled.
+struct WorkspaceMap {
+  TargetBox box;
+  std::array<int, 3> count = {};  ///< samples per side, at least 2 each
+  std::vector<WorkspaceSample> samples;
+
+  Vector3 target(int ix, int iy, int iz) const;
+  const WorkspaceSample& at(int ix, int iy, int iz) const;
+  /// Fraction of the samples that are reachable, 0 to 1.
+  double reachable_fraction() const;
+};
+
+/// The smallest box around everything the links reach, from the height of the shoulders down.
+TargetBox reach_bounds(const FiveBarGeometry& geometry);
+
+/// @throws ConfigError unless every count is at least 2 and the box is finite and not inverted
+WorkspaceMap sample_workspace(const FiveBarGeometry& geometry, WorkingMode mode, const TargetBox& box,
+                              const std::array<int, 3>& count);
+
+/// How far a foot can go from `start` along the unit vector `direction` with every target on the way safe, m;
+/// zero if `start` itself is not safe. Found by steps of .5 mm and bisection to 1 um.
+double safe_distance(const FiveBarGeometry& geometry, const Vector3& start, const Vector3& direction,
+                     WorkingMode mode = kDefaultMode, const RequiredMargins& required = {}) noexcept;
+
+/// A box of safe targets around `centre` that cannot grow by a millimetre on any side: its faces move outward
+/// in turn until a target on the new face, sampled every 2 mm or closer, is not safe. Of zero size if
+/// `centre` is not safe.
+TargetBox safe_box(const FiveBarGeometry& geometry, const Vector3& centre, WorkingMode mode = kDefaultMode,
+                   const RequiredMargins& required = {});
+
+}  // namespace crossgait

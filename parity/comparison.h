@@ -1,0 +1,49 @@
+// The main job: the same walk on several engines, side by side.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "crossgait/parity/divergence.h"
+
+namespace crossgait {
+
+/// One engine's walk.
+struct WalkRun {
+  BackendInfo backend;
+  std::string terrain, gait;
+  WalkSummary summary;
+  Trace trace;
+};
+
+struct Comparison {
+  std::vector<WalkRun> runs;
+  std::vector<PairDifference> pairs;  ///< every two runs, in order
+};
+
+/// Makes a fresh gait for each engine: state must not leak from one run into the next.
+using GaitFactory = std::function<FootTargetSource()>;
+/// Called now and then with the share of all work done, in [0, 1].
+using Progress = std::function<void(double share)>;
+
+/// The controller's side of a walk, the same for every engine.
+struct WalkSetup {
+  std::string gait;  ///< its name, for reports
+  GaitFactory make_gait;
+  ServoCompensation compensation;
+  WalkTiming timing;
+};
+
+/// Walks once on `backend`, keeping the whole trace.
+WalkRun record_walk(PhysicsBackend& backend, const WalkSetup& setup, const Progress& progress = {});
+
+/// @param tolerances for pairs of which one is an independent opinion; two engines that both declare MuJoCo's
+/// contact
+///                   law are held to `DivergenceTolerances::exact()`
+Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& backends,
+                           const WalkSetup& setup, const DivergenceTolerances& tolerances = {},
+                           const Progress& progress = {});
+
+}  // namespace crossgait

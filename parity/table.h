@@ -1,0 +1,21 @@
+// Plain-text tables: the first column left-aligned, the others right-aligned.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace crossgait {
+
+class Table {
+ public:
+  explicit Table(std::vector<std::string> header);
+  /// @param cells as many as the header has, or fewer
+  void add_row(std::vector<std::string> cells);
+  /// Lines end in newlines; a rule separates header and rows. Widths count characters, not bytes, of UTF-8.
+  std::string str() const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+}  // namespace crossgait

@@ -1,0 +1,54 @@
+#include "crossgait/parity/trace.h"
+
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "crossgait/physics/atomic_file.h"
+
+namespace crossgait {
+namespace {
+
+std::string header(const RobotDescription& robot) {
+  std::string line =
+      "time,p_WB.x,p_WB.y,p_WB.z,q_WB.w,q_WB.x,q_WB.y,q_WB.z,v_WB.x,v_WB.y,v_WB.z,w_WB.x,w_WB.y,w_WB.z";
+  for (int i = 0; i < robot.joint_count(); ++i) line += ",q." + robot.joint(i).name;
+  for (const int i : robot.actuated_joints()) line += ",target." + robot.joint(i).name;
+  for (const Leg leg : kLegs) line += fmt::format(",contact.{}", name(leg));
+  for (const Leg leg : kLegs) line += fmt::format(",load.{}", name(leg));
+  return line + "\n";
+}
+
+}  // namespace
+
+TraceSample::TraceSample(const WalkSample& sample) : state(sample.state), targets(sample.targets) {
+  for (const Leg leg : kLegs) {
+    contact[leg] = sample.feet[leg].touching;
+    load[leg] = sample.feet[leg].force.norm();
+  }
+}
+
+void write_trace_csv(const RobotDescription& robot, const Trace& trace, const std::string& path) {
+  std::string text = header(robot);
+  const auto out = std::back_inserter(text);
+  const auto put = [&out](double value) { fmt::format_to(out, ",{:.17g}", value); };
+  const auto put_all = [&put](const auto& values) {
+    for (Eigen::Index i = 0; i < values.size(); ++i) put(values[i]);
+  };
+  for (const TraceSample& sample : trace) {
+    const RobotState& s = sample.state;
+    fmt::format_to(out, "{:.17g}", s.time);
+    put_all(s.p_WB);
+    for (const double value : {s.q_WB.w(), s.q_WB.x(), s.q_WB.y(), s.q_WB.z()}) put(value);
+    put_all(s.v_WB);
+    put_all(s.w_WB);
+    put_all(s.q);
+    put_all(sample.targets.q);
+    for (const Leg leg : kLegs) fmt::format_to(out, ",{}", sample.contact[leg] ? 1 : 0);
+    for (const Leg leg : kLegs) put(sample.load[leg]);
+    text += '\n';
+  }
+  write_file_atomically(path, text);
+}
+
+}  // namespace crossgait

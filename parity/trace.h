@@ -1,0 +1,28 @@
+// What a walk looked like over time, and its CSV file.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "crossgait/env/walk.h"
+
+namespace crossgait {
+
+/// One control step.
+struct TraceSample {
+  RobotState state;
+  JointTargets targets;
+  LegArray<bool> contact{};
+  LegArray<double> load{};  ///< magnitude of the force on each foot, N
+
+  explicit TraceSample(const WalkSample& sample);
+};
+
+using Trace = std::vector<TraceSample>;
+
+/// Writes columns time, p_WB.{x,y,z}, q_WB.{w,x,y,z}, v_WB.{x,y,z}, w_WB.{x,y,z}, q.<joint>...,
+/// target.<joint>..., contact.<leg>, load.<leg>: SI units, 17 significant digits, so that reading it back
+/// loses nothing. The file appears whole or not at all. @throws ConfigError if it cannot be written
+void write_trace_csv(const RobotDescription& robot, const Trace& trace, const std::string& path);
+
+}  // namespace crossgait

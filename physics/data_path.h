@@ -1,0 +1,25 @@
+// Where the robots and terrains that come with Crossgait are.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace crossgait {
+
+/// Folder of the models that come with Crossgait, the first of these that exists:
+///  1. the environment variable CROSSGAIT_DATA, which must then name a folder;
+///  2. the installed folder as seen from the running program: <prefix>/bin/../share/crossgait/models;
+///  3. `built_in`, which the CMake target crossgait::physics defines: models/ of the source tree within this
+///     project's build, the installed folder in a program that links an installed Crossgait.
+/// @throws ConfigError naming what was looked at
+std::string models_dir(std::string_view built_in = CROSSGAIT_MODELS_DIR);
+
+/// Names of the robots in `models_dir()` (folders that hold a robot.yaml), sorted.
+std::vector<std::string> robot_names(std::string_view built_in = CROSSGAIT_MODELS_DIR);
+
+/// The file to give to `load_robot`: `text` itself where it ends in .yaml or .urdf, else robot.yaml of the
+/// robot of that name. @throws ConfigError listing the known names
+std::string find_robot(std::string_view text, std::string_view built_in = CROSSGAIT_MODELS_DIR);
+
+}  // namespace crossgait

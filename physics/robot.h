@@ -1,0 +1,123 @@
+// The engine-free description of a robot: the single source from which every engine's model is built.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "crossgait/physics/leg.h"
+#include "crossgait/physics/math.h"
+
+namespace crossgait {
+
+/// Mass properties of one body, in the body's frame.
+struct SpatialInertia {
+  double mass = 0;                 ///< kg
+  Vector3 p_BC = Vector3::Zero();  ///< centre of mass, m
+  Matrix3 I_C = Matrix3::Zero();   ///< inertia about the centre of mass, body axes, kg m^2
+};
+
+enum class ShapeType { kSphere, kBox, kCylinder };
+
+/// A collision shape, rigidly attached to a body. Shapes of one robot never collide with each other, only
+/// with terrain.
+struct CollisionShape {
+  std::string name;
+  ShapeType type = ShapeType::kSphere;
+  Vector3 size = Vector3::Zero();  ///< sphere: (radius, 0, 0); box: half extents; cylinder: (radius, half
+                                   ///< length, 0), axis z
+  Pose X_BG = Pose::Identity();    ///< pose of the shape in the body frame
+};
+
+/// The revolute joint that connects a body to its parent, and its drive.
+struct Joint {
+  std::string name;
+  Vector3 axis = Vector3::UnitZ();  ///< unit axis in the body frame (equal to the joint frame); right-handed
+  double lower =
+      -3.14159265358979323846;  ///< rad; limits bound commanded targets, engines do not enforce them
+  double upper = 3.14159265358979323846;  ///< rad
+  double damping = 0;                     ///< viscous, N m s/rad; explicit on every engine
+  double armature = 0;                    ///< rotor inertia reflected to the joint, kg m^2
+  bool actuated = false;
+  double kp = 0;            ///< servo stiffness, N m/rad
+  double kd = 0;            ///< servo damping, N m s/rad, inside the effort clamp
+  double effort_limit = 0;  ///< N m
+};
+
+/// One rigid body. Body 0 is the base; body i + 1 hangs on joint i.
+struct Body {
+  std::string name;
+  int parent = -1;               ///< index of the parent body, smaller than its own; -1 for the base
+  Pose X_PB = Pose::Identity();  ///< pose in the parent body at zero joint angle: the joint's frame
+  Joint joint;                   ///< unused for the base
+  SpatialInertia inertia;
+  std::vector<CollisionShape> shapes;
+};
+
+/// Two points of two bodies held together by a soft ball joint (closes a kinematic loop).
+struct LoopClosure {
+  std::string name;
+  int body_a = 0, body_b = 0;
+  Vector3 p_AP = Vector3::Zero(), p_BP = Vector3::Zero();  ///< the point in either body's frame, m
+};
+
+/// Joints of a five-bar leg (indices into joint vectors) and its foot.
+struct LegModel {
+  int tilt = -1, shoulder_left = -1, shoulder_right = -1, elbow_left = -1, elbow_right = -1;
+  int foot_body = -1;              ///< index of the body that carries the foot
+  Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m
+  double foot_radius = 0;          ///< m
+};
+
+/// Softness of loop closures, in MuJoCo's terms (MuJoCo manual, "Computation > Constraint model >
+/// Parameters").
+struct Softness {
+  double time_constant = 0.02;  ///< s, at least two physics steps
+  double damping_ratio = 1.0;
+  double impedance_min = 0.9, impedance_max = 0.95, impedance_width = 0.001;  ///< -, -, m
+};
+
+/// Everything the engines need to know of a robot.
+struct RobotDescription {
+  std::string name;
+  std::string source;        ///< file it came from, for messages
+  std::vector<Body> bodies;  ///< topological order, base first
+  std::vector<LoopClosure> loops;
+  Softness loop_softness{0.005, 1.0, 0.95, 0.99, 0.001};
+  std::optional<LegArray<LegModel>> legs;  ///< absent only for test bodies built in code
+  JointVector home;                        ///< joint angles of the home pose, loops closed, rad
+  double home_height = 0;                  ///< height of the base origin over flat ground in the home pose, m
+
+  int joint_count() const { return static_cast<int>(bodies.size()) - 1; }
+  const Joint& joint(int i) const { return bodies[static_cast<std::size_t>(i) + 1].joint; }
+  /// Joint indices in the order of `JointTargets`.
+  std::vector<int> actuated_joints() const;
+  double total_mass() const;  ///< kg
+
+  /// Checks every invariant stated above (finite, positive masses, physical inertias, tree order, loops
+  /// closed at home, unique names). @throws ConfigError naming `source` and the element.
+  void validate() const;
+};
+
+/// Index of the leg whose foot is shape `shape` of body `body`, or -1: the sphere centred on the foot's
+/// frame.
+inline int leg_of_shape(const RobotDescription& robot, int body, int shape) {
+  if (!robot.legs) return -1;
+  const CollisionShape& s =
+      robot.bodies[static_cast<std::size_t>(body)].shapes[static_cast<std::size_t>(shape)];
+  for (const Leg leg : kLegs) {
+    const LegModel& model = (*robot.legs)[leg];
+    if (model.foot_body == body && s.type == ShapeType::kSphere &&
+        s.X_BG.translation().isApprox(model.p_BF, 1e-9)) {
+      return static_cast<int>(leg);
+    }
+  }
+  return -1;
+}
+
+/// Reads `robot.yaml` (which names its URDF) or a bare `.urdf` with a `.yaml` of the same stem or
+/// `robot.yaml` beside it.
+/// @throws ConfigError naming file and element.
+RobotDescription load_robot(const std::string& path);
+
+}  // namespace crossgait

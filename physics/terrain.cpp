@@ -1,0 +1,66 @@
+#include "crossgait/physics/terrain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "crossgait/physics/terrain_parameters.h"
+
+namespace crossgait {
+namespace {
+
+/// `suffix` in lower case.
+bool has_suffix(std::string_view text, std::string_view suffix) {
+  const auto same = [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; };
+  return text.size() >= suffix.size() &&
+         std::equal(suffix.begin(), suffix.end(), text.end() - static_cast<std::ptrdiff_t>(suffix.size()),
+                    [&](char b, char a) { return same(a, b); });
+}
+
+bool is_file(std::string_view name) { return has_suffix(name, ".png") || has_suffix(name, ".csv"); }
+
+}  // namespace
+
+bool Terrain::touch_sphere(const Vector3& centre, double radius, SphereContact& contact) const noexcept {
+  if (field_) return field_->touch_sphere(centre, radius, contact);
+  if (!(centre.z() < radius) || !centre.allFinite()) return false;
+  contact.distance = centre.z() - radius;
+  contact.normal = Vector3::UnitZ();
+  contact.position = Vector3(centre.x(), centre.y(), contact.distance / 2);
+  return true;
+}
+
+std::array<double, kRingSize> sample_ring(const Terrain& terrain, double x, double y, double yaw,
+                                          double radius) noexcept {
+  std::array<double, kRingSize> heights{};
+  for (int k = 0; k < kRingSize; ++k) {
+    const double angle = yaw - 2 * std::numbers::pi * k / kRingSize;
+    heights[static_cast<std::size_t>(k)] =
+        terrain.height(x + radius * std::cos(angle), y + radius * std::sin(angle));
+  }
+  return heights;
+}
+
+Terrain make_terrain(std::string_view text, std::uint64_t seed) {
+  std::string_view name = text;
+  std::optional<std::string_view> list;
+  const std::size_t colon = text.rfind(':');
+  if (colon != std::string_view::npos && !is_file(text)) {  // a file's own name may contain colons
+    name = text.substr(0, colon);
+    list = text.substr(colon + 1);
+  }
+  std::shared_ptr<const HeightField> field;
+  if (is_file(name)) {
+    const std::string path(name);
+    field =
+        std::make_shared<HeightField>(has_suffix(name, ".png") ? read_png(path, list) : read_csv(path, list));
+  } else {
+    field = generate_terrain(name, list, fmt::format("terrain {}", quoted(text)), seed);
+  }
+  return {std::string(text), std::move(field)};
+}
+
+}  // namespace crossgait

@@ -1,0 +1,34 @@
+# Sourced by the other scripts: works from any folder, and speaks only when there is something to say.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+jobs=$(nproc)
+
+# One compiler cache for all presets: paths are taken relative to the build folder, so that what does not depend on a
+# preset is compiled once.
+if command -v ccache >/dev/null; then
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_BASEDIR=$PWD CCACHE_DIR=${CCACHE_DIR:-$PWD/build/.ccache}
+fi
+
+# run_quietly WHAT COMMAND...: shows the command's output only if it fails.
+run_quietly() {
+  local what=$1 log
+  shift
+  log=$(mktemp)
+  if ! "$@" >"$log" 2>&1; then
+    cat "$log" >&2
+    rm -f "$log"
+    echo "failed: $what" >&2
+    exit 1
+  fi
+  rm -f "$log"
+}
+
+# build PRESET [TARGET...]: configures and builds; everything if no target is named.
+build() {
+  local preset=$1 progress=(--quiet)
+  shift
+  [[ ! -t 1 ]] || progress=()
+  [[ -e build/$preset/build.ninja ]] || echo "Building build/$preset (some minutes, the first time)"
+  run_quietly "configuring $preset" cmake --preset "$preset"
+  ninja -C "build/$preset" -j "$jobs" "${progress[@]}" "$@"
+}

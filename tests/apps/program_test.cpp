@@ -1,0 +1,245 @@
+// The command line's contract: keys of the JSON, columns of the CSV, exit codes, and messages for bad input.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/tests/apps/run_program.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::json;
+
+json run_json(const std::string& arguments) {
+  const ProgramResult result = run_program(arguments + " --json -");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return json::parse(result.out, nullptr, false);
+}
+
+void expect_bad_input(const std::string& arguments, const std::vector<std::string>& words) {
+  const ProgramResult result = run_program(arguments);
+  EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.out << result.err;
+  EXPECT_EQ(result.out, "") << arguments;
+  for (const std::string& word : words) {
+    EXPECT_NE(result.err.find(word), std::string::npos)
+        << arguments << ": \"" << word << "\" not in: " << result.err;
+  }
+}
+
+std::string write_file(const std::string& name, const std::string& text) {
+  std::ofstream(name, std::ios::binary) << text;
+  return name;
+}
+
+TEST(Program, HelpTeachesEveryCommand) {
+  const ProgramResult help = run_program("--help");
+  EXPECT_EQ(help.exit_code, 0);
+  for (const std::string command : {"walk", "compare", "backends", "robots", "terrain", "ik", "gait"}) {
+    EXPECT_NE(help.out.find(command), std::string::npos) << command;
+    const ProgramResult own = run_program(command + " --help");
+    EXPECT_EQ(own.exit_code, 0) << command;
+    EXPECT_NE(own.out.find("--json"), std::string::npos) << command;
+  }
+  EXPECT_EQ(run_program("").exit_code, 2);
+  EXPECT_EQ(run_program("fly").exit_code, 2);
+}
+
+TEST(Program, BackendsListsWhatIsBuiltIn) {
+  std::vector<std::string> names;
+  for (const json& entry : run_json("backends")["backends"]) {
+    if (entry["available"]) names.push_back(entry["name"]);
+  }
+  EXPECT_EQ(names, available_backends());
+}
+
+TEST(Program, RobotsShowsTheBundledOnesAndOne) {
+  const json list = run_json("robots")["robots"];
+  ASSERT_GE(list.size(), 2U);
+  const json one = run_json("robots scara_quadruped");
+  EXPECT_EQ(one["joints"], 20);
+  EXPECT_EQ(one["servos"], 12);
+  EXPECT_NEAR(one["mass_kg"], 0.7367, 1e-9);  // sum of the figures of design and URDF
+  EXPECT_EQ(one["body_list"].size(), 21U);
+}
+
+TEST(Program, WalkKeepsItsContract) {
+  for (const std::string& backend : available_backends()) {
+    const json walk =
+        run_json("walk --backend " + backend + " --terrain flat --gait trot --seconds 1 --seed 3");
+    for (const char* key :
+         {"backend", "terrain", "gait", "simulated_seconds", "distance_m", "fell", "mean_speed_mps",
+          "final_position_m", "rms_roll_deg", "rms_pitch_deg", "ik_clamped", "diverged", "max_penetration_m",
+          "max_loop_gap_m", "wall_seconds", "physics_steps"}) {
+      EXPECT_TRUE(walk.contains(key)) << backend << ": " << key;
+    }
+    EXPECT_EQ(walk["backend"], backend);
+    EXPECT_EQ(walk["physics_steps"], 1000);
+    EXPECT_NEAR(walk["simulated_seconds"], 1.0, 1e-12);
+    // Speed is per simulated second by definition.
+    EXPECT_NEAR(walk["mean_speed_mps"], walk["distance_m"].get<double>() / 1.0, 1e-12);
+    EXPECT_FALSE(walk["fell"]);
+    EXPECT_EQ(walk["final_position_m"].size(), 3U);
+  }
+}
+
+TEST(Program, LongerStepsWalkFurther) {
+  const std::string base =
+      "walk --backend " + available_backends().front() + " --seconds 3 --set step_length=";
+  EXPECT_GT(run_json(base + ".09")["distance_m"].get<double>(),
+            1.5 * run_json(base + ".045")["distance_m"].get<double>());
+}
+
+TEST(Program, CompareReportsRunsAndPairs) {
+  const auto engines = available_backends();
+  if (engines.size() < 2) GTEST_SKIP() << "one engine built in: nothing to compare";
+  const json result =
+      run_json("compare --terrain rough --seconds 1 --engines " + engines[0] + "," + engines[1]);
+  ASSERT_EQ(result["runs"].size(), 2U);
+  ASSERT_EQ(result["pairs"].size(), 1U);
+  const json& pair = result["pairs"][0];
+  EXPECT_EQ(pair["a"], engines[0]);
+  EXPECT_EQ(pair["b"], engines[1]);
+  for (const char* key :
+       {"max_position_difference_m", "max_joint_difference_rad", "max_attitude_difference_rad"}) {
+    EXPECT_GE(pair[key].get<double>(), 0.0) << key;
+  }
+  ASSERT_TRUE(pair.contains("first_divergence"));
+}
+
+TEST(Program, CompareNamesTheFirstDivergence) {
+  const auto engines = available_backends();
+  if (engines.size() < 2) GTEST_SKIP() << "one engine built in: nothing to compare";
+  // The last two differ in their contact law: a tolerance of a nanometre cannot hold.
+  const json result = run_json("compare --seconds 1 --position-tolerance 1e-9 --engines " +
+                               engines[engines.size() - 2] + "," + engines.back());
+  const json& first = result["pairs"][0]["first_divergence"];
+  ASSERT_TRUE(first.is_object());
+  EXPECT_EQ(first["quantity"], "position");
+  EXPECT_EQ(first["tolerance"], 1e-9);
+  EXPECT_GT(first["time_s"].get<double>(), 0.0);
+}
+
+TEST(Program, TraceHasOneRowPerControlStep) {
+  ASSERT_EQ(
+      run_program("walk --seconds 0.5 --trace program_trace.csv --backend " + available_backends().front())
+          .exit_code,
+      0);
+  std::ifstream file("program_trace.csv");
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line.rfind("time,p_WB.x,p_WB.y,p_WB.z,q_WB.w", 0), 0U);
+  const auto columns = std::count(line.begin(), line.end(), ',');
+  EXPECT_EQ(columns + 1, 14 + 20 + 12 + 4 + 4);
+  int rows = 0;
+  while (std::getline(file, line)) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), columns);
+    ++rows;
+  }
+  EXPECT_EQ(rows, 250);
+  std::filesystem::remove("program_trace.csv");
+}
+
+TEST(Program, IkAnswersInJointAngles) {
+  const json down = run_json("ik --target 0,0,0.07 --mode 2");
+  EXPECT_EQ(down["status"], "ok");
+  // By hand: shoulder at -.01, tip .07 below the middle: law of cosines with .045 and .060.
+  const double reach = std::hypot(0.01, 0.07);
+  const double bend = std::acos((0.045 * 0.045 + reach * reach - 0.06 * 0.06) / (2 * 0.045 * reach));
+  EXPECT_NEAR(down["shoulder_left"], bend - std::atan2(0.01, 0.07), 1e-12);
+  EXPECT_NEAR(down["shoulder_right"].get<double>(), -down["shoulder_left"].get<double>(), 1e-12);
+  EXPECT_NEAR(down["tilt"], 0.0, 1e-12);
+  EXPECT_EQ(run_json("ik --target 0,0,0.5 --mode 2")["status"], "clamped_too_far");
+}
+
+TEST(Program, GaitPrintsTargetsOverTime) {
+  const ProgramResult result =
+      run_program("gait --gait trot --seconds 0.8 --dt 0.1 --set step_length=.06 --csv -");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::istringstream text(result.out);
+  std::string line;
+  std::getline(text, line);
+  EXPECT_EQ(line, "t,FL.x,FL.y,FL.z,FR.x,FR.y,FR.z,RL.x,RL.y,RL.z,RR.x,RR.y,RR.z");
+  int rows = 0;
+  while (std::getline(text, line)) ++rows;
+  EXPECT_EQ(rows, 9);  // both ends
+}
+
+TEST(Program, TerrainIsSampledAndWritten) {
+  const json slope = run_json("terrain slope --sample 0,0 --ring 0,0,0");
+  EXPECT_EQ(slope["samples"].size(), 1U);
+  EXPECT_EQ(slope["ring"].size(), 8U);
+  const json made = run_json("terrain rough --seed 5 --png program_rough.png");
+  const json read = run_json("terrain program_rough.png");
+  // 16-bit grey over the range of heights: half a grey level.
+  const double level = (made["field"]["max_m"].get<double>() - made["field"]["min_m"].get<double>()) / 65535;
+  EXPECT_NEAR(read["field"]["max_m"], made["field"]["max_m"].get<double>(), level);
+  std::filesystem::remove("program_rough.png");
+}
+
+TEST(Program, JsonGoesToAFileToo) {
+  const ProgramResult result = run_program("ik --target 0,0,0.07 --json program_ik.json");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.out.find("shoulder_left"), std::string::npos);
+  std::ifstream file("program_ik.json");
+  EXPECT_EQ(json::parse(file)["status"], "ok");
+  std::filesystem::remove("program_ik.json");
+}
+
+TEST(ProgramBadInput, NamesWhatWasWrong) {
+  expect_bad_input("walk --backend nonsense", {"nonsense", available_backends().front()});
+  expect_bad_input("walk --seconds -1", {"seconds", "-1"});
+  expect_bad_input("walk --seconds nan", {"seconds"});
+  expect_bad_input("walk --seconds soon", {"seconds", "soon"});
+  expect_bad_input("walk --physics-dt 0", {"physics_dt"});
+  expect_bad_input("walk --control-dt .0015", {"control_dt", "multiple"});
+  expect_bad_input("walk --friction -1", {"friction", "-1"});
+  expect_bad_input("walk --gait hop", {"hop", "trot"});
+  expect_bad_input("walk --set step_len=.06", {"step_len", "step_length"});
+  expect_bad_input("walk --set step_length=9", {"step_length", "9"});
+  expect_bad_input("walk --set step_length=nan", {"step_length"});
+  expect_bad_input("walk --robot nobody", {"nobody", "scara_quadruped"});
+  expect_bad_input("walk --robot missing.yaml", {"missing.yaml"});
+  expect_bad_input("walk --terrain moon", {"moon", "rough"});
+  expect_bad_input("walk --terrain rough:bumps=3", {"bumps", "amplitude"});
+  expect_bad_input("walk --trace nowhere/at/all.csv --seconds .1", {"nowhere/at"});
+  expect_bad_input("walk --unknown-option", {"--unknown-option"});
+  expect_bad_input("compare --engines " + available_backends().front(), {"--engines", "two"});
+  expect_bad_input("ik --target 1,2", {"--target", "1,2"});
+  expect_bad_input("ik --target 1,2,x", {"--target", "x"});
+  expect_bad_input("ik --target 0,0,.07 --mode 5", {"--mode", "5"});
+  expect_bad_input("ik --target 0,0,.07 --leg XX", {"--leg", "XX"});
+  expect_bad_input("gait --dt 0", {"--dt"});
+  expect_bad_input("gait --seconds -2", {"--seconds"});
+  expect_bad_input("terrain flat --png flat.png", {"--png", "plane"});
+  expect_bad_input("terrain --sample here", {"--sample", "here"});
+}
+
+TEST(ProgramBadInput, FilesAreNamedWithTheElement) {
+  const std::string yaml = write_file("program_bad.yaml", "name: x\nurdf: none.urdf\nwheels: 4\n");
+  expect_bad_input("walk --robot " + yaml, {"program_bad.yaml", "wheels"});
+  const std::string csv = write_file("program_bad.csv", "0,1\n2,nan\n");
+  expect_bad_input("walk --terrain " + csv, {"program_bad.csv", "nan"});
+  const std::string cell = write_file("program_cell.csv", "1\n");
+  expect_bad_input("terrain " + cell, {"program_cell.csv"});
+  const std::string png = write_file("program_bad.png", "\x89PNG\r\n\x1a\n");
+  expect_bad_input("terrain " + png, {"program_bad.png"});
+  for (const std::string& file : {yaml, csv, cell, png}) std::filesystem::remove(file);
+}
+
+TEST(ProgramBadInput, LeavesAnOldFileWhole) {
+  write_file("program_old.json", "precious");
+  expect_bad_input("ik --target 0,0,oops --json program_old.json", {"oops"});
+  std::ifstream file("program_old.json");
+  std::string text;
+  std::getline(file, text);
+  EXPECT_EQ(text, "precious");
+  std::filesystem::remove("program_old.json");
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,261 @@
+// What contacts report and do: forces that carry a weight, geometry, and other shapes than spheres.
+#include <cmath>
+#include <numbers>
+
+#include "crossgait/physics/multibody.h"
+#include "crossgait/tests/support/backend_test.h"
+
+namespace crossgait {
+namespace {
+
+constexpr double kGravity = 9.81;
+
+/// How deep a soft contact with default softness sinks at rest under `force`, at most, m: MuJoCo's R f = K imp r with
+/// impedance at its least, w the inverse weight (1/kg).
+double sinking(double force, double inverse_weight) {
+  const Softness soft;
+  const double R = (1 - soft.impedance_min) / soft.impedance_min * inverse_weight;
+  const double K = 1 / std::pow(soft.impedance_max * soft.time_constant * soft.damping_ratio, 2);
+  return R * force / (K * soft.impedance_min);
+}
+
+Vector3 total_force(const PhysicsBackend& backend) {
+  Vector3 sum = Vector3::Zero();
+  for (const Contact& c : backend.contacts()) sum += c.force;
+  return sum;
+}
+
+double loop_gap(const PhysicsBackend& backend) {
+  std::vector<Pose> poses;
+  forward_kinematics(backend.robot(), backend.state(), poses);
+  return max_loop_gap(backend.robot(), poses);
+}
+
+class Standing : public BackendTest {
+ protected:
+  /// Sum of contact forces averaged over the last 0.2 s of two seconds.
+  static Vector3 mean_force(PhysicsBackend& backend) {
+    const JointTargets targets = scenes::home_targets(backend.robot());
+    EXPECT_EQ(backend.step(targets, 1800), StepStatus::kOk);
+    Vector3 sum = Vector3::Zero();
+    for (int i = 0; i < 200; ++i) {
+      EXPECT_EQ(backend.step(targets), StepStatus::kOk);
+      sum += total_force(backend);
+    }
+    return sum / 200;
+  }
+};
+CROSSGAIT_FOR_EVERY_BACKEND(Standing);
+
+TEST_P(Standing, FeetCarryTheWeight) {
+  for (const scenes::RobotPtr& robot : {scenes::quadruped(), scenes::long_quadruped()}) {
+    const auto backend = make(robot);
+    const double weight = robot->total_mass() * kGravity;
+    const Vector3 force = mean_force(*backend);
+    measured("mean contact force over weight - 1", force.z() / weight - 1);
+    EXPECT_NEAR(force.z() / weight, 1, 1e-3);  // what is left of the touch-down's swinging after 1.8 s
+    EXPECT_LT(force.head<2>().norm() / weight, 1e-3);
+    for (const FootContact& foot : backend->foot_contacts()) {
+      EXPECT_TRUE(foot.touching);
+      EXPECT_GT(foot.force.z(), 0.1 * weight);
+      EXPECT_LT(foot.slip_speed, 1e-3);
+    }
+    EXPECT_LT(backend->state().v_WB.norm(), 1e-3);
+  }
+}
+
+TEST_P(Standing, WeighsTheSameOnASlope) {
+  WorldSpec spec = scenes::world_of(scenes::quadruped());
+  spec.terrain = make_terrain("slope:angle=5,heading=30,size_x=2,size_y=2,cell=0.05");
+  const auto backend = make(spec);
+  const double weight = backend->robot().total_mass() * kGravity;
+  const Vector3 force = mean_force(*backend);
+  EXPECT_LT((force - Vector3(0, 0, weight)).norm() / weight, 1e-3);
+}
+
+TEST_P(Standing, PenetrationIsThatOfTheContactLaw) {
+  const auto backend = make(scenes::quadruped());
+  mean_force(*backend);
+  const std::vector<double> weights = translational_inverse_weights(backend->robot(), false);
+  double deepest = 0, bound = 0;
+  for (const Leg leg : kLegs) {
+    const FootContact foot = backend->foot_contacts()[leg];
+    deepest = std::max(deepest, foot.penetration);
+    const auto body = static_cast<std::size_t>((*backend->robot().legs)[leg].foot_body);
+    bound = std::max(bound, sinking(foot.force.z(), weights[body]));
+  }
+  measured("deepest penetration, m", deepest);
+  measured("bound for soft contact, m", bound);
+  // Hard contact removes a fifth of its penetration per step; what is left is what gravity adds in a step.
+  EXPECT_LE(deepest, capabilities().soft_contact ? bound : 10 * kGravity * 1e-6);
+}
+
+TEST_P(Standing, ContactsLieUnderTheFeetAlongTheNormal) {
+  for (const char* terrain : {"flat", "slope:angle=5,heading=30,size_x=2,size_y=2,cell=0.05"}) {
+    WorldSpec spec = scenes::world_of(scenes::quadruped());
+    spec.terrain = make_terrain(terrain);
+    const auto backend = make(spec);
+    const RobotDescription& robot = backend->robot();
+    const JointTargets targets = scenes::home_targets(robot);
+    ASSERT_EQ(backend->step(targets, 600), StepStatus::kOk);
+    std::vector<Pose> poses;  // contacts are those of the configuration that the step begins with
+    forward_kinematics(robot, backend->state(), poses);
+    ASSERT_EQ(backend->step(targets), StepStatus::kOk);
+    ASSERT_EQ(backend->contacts().count, 4);
+    for (const Contact& c : backend->contacts()) {
+      ASSERT_GE(c.leg, 0);
+      const Leg leg = kLegs[static_cast<std::size_t>(c.leg)];
+      EXPECT_EQ(c.body, (*robot.legs)[leg].foot_body);
+      const Vector3 foot = foot_position(robot, leg, poses);
+      const double radius = (*robot.legs)[leg].foot_radius;
+      // Poses and terrain agree to rounding; on a field, whose heights are floats, neighbouring triangles tilt against
+      // each other by 1e-8 m in a cell.
+      const double tolerance = spec.terrain.field() == nullptr ? 1e-12 : 1e-7;
+      EXPECT_LT((c.normal - spec.terrain.normal(foot.x(), foot.y())).norm(), 10 * tolerance);
+      EXPECT_LT((c.p_WP - (foot - c.normal * (radius + c.distance / 2))).norm(), tolerance);
+      SphereContact expected;
+      ASSERT_TRUE(spec.terrain.touch_sphere(foot, radius + 1e-3, expected));
+      EXPECT_NEAR(c.distance, expected.distance + 1e-3, tolerance);
+      // The force pushes, and stays in the friction cone (1e-6: soft cones are met to the solver's tolerance).
+      const double normal_force = c.force.dot(c.normal);
+      EXPECT_GT(normal_force, 0);
+      EXPECT_LE((c.force - normal_force * c.normal).norm(), spec.contact.friction * normal_force * (1 + 1e-6));
+    }
+  }
+}
+
+class Trotting : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(Trotting);
+
+TEST_P(Trotting, LoopsStayClosedAndFeetTakeTurns) {
+  const auto backend = make(scenes::quadruped());
+  const scenes::Trot trot(backend->robot());
+  double gap = 0, deepest = 0;
+  int steps = 0, wrong = 0;
+  while (backend->state().time < 5) {
+    const double t = backend->state().time;
+    ASSERT_EQ(backend->step(trot.targets(t)), StepStatus::kOk);
+    gap = std::max(gap, loop_gap(*backend));
+    const LegArray<FootContact> feet = backend->foot_contacts();
+    for (const Leg leg : kLegs) {
+      deepest = std::max(deepest, feet[leg].penetration);
+      // In the middle of its swing and stance a foot is where it is told to be; the servos are too soft to tell when
+      // exactly it leaves and lands.
+      const bool swings = scenes::Trot::swings(leg, t);
+      const bool settled = scenes::Trot::swings(leg, t - 0.15) == swings && scenes::Trot::swings(leg, t + 0.15) == swings;
+      if (t < scenes::Trot::kStand + scenes::Trot::kCycle || !settled) continue;
+      ++steps;
+      if (feet[leg].touching == swings) ++wrong;
+    }
+  }
+  measured("largest loop gap, m", gap);
+  measured("deepest penetration, m", deepest);
+  measured("share of foot flags against the plan", 1.0 * wrong / steps);
+  EXPECT_LT(gap, 1e-3);
+  EXPECT_GT(steps, 1000);
+  EXPECT_LT(wrong, steps / 20);
+  EXPECT_GT(backend->state().p_WB.x(), 0.3);  // it walks
+}
+
+TEST(NoContact, InTheAirNothingTouches) {
+  for (const std::string& name : available_backends()) {
+    const auto backend = make_backend(name, scenes::world_of(scenes::quadruped()));
+    RobotState start = backend->home_state();
+    start.p_WB.z() += 1;
+    backend->reset(start);
+    ASSERT_EQ(backend->step(scenes::home_targets(backend->robot()), 100), StepStatus::kOk);
+    EXPECT_EQ(backend->contacts().count, 0);
+    for (const FootContact& foot : backend->foot_contacts()) {
+      EXPECT_FALSE(foot.touching);
+      EXPECT_EQ(foot.force.norm(), 0);
+    }
+  }
+}
+
+class Sliding : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(Sliding);
+
+TEST_P(Sliding, SlipSpeedIsThatOfTheBody) {
+  const auto backend = make(scenes::sled());
+  ASSERT_EQ(backend->step({}, 200), StepStatus::kOk);
+  RobotState moving = backend->state();
+  moving.v_WB = {0.3, -0.4, 0};
+  backend->reset(moving);
+  ASSERT_EQ(backend->step({}), StepStatus::kOk);
+  ASSERT_GE(backend->contacts().count, 3);
+  for (const Contact& c : backend->contacts()) EXPECT_NEAR(c.slip_speed, 0.5, 1e-9);  // at rest otherwise, to 1e-9 m/s
+}
+
+TEST_P(Sliding, FrictionStopsASledWhereItShould) {
+  WorldSpec spec = scenes::world_of(scenes::sled());
+  spec.contact.friction = 0.3;
+  spec.solver.tolerance = 1e-6;
+  const auto backend = make(spec);
+  ASSERT_EQ(backend->step({}, 200), StepStatus::kOk);
+  RobotState moving = backend->state();
+  moving.p_WB.x() = moving.p_WB.y() = 0;
+  moving.v_WB = {0.6, 0.8, 0};
+  backend->reset(moving);
+  ASSERT_EQ(backend->step({}, 600), StepStatus::kOk);
+  const double expected = 1 / (2 * 0.3 * kGravity);  // v^2 / (2 mu g): 0.34 s and 0.17 m
+  const Vector3 went = backend->state().p_WB - moving.p_WB;
+  measured("stopping distance, relative error", went.head<2>().norm() / expected - 1);
+  EXPECT_NEAR(went.head<2>().norm() / expected, 1, 0.01);  // v h / 2 late, and a soft contact's hopping
+  EXPECT_NEAR(std::atan2(went.y(), went.x()), std::atan2(0.8, 0.6), 1e-3);
+}
+
+TEST_P(Sliding, NothingBrakesWithoutFriction) {
+  WorldSpec spec = scenes::world_of(scenes::sled());
+  spec.contact.friction = 0;
+  const auto backend = make(spec);
+  RobotState moving = backend->home_state();
+  moving.v_WB = {0.6, 0.8, 0};
+  backend->reset(moving);
+  ASSERT_EQ(backend->step({}, 500), StepStatus::kOk);
+  // MuJoCo's least friction coefficient, 1e-5, takes 5e-5 m/s.
+  EXPECT_NEAR(backend->state().v_WB.head<2>().norm(), 1, 1e-4);
+}
+
+class OtherShapes : public BackendTest {
+ protected:
+  /// Drops a block of half height `half_height` from just above the plane, and looks at it two seconds later.
+  static void rests(ShapeType type, const Vector3& size, double half_height, const char* terrain) {
+    WorldSpec spec = scenes::world_of(scenes::block(type, size));
+    spec.terrain = make_terrain(terrain);
+    const auto backend = make(spec);
+    RobotState start = backend->home_state();
+    start.p_WB.z() = half_height + 1e-3;
+    backend->reset(start);
+    ASSERT_EQ(backend->step({}, 1800), StepStatus::kOk);
+    double force = 0;
+    for (int i = 0; i < 200; ++i) {
+      ASSERT_EQ(backend->step({}), StepStatus::kOk);
+      force += total_force(*backend).z() / 200;
+    }
+    const double weight = backend->robot().total_mass() * kGravity;
+    measured("force over weight - 1", force / weight - 1);
+    measured("sinks in, m", half_height - backend->state().p_WB.z());
+    EXPECT_NEAR(force / weight, 1, 1e-3);
+    // No deeper than the contact law has the whole weight sink on one point; Bullet keeps a margin of 1 mm.
+    const double bound = std::max(1e-3, sinking(weight, 1 / backend->robot().total_mass()));
+    EXPECT_NEAR(backend->state().p_WB.z(), half_height, bound);
+    const Vector3 tilt = roll_pitch_yaw(backend->state().q_WB);
+    EXPECT_LT(tilt.head<2>().norm(), 1e-2);
+    EXPECT_LT(backend->state().v_WB.norm(), 1e-3);
+    for (const Contact& c : backend->contacts()) EXPECT_EQ(c.leg, -1);
+  }
+};
+CROSSGAIT_FOR_EVERY_BACKEND(OtherShapes);
+
+TEST_P(OtherShapes, ABoxRestsOnThePlane) { rests(ShapeType::kBox, {0.06, 0.04, 0.03}, 0.03, "flat"); }
+TEST_P(OtherShapes, ACylinderStandsOnThePlane) { rests(ShapeType::kCylinder, {0.05, 0.04, 0}, 0.04, "flat"); }
+TEST_P(OtherShapes, ABoxRestsOnAField) {
+  rests(ShapeType::kBox, {0.06, 0.04, 0.03}, 0.03, "slope:angle=0,size_x=1,size_y=1,cell=0.05");
+}
+TEST_P(OtherShapes, ACylinderStandsOnAField) {
+  rests(ShapeType::kCylinder, {0.05, 0.04, 0}, 0.04, "slope:angle=0,size_x=1,size_y=1,cell=0.05");
+}
+TEST_P(OtherShapes, ASphereRestsOnThePlane) { rests(ShapeType::kSphere, {0.05, 0, 0}, 0.05, "flat"); }
+
+}  // namespace
+}  // namespace crossgait

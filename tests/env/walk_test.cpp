@@ -1,0 +1,175 @@
+#include "crossgait/env/walk.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/env/gait_source.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/multibody.h"
+
+namespace crossgait {
+namespace {
+
+std::shared_ptr<const RobotDescription> robot() {
+  static const auto kRobot = std::make_shared<const RobotDescription>(
+      load_robot(std::string(CROSSGAIT_SOURCE_DIR) + "/models/scara_quadruped/robot.yaml"));
+  return kRobot;
+}
+
+std::unique_ptr<PhysicsBackend> any_backend() {
+  WorldSpec spec;
+  spec.robot = robot();
+  return make_backend(available_backends().front(), spec);
+}
+
+LegArray<Vector3> standing_feet() {
+  LegArray<Vector3> feet;
+  feet.fill(Vector3(0, 0, 0.06));
+  return feet;
+}
+
+TEST(LegController, UnreachableStandingFootIsAnError) {
+  LegArray<Vector3> feet = standing_feet();
+  feet[Leg::RL].z() = 0.5;
+  const LegController legs(*robot());
+  EXPECT_THROW((void)legs.standing_state(feet, Terrain()), ConfigError);
+}
+
+TEST(LegController, CountsTargetsOutOfReach) {
+  LegController legs(*robot());
+  LegArray<Vector3> feet = standing_feet();
+  legs.update(feet, 2e-3);
+  EXPECT_EQ(legs.clamped(), 0);
+  feet[Leg::FR].z() = 0.5;
+  EXPECT_TRUE(legs.update(feet, 2e-3).q.allFinite());
+  EXPECT_EQ(legs.clamped(), 1);
+  EXPECT_EQ(legs.status()[Leg::FR], IkStatus::kClampedTooFar);
+  legs.restart();
+  EXPECT_EQ(legs.clamped(), 0);
+}
+
+TEST(LegController, LeadVanishesAtRestAndGrowsWithSpeed) {
+  LegController plain(*robot(), ServoCompensation::none()), leading(*robot());
+  LegArray<Vector3> feet = standing_feet();
+  EXPECT_EQ(plain.update(feet, 2e-3).q, leading.update(feet, 2e-3).q);
+  EXPECT_EQ(plain.update(feet, 2e-3).q, leading.update(feet, 2e-3).q);
+  for (const Leg leg : kLegs) feet[leg].x() += 1e-4;  // .05 m/s
+  const JointVector lead = leading.update(feet, 2e-3).q - plain.update(feet, 2e-3).q;
+  for (const Leg leg : kLegs) feet[leg].x() += 2e-4;  // .10 m/s
+  const JointVector twice = leading.update(feet, 2e-3).q - plain.update(feet, 2e-3).q;
+  EXPECT_GT(lead.lpNorm<Eigen::Infinity>(), 1e-3);
+  EXPECT_NEAR(twice.lpNorm<Eigen::Infinity>() / lead.lpNorm<Eigen::Infinity>(), 2.0,
+              0.02);  // the legs' pose moved 2e-4 m
+}
+
+TEST(ElbowDrag, IsThePowerThatTheElbowsDissipate) {
+  // Virtual work: tau . theta' must equal d (elbow_left'^2 + elbow_right'^2), with rates by central
+  // differences.
+  const FiveBarGeometry g = five_bar_geometry(*robot(), Leg::FL);
+  const Vector3 foot(0.012, 0.015, 0.062), velocity(0.3, -0.1, 0.2);
+  const double d = 0.02, h = 1e-6;
+  const LegAngles at = solve_leg(g, foot).angles;
+  const LegAngles before = solve_leg(g, foot - h * velocity).angles,
+                  after = solve_leg(g, foot + h * velocity).angles;
+  const auto rate = [h](double a, double b) { return (b - a) / (2 * h); };
+  const Vector3 rates(rate(before.tilt, after.tilt), rate(before.shoulder_left, after.shoulder_left),
+                      rate(before.shoulder_right, after.shoulder_right));
+  const double left = rate(before.elbow_left, after.elbow_left),
+               right = rate(before.elbow_right, after.elbow_right);
+  const Vector3 torque = elbow_drag_torque(g, foot, at, kDefaultMode, velocity, d);
+  EXPECT_NEAR(torque.dot(rates), d * (left * left + right * right),
+              1e-7);  // h^2 and rounding / h of the differences
+}
+
+TEST(Walk, AcceptsOnlyTimingThatCanBe) {
+  WalkTiming timing;
+  EXPECT_EQ(timing.substeps(1e-3), 2);
+  EXPECT_EQ(timing.substeps(2e-3), 1);
+  EXPECT_EQ(timing.substeps(0.25e-3), 8);
+  EXPECT_THROW((void)timing.substeps(3e-3), ConfigError);
+  timing.control_dt = 2.5e-3;
+  EXPECT_THROW((void)timing.substeps(1e-3), ConfigError);
+  for (const double seconds : {-1.0, 0.0, std::nan(""), HUGE_VAL}) {
+    WalkTiming bad;
+    bad.seconds = seconds;
+    EXPECT_THROW((void)bad.substeps(1e-3), ConfigError) << seconds;
+  }
+}
+
+TEST(Walk, StandingStillGoesNowhere) {
+  const auto backend = any_backend();
+  LegController legs(*robot());
+  const WalkTiming timing{.seconds = 1};
+  const WalkSummary s = run_walk(
+      *backend, legs, [](double) { return standing_feet(); }, timing);
+  EXPECT_LT(std::abs(s.distance_m), 2e-3);  // soft contact lets a standing robot creep
+  EXPECT_FALSE(s.fell);
+  EXPECT_FALSE(s.diverged);
+  EXPECT_EQ(s.physics_steps, 1000);
+  for (const Leg leg : kLegs) EXPECT_DOUBLE_EQ(s.duty_factor[leg], 1.0);
+}
+
+TEST(Walk, TrotStatisticsAreThoseOfATrot) {
+  const auto backend = any_backend();
+  LegController legs(*robot());
+  const WalkTiming timing{.seconds = 4};
+  const GaitChoice trot = choose_gait("trot", {});
+  int samples = 0;
+  const WalkSummary s =
+      run_walk(*backend, legs, make_gait_source(trot, *robot()), timing, [&](const WalkSample& sample) {
+        ++samples;
+        EXPECT_TRUE(sample.state.is_finite());
+        return true;
+      });
+  EXPECT_EQ(samples, 2000);
+  const double nominal = nominal_speed(trot.parameters, 0.5);
+  EXPECT_GT(s.mean_speed_mps, 0.8 * nominal);  // measured .93, the first stride growing from standing
+  EXPECT_LT(s.mean_speed_mps, 1.1 * nominal);
+  EXPECT_NEAR(s.distance_m, s.mean_speed_mps * s.simulated_seconds, 1e-12);
+  EXPECT_LT(s.max_loop_gap_m, 1e-3);
+  EXPECT_EQ(s.ik_clamped, 0);
+  for (const Leg leg : kLegs) {
+    EXPECT_GT(s.duty_factor[leg], 0.45);
+    EXPECT_LT(s.duty_factor[leg], 0.9);  // soft servos lift late and land early
+  }
+}
+
+TEST(Walk, ObserverCanEndIt) {
+  const auto backend = any_backend();
+  LegController legs(*robot());
+  int samples = 0;
+  const WalkSummary s = run_walk(
+      *backend, legs, [](double) { return standing_feet(); }, WalkTiming{.seconds = 5},
+      [&](const WalkSample&) { return ++samples < 10; });
+  EXPECT_EQ(s.physics_steps, 20);
+}
+
+TEST(Walk, FallingIsNoticed) {
+  // Pulled sideways by more than its weight and unable to slide, the robot must tip over its feet: its centre
+  // of mass is as high as they are apart.
+  WorldSpec spec;
+  spec.robot = robot();
+  spec.gravity = {0, 20, -9.81};
+  spec.contact.friction = 5;
+  const auto backend = make_backend(available_backends().front(), spec);
+  LegController legs(*robot());
+  const WalkTiming timing{.seconds = 2, .settle_seconds = 0};
+  const WalkSummary s = run_walk(
+      *backend, legs, [](double) { return standing_feet(); }, timing);
+  EXPECT_TRUE(s.fell);
+  ASSERT_TRUE(s.fell_at_s.has_value());
+  EXPECT_GT(*s.fell_at_s, 0.0);
+  EXPECT_FALSE(s.diverged);
+}
+
+TEST(GaitSource, UnknownNamesAreErrors) {
+  EXPECT_THROW((void)choose_gait("hop", {}), ConfigError);
+  EXPECT_THROW((void)choose_gait("trot", {"step_len=1"}), ConfigError);
+  EXPECT_THROW((void)choose_gait("trot", {"step_length"}), ConfigError);
+  EXPECT_DOUBLE_EQ(choose_gait("trot", {"step_length=.07"}).parameters.step_length, 0.07);
+}
+
+}  // namespace
+}  // namespace crossgait

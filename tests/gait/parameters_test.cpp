@@ -1,0 +1,176 @@
+#include "crossgait/gait/parameters.h"
+
+#include <limits>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+struct GuideRow {
+  const char* name;
+  double min, max, default_value, delta_scale;
+};
+
+// The ranges and delta scales of the guide, in its order.
+constexpr GuideRow kGuideRows[] = {
+    {"step_height", 0.03, 0.09, 0.04, 0.005},  {"step_length", 0.03, 0.10, 0.06, 0.005},
+    {"cycle_time", 0.8, 1.5, 0.8, 0.05},       {"body_height", 0.04, 0.055, 0.05, 0.003},
+    {"stance_width", 0.06, 0.12, 0.08, 0.004}, {"foot_clearance", 0, 0.02, 0.01, 0.002},
+};
+
+TEST(ParameterTable, BeginsWithTheGuidesRows) {
+  ASSERT_GE(gait_parameters().size(), std::size(kGuideRows));
+  for (std::size_t i = 0; i < std::size(kGuideRows); ++i) {
+    const ParameterRow& row = gait_parameters()[i];
+    const GuideRow& guide = kGuideRows[i];
+    SCOPED_TRACE(guide.name);
+    EXPECT_EQ(row.name, guide.name);
+    EXPECT_EQ(row.min, guide.min);
+    EXPECT_EQ(row.max, guide.max);
+    EXPECT_EQ(row.default_value(), guide.default_value);
+    EXPECT_EQ(row.delta_scale, guide.delta_scale);
+  }
+}
+
+TEST(ParameterTable, RowsAreSound) {
+  std::set<std::string_view> names;
+  std::set<double*> members;
+  GaitParameters p;
+  for (const ParameterRow& row : gait_parameters()) {
+    SCOPED_TRACE(row.name);
+    EXPECT_TRUE(names.insert(row.name).second);
+    EXPECT_TRUE(members.insert(&(p.*row.member)).second);
+    EXPECT_FALSE(row.unit.empty() || row.help.empty());
+    EXPECT_LT(row.min, row.max);
+    EXPECT_GE(row.default_value(), row.min);
+    EXPECT_LE(row.default_value(), row.max);
+    EXPECT_GT(row.delta_scale, 0);
+    EXPECT_LT(row.delta_scale, row.max - row.min);
+  }
+}
+
+TEST(ParameterTable, NamesEveryNumberOfTheStruct) {
+  // All doubles, then the curve in one more word.
+  EXPECT_EQ(sizeof(GaitParameters), (gait_parameters().size() + 1) * sizeof(double));
+}
+
+TEST(ParameterRow, NormalisesItsRangeToOne) {
+  const ParameterRow& row = find_parameter("cycle_time");
+  EXPECT_EQ(row.normalise(0.8), -1);
+  EXPECT_EQ(row.normalise(1.5), 1);
+  EXPECT_NEAR(row.normalise(1.15), 0, 1e-15);  // roundings of numbers near one
+  EXPECT_EQ(row.clip(2), 1.5);
+  EXPECT_EQ(row.clip(0.1), 0.8);
+  EXPECT_EQ(row.clip(1.2), 1.2);
+}
+
+TEST(SetParameter, SetsByName) {
+  GaitParameters p;
+  for (const ParameterRow& row : gait_parameters()) {
+    set(p, row.name, row.max);
+    EXPECT_EQ(p.*row.member, row.max);
+    set(p, row.name, row.min);
+    EXPECT_EQ(p.*row.member, row.min);
+  }
+}
+
+TEST(SetParameter, AnUnknownNameIsAnErrorThatListsTheKnown) {
+  GaitParameters p;
+  try {
+    set(p, "step_lenght", 0.05);
+    FAIL() << "no error";
+  } catch (const ConfigError& e) {
+    EXPECT_EQ(e.element(), "step_lenght");
+    EXPECT_NE(e.expected().find("step_length"), std::string::npos);
+  }
+}
+
+TEST(SetParameter, AValueOutOfRangeIsAnErrorWithRangeAndUnit) {
+  for (const double bad : {0.029, 0.11, kNaN, std::numeric_limits<double>::infinity()}) {
+    GaitParameters p;
+    try {
+      set(p, "step_length", bad);
+      FAIL() << "no error";
+    } catch (const ConfigError& e) {
+      EXPECT_EQ(e.element(), "step_length");
+      EXPECT_EQ(e.expected(), "0.03 to 0.1 m");
+    }
+    EXPECT_EQ(p.step_length, 0.06);  // untouched
+  }
+}
+
+TEST(AssignParameter, ReadsNumbersAndCurves) {
+  GaitParameters p;
+  assign(p, "step_length=.08");
+  EXPECT_EQ(p.step_length, 0.08);
+  assign(p, "cycle_time=1");
+  EXPECT_EQ(p.cycle_time, 1);
+  assign(p, "swing=matched");
+  EXPECT_EQ(p.swing, SwingCurve::kMatched);
+  assign(p, "swing=bezier");
+  EXPECT_EQ(p.swing, SwingCurve::kBezier);
+}
+
+TEST(AssignParameter, NonsenseIsAnError) {
+  for (const char* text :
+       {"", "step_length", "step_length=", "step_length=6cm", "step_length=nan", "step_length= .08", "=.08",
+        "swing=round", "swing=", "no_such=1", "step_length=0.06=0.07"}) {
+    GaitParameters p;
+    EXPECT_THROW(assign(p, text), ConfigError) << text;
+  }
+}
+
+TEST(ClipParameters, MovesIntoTheRanges) {
+  const GaitParameters clipped = clip(guide_parameters());
+  EXPECT_EQ(clipped.body_height, 0.055);
+  EXPECT_EQ(clipped.step_height, 0.03);
+  EXPECT_EQ(clipped.step_length, 0.05);
+}
+
+TEST(GuideParameters, AreTheGuidesDefaults) {
+  const GaitParameters p = guide_parameters();
+  EXPECT_EQ(p.body_height, 0.07);
+  EXPECT_EQ(p.step_length, 0.05);
+  EXPECT_EQ(p.step_height, 0.015);
+  EXPECT_EQ(p.cycle_time, 0.8);
+  EXPECT_EQ(p.swing_shape, 0.35);
+  EXPECT_EQ(p.stance_width, 0.08);
+  EXPECT_EQ(p.foot_clearance, 0.01);
+  EXPECT_TRUE(is_valid(p));
+}
+
+TEST(ValidateParameters, AcceptsTheTableAndNamesWhatIsWrong) {
+  for (const ParameterRow& row : gait_parameters()) {
+    GaitParameters p;
+    for (const double good : {row.min, row.max}) {
+      p.*row.member = good;
+      EXPECT_TRUE(is_valid(p)) << row.name;
+    }
+    for (const double bad : {kNaN, std::numeric_limits<double>::infinity(), -1e9}) {
+      p.*row.member = bad;
+      EXPECT_FALSE(is_valid(p)) << row.name;
+      try {
+        validate(p, "here");
+        ADD_FAILURE() << row.name;
+      } catch (const ConfigError& e) {
+        EXPECT_EQ(e.source(), "here");
+        EXPECT_EQ(e.element(), row.name);
+      }
+    }
+  }
+  for (const auto member : {&GaitParameters::cycle_time, &GaitParameters::body_height}) {
+    GaitParameters p;
+    p.*member = 0;  // divided by, or nothing to lift from
+    EXPECT_FALSE(is_valid(p));
+  }
+}
+
+}  // namespace
+}  // namespace crossgait

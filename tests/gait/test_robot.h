@@ -1,0 +1,33 @@
+// Leg frames of scara_quadruped by hand, for tests that need no kinematics, and measures of foot paths.
+#pragma once
+
+#include "crossgait/gait/gait_generator.h"
+
+namespace crossgait::test {
+
+/// Origins of the leg frames in the base frame, m.
+inline LegArray<Vector3> leg_origins() {
+  LegArray<Vector3> p_BL;
+  for (const Leg leg : kLegs) p_BL[leg] = {is_front(leg) ? 0.075 : -0.075, side_sign(leg) * 0.062, 0.0025};
+  return p_BL;
+}
+
+/// Top speed of any foot over a cycle of the stride, m/s: central differences of the path at 400 phases.
+inline double top_foot_speed(const GaitParameters& parameters, const LegArray<Vector2>& step,
+                             const LegArray<double>& duty, SwingCurve curve) {
+  constexpr int kSamples = 400;
+  constexpr double kStep = 1e-6;
+  double top = 0;
+  for (const Leg leg : kLegs) {
+    const FootStride stride{step[leg], duty[leg], 1, curve};
+    for (int i = 0; i < kSamples; ++i) {
+      const double phase = (i + 0.5) / kSamples;  // never on a corner between swing and stance
+      const Vector3 ahead = foot_position(parameters, leg, leg_phase(phase + kStep, 0, duty[leg]), stride);
+      const Vector3 behind = foot_position(parameters, leg, leg_phase(phase - kStep, 0, duty[leg]), stride);
+      top = std::max(top, (ahead - behind).norm() / (2 * kStep * parameters.cycle_time));
+    }
+  }
+  return top;
+}
+
+}  // namespace crossgait::test

@@ -1,0 +1,49 @@
+// What a user of the installed library writes: the robot that came with it, a step in every engine that is
+// built in.
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <string>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/physics/data_path.h"
+
+namespace {
+
+/// Height of the base after `seconds` with the servos holding the home pose, m.
+double stand(const std::string& backend, const crossgait::WorldSpec& spec, double seconds) {
+  const auto world = crossgait::make_backend(backend, spec);
+  world->reset();
+  crossgait::JointTargets targets;
+  const auto actuated = spec.robot->actuated_joints();
+  targets.q.resize(static_cast<Eigen::Index>(actuated.size()));
+  for (std::size_t i = 0; i < actuated.size(); ++i) {
+    targets.q[static_cast<Eigen::Index>(i)] = spec.robot->home[actuated[i]];
+  }
+  const auto status = world->step(targets, static_cast<int>(std::lround(seconds / spec.physics_dt)));
+  return status == crossgait::StepStatus::kOk ? world->state().p_WB.z() : std::nan("");
+}
+
+}  // namespace
+
+int main() {
+  try {
+    crossgait::WorldSpec spec;
+    const std::string file = crossgait::find_robot("scara_quadruped");
+    std::printf("robot: %s\n", file.c_str());
+    spec.robot = std::make_shared<const crossgait::RobotDescription>(crossgait::load_robot(file));
+    const auto backends = crossgait::available_backends();
+    for (const std::string& backend : backends) {
+      const double height = stand(backend, spec, 0.5);
+      std::printf("%s: base at %.4f m\n", backend.c_str(), height);
+      // The legs are soft and sag, but a standing robot's base is above the ground and not above where it
+      // started.
+      if (!(height > 0.5 * spec.robot->home_height && height < 1.1 * spec.robot->home_height)) return 1;
+    }
+    return backends.empty() ? 1 : 0;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return 1;
+  }
+}

@@ -1,0 +1,108 @@
+#include "crossgait/physics/atomic_file.h"
+
+#include <array>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "crossgait/tests/physics/config_error.h"
+#include "crossgait/tests/physics/scratch_folder.h"
+
+namespace crossgait {
+namespace {
+
+class AtomicFile : public ScratchFolder {
+ protected:
+  std::ptrdiff_t entries() const {
+    return std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator());
+  }
+};
+
+TEST_F(AtomicFile, WritesEveryByte) {
+  std::string bytes("a\0b\r\n\xff", 6);
+  bytes.append(1000000, 'x');
+  write_file_atomically(path("file"), bytes);
+  EXPECT_EQ(read(path("file")), bytes);
+  EXPECT_EQ(entries(), 1) << "the temporary is gone";
+}
+
+TEST_F(AtomicFile, ReplacesTheOldFileByANewOne) {
+  write("file", "old and longer");
+  std::filesystem::create_hard_link(path("file"), path("link"));
+  write_file_atomically(path("file"), "new");
+  EXPECT_EQ(read(path("file")), "new");
+  EXPECT_EQ(read(path("link")), "old and longer") << "whoever reads the old file keeps it whole";
+}
+
+TEST_F(AtomicFile, HonoursTheUmask) {
+  const mode_t old = ::umask(027);
+  write_file_atomically(path("file"), "");
+  ::umask(old);
+  EXPECT_EQ(std::filesystem::status(path("file")).permissions(), static_cast<std::filesystem::perms>(0640));
+}
+
+TEST_F(AtomicFile, SaysWhereItCannotWrite) {
+  const std::string file = path("no-such-folder/file");
+  EXPECT_EQ(std::string(config_error([&] { write_file_atomically(file, "x"); }).what()),
+            file + ": output file: expected a place that can be written, found No such file or directory");
+  EXPECT_EQ(config_error([&] { write_file_atomically(folder_.string(), "x"); }).found(), "Is a directory");
+  EXPECT_EQ(entries(), 0);
+}
+
+TEST_F(AtomicFile, SaysWhenTheDiskIsFull) {
+  // Through a link of its own, so that a writer which replaces what it should not replaces only the link.
+  std::filesystem::create_symlink("/dev/full", path("full"));
+  EXPECT_EQ(config_error([&] { write_file_atomically(path("full"), "x"); }).found(),
+            "No space left on device");
+}
+
+TEST_F(AtomicFile, KeepsTheOldFileWhenTheNewOneDoesNotFit) {
+  write("file", "old");
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit small{100, before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const ConfigError error =
+      config_error([&] { write_file_atomically(path("file"), std::string(1000, 'x')); });
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(error.found(), "File too large");
+  EXPECT_EQ(read(path("file")), "old");
+  EXPECT_EQ(entries(), 1) << "the temporary is gone";
+}
+
+TEST_F(AtomicFile, WritesIntoPipesInsteadOfReplacingThem) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const int reader = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  write_file_atomically(path("pipe"), "through");
+  std::array<char, 20> bytes{};
+  EXPECT_EQ(::read(reader, bytes.data(), bytes.size()), 7);
+  ::close(reader);
+  EXPECT_STREQ(bytes.data(), "through");
+  EXPECT_TRUE(std::filesystem::is_fifo(path("pipe")));
+}
+
+TEST_F(AtomicFile, WritersOfOneFileDoNotMix) {
+  std::vector<std::thread> writers;
+  for (char letter = 'a'; letter < 'e'; ++letter) {
+    writers.emplace_back([this, letter] {
+      for (int i = 0; i < 20; ++i) write_file_atomically(path("file"), std::string(10000, letter));
+    });
+  }
+  for (std::thread& writer : writers) writer.join();
+  const std::string bytes = read(path("file"));
+  EXPECT_EQ(bytes, std::string(10000, bytes[0]));
+  EXPECT_EQ(entries(), 1);
+}
+
+}  // namespace
+}  // namespace crossgait
