@@ -5,6 +5,7 @@ namespace crossgait {
 WalkRun record_walk(PhysicsBackend& backend, const WalkSetup& setup, const Progress& progress) {
   WalkRun run{backend.info(), backend.spec().terrain.name(), setup.gait, {}, {}};
   LegController legs(backend.robot(), setup.compensation);
+  (void)setup.timing.substeps(backend.spec().physics_dt);  // throws for timing that cannot be
   const auto steps = static_cast<std::size_t>(setup.timing.control_steps());
   run.trace.reserve(steps);
   run.summary = run_walk(backend, legs, setup.make_gait(), setup.timing, [&](const WalkSample& sample) {

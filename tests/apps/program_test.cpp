@@ -51,7 +51,8 @@ TEST(Program, HelpTeachesEveryCommand) {
 
 TEST(Program, BackendsListsWhatIsBuiltIn) {
   std::vector<std::string> names;
-  for (const json& entry : run_json("backends")["backends"]) {
+  const json result = run_json("backends");
+  for (const json& entry : result["backends"]) {
     if (entry["available"]) names.push_back(entry["name"]);
   }
   EXPECT_EQ(names, available_backends());

@@ -120,11 +120,11 @@ TEST(RobotLoader, LoadsASecondRobotOfOtherNamesAndFigures) {
 
 TEST(RobotLoader, ReadsTheSoftnessOfLoops) {
   const ScratchRobot scratch;
-  scratch.replace("robot.yaml", "loop_softness: {time_constant: 0.02",
+  scratch.replace("robot.yaml", "loop_softness: {time_constant: 0.005",
                   "loop_softness: {time_constant: 0.004");
   const Softness softness = load_robot(scratch.path("robot.yaml")).loop_softness;
   EXPECT_EQ(softness.time_constant, 0.004);
-  EXPECT_EQ(softness.impedance_max, 0.95);
+  EXPECT_EQ(softness.impedance_max, 0.99);
 }
 
 TEST(RobotLoader, PutsFurtherJointsBehindTheLegs) {
@@ -310,9 +310,9 @@ const BadInput kBadYamls[] = {
     {"LoopOnOneLink", "link_b: FL_lower_right", "link_b: FL_foot", "legs.FL",
      "a loop between the two lower links", "none"},
     {"DuplicateLoop", "name: FR_tip", "name: FL_tip", "loop 'FL_tip'", "a unique name", "second"},
-    {"SoftnessOutOfRange", "impedance_max: 0.95", "impedance_max: 1.5", "loop_softness", "impedance_max < 1",
+    {"SoftnessOutOfRange", "impedance_max: 0.99", "impedance_max: 1.5", "loop_softness", "impedance_max < 1",
      "1.5"},
-    {"UnknownSoftness", "impedance_max: 0.95", "impedance: 0.95", "loop_softness.impedance",
+    {"UnknownSoftness", "impedance_max: 0.99", "impedance: 0.99", "loop_softness.impedance",
      "one of the keys", "unknown key 'impedance'"},
     {"HomeThatCannotClose", "shoulder_left: 0.8606149458496", "shoulder_left: 2.5", "home",
      "angles within 0.1 rad of closed loops", "stay open"},

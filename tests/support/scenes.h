@@ -21,7 +21,7 @@ class Trot {
   static constexpr double kStand = 0.5;          ///< s
   static constexpr double kCycle = 0.8;          ///< s
   static constexpr double kStepLength = 0.045;   ///< m
-  static constexpr double kStepHeight = 0.025;   ///< m
+  static constexpr double kStepHeight = 0.015;   ///< m
 
   explicit Trot(const RobotDescription& robot);
   JointTargets targets(double time) const noexcept;

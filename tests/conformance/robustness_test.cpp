@@ -1,0 +1,243 @@
+// Bad input and worlds that explode: reported at once, never carried on, and gone after a reset.
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/tests/support/backend_test.h"
+
+namespace crossgait {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+bool same(const RobotState& a, const RobotState& b) {
+  return a.time == b.time && a.p_WB == b.p_WB && a.q_WB.coeffs() == b.q_WB.coeffs() && a.v_WB == b.v_WB &&
+         a.w_WB == b.w_WB && a.q == b.q && a.qd == b.qd;
+}
+
+/// What a ConfigError says, or "" if there is none.
+std::string refusal(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+class BadInput : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(BadInput);
+
+TEST_P(BadInput, TargetsOfTheWrongSizeOrNotFiniteChangeNothing) {
+  const auto backend = make(scenes::quadruped());
+  const JointTargets good = scenes::home_targets(backend->robot());
+  ASSERT_EQ(backend->step(good, 50), StepStatus::kOk);
+  const RobotState before = backend->state();
+  JointTargets bad = good;
+  for (const double value : {kNaN, kInfinity, -kInfinity}) {
+    bad.q[7] = value;
+    EXPECT_EQ(backend->step(bad), StepStatus::kInvalidTargets);
+  }
+  EXPECT_EQ(backend->step({}), StepStatus::kInvalidTargets);
+  bad.q = JointVector::Zero(good.q.size() + 1);
+  EXPECT_EQ(backend->step(bad), StepStatus::kInvalidTargets);
+  EXPECT_TRUE(same(backend->state(), before));
+  // ... and the world goes on as if nothing had been asked.
+  const auto undisturbed = make(scenes::quadruped());
+  ASSERT_EQ(undisturbed->step(good, 100), StepStatus::kOk);
+  ASSERT_EQ(backend->step(good, 50), StepStatus::kOk);
+  EXPECT_TRUE(same(backend->state(), undisturbed->state()));
+}
+
+TEST_P(BadInput, StatesAreRefusedByName) {
+  const auto backend = make(scenes::quadruped());
+  const RobotState good = backend->home_state();
+  const std::vector<std::pair<const char*, std::function<void(RobotState&)>>> faults{
+      {"joint vectors", [](RobotState& s) { s.q.resize(3); }},
+      {"joint vectors", [](RobotState& s) { s.qd.resize(0); }},
+      {"state", [](RobotState& s) { s.p_WB.y() = kNaN; }},
+      {"state", [](RobotState& s) { s.v_WB.x() = kInfinity; }},
+      {"state", [](RobotState& s) { s.w_WB.z() = kNaN; }},
+      {"state", [](RobotState& s) { s.q[5] = kNaN; }},
+      {"state", [](RobotState& s) { s.qd[5] = 1e9; }},
+      {"state", [](RobotState& s) { s.time = kNaN; }},
+      {"state", [](RobotState& s) { s.q_WB.w() = kNaN; }},
+      {"q_WB", [](RobotState& s) { s.q_WB.coeffs() *= 2; }},
+      {"q_WB", [](RobotState& s) { s.q_WB.coeffs().setZero(); }},
+  };
+  for (const auto& [element, spoil] : faults) {
+    RobotState bad = good;
+    spoil(bad);
+    EXPECT_NE(refusal([&] { backend->reset(bad); }).find(element), std::string::npos) << element;
+    EXPECT_TRUE(same(backend->state(), good));
+  }
+}
+
+TEST_P(BadInput, WorldsAreRefusedByField) {
+  const std::vector<std::pair<const char*, std::function<void(WorldSpec&)>>> faults{
+      {"robot", [](WorldSpec& w) { w.robot = nullptr; }},
+      {"physics_dt", [](WorldSpec& w) { w.physics_dt = 0; }},
+      {"physics_dt", [](WorldSpec& w) { w.physics_dt = kNaN; }},
+      {"gravity", [](WorldSpec& w) { w.gravity.x() = kNaN; }},
+      {"friction", [](WorldSpec& w) { w.contact.friction = -0.1; }},
+      {"impratio", [](WorldSpec& w) { w.contact.impratio = 0; }},
+      {"time_constant", [](WorldSpec& w) { w.contact.softness.time_constant = 0; }},
+      {"tolerance", [](WorldSpec& w) { w.solver.tolerance = kNaN; }},
+      {"iterations", [](WorldSpec& w) { w.solver.iterations = 0; }},
+  };
+  for (const auto& [element, spoil] : faults) {
+    WorldSpec bad = scenes::world_of(scenes::sled());
+    spoil(bad);
+    EXPECT_NE(refusal([&] { make(bad); }).find(element), std::string::npos) << element;
+  }
+}
+
+TEST_P(BadInput, PushesAndBodiesAreChecked) {
+  const auto backend = make(scenes::quadruped());
+  EXPECT_NE(refusal([&] { backend->apply_push({0, kNaN, 0}); }), "");
+  EXPECT_NE(refusal([&] { backend->body_pose(-1); }), "");
+  EXPECT_NE(refusal([&] { backend->body_pose(21); }), "");
+  EXPECT_NE(refusal([&] { backend->body_inertia(21); }), "");
+  EXPECT_EQ(refusal([&] { backend->body_pose(20); }), "");
+}
+
+class Divergence : public BackendTest {
+ protected:
+  /// A servo so stiff that explicit torques must blow up.
+  static WorldSpec explosive() {
+    RobotDescription robot = *scenes::quadruped();
+    for (Body& body : robot.bodies) {
+      body.joint.kp = 1e9;
+      body.joint.effort_limit = 1e9;
+    }
+    WorldSpec spec = scenes::world_of(scenes::finished(robot));
+    spec.physics_dt = 2e-3;
+    return spec;
+  }
+};
+CROSSGAIT_FOR_EVERY_BACKEND(Divergence);
+
+TEST_P(Divergence, IsReportedSticksAndEndsWithAReset) {
+  const auto backend = make(explosive());
+  JointTargets off = scenes::home_targets(backend->robot());
+  const JointTargets home = off;
+  off.q.array() += 0.1;
+  int steps = 0;
+  StepStatus status = StepStatus::kOk;
+  while (status == StepStatus::kOk && steps < 1000) {
+    status = backend->step(off);
+    ++steps;
+  }
+  ASSERT_EQ(status, StepStatus::kDiverged);
+  measured("steps until it was noticed", steps);
+  const RobotState last_good = backend->state();
+  EXPECT_TRUE(last_good.is_finite());
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(backend->step(home), StepStatus::kDiverged);
+    EXPECT_TRUE(same(backend->state(), last_good));
+  }
+  EXPECT_TRUE(backend->body_pose(3).matrix().allFinite());
+
+  // Back to the home pose without torques: in the air, so that the servos stay where they are.
+  RobotState start = backend->home_state();
+  start.p_WB.z() = 1;
+  const auto fresh = make(explosive());
+  fresh->reset(start);
+  backend->reset(start);
+  EXPECT_TRUE(same(backend->state(), fresh->state()));
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(backend->step(home), fresh->step(home));
+    EXPECT_TRUE(same(backend->state(), fresh->state()));
+  }
+}
+
+TEST_P(Divergence, LeavesNoTraceInALongRunAfterwards) {
+  // A sane robot this time, thrown at a speed that its joints cannot follow.
+  const auto backend = make(scenes::quadruped()), fresh = make(scenes::quadruped());
+  const JointTargets home = scenes::home_targets(backend->robot());
+  RobotState wild = backend->home_state();
+  wild.p_WB.z() = 1;
+  wild.w_WB = {9e3, -9e3, 9e3};
+  wild.qd.setConstant(9e3);
+  backend->reset(wild);
+  StepStatus status = StepStatus::kOk;
+  for (int i = 0; i < 1000 && status == StepStatus::kOk; ++i) status = backend->step(home);
+  EXPECT_EQ(status, StepStatus::kDiverged);
+  backend->reset();
+  for (int i = 0; i < 500; ++i) {
+    ASSERT_EQ(backend->step(home), StepStatus::kOk);
+    ASSERT_EQ(fresh->step(home), StepStatus::kOk);
+    ASSERT_TRUE(same(backend->state(), fresh->state())) << "step " << i;
+  }
+}
+
+TEST_P(Divergence, ASnapshotFromBeforeEndsItToo) {
+  const auto backend = make(scenes::quadruped());
+  const JointTargets home = scenes::home_targets(backend->robot());
+  ASSERT_EQ(backend->step(home, 100), StepStatus::kOk);
+  const Snapshot saved = backend->save();
+  ASSERT_EQ(backend->step(home, 100), StepStatus::kOk);
+  const RobotState expected = backend->state();
+  RobotState wild = backend->home_state();
+  wild.p_WB.z() = 1;
+  wild.w_WB = {9e3, -9e3, 9e3};
+  wild.qd.setConstant(9e3);
+  backend->reset(wild);
+  StepStatus status = StepStatus::kOk;
+  for (int i = 0; i < 1000 && status == StepStatus::kOk; ++i) status = backend->step(home);
+  ASSERT_EQ(status, StepStatus::kDiverged);
+  backend->restore(saved);
+  ASSERT_EQ(backend->step(home, 100), StepStatus::kOk);
+  EXPECT_TRUE(same(backend->state(), expected));
+}
+
+class Instances : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(Instances);
+
+TEST_P(Instances, DoNotDisturbEachOther) {
+  WorldSpec rough = scenes::world_of(scenes::quadruped());
+  rough.terrain = make_terrain("rough:seed=3,size_x=2,size_y=2");
+  const scenes::Trot trot(*scenes::quadruped());
+  const auto alone = make(rough);
+  for (int i = 0; i < 900; ++i) ASSERT_EQ(alone->step(trot.targets(i * 1e-3)), StepStatus::kOk);
+
+  const auto first = make(rough);
+  const auto other = make(scenes::long_quadruped());  // another robot, on the plane
+  for (int i = 0; i < 900; ++i) {
+    ASSERT_EQ(first->step(trot.targets(i * 1e-3)), StepStatus::kOk);
+    ASSERT_EQ(other->step(scenes::home_targets(other->robot())), StepStatus::kOk);
+    if (i % 100 == 0) {  // questions between steps change nothing either
+      first->mass_matrix();
+      first->body_pose(4);
+      first->terrain_height(0.1, 0.1);
+      first->save();
+      const auto passing = make(rough);
+      ASSERT_EQ(passing->step(trot.targets(0)), StepStatus::kOk);
+    }
+  }
+  EXPECT_TRUE(same(first->state(), alone->state()));
+}
+
+class MassMatrix : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(MassMatrix);
+
+TEST_P(MassMatrix, IsSymmetricPositiveDefinite) {
+  for (const scenes::RobotPtr& robot : {scenes::quadruped(), scenes::awkward_robot()}) {
+    for (const bool fixed : {false, true}) {
+      WorldSpec spec = scenes::world_of(robot);
+      spec.fixed_base = fixed;
+      const Eigen::MatrixXd M = make(spec)->mass_matrix();
+      ASSERT_EQ(M.rows(), robot->joint_count() + (fixed ? 0 : 6));
+      ASSERT_EQ(M.cols(), M.rows());
+      EXPECT_LT((M - M.transpose()).cwiseAbs().maxCoeff(), 1e-12 * M.cwiseAbs().maxCoeff());
+      EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M).eigenvalues()[0], 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,139 @@
+// The same input gives the same bits: in a rerun, after restoring a snapshot, in another thread.
+#include <cstring>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/tests/support/backend_test.h"
+
+namespace crossgait {
+namespace {
+
+class Determinism : public BackendTest {
+ protected:
+  static WorldSpec world(const std::string& terrain) {
+    WorldSpec spec = scenes::world_of(scenes::quadruped());
+    spec.terrain = make_terrain(terrain, 9);
+    return spec;
+  }
+};
+CROSSGAIT_FOR_EVERY_BACKEND(Determinism);
+
+bool same_bits(const RobotState& a, const RobotState& b) {
+  const auto equal = [](const auto& x, const auto& y) {
+    return x.size() == y.size() &&
+           std::memcmp(x.data(), y.data(), sizeof(double) * static_cast<std::size_t>(x.size())) == 0;
+  };
+  return std::memcmp(&a.time, &b.time, sizeof a.time) == 0 && equal(a.p_WB, b.p_WB) &&
+         equal(a.q_WB.coeffs(), b.q_WB.coeffs()) && equal(a.v_WB, b.v_WB) && equal(a.w_WB, b.w_WB) &&
+         equal(a.q, b.q) && equal(a.qd, b.qd);
+}
+
+// Trots from step `from` to step `to`, pushed now and then; the state after every step.
+std::vector<RobotState> trot(PhysicsBackend& backend, int from, int to) {
+  const scenes::Trot motion(backend.robot());
+  std::vector<RobotState> states;
+  for (int i = from; i < to; ++i) {
+    if (i % 400 == 399) backend.apply_push({0.01, 0.02, 0});
+    EXPECT_EQ(backend.step(motion.targets(i * backend.spec().physics_dt)), StepStatus::kOk);
+    states.push_back(backend.state());
+  }
+  return states;
+}
+
+void expect_same(const std::vector<RobotState>& a, const std::vector<RobotState>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) ASSERT_TRUE(same_bits(a[i], b[i])) << "first at step " << i;
+}
+
+constexpr int kSteps = 3000, kHalf = 1500;
+
+TEST_P(Determinism, RerunInANewWorld) {
+  for (const char* terrain : {"flat", "rough"}) {
+    const auto a = make(world(terrain)), b = make(world(terrain));
+    expect_same(trot(*a, 0, kSteps), trot(*b, 0, kSteps));
+  }
+}
+
+TEST_P(Determinism, RerunAfterReset) {
+  const auto backend = make(world("rough"));
+  const auto first = trot(*backend, 0, kSteps);
+  backend->reset();
+  expect_same(first, trot(*backend, 0, kSteps));
+}
+
+TEST_P(Determinism, RestoreContinuesInTheSameAndInAnotherWorld) {
+  for (const char* terrain : {"flat", "rough"}) {
+    const auto used = make(world(terrain)), fresh = make(world(terrain));
+    trot(*used, 0, kHalf);
+    const Snapshot snapshot = used->save();
+    const auto first = trot(*used, kHalf, kSteps);
+    used->restore(snapshot);
+    EXPECT_TRUE(same_bits(used->state(), snapshot.state));
+    expect_same(first, trot(*used, kHalf, kSteps));
+    fresh->restore(snapshot);
+    expect_same(first, trot(*fresh, kHalf, kSteps));
+  }
+}
+
+TEST_P(Determinism, SavingAndAskingDisturbNothing) {
+  const auto plain = make(world("rough")), asked = make(world("rough"));
+  const auto expected = trot(*plain, 0, kHalf);
+  std::vector<RobotState> states;
+  for (int i = 0; i < kHalf; ++i) {
+    (void)asked->save();
+    (void)asked->mass_matrix();
+    (void)asked->body_pose(3);
+    (void)asked->terrain_height(0.1, 0.05);
+    const auto step = trot(*asked, i, i + 1);
+    states.push_back(step.front());
+  }
+  expect_same(expected, states);
+}
+
+TEST_P(Determinism, PendingPushIsPartOfASnapshot) {
+  const auto backend = make(world("flat"));
+  trot(*backend, 0, 300);
+  backend->apply_push({0.1, 0, 0.05});
+  const Snapshot snapshot = backend->save();
+  const auto pushed = trot(*backend, 300, 320);
+  backend->restore(snapshot);
+  expect_same(pushed, trot(*backend, 300, 320));
+}
+
+TEST_P(Determinism, ContactsAndTorquesAreRestored) {
+  const auto backend = make(world("flat"));
+  trot(*backend, 0, 700);
+  const Snapshot snapshot = backend->save();
+  const LegArray<FootContact> feet = backend->foot_contacts();
+  const JointVector torques = backend->torques();
+  trot(*backend, 700, 900);
+  backend->restore(snapshot);
+  for (const Leg leg : kLegs) EXPECT_EQ(backend->foot_contacts()[leg].force, feet[leg].force);
+  EXPECT_EQ(backend->torques(), torques);
+}
+
+TEST_P(Determinism, TwoThreadsGiveTheBitsOfOne) {
+  const auto alone = make(world("rough"));
+  const auto expected = trot(*alone, 0, kHalf);
+  const auto a = make(world("rough")), b = make(world("rough"));
+  std::vector<RobotState> states_a, states_b;
+  std::thread thread([&] { states_a = trot(*a, 0, kHalf); });
+  states_b = trot(*b, 0, kHalf);
+  thread.join();
+  expect_same(expected, states_a);
+  expect_same(expected, states_b);
+}
+
+TEST_P(Determinism, ForeignSnapshotsAreRefused) {
+  const auto backend = make(world("flat"));
+  Snapshot snapshot = backend->save();
+  snapshot.backend = "abacus";
+  EXPECT_THROW(backend->restore(snapshot), ConfigError);
+  const auto sled = make(scenes::sled());
+  EXPECT_THROW(backend->restore(sled->save()), ConfigError);
+}
+
+}  // namespace
+}  // namespace crossgait
