@@ -102,7 +102,7 @@ void sample_points(const Options& options, const Terrain& terrain, std::string& 
     const Vector3 n = terrain.normal(xy[0], xy[1]);
     const bool inside = terrain.contains(xy[0], xy[1]);
     table.add_row({fmt::format("{:.4f}", xy[0]), fmt::format("{:.4f}", xy[1]), fmt::format("{:.6f}", height),
-                   fmt::format("{:.4f} {:.4f} {:.4f}", n.x(), n.y(), n.z()),
+                   fmt::format("{:.4f} {:.4f} {:.4f}", n.x() + 0.0, n.y() + 0.0, n.z()),
                    inside ? "" : "outside: nearest point"});
     result["samples"].push_back({{"x_m", xy[0]},
                                  {"y_m", xy[1]},

@@ -34,7 +34,7 @@ void add_walk_command(CLI::App& program) {
       "\nExamples:\n"
       "  crossgait walk\n"
       "  crossgait walk --backend bullet --terrain rough --seed 3 --seconds 10\n"
-      "  crossgait walk --set step_length=.08 --set cycle_time=.7 --trace walk.csv --json -");
+      "  crossgait walk --set step_length=.08 --set cycle_time=1 --trace walk.csv --json -");
   auto options = std::make_shared<Options>();
   command->add_option("--backend", options->backend, "Engine and mode (see `crossgait backends`)")
       ->capture_default_str();

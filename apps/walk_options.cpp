@@ -15,7 +15,7 @@ void WalkOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_option("--settle", timing.settle_seconds, "Simulated time to stand before the first step, s")
       ->capture_default_str();
-  command.add_flag("!--no-compensation", compensate,
+  command.add_flag("--no-compensation", plain_servos,
                    "Send the wanted joint angles as they are, without leading them by the servos' lag");
 }
 
@@ -23,7 +23,7 @@ WalkSetup WalkOptions::make(const RobotDescription& robot) const {
   WalkSetup setup;
   setup.gait = gait;
   setup.timing = timing;
-  setup.compensation = compensate ? ServoCompensation{} : ServoCompensation::none();
+  setup.compensation = plain_servos ? ServoCompensation::none() : ServoCompensation{};
   const GaitChoice choice = choose_gait(gait, settings);
   setup.make_gait = [choice, &robot] { return make_gait_source(choice, robot); };
   return setup;

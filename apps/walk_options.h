@@ -10,7 +10,7 @@ struct WalkOptions {
   std::string gait = "trot";
   std::vector<std::string> settings;  // NAME=VALUE of gait parameters
   WalkTiming timing;
-  bool compensate = true;
+  bool plain_servos = false;
 
   void add_to(CLI::App& command);
   /// @param robot must outlive the setup

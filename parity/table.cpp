@@ -1,6 +1,7 @@
 #include "crossgait/parity/table.h"
 
 #include <algorithm>
+#include <string_view>
 
 namespace crossgait {
 namespace {
@@ -8,6 +9,11 @@ namespace {
 std::size_t width(const std::string& utf8) {
   return static_cast<std::size_t>(std::count_if(
       utf8.begin(), utf8.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+// Numbers line up at their right ends, words at their left.
+bool is_number(const std::string& cell) {
+  return !cell.empty() && std::string_view("+-.0123456789").find(cell.front()) != std::string_view::npos;
 }
 
 }  // namespace
@@ -24,13 +30,18 @@ std::string Table::str() const {
   for (const auto& row : rows_) {
     for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], width(row[c]));
   }
+  std::vector<bool> right(widths.size(), false);
+  for (std::size_t c = 1; c < widths.size(); ++c) {
+    right[c] =
+        std::any_of(rows_.begin() + 1, rows_.end(), [c](const auto& row) { return is_number(row[c]); });
+  }
   std::string text;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     std::string line;
     for (std::size_t c = 0; c < widths.size(); ++c) {
       const std::string padding(widths[c] - width(rows_[r][c]), ' ');
       if (c > 0) line += "  ";
-      line += c == 0 ? rows_[r][c] + padding : padding + rows_[r][c];
+      line += right[c] ? padding + rows_[r][c] : rows_[r][c] + padding;
     }
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + "\n";

@@ -1,4 +1,4 @@
-// Plain-text tables: the first column left-aligned, the others right-aligned.
+// Plain-text tables: columns with numbers are right-aligned, the first column and columns of words left-aligned.
 #pragma once
 
 #include <string>
