@@ -79,7 +79,7 @@ void list_parameters(const Options& options) {
 
 GaitGenerator make_generator(const Options& options) {
   const GaitChoice choice = choose_gait(options.gait, options.settings);
-  return {choice.gait, choice.parameters, leg_origins(load_robot(find_robot(options.robot)))};
+  return {*choice.gait, choice.parameters, leg_origins(load_robot(find_robot(options.robot)))};
 }
 
 // One row per sample from t = 0: positions in the leg frames.

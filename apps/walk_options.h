@@ -1,6 +1,8 @@
 // Options that `walk` and `compare` share: the gait and its timing.
 #pragma once
 
+#include <optional>
+
 #include "crossgait/apps/command.h"
 #include "crossgait/parity/comparison.h"
 
@@ -9,6 +11,8 @@ namespace crossgait::apps {
 struct WalkOptions {
   std::string gait = "trot";
   std::vector<std::string> settings;  // NAME=VALUE of gait parameters
+  std::optional<double> speed;
+  std::string velocity;
   WalkTiming timing;
   bool plain_servos = false;
 

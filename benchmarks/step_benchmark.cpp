@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/backends/registry.h"
-#include "crossgait/benchmarks/bare_mujoco.h"
+#include "crossgait/benchmarks/mujoco/bare_mujoco.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/atomic_file.h"
 #include "crossgait/tests/support/scenes.h"

@@ -2,12 +2,42 @@
 
 #include <memory>
 
-namespace crossgait {
+#include <fmt/format.h>
 
-GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings) {
-  GaitChoice choice{find_gait(gait), {}};
-  choice.parameters = choice.gait.preferred;
+#include "crossgait/gait/multi_gait_controller.h"
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace {
+
+LegArray<Vector3> positions(const LegArray<FootTarget>& targets) noexcept {
+  LegArray<Vector3> feet;
+  for (const Leg leg : kLegs) feet[leg] = targets[leg].position;
+  return feet;
+}
+
+// The controllers' setters refuse what `choose_gait` has refused before.
+void require(bool accepted) {
+  if (!accepted) throw ConfigError("gait", "parameters or command", "valid values", "values that are not");
+}
+
+}  // namespace
+
+GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings,
+                       const std::optional<VelocityCommand>& command) {
+  GaitChoice choice;
+  if (gait != kAutomaticGait) {
+    choice.gait = find_gait(gait);
+    choice.parameters = choice.gait->preferred;
+  } else if (!command) {
+    throw ConfigError("gait", gait, "a speed or a velocity command to choose the gait by", "none");
+  }
+  if (command && !command->is_finite()) {
+    throw ConfigError("gait", "velocity command", "finite vx, vy (m/s) and yaw rate (rad/s)",
+                      fmt::format("{}, {}, {}", command->vx, command->vy, command->yaw_rate));
+  }
   for (const std::string& setting : settings) assign(choice.parameters, setting);
+  choice.command = command;
   return choice;
 }
 
@@ -17,15 +47,21 @@ LegArray<Vector3> leg_origins(const RobotDescription& robot) {
   return p_BL;
 }
 
-FootTargetSource make_gait_source(const GaitChoice& choice, const RobotDescription& robot) {
-  const auto generator = std::make_shared<GaitGenerator>(choice.gait, choice.parameters, leg_origins(robot));
+GaitSource make_gait_source(const GaitChoice& choice, const RobotDescription& robot) {
+  const LegArray<Vector3> p_BL = leg_origins(robot);
+  if (!choice.gait) {
+    MultiGaitOptions options;
+    options.parameters = choice.parameters;
+    const auto controller = std::make_shared<MultiGaitController>(options, p_BL);
+    require(!choice.command || controller->set_command(*choice.command));
+    return {[controller](double dt) { return positions(controller->update(dt)); },
+            [controller]() -> const GaitGenerator& { return controller->generator(); }};
+  }
+  const auto generator = std::make_shared<GaitGenerator>(*choice.gait, choice.parameters, p_BL);
+  require(!choice.command || generator->set_command(*choice.command));
   generator->reset(GaitGenerator::Start::kStanding);
-  return [generator](double dt) {
-    const LegArray<FootTarget>& targets = generator->update(dt);
-    LegArray<Vector3> feet;
-    for (const Leg leg : kLegs) feet[leg] = targets[leg].position;
-    return feet;
-  };
+  return {[generator](double dt) { return positions(generator->update(dt)); },
+          [generator]() -> const GaitGenerator& { return *generator; }};
 }
 
 }  // namespace crossgait

@@ -1,29 +1,38 @@
 // Gaits as sources of foot targets for a walk.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "crossgait/env/walk.h"
-#include "crossgait/gait/gait_generator.h"
 
 namespace crossgait {
 
-/// One gait with one set of parameters.
+/// The name that stands for "the gait for the speed".
+inline constexpr std::string_view kAutomaticGait = "auto";
+
+/// What to walk: a gait, or whichever suits the commanded speed.
 struct GaitChoice {
-  Gait gait;
-  GaitParameters parameters;
+  std::optional<Gait> gait;   ///< empty: by speed (MultiGaitController)
+  GaitParameters parameters;  ///< where the gait is chosen by speed, cycle_time is each gait's own
+  std::optional<VelocityCommand> command;  ///< empty: steps of step_length
+
+  std::string name() const { return std::string(gait ? gait->name : kAutomaticGait); }
 };
 
 /// A gait by name with its preferred parameters, changed by assignments "name=value" (see gait/parameters.h).
-/// @throws ConfigError for an unknown gait, parameter or value
-GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings);
+/// @param gait  a name of `gaits()`, or `kAutomaticGait`, which needs a command
+/// @throws ConfigError for an unknown gait, parameter or value, or a command that is not finite
+GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings,
+                       const std::optional<VelocityCommand>& command = {});
 
 /// Origins of the leg frames in the base frame, m. @throws ConfigError if the robot has no five-bar legs
 LegArray<Vector3> leg_origins(const RobotDescription& robot);
 
 /// Walks `choice` with the legs of `robot`, from standing. Every call makes an independent source.
 /// @throws ConfigError if the robot has no five-bar legs
-FootTargetSource make_gait_source(const GaitChoice& choice, const RobotDescription& robot);
+GaitSource make_gait_source(const GaitChoice& choice, const RobotDescription& robot);
 
 }  // namespace crossgait

@@ -113,12 +113,12 @@ int WalkTiming::substeps(double physics_dt) const {
 
 int WalkTiming::control_steps() const { return static_cast<int>(std::lround(seconds / control_dt)); }
 
-WalkSummary run_walk(PhysicsBackend& backend, LegController& legs, const FootTargetSource& gait,
+WalkSummary run_walk(PhysicsBackend& backend, LegController& legs, const GaitSource& gait,
                      const WalkTiming& timing, const WalkObserver& observer) {
   const auto begin = std::chrono::steady_clock::now();
   const double dt = timing.control_dt;
   const int substeps = timing.substeps(backend.spec().physics_dt);
-  const LegArray<Vector3> standing = gait(0);
+  const LegArray<Vector3> standing = gait.feet(0);
 
   backend.reset(legs.standing_state(standing, backend.spec().terrain));
   legs.restart();
@@ -129,16 +129,21 @@ WalkSummary run_walk(PhysicsBackend& backend, LegController& legs, const FootTar
   }
 
   Statistics statistics(backend, dt);
+  double limit_factor = 1;
   for (int i = 0; i < timing.control_steps() && status == StepStatus::kOk; ++i) {
-    const JointTargets& targets = legs.update(gait(dt), dt);
+    const JointTargets& targets = legs.update(gait.feet(dt), dt);
     status = backend.step(targets, substeps);
     if (status != StepStatus::kOk) break;
     const LegArray<FootContact> feet = backend.foot_contacts();
     statistics.add(feet);
-    if (observer && !observer({backend.state(), targets, feet})) break;
+    const GaitGenerator* generator = gait.generator ? &gait.generator() : nullptr;
+    if (generator != nullptr) limit_factor = std::min(limit_factor, generator->limit_factor());
+    const GaitParameters* parameters = generator != nullptr ? &generator->parameters() : nullptr;
+    if (observer && !observer({backend.state(), targets, feet, parameters})) break;
   }
   WalkSummary summary = statistics.finish();
   summary.ik_clamped = legs.clamped();
+  summary.limit_factor = limit_factor;
   summary.diverged = status != StepStatus::kOk;
   summary.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return summary;

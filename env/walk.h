@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "crossgait/env/leg_controller.h"
+#include "crossgait/gait/gait_generator.h"
 #include "crossgait/physics/physics_backend.h"
 
 namespace crossgait {
@@ -13,6 +14,13 @@ namespace crossgait {
 /// Foot targets in the leg frames, m, after `dt` more seconds of gait. Asked with dt = 0 before the first
 /// step, it says where the feet stand.
 using FootTargetSource = std::function<LegArray<Vector3>(double dt)>;
+
+/// Where a walk's foot targets come from.
+struct GaitSource {
+  FootTargetSource feet;
+  /// The generator behind them, for its parameters and limits; empty for feet that come from elsewhere.
+  std::function<const GaitGenerator&()> generator = {};
+};
 
 /// Timing of a walk. All in simulated seconds.
 struct WalkTiming {
@@ -33,6 +41,8 @@ struct WalkSample {
   const RobotState& state;
   const JointTargets& targets;
   const LegArray<FootContact>& feet;
+  const GaitParameters* parameters =
+      nullptr;  ///< of the gait, as last set; null if the feet come from elsewhere
 };
 /// @returns false to end the walk early
 using WalkObserver = std::function<bool(const WalkSample&)>;
@@ -52,6 +62,7 @@ struct WalkSummary {
   std::optional<double> fell_at_s;
   bool diverged = false;         ///< the engine produced a state that is not one
   std::int64_t ik_clamped = 0;   ///< leg solutions that were not exact
+  double limit_factor = 1;       ///< smallest share of the velocity command that the steps could follow
   double max_penetration_m = 0;  ///< of any contact
   double max_loop_gap_m = 0;
   LegArray<double> duty_factor{};  ///< share of time each foot carried load
@@ -63,7 +74,7 @@ struct WalkSummary {
 
 /// Resets `backend`, restarts `legs` (made for the backend's robot), lets the robot settle, then walks.
 /// @throws ConfigError for impossible timing
-WalkSummary run_walk(PhysicsBackend& backend, LegController& legs, const FootTargetSource& gait,
+WalkSummary run_walk(PhysicsBackend& backend, LegController& legs, const GaitSource& gait,
                      const WalkTiming& timing, const WalkObserver& observer = {});
 
 }  // namespace crossgait

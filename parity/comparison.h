@@ -24,7 +24,7 @@ struct Comparison {
 };
 
 /// Makes a fresh gait for each engine: state must not leak from one run into the next.
-using GaitFactory = std::function<FootTargetSource()>;
+using GaitFactory = std::function<GaitSource()>;
 /// Called now and then with the share of all work done, in [0, 1].
 using Progress = std::function<void(double share)>;
 

@@ -68,6 +68,8 @@ const std::vector<Row>& rows() {
        [](const WalkSummary& s) { return fmt::format("{:.3f}", 1e3 * s.max_loop_gap_m); }},
       {"cost of transport", [](const WalkSummary& s) { return fmt::format("{:.3f}", s.cost_of_transport); }},
       {"IK targets clamped", [](const WalkSummary& s) { return fmt::format("{}", s.ik_clamped); }},
+      {"share of command followed",
+       [](const WalkSummary& s) { return fmt::format("{:.3f}", s.limit_factor); }},
       {"wall time, s", [](const WalkSummary& s) { return fmt::format("{:.2f}", s.wall_seconds); }},
   };
   return kRows;
@@ -127,6 +129,7 @@ nlohmann::ordered_json to_json(const WalkRun& run) {
                       {"slip_m", s.slip_m},
                       {"cost_of_transport", s.cost_of_transport},
                       {"ik_clamped", s.ik_clamped},
+                      {"limit_factor", s.limit_factor},
                       {"diverged", s.diverged},
                       {"max_penetration_m", s.max_penetration_m},
                       {"max_loop_gap_m", s.max_loop_gap_m},

@@ -1,4 +1,5 @@
-// Plain-text tables: columns with numbers are right-aligned, the first column and columns of words left-aligned.
+// Plain-text tables: columns with numbers are right-aligned, the first column and columns of words
+// left-aligned.
 #pragma once
 
 #include <string>

@@ -9,19 +9,23 @@
 namespace crossgait {
 namespace {
 
-std::string header(const RobotDescription& robot) {
+std::string header(const RobotDescription& robot, bool parameters) {
   std::string line =
       "time,p_WB.x,p_WB.y,p_WB.z,q_WB.w,q_WB.x,q_WB.y,q_WB.z,v_WB.x,v_WB.y,v_WB.z,w_WB.x,w_WB.y,w_WB.z";
   for (int i = 0; i < robot.joint_count(); ++i) line += ",q." + robot.joint(i).name;
   for (const int i : robot.actuated_joints()) line += ",target." + robot.joint(i).name;
   for (const Leg leg : kLegs) line += fmt::format(",contact.{}", name(leg));
   for (const Leg leg : kLegs) line += fmt::format(",load.{}", name(leg));
+  for (const ParameterRow& row : gait_parameters()) {
+    if (parameters) line += fmt::format(",param.{}", row.name);
+  }
   return line + "\n";
 }
 
 }  // namespace
 
 TraceSample::TraceSample(const WalkSample& sample) : state(sample.state), targets(sample.targets) {
+  if (sample.parameters != nullptr) parameters = *sample.parameters;
   for (const Leg leg : kLegs) {
     contact[leg] = sample.feet[leg].touching;
     load[leg] = sample.feet[leg].force.norm();
@@ -29,7 +33,8 @@ TraceSample::TraceSample(const WalkSample& sample) : state(sample.state), target
 }
 
 void write_trace_csv(const RobotDescription& robot, const Trace& trace, const std::string& path) {
-  std::string text = header(robot);
+  const bool parameters = !trace.empty() && trace.front().parameters;
+  std::string text = header(robot, parameters);
   const auto out = std::back_inserter(text);
   const auto put = [&out](double value) { fmt::format_to(out, ",{:.17g}", value); };
   const auto put_all = [&put](const auto& values) {
@@ -46,6 +51,9 @@ void write_trace_csv(const RobotDescription& robot, const Trace& trace, const st
     put_all(sample.targets.q);
     for (const Leg leg : kLegs) fmt::format_to(out, ",{}", sample.contact[leg] ? 1 : 0);
     for (const Leg leg : kLegs) put(sample.load[leg]);
+    for (const ParameterRow& row : gait_parameters()) {
+      if (parameters) put(sample.parameters.value_or(GaitParameters{}).*row.member);
+    }
     text += '\n';
   }
   write_file_atomically(path, text);

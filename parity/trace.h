@@ -1,6 +1,7 @@
 // What a walk looked like over time, and its CSV file.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct TraceSample {
   JointTargets targets;
   LegArray<bool> contact{};
   LegArray<double> load{};  ///< magnitude of the force on each foot, N
+
+  std::optional<GaitParameters> parameters;  ///< of the gait, where there is one
 
   explicit TraceSample(const WalkSample& sample);
 };

@@ -102,8 +102,7 @@ TEST(Walk, StandingStillGoesNowhere) {
   const auto backend = any_backend();
   LegController legs(*robot());
   const WalkTiming timing{.seconds = 1};
-  const WalkSummary s = run_walk(
-      *backend, legs, [](double) { return standing_feet(); }, timing);
+  const WalkSummary s = run_walk(*backend, legs, {[](double) { return standing_feet(); }}, timing);
   EXPECT_LT(std::abs(s.distance_m), 2e-3);  // soft contact lets a standing robot creep
   EXPECT_FALSE(s.fell);
   EXPECT_FALSE(s.diverged);
@@ -140,9 +139,8 @@ TEST(Walk, ObserverCanEndIt) {
   const auto backend = any_backend();
   LegController legs(*robot());
   int samples = 0;
-  const WalkSummary s = run_walk(
-      *backend, legs, [](double) { return standing_feet(); }, WalkTiming{.seconds = 5},
-      [&](const WalkSample&) { return ++samples < 10; });
+  const WalkSummary s = run_walk(*backend, legs, {[](double) { return standing_feet(); }},
+                                 WalkTiming{.seconds = 5}, [&](const WalkSample&) { return ++samples < 10; });
   EXPECT_EQ(s.physics_steps, 20);
 }
 
@@ -156,8 +154,7 @@ TEST(Walk, FallingIsNoticed) {
   const auto backend = make_backend(available_backends().front(), spec);
   LegController legs(*robot());
   const WalkTiming timing{.seconds = 2, .settle_seconds = 0};
-  const WalkSummary s = run_walk(
-      *backend, legs, [](double) { return standing_feet(); }, timing);
+  const WalkSummary s = run_walk(*backend, legs, {[](double) { return standing_feet(); }}, timing);
   EXPECT_TRUE(s.fell);
   ASSERT_TRUE(s.fell_at_s.has_value());
   EXPECT_GT(*s.fell_at_s, 0.0);

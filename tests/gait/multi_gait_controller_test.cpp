@@ -94,8 +94,7 @@ TEST(MultiGait, ShortensTheCycleBeforeItLimitsTheSpeed) {
   // .444 s.
   ASSERT_TRUE(c.set_speed(0.3));
   run(c, 5);
-  EXPECT_NEAR(c.generator().parameters().cycle_time, 0.1 / (0.75 * 0.3),
-              1e-15);  // roundings of numbers below one
+  EXPECT_NEAR(c.generator().parameters().cycle_time, 0.1 / (0.75 * 0.3), 1e-12);  // and a hair less
   EXPECT_EQ(c.generator().limit_factor(), 1);
   // At 1 m/s not even the shortest cycle will do: .75 * .4 s * 1 m/s is three times the limit.
   ASSERT_TRUE(c.set_speed(1));

@@ -25,7 +25,7 @@ const std::vector<Folder>& folders() {
       {"physics", {}, true},
       {"backends", {"physics"}, true},
       {"ik", {"physics"}, false},
-      {"gait", {"physics", "ik"}, false},
+      {"gait", {"physics"}, false},
       {"env", {"physics", "ik", "gait"}, true},
       {"parity", {"physics", "ik", "gait", "env"}, true},
       {"apps", kEverything, true},

@@ -1,4 +1,4 @@
-#include "crossgait/benchmarks/bare_mujoco.h"
+#include "crossgait/benchmarks/mujoco/bare_mujoco.h"
 
 #include <array>
 #include <stdexcept>
