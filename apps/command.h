@@ -20,6 +20,8 @@ void add_robots_command(CLI::App& program);
 void add_terrain_command(CLI::App& program);
 void add_ik_command(CLI::App& program);
 void add_gait_command(CLI::App& program);
+void add_workspace_command(CLI::App& program);
+void add_plot_command(CLI::App& program);
 
 /// `--json FILE|-`. With "-" the JSON is all that is written to standard output.
 struct JsonOption {

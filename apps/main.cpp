@@ -37,6 +37,8 @@ int main(int argc, char** argv) {
     add_terrain_command(program);
     add_ik_command(program);
     add_gait_command(program);
+    add_workspace_command(program);
+    add_plot_command(program);
     program.parse(argc, argv);
   } catch (const CLI::Success& help) {
     return program.exit(help);

@@ -38,9 +38,9 @@ Vector3 foot_position(const GaitParameters& p, Leg leg, const LegPhase& phase,
     point = stride.curve == SwingCurve::kBezier ? bezier_swing(phase.progress, p.swing_shape)
                                                 : matched_swing(phase.progress, stride.duty);
   }
-  const double half = point.along / 2;
+  const double half = point.along / 2, lift = point.lift * stride.lift_scale;
   return {half * stride.step.x(), half * stride.step.y() + side_sign(leg) * outward_shift(p, leg),
-          p.body_height - point.lift * stride.lift_scale * swing_lift(p)};
+          p.body_height - lift * swing_lift(p)};
 }
 
 FootSpacing foot_spacing(const GaitParameters& p, const LegArray<Vector3>& p_BL) noexcept {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -40,6 +41,18 @@ Vector3 closest_on_triangle(const Vector3& a, const Vector3& b, const Vector3& c
   return normal * (normal.dot(a) / normal.squaredNorm());
 }
 
+/// Rounds to multiples of one power of two, so fine that a float holds every height and every difference of
+/// two: 24 bits for the largest of either. What rounds is below 1e-7 of the range.
+void quantise(std::vector<float>& heights) {
+  const auto [lowest, highest] = std::minmax_element(heights.begin(), heights.end());
+  const double range = static_cast<double>(*highest) - static_cast<double>(*lowest);
+  const double largest = std::max({range, std::abs(double{*lowest}), std::abs(double{*highest})});
+  if (largest == 0) return;
+  constexpr int kBits = std::numeric_limits<float>::digits;
+  const double quantum = std::ldexp(1.0, std::ilogb(largest) + 1 - kBits);
+  for (float& height : heights) height = static_cast<float>(std::nearbyint(height / quantum) * quantum);
+}
+
 }  // namespace
 
 HeightField::HeightField(int columns, int rows, double size_x, double size_y, std::vector<float> heights,
@@ -71,6 +84,7 @@ HeightField::HeightField(int columns, int rows, double size_x, double size_y, st
                         "a finite number of m", fmt::format("{}", heights_[i]));
     }
   }
+  quantise(heights_);
   const auto [lowest, highest] = std::minmax_element(heights_.begin(), heights_.end());
   min_ = *lowest;
   max_ = *highest;

@@ -27,6 +27,8 @@ struct SphereContact {
 /// +y. Each cell is split along (c,r)-(c+1,r+1), as MuJoCo does and Bullet does with flipQuadEdges; never
 /// bilinear. Heights are floats because MuJoCo stores floats: what is not representable cannot differ between
 /// engines.
+/// Heights are rounded to multiples of one power of two, at most 1.2e-7 of the largest height or range, so
+/// that floats hold every difference of two heights: MuJoCo stores floats relative to the lowest.
 class HeightField {
  public:
   /// @param columns,rows  at least 2 each, at most kMaxHeightSamples together

@@ -40,17 +40,40 @@ double best_sample(const Matrix3& H, const Vector3& g, double mu, int samples) n
   return best_theta;
 }
 
-// Newton's method for the stationary ray. @returns false where it leaves the concave neighbourhood.
+// Newton's method for the stationary ray from a good guess. @returns false where it does not settle.
 bool polish(const Matrix3& H, const Vector3& g, double mu, double theta, Ray& ray) noexcept {
-  for (int i = 0; i < 20; ++i) {
+  constexpr double kSettled = 1e-14;  // rad, the rounding of an angle of a few radians
+  for (int i = 0; i < 12; ++i) {
     ray = evaluate(H, g, mu, theta);
     if (ray.N <= 0 || ray.curvature >= 0) return false;
     const double step = -ray.slope / ray.curvature;
     if (std::abs(step) > 1) return false;
+    if (std::abs(step) < kSettled) return true;
     theta += step;
-    if (std::abs(step) < 1e-15) return true;
   }
-  return true;
+  return false;
+}
+
+// Where the slope changes from rising to falling between two angles: Newton's method kept inside by
+// bisection.
+Ray climb(const Matrix3& H, const Vector3& g, double mu, double low, double high) noexcept {
+  Ray ray = evaluate(H, g, mu, (low + high) / 2);
+  double theta = (low + high) / 2;
+  for (int i = 0; i < 100 && high - low > 1e-16; ++i) {
+    (ray.slope > 0 ? low : high) = theta;
+    double next = theta - ray.slope / ray.curvature;
+    if (!(next > low && next < high)) next = (low + high) / 2;
+    if (next == theta) break;
+    theta = next;
+    ray = evaluate(H, g, mu, theta);
+  }
+  return ray;
+}
+
+// A minimum over the solid cone, not of its surface alone: the gradient points inwards.
+bool is_solution(const Matrix3& H, const Vector3& g, const Ray& ray) noexcept {
+  const Vector3 gradient = H * (ray.N / ray.D * ray.d) + g;
+  return ray.N > 0 && gradient[0] >= -1e-12 * g.norm();
 }
 
 }  // namespace
@@ -62,18 +85,15 @@ Vector3 solve_cone_block(const Matrix3& H, const Vector3& g, double friction, co
   if (in_cone(free, friction)) return free;
 
   const bool warm = start[1] != 0 || start[2] != 0;
+  const double guess = warm ? std::atan2(start[2], start[1]) : best_sample(H, g, friction, 8);
   Ray ray{};
-  double theta = warm ? std::atan2(start[2], start[1]) : best_sample(H, g, friction, 8);
-  for (const int samples : {16, 64, 256}) {
-    if (polish(H, g, friction, theta, ray)) {
-      const Vector3 x = ray.N / ray.D * ray.d;
-      const Vector3 gradient = H * x + g;
-      // A minimum over the solid cone, not of its surface alone: the gradient points inwards.
-      if (gradient[0] >= -1e-12 * std::abs(g[0])) return x;
-    }
-    theta = best_sample(H, g, friction, samples);
+  if (polish(H, g, friction, guess, ray) && is_solution(H, g, ray)) return ray.N / ray.D * ray.d;
+  // The worth of a ray can have a narrow peak beside a broad one: look closer until the highest is found.
+  for (const int samples : {32, 512, 8192}) {
+    const double theta = best_sample(H, g, friction, samples), spacing = 2 * M_PI / samples;
+    ray = climb(H, g, friction, theta - spacing, theta + spacing);
+    if (is_solution(H, g, ray)) break;
   }
-  ray = evaluate(H, g, friction, theta);
   return std::max(0.0, ray.N / ray.D) * ray.d;
 }
 

@@ -93,9 +93,8 @@ void add_body(Xml& xml, const WorldSpec& spec, int index) {
     xml.add("<freejoint/>");
   }
   const PrincipalInertia inertia = principal_inertia(body.inertia);
-  xml.add("<inertial {} mass='{:.17g}' diaginertia='{}'/>", placement(from_origin(robot, index, inertia.X_BP)),
-          body.inertia.mass,
-          numbers(inertia.moments));
+  xml.add("<inertial {} mass='{:.17g}' diaginertia='{}'/>",
+          placement(from_origin(robot, index, inertia.X_BP)), body.inertia.mass, numbers(inertia.moments));
   const std::string contact = contact_attributes(spec.contact, kRobotBit, kTerrainBit, kRobotGroup);
   for (std::size_t k = 0; k < body.shapes.size(); ++k) {
     xml.add("<geom name='{}' {} {} {}/>", shape_name(index, static_cast<int>(k)),

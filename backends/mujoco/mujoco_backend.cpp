@@ -3,71 +3,16 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <mutex>
-#include <stdexcept>
 
-#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include "crossgait/backends/mujoco/model.h"
 #include "crossgait/backends/mujoco/model_xml.h"
 #include "crossgait/backends/mujoco/sphere_collision.h"
-#include "crossgait/physics/error.h"
 #include "crossgait/physics/principal_inertia.h"
 
 namespace crossgait::mujoco {
 namespace {
-
-struct Deleter {
-  void operator()(mjModel* m) const { mj_deleteModel(m); }
-  void operator()(mjData* d) const { mj_deleteData(d); }
-};
-using ModelPtr = std::unique_ptr<mjModel, Deleter>;
-using DataPtr = std::unique_ptr<mjData, Deleter>;
-
-// MuJoCo's default handlers wait for a key press and write a log file into the working directory.
-void install_handlers() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    mju_user_error = [](const char* message) {
-      throw std::runtime_error(fmt::format("MuJoCo: {}", message));
-    };
-    mju_user_warning = [](const char*) {};  // counted in mjData::warning, which do_step reads
-  });
-}
-
-ModelPtr compile(const WorldSpec& spec) {
-  const std::string xml = model_xml(spec);
-  const auto files = std::make_unique<mjVFS>();  // 2.2.2's file system is megabytes large: not for the stack
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "model.xml", static_cast<int>(xml.size()));
-  xml.copy(static_cast<char*>(files->filedata[0]), xml.size());
-  std::array<char, 1000> error{};
-  ModelPtr model(mj_loadXML("model.xml", files.get(), error.data(), static_cast<int>(error.size())));
-  mj_deleteVFS(files.get());
-  if (!model) {
-    throw ConfigError(spec.robot->source, spec.robot->name, "a robot that MuJoCo can compile", error.data());
-  }
-  return model;
-}
-
-// MuJoCo takes one anchor and places the other where the bodies are at zero joint angles; ours are both
-// known.
-void set_loop_anchors(mjModel& m, const RobotDescription& robot) {
-  for (std::size_t i = 0; i < robot.loops.size(); ++i) {
-    mjtNum* anchors = m.eq_data + i * mjNEQDATA;
-    const Vector3 a = robot.loops[i].p_AP - body_origin(robot, robot.loops[i].body_a);
-    const Vector3 b = robot.loops[i].p_BP - body_origin(robot, robot.loops[i].body_b);
-    mju_copy3(anchors, a.data());
-    mju_copy3(anchors + 3, b.data());
-  }
-}
-
-void fill_heights(mjModel& m, const HeightField& field) {
-  const auto heights = field.heights();
-  for (std::size_t i = 0; i < heights.size(); ++i) {
-    m.hfield_data[i] = static_cast<float>(static_cast<double>(heights[i]) - field.min());
-  }
-}
 
 Vector3 vector(const mjtNum* v) { return {v[0], v[1], v[2]}; }
 Quaternion quaternion(const mjtNum* q) { return {q[0], q[1], q[2], q[3]}; }
@@ -79,11 +24,8 @@ struct ShapeOwner {
 class MujocoBackend final : public PhysicsBackend {
  public:
   explicit MujocoBackend(const WorldSpec& world) : PhysicsBackend(world) {
-    install_handlers();
     install_sphere_collision();
-    model_ = compile(spec());
-    set_loop_anchors(*model_, robot());
-    if (const HeightField* field = spec().terrain.field()) fill_heights(*model_, *field);
+    model_ = compile_model(spec());
     data_.reset(mj_makeData(model_.get()));
     query_.reset(mj_makeData(model_.get()));
     set_terrain(model_.get(), query_.get(), &spec().terrain);
@@ -241,8 +183,8 @@ class MujocoBackend final : public PhysicsBackend {
     const int nv = model_->nv, joints = robot().joint_count(), base = nv - joints;
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> M(nv, nv);
     mj_fullM(model_.get(), M.data(), d.qM);
-    // Columns of S: MuJoCo's velocities (base: of its centre of mass, and angular in B; joints depth first) per unit of
-    // ours.
+    // Columns of S: MuJoCo's velocities (base: of its centre of mass, and angular in B; joints depth first)
+    // per unit of ours.
     Eigen::MatrixXd S = Eigen::MatrixXd::Zero(nv, nv);
     if (base == 6) {
       const Vector3 p = state().q_WB * base_origin();
@@ -258,7 +200,8 @@ class MujocoBackend final : public PhysicsBackend {
     const mjModel& m = *model_;
     const int id = bodies_[static_cast<std::size_t>(body)];
     return from_principal(m.body_mass[id],
-                          {make_pose(quaternion(m.body_iquat + 4 * id), vector(m.body_ipos + 3 * id)),
+                          {make_pose(quaternion(m.body_iquat + 4 * id),
+                                     vector(m.body_ipos + 3 * id) + body_origin(robot(), body)),
                            vector(m.body_inertia + 3 * id)});
   }
 

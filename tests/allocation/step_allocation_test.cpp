@@ -40,6 +40,17 @@ TEST_P(StepAllocation, NoneOnRoughGround) {
   EXPECT_EQ(allocations_of_a_trot(*backend), 0U);
 }
 
+TEST_P(StepAllocation, NoneForPushesAndRefusedTargets) {
+  const auto backend = make(scenes::quadruped());
+  const JointTargets targets = scenes::home_targets(backend->robot());
+  ASSERT_EQ(backend->step(targets, 500), StepStatus::kOk);
+  const AllocationScope scope;
+  backend->apply_push({0.01, 0, 0});
+  EXPECT_EQ(backend->step(targets, 10), StepStatus::kOk);
+  EXPECT_EQ(backend->step({}), StepStatus::kInvalidTargets);
+  EXPECT_EQ(scope.count(), 0U);
+}
+
 TEST(ControlAllocation, NoneInGaitKinematicsAndCompensation) {
   const auto robot = scenes::quadruped();
   LegController legs(*robot);

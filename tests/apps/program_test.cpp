@@ -1,4 +1,5 @@
 // The command line's contract: keys of the JSON, columns of the CSV, exit codes, and messages for bad input.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/backends/registry.h"
+#include "crossgait/gait/parameters.h"
 #include "crossgait/tests/apps/run_program.h"
 
 namespace crossgait {
@@ -135,7 +137,7 @@ TEST(Program, TraceHasOneRowPerControlStep) {
   std::getline(file, line);
   EXPECT_EQ(line.rfind("time,p_WB.x,p_WB.y,p_WB.z,q_WB.w", 0), 0U);
   const auto columns = std::count(line.begin(), line.end(), ',');
-  EXPECT_EQ(columns + 1, 14 + 20 + 12 + 4 + 4);
+  EXPECT_EQ(columns + 1, 14 + 20 + 12 + 4 + 4 + static_cast<int>(gait_parameters().size()));
   int rows = 0;
   while (std::getline(file, line)) {
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), columns);

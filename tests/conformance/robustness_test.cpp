@@ -14,10 +14,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-bool same(const RobotState& a, const RobotState& b) {
-  return a.time == b.time && a.p_WB == b.p_WB && a.q_WB.coeffs() == b.q_WB.coeffs() && a.v_WB == b.v_WB &&
-         a.w_WB == b.w_WB && a.q == b.q && a.qd == b.qd;
-}
+using scenes::identical;
 
 /// What a ConfigError says, or "" if there is none.
 std::string refusal(const std::function<void()>& action) {
@@ -45,12 +42,12 @@ TEST_P(BadInput, TargetsOfTheWrongSizeOrNotFiniteChangeNothing) {
   EXPECT_EQ(backend->step({}), StepStatus::kInvalidTargets);
   bad.q = JointVector::Zero(good.q.size() + 1);
   EXPECT_EQ(backend->step(bad), StepStatus::kInvalidTargets);
-  EXPECT_TRUE(same(backend->state(), before));
+  EXPECT_TRUE(identical(backend->state(), before));
   // ... and the world goes on as if nothing had been asked.
   const auto undisturbed = make(scenes::quadruped());
   ASSERT_EQ(undisturbed->step(good, 100), StepStatus::kOk);
   ASSERT_EQ(backend->step(good, 50), StepStatus::kOk);
-  EXPECT_TRUE(same(backend->state(), undisturbed->state()));
+  EXPECT_TRUE(identical(backend->state(), undisturbed->state()));
 }
 
 TEST_P(BadInput, StatesAreRefusedByName) {
@@ -73,7 +70,7 @@ TEST_P(BadInput, StatesAreRefusedByName) {
     RobotState bad = good;
     spoil(bad);
     EXPECT_NE(refusal([&] { backend->reset(bad); }).find(element), std::string::npos) << element;
-    EXPECT_TRUE(same(backend->state(), good));
+    EXPECT_TRUE(identical(backend->state(), good));
   }
 }
 
@@ -122,7 +119,7 @@ class Divergence : public BackendTest {
 CROSSGAIT_FOR_EVERY_BACKEND(Divergence);
 
 TEST_P(Divergence, IsReportedSticksAndEndsWithAReset) {
-  for (const double stiffness : {1e2, 1e9, 1e300}) {
+  for (const double stiffness : {1e4, 1e9, 1e300}) {
     const auto backend = make(explosive(stiffness));
     const JointTargets home = scenes::home_targets(backend->robot());
     JointTargets off = home;
@@ -136,7 +133,7 @@ TEST_P(Divergence, IsReportedSticksAndEndsWithAReset) {
     EXPECT_TRUE(last_good.is_finite());
     for (int i = 0; i < 3; ++i) {
       EXPECT_EQ(backend->step(home), StepStatus::kDiverged);
-      EXPECT_TRUE(same(backend->state(), last_good));
+      EXPECT_TRUE(identical(backend->state(), last_good));
     }
     for (const Contact& c : backend->contacts()) EXPECT_TRUE(c.force.allFinite());
 
@@ -146,10 +143,10 @@ TEST_P(Divergence, IsReportedSticksAndEndsWithAReset) {
     const auto fresh = make(explosive(stiffness));
     fresh->reset(start);
     backend->reset(start);
-    EXPECT_TRUE(same(backend->state(), fresh->state()));
+    EXPECT_TRUE(identical(backend->state(), fresh->state()));
     for (int i = 0; i < 2; ++i) {
       EXPECT_EQ(backend->step(home), fresh->step(home));
-      EXPECT_TRUE(same(backend->state(), fresh->state()));
+      EXPECT_TRUE(identical(backend->state(), fresh->state()));
     }
     EXPECT_EQ((backend->mass_matrix() - fresh->mass_matrix()).norm(), 0);
   }
@@ -171,7 +168,7 @@ TEST_P(Divergence, LeavesNoTraceInALongRunAfterwards) {
   for (int i = 0; i < 500; ++i) {
     ASSERT_EQ(backend->step(home), StepStatus::kOk);
     ASSERT_EQ(fresh->step(home), StepStatus::kOk);
-    ASSERT_TRUE(same(backend->state(), fresh->state())) << "step " << i;
+    ASSERT_TRUE(identical(backend->state(), fresh->state())) << "step " << i;
   }
 }
 
@@ -192,7 +189,7 @@ TEST_P(Divergence, ASnapshotFromBeforeEndsItToo) {
   ASSERT_EQ(status, StepStatus::kDiverged);
   backend->restore(saved);
   ASSERT_EQ(backend->step(home, 100), StepStatus::kOk);
-  EXPECT_TRUE(same(backend->state(), expected));
+  EXPECT_TRUE(identical(backend->state(), expected));
 }
 
 class Instances : public BackendTest {};
@@ -219,7 +216,7 @@ TEST_P(Instances, DoNotDisturbEachOther) {
       ASSERT_EQ(passing->step(trot.targets(0)), StepStatus::kOk);
     }
   }
-  EXPECT_TRUE(same(first->state(), alone->state()));
+  EXPECT_TRUE(identical(first->state(), alone->state()));
 }
 
 class MassMatrix : public BackendTest {};

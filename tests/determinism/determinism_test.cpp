@@ -126,11 +126,60 @@ TEST_P(Determinism, TwoThreadsGiveTheBitsOfOne) {
   expect_same(expected, states_b);
 }
 
+TEST_P(Determinism, WorldsMayBeMadeOnAnyThread) {
+  const auto expected = trot(*make(world("rough")), 0, 300);
+  std::vector<std::vector<RobotState>> states(4);
+  std::vector<std::thread> threads;
+  for (auto& own : states) {
+    threads.emplace_back([&own, name = GetParam()] { own = trot(*make_backend(name, world("rough")), 0, 300); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const auto& own : states) expect_same(expected, own);
+}
+
+TEST_P(Determinism, RestoreForgetsWhatTheWorldDidBefore) {
+  // Saved on the way down, before any contact; right after touch-down; and just after a push.
+  for (const int instant : {5, 60, 401}) {
+    const auto saved = make(world("rough")), other = make(world("rough"));
+    trot(*saved, 0, instant);
+    const Snapshot snapshot = saved->save();
+    const auto expected = trot(*saved, instant, instant + 300);
+    RobotState elsewhere = other->home_state();
+    elsewhere.p_WB.z() += 0.01;
+    elsewhere.q_WB = from_roll_pitch_yaw(0.2, -0.3, 1);
+    other->reset(elsewhere);
+    trot(*other, 0, 150);
+    other->restore(snapshot);
+    expect_same(expected, trot(*other, instant, instant + 300));
+  }
+}
+
+TEST_P(Determinism, AFixedBaseIsPartOfASnapshot) {
+  WorldSpec spec = scenes::world_of(scenes::awkward_robot());
+  spec.fixed_base = true;
+  const auto run = make(spec), other = make(spec);
+  const JointTargets targets{JointVector::Constant(3, 0.4)};
+  RobotState start = run->home_state();
+  start.p_WB = {0.1, 0.2, 0.9};
+  start.q_WB = from_roll_pitch_yaw(0.1, 0.2, 0.3);
+  run->reset(start);
+  ASSERT_EQ(run->step(targets, 100), StepStatus::kOk);
+  const Snapshot snapshot = run->save();
+  ASSERT_EQ(run->step(targets, 100), StepStatus::kOk);
+  other->restore(snapshot);
+  ASSERT_EQ(other->step(targets, 100), StepStatus::kOk);
+  EXPECT_TRUE(same_bits(run->state(), other->state()));
+}
+
 TEST_P(Determinism, ForeignSnapshotsAreRefused) {
   const auto backend = make(world("flat"));
   Snapshot snapshot = backend->save();
   snapshot.backend = "abacus";
   EXPECT_THROW(backend->restore(snapshot), ConfigError);
+  for (const std::string& name : available_backends()) {
+    if (name == GetParam()) continue;
+    EXPECT_THROW(backend->restore(make_backend(name, world("flat"))->save()), ConfigError) << name;
+  }
   const auto sled = make(scenes::sled());
   EXPECT_THROW(backend->restore(sled->save()), ConfigError);
 }

@@ -1,5 +1,6 @@
 #include "crossgait/tests/support/scenes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -52,6 +53,31 @@ JointTargets home_targets(const RobotDescription& robot) {
   targets.q.resize(static_cast<Eigen::Index>(servos.size()));
   for (std::size_t i = 0; i < servos.size(); ++i) targets.q[static_cast<Eigen::Index>(i)] = robot.home[servos[i]];
   return targets;
+}
+
+RobotState random_state(const RobotDescription& robot, std::mt19937& random) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto vector = [&] {
+    const double x = uniform(random), y = uniform(random);
+    return Vector3(x, y, uniform(random));
+  };
+  RobotState state;
+  state.p_WB = vector();
+  state.q_WB = Quaternion(Eigen::AngleAxisd(std::numbers::pi * uniform(random), vector().normalized()));
+  state.v_WB = vector();
+  state.w_WB = 5 * vector();
+  state.q = robot.home;
+  state.qd = JointVector::Zero(robot.joint_count());
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    state.q[i] = std::clamp(robot.home[i] + uniform(random), robot.joint(i).lower, robot.joint(i).upper);
+    state.qd[i] = 5 * uniform(random);
+  }
+  return state;
+}
+
+bool identical(const RobotState& a, const RobotState& b) {
+  return a.time == b.time && a.p_WB == b.p_WB && a.q_WB.coeffs() == b.q_WB.coeffs() && a.v_WB == b.v_WB &&
+         a.w_WB == b.w_WB && a.q == b.q && a.qd == b.qd;
 }
 
 Trot::Trot(const RobotDescription& robot)

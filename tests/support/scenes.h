@@ -1,6 +1,8 @@
 // Motions that every engine is put through, shared by tests and benchmarks.
 #pragma once
 
+#include <random>
+
 #include "crossgait/ik/geometry.h"
 #include "crossgait/physics/physics_backend.h"
 #include "crossgait/tests/support/robots.h"
@@ -12,6 +14,13 @@ WorldSpec world_of(RobotPtr robot);
 
 /// Targets that hold the home pose.
 JointTargets home_targets(const RobotDescription& robot);
+
+/// Every joint anywhere within its limits or a radian of home (whichever is nearer), any attitude, some speed: no pose
+/// that a machine would take, but one that equations of motion must hold in. Loops are not closed.
+RobotState random_state(const RobotDescription& robot, std::mt19937& random);
+
+/// Bit for bit.
+bool identical(const RobotState& a, const RobotState& b);
 
 /// A trot in closed form, feet commanded through the robot's inverse kinematics: stands for `kStand`, then diagonal
 /// pairs (FL, RR first) swing in turn, strides growing over the first cycle. Kept apart from gait/, so that what is

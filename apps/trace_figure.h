@@ -1,0 +1,25 @@
+// Pictures of a walk, from its trace.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "crossgait/apps/plotting.h"
+#include "crossgait/apps/trace_table.h"
+#include "crossgait/physics/robot.h"
+
+namespace crossgait::apps {
+
+/// Which feet were on the ground when: one bar per stance.
+std::vector<Figure::Row> gait_rows(const TraceTable& trace);
+/// Height, roll and pitch, speed forward and to the left, yaw rate of the base.
+std::vector<Figure::Row> attitude_rows(const TraceTable& trace);
+/// Angles of the servos and their targets, a panel per leg.
+std::vector<Figure::Row> joint_rows(const TraceTable& trace, const RobotDescription& robot);
+/// Paths of the feet in the leg frames, seen from the side, a panel per leg. Positions are those of the foot
+/// bodies at the traced joint angles.
+std::vector<Figure::Row> feet_rows(const TraceTable& trace, const RobotDescription& robot);
+/// Every column "param.<name>", a panel each; empty if there is none.
+std::vector<Figure::Row> parameter_rows(const TraceTable& trace);
+
+}  // namespace crossgait::apps

@@ -1,0 +1,91 @@
+#include "crossgait/apps/trace_table.h"
+
+#include <fmt/format.h>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/text.h"
+
+namespace crossgait::apps {
+namespace {
+
+/// Takes what stands before the next `separator` off `text`.
+std::string_view take(std::string_view& text, char separator) {
+  const std::size_t end = text.find(separator);
+  const std::string_view part = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  return part;
+}
+
+std::size_t count_cells(std::string_view line) {
+  std::size_t count = 1;
+  for (const char c : line) count += c == ',' ? 1 : 0;
+  return count;
+}
+
+}  // namespace
+
+TraceTable::TraceTable(const std::string& path) : path_(path) {
+  const std::string text = read_text_file(path);
+  std::string_view rest = text;
+  for (std::size_t number = 1; !rest.empty(); ++number) {
+    std::string_view line = take(rest, '\n');
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (number == 1) {
+      read_header(line);
+    } else {
+      read_row(line, number);
+    }
+  }
+  if (names_.empty() || rows() == 0) {
+    throw ConfigError(path, "rows", "a header and at least one row, as `crossgait walk --trace` writes them",
+                      "an empty trace");
+  }
+}
+
+void TraceTable::read_header(std::string_view line) {
+  const std::size_t count = count_cells(line);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string name(take(line, ','));
+    if (!index_.emplace(name, i).second) {
+      throw ConfigError(path_, fmt::format("line 1, column {}", i + 1), "a name of its own",
+                        fmt::format("\"{}\" again", name));
+    }
+    names_.push_back(name);
+  }
+  values_.resize(count);
+  column("time");
+}
+
+void TraceTable::read_row(std::string_view line, std::size_t number) {
+  const std::size_t found = count_cells(line);
+  if (found != names_.size()) {
+    throw ConfigError(path_, fmt::format("line {}", number),
+                      fmt::format("{} cells, as the header has", names_.size()), std::to_string(found));
+  }
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    const std::string_view cell = take(line, ',');
+    const auto value = parse_number(cell);
+    if (!value) {
+      throw ConfigError(path_, fmt::format("line {}, column {}", number, names_[i]), "a finite number",
+                        fmt::format("\"{}\"", cell));
+    }
+    values_[i].push_back(*value);
+  }
+  const std::vector<double>& t = time();
+  if (t.size() > 1 && !(t.back() > t[t.size() - 2])) {
+    throw ConfigError(path_, fmt::format("line {}, column time", number),
+                      fmt::format("a time after {} s", t[t.size() - 2]), fmt::format("{} s", t.back()));
+  }
+}
+
+const std::vector<double>& TraceTable::column(std::string_view name) const {
+  const auto it = index_.find(name);
+  if (it == index_.end()) {
+    throw ConfigError(path_, "line 1",
+                      fmt::format("a column \"{}\", as `crossgait walk --trace` writes it", name),
+                      "none of that name");
+  }
+  return values_[it->second];
+}
+
+}  // namespace crossgait::apps

@@ -1,0 +1,23 @@
+// Compiled MuJoCo models.
+#pragma once
+
+#include <memory>
+
+#include <mujoco/mujoco.h>
+
+#include "crossgait/physics/world_spec.h"
+
+namespace crossgait::mujoco {
+
+struct Deleter {
+  void operator()(mjModel* m) const { mj_deleteModel(m); }
+  void operator()(mjData* d) const { mj_deleteData(d); }
+};
+using ModelPtr = std::unique_ptr<mjModel, Deleter>;
+using DataPtr = std::unique_ptr<mjData, Deleter>;
+
+/// Compiles `model_xml(spec)` and fills in what MJCF text cannot say: both anchors of every loop, and heights.
+/// @throws ConfigError if MuJoCo refuses the model
+ModelPtr compile_model(const WorldSpec& spec);
+
+}  // namespace crossgait::mujoco

@@ -1,0 +1,62 @@
+// Engines by name.
+#include <set>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/tests/support/backend_test.h"
+
+namespace crossgait {
+namespace {
+
+TEST(Registry, NamesAreUniqueAndTellWhyTheyAreMissing) {
+  std::set<std::string> names;
+  for (const BackendEntry& entry : known_backends()) {
+    EXPECT_TRUE(names.insert(entry.name).second) << entry.name;
+    EXPECT_FALSE(entry.summary.empty());
+    EXPECT_EQ(entry.reason.empty(), entry.available) << entry.name;
+  }
+  for (const char* name : {"mujoco", "bullet", "bullet:matched"}) EXPECT_TRUE(names.contains(name)) << name;
+}
+
+TEST(Registry, WhatIsAvailableCanBeMadeAndNothingElse) {
+  const WorldSpec spec = scenes::world_of(scenes::sled());
+  for (const BackendEntry& entry : known_backends()) {
+    if (entry.available) {
+      EXPECT_EQ(make_backend(entry.name, spec)->info().name, entry.name);
+      continue;
+    }
+    try {
+      make_backend(entry.name, spec);
+      ADD_FAILURE() << entry.name << " was made";
+    } catch (const ConfigError& error) {
+      EXPECT_EQ(error.found(), entry.reason);
+    }
+  }
+}
+
+TEST(Registry, AnUnknownNameListsTheKnownOnes) {
+  for (const char* name : {"nonsense", "", "MuJoCo", "bullet:"}) {
+    try {
+      make_backend(name, scenes::world_of(scenes::sled()));
+      ADD_FAILURE() << name;
+    } catch (const ConfigError& error) {
+      for (const std::string& known : available_backends()) {
+        EXPECT_NE(error.expected().find(known), std::string::npos) << error.what();
+      }
+      EXPECT_NE(error.found().find(name), std::string::npos);
+    }
+  }
+}
+
+class Info : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(Info);
+
+TEST_P(Info, IsFilledIn) {
+  const auto backend = make(scenes::sled());
+  EXPECT_EQ(backend->info().name, GetParam());
+  EXPECT_FALSE(backend->info().engine.empty());
+  EXPECT_FALSE(backend->info().mode.empty());
+  EXPECT_NE(backend->info().version.find('.'), std::string::npos) << backend->info().version;
+}
+
+}  // namespace
+}  // namespace crossgait
