@@ -261,7 +261,7 @@ void add_workspace_command(CLI::App& program) {
       "keeps the margins of the table.\n"
       "\nExamples:\n"
       "  crossgait workspace --out workspace.png\n"
-      "  crossgait workspace --leg RR --gait walk --set step_length=.12 --set body_height=.09");
+      "  crossgait workspace --leg RR --gait walk --set step_length=.1 --set body_height=.055");
   auto options = std::make_shared<Options>();
   command->add_option("--leg", options->leg, "FL, FR, RL or RR")->capture_default_str();
   command->add_option("--mode", options->mode, "Working mode, 1 to 4 (see `crossgait ik --help`)")

@@ -38,8 +38,8 @@ CROSSGAIT_FOR_EVERY_BACKEND(EngineTerrain);
 TEST_P(EngineTerrain, HeightsAreThoseOfTheField) {
   // 1e-12: rounding of a few operations on metres. 2e-6: Bullet's ray takes one micrometre for nothing.
   const double tolerance = capabilities().exact_field_query ? 1e-12 : 2e-6;
-  for (const char* text : {"rough:seed=1", "stairs:count=8", "waves:amplitude=0.03", "steps:seed=4,height=0.05",
-                           "slope:angle=12,heading=30"}) {
+  for (const char* text : {"rough:seed=1", "stairs:count=8", "waves:amplitude=0.03",
+                           "steps:seed=4,height=0.05", "slope:angle=12,heading=30"}) {
     const double worst = worst_difference(make_terrain(text));
     measured(std::string(text) + ", m", worst);
     EXPECT_LT(worst, tolerance) << text;
@@ -47,7 +47,8 @@ TEST_P(EngineTerrain, HeightsAreThoseOfTheField) {
 }
 
 TEST_P(EngineTerrain, HeightsAreThoseOfAFieldOfRandomNumbers) {
-  // Nothing is smooth here: a wrong diagonal, a transposed or shifted grid is off by centimetres. Unequal cells.
+  // Nothing is smooth here: a wrong diagonal, a transposed or shifted grid is off by centimetres. Unequal
+  // cells.
   std::mt19937 random(8);
   std::uniform_real_distribution<float> height(-0.05F, 0.03F);
   std::vector<float> heights(13 * 29);
@@ -80,7 +81,8 @@ TEST_P(EngineTerrain, ALevelFieldIsNoDegenerateCase) {
 }
 
 TEST_P(EngineTerrain, HomeIsAboveTheGround) {
-  for (const char* text : {"rough:seed=1,amplitude=0.05,flat_radius=0", "stairs:start=0", "steps:flat_radius=0"}) {
+  for (const char* text :
+       {"rough:seed=1,amplitude=0.05,flat_radius=0", "stairs:start=0", "steps:flat_radius=0"}) {
     WorldSpec spec = scenes::world_of(scenes::quadruped());
     spec.terrain = make_terrain(text);
     const auto backend = make(spec);
