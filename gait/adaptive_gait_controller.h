@@ -34,7 +34,7 @@ class AdaptiveGaitController {
   /// Rows of the parameters that adapt.
   std::span<const ParameterRow* const> adapted() const noexcept { return adapted_; }
   /// Deltas of the parameters, then x, y, z residuals of FL, FR, RL, RR.
-  std::size_t action_size() const noexcept { return adapted_.size() + 3 * kLegCount; }
+  std::size_t action_size() const noexcept { return adapted_.size() + 3 * kLegs.size(); }
 
   /// Adds to the parameters, each result clipped to its row's range. What is not finite counts as zero, and
   /// so does what is missing from a span that is too short. @param deltas  in the units of the rows

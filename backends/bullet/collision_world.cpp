@@ -51,8 +51,8 @@ void CollisionWorld::add_terrain() {
   btTransform pose = btTransform::getIdentity();
   if (const HeightField* field = spec_.terrain.field()) {
     heights_.assign(field->heights().begin(), field->heights().end());
-    // Bullet recentres heights about the middle of [low, high], and looks for contact between the two only: as deep as
-    // MuJoCo takes the ground to be, and as high.
+    // Bullet recentres heights about the middle of [low, high], and looks for contact between the two only:
+    // as deep as MuJoCo takes the ground to be, and as high.
     const double low = field->min() - kFieldDepth, high = field->max() + kFieldDepth;
     auto shape =
         std::make_unique<btHeightfieldTerrainShape>(field->columns(), field->rows(), heights_.data(), 1.0,
@@ -72,12 +72,14 @@ void CollisionWorld::add_terrain() {
   world_.addCollisionObject(&terrain_, kTerrainGroup, kRobotGroup);
 }
 
-std::unique_ptr<btCompoundShape> CollisionWorld::make_shape(int link, const std::vector<ContactSphere>& spheres) {
+std::unique_ptr<btCompoundShape> CollisionWorld::make_shape(int link,
+                                                            const std::vector<ContactSphere>& spheres) {
   auto compound = std::make_unique<btCompoundShape>(/*enableDynamicAabbTree=*/false);
   for (const ContactSphere& sphere : spheres) {
     if (sphere.link != link) continue;
     shapes_.push_back(std::make_unique<btSphereShape>(sphere.radius));
-    compound->addChildShape(btTransform(btQuaternion::getIdentity(), vector(sphere.p_CS)), shapes_.back().get());
+    compound->addChildShape(btTransform(btQuaternion::getIdentity(), vector(sphere.p_CS)),
+                            shapes_.back().get());
   }
   return compound;
 }

@@ -48,8 +48,8 @@ void ConstraintSolver::find_contacts() noexcept {
     SphereContact touch;
     if (!spec_.terrain.touch_sphere(centre, sphere.radius, touch)) continue;
     if (point_count_ < kMaxContacts) {
-      points_[static_cast<std::size_t>(point_count_++)] = {sphere.link, sphere.leg, touch.position, touch.normal,
-                                                           touch.distance};
+      points_[static_cast<std::size_t>(point_count_++)] = {sphere.link, sphere.leg, touch.position,
+                                                           touch.normal, touch.distance};
     } else {
       ++contacts_.dropped;
     }

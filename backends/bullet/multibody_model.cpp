@@ -33,7 +33,8 @@ std::vector<Vector3> contact_points(const CollisionShape& shape) {
       break;
     case ShapeType::kBox:
       for (int corner = 0; corner < 8; ++corner) {
-        const Vector3 sign((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
+        const Vector3 sign((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1,
+                           (corner & 4) != 0 ? 1 : -1);
         points.emplace_back(sign.cwiseProduct(shape.size));
       }
       break;

@@ -11,9 +11,10 @@
 
 namespace crossgait::bullet {
 
-/// A sphere of the robot that can touch the terrain. Every collision shape is made of such: a box of its corners and a
-/// cylinder of points on its rims, as spheres without radius. (Bullet's own routine loses small boxes on height fields,
-/// and finds one point of a cylinder per step and gathers more over several, which a restored run could not repeat.)
+/// A sphere of the robot that can touch the terrain. Every collision shape is made of such: a box of its
+/// corners and a cylinder of points on its rims, as spheres without radius. (Bullet's own routine loses small
+/// boxes on height fields, and finds one point of a cylinder per step and gathers more over several, which a
+/// restored run could not repeat.)
 struct ContactSphere {
   int link = -1;                   ///< Bullet link, -1 for the base
   int leg = -1;                    ///< of whose foot it is, or -1

@@ -15,9 +15,9 @@ int jacobian_index(const btMultiBodySolverConstraint& row) {
   return row.m_multiBodyA != nullptr ? row.m_jacAindex : row.m_jacBindex;
 }
 
-// Bullet clips the two friction impulses of a point to the cone after a step in each that it scales by that direction's
-// own response. Unless both are scaled alike, friction is not opposed to slip (a sled is dragged off its line of fall
-// and accelerates 4 % too much); where nothing slips the scale makes no difference.
+// Bullet clips the two friction impulses of a point to the cone after a step in each that it scales by that
+// direction's own response. Unless both are scaled alike, friction is not opposed to slip (a sled is dragged
+// off its line of fall and accelerates 4 % too much); where nothing slips the scale makes no difference.
 void scale_alike(btMultiBodySolverConstraint& a, btMultiBodySolverConstraint& b) {
   const btScalar inverse = std::min(a.m_jacDiagABInv, b.m_jacDiagABInv);
   for (btMultiBodySolverConstraint* row : {&a, &b}) {

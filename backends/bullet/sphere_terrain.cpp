@@ -17,7 +17,9 @@ class SphereTerrainAlgorithm final : public btCollisionAlgorithm {
  public:
   SphereTerrainAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObject* sphere,
                          const btCollisionObject* field, const Terrain& terrain)
-      : btCollisionAlgorithm(info), manifold_(m_dispatcher->getNewManifold(sphere, field)), terrain_(terrain) {}
+      : btCollisionAlgorithm(info),
+        manifold_(m_dispatcher->getNewManifold(sphere, field)),
+        terrain_(terrain) {}
   SphereTerrainAlgorithm(const SphereTerrainAlgorithm&) = delete;
   SphereTerrainAlgorithm& operator=(const SphereTerrainAlgorithm&) = delete;
   ~SphereTerrainAlgorithm() override { m_dispatcher->releaseManifold(manifold_); }
@@ -31,7 +33,8 @@ class SphereTerrainAlgorithm final : public btCollisionAlgorithm {
     SphereContact touch;
     if (terrain_.touch_sphere(centre, reach, touch)) {
       const double height = touch.distance + reach;  // of the centre, along the normal
-      result->addContactPoint(vector(touch.normal), vector(Vector3(centre - height * touch.normal)), height - radius);
+      result->addContactPoint(vector(touch.normal), vector(Vector3(centre - height * touch.normal)),
+                              height - radius);
     }
     result->refreshContactPoints();
   }
@@ -54,9 +57,9 @@ void SphereTerrainFactory::install(btCollisionDispatcher& dispatcher) {
   dispatcher.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, TERRAIN_SHAPE_PROXYTYPE, this);
 }
 
-btCollisionAlgorithm* SphereTerrainFactory::CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
-                                                                     const btCollisionObjectWrapper* sphere,
-                                                                     const btCollisionObjectWrapper* field) {
+btCollisionAlgorithm* SphereTerrainFactory::CreateCollisionAlgorithm(
+    btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* sphere,
+    const btCollisionObjectWrapper* field) {
   void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(SphereTerrainAlgorithm));
   return new (memory)
       SphereTerrainAlgorithm(info, sphere->getCollisionObject(), field->getCollisionObject(), terrain_);

@@ -16,7 +16,8 @@ struct Deleter {
 using ModelPtr = std::unique_ptr<mjModel, Deleter>;
 using DataPtr = std::unique_ptr<mjData, Deleter>;
 
-/// Compiles `model_xml(spec)` and fills in what MJCF text cannot say: both anchors of every loop, and heights.
+/// Compiles `model_xml(spec)` and fills in what MJCF text cannot say: both anchors of every loop, and
+/// heights.
 /// @throws ConfigError if MuJoCo refuses the model
 ModelPtr compile_model(const WorldSpec& spec);
 

@@ -13,9 +13,10 @@ std::string body_name(int body);
 std::string joint_name(int joint);
 std::string shape_name(int body, int shape);
 
-/// Origin of MuJoCo's body in the frame of the description's, m: the centre of mass for the base, zero for the others.
-/// MuJoCo integrates the velocity of a free body's origin; were it anywhere else, a freely spinning body would not keep
-/// its momentum (0.7 % at 1 ms and 11 rad/s, 6 cm off), and engines that integrate the centre of mass would disagree.
+/// Origin of MuJoCo's body in the frame of the description's, m: the centre of mass for the base, zero for
+/// the others. MuJoCo integrates the velocity of a free body's origin; were it anywhere else, a freely
+/// spinning body would not keep its momentum (0.7 % at 1 ms and 11 rad/s, 6 cm off), and engines that
+/// integrate the centre of mass would disagree.
 Vector3 body_origin(const RobotDescription& robot, int body);
 
 /// MuJoCo's mapping of the contact intent: solref = (time_constant, damping_ratio), solimp = (impedance_min,

@@ -1,5 +1,6 @@
-// No allocation per step once the first steps have sized every buffer. MuJoCo and the matched mode make none at all;
-// Bullet's own narrowphase and solver do, through Bullet's allocator (bullet/bullet_allocator.cpp), which is not counted.
+// No allocation per step once the first steps have sized every buffer. MuJoCo and the matched mode make none
+// at all; Bullet's own narrowphase and solver do, through Bullet's allocator (bullet/bullet_allocator.cpp),
+// which is not counted.
 #include <gtest/gtest.h>
 
 #include "crossgait/env/gait_source.h"

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kGravity = 9.81;
 
-/// How deep a soft contact with default softness sinks at rest under `force`, at most, m: MuJoCo's R f = K imp r with
-/// impedance at its least, w the inverse weight (1/kg).
+/// How deep a soft contact with default softness sinks at rest under `force`, at most, m: MuJoCo's R f = K
+/// imp r with impedance at its least, w the inverse weight (1/kg).
 double sinking(double force, double inverse_weight) {
   const Softness soft;
   const double R = (1 - soft.impedance_min) / soft.impedance_min * inverse_weight;
@@ -108,18 +108,20 @@ TEST_P(Standing, ContactsLieUnderTheFeetAlongTheNormal) {
       EXPECT_EQ(c.body, (*robot.legs)[leg].foot_body);
       const Vector3 foot = foot_position(robot, leg, poses);
       const double radius = (*robot.legs)[leg].foot_radius;
-      // Poses and terrain agree to rounding; on a field, whose heights are floats, neighbouring triangles tilt against
-      // each other by 1e-8 m in a cell.
+      // Poses and terrain agree to rounding; on a field, whose heights are floats, neighbouring triangles
+      // tilt against each other by 1e-8 m in a cell.
       const double tolerance = spec.terrain.field() == nullptr ? 1e-12 : 1e-7;
       EXPECT_LT((c.normal - spec.terrain.normal(foot.x(), foot.y())).norm(), 10 * tolerance);
       EXPECT_LT((c.p_WP - (foot - c.normal * (radius + c.distance / 2))).norm(), tolerance);
       SphereContact expected;
       ASSERT_TRUE(spec.terrain.touch_sphere(foot, radius + 1e-3, expected));
       EXPECT_NEAR(c.distance, expected.distance + 1e-3, tolerance);
-      // The force pushes, and stays in the friction cone (1e-6: soft cones are met to the solver's tolerance).
+      // The force pushes, and stays in the friction cone (1e-6: soft cones are met to the solver's
+      // tolerance).
       const double normal_force = c.force.dot(c.normal);
       EXPECT_GT(normal_force, 0);
-      EXPECT_LE((c.force - normal_force * c.normal).norm(), spec.contact.friction * normal_force * (1 + 1e-6));
+      EXPECT_LE((c.force - normal_force * c.normal).norm(),
+                spec.contact.friction * normal_force * (1 + 1e-6));
     }
   }
 }
@@ -141,7 +143,8 @@ TEST_P(Trotting, LoopsStayClosedAndFeetTakeTurns) {
       deepest = std::max(deepest, feet[leg].penetration);
       // Well inside swing and stance; the servos are too soft to tell when exactly a foot leaves and lands.
       const bool swings = scenes::Trot::swings(leg, t);
-      const bool settled = scenes::Trot::swings(leg, t - 0.15) == swings && scenes::Trot::swings(leg, t + 0.15) == swings;
+      const bool settled =
+          scenes::Trot::swings(leg, t - 0.15) == swings && scenes::Trot::swings(leg, t + 0.15) == swings;
       if (t < scenes::Trot::kStand + scenes::Trot::kCycle || !settled) continue;
       (swings ? swing_force : stance_force) += feet[leg].force.z();
       if (!swings) ++steps;
@@ -154,8 +157,9 @@ TEST_P(Trotting, LoopsStayClosedAndFeetTakeTurns) {
   EXPECT_LT(gap, 1e-3);
   EXPECT_GT(steps, 1000);
   EXPECT_EQ(loose, 0);
-  EXPECT_LT(swing_force, 0.2 * stance_force);  // hard contact lets the robot tip on to a corner: it drags a foot
-  EXPECT_GT(backend->state().p_WB.x(), 0.3);   // it walks
+  EXPECT_LT(swing_force,
+            0.2 * stance_force);  // hard contact lets the robot tip on to a corner: it drags a foot
+  EXPECT_GT(backend->state().p_WB.x(), 0.3);  // it walks
 }
 
 TEST_P(Trotting, AFootHeldUpDoesNotTouch) {
@@ -171,7 +175,8 @@ TEST_P(Trotting, AFootHeldUpDoesNotTouch) {
     lifted.q[3 * static_cast<Eigen::Index>(leg)] += side_sign(leg) * 0.7;  // swung outward
     ASSERT_EQ(backend->step(lifted, 800), StepStatus::kOk);
     const LegArray<FootContact> feet = backend->foot_contacts();
-    for (const Leg other : kLegs) EXPECT_EQ(feet[other].touching, other != leg) << name(leg) << ' ' << name(other);
+    for (const Leg other : kLegs)
+      EXPECT_EQ(feet[other].touching, other != leg) << name(leg) << ' ' << name(other);
   }
 }
 
@@ -201,7 +206,8 @@ TEST_P(Sliding, SlipSpeedIsThatOfTheBody) {
   backend->reset(moving);
   ASSERT_EQ(backend->step({}), StepStatus::kOk);
   ASSERT_GE(backend->contacts().count, 3);
-  for (const Contact& c : backend->contacts()) EXPECT_NEAR(c.slip_speed, 0.5, 1e-9);  // at rest otherwise, to 1e-9 m/s
+  for (const Contact& c : backend->contacts())
+    EXPECT_NEAR(c.slip_speed, 0.5, 1e-9);  // at rest otherwise, to 1e-9 m/s
 }
 
 TEST_P(Sliding, FrictionStopsASledWhereItShould) {

@@ -9,7 +9,8 @@ namespace crossgait {
 namespace {
 
 /// Steps without targets for robots without servos; with home targets otherwise.
-void run(PhysicsBackend& backend, double seconds, const std::function<void()>& each_step = [] {}) {
+void run(
+    PhysicsBackend& backend, double seconds, const std::function<void()>& each_step = [] {}) {
   const JointTargets targets = scenes::home_targets(backend.robot());
   const long steps = std::lround(seconds / backend.spec().physics_dt);
   for (long i = 0; i < steps; ++i) {
@@ -50,10 +51,11 @@ TEST_P(FreeFall, FollowsTheDiscreteSolutionAndConvergesToTheParabola) {
     double worst = 0;
     run(*backend, 1, [&] {
       const double t = backend->state().time;
-      // Semi-implicit Euler: v = v0 + g t exactly, p = p0 + v0 t + g t (t + h) / 2. Rounding: a thousand additions to
-      // numbers of size 30.
+      // Semi-implicit Euler: v = v0 + g t exactly, p = p0 + v0 t + g t (t + h) / 2. Rounding: a thousand
+      // additions to numbers of size 30.
       worst = std::max(worst, (backend->state().v_WB - (v0 + spec.gravity * t)).norm());
-      worst = std::max(worst, (backend->state().p_WB - (p0 + v0 * t + spec.gravity * (t * (t + h) / 2))).norm());
+      worst =
+          std::max(worst, (backend->state().p_WB - (p0 + v0 * t + spec.gravity * (t * (t + h) / 2))).norm());
     });
     measured("difference from the discrete solution, m and m/s", worst);
     EXPECT_LT(worst, 1e-11);
@@ -71,7 +73,8 @@ TEST_P(FreeFall, AWholeRobotHoldingItsPoseFallsAsOne) {
   backend->reset(start);
   run(*backend, 0.5);
   const double t = 0.5, h = 1e-3;
-  // The loops are closed at home to 1e-9 m, and their springs pull at that: nothing else acts inside the robot.
+  // The loops are closed at home to 1e-9 m, and their springs pull at that: nothing else acts inside the
+  // robot.
   EXPECT_NEAR(backend->state().p_WB.z(), 3 - 9.81 * t * (t + h) / 2, 1e-9);
   EXPECT_NEAR(backend->state().v_WB.z(), -9.81 * t, 1e-8);
   EXPECT_LT((backend->state().q - start.q).lpNorm<Eigen::Infinity>(), 1e-6);
@@ -83,7 +86,8 @@ class Tumbling : public BackendTest {
     double momentum = 0, energy = 0, predicted_energy = 0, velocity = 0, position = 0;
   };
 
-  /// One second of free rotation; drifts relative to the start, position and velocity of the centre of mass in m, m/s.
+  /// One second of free rotation; drifts relative to the start, position and velocity of the centre of mass
+  /// in m, m/s.
   Drift drift(double h) {
     WorldSpec spec = scenes::world_of(scenes::tumbling_body());
     spec.physics_dt = h;
@@ -104,7 +108,8 @@ class Tumbling : public BackendTest {
       result.momentum = std::max(result.momentum, (angular_momentum(inertia, s) - L0).norm() / L0.norm());
       result.velocity = std::max(result.velocity, (velocity_of_mass(inertia, s) - v0).norm());
       result.position = std::max(result.position, (centre_of_mass(inertia, s) - c0 - v0 * s.time).norm());
-      // An explicit Euler step of w' = I^-1 (-w x I w) adds (h^2 / 2) tau . I^-1 tau to the energy, tau = w x I w.
+      // An explicit Euler step of w' = I^-1 (-w x I w) adds (h^2 / 2) tau . I^-1 tau to the energy, tau = w x
+      // I w.
       const Vector3 w_B = s.q_WB.conjugate() * s.w_WB;
       const Vector3 tau = w_B.cross(inertia.I_C * w_B);
       result.predicted_energy += h * h / 2 * tau.dot(inertia.I_C.inverse() * tau) / E0;
@@ -125,8 +130,8 @@ TEST_P(Tumbling, AngularMomentumAndEnergyDriftAtFirstOrderOnly) {
   EXPECT_NEAR(finest.momentum / fine.momentum, 0.5, 0.02);
   EXPECT_NEAR(finest.energy / fine.energy, 0.5, 0.02);
   EXPECT_NEAR(coarse.energy, coarse.predicted_energy, 0.05 * coarse.predicted_energy);
-  // (h / 2) |w| T |w| with |w| = 11 rad/s and T = 1 s, were all of w to turn: a bound on what one step's error can sum
-  // up to.
+  // (h / 2) |w| T |w| with |w| = 11 rad/s and T = 1 s, were all of w to turn: a bound on what one step's
+  // error can sum up to.
   EXPECT_LT(coarse.momentum, 0.5e-3 * 11.2 * 11.2);
 }
 
@@ -143,7 +148,8 @@ class RobotInTheAir : public BackendTest {
   struct Drift {
     double momentum = 0, angular_momentum = 0;
   };
-  /// Linear (kg m/s) and angular (about the centre of mass, kg m^2/s) momentum of the whole robot while it kicks.
+  /// Linear (kg m/s) and angular (about the centre of mass, kg m^2/s) momentum of the whole robot while it
+  /// kicks.
   static std::pair<Vector3, Vector3> momenta(const PhysicsBackend& backend) {
     const RobotDescription& robot = backend.robot();
     const RobotState& s = backend.state();
@@ -155,7 +161,8 @@ class RobotInTheAir : public BackendTest {
     std::vector<Pose> poses;
     forward_kinematics(robot, s, poses);
     Vector3 c = Vector3::Zero();
-    for (std::size_t i = 0; i < poses.size(); ++i) c += robot.bodies[i].inertia.mass * (poses[i] * robot.bodies[i].inertia.p_BC);
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      c += robot.bodies[i].inertia.mass * (poses[i] * robot.bodies[i].inertia.p_BC);
     c = c / robot.total_mass() - s.p_WB;
     return {p.head<3>(), p.segment<3>(3) - c.cross(p.head<3>())};
   }
@@ -190,7 +197,8 @@ TEST_P(RobotInTheAir, KeepsItsMomentaAtFirstOrder) {
   const Drift coarse = drift(robot, 1e-3), fine = drift(robot, 5e-4);
   measured("relative drift of momentum, h = 1e-3", coarse.momentum);
   measured("relative drift of angular momentum, h = 1e-3", coarse.angular_momentum);
-  // A step conserves M(q) v with q at its beginning; that q moves is an error of second order per step, first in all.
+  // A step conserves M(q) v with q at its beginning; that q moves is an error of second order per step, first
+  // in all.
   EXPECT_NEAR(fine.momentum / coarse.momentum, 0.5, 0.05);
   EXPECT_NEAR(fine.angular_momentum / coarse.angular_momentum, 0.5, 0.05);
   EXPECT_LT(coarse.angular_momentum, 0.5e-3 * 11.2 * 11.2);  // as for one body, see Tumbling
@@ -199,7 +207,8 @@ TEST_P(RobotInTheAir, KeepsItsMomentaAtFirstOrder) {
 TEST_P(RobotInTheAir, LoopsDoNotPushIt) {
   const Drift coarse = drift(scenes::quadruped(), 1e-3), fine = drift(scenes::quadruped(), 5e-4);
   measured("relative drift of momentum, h = 1e-3", coarse.momentum);
-  // A soft loop pulls at two points that are a gap apart: a couple, so that its angular momentum does not converge.
+  // A soft loop pulls at two points that are a gap apart: a couple, so that its angular momentum does not
+  // converge.
   measured("relative drift of angular momentum, h = 1e-3", coarse.angular_momentum);
   EXPECT_NEAR(fine.momentum / coarse.momentum, 0.5, 0.05);
 }

@@ -31,7 +31,8 @@ class Pendulum : public BackendTest {
       EXPECT_EQ(backend->step({}), StepStatus::kOk);
       const double after = backend->state().q[0];
       if (before > 0 && after <= 0) {
-        // The angle is almost straight at the bottom (no acceleration there): linear interpolation is third order.
+        // The angle is almost straight at the bottom (no acceleration there): linear interpolation is third
+        // order.
         last = h * (i + before / (before - after));
         if (crossings++ == 0) first = last;
       }
@@ -47,8 +48,10 @@ TEST_P(Pendulum, SmallSwingsTakeThePeriodOfTheHarmonicOscillator) {
   const scenes::ArmLink link{.armature = 1e-3};
   const double w = frequency_of(link), h = 1e-3, amplitude = 1e-3;
   const double T = period(link, amplitude, h, 5);
-  // Semi-implicit Euler turns a harmonic oscillator by acos(1 - (w h)^2 / 2) per step; amplitude adds a^2 / 16.
-  const double discrete = 2 * std::numbers::pi * h / std::acos(1 - w * w * h * h / 2) * (1 + amplitude * amplitude / 16);
+  // Semi-implicit Euler turns a harmonic oscillator by acos(1 - (w h)^2 / 2) per step; amplitude adds a^2
+  // / 16.
+  const double discrete =
+      2 * std::numbers::pi * h / std::acos(1 - w * w * h * h / 2) * (1 + amplitude * amplitude / 16);
   measured("relative difference from the discrete period", T / discrete - 1);
   EXPECT_NEAR(T / discrete, 1, 1e-9);
   // The discrete period itself is (w h)^2 / 24 too short.
@@ -95,7 +98,8 @@ TEST_P(Pendulum, DampingTakesTheEnergyOfTheOscillatorAway) {
     worst = std::max(worst, std::abs(backend->state().q[0] - exact));
   }
   measured("difference from the damped oscillation, share of the amplitude", worst / 0.01);
-  EXPECT_LT(worst / 0.01, w * 1e-3);  // a phase error of w h / 2 from the start, and the damping's own half step
+  EXPECT_LT(worst / 0.01,
+            w * 1e-3);  // a phase error of w h / 2 from the start, and the damping's own half step
 }
 
 class DoublePendulum : public BackendTest {
@@ -111,12 +115,13 @@ class DoublePendulum : public BackendTest {
     start.q << 2.0, 0.5;
     backend->reset(start);
     const auto energy = [&](const RobotState& s) {
-      // Angles from the vertical and heights of the centres of mass; the elbow is at 2 length of the upper link.
+      // Angles from the vertical and heights of the centres of mass; the elbow is at 2 length of the upper
+      // link.
       const double a = s.q[0], b = s.q[0] + s.q[1], wa = s.qd[0], wb = s.qd[0] + s.qd[1];
       const double L = 2 * upper.length, l = lower.length;
       const double v2 = L * L * wa * wa + l * l * wb * wb + 2 * L * l * wa * wb * std::cos(a - b);
-      const double kinetic = 0.5 * (upper.joint_inertia() * wa * wa + lower.inertia * wb * wb + lower.mass * v2 +
-                                    lower.armature * s.qd[1] * s.qd[1]);
+      const double kinetic = 0.5 * (upper.joint_inertia() * wa * wa + lower.inertia * wb * wb +
+                                    lower.mass * v2 + lower.armature * s.qd[1] * s.qd[1]);
       return kinetic - kGravity * (upper.mass * upper.length * std::cos(a) +
                                    lower.mass * (L * std::cos(a) + l * std::cos(b)));
     };
@@ -136,8 +141,8 @@ TEST_P(DoublePendulum, KeepsItsEnergyAtFirstOrder) {
   measured("relative drift of energy, h = 5e-4", coarse);
   measured("relative drift of energy, h = 2.5e-4", fine);
   EXPECT_NEAR(fine / coarse, 0.5, 0.1);
-  // Energy moves between its forms at some 20 times its scale per second, and is seen half a step late: 0.005, and the
-  // same again where errors of earlier turns have added up.
+  // Energy moves between its forms at some 20 times its scale per second, and is seen half a step late:
+  // 0.005, and the same again where errors of earlier turns have added up.
   EXPECT_LT(coarse, 0.02);
 }
 

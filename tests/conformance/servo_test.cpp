@@ -21,7 +21,8 @@ CROSSGAIT_FOR_EVERY_BACKEND(Servo);
 
 /// Largest difference over a second between a step response and the closed form of
 /// J q'' + D q' + kp (q - target) = 0, rad.
-double step_response_error(PhysicsBackend& backend, const scenes::ArmLink& link, const JointTargets& targets) {
+double step_response_error(PhysicsBackend& backend, const scenes::ArmLink& link,
+                           const JointTargets& targets) {
   const double J = link.joint_inertia(), D = link.kd + link.damping, a = D / (2 * J);
   const double wd = std::sqrt(link.kp / J - a * a), goal = targets.q[0];
   double worst = 0;
@@ -35,7 +36,8 @@ double step_response_error(PhysicsBackend& backend, const scenes::ArmLink& link,
 }
 
 TEST_P(Servo, StepResponseIsThatOfASecondOrderSystem) {
-  const scenes::ArmLink link{.armature = 4e-3, .damping = 0.03, .servo = true, .kp = 2, .kd = 0.05, .effort_limit = 100};
+  const scenes::ArmLink link{
+      .armature = 4e-3, .damping = 0.03, .servo = true, .kp = 2, .kd = 0.05, .effort_limit = 100};
   const double goal = 0.3;
   double error[2];
   for (int i = 0; i < 2; ++i) {
@@ -44,7 +46,8 @@ TEST_P(Servo, StepResponseIsThatOfASecondOrderSystem) {
   }
   measured("largest difference from the closed form, h = 1e-3, share of the step", error[0] / goal);
   const double w = std::sqrt(link.kp / link.joint_inertia());
-  EXPECT_LT(error[0] / goal, w * 1e-3);  // half a step of delay at the greatest speed w, and as much for the damping
+  EXPECT_LT(error[0] / goal,
+            w * 1e-3);  // half a step of delay at the greatest speed w, and as much for the damping
   EXPECT_NEAR(error[1] / error[0], 0.5, 0.02);  // first order
 }
 

@@ -1,5 +1,5 @@
-// Coulomb friction on inclines: a sled sticks on one side of the friction cone and slides on the other, in every
-// heading alike.
+// Coulomb friction on inclines: a sled sticks on one side of the friction cone and slides on the other, in
+// every heading alike.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -35,15 +35,17 @@ Incline tilted_gravity(double angle, double heading) {
 Incline height_field(double angle, double heading) {
   constexpr double kDegree = std::numbers::pi / 180;
   Incline incline{scenes::world_of(scenes::sled()), {}, {}};
-  incline.spec.terrain = make_terrain(
-      fmt::format("slope:angle={},heading={},size_x=4,size_y=4,cell=0.05,flat_radius=0", angle / kDegree, heading / kDegree));
+  incline.spec.terrain =
+      make_terrain(fmt::format("slope:angle={},heading={},size_x=4,size_y=4,cell=0.05,flat_radius=0",
+                               angle / kDegree, heading / kDegree));
   const Vector3 level(std::cos(heading), std::sin(heading), 0);
   incline.normal = std::cos(angle) * Vector3::UnitZ() - std::sin(angle) * level;
   incline.downhill = -(std::sin(angle) * Vector3::UnitZ() + std::cos(angle) * level);
   return incline;
 }
 
-/// The sled at rest on the incline, not turned about the normal with the heading: its corners lie in W's axes.
+/// The sled at rest on the incline, not turned about the normal with the heading: its corners lie in W's
+/// axes.
 RobotState on(const Incline& incline, const PhysicsBackend& backend) {
   RobotState state = backend.home_state();
   state.q_WB = Quaternion::FromTwoVectors(Vector3::UnitZ(), incline.normal);
@@ -53,7 +55,8 @@ RobotState on(const Incline& incline, const PhysicsBackend& backend) {
 
 using MakeIncline = Incline (*)(double angle, double heading);
 
-/// How a sled moved on an incline whose angle puts the friction coefficient at `friction_over_tangent` times tan(angle).
+/// How a sled moved on an incline whose angle puts the friction coefficient at `friction_over_tangent` times
+/// tan(angle).
 struct Slide {
   double speed = 0;     ///< downhill at the end, m/s
   double distance = 0;  ///< downhill from kSettle to the end, m
@@ -79,14 +82,16 @@ class Slope : public BackendTest {
     return {incline.downhill.dot(s.v_WB), incline.downhill.dot(s.p_WB - settled.p_WB), across.dot(s.p_WB)};
   }
 
-  /// Speed at which a soft contact gives way under the load that friction holds, m/s. In MuJoCo's law a friction row
-  /// at rest balances R f = B v, with R at most (1 - d_min) / d_min / m and B = 2 / (d_max t_c): the creep of a body
-  /// whose four runners carry a quarter of its weight each.
+  /// Speed at which a soft contact gives way under the load that friction holds, m/s. In MuJoCo's law a
+  /// friction row at rest balances R f = B v, with R at most (1 - d_min) / d_min / m and B = 2 / (d_max t_c):
+  /// the creep of a body whose four runners carry a quarter of its weight each.
   static double creep(double angle) {
     const Softness soft;
     const double load = kGravity * std::sin(angle) / 4;  // per mass
-    const double R = (1 - soft.impedance_min) / soft.impedance_min, B = 2 / (soft.impedance_max * soft.time_constant);
-    // The runners uphill carry less than that, reach the edge of their cones and leave a little more to the others.
+    const double R = (1 - soft.impedance_min) / soft.impedance_min,
+                 B = 2 / (soft.impedance_max * soft.time_constant);
+    // The runners uphill carry less than that, reach the edge of their cones and leave a little more to the
+    // others.
     return 1.05 * R * load / B;
   }
 
@@ -121,8 +126,8 @@ class Slope : public BackendTest {
     measured("distance against a t^2 / 2, relative", worst);
     measured("spread over headings, relative", (most - least) / expected);
     measured("off the line of fall, share of the distance", off_line / expected);
-    // Integration is half a step late (2 h / (t0 + t1) = 0.3 %), and a soft contact under way hops within a fraction of
-    // a millimetre instead of settling, which tells when its path is cut off.
+    // Integration is half a step late (2 h / (t0 + t1) = 0.3 %), and a soft contact under way hops within a
+    // fraction of a millimetre instead of settling, which tells when its path is cut off.
     EXPECT_LT(worst, 0.01);
     EXPECT_LT(most - least, 0.01 * expected);
     EXPECT_LT(off_line, 1e-3 * expected);

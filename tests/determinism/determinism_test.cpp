@@ -131,7 +131,8 @@ TEST_P(Determinism, WorldsMayBeMadeOnAnyThread) {
   std::vector<std::vector<RobotState>> states(4);
   std::vector<std::thread> threads;
   for (auto& own : states) {
-    threads.emplace_back([&own, name = GetParam()] { own = trot(*make_backend(name, world("rough")), 0, 300); });
+    threads.emplace_back(
+        [&own, name = GetParam()] { own = trot(*make_backend(name, world("rough")), 0, 300); });
   }
   for (std::thread& thread : threads) thread.join();
   for (const auto& own : states) expect_same(expected, own);

@@ -1,5 +1,6 @@
-// Engines that declare MuJoCo's contact law against each other, to rounding; the others within the band in which
-// engines may differ. Tolerances are those of the design (docs/parity-measurements.md has what was measured).
+// Engines that declare MuJoCo's contact law against each other, to rounding; the others within the band in
+// which engines may differ. Tolerances are those of the design (docs/parity-measurements.md has what was
+// measured).
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -36,11 +37,11 @@ std::string pair_name(const ::testing::TestParamInfo<Pair>& test) {
 
 /// Largest differences over a run.
 struct Difference {
-  double position = 0;   ///< of the base, m
-  double joints = 0;     ///< rad
-  double attitude = 0;   ///< rad
-  double force = 0;      ///< of all contacts together, N
-  int counts = 0;        ///< steps with another number of contacts
+  double position = 0;  ///< of the base, m
+  double joints = 0;    ///< rad
+  double attitude = 0;  ///< rad
+  double force = 0;     ///< of all contacts together, N
+  int counts = 0;       ///< steps with another number of contacts
   int most_contacts = 0;
 };
 
@@ -87,12 +88,13 @@ class MatchedPair : public ::testing::TestWithParam<Pair> {
 
   static Difference trot(const WorldSpec& spec, double seconds) {
     const scenes::Trot gait(*spec.robot);
-    return run(spec, nullptr, [&](double t) { return gait.targets(t); }, scenes::Trot::kStand + seconds);
+    return run(
+        spec, nullptr, [&](double t) { return gait.targets(t); }, scenes::Trot::kStand + seconds);
   }
 
   static void expect_walk(const Difference& d, double position) {
     EXPECT_LT(d.position, position);
-    EXPECT_LT(d.joints, 10 * position);    // a joint's error over a leg of a tenth of a metre
+    EXPECT_LT(d.joints, 10 * position);  // a joint's error over a leg of a tenth of a metre
     EXPECT_LT(d.attitude, 10 * position);
     EXPECT_EQ(d.counts, 0);
     EXPECT_LT(d.force, 1e-6);  // N, of 7: the solvers' tolerance times the stiffness of 1e5 1/s^2
@@ -112,7 +114,10 @@ TEST_P(MatchedPair, HangingLegsSwingTheSame) {
     RobotState start = home_of(spec);
     start.p_WB.z() = 0.5;
     const scenes::Swing swing(*scenes::quadruped());
-    EXPECT_LT(run(spec, &start, [&](double t) { return swing.targets(t); }, 2).joints, 1e-10);
+    EXPECT_LT(run(
+                  spec, &start, [&](double t) { return swing.targets(t); }, 2)
+                  .joints,
+              1e-10);
   }
 }
 
@@ -124,7 +129,8 @@ TEST_P(MatchedPair, TumblesTheSame) {
     start.v_WB = {0.1, 0.2, 0.3};
     start.w_WB = {3, 6, 9};
     const scenes::Swing swing(*robot);
-    const Difference d = run(spec, &start, [&](double t) { return swing.targets(t); }, 0.5);
+    const Difference d = run(
+        spec, &start, [&](double t) { return swing.targets(t); }, 0.5);
     EXPECT_LT(d.position, 1e-9);
     EXPECT_LT(d.joints, 1e-9);
     EXPECT_LT(d.attitude, 1e-9);
@@ -136,16 +142,20 @@ TEST_P(MatchedPair, DropsAndStandsTheSame) {
   RobotState start = home_of(spec);
   start.p_WB.z() += 0.03;
   const JointTargets home = scenes::home_targets(*spec.robot);
-  const Difference d = run(spec, &start, [&](double) { return home; }, 2);
+  const Difference d = run(
+      spec, &start, [&](double) { return home; }, 2);
   EXPECT_LT(d.position, 1e-8);
   EXPECT_EQ(d.counts, 0);
 }
 
-TEST_P(MatchedPair, TrotsTheSameForFiveSeconds) { expect_walk(trot(scenes::world_of(scenes::quadruped()), 5), 1e-6); }
+TEST_P(MatchedPair, TrotsTheSameForFiveSeconds) {
+  expect_walk(trot(scenes::world_of(scenes::quadruped()), 5), 1e-6);
+}
 
 TEST_P(MatchedPair, TrotsTheSameForAMinute) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  constexpr double kSeconds = 10;  // sanitizers take a minute and more for the rest, and look at the same code
+  constexpr double kSeconds =
+      10;  // sanitizers take a minute and more for the rest, and look at the same code
 #else
   constexpr double kSeconds = 60;
 #endif
@@ -168,10 +178,16 @@ TEST_P(MatchedPair, TrotsTheSameOnAnyContactLaw) {
       {"hard friction", [](WorldSpec& s) { s.contact.impratio = 10; }},
       {"soft friction", [](WorldSpec& s) { s.contact.impratio = 0.2; }},
       {"hard", [](WorldSpec& s) { s.contact.softness.time_constant = 0.004; }},
-      {"soft", [](WorldSpec& s) { s.contact.softness = {0.03, 0.7, 0.5, 0.99, 0.01}; }},
+      {"soft",
+       [](WorldSpec& s) {
+         s.contact.softness = {0.03, 0.7, 0.5, 0.99, 0.01};
+       }},
       {"fine steps", [](WorldSpec& s) { s.physics_dt = 5e-4; }},
       {"coarse steps", [](WorldSpec& s) { s.physics_dt = 2e-3; }},
-      {"on the moon", [](WorldSpec& s) { s.gravity = {0.2, 0.1, -1.62}; }},
+      {"on the moon",
+       [](WorldSpec& s) {
+         s.gravity = {0.2, 0.1, -1.62};
+       }},
   };
   for (const auto& [name, change] : changes) {
     SCOPED_TRACE(name);
@@ -211,7 +227,8 @@ TEST_P(MatchedPair, FallsTheSame) {
     for (const Fall& fall : falls) {
       RobotState start = home_of(spec);
       start.p_WB.z() = fall.height + 0.02;
-      start.q_WB = from_roll_pitch_yaw(fall.roll_pitch_yaw.x(), fall.roll_pitch_yaw.y(), fall.roll_pitch_yaw.z());
+      start.q_WB =
+          from_roll_pitch_yaw(fall.roll_pitch_yaw.x(), fall.roll_pitch_yaw.y(), fall.roll_pitch_yaw.z());
       const Difference d = run(spec, &start, fall.targets, 1);
       EXPECT_LT(d.position, 1e-6);
       EXPECT_EQ(d.counts, 0);
@@ -256,7 +273,11 @@ TEST_P(MatchedPair, RigidBodiesSlideTheSame) {
     RobotState start = home_of(spec);
     start.v_WB = {0.5, 0.2, 0};
     start.w_WB = {0, 0, 3};
-    EXPECT_LT(run(spec, &start, [](double) { return JointTargets{}; }, 0.5).position, 1e-8) << friction;
+    EXPECT_LT(run(
+                  spec, &start, [](double) { return JointTargets{}; }, 0.5)
+                  .position,
+              1e-8)
+        << friction;
   }
 }
 
@@ -265,12 +286,16 @@ TEST_P(MatchedPair, ABoxLandsTheSameOnThePlane) {
   RobotState start = home_of(spec);
   start.p_WB.z() = 0.1;
   start.q_WB = from_roll_pitch_yaw(0.3, 0.4, 0.5);
-  EXPECT_LT(run(spec, &start, [](double) { return JointTargets{}; }, 0.5).position, 1e-8);
+  EXPECT_LT(run(
+                spec, &start, [](double) { return JointTargets{}; }, 0.5)
+                .position,
+            1e-8);
 }
 
 TEST_P(MatchedPair, MassMatricesAgree) {
   std::mt19937 random(1);
-  for (const scenes::RobotPtr& robot : {scenes::quadruped(), scenes::long_quadruped(), scenes::awkward_robot()}) {
+  for (const scenes::RobotPtr& robot :
+       {scenes::quadruped(), scenes::long_quadruped(), scenes::awkward_robot()}) {
     const WorldSpec spec = scenes::world_of(robot);
     const auto a = make_backend(GetParam().a, spec), b = make_backend(GetParam().b, spec);
     for (int n = 0; n < 20; ++n) {
@@ -305,7 +330,8 @@ class UnmatchedPair : public ::testing::TestWithParam<Pair> {
       ++count;
     }
     const double degrees = 180 / std::numbers::pi;
-    return {world->state().p_WB.head<2>().norm(), degrees * std::sqrt(roll / count), degrees * std::sqrt(pitch / count)};
+    return {world->state().p_WB.head<2>().norm(), degrees * std::sqrt(roll / count),
+            degrees * std::sqrt(pitch / count)};
   }
 
   static void compare(const char* terrain, double distance, double attitude) {
@@ -319,7 +345,8 @@ class UnmatchedPair : public ::testing::TestWithParam<Pair> {
   }
 };
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(UnmatchedPair);
-INSTANTIATE_TEST_SUITE_P(Engines, UnmatchedPair, ::testing::ValuesIn(pairs_of([](const auto& a, const auto& b) {
+INSTANTIATE_TEST_SUITE_P(Engines, UnmatchedPair,
+                         ::testing::ValuesIn(pairs_of([](const auto& a, const auto& b) {
                            return a.matches_mujoco != b.matches_mujoco;
                          })),
                          pair_name);

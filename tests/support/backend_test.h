@@ -15,8 +15,12 @@ namespace crossgait {
 
 class BackendTest : public ::testing::TestWithParam<std::string> {
  protected:
-  static std::unique_ptr<PhysicsBackend> make(const WorldSpec& spec) { return make_backend(GetParam(), spec); }
-  static std::unique_ptr<PhysicsBackend> make(const scenes::RobotPtr& robot) { return make(scenes::world_of(robot)); }
+  static std::unique_ptr<PhysicsBackend> make(const WorldSpec& spec) {
+    return make_backend(GetParam(), spec);
+  }
+  static std::unique_ptr<PhysicsBackend> make(const scenes::RobotPtr& robot) {
+    return make(scenes::world_of(robot));
+  }
   /// What the backend declares: the only thing that a test may skip or choose by.
   static Capabilities capabilities() { return make(scenes::sled())->info().capabilities; }
 };
@@ -24,13 +28,17 @@ class BackendTest : public ::testing::TestWithParam<std::string> {
 /// "bullet:matched" as a test name: "bullet_matched".
 inline std::string test_name(std::string_view backend) {
   std::string name(backend);
-  std::replace_if(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
   return name;
 }
 
-inline std::string backend_of_test(const ::testing::TestParamInfo<std::string>& test) { return test_name(test.param); }
+inline std::string backend_of_test(const ::testing::TestParamInfo<std::string>& test) {
+  return test_name(test.param);
+}
 
-/// Prints a figure for docs/parity-measurements.md (`ctest -V | grep measured`) and keeps it in the XML report.
+/// Prints a figure for docs/parity-measurements.md (`ctest -V | grep measured`) and keeps it in the XML
+/// report.
 inline void measured(const std::string& what, double value) {
   ::testing::Test::RecordProperty(what, std::to_string(value));
   std::printf("measured %s: %s = %.3g\n", ::testing::UnitTest::GetInstance()->current_test_info()->name(),
@@ -40,7 +48,7 @@ inline void measured(const std::string& what, double value) {
 }  // namespace crossgait
 
 /// Instantiates `suite`, derived from BackendTest, for every backend that is built in.
-#define CROSSGAIT_FOR_EVERY_BACKEND(suite)                                                          \
-  GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(suite);                                             \
+#define CROSSGAIT_FOR_EVERY_BACKEND(suite)                                                              \
+  GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(suite);                                                 \
   INSTANTIATE_TEST_SUITE_P(EveryBackend, suite, ::testing::ValuesIn(::crossgait::available_backends()), \
                            ::crossgait::backend_of_test)

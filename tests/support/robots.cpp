@@ -15,7 +15,8 @@ Body free_body(std::string name, const SpatialInertia& inertia) {
   return body;
 }
 
-CollisionShape shape(std::string name, ShapeType type, const Vector3& size, const Vector3& p_BG = Vector3::Zero()) {
+CollisionShape shape(std::string name, ShapeType type, const Vector3& size,
+                     const Vector3& p_BG = Vector3::Zero()) {
   CollisionShape result;
   result.name = std::move(name);
   result.type = type;
@@ -25,15 +26,14 @@ CollisionShape shape(std::string name, ShapeType type, const Vector3& size, cons
 }
 
 // An inertia with the given principal moments about axes turned by `rotation` against the body's.
-SpatialInertia turned_inertia(double mass, const Vector3& p_BC, const Vector3& moments, const Quaternion& rotation) {
+SpatialInertia turned_inertia(double mass, const Vector3& p_BC, const Vector3& moments,
+                              const Quaternion& rotation) {
   const Matrix3 R = rotation.toRotationMatrix();
   const Matrix3 I = R * moments.asDiagonal() * R.transpose();
   return {mass, p_BC, 0.5 * (I + I.transpose())};
 }
 
-RobotPtr load(const char* name) {
-  return std::make_shared<RobotDescription>(load_robot(find_robot(name)));
-}
+RobotPtr load(const char* name) { return std::make_shared<RobotDescription>(load_robot(find_robot(name))); }
 
 }  // namespace
 
@@ -70,7 +70,8 @@ RobotPtr arm(const std::vector<ArmLink>& links) {
     const ArmLink& link = links[i];
     // A slender body: its inertia about its long axis is small, and does not matter.
     const Vector3 moments(link.inertia, link.inertia, 0.1 * link.inertia);
-    Body body = free_body("link" + std::to_string(i), {link.mass, {0, 0, -link.length}, moments.asDiagonal()});
+    Body body =
+        free_body("link" + std::to_string(i), {link.mass, {0, 0, -link.length}, moments.asDiagonal()});
     body.parent = static_cast<int>(i);
     body.X_PB.translation().z() = -joint_depth;
     joint_depth = 2 * link.length;
@@ -126,18 +127,63 @@ RobotPtr awkward_robot() {
   };
   // Two branches: base - 1 - 2 - 3 and base - 4 - 5.
   const std::vector<Link> links{
-      {0, {0.1, 0.05, 0.02}, {0.2, -0.4, 0.6}, {1, 2, -1}, {0.01, 0.02, -0.05}, {1e-4, 2e-4, 2.5e-4}, 0.12, 2e-4, 0.02,
+      {0,
+       {0.1, 0.05, 0.02},
+       {0.2, -0.4, 0.6},
+       {1, 2, -1},
+       {0.01, 0.02, -0.05},
+       {1e-4, 2e-4, 2.5e-4},
+       0.12,
+       2e-4,
+       0.02,
        true},
-      {1, {0.02, 0.01, -0.1}, {-0.9, 0.1, 0.3}, {0, 1, 0}, {0, -0.01, -0.04}, {4e-5, 6e-5, 9e-5}, 0.05, 1e-4, 0, true},
-      {2, {0, 0.02, -0.08}, {0.1, 1.2, -0.5}, {1, 1, 1}, {0.02, 0, -0.03}, {1e-5, 2e-5, 2.2e-5}, 0.03, 0, 0.01, false},
-      {0, {-0.1, 0.04, 0}, {0.7, 0.2, 2.1}, {0, -1, 3}, {-0.01, 0.03, -0.04}, {2e-4, 1e-4, 2e-4}, 0.1, 3e-4, 0.03, true},
-      {4, {0.03, -0.02, -0.09}, {0.4, -0.8, -1.4}, {2, 0, 1}, {0, 0.01, -0.05}, {3e-5, 5e-5, 6e-5}, 0.04, 0, 0, false},
+      {1,
+       {0.02, 0.01, -0.1},
+       {-0.9, 0.1, 0.3},
+       {0, 1, 0},
+       {0, -0.01, -0.04},
+       {4e-5, 6e-5, 9e-5},
+       0.05,
+       1e-4,
+       0,
+       true},
+      {2,
+       {0, 0.02, -0.08},
+       {0.1, 1.2, -0.5},
+       {1, 1, 1},
+       {0.02, 0, -0.03},
+       {1e-5, 2e-5, 2.2e-5},
+       0.03,
+       0,
+       0.01,
+       false},
+      {0,
+       {-0.1, 0.04, 0},
+       {0.7, 0.2, 2.1},
+       {0, -1, 3},
+       {-0.01, 0.03, -0.04},
+       {2e-4, 1e-4, 2e-4},
+       0.1,
+       3e-4,
+       0.03,
+       true},
+      {4,
+       {0.03, -0.02, -0.09},
+       {0.4, -0.8, -1.4},
+       {2, 0, 1},
+       {0, 0.01, -0.05},
+       {3e-5, 5e-5, 6e-5},
+       0.04,
+       0,
+       0,
+       false},
   };
   for (std::size_t i = 0; i < links.size(); ++i) {
     const Link& link = links[i];
     const Vector3& a = link.roll_pitch_yaw;
-    Body body = free_body("link" + std::to_string(i), turned_inertia(link.mass, link.p_BC, link.moments,
-                                                                     from_roll_pitch_yaw(a.z(), a.x(), a.y())));
+    Body body = free_body(
+        "link" + std::to_string(i),
+        turned_inertia(link.mass, link.p_BC, link.moments, from_roll_pitch_yaw(a.z(), a.x(), a.y())));
     body.parent = link.parent;
     body.X_PB = make_pose(from_roll_pitch_yaw(a.x(), a.y(), a.z()), link.p_PB);
     body.joint.name = "joint" + std::to_string(i);

@@ -51,7 +51,8 @@ JointTargets home_targets(const RobotDescription& robot) {
   const std::vector<int> servos = robot.actuated_joints();
   JointTargets targets;
   targets.q.resize(static_cast<Eigen::Index>(servos.size()));
-  for (std::size_t i = 0; i < servos.size(); ++i) targets.q[static_cast<Eigen::Index>(i)] = robot.home[servos[i]];
+  for (std::size_t i = 0; i < servos.size(); ++i)
+    targets.q[static_cast<Eigen::Index>(i)] = robot.home[servos[i]];
   return targets;
 }
 

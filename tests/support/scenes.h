@@ -15,22 +15,23 @@ WorldSpec world_of(RobotPtr robot);
 /// Targets that hold the home pose.
 JointTargets home_targets(const RobotDescription& robot);
 
-/// Every joint anywhere within its limits or a radian of home (whichever is nearer), any attitude, some speed: no pose
-/// that a machine would take, but one that equations of motion must hold in. Loops are not closed.
+/// Every joint anywhere within its limits or a radian of home (whichever is nearer), any attitude, some
+/// speed: no pose that a machine would take, but one that equations of motion must hold in. Loops are not
+/// closed.
 RobotState random_state(const RobotDescription& robot, std::mt19937& random);
 
 /// Bit for bit.
 bool identical(const RobotState& a, const RobotState& b);
 
-/// A trot in closed form, feet commanded through the robot's inverse kinematics: stands for `kStand`, then diagonal
-/// pairs (FL, RR first) swing in turn, strides growing over the first cycle. Kept apart from gait/, so that what is
-/// measured of engines does not move when a gait changes.
+/// A trot in closed form, feet commanded through the robot's inverse kinematics: stands for `kStand`, then
+/// diagonal pairs (FL, RR first) swing in turn, strides growing over the first cycle. Kept apart from gait/,
+/// so that what is measured of engines does not move when a gait changes.
 class Trot {
  public:
-  static constexpr double kStand = 0.5;          ///< s
-  static constexpr double kCycle = 0.8;          ///< s
-  static constexpr double kStepLength = 0.045;   ///< m
-  static constexpr double kStepHeight = 0.015;   ///< m
+  static constexpr double kStand = 0.5;         ///< s
+  static constexpr double kCycle = 0.8;         ///< s
+  static constexpr double kStepLength = 0.045;  ///< m
+  static constexpr double kStepHeight = 0.015;  ///< m
 
   explicit Trot(const RobotDescription& robot);
   JointTargets targets(double time) const noexcept;

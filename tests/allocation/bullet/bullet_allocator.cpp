@@ -1,5 +1,5 @@
-// Bullet allocates inside its own narrowphase and solver, through its own allocator: what goes through that is the
-// engine's and not counted.
+// Bullet allocates inside its own narrowphase and solver, through its own allocator: what goes through that
+// is the engine's and not counted.
 #include <cstdlib>
 
 #include <LinearMath/btAlignedAllocator.h>

@@ -1,12 +1,13 @@
-// The contact solve against the conditions that define its solution: with w = A x + b, every contact has x in its
-// friction cone, w in the dual cone, and x.w = 0 (Boyd and Vandenberghe, Convex Optimization, 2004, section 5.9).
+// The contact solve against the conditions that define its solution: with w = A x + b, every contact has x in
+// its friction cone, w in the dual cone, and x.w = 0 (Boyd and Vandenberghe, Convex Optimization, 2004,
+// section 5.9).
+#include "crossgait/backends/bullet/cone_solver.h"
+
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
-
-#include "crossgait/backends/bullet/cone_solver.h"
 
 namespace crossgait::bullet {
 namespace {
@@ -27,7 +28,8 @@ double violation(const ConeProblem& problem) {
   const double w_scale = problem.b.head(rows).lpNorm<Eigen::Infinity>();
   double worst = 0;
   for (int c = 0; c < problem.contacts; ++c) {
-    worst = std::max(worst, violation(x.segment<3>(3 * c), w.segment<3>(3 * c), problem.friction, x_scale, w_scale));
+    worst = std::max(worst,
+                     violation(x.segment<3>(3 * c), w.segment<3>(3 * c), problem.friction, x_scale, w_scale));
   }
   return worst;
 }
@@ -46,17 +48,20 @@ TEST(ConeBlock, SolvesThousandsOfRandomProblems) {
     // Axes that differ by up to a thousand in stiffness, as those of a light foot on a stiff leg do.
     const Matrix3 G = random_matrix(random, 3, 3);
     const Vector3 stretch(std::exp(normal(random)), std::exp(normal(random)), std::exp(normal(random)));
-    const Matrix3 H = stretch.asDiagonal() * Matrix3(G * G.transpose() + 1e-2 * Matrix3::Identity()) * stretch.asDiagonal();
+    const Matrix3 H =
+        stretch.asDiagonal() * Matrix3(G * G.transpose() + 1e-2 * Matrix3::Identity()) * stretch.asDiagonal();
     const Vector3 g(normal(random), normal(random), normal(random));
     const double mu = std::exp(normal(random) - 0.5);
     const Vector3 start = i % 2 == 0 ? Vector3(Vector3::Zero()) : Vector3(1, normal(random), normal(random));
     const Vector3 x = solve_cone_block(H, g, mu, start);
     const double v = violation(x, H * x + g, mu, std::max(x.norm(), 1e-12), g.norm());
     worst = std::max(worst, v);
-    ASSERT_LT(v, 1e-9) << "problem " << i << "\nH\n" << H << "\ng " << g.transpose() << "\nmu " << mu << "\nx " << x.transpose();
+    ASSERT_LT(v, 1e-9) << "problem " << i << "\nH\n"
+                       << H << "\ng " << g.transpose() << "\nmu " << mu << "\nx " << x.transpose();
     (x.norm() == 0 ? apart : std::hypot(x[1], x[2]) < mu * x[0] * (1 - 1e-9) ? sticking : sliding) += 1;
   }
-  std::printf("measured cone block: violation %.3g; %d stick, %d slide, %d apart\n", worst, sticking, sliding, apart);
+  std::printf("measured cone block: violation %.3g; %d stick, %d slide, %d apart\n", worst, sticking, sliding,
+              apart);
   EXPECT_GT(sticking, 1000);
   EXPECT_GT(sliding, 1000);
   EXPECT_GT(apart, 1000);
@@ -83,15 +88,15 @@ TEST(ConeBlock, KnowsTheCornerCases) {
 struct Shape {
   const char* name;
   int contacts;
-  int rank;       ///< of A before regularisation; below 3 contacts it is degenerate
-  double R;       ///< regularisation against entries of about `rank`
+  int rank;  ///< of A before regularisation; below 3 contacts it is degenerate
+  double R;  ///< regularisation against entries of about `rank`
   double tolerance;
 };
 
 TEST(ConeProblem, SolvesThousandsOfRandomProblems) {
   const std::vector<Shape> shapes{
-      {"one contact", 1, 26, 1e-3, 1e-9},      {"four feet", 4, 26, 1e-2, 1e-9},
-      {"stiff feet", 4, 26, 1e-6, 1e-6},       {"rigid body on four", 4, 6, 0.1, 1e-9},
+      {"one contact", 1, 26, 1e-3, 1e-9},        {"four feet", 4, 26, 1e-2, 1e-9},
+      {"stiff feet", 4, 26, 1e-6, 1e-6},         {"rigid body on four", 4, 6, 0.1, 1e-9},
       {"rigid body on sixteen", 16, 6, 1, 1e-9},
   };
   ConeProblem problem;
@@ -105,13 +110,15 @@ TEST(ConeProblem, SolvesThousandsOfRandomProblems) {
       const Eigen::MatrixXd J = random_matrix(random, rows, shape.rank);
       problem.contacts = shape.contacts;
       problem.friction = std::exp(normal(random) - 0.5);
-      problem.A.topLeftCorner(rows, rows) = J * J.transpose() + shape.R * Eigen::MatrixXd::Identity(rows, rows);
+      problem.A.topLeftCorner(rows, rows) =
+          J * J.transpose() + shape.R * Eigen::MatrixXd::Identity(rows, rows);
       problem.b.head(rows) = random_matrix(random, rows, 1);
       most_sweeps = std::max(most_sweeps, problem.solve(1e-15, 20000));
       worst = std::max(worst, violation(problem));
       ASSERT_LT(violation(problem), shape.tolerance) << shape.name << ", problem " << i;
     }
-    std::printf("measured cone problem, %s: violation %.3g, at most %d sweeps\n", shape.name, worst, most_sweeps);
+    std::printf("measured cone problem, %s: violation %.3g, at most %d sweeps\n", shape.name, worst,
+                most_sweeps);
   }
 }
 

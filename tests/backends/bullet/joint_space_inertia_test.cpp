@@ -1,11 +1,12 @@
 // The inertia that Crossgait computes for Bullet's multibody, against Bullet's own algorithms.
+#include "crossgait/backends/bullet/joint_space_inertia.h"
+
 #include <random>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "crossgait/backends/bullet/convert.h"
-#include "crossgait/backends/bullet/joint_space_inertia.h"
 #include "crossgait/backends/bullet/multibody_model.h"
 #include "crossgait/tests/support/scenes.h"
 
@@ -15,7 +16,9 @@ namespace {
 /// A robot of Bullet's in a random pose.
 struct Machine {
   Machine(const scenes::RobotPtr& robot, bool fixed, std::mt19937& random)
-      : spec(scenes::world_of(robot)), model((spec.fixed_base = fixed, spec)), inertia(model.body(), model.armature()) {
+      : spec(scenes::world_of(robot)),
+        model((spec.fixed_base = fixed, spec)),
+        inertia(model.body(), model.armature()) {
     const RobotState state = scenes::random_state(*robot, random);
     btMultiBody& body = model.body();
     body.setBasePos(vector(state.p_WB));
@@ -56,7 +59,8 @@ struct Machine {
 template <typename Check>
 void for_machines(Check check) {
   std::mt19937 random(1);
-  for (const scenes::RobotPtr& robot : {scenes::quadruped(), scenes::long_quadruped(), scenes::awkward_robot()}) {
+  for (const scenes::RobotPtr& robot :
+       {scenes::quadruped(), scenes::long_quadruped(), scenes::awkward_robot()}) {
     for (const bool fixed : {false, true}) {
       for (int n = 0; n < 20; ++n) {
         Machine machine(robot, fixed, random);
@@ -102,7 +106,8 @@ TEST(JointSpaceInertia, MultipliesWithoutArmature) {
     const DofVector x = Eigen::VectorXd::LinSpaced(n, 2, -1);
     DofVector y(n);
     machine.inertia.multiply_bare(x, y);
-    const Eigen::VectorXd expected = machine.inertia.bare_matrix().bottomRightCorner(size, size) * x.tail(size);
+    const Eigen::VectorXd expected =
+        machine.inertia.bare_matrix().bottomRightCorner(size, size) * x.tail(size);
     EXPECT_LT((y.tail(size) - expected).norm(), 1e-14 * expected.norm());
   });
 }
@@ -123,7 +128,8 @@ TEST(JointSpaceInertia, PointJacobianIsBulletsContactJacobian) {
         btVector3 normal(0, 0, 0);
         normal[k] = 1;
         body.fillContactJacobianMultiDof(link, point, normal, row.data(), r, v, m);
-        EXPECT_LT((J.row(k).tail(n - machine.first()).transpose() - row.tail(n - machine.first())).norm(), 1e-14);
+        EXPECT_LT((J.row(k).tail(n - machine.first()).transpose() - row.tail(n - machine.first())).norm(),
+                  1e-14);
       }
     }
   });

@@ -1,9 +1,9 @@
 // MuJoCo's soft-constraint law against values worked out by hand.
+#include "crossgait/backends/bullet/soft_constraint.h"
+
 #include <cmath>
 
 #include <gtest/gtest.h>
-
-#include "crossgait/backends/bullet/soft_constraint.h"
 
 namespace crossgait::bullet {
 namespace {
@@ -46,7 +46,8 @@ TEST(SoftLaw, DampingRatioSoftensTheSpringAlone) {
 
 TEST(SoftLaw, TimeConstantIsNeverBelowTwoSteps) {
   const Softness quick{1e-6, 1, 0.9, 0.95, 0.001}, two_steps{4e-3, 1, 0.9, 0.95, 0.001};
-  EXPECT_EQ(SoftLaw(quick, 2e-3).target_velocity(1, 0.9, 1e-3), SoftLaw(two_steps, 2e-3).target_velocity(1, 0.9, 1e-3));
+  EXPECT_EQ(SoftLaw(quick, 2e-3).target_velocity(1, 0.9, 1e-3),
+            SoftLaw(two_steps, 2e-3).target_velocity(1, 0.9, 1e-3));
 }
 
 TEST(SoftLaw, RegularizationIsWhatImpedanceLeaves) {

@@ -1,4 +1,7 @@
-// Inside the MuJoCo backend: the compiled model, and the collision routine that it installs for the whole process.
+// Inside the MuJoCo backend: the compiled model, and the collision routine that it installs for the whole
+// process.
+#include "crossgait/backends/mujoco/model.h"
+
 #include <array>
 #include <cstring>
 #include <memory>
@@ -7,7 +10,6 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
-#include "crossgait/backends/mujoco/model.h"
 #include "crossgait/backends/mujoco/model_xml.h"
 #include "crossgait/backends/mujoco/mujoco_backend.h"
 #include "crossgait/physics/multibody.h"
@@ -34,7 +36,8 @@ int body_id(const mjModel& m, int body) { return mj_name2id(&m, mjOBJ_BODY, body
 TEST(MujocoModel, InverseWeightsAreThoseOfTheDescription) {
   double worst = 0;
   for (const bool fixed : {false, true}) {
-    for (const scenes::RobotPtr& robot : {scenes::quadruped(), scenes::long_quadruped(), scenes::awkward_robot()}) {
+    for (const scenes::RobotPtr& robot :
+         {scenes::quadruped(), scenes::long_quadruped(), scenes::awkward_robot()}) {
       WorldSpec spec = scenes::world_of(robot);
       spec.fixed_base = fixed;
       const ModelPtr m = compile_model(spec);
@@ -81,7 +84,8 @@ TEST(MujocoModel, ShapesCollideWithTheTerrainAlone) {
   const ModelPtr m = compile_model(scenes::world_of(scenes::quadruped()));
   const int terrain = mj_name2id(m.get(), mjOBJ_GEOM, "terrain");
   const auto collide = [&](int a, int b) {
-    return (m->geom_contype[a] & m->geom_conaffinity[b]) != 0 || (m->geom_contype[b] & m->geom_conaffinity[a]) != 0;
+    return (m->geom_contype[a] & m->geom_conaffinity[b]) != 0 ||
+           (m->geom_contype[b] & m->geom_conaffinity[a]) != 0;
   };
   ASSERT_GT(m->ngeom, 10);
   for (int a = 0; a < m->ngeom; ++a) {
@@ -91,11 +95,11 @@ TEST(MujocoModel, ShapesCollideWithTheTerrainAlone) {
 
 /// A model of somebody else: a sphere sunk into a height field, with or without a place for user data.
 ModelPtr foreign_model(int nuserdata) {
-  ModelPtr m = compile(
-      "<mujoco><size nuserdata='" + std::to_string(nuserdata) +
-      "'/><asset><hfield name='h' nrow='5' ncol='5' size='1 1 0.1 0.1'/></asset><worldbody>"
-      "<geom type='hfield' hfield='h'/><body pos='0.13 0.07 0.05'><freejoint/><geom type='sphere' size='0.1'/></body>"
-      "</worldbody></mujoco>");
+  ModelPtr m = compile("<mujoco><size nuserdata='" + std::to_string(nuserdata) +
+                       "'/><asset><hfield name='h' nrow='5' ncol='5' size='1 1 0.1 0.1'/></asset><worldbody>"
+                       "<geom type='hfield' hfield='h'/><body pos='0.13 0.07 0.05'><freejoint/><geom "
+                       "type='sphere' size='0.1'/></body>"
+                       "</worldbody></mujoco>");
   for (int i = 0; i < 25; ++i) m->hfield_data[i] = static_cast<float>((i * 7) % 5) / 5;
   return m;
 }
