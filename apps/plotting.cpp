@@ -197,7 +197,8 @@ std::string make_script(const Figure& figure, bool png) {
       "set border 3 linecolor rgb '#555555'\n"
       "set tics nomirror out scale .5\n"
       "set grid linecolor rgb '#dddddd' linetype 1 linewidth .6\n"
-      "set key at graph 1,graph 1.0 right bottom horizontal nobox samplen 1.2 width -2 maxrows 1 font ',10'\n"
+      "set key at graph 1,graph 1.0 right bottom horizontal nobox samplen 1.2 width -.5 maxrows 1 font "
+      "',10'\n"
       "set palette defined (0 '#440154', 1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#fde725')\n";
   fmt::format_to(
       std::back_inserter(script),

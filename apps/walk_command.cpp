@@ -9,8 +9,10 @@
 namespace crossgait::apps {
 namespace {
 
+std::string first_available() { return available_backends().empty() ? "none" : available_backends().front(); }
+
 struct Options {
-  std::string backend = "mujoco";
+  std::string backend = first_available();
   WorldOptions world;
   WalkOptions walk;
   std::string trace;

@@ -55,11 +55,11 @@ constexpr std::array kGaits{
 std::span<const Gait> gaits() { return kGaits; }
 
 const Gait& find_gait(std::string_view name) {
-  std::string known;
   for (const Gait& gait : kGaits) {
     if (gait.name == name) return gait;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", gait.name);
   }
+  std::string known;
+  for (const Gait& gait : kGaits) known += fmt::format("{}{}", known.empty() ? "" : ", ", gait.name);
   throw ConfigError("gait", name, "one of " + known, "an unknown name");
 }
 

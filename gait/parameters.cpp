@@ -80,11 +80,11 @@ GaitParameters guide_parameters() {
 std::span<const ParameterRow> gait_parameters() { return kTable; }
 
 const ParameterRow& find_parameter(std::string_view name) {
-  std::string known;
   for (const ParameterRow& row : kTable) {
     if (row.name == name) return row;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", row.name);
   }
+  std::string known;
+  for (const ParameterRow& row : kTable) known += fmt::format("{}{}", known.empty() ? "" : ", ", row.name);
   throw ConfigError(kSource, name, "one of " + known, "an unknown name");
 }
 
