@@ -81,7 +81,7 @@ bool is_solution(const Matrix3& H, const Vector3& g, const Ray& ray) noexcept {
 Vector3 solve_cone_block(const Matrix3& H, const Vector3& g, double friction, const Vector3& start) noexcept {
   if (g[0] >= friction * std::hypot(g[1], g[2])) return Vector3::Zero();  // pushing apart already
   if (friction == 0) return {std::max(0.0, -g[0] / H(0, 0)), 0, 0};
-  const Vector3 free = -(H.inverse() * g);
+  Vector3 free = -(H.inverse() * g);
   if (in_cone(free, friction)) return free;
 
   const bool warm = start[1] != 0 || start[2] != 0;
