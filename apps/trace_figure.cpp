@@ -85,6 +85,7 @@ BaseMotion base_motion(const TraceTable& trace) {
 std::vector<const std::vector<double>*> joint_columns(const TraceTable& trace,
                                                       const RobotDescription& robot) {
   std::vector<const std::vector<double>*> columns;
+  columns.reserve(static_cast<std::size_t>(robot.joint_count()));
   for (int i = 0; i < robot.joint_count(); ++i) columns.push_back(&trace.column("q." + robot.joint(i).name));
   return columns;
 }

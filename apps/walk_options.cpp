@@ -23,8 +23,9 @@ void WalkOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_option("--settle", timing.settle_seconds, "Simulated time to stand before the first step, s")
       ->capture_default_str();
-  command.add_flag("--no-compensation", plain_servos,
-                   "Send the wanted joint angles as they are, without leading them by the servos' lag");
+  command.add_flag(
+      "--no-compensation", plain_servos,
+      "Send the wanted joint angles as they are, without making up for the servos' lag and give");
 }
 
 WalkSetup WalkOptions::make(const RobotDescription& robot) const {

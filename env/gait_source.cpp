@@ -31,6 +31,8 @@ GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& 
     choice.parameters = choice.gait->preferred;
   } else if (!command) {
     throw ConfigError("gait", gait, "a speed or a velocity command to choose the gait by", "none");
+  } else {
+    choice.parameters = find_gait("trot").preferred;  // the middle one's serve all
   }
   if (command && !command->is_finite()) {
     throw ConfigError("gait", "velocity command", "finite vx, vy (m/s) and yaw rate (rad/s)",

@@ -8,6 +8,7 @@
 
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/multibody.h"
+#include "crossgait/physics/world_spec.h"
 
 namespace crossgait {
 namespace {
@@ -29,7 +30,10 @@ double ground_below(const Terrain& terrain, double x, double y, double radius) {
 
 LegController::LegController(const RobotDescription& robot, const ServoCompensation& compensation,
                              WorkingMode mode)
-    : robot_(robot), compensation_(compensation), mode_(mode) {
+    : robot_(robot),
+      compensation_(compensation),
+      mode_(mode),
+      weight_(robot.total_mass() * -WorldSpec{}.gravity.z()) {
   if (!robot.legs) throw ConfigError(robot.source, "legs", "four five-bar legs", "a robot without legs");
   const std::vector<int> actuated = robot.actuated_joints();
   for (const Leg leg : kLegs) {
@@ -61,30 +65,37 @@ void LegController::restart() noexcept {
   clamped_ = 0;
 }
 
-// How far the servos' targets lead the wanted angles, rad.
-Vector3 LegController::lead(Leg leg, const Vector3& position, const LegAngles& angles,
-                            double dt) const noexcept {
+// Torques of the servos that the motion since the last update takes, N m, and those that hold up `load` (N).
+Vector3 LegController::torque(Leg leg, const Vector3& position, const LegAngles& angles, double load,
+                              double dt) const noexcept {
   const LegServos& servos = servos_[leg];
-  const LastUpdate& last = last_[leg];
-  const Vector3 wanted(angles.tilt, angles.shoulder_left, angles.shoulder_right);
-  const Vector3 velocity = (position - last.position) / dt;
-  const Vector3 rates = (wanted - last.servos) / dt;
-  const Vector3 torque =
-      elbow_drag_torque(geometry_[leg], position, angles, mode_, velocity, servos.elbow_damping) +
-      servos.damping.cwiseProduct(rates);
-  const double bound = compensation_.max_lead;
-  return torque.cwiseQuotient(servos.stiffness).cwiseMax(-bound).cwiseMin(bound);
+  const Matrix3 jacobian = leg_jacobian(geometry_[leg], angles);
+  Vector3 torque = load * jacobian.row(2).transpose();  // the leg frame's z points down
+  if (compensation_.lag && moving_) {
+    const LastUpdate& last = last_[leg];
+    const Vector3 wanted(angles.tilt, angles.shoulder_left, angles.shoulder_right);
+    const Vector3 drag = elbow_drag_force(geometry_[leg], position, mode_, (position - last.position) / dt,
+                                          servos.elbow_damping);
+    const Vector3 lag =
+        jacobian.transpose() * drag + servos.damping.cwiseProduct((wanted - last.servos) / dt);
+    const Vector3 bound = compensation_.max_lead * servos.stiffness;
+    torque += lag.cwiseMax(-bound).cwiseMin(bound);
+  }
+  return torque.allFinite() ? torque : Vector3(Vector3::Zero());
 }
 
 const JointTargets& LegController::update(const LegArray<Vector3>& feet, double dt) noexcept {
+  const LegArray<double> shares = load_shares(feet, compensation_.load_depth);
+  const bool compensates = compensation_.lag || compensation_.load_share > 0;
   for (const Leg leg : kLegs) {
     const LegSolution solution = solve_leg(geometry_[leg], feet[leg], mode_);
     status_[leg] = solution.status;
     if (solution.status != IkStatus::kOk) ++clamped_;
     const Vector3 wanted(solution.angles.tilt, solution.angles.shoulder_left, solution.angles.shoulder_right);
     Vector3 servo = wanted;
-    if (compensation_.lag && moving_ && solution.status == IkStatus::kOk) {
-      servo += lead(leg, feet[leg], solution.angles, dt);
+    if (compensates && solution.status == IkStatus::kOk) {
+      const double load = compensation_.load_share * weight_ * shares[leg];
+      servo += torque(leg, feet[leg], solution.angles, load, dt).cwiseQuotient(servos_[leg].stiffness);
     }
     last_[leg] = {feet[leg], wanted};
     for (std::size_t k = 0; k < 3; ++k) {

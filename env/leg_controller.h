@@ -48,11 +48,13 @@ class LegController {
   struct LastUpdate {
     Vector3 position = Vector3::Zero(), servos = Vector3::Zero();  // m, rad
   };
-  Vector3 lead(Leg leg, const Vector3& position, const LegAngles& angles, double dt) const noexcept;
+  Vector3 torque(Leg leg, const Vector3& position, const LegAngles& angles, double load,
+                 double dt) const noexcept;
 
   const RobotDescription& robot_;
   ServoCompensation compensation_;
   WorkingMode mode_;
+  double weight_;  // of the robot on Earth, N
   LegArray<FiveBarGeometry> geometry_;
   LegArray<LegServos> servos_{};
   LegArray<LastUpdate> last_{};

@@ -20,8 +20,20 @@ Vector2 elbow_drag(const FiveBarChain& chain, double elbow_sign, const Vector2& 
 
 }  // namespace
 
-Vector3 elbow_drag_torque(const FiveBarGeometry& g, const Vector3& foot, const LegAngles& angles,
-                          WorkingMode mode, const Vector3& velocity, double elbow_damping) noexcept {
+LegArray<double> load_shares(const LegArray<Vector3>& feet, double depth) noexcept {
+  double lowest = feet[kLegs.front()].z(), sum = 0;
+  for (const Leg leg : kLegs) lowest = std::max(lowest, feet[leg].z());
+  LegArray<double> shares{};
+  for (const Leg leg : kLegs) {
+    const double u = std::clamp(1 - (lowest - feet[leg].z()) / depth, 0.0, 1.0);
+    sum += shares[leg] = u * u * (3 - 2 * u);
+  }
+  for (double& share : shares) share /= sum;  // the lowest foot's is 1
+  return shares;
+}
+
+Vector3 elbow_drag_force(const FiveBarGeometry& g, const Vector3& foot, WorkingMode mode,
+                         const Vector3& velocity, double elbow_damping) noexcept {
   // Depth in the leg's plane and its gradient: D^2 = Y^2 + Z^2 - a^2 (ik/leg_kinematics.h).
   const double a = g.axis_to_plane_out, b = g.axis_to_shoulder_down;
   const double Y = g.side * foot.y() + a, Z = foot.z() + b;
@@ -34,8 +46,7 @@ Vector3 elbow_drag_torque(const FiveBarGeometry& g, const Vector3& foot, const L
   const Vector2 drag = elbow_drag(g.a, signs.a, in_plane, rate, elbow_damping) +
                        elbow_drag(g.b, signs.b, in_plane, rate, elbow_damping);
   const Vector3 force(drag.x(), D_y * drag.y(), D_z * drag.y());
-  const Vector3 torque = leg_jacobian(g, angles).transpose() * force;
-  return torque.allFinite() ? torque : Vector3(Vector3::Zero());
+  return force.allFinite() ? force : Vector3(Vector3::Zero());
 }
 
 }  // namespace crossgait

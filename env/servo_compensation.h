@@ -2,28 +2,36 @@
 #pragma once
 
 #include "crossgait/ik/leg_kinematics.h"
+#include "crossgait/physics/leg.h"
 
 namespace crossgait {
 
-/// A servo of stiffness kp trails a moving target by damping / kp (20 ms for kp 1 N m/rad), and the passive
-/// elbows, which turn twice as fast as the shoulders, drag as much again. Both are known in advance, so
-/// targets lead by as much: q* = q + tau_damping / kp. Measured effect on a trot: docs/gaits.md. (Leading the
-/// weight of a touching-down leg as well was tried: the diagonal pair then pushes the body over, RMS roll 7
-/// degrees instead of 1.)
+/// A servo of stiffness kp trails a moving target by damping / kp (20 ms for kp 1 N m/rad), the passive
+/// elbows, which turn twice as fast as the shoulders, drag as much again, and a standing leg gives way under
+/// its load (13 mm under half of scara_quadruped's weight). All three are known in advance, so targets lead
+/// by as much: q* = q + tau / kp. Of the load only a share: what is left lets the body sag between steps, so
+/// that the swinging pair's feet graze the ground and keep a trot from tipping over the standing pair's
+/// diagonal (RMS roll 7 degrees at the whole load). Measured effects: docs/gaits.md.
 struct ServoCompensation {
-  bool lag = true;
-  double max_lead = 0.5;  ///< rad, bound of the correction of one joint
+  bool lag = true;            ///< lead by servo damping and elbow drag
+  double max_lead = 0.5;      ///< rad, bound of the lag correction of one joint
+  double load_share = 0.35;   ///< share of the standing legs' load to make up for, 0 to 1
+  double load_depth = 0.005;  ///< a foot this far above the lowest one carries nothing, m
 
-  static constexpr ServoCompensation none() { return {.lag = false}; }
+  static constexpr ServoCompensation none() { return {.lag = false, .load_share = 0}; }
 };
 
-/// Servo torques (tilt, shoulder_left, shoulder_right; N m) that overcome the viscous friction of the passive
-/// elbows while the foot moves at `velocity` (m/s, leg frame). By virtual work: tau = J' F, with the elbow's
-/// rate -r.p' / cross(upper, lower), r = foot - shoulder in the leg's plane, from differentiating the chain.
+/// How the legs share a load, adding up to 1: evenly among the feet at the lowest depth, a foot `depth` above
+/// them none, smoothly between. @param feet  targets in the leg frames (z down), m
+LegArray<double> load_shares(const LegArray<Vector3>& feet, double depth) noexcept;
+
+/// Force (N, leg frame) with which a foot must push to overcome the viscous friction of the passive elbows
+/// while it moves at `velocity` (m/s, leg frame). By virtual work, with the elbow's rate
+/// -r.p' / cross(upper, lower), r = foot - shoulder in the leg's plane, from differentiating the chain; the
+/// servos' torque for it is J' F.
 /// @param foot     position in the leg frame, m, within reach
-/// @param angles   the joint angles there
 /// @param elbow_damping  N m s/rad
-Vector3 elbow_drag_torque(const FiveBarGeometry& geometry, const Vector3& foot, const LegAngles& angles,
-                          WorkingMode mode, const Vector3& velocity, double elbow_damping) noexcept;
+Vector3 elbow_drag_force(const FiveBarGeometry& geometry, const Vector3& foot, WorkingMode mode,
+                         const Vector3& velocity, double elbow_damping) noexcept;
 
 }  // namespace crossgait

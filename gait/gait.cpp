@@ -9,7 +9,9 @@
 namespace crossgait {
 namespace {
 
-// Legs are in the order FL, FR, RL, RR. Duty factors are the same for all legs of every gait here.
+// Legs are in the order FL, FR, RL, RR. Duty factors are the same for all legs of every gait here. Where both
+// legs of an end or a side swing together nothing but speed keeps the body from tipping over them: those
+// gaits swing for a tenth of a second or so (docs/gaits.md has what was measured).
 constexpr LegArray<double> all(double value) { return {{value, value, value, value}}; }
 
 constexpr std::array kGaits{
@@ -24,22 +26,25 @@ constexpr std::array kGaits{
          .offset = {{0.25, 0.75, 0, 0.5}},
          .duty = all(0.75),
          .phases = {{{"rl_swing", 0}, {"fl_swing", 0.25}, {"rr_swing", 0.5}, {"fr_swing", 0.75}}},
-         .preferred = {.cycle_time = 1.2}},
+         .preferred = {.step_height = 0.03, .cycle_time = 1.2, .foot_clearance = 0}},
     Gait{.name = "pace",
-         .summary = "the legs of one side, then the other's",
+         .summary = "the legs of one side, all four, the other side's, all four",
          .offset = {{0, 0.5, 0, 0.5}},
-         .duty = all(0.5),
-         .phases = {{{"left_swing", 0}, {"right_swing", 0.5}}}},
+         .duty = all(0.8),
+         .phases = {{{"left_swing", 0}, {"left_stance", 0.2}, {"right_swing", 0.5}, {"right_stance", 0.7}}},
+         .preferred = {.step_height = 0.03, .cycle_time = 0.4, .foot_clearance = 0}},
     Gait{.name = "bound",
-         .summary = "the front legs, then the rear legs",
+         .summary = "as gallop with shorter swings",
          .offset = {{0, 0, 0.5, 0.5}},
-         .duty = all(0.5),
-         .phases = {{{"front_swing", 0}, {"rear_swing", 0.5}}}},
+         .duty = all(0.8),
+         .phases = {{{"front_swing", 0}, {"front_stance", 0.2}, {"rear_swing", 0.5}, {"rear_stance", 0.7}}},
+         .preferred = {.step_height = 0.03, .cycle_time = 0.4, .foot_clearance = 0}},
     Gait{.name = "pronk",
          .summary = "all legs at once",
          .offset = all(0),
-         .duty = all(0.5),
-         .phases = {{{"flight", 0}, {"stance", 0.5}}}},
+         .duty = all(0.75),
+         .phases = {{{"flight", 0}, {"stance", 0.25}}},
+         .preferred = {.step_height = 0.03, .cycle_time = 0.4, .foot_clearance = 0}},
     // The guide's four states of a quarter cycle each; its stance is one sweep over the three quarters
     // between swings.
     Gait{.name = "gallop",
@@ -47,7 +52,7 @@ constexpr std::array kGaits{
          .offset = {{0, 0, 0.5, 0.5}},
          .duty = all(0.75),
          .phases = {{{"front_swing", 0}, {"front_stance", 0.25}, {"rear_swing", 0.5}, {"rear_stance", 0.75}}},
-         .preferred = {.cycle_time = 0.6}},
+         .preferred = {.step_height = 0.03, .cycle_time = 0.6, .foot_clearance = 0}},
 };
 
 }  // namespace

@@ -51,7 +51,7 @@ TEST(LegController, CountsTargetsOutOfReach) {
 }
 
 TEST(LegController, LeadVanishesAtRestAndGrowsWithSpeed) {
-  LegController plain(*robot(), ServoCompensation::none()), leading(*robot());
+  LegController plain(*robot(), ServoCompensation::none()), leading(*robot(), {.load_share = 0});
   LegArray<Vector3> feet = standing_feet();
   EXPECT_EQ(plain.update(feet, 2e-3).q, leading.update(feet, 2e-3).q);
   EXPECT_EQ(plain.update(feet, 2e-3).q, leading.update(feet, 2e-3).q);
@@ -62,6 +62,42 @@ TEST(LegController, LeadVanishesAtRestAndGrowsWithSpeed) {
   EXPECT_GT(lead.lpNorm<Eigen::Infinity>(), 1e-3);
   EXPECT_NEAR(twice.lpNorm<Eigen::Infinity>() / lead.lpNorm<Eigen::Infinity>(), 2.0,
               0.02);  // the legs' pose moved 2e-4 m
+}
+
+TEST(LegController, HoldsUpTheLoadOfStandingLegs) {
+  // A servo's lead times its stiffness is a torque, and the torques of all legs do the work of lifting the
+  // weight: tau . theta' = load z' for any velocity of the foot.
+  LegController plain(*robot(), ServoCompensation::none());
+  LegController lifting(*robot(), {.lag = false, .load_share = 1});
+  LegArray<Vector3> feet = standing_feet();
+  feet[Leg::FR].z() -= 0.01;  // in the air
+  const JointVector lead = lifting.update(feet, 0).q - plain.update(feet, 0).q;
+  const std::vector<int> joints = robot()->actuated_joints();
+  const double third = robot()->total_mass() * 9.81 / 3, h = 1e-6;
+  for (const Leg leg : kLegs) {
+    LegArray<Vector3> up = feet, down = feet;
+    up[leg].z() -= h;
+    down[leg].z() += h;
+    const JointVector rate =
+        (JointVector(plain.update(down, 0).q) - JointVector(plain.update(up, 0).q)) / (2 * h);
+    double force = 0;
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      force += robot()->joint(joints[k]).kp * lead[i] * rate[i];
+    }
+    EXPECT_NEAR(force, leg == Leg::FR ? 0 : third, 1e-6);  // h^2 and rounding / h of the differences
+  }
+}
+
+TEST(LoadShares, PassSmoothlyToTheLowestFeet) {
+  LegArray<Vector3> feet = standing_feet();
+  for (const double share : load_shares(feet, 0.005)) EXPECT_DOUBLE_EQ(share, 0.25);
+  feet[Leg::FL].z() -= 0.0025;
+  const LegArray<double> halfway = load_shares(feet, 0.005);
+  EXPECT_NEAR(halfway[Leg::FL], 0.5 / 3.5, 1e-12);  // rounding
+  EXPECT_NEAR(halfway[Leg::RR], 1 / 3.5, 1e-12);
+  feet[Leg::FL].z() -= 0.02;
+  EXPECT_EQ(load_shares(feet, 0.005)[Leg::FL], 0);
 }
 
 TEST(ElbowDrag, IsThePowerThatTheElbowsDissipate) {
@@ -78,7 +114,8 @@ TEST(ElbowDrag, IsThePowerThatTheElbowsDissipate) {
                       rate(before.shoulder_right, after.shoulder_right));
   const double left = rate(before.elbow_left, after.elbow_left),
                right = rate(before.elbow_right, after.elbow_right);
-  const Vector3 torque = elbow_drag_torque(g, foot, at, kDefaultMode, velocity, d);
+  const Vector3 torque =
+      leg_jacobian(g, at).transpose() * elbow_drag_force(g, foot, kDefaultMode, velocity, d);
   EXPECT_NEAR(torque.dot(rates), d * (left * left + right * right),
               1e-7);  // h^2 and rounding / h of the differences
 }

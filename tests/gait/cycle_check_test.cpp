@@ -29,12 +29,16 @@ class WithLegs : public testing::Test {
 using CycleCheckTest = WithLegs;
 
 TEST_F(CycleCheckTest, EveryGaitIsReachableAsItPrefersToWalk) {
-  for (const Gait& gait : gaits()) {
-    const CycleCheck result = check_cycle(gait, gait.preferred, check());
-    EXPECT_TRUE(result.ok()) << gait.name;
-    EXPECT_EQ(result.targets, 1600);
-    EXPECT_TRUE(result.offending.empty());
-    EXPECT_FALSE(result.first);
+  for (const SwingCurve curve : {SwingCurve::kBezier, SwingCurve::kMatched}) {
+    for (const Gait& gait : gaits()) {
+      GaitParameters p = gait.preferred;
+      p.swing = curve;
+      const CycleCheck result = check_cycle(gait, p, check());
+      EXPECT_TRUE(result.ok()) << gait.name << " " << name(curve);
+      EXPECT_EQ(result.targets, 1600);
+      EXPECT_TRUE(result.offending.empty());
+      EXPECT_FALSE(result.first);
+    }
   }
 }
 

@@ -224,9 +224,8 @@ TEST(GaitChange, KeepsLegsMovingForwardAndEndsInStep) {
         }
         before = g.targets();
       }
-      // At most .375 of a cycle to catch up (four phases on a circle) at .2 per cycle, or .25 of duty at
-      // .1: 2.5 cycles.
-      EXPECT_LE(updates, 2.5 * 400 + 1);
+      // At most .375 of a cycle to catch up (four phases on a circle) at .2 per cycle, or .3 of duty at .1.
+      EXPECT_LE(updates, 3 * 400 + 1);
       // From here on it is the new gait.
       for (int i = 0; i < 400; ++i) {
         g.update(kDt);

@@ -36,8 +36,10 @@ TEST(Gaits, SwingTheLegsTheirPhasesName) {
   const std::map<std::string, Sequence> expected = {
       {"trot", {{"pair_a_swing", "FL RR"}, {"pair_b_swing", "FR RL"}}},
       {"walk", {{"rl_swing", "RL"}, {"fl_swing", "FL"}, {"rr_swing", "RR"}, {"fr_swing", "FR"}}},
-      {"pace", {{"left_swing", "FL RL"}, {"right_swing", "FR RR"}}},
-      {"bound", {{"front_swing", "FL FR"}, {"rear_swing", "RL RR"}}},
+      {"pace",
+       {{"left_swing", "FL RL"}, {"left_stance", ""}, {"right_swing", "FR RR"}, {"right_stance", ""}}},
+      {"bound",
+       {{"front_swing", "FL FR"}, {"front_stance", ""}, {"rear_swing", "RL RR"}, {"rear_stance", ""}}},
       {"pronk", {{"flight", "FL FR RL RR"}, {"stance", ""}}},
       {"gallop",
        {{"front_swing", "FL FR"}, {"front_stance", ""}, {"rear_swing", "RL RR"}, {"rear_stance", ""}}},
