@@ -1,0 +1,67 @@
+#include "crossgait/env/layout.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace crossgait {
+namespace {
+
+class Fnv1a {
+ public:
+  void add(std::string_view text) {
+    for (const char c : text) add(static_cast<unsigned char>(c));
+    add(0);  // so that "ab" "c" and "a" "bc" differ
+  }
+  std::uint64_t value() const { return hash_; }
+
+ private:
+  void add(unsigned char byte) { hash_ = (hash_ ^ byte) * 0x100000001b3ULL; }
+  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
+};
+
+void add(Fnv1a& hash, const Layout& layout) {
+  hash.add(std::to_string(layout.size()));
+  for (const LayoutEntry& entry : layout.entries) {
+    hash.add(entry.name);
+    hash.add(entry.unit);
+  }
+}
+
+}  // namespace
+
+std::optional<std::size_t> Layout::find(std::string_view name) const {
+  const auto it = std::find_if(entries.begin(), entries.end(),
+                               [name](const LayoutEntry& entry) { return entry.name == name; });
+  if (it == entries.end()) return std::nullopt;
+  return static_cast<std::size_t>(it - entries.begin());
+}
+
+std::vector<std::string> Layout::names() const {
+  std::vector<std::string> names;
+  names.reserve(size());
+  for (const LayoutEntry& entry : entries) names.push_back(entry.name);
+  return names;
+}
+
+std::string layout_hash(const Layout& observation, const Layout& action) {
+  Fnv1a hash;
+  add(hash, observation);
+  add(hash, action);
+  return fmt::format("{:016x}", hash.value());
+}
+
+std::string layout_difference(const std::vector<std::string>& expected,
+                              const std::vector<std::string>& found) {
+  if (expected == found) return {};
+  std::string words;
+  if (expected.size() != found.size()) {
+    words = fmt::format("has {} entries where {} were expected; ", found.size(), expected.size());
+  }
+  const auto [e, f] = std::mismatch(expected.begin(), expected.end(), found.begin(), found.end());
+  const auto name = [](auto it, const auto& list) { return it == list.end() ? std::string("none") : *it; };
+  return words +
+         fmt::format("entry {} is {}, expected {}", e - expected.begin(), name(f, found), name(e, expected));
+}
+
+}  // namespace crossgait
