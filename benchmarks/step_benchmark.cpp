@@ -12,7 +12,7 @@
 #include "crossgait/benchmarks/mujoco/bare_mujoco.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/atomic_file.h"
-#include "crossgait/tests/support/scenes.h"
+#include "crossgait/bench/scenes.h"
 
 namespace {
 

@@ -17,8 +17,8 @@ struct Folder {
   bool knows_backends;                        ///< may speak of engines, and of the interface to them
 };
 
-const std::vector<std::string_view> kEverything{"physics", "backends", "ik",    "gait",      "env",
-                                                "parity",  "apps",     "tests", "benchmarks"};
+const std::vector<std::string_view> kEverything{"physics", "backends", "ik",   "gait",  "env",
+                                                "parity",  "bench",    "apps", "tests", "benchmarks"};
 
 const std::vector<Folder>& folders() {
   static const std::vector<Folder> all{
@@ -28,6 +28,7 @@ const std::vector<Folder>& folders() {
       {"gait", {"physics"}, false},
       {"env", {"physics", "ik", "gait"}, true},
       {"parity", {"physics", "ik", "gait", "env"}, true},
+      {"bench", {"physics", "backends", "ik", "gait", "env", "parity"}, true},
       {"apps", kEverything, true},
       {"tests", kEverything, true},
       {"benchmarks", kEverything, true},

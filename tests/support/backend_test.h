@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "crossgait/backends/registry.h"
-#include "crossgait/tests/support/scenes.h"
+#include "crossgait/bench/scenes.h"
 
 namespace crossgait {
 

@@ -13,7 +13,7 @@
 #include "crossgait/backends/mujoco/model_xml.h"
 #include "crossgait/backends/mujoco/mujoco_backend.h"
 #include "crossgait/physics/multibody.h"
-#include "crossgait/tests/support/scenes.h"
+#include "crossgait/bench/scenes.h"
 
 namespace crossgait::mujoco {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/tests/support/scenes.h"
+#include "crossgait/bench/scenes.h"
 
 #include <algorithm>
 #include <cmath>

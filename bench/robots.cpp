@@ -1,4 +1,4 @@
-#include "crossgait/tests/support/robots.h"
+#include "crossgait/bench/robots.h"
 
 #include <utility>
 

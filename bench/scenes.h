@@ -3,9 +3,9 @@
 
 #include <random>
 
+#include "crossgait/bench/robots.h"
 #include "crossgait/ik/geometry.h"
 #include "crossgait/physics/physics_backend.h"
-#include "crossgait/tests/support/robots.h"
 
 namespace crossgait::scenes {
 
