@@ -30,7 +30,7 @@ double ground_below(const Terrain& terrain, double x, double y, double radius) {
 
 LegController::LegController(const RobotDescription& robot, const ServoCompensation& compensation,
                              WorkingMode mode)
-    : robot_(robot),
+    : robot_(&robot),
       compensation_(compensation),
       mode_(mode),
       weight_(robot.total_mass() * -WorldSpec{}.gravity.z()) {
@@ -106,18 +106,21 @@ const JointTargets& LegController::update(const LegArray<Vector3>& feet, double 
   return targets_;
 }
 
-RobotState LegController::standing_state(const LegArray<Vector3>& feet, const Terrain& terrain) const {
+RobotState LegController::standing_state(const LegArray<Vector3>& feet, const Terrain& terrain,
+                                         const Placement& placement) const {
   RobotState state;
-  state.q = robot_.home;
-  state.qd = JointVector::Zero(robot_.joint_count());
+  state.p_WB = {placement.x, placement.y, 0};
+  state.q_WB = from_roll_pitch_yaw(placement.roll, placement.pitch, placement.yaw);
+  state.q = robot_->home;
+  state.qd = JointVector::Zero(robot_->joint_count());
   for (const Leg leg : kLegs) {
     const LegSolution solution = solve_leg(geometry_[leg], feet[leg], mode_);
     if (solution.status != IkStatus::kOk) {
-      throw ConfigError(robot_.source, fmt::format("foot {}", name(leg)), "a standing position within reach",
+      throw ConfigError(robot_->source, fmt::format("foot {}", name(leg)), "a standing position within reach",
                         fmt::format("({:.4g}, {:.4g}, {:.4g}) m in the leg frame: {}", feet[leg].x(),
                                     feet[leg].y(), feet[leg].z(), name(solution.status)));
     }
-    const LegModel& model = (*robot_.legs)[leg];
+    const LegModel& model = (*robot_->legs)[leg];
     state.q[model.tilt] = solution.angles.tilt;
     state.q[model.shoulder_left] = solution.angles.shoulder_left;
     state.q[model.shoulder_right] = solution.angles.shoulder_right;
@@ -125,11 +128,11 @@ RobotState LegController::standing_state(const LegArray<Vector3>& feet, const Te
     state.q[model.elbow_right] = solution.angles.elbow_right;
   }
   std::vector<Pose> poses;
-  forward_kinematics(robot_, state, poses);
+  forward_kinematics(*robot_, state, poses);
   double height = -std::numeric_limits<double>::infinity();
   for (const Leg leg : kLegs) {
-    const Vector3 foot = foot_position(robot_, leg, poses);
-    const double radius = (*robot_.legs)[leg].foot_radius;
+    const Vector3 foot = foot_position(*robot_, leg, poses);
+    const double radius = (*robot_->legs)[leg].foot_radius;
     height = std::max(height, ground_below(terrain, foot.x(), foot.y(), radius) + radius - foot.z());
   }
   state.p_WB.z() = height + kClearance;

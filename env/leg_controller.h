@@ -28,10 +28,18 @@ class LegController {
   /// Forgets the last update, so that the next one starts from rest, and the count of clamped solutions.
   void restart() noexcept;
 
-  /// The robot at rest over the world origin, facing +x, with its feet where `feet` says and just clear of
-  /// `terrain`.
+  /// Where a robot is put down: over (x, y) in W, m, turned by the angles, rad.
+  struct Placement {
+    double x = 0, y = 0, roll = 0, pitch = 0, yaw = 0;
+  };
+  /// The robot at rest with its feet where `feet` says (in the leg frames) and just clear of `terrain`.
   /// @throws ConfigError if a foot is out of reach
-  RobotState standing_state(const LegArray<Vector3>& feet, const Terrain& terrain) const;
+  RobotState standing_state(const LegArray<Vector3>& feet, const Terrain& terrain,
+                            const Placement& placement) const;
+  /// Over the world's origin, facing +x.
+  RobotState standing_state(const LegArray<Vector3>& feet, const Terrain& terrain) const {
+    return standing_state(feet, terrain, Placement());
+  }
 
   const LegArray<FiveBarGeometry>& geometry() const noexcept { return geometry_; }
   /// Status of each leg in the last update.
@@ -51,7 +59,7 @@ class LegController {
   Vector3 torque(Leg leg, const Vector3& position, const LegAngles& angles, double load,
                  double dt) const noexcept;
 
-  const RobotDescription& robot_;
+  const RobotDescription* robot_;
   ServoCompensation compensation_;
   WorkingMode mode_;
   double weight_;  // of the robot on Earth, N

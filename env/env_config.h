@@ -1,0 +1,52 @@
+// Everything that makes an environment, as a struct and as a YAML file.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "crossgait/env/observation.h"
+#include "crossgait/env/randomisation.h"
+#include "crossgait/env/reward.h"
+#include "crossgait/gait/gait.h"
+
+namespace crossgait {
+
+/// The initialisers are the defaults. `docs/environment.md` shows the same as YAML.
+struct EnvConfig {
+  std::string backend = "mujoco";         ///< see `crossgait backends`; used by whoever makes the engine
+  std::string robot = "scara_quadruped";  ///< a bundled robot or a file
+  std::string terrain = "flat";           ///< as `make_terrain` takes it
+  std::uint64_t terrain_seed = 0;
+  double friction = 0.6;
+
+  std::string gait = "trot";
+  GaitParameters parameters = find_gait("trot").preferred;            ///< at the start of an episode
+  std::vector<std::string> adapt = AdaptiveGaitOptions{}.parameters;  ///< parameters that the action changes
+  double residual_scale = 0.01;                                       ///< m
+  std::optional<VelocityCommand> command;  ///< empty: steps of step_length, as the guide's
+
+  std::vector<std::string> observation = standard_observation();  ///< blocks
+  RewardTerms reward = guide_reward_weights();
+
+  double physics_dt = 1e-3;     ///< s
+  double control_dt = 2e-3;     ///< gait, inverse kinematics, servo targets, s; a multiple of physics_dt
+  double policy_dt = 2e-3;      ///< actions, observations and rewards, s; a multiple of control_dt
+  double episode_seconds = 20;  ///< then an episode is truncated
+  double settle_seconds = 0.5;  ///< standing before the first observation
+  double tilt_limit_deg = 60;   ///< roll or pitch beyond it ends the episode
+  Randomisation randomisation;
+
+  /// @throws ConfigError naming `source` and the field
+  void validate(std::string_view source = "environment") const;
+};
+
+/// Reads a configuration; what the file does not mention keeps its default (parameters: the gait's
+/// preferred). Unknown keys and values are errors that name the line. @throws ConfigError
+EnvConfig load_env_config(const std::string& path);
+/// The same from text; `source` stands for the file in messages.
+EnvConfig parse_env_config(const std::string& text, const std::string& source);
+/// The configuration as YAML that `parse_env_config` reads back unchanged.
+std::string to_yaml(const EnvConfig& config);
+
+}  // namespace crossgait

@@ -1,0 +1,212 @@
+#include "crossgait/env/observation.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
+constexpr std::array<std::string_view, kRingSize> kRing{"front", "front_right", "right", "back_right",
+                                                        "back",  "back_left",   "left",  "front_left"};
+
+using Context = ObservationContext;
+using Source = ObservationSource;
+
+void add(Layout& layout, std::string name, std::string_view unit, double bound = kInfinite) {
+  layout.entries.push_back({std::move(name), std::string(unit), -bound, bound});
+}
+void add_vector(Layout& layout, std::string_view name, std::string_view unit, double bound = kInfinite) {
+  for (const std::string_view axis : kAxes) add(layout, fmt::format("{}.{}", name, axis), unit, bound);
+}
+void add_joints(const Context& context, Layout& layout, std::string_view quantity, std::string_view unit) {
+  for (const std::string& joint : context.actuated_joints)
+    add(layout, fmt::format("{}.{}", quantity, joint), unit);
+}
+void add_feet(Layout& layout, std::string_view quantity, std::string_view unit) {
+  for (const Leg leg : kLegs) add_vector(layout, fmt::format("{}.{}", quantity, name(leg)), unit);
+}
+
+void put(double*& out, double value) { *out++ = value; }
+void put(double*& out, const Vector3& v) {
+  for (int i = 0; i < 3; ++i) *out++ = v[i];
+}
+// The actuated joints are what servo targets are made of, in the same order.
+void put_actuated(double*& out, const RobotDescription& robot, const JointVector& values) {
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    if (robot.joint(i).actuated) *out++ = values[i];
+  }
+}
+
+const RobotState& state(const Source& s) { return s.backend.state(); }
+double yaw(const Source& s) { return roll_pitch_yaw(state(s).q_WB).z(); }
+
+void write_terrain(const Source& s, double*& out) {
+  const Vector3& p = state(s).p_WB;
+  for (const double height : sample_ring(s.backend.spec().terrain, p.x(), p.y(), yaw(s), kTerrainRingRadius))
+    put(out, height);
+}
+
+void write_engine_terrain(const Source& s, double*& out) {
+  const Vector3& p = state(s).p_WB;
+  const double heading = yaw(s);
+  for (int k = 0; k < kRingSize; ++k) {
+    const double angle = heading - 2 * M_PI * k / kRingSize;
+    const double x = p.x() + kTerrainRingRadius * std::cos(angle),
+                 y = p.y() + kTerrainRingRadius * std::sin(angle);
+    const double height = s.backend.terrain_height(x, y);
+    // A ray that meets no ground, past the border, sees what the shared field says: its nearest point.
+    put(out, std::isfinite(height) ? height : s.backend.spec().terrain.height(x, y));
+  }
+}
+
+void describe_ring(Layout& layout, std::string_view block) {
+  for (const std::string_view place : kRing) add(layout, fmt::format("{}.{}", block, place), "m");
+}
+
+constexpr std::array kBlocks{
+    ObservationBlock{"base_position", "of the base's origin in W", true,
+                     [](const Context&, Layout& l) { add_vector(l, "p_WB", "m"); },
+                     [](const Source& s, double*& out) { put(out, state(s).p_WB); }},
+    ObservationBlock{"base_orientation", "quaternion of the base in W", true,
+                     [](const Context&, Layout& l) {
+                       for (const char* part : {"w", "x", "y", "z"})
+                         add(l, fmt::format("q_WB.{}", part), "-", 1);
+                     },
+                     [](const Source& s, double*& out) {
+                       put(out, state(s).q_WB.w());
+                       put(out, state(s).q_WB.vec());
+                     }},
+    ObservationBlock{"base_linear_velocity", "of the base's origin in W", true,
+                     [](const Context&, Layout& l) { add_vector(l, "v_WB", "m/s"); },
+                     [](const Source& s, double*& out) { put(out, state(s).v_WB); }},
+    ObservationBlock{"base_angular_velocity", "of the base in W", true,
+                     [](const Context&, Layout& l) { add_vector(l, "w_WB", "rad/s"); },
+                     [](const Source& s, double*& out) { put(out, state(s).w_WB); }},
+    ObservationBlock{"joint_positions", "of the servos", true,
+                     [](const Context& c, Layout& l) { add_joints(c, l, "q", "rad"); },
+                     [](const Source& s, double*& out) { put_actuated(out, s.backend.robot(), state(s).q); }},
+    ObservationBlock{
+        "joint_velocities", "of the servos", true,
+        [](const Context& c, Layout& l) { add_joints(c, l, "qd", "rad/s"); },
+        [](const Source& s, double*& out) { put_actuated(out, s.backend.robot(), state(s).qd); }},
+    ObservationBlock{"foot_positions", "of the feet's centres in W", true,
+                     [](const Context&, Layout& l) { add_feet(l, "p_WF", "m"); },
+                     [](const Source& s, double*& out) {
+                       for (const Vector3& p : s.feet.p_WF) put(out, p);
+                     }},
+    ObservationBlock{"foot_velocities", "of the feet's centres in W", true,
+                     [](const Context&, Layout& l) { add_feet(l, "v_WF", "m/s"); },
+                     [](const Source& s, double*& out) {
+                       for (const Vector3& v : s.feet.v_WF) put(out, v);
+                     }},
+    ObservationBlock{"foot_contacts", "1 for a foot that carries load, else 0", true,
+                     [](const Context&, Layout& l) {
+                       for (const Leg leg : kLegs)
+                         l.entries.push_back({fmt::format("contact.{}", name(leg)), "-", 0, 1});
+                     },
+                     [](const Source& s, double*& out) {
+                       for (const Leg leg : kLegs) put(out, s.contacts[leg].touching ? 1 : 0);
+                     }},
+    ObservationBlock{"parameters", "adapted gait parameters, their ranges mapped to [-1, 1]", true,
+                     [](const Context& c, Layout& l) {
+                       for (const ParameterRow* row : c.parameters)
+                         add(l, fmt::format("param.{}", row->name), "-", 1);
+                     },
+                     [](const Source& s, double*& out) {
+                       const std::size_t count = s.controller.adapted().size();
+                       s.controller.normalised_parameters({out, count});
+                       out += count;
+                     }},
+    ObservationBlock{"terrain", "heights of the shared terrain on a ring of .15 m about the base", false,
+                     [](const Context&, Layout& l) { describe_ring(l, "terrain"); }, write_terrain},
+    ObservationBlock{"engine_terrain", "the same, asked of the engine's own geometry", false,
+                     [](const Context&, Layout& l) { describe_ring(l, "engine_terrain"); },
+                     write_engine_terrain},
+    ObservationBlock{"command", "velocity asked of the body", false,
+                     [](const Context&, Layout& l) {
+                       add(l, "command.vx", "m/s");
+                       add(l, "command.vy", "m/s");
+                       add(l, "command.yaw_rate", "rad/s");
+                     },
+                     [](const Source& s, double*& out) {
+                       put(out, s.command.vx);
+                       put(out, s.command.vy);
+                       put(out, s.command.yaw_rate);
+                     }},
+    ObservationBlock{"phase", "of the gait's clock, on the circle", false,
+                     [](const Context&, Layout& l) {
+                       add(l, "phase.sin", "-", 1);
+                       add(l, "phase.cos", "-", 1);
+                     },
+                     [](const Source& s, double*& out) {
+                       put(out, std::sin(2 * M_PI * s.controller.phase()));
+                       put(out, std::cos(2 * M_PI * s.controller.phase()));
+                     }},
+    ObservationBlock{"gravity", "direction of gravity in the base's frame", false,
+                     [](const Context&, Layout& l) { add_vector(l, "gravity_B", "-", 1); },
+                     [](const Source& s, double*& out) {
+                       put(out, Vector3(state(s).q_WB.conjugate() * Vector3(0, 0, -1)));
+                     }},
+    ObservationBlock{"base_velocity_local", "linear, then angular velocity of the base in its own frame",
+                     false,
+                     [](const Context&, Layout& l) {
+                       add_vector(l, "v_B", "m/s");
+                       add_vector(l, "w_B", "rad/s");
+                     },
+                     [](const Source& s, double*& out) {
+                       put(out, Vector3(state(s).q_WB.conjugate() * state(s).v_WB));
+                       put(out, Vector3(state(s).q_WB.conjugate() * state(s).w_WB));
+                     }},
+    ObservationBlock{"height", "of the base's origin over the ground below it", false,
+                     [](const Context&, Layout& l) { add(l, "height", "m"); },
+                     [](const Source& s, double*& out) {
+                       const Vector3& p = state(s).p_WB;
+                       put(out, p.z() - s.backend.spec().terrain.height(p.x(), p.y()));
+                     }},
+    ObservationBlock{"last_action", "the action before, clipped", false,
+                     [](const Context& c, Layout& l) {
+                       for (const LayoutEntry& entry : c.action.entries) add(l, "last." + entry.name, "-", 1);
+                     },
+                     [](const Source& s, double*& out) {
+                       for (const double value : s.last_action) put(out, value);
+                     }},
+};
+
+}  // namespace
+
+std::span<const ObservationBlock> observation_blocks() { return kBlocks; }
+
+const ObservationBlock& find_observation_block(std::string_view name) {
+  std::vector<std::string_view> known;
+  for (const ObservationBlock& block : kBlocks) {
+    if (block.name == name) return block;
+    known.push_back(block.name);
+  }
+  throw ConfigError("observation", "block", fmt::format("one of {}", fmt::join(known, ", ")),
+                    fmt::format("'{}'", name));
+}
+
+std::vector<std::string> standard_observation() {
+  std::vector<std::string> names;
+  for (const ObservationBlock& block : kBlocks) {
+    if (block.standard) names.emplace_back(block.name);
+  }
+  return names;
+}
+
+Layout action_layout(std::span<const ParameterRow* const> parameters) {
+  Layout layout;
+  for (const ParameterRow* row : parameters) add(layout, fmt::format("delta.{}", row->name), "-", 1);
+  for (const Leg leg : kLegs) add_vector(layout, fmt::format("residual.{}", name(leg)), "-", 1);
+  return layout;
+}
+
+}  // namespace crossgait

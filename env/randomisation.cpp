@@ -1,0 +1,123 @@
+#include "crossgait/env/randomisation.h"
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+using enum Randomised;
+
+constexpr std::array kRows{
+    RandomisationRow{kStartX, "start_x", "m", "start, forward of the origin", 0, -100, 100},
+    RandomisationRow{kStartY, "start_y", "m", "start, to the left of the origin", 0, -100, 100},
+    RandomisationRow{kStartYaw, "start_yaw", "rad", "heading at the start", 0, -kPi, kPi},
+    RandomisationRow{kStartRoll, "start_roll", "rad", "roll at the start", 0, -0.5, 0.5},
+    RandomisationRow{kStartPitch, "start_pitch", "rad", "pitch at the start", 0, -0.5, 0.5},
+    RandomisationRow{kStartPhase, "start_phase", "-", "phase of the gait's clock at the start", 0, 0, 1},
+    RandomisationRow{kFriction, "friction", "x", "scale of the friction coefficient", 1, 0, 10},
+    RandomisationRow{kMass, "mass", "x", "scale of every other body's mass and inertia, each its own", 1, 0.1,
+                     10},
+    RandomisationRow{kTrunkMass, "trunk_mass", "x", "scale of the trunk's mass and inertia", 1, 0.1, 10},
+    RandomisationRow{kServoStiffness, "servo_stiffness", "x", "scale of the servos' gains", 1, 0.1, 10},
+    RandomisationRow{kJointDamping, "joint_damping", "x", "scale of the joints' damping", 1, 0, 10},
+    RandomisationRow{kEffortLimit, "effort_limit", "x", "scale of the servos' largest torque", 1, 0.1, 10},
+    RandomisationRow{kTerrainSeed, "terrain_seed", "-", "seed of the terrain's generator, whole numbers", -1,
+                     0, 1e9},
+    RandomisationRow{kPushImpulse, "push_impulse", "N s", "sideways push on the trunk, from any direction", 0,
+                     0, 10},
+    RandomisationRow{kPushInterval, "push_interval", "s", "time between two pushes", 0, 0.01, 1e6},
+};
+static_assert(kRows.size() == kRandomisations);
+
+void scale_mass(Body& body, double factor) {
+  body.inertia.mass *= factor;
+  body.inertia.I_C *= factor;
+}
+
+}  // namespace
+
+std::span<const RandomisationRow> randomisation_rows() { return kRows; }
+
+const RandomisationRow& find_randomisation(std::string_view name) {
+  std::vector<std::string_view> known;
+  for (const RandomisationRow& row : kRows) {
+    if (row.name == name) return row;
+    known.push_back(row.name);
+  }
+  throw ConfigError("randomisation", "name", fmt::format("one of {}", fmt::join(known, ", ")),
+                    fmt::format("'{}'", name));
+}
+
+Randomisation::Randomisation() {
+  for (std::size_t i = 0; i < kRows.size(); ++i) ranges[i] = {kRows[i].neutral, kRows[i].neutral};
+}
+
+bool Randomisation::is_on(Randomised what) const {
+  const double neutral = kRows[static_cast<std::size_t>(what)].neutral;
+  return (*this)[what] != Range{neutral, neutral};
+}
+
+bool Randomisation::changes_world() const {
+  for (const Randomised what :
+       {kFriction, kMass, kTrunkMass, kServoStiffness, kJointDamping, kEffortLimit, kTerrainSeed}) {
+    if (is_on(what)) return true;
+  }
+  return false;
+}
+
+void Randomisation::validate() const {
+  for (const RandomisationRow& row : kRows) {
+    if (!is_on(row.what)) continue;
+    const Range& range = (*this)[row.what];
+    if (!(range.min >= row.min && range.max <= row.max && range.min <= range.max)) {
+      throw ConfigError("randomisation", row.name,
+                        fmt::format("a range [min, max] within [{:g}, {:g}] {}", row.min, row.max, row.unit),
+                        fmt::format("[{:g}, {:g}]", range.min, range.max));
+    }
+  }
+  if (is_on(kPushImpulse) != is_on(kPushInterval)) {
+    throw ConfigError("randomisation", "push_impulse", "push_impulse and push_interval together",
+                      "one of them");
+  }
+}
+
+RandomDraw draw(const Randomisation& randomisation, Random& random) noexcept {
+  RandomDraw result{};
+  for (std::size_t i = 0; i < kRows.size(); ++i) {
+    const Range& range = randomisation.ranges[i];
+    const double u = random.uniform();
+    result.values[i] = kRows[i].what == kTerrainSeed && range.max >= 0
+                           ? std::floor(range.min + (range.max + 1 - range.min) * u)
+                           : range.min + (range.max - range.min) * u;
+  }
+  return result;
+}
+
+WorldSpec randomised_world(const WorldSpec& nominal, const Randomisation& randomisation,
+                           const RandomDraw& draw, Random& random) {
+  WorldSpec world = nominal;
+  world.contact.friction *= draw[kFriction];
+  auto robot = std::make_shared<RobotDescription>(*nominal.robot);
+  scale_mass(robot->bodies[0], draw[kTrunkMass]);
+  const Range& mass = randomisation[kMass];
+  for (std::size_t i = 1; i < robot->bodies.size(); ++i) {
+    Body& body = robot->bodies[i];
+    scale_mass(body, random.uniform(mass.min, mass.max));
+    body.joint.kp *= draw[kServoStiffness];
+    body.joint.kd *= draw[kServoStiffness];
+    body.joint.damping *= draw[kJointDamping];
+    body.joint.effort_limit *= draw[kEffortLimit];
+  }
+  world.robot = std::move(robot);
+  return world;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,83 @@
+// What may differ from episode to episode: a table of named ranges, all of them off unless configured.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "crossgait/env/random.h"
+#include "crossgait/physics/world_spec.h"
+
+namespace crossgait {
+
+/// Uniform between its ends.
+struct Range {
+  double min = 0, max = 0;
+
+  bool operator==(const Range&) const = default;
+};
+
+/// What is randomised. Scales multiply the configured value; the others add to it.
+enum class Randomised : std::size_t {
+  kStartX,
+  kStartY,
+  kStartYaw,
+  kStartRoll,
+  kStartPitch,
+  kStartPhase,
+  kFriction,
+  kMass,
+  kTrunkMass,
+  kServoStiffness,
+  kJointDamping,
+  kEffortLimit,
+  kTerrainSeed,
+  kPushImpulse,
+  kPushInterval,
+};
+
+/// One row of the table.
+struct RandomisationRow {
+  Randomised what;
+  std::string_view name, unit, help;
+  double neutral;   ///< the value that changes nothing
+  double min, max;  ///< what a range must stay within
+};
+
+/// The table, in the order of the enumeration.
+std::span<const RandomisationRow> randomisation_rows();
+/// @throws ConfigError listing the known names
+const RandomisationRow& find_randomisation(std::string_view name);
+
+inline constexpr std::size_t kRandomisations = 15;
+
+/// A range per row; the neutral ones draw nothing.
+struct Randomisation {
+  std::array<Range, kRandomisations> ranges;
+
+  Randomisation();
+  Range& operator[](Randomised what) { return ranges[static_cast<std::size_t>(what)]; }
+  const Range& operator[](Randomised what) const { return ranges[static_cast<std::size_t>(what)]; }
+  bool is_on(Randomised what) const;
+  /// Whether a world has to be built anew for every episode.
+  bool changes_world() const;
+  /// @throws ConfigError naming the row
+  void validate() const;
+};
+
+/// One draw of everything. `values` are neutral where nothing is randomised.
+struct RandomDraw {
+  std::array<double, kRandomisations> values;
+
+  double operator[](Randomised what) const { return values[static_cast<std::size_t>(what)]; }
+};
+
+/// Draws every row, also the neutral ones, so that turning one on leaves the others' values as they were.
+RandomDraw draw(const Randomisation& randomisation, Random& random) noexcept;
+
+/// `nominal` with the draw's friction, masses and servos. Masses scale with their inertias; each body but the
+/// trunk draws its own factor. The terrain is the caller's: it comes from a text and a seed.
+WorldSpec randomised_world(const WorldSpec& nominal, const Randomisation& randomisation,
+                           const RandomDraw& draw, Random& random);
+
+}  // namespace crossgait

@@ -1,0 +1,145 @@
+#include "crossgait/env/reward.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace {
+
+using Record = StepRecord;
+
+constexpr double kDegrees = 180 / M_PI;
+// Widths of the tracking terms: an error of this size is worth 1/e.
+constexpr double kVelocityWidth = 0.1;  // m/s, half of the speed of a trot
+constexpr double kYawRateWidth = 0.5;   // rad/s
+constexpr double kLeastSpeed = 0.02;    // m/s, so that a standing robot's cost of transport stays finite
+
+double square(double x) { return x * x; }
+
+double squared_difference(std::span<const double> a, std::span<const double> b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) sum += square(a[i] - b[i]);
+  return sum;
+}
+
+double contact_pattern(const Record& r) {
+  double sum = 0;
+  for (const Leg leg : kLegs) sum += r.contacts[leg].touching != r.swing[leg] ? 0.2 : -0.5;
+  return sum;
+}
+
+double joint_acceleration(const Record& r) {
+  double sum = 0;
+  for (const int i : r.servos) sum += square((r.after.qd[i] - r.before.qd[i]) / r.dt);
+  return sum;
+}
+
+double power(const Record& r) {
+  double sum = 0;
+  for (const int i : r.servos) sum += std::abs(r.torques[i] * r.after.qd[i]);
+  return sum;
+}
+
+double foot_slip(const Record& r) {
+  double sum = 0;
+  for (const FootContact& foot : r.contacts) sum += foot.touching ? square(foot.slip_speed) : 0;
+  return sum;
+}
+
+constexpr std::array kTerms{
+    RewardTerm{"forward_velocity", "m/s", "velocity along the direction faced at the start", 2000,
+               [](const Record& r) { return r.v_start.x(); }},
+    RewardTerm{"lateral_velocity", "m/s", "speed across it", -2,
+               [](const Record& r) { return std::abs(r.v_start.y()); }},
+    RewardTerm{"contact_pattern", "-", ".2 for a leg that touches when the gait says so, -.5 for another", 1,
+               contact_pattern},
+    RewardTerm{"stability", "deg^2", "roll^2 + pitch^2 + yaw^2, yaw since the start", -2,
+               [](const Record& r) { return (kDegrees * r.roll_pitch_yaw).squaredNorm(); }},
+    RewardTerm{"energy_efficiency", "rad^2/s^4", "sum of squared servo accelerations", -0.1,
+               joint_acceleration},
+    RewardTerm{"smooth_adaptation", "mixed", "sum of squared changes of the adapted parameters", -5,
+               [](const Record& r) { return squared_difference(r.parameters, r.last_parameters); }},
+    RewardTerm{"velocity_tracking", "-", "exp(-|v_xy - commanded|^2 / (.1 m/s)^2), in the heading frame", 0,
+               [](const Record& r) {
+                 return std::exp(
+                     -(square(r.v_heading.x() - r.command.vx) + square(r.v_heading.y() - r.command.vy)) /
+                     square(kVelocityWidth));
+               }},
+    RewardTerm{"yaw_rate_tracking", "-", "exp(-(yaw rate - commanded)^2 / (.5 rad/s)^2)", 0,
+               [](const Record& r) {
+                 return std::exp(-square((r.after.w_WB.z() - r.command.yaw_rate) / kYawRateWidth));
+               }},
+    RewardTerm{"vertical_velocity", "m^2/s^2", "squared velocity of the base along z", 0,
+               [](const Record& r) { return square(r.after.v_WB.z()); }},
+    RewardTerm{"tilt_rate", "rad^2/s^2", "squared angular velocity of the base about the horizontal axes", 0,
+               [](const Record& r) { return r.after.w_WB.head<2>().squaredNorm(); }},
+    RewardTerm{"orientation", "-", "squared horizontal part of the direction of gravity in the base's frame",
+               0,
+               [](const Record& r) {
+                 const Vector3 down = r.after.q_WB.conjugate() * Vector3(0, 0, -1);
+                 return down.head<2>().squaredNorm();
+               }},
+    RewardTerm{"height", "m^2", "squared difference from the standing height over the ground", 0,
+               [](const Record& r) { return square(r.height - r.standing_height); }},
+    RewardTerm{"alive", "-", "1 for every step", 0, [](const Record&) { return 1.0; }},
+    RewardTerm{"fall", "-", "1 for the step that ends an episode by a fall", 0,
+               [](const Record& r) { return r.fell ? 1.0 : 0.0; }},
+    RewardTerm{"action_rate", "-", "sum of squared changes of the action", 0,
+               [](const Record& r) { return squared_difference(r.action, r.last_action); }},
+    RewardTerm{"action_size", "-", "sum of squares of the action", 0,
+               [](const Record& r) {
+                 double sum = 0;
+                 for (const double a : r.action) sum += square(a);
+                 return sum;
+               }},
+    RewardTerm{"foot_slip", "m^2/s^2", "sum of squared slip speeds of the feet that touch", 0, foot_slip},
+    RewardTerm{"torque", "N^2 m^2", "sum of squared torques of the servo joints, passive damping included", 0,
+               [](const Record& r) {
+                 double sum = 0;
+                 for (const int i : r.servos) sum += square(r.torques[i]);
+                 return sum;
+               }},
+    RewardTerm{"power", "W", "sum of |torque x velocity| of the same", 0, power},
+    RewardTerm{"cost_of_transport", "-", "that power over weight times horizontal speed (at least .02 m/s)",
+               0,
+               [](const Record& r) {
+                 return power(r) / (r.weight * std::max(r.after.v_WB.head<2>().norm(), kLeastSpeed));
+               }},
+};
+static_assert(kTerms.size() == kRewardTerms);
+
+}  // namespace
+
+std::span<const RewardTerm> reward_terms() { return kTerms; }
+
+std::size_t find_reward_term(std::string_view name) {
+  std::vector<std::string_view> known;
+  for (std::size_t i = 0; i < kTerms.size(); ++i) {
+    if (kTerms[i].name == name) return i;
+    known.push_back(kTerms[i].name);
+  }
+  throw ConfigError("reward", "term", fmt::format("one of {}", fmt::join(known, ", ")),
+                    fmt::format("'{}'", name));
+}
+
+RewardTerms guide_reward_weights() {
+  RewardTerms weights{};
+  for (std::size_t i = 0; i < kTerms.size(); ++i) weights[i] = kTerms[i].guide_weight;
+  return weights;
+}
+
+double evaluate_reward(const StepRecord& record, const RewardTerms& weights, RewardTerms& terms) noexcept {
+  double sum = 0;
+  for (std::size_t i = 0; i < kTerms.size(); ++i) {
+    terms[i] = weights[i] == 0 ? 0 : weights[i] * kTerms[i].value(record);
+    sum += terms[i];
+  }
+  return sum;
+}
+
+}  // namespace crossgait

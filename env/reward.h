@@ -1,0 +1,63 @@
+// What a step was worth: a table of named terms, each a function of one step's record.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "crossgait/gait/velocity_command.h"
+#include "crossgait/physics/math.h"
+#include "crossgait/physics/robot.h"
+#include "crossgait/physics/state.h"
+
+namespace crossgait {
+
+/// Everything that a reward may look at: one policy step, from the instant before it to the one after.
+/// Vectors are those of the environment; references are valid during the call alone.
+struct StepRecord {
+  double dt;  ///< of the policy step, s
+  const RobotDescription& robot;
+  const RobotState& before;
+  const RobotState& after;
+  const JointVector& torques;  ///< of all joints in the last physics step (servo minus damping), N m
+  Vector3 v_start;             ///< velocity of the base in the frame it faced when the episode began, m/s
+  Vector3 v_heading;           ///< the same in the frame it faces now (yaw alone), m/s
+  Vector3 roll_pitch_yaw;      ///< after the step, yaw since the episode began, rad
+  double height;               ///< of the base's origin over the ground below it, m
+  double standing_height;      ///< the same when the episode began, m
+  VelocityCommand command;     ///< asked of the body
+  const LegArray<FootContact>& contacts;
+  LegArray<bool> swing;                                 ///< the gait has the leg in the air
+  std::span<const double> action, last_action;          ///< clipped to [-1, 1]; zeros before the first step
+  std::span<const double> parameters, last_parameters;  ///< that adapt, in their units
+  std::span<const int> servos;                          ///< indices of the actuated joints
+  double weight;                                        ///< of the robot, N
+  bool fell;  ///< the episode ended because the robot tilted or left the ground
+};
+
+/// One row of the table. The reward is the sum of weight times value.
+struct RewardTerm {
+  std::string_view name, unit, help;
+  double guide_weight;  ///< in the guide's reward; zero if it has no such term
+  double (*value)(const StepRecord& record);
+};
+
+/// The table. The order is that of RewardTerms.
+std::span<const RewardTerm> reward_terms();
+/// @throws ConfigError listing the known names
+std::size_t find_reward_term(std::string_view name);
+
+inline constexpr std::size_t kRewardTerms = 20;
+/// One number per row of the table.
+using RewardTerms = std::array<double, kRewardTerms>;
+
+/// The guide's reward: 2000 vx, -2 |vy|, ...
+RewardTerms guide_reward_weights();
+
+/// Writes weight times value of every term with a weight, zero for the others. @returns their sum
+double evaluate_reward(const StepRecord& record, const RewardTerms& weights, RewardTerms& terms) noexcept;
+
+}  // namespace crossgait

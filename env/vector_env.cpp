@@ -1,0 +1,99 @@
+#include "crossgait/env/vector_env.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace {
+
+void check_size(std::string_view what, std::size_t found, std::size_t expected) {
+  if (found != expected)
+    throw ConfigError("vector environment", what, fmt::format("{} numbers", expected),
+                      fmt::format("{}", found));
+}
+
+std::size_t at_least_one(std::string_view what, std::size_t count) {
+  if (count == 0) throw ConfigError("vector environment", what, "at least 1", "0");
+  return count;
+}
+
+}  // namespace
+
+VectorEnv::VectorEnv(const EnvConfig& config, const BackendFactory& make_backend,
+                     const VectorEnvOptions& options)
+    : auto_reset_(options.auto_reset),
+      environments_(at_least_one("environments", options.environments)),
+      slots_(options.environments),
+      pool_(at_least_one("workers", options.workers)) {
+  pool_.run(size(), [&](std::size_t i) {
+    environments_[i] = std::make_unique<AdaptiveGaitEnv>(config, make_backend);
+  });
+}
+
+void VectorEnv::begin_episode(std::size_t i, std::span<double> observation) {
+  Slot& slot = slots_[i];
+  environments_[i]->reset(derived_seed(slot.seed, slot.episode), observation);
+  ++slot.episode;
+  ++slot.episodes;
+  slot.ended = false;
+}
+
+void VectorEnv::reset(std::uint64_t seed, std::span<double> observations) {
+  check_size("observations", observations.size(), size() * observation_size());
+  pool_.run(size(), [&](std::size_t i) {
+    slots_[i].seed = derived_seed(seed, i);
+    slots_[i].episode = 0;
+    begin_episode(i, row(observations, i));
+  });
+}
+
+void VectorEnv::step(std::span<const double> actions, const VectorStep& out) {
+  check_size("actions", actions.size(), size() * action_size());
+  check_size("observations", out.observations.size(), size() * observation_size());
+  check_size("rewards", out.rewards.size(), size());
+  check_size("terminated", out.terminated.size(), size());
+  check_size("truncated", out.truncated.size(), size());
+  if (!out.final_observations.empty())
+    check_size("final_observations", out.final_observations.size(), size() * observation_size());
+  pool_.run(size(), [&](std::size_t i) { step_one(i, actions, out); });
+}
+
+void VectorEnv::step_one(std::size_t i, std::span<const double> actions, const VectorStep& out) {
+  Slot& slot = slots_[i];
+  const std::span<double> observation = row(out.observations, i);
+  if (slot.ended) {  // kNextStep
+    begin_episode(i, observation);
+    out.rewards[i] = 0;
+    out.terminated[i] = out.truncated[i] = 0;
+    return;
+  }
+  const StepResult result =
+      environments_[i]->step(actions.subspan(i * action_size(), action_size()), observation);
+  out.rewards[i] = result.reward;
+  out.terminated[i] = result.terminated ? 1 : 0;
+  out.truncated[i] = result.truncated ? 1 : 0;
+  if (!result.done()) return;
+  slot.diverged += environments_[i]->info().diverged ? 1 : 0;
+  slot.ended = true;
+  if (auto_reset_ == AutoReset::kNextStep) return;
+  if (!out.final_observations.empty())
+    std::copy(observation.begin(), observation.end(), row(out.final_observations, i).begin());
+  begin_episode(i, observation);
+}
+
+std::uint64_t VectorEnv::diverged() const noexcept {
+  std::uint64_t sum = 0;
+  for (const Slot& slot : slots_) sum += slot.diverged;
+  return sum;
+}
+
+std::uint64_t VectorEnv::episodes() const noexcept {
+  std::uint64_t sum = 0;
+  for (const Slot& slot : slots_) sum += slot.episodes;
+  return sum;
+}
+
+}  // namespace crossgait

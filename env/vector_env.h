@@ -1,0 +1,80 @@
+// Many environments stepped at once, on several threads, into the caller's arrays.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "crossgait/env/adaptive_gait_env.h"
+#include "crossgait/env/worker_pool.h"
+
+namespace crossgait {
+
+/// What happens when an episode ends; Gymnasium's AutoresetMode.
+enum class AutoReset {
+  kNextStep,  ///< the step after it ignores its action, resets and returns the first observation, reward 0
+  kSameStep,  ///< the step that ends it returns the next episode's first observation; the last one of the
+              ///< ended episode is in `final_observations`
+};
+
+struct VectorEnvOptions {
+  std::size_t environments = 1;
+  std::size_t workers = 1;  ///< threads, the caller's included
+  AutoReset auto_reset = AutoReset::kNextStep;
+};
+
+/// The caller's arrays, row-major with one row per environment. A caller may keep them between steps.
+struct VectorStep {
+  std::span<double> observations;  ///< environments x observation_size
+  std::span<double> rewards;       ///< environments
+  /// environments; 0 or 1
+  std::span<std::uint8_t> terminated, truncated;
+  /// environments x observation_size, or empty; rows of environments whose episode ended in this step under
+  /// kSameStep, others untouched
+  std::span<double> final_observations = {};
+};
+
+/// N environments of one configuration. Results are the same bit for bit for any number of workers:
+/// environment i draws from derived_seed(seed, i), its k-th episode from derived_seed of that and k.
+class VectorEnv {
+ public:
+  /// @throws ConfigError for a bad configuration, no environments or no workers
+  VectorEnv(const EnvConfig& config, const BackendFactory& make_backend, const VectorEnvOptions& options);
+
+  std::size_t size() const noexcept { return environments_.size(); }
+  std::size_t workers() const noexcept { return pool_.workers(); }
+  std::size_t observation_size() const noexcept { return environments_.front()->observation_size(); }
+  std::size_t action_size() const noexcept { return environments_.front()->action_size(); }
+  const AdaptiveGaitEnv& environment(std::size_t i) const { return *environments_.at(i); }
+
+  /// Begins an episode everywhere. @throws ConfigError for a wrong size or an impossible draw
+  void reset(std::uint64_t seed, std::span<double> observations);
+
+  /// One policy step everywhere. @param actions  environments x action_size
+  /// @throws ConfigError for a wrong size (before anything changes), or if a reset makes an impossible draw
+  void step(std::span<const double> actions, const VectorStep& out);
+
+  /// Episodes that ended because the engine diverged, since construction. Each began anew like any other.
+  std::uint64_t diverged() const noexcept;
+  /// Episodes begun so far, those of `reset` included.
+  std::uint64_t episodes() const noexcept;
+
+ private:
+  struct Slot {
+    std::uint64_t seed = 0, episode = 0, episodes = 0, diverged = 0;
+    bool ended = false;
+  };
+  void begin_episode(std::size_t i, std::span<double> observation);
+  void step_one(std::size_t i, std::span<const double> actions, const VectorStep& out);
+  std::span<double> row(std::span<double> matrix, std::size_t i) const noexcept {
+    return matrix.subspan(i * observation_size(), observation_size());
+  }
+
+  AutoReset auto_reset_;
+  std::vector<std::unique_ptr<AdaptiveGaitEnv>> environments_;
+  std::vector<Slot> slots_;
+  WorkerPool pool_;
+};
+
+}  // namespace crossgait

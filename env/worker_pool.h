@@ -1,0 +1,60 @@
+// A fixed number of threads that share out indices.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace crossgait {
+
+/// Calls a function for every index of a range, on all workers at once. Which worker gets which index is left
+/// to chance, so results must not depend on it. The caller's thread is one of the workers.
+class WorkerPool {
+ public:
+  /// @param workers  at least 1; 1 starts no thread
+  explicit WorkerPool(std::size_t workers);
+  ~WorkerPool();
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+  WorkerPool(WorkerPool&&) = delete;
+  WorkerPool& operator=(WorkerPool&&) = delete;
+
+  std::size_t workers() const noexcept { return threads_.size() + 1; }
+
+  /// Calls function(0) ... function(count - 1) and returns when all are done. Allocates nothing. Throws what
+  /// the call of lowest index threw, after all others are done.
+  template <typename Function>
+  void run(std::size_t count, const Function& function) {
+    run(
+        count, [](const void* f, std::size_t i) { (*static_cast<const Function*>(f))(i); }, &function);
+  }
+
+ private:
+  using Call = void (*)(const void* function, std::size_t index);
+  void run(std::size_t count, Call call, const void* function);
+  void work() noexcept;
+  void serve(std::stop_token stop);
+
+  std::mutex mutex_;
+  std::condition_variable_any begin_;
+  std::condition_variable end_;
+  std::size_t round_ = 0, busy_ = 0;  // guarded by mutex_
+
+  Call call_ = nullptr;
+  const void* function_ = nullptr;
+  std::size_t count_ = 0;
+  std::atomic<std::size_t> next_{0};
+
+  std::mutex error_mutex_;
+  std::exception_ptr error_;
+  std::size_t error_index_ = 0;
+
+  std::vector<std::jthread> threads_;  // last: they use the rest
+};
+
+}  // namespace crossgait

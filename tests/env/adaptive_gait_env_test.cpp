@@ -1,0 +1,285 @@
+#include "crossgait/env/adaptive_gait_env.h"
+
+#include <limits>
+
+#include "crossgait/env/gait_source.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/environments.h"
+
+namespace crossgait {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+class Environment : public BackendTest {
+ protected:
+  static AdaptiveGaitEnv make_env(const EnvConfig& config = {}) {
+    return AdaptiveGaitEnv(config, scenes::factory(GetParam()));
+  }
+  static std::vector<double> zeros(const AdaptiveGaitEnv& env) {
+    return std::vector<double>(env.action_size(), 0);
+  }
+};
+CROSSGAIT_FOR_EVERY_BACKEND(Environment);
+
+TEST_P(Environment, AZeroPolicyIsThePlainGait) {
+  // The environment's physics is that of `crossgait walk` step for step.
+  EnvConfig config;
+  config.episode_seconds = 2;
+  AdaptiveGaitEnv env = make_env(config);
+  std::vector<double> seen(env.observation_size());
+  env.reset(0, seen);
+  while (!env.step(zeros(env), seen).done()) {
+  }
+  const auto backend = make(scenes::quadruped());
+  LegController legs(backend->robot());
+  const WalkSummary walk =
+      run_walk(*backend, legs, make_gait_source(choose_gait("trot", {}), backend->robot()), {.seconds = 2});
+  EXPECT_TRUE(scenes::identical(env.backend().state(), backend->state()));
+  EXPECT_EQ(env.info().distance, walk.distance_m);
+  EXPECT_EQ(env.info().time, 2);
+  EXPECT_EQ(env.info().limit_factor, 1);
+  EXPECT_EQ(env.info().ik_clamped, 0);
+}
+
+TEST_P(Environment, EndsByTimeAsTruncated) {
+  EnvConfig config;
+  config.episode_seconds = 0.1;
+  config.policy_dt = 0.02;
+  AdaptiveGaitEnv env = make_env(config);
+  std::vector<double> seen(env.observation_size());
+  for (int episode = 0; episode < 2; ++episode) {
+    env.reset(0, seen);
+    for (int i = 0; i < 5; ++i) {
+      const StepResult r = env.step(zeros(env), seen);
+      EXPECT_EQ(r.truncated, i == 4);
+      EXPECT_FALSE(r.terminated);
+      EXPECT_NE(r.reward, 0);
+    }
+    const std::vector<double> last = seen;
+    const StepResult after = env.step(zeros(env), seen);
+    EXPECT_TRUE(after.truncated);
+    EXPECT_EQ(after.reward, 0);
+    EXPECT_EQ(seen, last);  // nothing moves after the end
+  }
+}
+
+TEST_P(Environment, EndsByTiltingAndByLeavingTheGround) {
+  EnvConfig config;
+  config.tilt_limit_deg = 1.5;  // a trot pitches by 5 degrees
+  AdaptiveGaitEnv tilting = make_env(config);
+  std::vector<double> seen(tilting.observation_size());
+  tilting.reset(0, seen);
+  StepResult r;
+  while (!(r = tilting.step(zeros(tilting), seen)).done()) {
+  }
+  EXPECT_TRUE(r.terminated);
+  EXPECT_TRUE(tilting.info().fell);
+  EXPECT_GT(tilting.info().roll_pitch_yaw.head<2>().cwiseAbs().maxCoeff() * 180 / M_PI, 1.5);
+  EXPECT_LT(tilting.info().time, 2);
+
+  EnvConfig small;
+  small.terrain = "rough:size_x=.4,size_y=.4,amplitude=.002";
+  small.reward.fill(0);
+  small.reward[find_reward_term("fall")] = -10;
+  AdaptiveGaitEnv leaving = make_env(small);
+  leaving.reset(0, seen);
+  while (!(r = leaving.step(zeros(leaving), seen)).done()) EXPECT_EQ(r.reward, 0);
+  EXPECT_TRUE(r.terminated);
+  EXPECT_TRUE(leaving.info().left_terrain || leaving.info().fell);
+  EXPECT_EQ(r.reward, -10);
+  for (const double x : seen) EXPECT_TRUE(std::isfinite(x));
+}
+
+TEST_P(Environment, ActionsAreClippedAndNonsenseCountsAsZero) {
+  AdaptiveGaitEnv env = make_env(), clipped = make_env();
+  std::vector<double> a(env.observation_size()), b(a.size());
+  env.reset(0, a);
+  clipped.reset(0, b);
+  const double huge = std::numeric_limits<double>::infinity();
+  Random random(1);
+  for (int i = 0; i < 50; ++i) {
+    std::vector<double> action = scenes::random_action(random, env.action_size()), tame = action;
+    action[1] = 1e300;
+    tame[1] = 1;
+    action[4] = -7;
+    tame[4] = -1;
+    action[2] = kNaN;
+    action[5] = -huge;
+    tame[2] = tame[5] = 0;
+    EXPECT_EQ(env.step(action, a).reward, clipped.step(tame, b).reward);
+    EXPECT_EQ(a, b);
+    EXPECT_EQ(env.info().invalid_actions, 2);
+    EXPECT_EQ(clipped.info().invalid_actions, 0);
+    for (const double x : a) EXPECT_TRUE(std::isfinite(x));
+  }
+}
+
+TEST_P(Environment, WrongSizesAreErrorsThatChangeNothing) {
+  AdaptiveGaitEnv env = make_env();
+  std::vector<double> seen(env.observation_size()), small(seen.size() - 1);
+  env.reset(0, seen);
+  const RobotState before = env.backend().state();
+  std::vector<double> action = zeros(env);
+  action.push_back(0);
+  EXPECT_THROW(env.step(action, seen), ConfigError);
+  EXPECT_THROW(env.step(zeros(env), small), ConfigError);
+  EXPECT_THROW(env.reset(0, small), ConfigError);
+  EXPECT_THROW(env.set_command({kNaN, 0, 0}), ConfigError);
+  EXPECT_TRUE(scenes::identical(env.backend().state(), before));
+}
+
+TEST_P(Environment, DeltasMoveParametersByTheirScaleUpToTheirRange) {
+  AdaptiveGaitEnv env = make_env();
+  std::vector<double> seen(env.observation_size()), action = zeros(env);
+  env.reset(0, seen);
+  action[1] = 1;  // delta.step_length
+  const ParameterRow& row = find_parameter("step_length");
+  double expected = EnvConfig{}.parameters.step_length;
+  for (int i = 0; i < 12; ++i) {
+    env.step(action, seen);
+    expected = std::min(expected + row.delta_scale, row.max);
+    EXPECT_DOUBLE_EQ(env.info().parameters.step_length, expected);
+  }
+  EXPECT_EQ(env.info().parameters.step_length, row.max);
+  env.reset(0, seen);
+  EXPECT_EQ(env.info().parameters.step_length, EnvConfig{}.parameters.step_length);
+}
+
+TEST_P(Environment, FollowsItsCommand) {
+  EnvConfig config;
+  config.command = VelocityCommand{0.15, 0, 0};
+  AdaptiveGaitEnv env = make_env(config);
+  std::vector<double> seen(env.observation_size());
+  env.reset(0, seen);
+  for (int i = 0; i < 1500; ++i) env.step(zeros(env), seen);
+  EXPECT_NEAR(env.info().distance, 3 * 0.15, 0.06);  // measured .43: the first stride grows from standing
+  env.set_command({0, 0, 0});
+  for (int i = 0; i < 1000; ++i) env.step(zeros(env), seen);
+  EXPECT_LT(env.backend().state().v_WB.norm(), 0.02);  // stands
+  env.reset(0, seen);
+  for (int i = 0; i < 1500; ++i) env.step(zeros(env), seen);
+  EXPECT_GT(env.info().distance, 0.3);  // the configured command again
+}
+
+TEST_P(Environment, RandomisedStartsAreWhereTheyWereDrawn) {
+  EnvConfig config;
+  config.terrain = "rough";
+  config.settle_seconds = 0.2;
+  config.randomisation[Randomised::kStartX] = {0.3, 0.5};
+  config.randomisation[Randomised::kStartY] = {-0.5, -0.3};
+  config.randomisation[Randomised::kStartYaw] = {1, 2};
+  AdaptiveGaitEnv env = make_env(config);
+  std::vector<double> seen(env.observation_size());
+  double last = 0;
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    env.reset(seed, seen);
+    const RobotState& s = env.backend().state();
+    EXPECT_NEAR(s.p_WB.x(), 0.4, 0.13);  // settling on rough ground moves it some
+    EXPECT_NEAR(s.p_WB.y(), -0.4, 0.13);
+    EXPECT_NEAR(roll_pitch_yaw(s.q_WB).z(), 1.5, 0.6);
+    EXPECT_NE(s.p_WB.x(), last);
+    last = s.p_WB.x();
+    // Distances and yaw count from there.
+    EXPECT_EQ(env.info().distance, 0);
+    EXPECT_NEAR(env.info().roll_pitch_yaw.z(), 0, 1e-12);
+  }
+  for (int i = 0; i < 1000; ++i) env.step(zeros(env), seen);
+  EXPECT_GT(env.info().distance, 0.15);  // forward is where it faced
+  config.randomisation[Randomised::kStartX] = {50, 60};
+  EXPECT_THROW(make_env(config), ConfigError);
+}
+
+TEST_P(Environment, RandomisedWorldsAreTheirSeeds) {
+  EnvConfig config;
+  config.terrain = "rough";
+  config.randomisation[Randomised::kTerrainSeed] = {0, 100};
+  config.randomisation[Randomised::kFriction] = {0.8, 1.2};
+  config.randomisation[Randomised::kMass] = {0.9, 1.1};
+  config.randomisation[Randomised::kServoStiffness] = {0.9, 1.1};
+  config.randomisation[Randomised::kPushImpulse] = {0.01, 0.02};
+  config.randomisation[Randomised::kPushInterval] = {0.1, 0.2};
+  config.randomisation[Randomised::kStartPhase] = {0, 1};
+  AdaptiveGaitEnv env = make_env(config);
+  std::vector<double> seen(env.observation_size());
+  std::vector<std::vector<double>> runs;
+  for (const std::uint64_t seed : {3U, 4U, 3U}) {
+    env.reset(seed, seen);
+    Random random(9);
+    runs.push_back(scenes::record(env, random, 300));
+  }
+  EXPECT_NE(runs[0], runs[1]);
+  EXPECT_EQ(runs[0], runs[2]);
+}
+
+TEST_P(Environment, PushesMoveTheRobot) {
+  EnvConfig config;
+  config.randomisation[Randomised::kPushImpulse] = {0.1, 0.1};
+  config.randomisation[Randomised::kPushInterval] = {0.5, 0.5};
+  AdaptiveGaitEnv pushed = make_env(config), calm = make_env();
+  std::vector<double> a(pushed.observation_size()), b(a.size());
+  pushed.reset(0, a);
+  calm.reset(0, b);
+  for (int i = 0; i < 250; ++i) {
+    pushed.step(zeros(pushed), a);
+    calm.step(zeros(calm), b);
+  }
+  EXPECT_EQ(a, b);  // up to half a second
+  pushed.step(zeros(pushed), a);
+  calm.step(zeros(calm), b);
+  const Vector3 kick = pushed.backend().state().v_WB - calm.backend().state().v_WB;
+  // An impulse of .1 N s on 0.75 kg whose feet hold on to the ground: tens of mm/s.
+  EXPECT_GT(kick.norm(), 0.02);
+}
+
+TEST_P(Environment, RestoringContinuesBitForBit) {
+  for (const bool randomised : {false, true}) {
+    EnvConfig config;
+    config.terrain = "rough";
+    config.randomisation[Randomised::kPushImpulse] = {0.01, 0.02};
+    config.randomisation[Randomised::kPushInterval] = {0.1, 0.2};
+    if (randomised) {
+      config.randomisation[Randomised::kTerrainSeed] = {0, 100};
+      config.randomisation[Randomised::kTrunkMass] = {0.9, 1.1};
+    }
+    AdaptiveGaitEnv env = make_env(config), other = make_env(config);
+    std::vector<double> seen(env.observation_size());
+    env.reset(1, seen);
+    Random random(2);
+    scenes::record(env, random, 400);
+    const auto saved = env.save();
+    const Random at_save = random;
+    const std::vector<double> straight = scenes::record(env, random, 400);
+    other.reset(77, seen);
+    for (AdaptiveGaitEnv* again : {&env, &other}) {
+      again->restore(*saved);
+      random = at_save;
+      EXPECT_EQ(scenes::record(*again, random, 400), straight);
+    }
+  }
+}
+
+TEST_P(Environment, RefusesSnapshotsOfAnother) {
+  EnvConfig other;
+  other.adapt = {"step_length"};
+  EXPECT_THROW(make_env().restore(*make_env(other).save()), ConfigError);
+}
+
+TEST_P(Environment, ConfigurationErrorsSurface) {
+  EnvConfig config;
+  config.robot = "centipede";
+  EXPECT_THROW(make_env(config), ConfigError);
+  config = {};
+  config.terrain = "moon";
+  EXPECT_THROW(make_env(config), ConfigError);
+  config = {};
+  config.gait = "pace";
+  config.parameters = find_gait("pace").preferred;  // its cycle time is below the range that adapts
+  EXPECT_THROW(make_env(config), ConfigError);
+  config.adapt = {"step_length"};
+  EXPECT_NO_THROW(make_env(config));
+}
+
+}  // namespace
+}  // namespace crossgait

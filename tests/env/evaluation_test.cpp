@@ -1,0 +1,95 @@
+#include "crossgait/env/evaluation.h"
+
+#include <cmath>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/environments.h"
+
+namespace crossgait {
+namespace {
+
+class Evaluations : public BackendTest {
+ protected:
+  static EnvConfig config() {
+    EnvConfig c;
+    c.episode_seconds = 1;
+    c.settle_seconds = 0.1;
+    c.randomisation[Randomised::kStartYaw] = {-1, 1};
+    return c;
+  }
+  static std::vector<EpisodeSummary> evaluate(const EnvConfig& config, const std::string& policy,
+                                              std::size_t workers) {
+    return evaluate_policy(
+        [&] { return std::make_unique<AdaptiveGaitEnv>(config, scenes::factory(GetParam())); },
+        [&](const PolicyInterface& interface) { return make_policy(policy, interface); }, 4, 5, workers);
+  }
+};
+CROSSGAIT_FOR_EVERY_BACKEND(Evaluations);
+
+TEST_P(Evaluations, AddUpWhatTheEpisodesDid) {
+  AdaptiveGaitEnv env(config(), scenes::factory(GetParam()));
+  const auto zero = make_policy("zero", env.interface());
+  double reward = 0;
+  int steps = 0;
+  const EpisodeSummary s = run_episode(env, *zero, 3, [&](const AdaptiveGaitEnv& e) {
+    ++steps;
+    for (const double term : e.info().reward_terms) reward += term;
+    return true;
+  });
+  EXPECT_EQ(steps, 500);
+  EXPECT_EQ(s.steps, 500);
+  EXPECT_DOUBLE_EQ(s.simulated_seconds, 1);
+  EXPECT_NEAR(s.total_reward, reward, 1e-9 * std::abs(reward));  // rounding of another order of sums
+  double terms = 0;
+  for (const double term : s.reward_terms) terms += term;
+  EXPECT_NEAR(terms, reward, 1e-9 * std::abs(reward));
+  EXPECT_EQ(s.distance_m, env.info().distance);
+  EXPECT_DOUBLE_EQ(s.mean_speed_mps, s.distance_m);
+  EXPECT_GT(s.distance_m, 0.05);
+  EXPECT_GT(s.cost_of_transport, 0.5);  // a trot of scara_quadruped: 2 to 3
+  EXPECT_GT(s.slip_m, 0);
+  EXPECT_FALSE(s.fell || s.left_terrain || s.diverged);
+}
+
+TEST_P(Evaluations, AreTheSameForAnyNumberOfWorkersAndWorldsForAnyPolicy) {
+  const auto one = evaluate(config(), "random", 1), three = evaluate(config(), "random", 3),
+             zero = evaluate(config(), "zero", 2);
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    EXPECT_EQ(one[k].total_reward, three[k].total_reward);
+    EXPECT_EQ(one[k].seed, zero[k].seed);
+    EXPECT_NE(one[k].total_reward, zero[k].total_reward);
+  }
+  EXPECT_NE(one[0].total_reward, one[1].total_reward);
+}
+
+TEST_P(Evaluations, RefuseAPolicyOfAnotherLayout) {
+  AdaptiveGaitEnv env(config(), scenes::factory(GetParam()));
+  EnvConfig other = config();
+  other.adapt = {"step_length"};
+  const AdaptiveGaitEnv narrower(other, scenes::factory(GetParam()));
+  const auto policy = make_policy("zero", narrower.interface());
+  EXPECT_THROW(run_episode(env, *policy, 0), ConfigError);
+}
+
+TEST(SumUp, IsMeansAndSampleDeviations) {
+  std::vector<EpisodeSummary> episodes(3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    episodes[i].total_reward = static_cast<double>(i);  // 0, 1, 2
+    episodes[i].reward_terms[0] = 3;
+    episodes[i].steps = 10;
+  }
+  episodes[1].fell = true;
+  const Evaluation all = sum_up(episodes);
+  EXPECT_DOUBLE_EQ(all.total_reward.mean, 1);
+  EXPECT_DOUBLE_EQ(all.total_reward.deviation, 1);
+  EXPECT_DOUBLE_EQ(all.reward_terms[0], 3);
+  EXPECT_EQ(all.steps, 30);
+  EXPECT_EQ(all.falls, 1U);
+  EXPECT_EQ(sum_up({}).episodes, 0U);
+  episodes.resize(1);
+  EXPECT_EQ(sum_up(episodes).total_reward.deviation, 0);
+}
+
+}  // namespace
+}  // namespace crossgait

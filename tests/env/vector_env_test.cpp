@@ -1,0 +1,175 @@
+#include "crossgait/env/vector_env.h"
+
+#include <stdexcept>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/environments.h"
+
+namespace crossgait {
+namespace {
+
+/// The caller's arrays.
+struct Arrays {
+  explicit Arrays(const VectorEnv& env)
+      : observations(env.size() * env.observation_size()),
+        finals(observations.size(), -1),
+        rewards(env.size()),
+        terminated(env.size()),
+        truncated(env.size()) {}
+  VectorStep view() { return {observations, rewards, terminated, truncated, finals}; }
+  std::vector<double> observations, finals, rewards;
+  std::vector<std::uint8_t> terminated, truncated;
+};
+
+class Vectors : public BackendTest {
+ protected:
+  static VectorEnv make_env(const EnvConfig& config, const VectorEnvOptions& options) {
+    return VectorEnv(config, scenes::factory(GetParam()), options);
+  }
+  static EnvConfig short_episodes() {
+    EnvConfig config;
+    config.terrain = "rough";
+    config.episode_seconds = 0.1;
+    config.settle_seconds = 0.05;
+    config.randomisation[Randomised::kStartYaw] = {-1, 1};
+    return config;
+  }
+  static std::vector<double> run(VectorEnv& env, std::uint64_t seed, int steps) {
+    Arrays arrays(env);
+    env.reset(seed, arrays.observations);
+    std::vector<double> all = arrays.observations;
+    Random random(1);
+    for (int i = 0; i < steps; ++i) {
+      env.step(scenes::random_action(random, env.size() * env.action_size()), arrays.view());
+      all.insert(all.end(), arrays.observations.begin(), arrays.observations.end());
+      all.insert(all.end(), arrays.rewards.begin(), arrays.rewards.end());
+      all.insert(all.end(), arrays.terminated.begin(), arrays.terminated.end());
+      all.insert(all.end(), arrays.truncated.begin(), arrays.truncated.end());
+    }
+    return all;
+  }
+};
+CROSSGAIT_FOR_EVERY_BACKEND(Vectors);
+
+TEST_P(Vectors, AreTheSameForAnyNumberOfWorkers) {
+  for (const AutoReset mode : {AutoReset::kNextStep, AutoReset::kSameStep}) {
+    VectorEnv one = make_env(short_episodes(), {5, 1, mode}), two = make_env(short_episodes(), {5, 2, mode}),
+              many = make_env(short_episodes(), {5, 7, mode});
+    const std::vector<double> expected = run(one, 3, 200);
+    EXPECT_EQ(run(two, 3, 200), expected);
+    EXPECT_EQ(run(many, 3, 200), expected);
+    EXPECT_EQ(run(two, 3, 200), expected);  // and after a reset
+    EXPECT_NE(run(two, 4, 200), expected);
+  }
+}
+
+TEST_P(Vectors, EachIsASingleEnvironmentWithItsOwnSeed) {
+  const EnvConfig config = short_episodes();
+  VectorEnv env = make_env(config, {.environments = 3, .workers = 2});
+  Arrays arrays(env);
+  env.reset(11, arrays.observations);
+  for (std::size_t i = 0; i < 3; ++i) {
+    AdaptiveGaitEnv single(config, scenes::factory(GetParam()));
+    std::vector<double> seen(single.observation_size());
+    single.reset(derived_seed(derived_seed(11, i), 0), seen);
+    const auto row = std::span(arrays.observations).subspan(i * seen.size(), seen.size());
+    EXPECT_TRUE(std::equal(seen.begin(), seen.end(), row.begin()));
+  }
+}
+
+TEST_P(Vectors, ResetInTheNextStep) {
+  VectorEnv env = make_env(short_episodes(), {.environments = 2});
+  Arrays arrays(env);
+  env.reset(1, arrays.observations);
+  const std::vector<double> zeros(2 * env.action_size(), 0);
+  for (int i = 0; i < 50; ++i) env.step(zeros, arrays.view());
+  EXPECT_EQ(arrays.truncated, (std::vector<std::uint8_t>{1, 1}));
+  EXPECT_NEAR(env.environment(0).info().time, 0.1, 1e-12);
+  env.step(zeros, arrays.view());
+  EXPECT_EQ(arrays.truncated, (std::vector<std::uint8_t>{0, 0}));
+  EXPECT_EQ(arrays.rewards, (std::vector<double>{0, 0}));
+  EXPECT_EQ(env.environment(0).info().time, 0);
+  EXPECT_EQ(env.episodes(), 4U);
+  EXPECT_EQ(arrays.finals, std::vector<double>(arrays.finals.size(), -1));  // not this mode's
+}
+
+TEST_P(Vectors, ResetInTheSameStep) {
+  VectorEnv env =
+      make_env(short_episodes(), {.environments = 2, .workers = 1, .auto_reset = AutoReset::kSameStep});
+  Arrays arrays(env);
+  env.reset(1, arrays.observations);
+  const std::vector<double> zeros(2 * env.action_size(), 0);
+  for (int i = 0; i < 50; ++i) env.step(zeros, arrays.view());
+  EXPECT_EQ(arrays.truncated, (std::vector<std::uint8_t>{1, 1}));
+  EXPECT_EQ(env.environment(0).info().time, 0);
+  EXPECT_NE(arrays.rewards[0], 0);
+  const std::size_t x = env.environment(0).observation_layout().find("p_WB.x").value();
+  EXPECT_GT(arrays.finals[x], -1);
+  EXPECT_NE(arrays.finals[x], arrays.observations[x]);
+}
+
+TEST_P(Vectors, ADivergedEnvironmentIsCountedResetAndAlone) {
+  // A push of 1e7 N s every now and then throws the robot beyond any state that the backends accept.
+  EnvConfig config = short_episodes();
+  config.randomisation[Randomised::kStartYaw] = {0, 0};
+  VectorEnv calm = make_env(config, {.environments = 1});
+  const auto explode = [&](const WorldSpec& world) {
+    WorldSpec heavy = world;
+    heavy.gravity = {0, 0, -1e9};
+    return make_backend(GetParam(), heavy);
+  };
+  Arrays arrays(calm);
+  VectorEnv wild(config, explode, {.environments = 3, .workers = 2});
+  Arrays out(wild);
+  wild.reset(1, out.observations);
+  const std::vector<double> zeros(3 * wild.action_size(), 0);
+  for (int i = 0; i < 20; ++i) {
+    wild.step(zeros, out.view());
+    for (const double value : out.observations) ASSERT_TRUE(std::isfinite(value));
+    for (const double value : out.rewards) ASSERT_TRUE(std::isfinite(value));
+  }
+  EXPECT_GE(wild.diverged(), 3U);
+  EXPECT_GE(wild.episodes(), 3 + wild.diverged());
+}
+
+TEST_P(Vectors, WrongSizesAreErrors) {
+  VectorEnv env = make_env(short_episodes(), {.environments = 2});
+  Arrays arrays(env);
+  std::vector<double> actions(2 * env.action_size(), 0);
+  EXPECT_THROW(env.reset(0, std::span(arrays.observations).first(3)), ConfigError);
+  EXPECT_THROW(env.step(std::span(actions).first(1), arrays.view()), ConfigError);
+  VectorStep view = arrays.view();
+  view.rewards = view.rewards.first(1);
+  EXPECT_THROW(env.step(actions, view), ConfigError);
+  view = arrays.view();
+  view.final_observations = view.final_observations.first(1);
+  EXPECT_THROW(env.step(actions, view), ConfigError);
+  EXPECT_THROW(make_env({}, {.environments = 0}), ConfigError);
+  EXPECT_THROW(make_env({}, {.environments = 1, .workers = 0}), ConfigError);
+}
+
+TEST(WorkerPool, CallsEveryIndexOnceAndReportsTheFirstError) {
+  WorkerPool pool(3);
+  EXPECT_EQ(pool.workers(), 3U);
+  for (const std::size_t count : {0U, 1U, 2U, 1000U}) {
+    std::vector<int> calls(count, 0);
+    pool.run(count, [&](std::size_t i) { ++calls[i]; });
+    EXPECT_EQ(calls, std::vector<int>(count, 1));
+  }
+  std::atomic<int> done = 0;
+  try {
+    pool.run(100, [&](std::size_t i) {
+      ++done;
+      if (i % 10 == 3) throw std::runtime_error(std::to_string(i));
+    });
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "3");
+  }
+  EXPECT_EQ(done, 100);
+  pool.run(1, [](std::size_t) {});  // and goes on
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,117 @@
+// The environment on engines that declare MuJoCo's contact law: the same observations to 1e-6 over 1000
+// random actions. And a golden trajectory for every engine, against changes that nobody meant.
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "crossgait/physics/text.h"
+#include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/environments.h"
+
+namespace crossgait {
+namespace {
+
+EnvConfig all_blocks(const std::string& terrain) {
+  EnvConfig config;
+  config.terrain = terrain;
+  config.observation.clear();
+  for (const ObservationBlock& block : observation_blocks()) {
+    // A ray test is the engine's own and exact to 2e-6 m only.
+    if (block.name != "engine_terrain") config.observation.emplace_back(block.name);
+  }
+  return config;
+}
+
+TEST(EnvironmentParity, MatchedEnginesSeeTheSame) {
+  std::vector<std::string> matched;
+  for (const std::string& name : available_backends()) {
+    if (make_backend(name, scenes::world_of(scenes::sled()))->info().capabilities.matches_mujoco)
+      matched.push_back(name);
+  }
+  if (matched.size() < 2) GTEST_SKIP() << "no two engines declare the same contact law";
+  for (const char* terrain : {"flat", "rough"}) {
+    const auto exact = [](const std::string& backend) {
+      return [backend](const WorldSpec& world) {
+        WorldSpec precise = world;
+        precise.solver.tolerance = 1e-12;  // so that what differs is not where an iteration stopped
+        return make_backend(backend, precise);
+      };
+    };
+    AdaptiveGaitEnv a(all_blocks(terrain), exact(matched[0])), b(all_blocks(terrain), exact(matched[1]));
+    std::vector<double> x(a.observation_size()), y(x.size());
+    a.reset(1, x);
+    b.reset(1, y);
+    Random random(3);
+    double worst = 0;
+    std::string where;
+    for (int i = 0; i < 1000; ++i) {
+      const std::vector<double> action = scenes::random_action(random, a.action_size());
+      const StepResult result = a.step(action, x), other = b.step(action, y);
+      ASSERT_EQ(result.done(), other.done());
+      if (result.done()) break;
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        if (std::abs(x[k] - y[k]) > worst) {
+          worst = std::abs(x[k] - y[k]);
+          where = a.observation_layout().entries[k].name + " in step " + std::to_string(i);
+        }
+      }
+    }
+    measured(std::string(terrain) + ", largest difference of an observation", worst);
+    EXPECT_LT(worst, 1e-6) << where;
+  }
+}
+
+/// An observation every 25 steps of 200 under fixed actions, one line each.
+std::vector<std::vector<double>> golden_run(const std::string& backend) {
+  AdaptiveGaitEnv env(all_blocks("rough"), scenes::factory(backend));
+  std::vector<double> seen(env.observation_size());
+  std::vector<std::vector<double>> lines;
+  env.reset(1, seen);
+  lines.push_back(seen);
+  Random random(4);
+  for (int i = 1; i <= 200; ++i) {
+    std::vector<double> action = scenes::random_action(random, env.action_size());
+    for (double& a : action) a *= 0.3;
+    env.step(action, seen);
+    if (i % 25 == 0) lines.push_back(seen);
+  }
+  return lines;
+}
+
+class GoldenObservations : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(GoldenObservations);
+
+// Meant changes of physics, gait or layout: run with CROSSGAIT_WRITE_GOLDEN=1 and look at the difference.
+TEST_P(GoldenObservations, AreAsRecorded) {
+  const std::string path =
+      std::string(CROSSGAIT_SOURCE_DIR) + "/tests/parity/golden/" + test_name(GetParam()) + ".csv";
+  const std::vector<std::vector<double>> lines = golden_run(GetParam());
+  if (std::getenv("CROSSGAIT_WRITE_GOLDEN") != nullptr) {
+    std::ofstream out(path);
+    out.precision(12);
+    for (const auto& line : lines) {
+      for (std::size_t k = 0; k < line.size(); ++k) out << (k == 0 ? "" : ",") << line[k];
+      out << "\n";
+    }
+    return;
+  }
+  std::istringstream in(read_text_file(path));
+  std::string text;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    ASSERT_TRUE(std::getline(in, text)) << path << " ends at line " << i;
+    std::istringstream cells(text);
+    std::string cell;
+    for (std::size_t k = 0; k < lines[i].size(); ++k) {
+      ASSERT_TRUE(std::getline(cells, cell, ',')) << path << " line " << i + 1 << " has " << k << " values";
+      const std::optional<double> expected = parse_number(cell);
+      ASSERT_TRUE(expected) << cell;
+      // Another machine's sine may differ in the last bit; 400 ms of contact make at most this of it.
+      ASSERT_NEAR(lines[i][k], *expected, 1e-6 * (1 + std::abs(*expected)))
+          << "line " << i + 1 << ", value " << k + 1;
+    }
+  }
+  EXPECT_FALSE(std::getline(in, text)) << path << " is longer";
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,36 @@
+// Environments for tests: any engine, random actions, everything bit for bit.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/env/adaptive_gait_env.h"
+#include "crossgait/env/random.h"
+
+namespace crossgait::scenes {
+
+/// The registry's engine of that name.
+inline BackendFactory factory(const std::string& backend) {
+  return [backend](const WorldSpec& world) { return make_backend(backend, world); };
+}
+
+inline std::vector<double> random_action(Random& random, std::size_t size) {
+  std::vector<double> action(size);
+  for (double& a : action) a = random.uniform(-1, 1);
+  return action;
+}
+
+/// Observations and rewards of `steps` steps under random actions, an ended episode followed by another.
+inline std::vector<double> record(AdaptiveGaitEnv& env, Random& random, int steps) {
+  std::vector<double> all, observation(env.observation_size());
+  for (int i = 0; i < steps; ++i) {
+    const StepResult result = env.step(random_action(random, env.action_size()), observation);
+    all.insert(all.end(), observation.begin(), observation.end());
+    all.push_back(result.reward);
+    if (result.done()) env.reset(static_cast<std::uint64_t>(random.uniform(0, 1e9)), observation);
+  }
+  return all;
+}
+
+}  // namespace crossgait::scenes
