@@ -1,0 +1,144 @@
+#include "crossgait/env/policy_bundle.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/env/policy_bundle_names.h"
+#include "crossgait/env/random.h"
+#include "crossgait/env/safetensors.h"
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace {
+
+double activate(MlpActivation activation, double x) {
+  switch (activation) {
+    case MlpActivation::kTanh:
+      return std::tanh(x);
+    case MlpActivation::kElu:
+      return x > 0 ? x : std::expm1(x);
+    case MlpActivation::kRelu:
+      return x > 0 ? x : 0;
+  }
+  return x;
+}
+
+template <typename Table, typename Value>
+std::string name_of(const Table& table, Value value) {
+  return std::string(std::find_if(table.begin(), table.end(), [value](const auto& row) {
+                       return row.second == value;
+                     })->first);
+}
+
+Tensor to_tensor(const Eigen::MatrixXd& matrix, Tensor::Kind kind) {
+  Tensor tensor{kind, {static_cast<std::size_t>(matrix.rows()), static_cast<std::size_t>(matrix.cols())}, {}};
+  for (const auto& row : matrix.rowwise()) tensor.values.insert(tensor.values.end(), row.begin(), row.end());
+  return tensor;
+}
+
+Tensor to_tensor(const Eigen::VectorXd& vector, Tensor::Kind kind) {
+  return {kind, {static_cast<std::size_t>(vector.size())}, {vector.begin(), vector.end()}};
+}
+
+/// As the file will hold it: weights in single precision.
+MlpNetwork rounded(MlpNetwork network) {
+  for (MlpLayer& layer : network.layers) {
+    layer.weight = layer.weight.cast<float>().cast<double>().eval();
+    layer.bias = layer.bias.cast<float>().cast<double>().eval();
+  }
+  return network;
+}
+
+void check_fit(const std::string& path, const MlpNetwork& network, const PolicyInterface& interface) {
+  const auto expect = [&](std::string_view element, Eigen::Index found, Eigen::Index expected) {
+    if (found != expected) throw ConfigError(path, element, std::to_string(expected), std::to_string(found));
+  };
+  auto width = static_cast<Eigen::Index>(interface.observation.size());
+  if (network.observation_mean.size() + network.observation_std.size() > 0) {
+    expect("size of observation_mean", network.observation_mean.size(), width);
+    expect("size of observation_std", network.observation_std.size(), width);
+  }
+  if (network.layers.empty()) throw ConfigError(path, "layers", "at least one", "none");
+  for (const MlpLayer& layer : network.layers) {
+    expect("columns of a layer's weight", layer.weight.cols(), width);
+    width = layer.weight.rows();
+    expect("size of a layer's bias", layer.bias.size(), width);
+  }
+  expect("outputs", width, static_cast<Eigen::Index>(interface.action.size()));
+}
+
+/// Observations around the network's mean; half of them with one entry beyond the clip (with more, saturated
+/// activations would hide where the clip is).
+Eigen::MatrixXd golden_observations(const MlpNetwork& network, std::size_t inputs) {
+  constexpr Eigen::Index kPairs = 8;
+  constexpr double kSpread = 2, kBeyondClip = 1.5;  // in standard deviations; times the clip
+  Random random;
+  Eigen::MatrixXd observations(kPairs, static_cast<Eigen::Index>(inputs));
+  for (Eigen::Index row = 0; row < kPairs; ++row) {
+    for (double& value : observations.row(row)) value = random.uniform(-kSpread, kSpread);
+    if (row % 2 != 0 && std::isfinite(network.observation_clip)) {
+      observations(row, row % observations.cols()) = kBeyondClip * network.observation_clip;
+    }
+    if (network.observation_mean.size() > 0) {
+      observations.row(row).array() *= network.observation_std.transpose().array();
+      observations.row(row) += network.observation_mean.transpose();
+    }
+  }
+  return observations;
+}
+
+}  // namespace
+
+Eigen::VectorXd MlpNetwork::evaluate(const Eigen::VectorXd& observation) const {
+  Eigen::VectorXd x = observation;
+  if (observation_mean.size() > 0) x = (x - observation_mean).cwiseQuotient(observation_std).eval();
+  for (double& value : x) value = std::clamp(value, -observation_clip, observation_clip);
+  for (const MlpLayer& layer : layers) {
+    const bool last = &layer == &layers.back();
+    x = (layer.weight * x + layer.bias).eval();
+    for (double& value : x) {
+      if (!last) value = activate(activation, value);
+      if (last && output == MlpOutput::kTanh) value = std::tanh(value);
+    }
+  }
+  return x;
+}
+
+void write_policy_bundle(const std::string& path, const MlpNetwork& network,
+                         const PolicyInterface& interface) {
+  check_fit(path, network, interface);
+  TensorFile file;
+  file.metadata = {{"format", std::string(bundle_names::kFormat)},
+                   {"activation", name_of(bundle_names::kActivations, network.activation)},
+                   {"output", name_of(bundle_names::kOutputs, network.output)},
+                   {"layout_hash", layout_hash(interface.observation, interface.action)},
+                   {"observation_names", nlohmann::json(interface.observation.names()).dump()},
+                   {"action_names", nlohmann::json(interface.action.names()).dump()},
+                   {"policy_dt", fmt::format("{}", interface.policy_dt)}};
+  if (std::isfinite(network.observation_clip)) {
+    file.metadata["observation_clip"] = fmt::format("{}", network.observation_clip);
+  }
+  constexpr auto kF32 = Tensor::Kind::kF32, kF64 = Tensor::Kind::kF64;
+  if (network.observation_mean.size() > 0) {
+    file.tensors["observation.mean"] = to_tensor(network.observation_mean, kF64);
+    file.tensors["observation.std"] = to_tensor(network.observation_std, kF64);
+  }
+  const MlpNetwork stored = rounded(network);
+  for (std::size_t k = 0; k < stored.layers.size(); ++k) {
+    file.tensors[fmt::format("layer.{}.weight", k)] = to_tensor(stored.layers[k].weight, kF32);
+    file.tensors[fmt::format("layer.{}.bias", k)] = to_tensor(stored.layers[k].bias, kF32);
+  }
+  const Eigen::MatrixXd observations = golden_observations(stored, interface.observation.size());
+  Eigen::MatrixXd actions(observations.rows(), static_cast<Eigen::Index>(interface.action.size()));
+  for (Eigen::Index row = 0; row < observations.rows(); ++row) {
+    actions.row(row) = stored.evaluate(observations.row(row)).cwiseMax(-1).cwiseMin(1).transpose();
+  }
+  file.tensors["golden.observation"] = to_tensor(observations, kF64);
+  file.tensors["golden.action"] = to_tensor(actions, kF64);
+  write_safetensors(path, file);
+}
+
+}  // namespace crossgait

@@ -1,0 +1,18 @@
+// How a policy bundle spells what it holds: shared by its reader and its writer.
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "crossgait/env/policy_bundle.h"
+
+namespace crossgait::bundle_names {
+
+inline constexpr std::string_view kFormat = "crossgait-policy-1";
+inline constexpr std::array<std::pair<std::string_view, MlpActivation>, 3> kActivations{
+    {{"tanh", MlpActivation::kTanh}, {"elu", MlpActivation::kElu}, {"relu", MlpActivation::kRelu}}};
+inline constexpr std::array<std::pair<std::string_view, MlpOutput>, 2> kOutputs{
+    {{"linear", MlpOutput::kLinear}, {"tanh", MlpOutput::kTanh}}};
+
+}  // namespace crossgait::bundle_names

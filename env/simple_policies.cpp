@@ -1,0 +1,23 @@
+#include "crossgait/env/simple_policies.h"
+
+#include <algorithm>
+
+namespace crossgait {
+
+ZeroPolicy::ZeroPolicy(PolicyInterface interface) : Policy("zero", std::move(interface)) {}
+
+void ZeroPolicy::do_reset(std::uint64_t /*seed*/) noexcept {}
+
+void ZeroPolicy::do_act(std::span<const double> /*observation*/, std::span<double> action) noexcept {
+  std::fill(action.begin(), action.end(), 0.0);
+}
+
+RandomPolicy::RandomPolicy(PolicyInterface interface) : Policy("random", std::move(interface)) {}
+
+void RandomPolicy::do_reset(std::uint64_t seed) noexcept { random_ = Random(seed); }
+
+void RandomPolicy::do_act(std::span<const double> /*observation*/, std::span<double> action) noexcept {
+  for (double& value : action) value = random_.uniform(-1, 1);
+}
+
+}  // namespace crossgait

@@ -1,0 +1,327 @@
+#include "crossgait/env/mlp_policy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "crossgait/env/safetensors.h"
+#include "crossgait/tests/env/policy_interfaces.h"
+#include "crossgait/tests/physics/config_error.h"
+#include "crossgait/tests/physics/scratch_folder.h"
+
+namespace crossgait {
+namespace {
+
+using policy_tests::large_interface;
+using policy_tests::layout_of;
+using policy_tests::random_network;
+using policy_tests::small_interface;
+
+constexpr double kSinglePrecision = 1e-6;  // some roundings of numbers around one
+
+std::vector<double> act(Policy& policy, const std::vector<double>& observation) {
+  std::vector<double> action(policy.interface().action.size(), 9);
+  policy.act(observation, action);
+  return action;
+}
+
+/// Two inputs, two hidden, one output.
+PolicyInterface tiny_interface() { return {layout_of({"x", "y"}), layout_of({"u"}), 2e-3}; }
+
+MlpNetwork tiny_network() {
+  MlpNetwork network;
+  network.layers.resize(2);
+  network.layers[0] = {(Eigen::MatrixXd(2, 2) << 1, -2, 0.5, 0.25).finished(), Eigen::Vector2d(0.1, -0.2)};
+  network.layers[1] = {(Eigen::MatrixXd(1, 2) << 0.3, -0.4).finished(), Eigen::VectorXd::Constant(1, 0.05)};
+  return network;
+}
+
+using Change = std::function<void(TensorFile&)>;
+
+Change with_metadata(const std::string& key, const std::string& text) {
+  return [key, text](TensorFile& file) { file.metadata[key] = text; };
+}
+
+class MlpPolicyTest : public ScratchFolder {
+ protected:
+  std::unique_ptr<Policy> make(const MlpNetwork& network,
+                               const PolicyInterface& interface = tiny_interface()) {
+    write_policy_bundle(path("p.safetensors"), network, interface);
+    return make_policy(path("p.safetensors"), interface);
+  }
+  /// What loading says about a good bundle after `change`, without the path.
+  std::string error_after(const Change& change) {
+    write_policy_bundle(path("p.safetensors"), random_network(small_interface(), {8, 4}), small_interface());
+    TensorFile file = read_safetensors(path("p.safetensors"));
+    change(file);
+    write_safetensors(path("p.safetensors"), file);
+    return error_for(small_interface());
+  }
+  std::string error_for(const PolicyInterface& interface) {
+    const std::string file = path("p.safetensors");
+    return std::string(config_error([&] { (void)make_policy(file, interface); }).what())
+        .substr(file.size() + 2);
+  }
+};
+
+TEST_F(MlpPolicyTest, ComputesATinyNetworkAsByHand) {
+  // Hidden sums of (.2, .6): .2 - 1.2 + .1 = -.9 and .1 + .15 - .2 = .05; then .3 h1 - .4 h2 + .05.
+  const std::vector<double> observation{0.2, 0.6};
+  MlpNetwork network = tiny_network();
+  network.activation = MlpActivation::kRelu;
+  EXPECT_NEAR(act(*make(network), observation)[0], 0.03, kSinglePrecision);
+  network.activation = MlpActivation::kTanh;  // -.71629787, .04995838
+  EXPECT_NEAR(act(*make(network), observation)[0], -0.18487271, kSinglePrecision);
+  network.activation = MlpActivation::kElu;  // exp(-.9) - 1 = -.59343034, .05
+  EXPECT_NEAR(act(*make(network), observation)[0], -0.14802910, kSinglePrecision);
+  network.output = MlpOutput::kTanh;
+  EXPECT_NEAR(act(*make(network), observation)[0], -0.14695739, kSinglePrecision);
+}
+
+TEST_F(MlpPolicyTest, NormalisesAndThenClipsObservations) {
+  // ((1.4, -.7) - (1, -1)) / (2, .5) = (.2, .6) as above; 20 and -20 become 1.5 and -1.5:
+  // hidden 1.5 + 3 + .1 = 4.6 and .75 - .375 - .2 = .175; action 1.38 - .07 + .05 beyond 1.
+  MlpNetwork network = tiny_network();
+  network.activation = MlpActivation::kRelu;
+  network.observation_mean = Eigen::Vector2d(1, -1);
+  network.observation_std = Eigen::Vector2d(2, 0.5);
+  network.observation_clip = 1.5;
+  const auto policy = make(network);
+  EXPECT_NEAR(act(*policy, {1.4, -0.7})[0], 0.03, kSinglePrecision);
+  EXPECT_EQ(act(*policy, {41, -11})[0], 1);
+  network.layers[1].weight *= 0.5;  // .69 - .035 + .05
+  EXPECT_NEAR(act(*make(network), {41, -11})[0], 0.705, kSinglePrecision);
+}
+
+TEST_F(MlpPolicyTest, AgreesWithDoublePrecision) {
+  for (const MlpActivation activation : {MlpActivation::kTanh, MlpActivation::kElu, MlpActivation::kRelu}) {
+    for (const std::vector<int>& hidden : {std::vector<int>{}, {1}, {17, 3}, {512, 256, 128}}) {
+      const PolicyInterface interface = large_interface();
+      MlpNetwork network = random_network(interface, hidden, hidden.size() + 1);
+      network.activation = activation;
+      const auto policy = make(network, interface);
+      Random random(9);
+      for (int i = 0; i < 20; ++i) {
+        std::vector<double> observation(69);
+        for (double& value : observation) value = random.uniform(-3, 3);
+        const Eigen::VectorXd expected =
+            network.evaluate(Eigen::Map<Eigen::VectorXd>(observation.data(), 69));
+        const std::vector<double> action = act(*policy, observation);
+        // Weights and 512 sums rounded to single precision.
+        for (int k = 0; k < 16; ++k) EXPECT_NEAR(action[k], std::clamp(expected[k], -1.0, 1.0), 5e-6);
+      }
+    }
+  }
+}
+
+TEST_F(MlpPolicyTest, HasNoMemory) {
+  const PolicyInterface interface = large_interface();
+  const MlpNetwork network = random_network(interface, {64, 32});
+  const auto policy = make(network, interface), other = make(network, interface);
+  const std::vector<double> a(69, 0.3), b(69, -0.7);
+  const std::vector<double> first = act(*policy, a);
+  (void)act(*policy, b);
+  policy->reset(5);
+  EXPECT_EQ(act(*policy, a), first);
+  EXPECT_EQ(act(*other, a), first);
+  EXPECT_EQ(policy->name(), "p.safetensors");
+}
+
+TEST_F(MlpPolicyTest, AnObservationThatIsNoNumberGivesZeros) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  MlpNetwork network = tiny_network();
+  for (const MlpActivation activation : {MlpActivation::kTanh, MlpActivation::kElu, MlpActivation::kRelu}) {
+    network.activation = activation;
+    const auto policy = make(network);
+    for (const double bad : {std::nan(""), kInfinity, -kInfinity, 1e300}) {
+      EXPECT_EQ(act(*policy, {bad, 0})[0], 0) << bad;
+      EXPECT_EQ(act(*policy, {0, bad})[0], 0) << bad;
+    }
+    EXPECT_NE(act(*policy, {0, 0})[0], 0);  // and nothing of it stays
+  }
+  network.observation_clip = 2;
+  const auto policy = make(network);
+  EXPECT_EQ(act(*policy, {kInfinity, 0}), act(*policy, {2, 0}));
+  EXPECT_EQ(act(*policy, {std::nan(""), 0})[0], 0);
+}
+
+TEST_F(MlpPolicyTest, SaysWhatDiffersInAnotherLayout) {
+  write_policy_bundle(path("p.safetensors"), random_network(small_interface(), {8}), small_interface());
+  PolicyInterface other = small_interface();
+  other.observation.entries.erase(other.observation.entries.begin() + 1);
+  EXPECT_EQ(error_for(other),
+            "observation: expected the environment's entries, found a policy whose observation has 4 entries "
+            "where 3 "
+            "were expected; entry 1 is param.step_height, expected terrain.front");
+  other = small_interface();
+  other.action.entries[3].name = "residual.FL.y";
+  EXPECT_EQ(
+      error_for(other),
+      "action: expected the environment's entries, found a policy whose action entry 3 is residual.FL.z, "
+      "expected residual.FL.y");
+  other = small_interface();
+  other.observation.entries[0].unit = "m";
+  const std::string message = error_for(other);
+  EXPECT_EQ(message, "layout_hash: expected " + layout_hash(other.observation, other.action) + ", found " +
+                         layout_hash(small_interface().observation, small_interface().action) +
+                         ": the same names, so the units of some entries differ");
+  other = small_interface();
+  other.policy_dt = 0.02;
+  EXPECT_EQ(error_for(other),
+            "policy_dt: expected 0.02 s, the environment's, found a policy trained for 0.002 s");
+}
+
+TEST_F(MlpPolicyTest, RefusesIncompleteAndContradictoryBundles) {
+  const auto erased = [](const char* name) {
+    return [name](TensorFile& file) { EXPECT_EQ(file.tensors.erase(name) + file.metadata.erase(name), 1U); };
+  };
+  for (const char* key :
+       {"format", "activation", "output", "layout_hash", "observation_names", "action_names"}) {
+    EXPECT_EQ(error_after(erased(key)),
+              std::string(key) + ": expected metadata of a policy bundle, found none");
+  }
+  for (const char* name : {"observation.mean", "observation.std", "layer.0.weight", "layer.0.bias",
+                           "layer.2.bias", "golden.observation", "golden.action"}) {
+    EXPECT_EQ(error_after(erased(name)), std::string(name) + ": expected this tensor, found none");
+  }
+  EXPECT_EQ(error_after(erased("layer.1.weight")), "layer.0.weight: expected shape [4, 4], found [8, 4]");
+  EXPECT_EQ(error_after(erased("layer.2.weight")),
+            "layer.2.bias: expected no further tensor, found an unknown one");
+  EXPECT_EQ(error_after(with_metadata("format", "crossgait-policy-2")),
+            "format: expected crossgait-policy-1, found 'crossgait-policy-2'");
+  EXPECT_EQ(error_after(with_metadata("activation", "gelu")),
+            "activation: expected tanh, elu, relu, found 'gelu'");
+  EXPECT_EQ(error_after(with_metadata("output", "relu")), "output: expected linear, tanh, found 'relu'");
+  EXPECT_EQ(error_after(with_metadata("observation_clip", "0")),
+            "observation_clip: expected a positive number, found '0'");
+  EXPECT_EQ(error_after(with_metadata("policy_dt", "fast")),
+            "policy_dt: expected a positive number, found 'fast'");
+  EXPECT_EQ(error_after(with_metadata("action_names", "[1]")),
+            "action_names: expected a JSON list of names, found '[1]'");
+  EXPECT_EQ(error_after(with_metadata("action_names", "[")),
+            "action_names: expected a JSON list of names, found '['");
+  EXPECT_EQ(error_after(with_metadata("author", "me")),
+            "author: expected no further metadata, found an unknown key");
+}
+
+TEST_F(MlpPolicyTest, RefusesWrongShapesAndNumbers) {
+  const auto set = [](const char* name, double value) {
+    return [name, value](TensorFile& file) { file.tensors.at(name).values.at(3) = value; };
+  };
+  EXPECT_EQ(error_after(set("layer.1.weight", std::nan(""))),
+            "layer.1.weight: expected finite numbers, found nan at 3");
+  EXPECT_EQ(error_after(set("golden.action", HUGE_VAL)),
+            "golden.action: expected finite numbers, found inf at 3");
+  EXPECT_EQ(error_after(set("observation.std", 0)), "observation.std: expected positive numbers, found 0");
+  const auto shaped = [](const char* name, const std::vector<std::size_t>& shape) {
+    return [name, shape](TensorFile& file) {
+      std::size_t count = 1;
+      for (const std::size_t size : shape) count *= size;
+      file.tensors.at(name) = {Tensor::Kind::kF32, shape, std::vector<double>(count, 1)};
+    };
+  };
+  EXPECT_EQ(error_after(shaped("layer.0.weight", {8, 5})),
+            "layer.0.weight: expected shape [n, 4], found [8, 5]");
+  EXPECT_EQ(error_after(shaped("layer.0.weight", {32})), "layer.0.weight: expected shape [n, 4], found [32]");
+  EXPECT_EQ(error_after(shaped("layer.0.weight", {0, 4})),
+            "layer.0.weight: expected shape [n, 4], found [0, 4]");
+  EXPECT_EQ(error_after(shaped("layer.0.bias", {7})), "layer.0.bias: expected shape [8], found [7]");
+  EXPECT_EQ(error_after(shaped("layer.2.weight", {3, 4})),
+            "layer.2.weight: expected shape [4, 4], found [3, 4]");
+  EXPECT_EQ(error_after(shaped("golden.observation", {0, 4})),
+            "golden.observation: expected shape [n, 4], found [0, 4]");
+  EXPECT_EQ(error_after(shaped("golden.action", {7, 4})),
+            "golden.action: expected shape [8, 4], found [7, 4]");
+  EXPECT_EQ(error_after([](TensorFile& file) {
+              for (const char* name : {"layer.0.weight", "layer.0.bias"}) {
+                Tensor& tensor = file.tensors.at(name);
+                tensor.kind = Tensor::Kind::kF64;
+                for (double& value : tensor.values) value *= 1e300;
+              }
+            }),
+            "layers: expected weights and biases in the range of single precision, found larger ones");
+}
+
+TEST_F(MlpPolicyTest, RefusesANetworkThatDoesNotDoWhatItsWriterDid) {
+  const std::vector<Change> changes{
+      with_metadata("activation", "elu"),
+      with_metadata("output", "tanh"),
+      with_metadata("observation_clip", "9"),
+      [](TensorFile& file) { file.metadata.erase("observation_clip"); },
+      [](TensorFile& file) { file.tensors.at("layer.1.weight").values[5] += 0.01; },
+      [](TensorFile& file) { file.tensors.at("observation.mean").values[2] += 0.01; },
+      [](TensorFile& file) {
+        file.tensors.erase("observation.mean");
+        file.tensors.erase("observation.std");
+      },
+      [](TensorFile& file) { file.tensors.at("golden.action").values[31] += 2e-5; }};
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const std::string message = error_after(changes[i]);
+    EXPECT_EQ(message.rfind("golden.action [", 0), 0U) << i << ": " << message;
+  }
+}
+
+TEST_F(MlpPolicyTest, GoldenActionsBeyondTheLimitsCountAsAtThem) {
+  write_policy_bundle(path("p.safetensors"), tiny_network(), tiny_interface());
+  TensorFile file = read_safetensors(path("p.safetensors"));
+  file.tensors.at("layer.1.bias").values[0] = 5;
+  for (double& value : file.tensors.at("golden.action").values) value = 4.95 + value;
+  write_safetensors(path("p.safetensors"), file);
+  EXPECT_NO_THROW((void)make_policy(path("p.safetensors"), tiny_interface()));
+}
+
+TEST_F(MlpPolicyTest, RefusesToWriteANetworkThatDoesNotFit) {
+  const auto error_of = [&](const MlpNetwork& network) {
+    return std::string(config_error([&] { write_policy_bundle("p", network, tiny_interface()); }).what());
+  };
+  EXPECT_EQ(error_of({}), "p: layers: expected at least one, found none");
+  MlpNetwork network = tiny_network();
+  network.layers[1].weight.setZero(1, 3);
+  EXPECT_EQ(error_of(network), "p: columns of a layer's weight: expected 2, found 3");
+  network = tiny_network();
+  network.layers.pop_back();
+  EXPECT_EQ(error_of(network), "p: outputs: expected 1, found 2");
+  network = tiny_network();
+  network.observation_mean = Eigen::Vector2d(0, 0);
+  EXPECT_EQ(error_of(network), "p: size of observation_std: expected 2, found 0");
+}
+
+TEST_F(MlpPolicyTest, DamagedFilesAreRefusedOrDoTheSame) {
+  const PolicyInterface interface = small_interface();
+  const auto policy = make(random_network(interface, {8, 4}), interface);
+  const PolicyBundle bundle = read_policy_bundle(path("p.safetensors"));
+  const std::string bytes = read(path("p.safetensors"));
+  const std::size_t header =
+      8 + static_cast<unsigned char>(bytes[0]) + 256U * static_cast<unsigned char>(bytes[1]);
+  for (std::size_t size = 0; size <= header; ++size) {
+    const std::string file = write("damaged.safetensors", std::string_view(bytes).substr(0, size));
+    EXPECT_THROW((void)make_policy(file, interface), ConfigError) << size;
+  }
+  Random random(1);
+  int refused = 0;
+  constexpr int kFlips = 3000;
+  for (int i = 0; i < kFlips; ++i) {
+    std::string flipped = bytes;
+    const auto bit = static_cast<std::size_t>(random.uniform() * 8 * static_cast<double>(bytes.size()));
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ 1 << bit % 8);
+    try {
+      const auto damaged = make_policy(write("damaged.safetensors", flipped), interface);
+      for (Eigen::Index row = 0; row < bundle.golden_observation.rows(); ++row) {
+        const Eigen::VectorXd golden = bundle.golden_observation.row(row);
+        const std::vector<double> observation(golden.begin(), golden.end());
+        const std::vector<double> expected = act(*policy, observation), action = act(*damaged, observation);
+        // Flipped low bits of numbers: within twice the tolerance of golden pairs, they being flipped or not.
+        for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(action[k], expected[k], 2e-5) << bit;
+      }
+    } catch (const ConfigError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, kFlips / 4);
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,134 @@
+#include "crossgait/env/policy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "crossgait/env/simple_policies.h"
+#include "crossgait/tests/env/policy_interfaces.h"
+#include "crossgait/tests/physics/config_error.h"
+#include "crossgait/tests/physics/scratch_folder.h"
+
+namespace crossgait {
+namespace {
+
+using policy_tests::small_interface;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Acts as told.
+class ConstantPolicy final : public Policy {
+ public:
+  ConstantPolicy(const PolicyInterface& interface, std::vector<double> action)
+      : Policy("constant", interface), action_(std::move(action)) {}
+
+ private:
+  void do_reset(std::uint64_t /*seed*/) noexcept override {}
+  void do_act(std::span<const double> /*observation*/, std::span<double> action) noexcept override {
+    std::copy(action_.begin(), action_.end(), action.begin());
+  }
+
+  std::vector<double> action_;
+};
+
+std::vector<double> act(Policy& policy, std::vector<double> observation = std::vector<double>(4)) {
+  std::vector<double> action(policy.interface().action.size(), 9);
+  policy.act(observation, action);
+  return action;
+}
+
+TEST(Policy, ClipsActionsAndZeroesWhatIsNotFinite) {
+  ConstantPolicy huge(small_interface(), {7, -1e300, 0.5, -1});
+  EXPECT_EQ(act(huge), (std::vector<double>{1, -1, 0.5, -1}));
+  ConstantPolicy broken(small_interface(), {kNan, kInfinity, -kInfinity, 0.25});
+  EXPECT_EQ(act(broken), (std::vector<double>{0, 0, 0, 0.25}));
+}
+
+TEST(Policy, WrongSizesGiveZeros) {
+  ConstantPolicy policy(small_interface(), {1, 1, 1, 1});
+  const std::vector<double> short_observation(3), observation(4);
+  std::vector<double> action(4, 9), long_action(5, 9);
+#ifdef NDEBUG
+  policy.act(short_observation, action);
+  EXPECT_EQ(action, std::vector<double>(4, 0));
+  policy.act(observation, long_action);
+  EXPECT_EQ(long_action, std::vector<double>(5, 0));
+  policy.act(observation, {});
+#else
+  EXPECT_DEATH(policy.act(short_observation, action), "spans of the interface's sizes");
+  EXPECT_DEATH(policy.act(observation, long_action), "spans of the interface's sizes");
+#endif
+}
+
+TEST(ZeroPolicy, DoesNothing) {
+  const auto policy = make_policy("zero", small_interface());
+  EXPECT_EQ(policy->name(), "zero");
+  policy->reset(1);
+  EXPECT_EQ(act(*policy), std::vector<double>(4, 0));
+  EXPECT_EQ(act(*policy, {kNan, kInfinity, 0, 0}), std::vector<double>(4, 0));
+}
+
+TEST(RandomPolicy, DrawsTheSameNumbersOnEveryMachine) {
+  const auto policy = make_policy("random", small_interface());
+  policy->reset(7);
+  const std::vector<double> action = act(*policy);
+  // From the published algorithms of SplitMix64 and MT19937-64, computed apart from any C++ library.
+  EXPECT_EQ(action[0], 0.684309609628307);
+  EXPECT_EQ(action[1], 0.3581761893003168);
+  EXPECT_EQ(action[2], -0.6655215427607735);
+}
+
+TEST(RandomPolicy, RepeatsAfterResetWithTheSameSeedOnly) {
+  const auto policy = make_policy("random", small_interface()),
+             other = make_policy("random", small_interface());
+  policy->reset(3);
+  const std::vector<double> first = act(*policy), second = act(*policy);
+  EXPECT_NE(first, second);
+  policy->reset(4);
+  EXPECT_NE(act(*policy), first);
+  policy->reset(3);
+  other->reset(3);
+  EXPECT_EQ(act(*policy), first);
+  EXPECT_EQ(act(*policy), second);
+  EXPECT_EQ(act(*other), first);
+}
+
+TEST(RandomPolicy, IsUniform) {
+  RandomPolicy policy(small_interface());
+  policy.reset(1);
+  constexpr int kActs = 25000;
+  double sum = 0, squares = 0;
+  for (int i = 0; i < kActs; ++i) {
+    for (const double value : act(policy)) {
+      EXPECT_LE(std::abs(value), 1);
+      sum += value;
+      squares += value * value;
+    }
+  }
+  const double n = 4.0 * kActs;
+  EXPECT_NEAR(sum / n, 0, 4 * std::sqrt(1 / 3.0 / n));             // four standard errors
+  EXPECT_NEAR(squares / n, 1 / 3.0, 4 * std::sqrt(4 / 45.0 / n));  // likewise
+}
+
+class MakePolicy : public ScratchFolder {};
+
+TEST_F(MakePolicy, RefusesWhatIsNoPolicy) {
+  const auto error_of = [](const std::string& text) {
+    return std::string(config_error([&] { (void)make_policy(text, small_interface()); }).what());
+  };
+  EXPECT_EQ(error_of("best"),
+            "policy: best: expected zero, random, FILE.safetensors or FILE.yaml, found none of these");
+  EXPECT_EQ(error_of(""),
+            "policy: : expected zero, random, FILE.safetensors or FILE.yaml, found none of these");
+  EXPECT_EQ(error_of("/nowhere/p.yaml"), "/nowhere/p.yaml: file: expected a readable file, found none");
+  EXPECT_EQ(error_of("/nowhere/p.safetensors"),
+            "/nowhere/p.safetensors: file: expected a readable file, found none");
+  const std::string file = write("p.yaml", "kind: clever\n");
+  EXPECT_EQ(error_of(file), file + ": line 1, kind: expected scripted or hierarchical, found 'clever'");
+}
+
+}  // namespace
+}  // namespace crossgait
