@@ -15,6 +15,7 @@ namespace crossgait::apps {
 /// Every command adds itself to the program: its options, its help and what it does.
 void add_walk_command(CLI::App& program);
 void add_compare_command(CLI::App& program);
+void add_bench_command(CLI::App& program);
 void add_backends_command(CLI::App& program);
 void add_robots_command(CLI::App& program);
 void add_terrain_command(CLI::App& program);
@@ -22,6 +23,10 @@ void add_ik_command(CLI::App& program);
 void add_gait_command(CLI::App& program);
 void add_workspace_command(CLI::App& program);
 void add_plot_command(CLI::App& program);
+void add_env_command(CLI::App& program);
+void add_rollout_command(CLI::App& program);
+void add_transfer_command(CLI::App& program);
+void add_tune_command(CLI::App& program);
 
 /// `--json FILE|-`. With "-" the JSON is all that is written to standard output.
 struct JsonOption {

@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
     using namespace crossgait::apps;
     add_walk_command(program);
     add_compare_command(program);
+    add_bench_command(program);
     add_backends_command(program);
     add_robots_command(program);
     add_terrain_command(program);
@@ -39,6 +40,10 @@ int main(int argc, char** argv) {
     add_gait_command(program);
     add_workspace_command(program);
     add_plot_command(program);
+    add_env_command(program);
+    add_rollout_command(program);
+    add_transfer_command(program);
+    add_tune_command(program);
     program.parse(argc, argv);
   } catch (const CLI::Success& help) {
     return program.exit(help);

@@ -42,18 +42,28 @@ struct Range {
                            : std::max(0.1 * std::abs(high), 1e-3);
     return {low - pad, high + pad};
   }
+  /// The same on a logarithmic axis.
+  Range padded_log() const {
+    if (low > high) return {1, 10};
+    const double pad = std::pow(high / low > 1 + 1e-9 ? high / low : 10, 0.05);
+    return {low / pad, high * pad};
+  }
 };
 
 /// What the contents of a panel span along axis 0 (x) or 1 (y).
 Range contents(const Panel& panel, std::size_t axis) {
   Range range;
+  const bool positive = axis == 0 ? panel.x_log : panel.y_log;
+  const auto include = [&](double value) {
+    if (!positive || value > 0) range.include(value);
+  };
   for (const Series& series : panel.series) {
-    for (const PlotPoint& p : series.points) range.include(p[axis]);
+    for (const PlotPoint& p : series.points) include(p[axis]);
   }
   for (const Bars& bars : panel.bars) {
     for (const Bars::Bar& bar : bars.bars) {
-      range.include(bar.min[axis]);
-      range.include(bar.max[axis]);
+      include(bar.min[axis]);
+      include(bar.max[axis]);
     }
   }
   if (panel.shades) {
@@ -101,7 +111,9 @@ class PlotCommand {
     }
     const char* style = series.style == Series::Style::kLine     ? "lines linewidth 1.6"
                         : series.style == Series::Style::kDashed ? "lines linewidth 1.2 dashtype (6,4)"
-                                                                 : "points pointtype 7 pointsize .45";
+                        : series.style == Series::Style::kLinePoints
+                            ? "linespoints linewidth 1.6 pointtype 7 pointsize .5"
+                            : "points pointtype 7 pointsize .45";
     end_block(fmt::format("with {} linecolor rgb '{}'", style, colour_code(series.colour)), series.label);
   }
 
@@ -136,12 +148,22 @@ Place fit(const Place& space, const Range& x, const Range& y, bool equal_scales)
   return {space.left + dx, space.right - dx, space.bottom + dy, space.top - dy};
 }
 
+/// What the axes of a panel show. Along x no more than there is, except where scales are equal.
+std::pair<Range, Range> ranges(const Panel& panel) {
+  const auto given = [](const PlotPoint& range) { return Range{range[0], range[1]}; };
+  const Range all_x = contents(panel, 0), all_y = contents(panel, 1);
+  Range x = panel.x_log                                       ? all_x.padded_log()
+            : panel.equal_scales || !(all_x.high > all_x.low) ? all_x.padded()
+                                                              : all_x;
+  Range y = panel.y_log ? all_y.padded_log() : all_y.padded();
+  if (panel.x_range) x = given(*panel.x_range);
+  if (panel.y_range) y = given(*panel.y_range);
+  return {x, y};
+}
+
 void append_panel(std::string& script, const Panel& panel, const Place& space, int width, int height) {
   const auto out = std::back_inserter(script);
-  const Range x = panel.equal_scales ? contents(panel, 0).padded() : contents(panel, 0);
-  const Range y =
-      panel.y_range ? Range{(*panel.y_range)[0], (*panel.y_range)[1]} : contents(panel, 1).padded();
-  const Range sound_x = x.high > x.low ? x : x.padded();
+  const auto [sound_x, y] = ranges(panel);
   const Place place = fit({space.left + kLeft, space.right - (panel.shades ? kColourBar : kRight),
                            space.bottom + kBottom, space.top - kTop},
                           sound_x, y, panel.equal_scales);
@@ -152,7 +174,9 @@ void append_panel(std::string& script, const Panel& panel, const Place& space, i
   fmt::format_to(out, "set xrange [{:.9g}:{:.9g}]\n", sound_x.low, sound_x.high);
   fmt::format_to(out, "set yrange [{:.9g}:{:.9g}]\n", panel.y_down ? y.high : y.low,
                  panel.y_down ? y.low : y.high);
-  script += "unset ytics\n";
+  script += "unset ytics\nunset logscale\n";
+  if (panel.x_log) script += "set logscale x\n";
+  if (panel.y_log) script += "set logscale y\n";
   if (panel.y_names.empty()) {
     script += "set ytics nomirror out scale .5\n";
   } else {

@@ -14,7 +14,7 @@ using PlotPoint = std::array<double, 2>;
 
 /// One row of a panel's legend.
 struct Series {
-  enum class Style { kLine, kDashed, kPoints };
+  enum class Style { kLine, kDashed, kPoints, kLinePoints };
   std::string label;  ///< empty: not in the legend
   std::vector<PlotPoint> points;
   int colour = 0;  ///< of a palette that people with any colour vision tell apart; repeats after kColours
@@ -47,10 +47,11 @@ struct Panel {
   std::optional<ShadeMap> shades;
   std::vector<Bars> bars;
   std::vector<Series> series;
-  bool equal_scales = false;  ///< a metre is as long along y as along x
-  bool y_down = false;        ///< y grows downward
-  /// Lowest and highest y; found from the contents if empty.
-  std::optional<PlotPoint> y_range;
+  bool equal_scales = false;          ///< a metre is as long along y as along x
+  bool y_down = false;                ///< y grows downward
+  bool x_log = false, y_log = false;  ///< logarithmic; what is not positive is not drawn
+  /// Lowest and highest x and y; found from the contents if empty.
+  std::optional<PlotPoint> x_range, y_range;
   /// Names instead of numbers along y.
   std::vector<std::pair<double, std::string>> y_names;
 };

@@ -114,6 +114,30 @@ RobotPtr block(ShapeType type, const Vector3& size) {
   return finished(robot);
 }
 
+RobotPtr millipede() {
+  constexpr double kLink = 0.04, kRadius = 0.008;  // m; forward or backward as much as down
+  RobotDescription robot;
+  robot.name = "millipede";
+  robot.bodies.push_back(free_body("trunk", solid_box(0.34, {0.2, 0.05, 0.02})));
+  for (int i = 0; i < kMaxJoints; ++i) {
+    const double side = i % 2 == 0 ? 1 : -1, ahead = i / 2 % 2 == 0 ? 1 : -1;
+    const Vector3 tip(ahead * kLink, 0, -kLink);
+    Body leg = free_body("leg" + std::to_string(i), solid_box(0.02, {0.005, 0.005, 0.03}, tip / 2));
+    leg.parent = 0;
+    leg.X_PB.translation() = Vector3(0.025 * (i / 2 - 7.5), side * 0.06, 0);
+    leg.joint.name = "hip" + std::to_string(i);
+    leg.joint.axis = Vector3::UnitY();
+    leg.joint.damping = 0.02;
+    leg.joint.armature = 2e-4;
+    leg.joint.actuated = true;
+    leg.joint.kp = leg.joint.effort_limit = 1;
+    leg.shapes.push_back(shape("foot" + std::to_string(i), ShapeType::kSphere, {kRadius, 0, 0}, tip));
+    robot.bodies.push_back(leg);
+  }
+  robot.home_height = kLink + kRadius;
+  return finished(robot);
+}
+
 RobotPtr awkward_robot() {
   RobotDescription robot;
   robot.name = "awkward";

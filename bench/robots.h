@@ -50,6 +50,10 @@ RobotPtr sled();
 /// One body of 0.5 kg with one shape centred on the origin: `size` as in CollisionShape.
 RobotPtr block(ShapeType type, const Vector3& size);
 
+/// A trunk on 32 servo-driven legs of one link each, as many as a robot may have joints: it stands on as many
+/// spheres as eight quadrupeds.
+RobotPtr millipede();
+
 /// Everything at once that a frame or sign error could hide behind elsewhere: a base whose centre of mass is
 /// off its origin, full inertia tensors, rotated joint frames, oblique axes, a branch, a loop, unequal
 /// drives.

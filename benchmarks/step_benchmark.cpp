@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/backends/registry.h"
+#include "crossgait/bench/scenes.h"
 #include "crossgait/benchmarks/mujoco/bare_mujoco.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/atomic_file.h"
-#include "crossgait/bench/scenes.h"
 
 namespace {
 

@@ -12,8 +12,8 @@
 
 #include "crossgait/backends/mujoco/model_xml.h"
 #include "crossgait/backends/mujoco/mujoco_backend.h"
-#include "crossgait/physics/multibody.h"
 #include "crossgait/bench/scenes.h"
+#include "crossgait/physics/multibody.h"
 
 namespace crossgait::mujoco {
 namespace {

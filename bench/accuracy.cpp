@@ -1,0 +1,171 @@
+#include "crossgait/bench/accuracy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/bench/scenes.h"
+#include "crossgait/bench/statistics.h"
+
+namespace crossgait::bench {
+namespace {
+
+constexpr double kSettle = 1;  // s: longer than the touch-down's swinging
+
+std::unique_ptr<PhysicsBackend> make_world(const std::string& backend, const std::string& terrain,
+                                           double step) {
+  WorldSpec spec = scenes::world_of(scenes::quadruped());
+  spec.terrain = make_terrain(terrain);
+  spec.physics_dt = step;
+  return make_backend(backend, spec);
+}
+
+/// Physics steps per command: at least one.
+int substeps(double step) { return std::max(1, static_cast<int>(std::lround(kCommandStep / step))); }
+
+/// The trot from its first step, command by command.
+std::vector<JointTargets> commands(double seconds, double period = kCommandStep) {
+  const scenes::Trot trot(*scenes::quadruped());
+  std::vector<JointTargets> targets;
+  for (long i = 0; i < std::lround(seconds / period); ++i) {
+    targets.push_back(trot.targets(scenes::Trot::kStand + static_cast<double>(i) * period));
+  }
+  return targets;
+}
+
+using States = std::vector<RobotState>;
+
+/// States after every command, until the engine diverges.
+void follow(PhysicsBackend& world, const RobotState& start, const std::vector<JointTargets>& targets,
+            States& states) {
+  states.clear();
+  world.reset(start);
+  const int n = substeps(world.spec().physics_dt);
+  for (const JointTargets& target : targets) {
+    if (world.step(target, n) != StepStatus::kOk) return;
+    states.push_back(world.state());
+  }
+}
+
+/// One engine on one terrain at one step, with what it is measured against.
+struct Run {
+  AccuracyPoint point;
+  std::unique_ptr<PhysicsBackend> world;
+  const RobotState* start = nullptr;
+  std::vector<double> cost;
+
+  Run(const std::string& terrain, const std::string& backend, double step)
+      : world(make_world(backend, terrain, step)) {
+    point.terrain = terrain;
+    point.backend = backend;
+    point.step_s = step;
+  }
+};
+
+void compare(const States& states, const States& reference, AccuracyPoint& point) {
+  if (states.size() < reference.size()) return;
+  double position = 0, joints = 0;
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    position += (states[i].p_WB - reference[i].p_WB).squaredNorm();
+    joints += (states[i].q - reference[i].q).squaredNorm() / static_cast<double>(reference[i].q.size());
+  }
+  point.position_error_m = std::sqrt(position / static_cast<double>(reference.size()));
+  point.joint_error_rad = std::sqrt(joints / static_cast<double>(reference.size()));
+}
+
+/// Standing still at the reference step, time zero.
+RobotState settled(PhysicsBackend& world) {
+  const JointTargets home = scenes::home_targets(world.robot());
+  world.reset();
+  if (world.step(home, static_cast<int>(std::lround(kSettle / world.spec().physics_dt))) != StepStatus::kOk) {
+    throw std::runtime_error(fmt::format("standing diverged in {}", world.info().name));
+  }
+  RobotState state = world.state();
+  state.time = 0;
+  return state;
+}
+
+StableStep find_stable_step(const std::string& backend, const std::string& terrain) {
+  StableStep result;
+  result.terrain = terrain;
+  result.backend = backend;
+  for (const double ms :
+       {1.0, 2.0, 8.0 / 3, 4.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0}) {
+    const double step = 1e-3 * ms;
+    result.tried_s.push_back(step);
+    if (!trot_survives(backend, terrain, step)) break;
+    result.largest_s = step;
+  }
+  return result;
+}
+
+}  // namespace
+
+bool trot_survives(const std::string& backend, const std::string& terrain, double step) {
+  constexpr double kFallen = M_PI / 3;
+  const auto world = make_world(backend, terrain, step);
+  if (world->step(scenes::home_targets(world->robot()), static_cast<int>(std::lround(kSettle / step))) !=
+      StepStatus::kOk) {
+    return false;
+  }
+  for (const JointTargets& target : commands(kStabilityHorizon, std::max(kCommandStep, step))) {
+    if (world->step(target, substeps(step)) != StepStatus::kOk) return false;
+    const RobotState& s = world->state();
+    const Vector3 rpy = roll_pitch_yaw(s.q_WB);
+    if (std::max(std::abs(rpy.x()), std::abs(rpy.y())) > kFallen) return false;
+    const double height = s.p_WB.z() - world->spec().terrain.height(s.p_WB.x(), s.p_WB.y());
+    if (height < world->robot().home_height / 2) return false;
+  }
+  return true;
+}
+
+Accuracy measure_accuracy(const AccuracySettings& settings, const Progress& progress) {
+  Accuracy result;
+  const std::vector<JointTargets> targets = commands(kAccuracyHorizon);
+  const double parts = static_cast<double>(settings.terrains.size()) * (settings.rounds + 3);
+  double done = 0;
+  const auto advance = [&](double share) { progress((done += share) / parts); };
+  for (const std::string& terrain : settings.terrains) {
+    std::vector<RobotState> starts(settings.backends.size());
+    std::vector<Run> runs;
+    States states, reference;
+    for (std::size_t b = 0; b < settings.backends.size(); ++b) {
+      const std::string& backend = settings.backends[b];
+      const auto exact = make_world(backend, terrain, kReferenceStep);
+      starts[b] = settled(*exact);
+      follow(*exact, starts[b], targets, reference);
+      if (reference.size() < targets.size()) {
+        throw std::runtime_error(fmt::format("the trot diverged in {} at the reference step", backend));
+      }
+      for (const double step : settings.steps_s) {
+        Run& run = runs.emplace_back(terrain, backend, step);
+        run.start = &starts[b];
+        follow(*run.world, starts[b], targets, states);
+        compare(states, reference, run.point);
+      }
+      advance(2.0 / static_cast<double>(settings.backends.size()));
+    }
+    for (int round = 0; round < settings.rounds; ++round) {
+      for (Run& run : runs) {
+        const double begin = thread_seconds();
+        follow(*run.world, *run.start, targets, states);
+        run.cost.push_back((thread_seconds() - begin) / kAccuracyHorizon);
+      }
+      advance(1);
+    }
+    for (Run& run : runs) {
+      run.point.cost = spread(run.cost).median;
+      result.points.push_back(std::move(run.point));
+    }
+    for (const std::string& backend : settings.backends) {
+      result.stable.push_back(find_stable_step(backend, terrain));
+    }
+    advance(1);
+  }
+  return result;
+}
+
+}  // namespace crossgait::bench
