@@ -70,6 +70,21 @@ void check_fit(const std::string& path, const MlpNetwork& network, const PolicyI
   expect("outputs", width, static_cast<Eigen::Index>(interface.action.size()));
 }
 
+/// @param stored  the network as the file will hold it
+void check_numbers(const std::string& path, const MlpNetwork& stored) {
+  const auto is_finite = [](const MlpLayer& layer) {
+    return layer.weight.allFinite() && layer.bias.allFinite();
+  };
+  if (!std::all_of(stored.layers.begin(), stored.layers.end(), is_finite) ||
+      !stored.observation_mean.allFinite()) {
+    throw ConfigError(path, "weights, biases and means", "finite numbers", "others");
+  }
+  const auto deviation = stored.observation_std.array();
+  if (!deviation.isFinite().all() || !(deviation > 0).all() || !(stored.observation_clip > 0)) {
+    throw ConfigError(path, "observation_std and observation_clip", "positive numbers", "others");
+  }
+}
+
 /// Observations around the network's mean; half of them with one entry beyond the clip (with more, saturated
 /// activations would hide where the clip is).
 Eigen::MatrixXd golden_observations(const MlpNetwork& network, std::size_t inputs) {
@@ -110,6 +125,8 @@ Eigen::VectorXd MlpNetwork::evaluate(const Eigen::VectorXd& observation) const {
 void write_policy_bundle(const std::string& path, const MlpNetwork& network,
                          const PolicyInterface& interface) {
   check_fit(path, network, interface);
+  const MlpNetwork stored = rounded(network);
+  check_numbers(path, stored);
   TensorFile file;
   file.metadata = {{"format", std::string(bundle_names::kFormat)},
                    {"activation", name_of(bundle_names::kActivations, network.activation)},
@@ -126,7 +143,6 @@ void write_policy_bundle(const std::string& path, const MlpNetwork& network,
     file.tensors["observation.mean"] = to_tensor(network.observation_mean, kF64);
     file.tensors["observation.std"] = to_tensor(network.observation_std, kF64);
   }
-  const MlpNetwork stored = rounded(network);
   for (std::size_t k = 0; k < stored.layers.size(); ++k) {
     file.tensors[fmt::format("layer.{}.weight", k)] = to_tensor(stored.layers[k].weight, kF32);
     file.tensors[fmt::format("layer.{}.bias", k)] = to_tensor(stored.layers[k].bias, kF32);

@@ -49,7 +49,8 @@ PolicyBundle read_policy_bundle(const std::string& path);
 void check_interface(const PolicyBundle& bundle, const PolicyInterface& interface, const std::string& path);
 
 /// Writes a network for `interface`, with golden pairs of its own choice.
-/// @throws ConfigError if the network does not fit the interface or the place cannot be written
+/// @throws ConfigError if the network does not fit the interface or is not finite, or the place cannot be
+/// written
 void write_policy_bundle(const std::string& path, const MlpNetwork& network,
                          const PolicyInterface& interface);
 

@@ -170,9 +170,8 @@ void check_interface(const PolicyBundle& bundle, const PolicyInterface& interfac
   check_names(path, "action", interface.action.names(), bundle.action_names);
   const std::string hash = layout_hash(interface.observation, interface.action);
   if (bundle.layout_hash != hash) {
-    throw ConfigError(
-        path, "layout_hash", hash,
-        fmt::format("{}: the same names, so the units of some entries differ", bundle.layout_hash));
+    throw ConfigError(path, "layout_hash", hash,
+                      fmt::format("{}: names agree, so units of some entries differ", bundle.layout_hash));
   }
   constexpr double kRounding = 1e-9;  // relative; of a number that was written as decimal text
   if (bundle.policy_dt &&

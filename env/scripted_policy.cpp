@@ -25,7 +25,7 @@ ScriptedEntry read_constant(const PolicyInterface& interface, const std::string&
   const double constant = value.number();
   const std::size_t index = find_entry(interface.action, name, value);
   if (std::abs(constant) > 1) value.fail("-1 to 1", fmt::format("{:g}", constant));
-  return {.action = index, .constant = constant};
+  return {.action = index, .constant = constant, .gain = 0, .observation = 0};
 }
 
 const ParameterRow& find_adapted(const PolicyInterface& interface, const std::string& name,

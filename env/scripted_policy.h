@@ -11,14 +11,11 @@ namespace crossgait {
 
 class YamlValue;
 
-/// One entry of an action over one step of the timetable.
+/// One entry of an action during one step of the timetable: constant + gain * observation.
 struct ScriptedEntry {
-  std::size_t action;  ///< index in the action
-  /// Constant part of the entry; where `gain` is not zero, the observation that makes the entry
-  /// `constant + gain * value`.
-  double constant = 0;
-  double gain = 0;
-  std::size_t observation = 0;
+  std::size_t action = 0;  ///< index in the action
+  double constant = 0, gain = 0;
+  std::size_t observation = 0;  ///< index in the observation, which is not looked at while `gain` is zero
 };
 
 /// Holds from `first_act` until the next step takes over; entries of the action that are not named are zero.

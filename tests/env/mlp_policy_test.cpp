@@ -167,7 +167,7 @@ TEST_F(MlpPolicyTest, SaysWhatDiffersInAnotherLayout) {
   const std::string message = error_for(other);
   EXPECT_EQ(message, "layout_hash: expected " + layout_hash(other.observation, other.action) + ", found " +
                          layout_hash(small_interface().observation, small_interface().action) +
-                         ": the same names, so the units of some entries differ");
+                         ": names agree, so units of some entries differ");
   other = small_interface();
   other.policy_dt = 0.02;
   EXPECT_EQ(error_for(other),
@@ -275,7 +275,9 @@ TEST_F(MlpPolicyTest, GoldenActionsBeyondTheLimitsCountAsAtThem) {
 
 TEST_F(MlpPolicyTest, RefusesToWriteANetworkThatDoesNotFit) {
   const auto error_of = [&](const MlpNetwork& network) {
-    return std::string(config_error([&] { write_policy_bundle("p", network, tiny_interface()); }).what());
+    const std::string file = path("p");
+    const ConfigError error = config_error([&] { write_policy_bundle(file, network, tiny_interface()); });
+    return std::string(error.what()).substr(file.size() - 1);
   };
   EXPECT_EQ(error_of({}), "p: layers: expected at least one, found none");
   MlpNetwork network = tiny_network();
@@ -287,6 +289,17 @@ TEST_F(MlpPolicyTest, RefusesToWriteANetworkThatDoesNotFit) {
   network = tiny_network();
   network.observation_mean = Eigen::Vector2d(0, 0);
   EXPECT_EQ(error_of(network), "p: size of observation_std: expected 2, found 0");
+  network.observation_std = Eigen::Vector2d(1, 0);
+  EXPECT_EQ(error_of(network),
+            "p: observation_std and observation_clip: expected positive numbers, found others");
+  network.observation_std = Eigen::Vector2d(1, 1);
+  network.observation_clip = std::nan("");
+  EXPECT_EQ(error_of(network),
+            "p: observation_std and observation_clip: expected positive numbers, found others");
+  network = tiny_network();
+  network.layers[0].weight(1, 1) = 1e39;  // no float
+  EXPECT_EQ(error_of(network), "p: weights, biases and means: expected finite numbers, found others");
+  EXPECT_FALSE(std::filesystem::exists(path("p")));
 }
 
 TEST_F(MlpPolicyTest, DamagedFilesAreRefusedOrDoTheSame) {
