@@ -1,28 +1,57 @@
 // crossgait bench: speed and accuracy of the engines on the same motions.
+#include <stdexcept>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "crossgait/apps/bench_figures.h"
 #include "crossgait/apps/command.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/bench/bench.h"
+#include "crossgait/bench/regression.h"
+#include "crossgait/physics/error.h"
 
 namespace crossgait::apps {
 namespace {
 
+using nlohmann::ordered_json;
+
 struct Options {
   bench::BenchOptions bench;
+  std::string from, figures, compare;
+  double worse_than = 1.25;
   JsonOption json;
 };
 
-void run(const Options& options) {
+ordered_json measure(const Options& options) {
   bench::BenchOptions bench = options.bench;
   if (bench.backends.empty()) bench.backends = available_backends();
-  nlohmann::ordered_json result;
-  {
-    ProgressLine progress("measuring");
-    result = bench::run_bench(bench, [&](double share) { progress.update(share); });
+  ProgressLine progress("measuring");
+  return bench::run_bench(bench, [&](double share) { progress.update(share); });
+}
+
+void run(const Options& options) {
+  // Looked at before minutes of measuring.
+  ordered_json stored;
+  bench::check_worse_than(options.worse_than);
+  if (!options.compare.empty()) stored = bench::read_bench(options.compare);
+  ordered_json result = options.from.empty() ? measure(options) : bench::read_bench(options.from);
+
+  std::string text = bench::describe_bench(result);
+  std::size_t worse = 0;
+  if (!options.compare.empty()) {
+    const bench::Regression regression = bench::compare_results(stored, result, options.worse_than);
+    text += bench::describe(regression);
+    result["comparison"] = bench::to_json(regression);
+    worse = regression.worse.size();
   }
-  options.json.emit(bench::describe_bench(result), result);
+  if (!options.figures.empty()) {
+    for (const std::string& file : draw_bench_figures(result, options.figures)) text += file + "\n";
+  }
+  options.json.emit(text, result);
+  if (worse > 0) {
+    throw std::runtime_error(fmt::format("{} figures are worse than in {}", worse, options.compare));
+  }
 }
 
 }  // namespace
@@ -30,12 +59,45 @@ void run(const Options& options) {
 void add_bench_command(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("bench", "Speed and accuracy of the engines on the same motions");
+  command->footer(
+      "\n  speed     time of a physics step in five scenes, of the walk around it, and on several threads\n"
+      "  accuracy  error of the trot against the same engine at a step of 1/16 ms, and what it costs\n"
+      "  analytic  free fall, pendulum, tumbling and friction against closed forms\n"
+      "  feet      creep, penetration, touch-down and slip of feet\n"
+      "\nExamples:\n"
+      "  crossgait bench --quick\n"
+      "  crossgait bench --only speed --backend mujoco,bullet --json speed.json\n"
+      "  crossgait bench --json result.json --figures figures --compare "
+      "benchmarks/results/epyc-2-cores.json\n"
+      "  crossgait bench --from result.json --figures figures");
   auto options = std::make_shared<Options>();
-  command->add_flag("--quick", options->bench.quick, "Fewer repetitions: under a minute");
-  command->add_option("--only", options->bench.sections, "speed, accuracy, analytic or feet; may be repeated")
-      ->delimiter(',');
-  command->add_option("--backend", options->bench.backends, "Engines; all that are built in by default")
-      ->delimiter(',');
+  CLI::Option* quick =
+      command->add_flag("--quick", options->bench.quick, "Fewer repetitions: under a minute");
+  CLI::Option* only =
+      command
+          ->add_option("--only", options->bench.sections,
+                       "Measure only this: speed, accuracy, analytic or feet; may be repeated")
+          ->delimiter(',');
+  CLI::Option* backend =
+      command
+          ->add_option("--backend", options->bench.backends,
+                       "Engines, comma-separated or repeated; all that are built in by default. Times are "
+                       "compared to the first one's")
+          ->delimiter(',');
+  command->add_option("--from", options->from, "Measure nothing: take the result that --json wrote")
+      ->type_name("FILE")
+      ->excludes(quick)
+      ->excludes(only)
+      ->excludes(backend);
+  command->add_option("--figures", options->figures, "Draw speed.svg, accuracy.svg, analytic.svg, feet.svg")
+      ->type_name("FOLDER");
+  command
+      ->add_option("--compare", options->compare,
+                   "Compare with a stored result: times as ratios to the first engine, errors as they are; "
+                   "exit code 1 if a figure got worse")
+      ->type_name("FILE");
+  command->add_option("--worse-than", options->worse_than, "Factor beyond which a figure counts as worse")
+      ->capture_default_str();
   options->json.add_to(*command);
   command->callback([options] { run(*options); });
 }

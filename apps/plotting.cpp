@@ -73,6 +73,21 @@ Range contents(const Panel& panel, std::size_t axis) {
   return range;
 }
 
+std::string style_of(const Series& series) {
+  switch (series.style) {
+    case Series::Style::kLine:
+      return fmt::format("lines linewidth {:g}", series.width);
+    case Series::Style::kDashed:
+      return fmt::format("lines linewidth {:g} dashtype (6,4)", 0.75 * series.width);
+    case Series::Style::kLinePoints:
+      return fmt::format("linespoints linewidth {:g} pointtype 7 pointsize {:g}", series.width,
+                         0.2 + 0.2 * series.width);
+    case Series::Style::kPoints:
+      break;
+  }
+  return "points pointtype 7 pointsize .45";
+}
+
 /// The curves of one panel: data blocks, and a plot command that refers to them.
 class PlotCommand {
  public:
@@ -109,12 +124,8 @@ class PlotCommand {
     for (const auto& [x, y] : series.points) {
       fmt::format_to(std::back_inserter(data_), "{:.9g} {:.9g}\n", x, y);
     }
-    const char* style = series.style == Series::Style::kLine     ? "lines linewidth 1.6"
-                        : series.style == Series::Style::kDashed ? "lines linewidth 1.2 dashtype (6,4)"
-                        : series.style == Series::Style::kLinePoints
-                            ? "linespoints linewidth 1.6 pointtype 7 pointsize .5"
-                            : "points pointtype 7 pointsize .45";
-    end_block(fmt::format("with {} linecolor rgb '{}'", style, colour_code(series.colour)), series.label);
+    end_block(fmt::format("with {} linecolor rgb '{}'", style_of(series), colour_code(series.colour)),
+              series.label);
   }
 
   std::string str() const {
@@ -161,6 +172,24 @@ std::pair<Range, Range> ranges(const Panel& panel) {
   return {x, y};
 }
 
+/// Tick marks of a logarithmic axis: decades, every few of them on a long axis, with steps between on a short
+/// one.
+std::string log_tics(const Range& range) {
+  const double decades = std::log10(range.high / range.low);
+  const int every = std::max(1, static_cast<int>(std::ceil(decades / 8)));
+  std::vector<double> steps{1};
+  if (decades < 3) steps = {1, 2, 5};
+  std::string tics;
+  for (int d = static_cast<int>(std::floor(std::log10(range.low))); d <= std::log10(range.high); d += every) {
+    for (const double step : steps) {
+      const double at = step * std::pow(10, d);
+      if (at < range.low * (1 - 1e-9) || at > range.high * (1 + 1e-9)) continue;
+      tics += fmt::format("{}'{:g}' {:.9g}", tics.empty() ? "" : ", ", at, at);
+    }
+  }
+  return "(" + tics + ")";
+}
+
 void append_panel(std::string& script, const Panel& panel, const Place& space, int width, int height) {
   const auto out = std::back_inserter(script);
   const auto [sound_x, y] = ranges(panel);
@@ -174,11 +203,11 @@ void append_panel(std::string& script, const Panel& panel, const Place& space, i
   fmt::format_to(out, "set xrange [{:.9g}:{:.9g}]\n", sound_x.low, sound_x.high);
   fmt::format_to(out, "set yrange [{:.9g}:{:.9g}]\n", panel.y_down ? y.high : y.low,
                  panel.y_down ? y.low : y.high);
-  script += "unset ytics\nunset logscale\n";
-  if (panel.x_log) script += "set logscale x\n";
+  script += "unset logscale\nset xtics autofreq\nunset ytics\n";
+  if (panel.x_log) fmt::format_to(out, "set logscale x\nset xtics {}\n", log_tics(sound_x));
   if (panel.y_log) script += "set logscale y\n";
   if (panel.y_names.empty()) {
-    script += "set ytics nomirror out scale .5\n";
+    fmt::format_to(out, "set ytics nomirror out scale .5 {}\n", panel.y_log ? log_tics(y) : "autofreq");
   } else {
     std::string names;
     for (const auto& [at, label] : panel.y_names) {

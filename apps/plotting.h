@@ -19,6 +19,7 @@ struct Series {
   std::vector<PlotPoint> points;
   int colour = 0;  ///< of a palette that people with any colour vision tell apart; repeats after kColours
   Style style = Style::kLine;
+  double width = 1.6;  ///< of the line, px; points grow with it
 };
 inline constexpr int kColours = 7;
 

@@ -15,6 +15,7 @@
 #include "crossgait/bench/feet.h"
 #include "crossgait/bench/incline.h"
 #include "crossgait/bench/machine.h"
+#include "crossgait/bench/regression.h"
 #include "crossgait/bench/scaling.h"
 #include "crossgait/bench/speed.h"
 #include "crossgait/physics/error.h"
@@ -226,6 +227,13 @@ ordered_json read_bench(const std::string& path) {
   if (result.value("version", ordered_json()) != kVersion) {
     throw ConfigError(path, "version", fmt::format("{}", kVersion),
                       result.value("version", ordered_json()).dump());
+  }
+  try {  // whatever is made of a result later reads these keys
+    if (result.at("backends").empty()) throw ConfigError(path, "backends", "at least one", "none");
+    describe_bench(result);
+    comparable_figures(result);
+  } catch (const ordered_json::exception& error) {
+    throw ConfigError(path, "contents", "the keys of a result of `crossgait bench`", error.what());
   }
   return result;
 }
