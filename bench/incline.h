@@ -41,6 +41,7 @@ struct FrictionCone {
   double spread = 0;          ///< of the distance over the headings, relative
   double off_line = 0;        ///< off the line of fall, share of the distance
 };
+inline constexpr double kInclineSeconds = 0.3;                  ///< that it is watched
 inline constexpr double kJustInside = 1.1, kJustOutside = 0.9;  ///< friction over tan(angle)
 
 /// @throws std::runtime_error if the engine diverges

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <functional>
 
+#include "crossgait/bench/analytic.h"
 #include "crossgait/physics/multibody.h"
 #include "crossgait/tests/support/backend_test.h"
 
@@ -19,18 +20,8 @@ void run(
   }
 }
 
-Vector3 centre_of_mass(const SpatialInertia& inertia, const RobotState& s) { return s.X_WB() * inertia.p_BC; }
-
 Vector3 velocity_of_mass(const SpatialInertia& inertia, const RobotState& s) {
   return s.v_WB + s.w_WB.cross(s.q_WB * inertia.p_BC);
-}
-
-Vector3 angular_momentum(const SpatialInertia& inertia, const RobotState& s) {
-  return s.q_WB * (inertia.I_C * (s.q_WB.conjugate() * s.w_WB));
-}
-
-double spin_energy(const SpatialInertia& inertia, const RobotState& s) {
-  return 0.5 * s.w_WB.dot(angular_momentum(inertia, s));
 }
 
 class FreeFall : public BackendTest {};
@@ -82,46 +73,12 @@ TEST_P(FreeFall, AWholeRobotHoldingItsPoseFallsAsOne) {
 
 class Tumbling : public BackendTest {
  protected:
-  struct Drift {
-    double momentum = 0, energy = 0, predicted_energy = 0, velocity = 0, position = 0;
-  };
-
-  /// One second of free rotation; drifts relative to the start, position and velocity of the centre of mass
-  /// in m, m/s.
-  Drift drift(double h) {
-    WorldSpec spec = scenes::world_of(scenes::tumbling_body());
-    spec.physics_dt = h;
-    spec.gravity.setZero();
-    const auto backend = make(spec);
-    const SpatialInertia& inertia = backend->robot().bodies[0].inertia;
-    RobotState start = backend->home_state();
-    start.p_WB.z() = 2;
-    start.v_WB = {0.4, -0.3, 0.2};
-    start.w_WB = {3, 6, 9};
-    backend->reset(start);
-    const Vector3 L0 = angular_momentum(inertia, start), c0 = centre_of_mass(inertia, start),
-                  v0 = velocity_of_mass(inertia, start);
-    const double E0 = spin_energy(inertia, start);
-    Drift result;
-    run(*backend, 1, [&] {
-      const RobotState& s = backend->state();
-      result.momentum = std::max(result.momentum, (angular_momentum(inertia, s) - L0).norm() / L0.norm());
-      result.velocity = std::max(result.velocity, (velocity_of_mass(inertia, s) - v0).norm());
-      result.position = std::max(result.position, (centre_of_mass(inertia, s) - c0 - v0 * s.time).norm());
-      // An explicit Euler step of w' = I^-1 (-w x I w) adds (h^2 / 2) tau . I^-1 tau to the energy, tau = w x
-      // I w.
-      const Vector3 w_B = s.q_WB.conjugate() * s.w_WB;
-      const Vector3 tau = w_B.cross(inertia.I_C * w_B);
-      result.predicted_energy += h * h / 2 * tau.dot(inertia.I_C.inverse() * tau) / E0;
-    });
-    result.energy = (spin_energy(inertia, backend->state()) - E0) / E0;
-    return result;
-  }
+  static bench::TumblingDrift drift(double h) { return bench::measure_tumbling(GetParam(), h); }
 };
 CROSSGAIT_FOR_EVERY_BACKEND(Tumbling);
 
 TEST_P(Tumbling, AngularMomentumAndEnergyDriftAtFirstOrderOnly) {
-  const Drift coarse = drift(1e-3), fine = drift(5e-4), finest = drift(2.5e-4);
+  const bench::TumblingDrift coarse = drift(1e-3), fine = drift(5e-4), finest = drift(2.5e-4);
   measured("relative drift of angular momentum, h = 1e-3", coarse.momentum);
   measured("relative drift of energy, h = 1e-3", coarse.energy);
   measured("predicted drift of energy, h = 1e-3", coarse.predicted_energy);
@@ -136,7 +93,7 @@ TEST_P(Tumbling, AngularMomentumAndEnergyDriftAtFirstOrderOnly) {
 }
 
 TEST_P(Tumbling, TheCentreOfMassMovesInAStraightLine) {
-  const Drift d = drift(1e-3);
+  const bench::TumblingDrift d = drift(1e-3);
   measured("velocity of the centre of mass, m/s", d.velocity);
   measured("position of the centre of mass, m", d.position);
   EXPECT_LT(d.velocity, 1e-12);  // rounding of a thousand steps

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "crossgait/bench/analytic.h"
 #include "crossgait/tests/support/backend_test.h"
 
 namespace crossgait {
@@ -15,31 +16,8 @@ double frequency_of(const scenes::ArmLink& link) {
 
 class Pendulum : public BackendTest {
  protected:
-  /// Mean period over `swings` full swings from rest at `amplitude`, s, timed by zero crossings.
   static double period(const scenes::ArmLink& link, double amplitude, double h, int swings) {
-    WorldSpec spec = scenes::world_of(scenes::arm({link}));
-    spec.fixed_base = true;
-    spec.physics_dt = h;
-    const auto backend = make(spec);
-    RobotState start = backend->home_state();
-    start.q[0] = amplitude;
-    backend->reset(start);
-    double first = 0, last = 0;
-    int crossings = 0;
-    for (int i = 0; crossings <= swings; ++i) {
-      const double before = backend->state().q[0];
-      EXPECT_EQ(backend->step({}), StepStatus::kOk);
-      const double after = backend->state().q[0];
-      if (before > 0 && after <= 0) {
-        // The angle is almost straight at the bottom (no acceleration there): linear interpolation is third
-        // order.
-        last = h * (i + before / (before - after));
-        if (crossings++ == 0) first = last;
-      }
-      if (i * h > 60) ADD_FAILURE() << "it does not swing";
-      if (HasFailure()) return 0;
-    }
-    return (last - first) / swings;
+    return bench::pendulum_period(GetParam(), link, amplitude, h, swings);
   }
 };
 CROSSGAIT_FOR_EVERY_BACKEND(Pendulum);
@@ -59,12 +37,9 @@ TEST_P(Pendulum, SmallSwingsTakeThePeriodOfTheHarmonicOscillator) {
 }
 
 TEST_P(Pendulum, LargeSwingsTakeThePeriodOfTheEllipticIntegral) {
-  const scenes::ArmLink link{};
-  const double amplitude = 2.5;  // rad: 143 degrees, twice the small period
-  const double exact = 4 / frequency_of(link) * std::comp_ellint_1(std::sin(amplitude / 2));
-  const double coarse = period(link, amplitude, 4e-3, 3) / exact - 1;
-  const double middle = period(link, amplitude, 2e-3, 3) / exact - 1;
-  const double fine = period(link, amplitude, 1e-3, 3) / exact - 1;
+  const double coarse = bench::pendulum_error(GetParam(), 4e-3);
+  const double middle = bench::pendulum_error(GetParam(), 2e-3);
+  const double fine = bench::pendulum_error(GetParam(), 1e-3);
   measured("relative error of the period, h = 4e-3", coarse);
   measured("relative error of the period, h = 1e-3", fine);
   // For one joint the integrator is symplectic and of second order in its period.
