@@ -107,7 +107,7 @@ constexpr std::array kBlocks{
                      [](const Source& s, double*& out) {
                        for (const Vector3& v : s.feet.v_WF) put(out, v);
                      }},
-    ObservationBlock{"foot_contacts", "1 for a foot that carries load, else 0", true,
+    ObservationBlock{"foot_contacts", "one for a foot that carries load, else zero", true,
                      [](const Context&, Layout& l) {
                        for (const Leg leg : kLegs)
                          l.entries.push_back({fmt::format("contact.{}", name(leg)), "-", 0, 1});

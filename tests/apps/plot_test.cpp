@@ -26,21 +26,6 @@ void write_file(const std::string& name, const std::string& text) {
   std::ofstream(name, std::ios::binary) << text;
 }
 
-json run_json(const std::string& arguments) {
-  const ProgramResult result = run_program(arguments + " --json -");
-  EXPECT_EQ(result.exit_code, 0) << arguments << "\n" << result.err;
-  return json::parse(result.out, nullptr, false);
-}
-
-void expect_bad_input(const std::string& arguments, const std::vector<std::string>& words) {
-  const ProgramResult result = run_program(arguments);
-  EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.out << result.err;
-  for (const std::string& word : words) {
-    EXPECT_NE(result.err.find(word), std::string::npos)
-        << arguments << ": \"" << word << "\" not in: " << result.err;
-  }
-}
-
 bool can_draw() {
   return std::system("gnuplot --version >/dev/null 2>&1") == 0;
 }  // NOLINT(concurrency-mt-unsafe)

@@ -17,22 +17,6 @@ namespace {
 
 using nlohmann::json;
 
-json run_json(const std::string& arguments) {
-  const ProgramResult result = run_program(arguments + " --json -");
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  return json::parse(result.out, nullptr, false);
-}
-
-void expect_bad_input(const std::string& arguments, const std::vector<std::string>& words) {
-  const ProgramResult result = run_program(arguments);
-  EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.out << result.err;
-  EXPECT_EQ(result.out, "") << arguments;
-  for (const std::string& word : words) {
-    EXPECT_NE(result.err.find(word), std::string::npos)
-        << arguments << ": \"" << word << "\" not in: " << result.err;
-  }
-}
-
 std::string write_file(const std::string& name, const std::string& text) {
   std::ofstream(name, std::ios::binary) << text;
   return name;

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 
+#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -25,6 +26,22 @@ ProgramResult run_program(const std::string& arguments) {
   result.err.assign(std::istreambuf_iterator<char>(file), {});
   std::remove(errors.c_str());
   return result;
+}
+
+nlohmann::json run_json(const std::string& arguments) {
+  const ProgramResult result = run_program(arguments + " --json -");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return nlohmann::json::parse(result.out, nullptr, false);
+}
+
+void expect_bad_input(const std::string& arguments, const std::vector<std::string>& words) {
+  const ProgramResult result = run_program(arguments);
+  EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.out << result.err;
+  EXPECT_EQ(result.out, "") << arguments;
+  for (const std::string& word : words) {
+    EXPECT_NE(result.err.find(word), std::string::npos)
+        << arguments << ": \"" << word << "\" not in: " << result.err;
+  }
 }
 
 }  // namespace crossgait

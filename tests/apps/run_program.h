@@ -2,6 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
 
 namespace crossgait {
 
@@ -12,5 +15,11 @@ struct ProgramResult {
 
 /// @param arguments as typed behind `crossgait`, through the shell
 ProgramResult run_program(const std::string& arguments);
+
+/// The object that the program prints with `--json -`; expects exit code 0.
+nlohmann::json run_json(const std::string& arguments);
+
+/// Expects exit code 2, nothing on standard output, and an error that contains all of `words`.
+void expect_bad_input(const std::string& arguments, const std::vector<std::string>& words);
 
 }  // namespace crossgait

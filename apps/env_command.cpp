@@ -1,0 +1,123 @@
+// crossgait env: what an environment's numbers mean.
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/apps/env_options.h"
+#include "crossgait/parity/table.h"
+
+namespace crossgait::apps {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Options {
+  EnvOptions env;
+  bool list = false, yaml = false, describe = false;
+  JsonOption json;
+};
+
+std::string range(const LayoutEntry& entry) {
+  return std::isfinite(entry.min) ? fmt::format("{:g} to {:g}", entry.min, entry.max) : "any";
+}
+
+std::string layout_table(const std::string& title, const Layout& layout) {
+  Table table({"#", title, "unit", "range"});
+  for (std::size_t i = 0; i < layout.size(); ++i) {
+    const LayoutEntry& entry = layout.entries[i];
+    table.add_row({fmt::format("{}", i), entry.name, entry.unit, range(entry)});
+  }
+  return table.str();
+}
+
+ordered_json layout_json(const Layout& layout) {
+  ordered_json list = ordered_json::array();
+  for (const LayoutEntry& entry : layout.entries) {
+    ordered_json row{{"name", entry.name}, {"unit", entry.unit}, {"min", nullptr}, {"max", nullptr}};
+    if (std::isfinite(entry.min)) row["min"] = entry.min;
+    if (std::isfinite(entry.max)) row["max"] = entry.max;
+    list.push_back(row);
+  }
+  return list;
+}
+
+void list_tables(const Options& options) {
+  Table blocks({"observation block", "standard", "what"}),
+      terms({"reward term", "unit", "guide's weight", "what"}),
+      ranges({"randomisation", "unit", "neutral", "what"});
+  ordered_json json{{"observation_blocks", ordered_json::array()},
+                    {"reward_terms", ordered_json::array()},
+                    {"randomisation", ordered_json::array()}};
+  for (const ObservationBlock& block : observation_blocks()) {
+    blocks.add_row({std::string(block.name), block.standard ? "yes" : "no", std::string(block.help)});
+    json["observation_blocks"].push_back(
+        {{"name", block.name}, {"standard", block.standard}, {"help", block.help}});
+  }
+  for (const RewardTerm& term : reward_terms()) {
+    terms.add_row({std::string(term.name), std::string(term.unit), fmt::format("{:g}", term.guide_weight),
+                   std::string(term.help)});
+    json["reward_terms"].push_back(
+        {{"name", term.name}, {"unit", term.unit}, {"guide_weight", term.guide_weight}, {"help", term.help}});
+  }
+  for (const RandomisationRow& row : randomisation_rows()) {
+    const bool off = row.neutral < row.min;
+    ranges.add_row({std::string(row.name), std::string(row.unit),
+                    off ? "off" : fmt::format("{:g}", row.neutral), std::string(row.help)});
+    json["randomisation"].push_back(
+        {{"name", row.name}, {"unit", row.unit}, {"min", row.min}, {"max", row.max}, {"help", row.help}});
+  }
+  options.json.emit(blocks.str() + "\n" + terms.str() + "\n" + ranges.str(), json);
+}
+
+void describe(const Options& options, const EnvConfig& config) {
+  const auto env = env_factory(config)();
+  const Layout &action = env->action_layout(), &observation = env->observation_layout();
+  const std::string hash = layout_hash(observation, action);
+  const ordered_json json{{"layout_hash", hash},           {"policy_dt", config.policy_dt},
+                          {"action_size", action.size()},  {"observation_size", observation.size()},
+                          {"action", layout_json(action)}, {"observation", layout_json(observation)}};
+  options.json.emit(fmt::format("{} actions and {} observations every {:g} ms, layout {}\n\n{}\n{}",
+                                action.size(), observation.size(), 1e3 * config.policy_dt, hash,
+                                layout_table("action", action), layout_table("observation", observation)),
+                    json);
+}
+
+void run(const Options& options) {
+  if (options.list) return list_tables(options);
+  const EnvConfig config = options.env.make();
+  if (options.yaml) {
+    const std::string text = to_yaml(config);
+    return options.json.emit(text, ordered_json{{"yaml", text}});
+  }
+  describe(options, config);
+}
+
+}  // namespace
+
+void add_env_command(CLI::App& program) {
+  CLI::App* command = program.add_subcommand(
+      "env", "The reinforcement-learning environment: every action and observation by name");
+  command->footer(
+      "\nExamples:\n"
+      "  crossgait env --describe\n"
+      "  crossgait env --describe --adapt step_height,step_length --observe terrain,command --json -\n"
+      "  crossgait env --list\n"
+      "  crossgait env --yaml --terrain rough --gait walk > env.yaml");
+  auto options = std::make_shared<Options>();
+  auto* describe_flag =
+      command->add_flag("--describe", options->describe, "Print action and observation layout (the default)");
+  auto* list_flag =
+      command
+          ->add_flag("--list", options->list,
+                     "List the tables: observation blocks, reward terms, what can be randomised")
+          ->excludes(describe_flag);
+  command->add_flag("--yaml", options->yaml, "Print the configuration as YAML, every default included")
+      ->excludes(describe_flag)
+      ->excludes(list_flag);
+  options->env.add_to(*command);
+  options->json.add_to(*command);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace crossgait::apps

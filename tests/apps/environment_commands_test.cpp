@@ -1,0 +1,132 @@
+// env, rollout, transfer and tune from the command line.
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/env/env_config.h"
+#include "crossgait/tests/apps/run_program.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::json;
+
+std::string backend() { return available_backends().front(); }
+
+TEST(EnvCommand, DescribesEveryNumberByName) {
+  const json result = run_json(
+      "env --describe --adapt step_height,step_length,cycle_time,body_height,stance_width "
+      "--observe terrain --backend " +
+      backend());
+  EXPECT_EQ(result["action_size"], 17);
+  EXPECT_EQ(result["observation_size"], 78);
+  EXPECT_EQ(result["action"].size(), 17U);
+  EXPECT_EQ(result["observation"].size(), 78U);
+  EXPECT_EQ(result["action"][4]["name"], "delta.stance_width");
+  EXPECT_EQ(result["action"][4]["max"], 1);
+  EXPECT_EQ(result["observation"][0]["name"], "p_WB.x");
+  EXPECT_EQ(result["observation"][0]["unit"], "m");
+  EXPECT_TRUE(result["observation"][0]["min"].is_null());
+  EXPECT_EQ(result["observation"][77]["name"], "terrain.front_left");
+  EXPECT_EQ(result["layout_hash"].get<std::string>().size(), 16U);
+}
+
+TEST(EnvCommand, ListsItsTables) {
+  const json result = run_json("env --list");
+  EXPECT_EQ(result["observation_blocks"].size(), observation_blocks().size());
+  EXPECT_EQ(result["reward_terms"].size(), reward_terms().size());
+  EXPECT_EQ(result["randomisation"].size(), randomisation_rows().size());
+}
+
+TEST(EnvCommand, WritesAConfigurationThatRolloutReads) {
+  const ProgramResult yaml =
+      run_program("env --yaml --gait walk --terrain rough --episode-seconds 1 --backend " + backend());
+  ASSERT_EQ(yaml.exit_code, 0) << yaml.err;
+  std::ofstream("commands_env.yaml") << yaml.out;
+  const json result = run_json("rollout --config commands_env.yaml --episodes 2");
+  EXPECT_EQ(result["gait"], "walk");
+  EXPECT_EQ(result["terrain"], "rough");
+  EXPECT_NEAR(result["policies"][0]["all"]["simulated_seconds"], 2.0, 1e-9);
+  std::filesystem::remove("commands_env.yaml");
+}
+
+TEST(RolloutCommand, ShowsPoliciesAndTheBaselineInEveryEngine) {
+  for (const std::string& engine : available_backends()) {
+    const std::string arguments =
+        "rollout --policy random --baseline --episodes 2 --episode-seconds 1 --terrain rough --backend " +
+        engine;
+    const json result = run_json(arguments + " --workers 2");
+    ASSERT_EQ(result["policies"].size(), 2U);
+    EXPECT_EQ(result["policies"][1]["policy"], "zero");
+    for (const json& policy : result["policies"]) {
+      EXPECT_EQ(policy["episodes"].size(), 2U);
+      EXPECT_EQ(policy["all"]["steps"], 1000);
+      EXPECT_TRUE(policy["all"]["reward_terms"].contains("forward_velocity"));
+    }
+    EXPECT_EQ(run_json(arguments + " --workers 1"), result);  // whatever the number of threads
+  }
+}
+
+TEST(RolloutCommand, TracesAnEpisode) {
+  const ProgramResult result = run_program(
+      "rollout --episode-seconds .5 --episodes 1 --trace commands_trace.csv --backend " + backend());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::ifstream file("commands_trace.csv");
+  std::string line;
+  int rows = -1;
+  while (std::getline(file, line)) ++rows;
+  EXPECT_EQ(rows, 250);
+  std::filesystem::remove("commands_trace.csv");
+}
+
+TEST(TransferCommand, FillsTheMatrix) {
+  const json result =
+      run_json("transfer --policy random --terrains \"flat;rough\" --episodes 1 --episode-seconds .5");
+  EXPECT_EQ(result["cells"].size(), 2 * available_backends().size());
+  for (const json& cell : result["cells"]) {
+    EXPECT_EQ(cell["policy"]["episodes"], 1);
+    EXPECT_NE(cell["policy"]["total_reward"]["mean"], cell["baseline"]["total_reward"]["mean"]);
+  }
+}
+
+TEST(TuneCommand, FindsFasterParametersAndWritesThem) {
+  const std::string arguments =
+      "tune --adapt step_length --iterations 2 --population 6 --terrains 1 --unseen 1 --episode-seconds 2 "
+      "--engines " +
+      backend() + " --backend " + backend();
+  const json result = run_json(arguments + " --workers 2 --out commands_tuned.yaml");
+  const EnvConfig tuned = load_env_config("commands_tuned.yaml");
+  EXPECT_GT(tuned.parameters.step_length, EnvConfig{}.parameters.step_length);
+  EXPECT_EQ(tuned.parameters.step_length, result["parameters"]["step_length"]);
+  EXPECT_GT(result["history"].back(), result["history"].front().get<double>() - 1e-12);
+  ASSERT_EQ(result["checks"].size(), 4U);  // default and tuned, on the seed tuned on and on another
+  const auto speed = [&](std::size_t i) {
+    return result["checks"][i]["all"]["mean_speed_mps"]["mean"].get<double>();
+  };
+  EXPECT_GT(speed(1), speed(0));
+  EXPECT_GT(speed(3), speed(2));
+  EXPECT_EQ(run_json(arguments + " --workers 1"), result);
+  std::filesystem::remove("commands_tuned.yaml");
+}
+
+TEST(EnvironmentCommandsBadInput, NamesWhatWasWrong) {
+  expect_bad_input("rollout --policy dance", {"dance", "zero, random"});
+  expect_bad_input("rollout --config none.yaml", {"none.yaml"});
+  expect_bad_input("rollout --policy none.safetensors", {"none.safetensors"});
+  expect_bad_input("rollout --adapt girth", {"girth", "step_height"});
+  expect_bad_input("rollout --observe smell", {"smell", "terrain"});
+  expect_bad_input("rollout --policy-dt .003", {"policy_dt", "0.003"});
+  expect_bad_input("rollout --episodes 0", {"--episodes"});
+  expect_bad_input("rollout --backend none", {"none", backend()});
+  expect_bad_input("transfer --terrains moon", {"moon"});
+  expect_bad_input("tune --population 1", {"--population"});
+  expect_bad_input("env --gait pace --adapt cycle_time", {"cycle_time", "0.8"});
+  std::ofstream("commands_bad.yaml") << "gait: trot\nreward: {fun: 1}\n";
+  expect_bad_input("rollout --config commands_bad.yaml", {"commands_bad.yaml", "line 2", "fun"});
+  std::filesystem::remove("commands_bad.yaml");
+}
+
+}  // namespace
+}  // namespace crossgait
