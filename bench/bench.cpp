@@ -220,7 +220,7 @@ ordered_json read_bench(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw ConfigError(path, "file", "a result of `crossgait bench --json`", "no file to read");
   ordered_json result = ordered_json::parse(file, nullptr, false);
-  if (!result.is_object() || result.value("schema", "") != kSchema) {
+  if (!result.is_object() || result.value("schema", ordered_json()) != kSchema) {
     throw ConfigError(path, "schema", fmt::format("\"{}\"", kSchema),
                       result.is_discarded() ? "no JSON" : "something else");
   }
