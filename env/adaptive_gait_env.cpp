@@ -277,7 +277,8 @@ double AdaptiveGaitEnv::evaluate(const RobotState& before) noexcept {
 
 void AdaptiveGaitEnv::observe(std::span<double> observation) const noexcept {
   const Episode& e = episode_;
-  const ObservationSource source{*backend_, feet_, e.info.contacts, e.controller, e.command, e.action};
+  const ObservationSource source{*backend_, feet_,   e.info.contacts, e.controller,
+                                 e.command, servos_, e.action};
   double* out = observation.data();
   for (const ObservationBlock* block : blocks_) block->write(source, out);
 }

@@ -38,11 +38,8 @@ void put(double*& out, double value) { *out++ = value; }
 void put(double*& out, const Vector3& v) {
   for (int i = 0; i < 3; ++i) *out++ = v[i];
 }
-// The actuated joints are what servo targets are made of, in the same order.
-void put_actuated(double*& out, const RobotDescription& robot, const JointVector& values) {
-  for (int i = 0; i < robot.joint_count(); ++i) {
-    if (robot.joint(i).actuated) *out++ = values[i];
-  }
+void put(double*& out, const JointVector& values, std::span<const int> joints) {
+  for (const int i : joints) *out++ = values[i];
 }
 
 const RobotState& state(const Source& s) { return s.backend.state(); }
@@ -92,11 +89,10 @@ constexpr std::array kBlocks{
                      [](const Source& s, double*& out) { put(out, state(s).w_WB); }},
     ObservationBlock{"joint_positions", "of the servos", true,
                      [](const Context& c, Layout& l) { add_joints(c, l, "q", "rad"); },
-                     [](const Source& s, double*& out) { put_actuated(out, s.backend.robot(), state(s).q); }},
-    ObservationBlock{
-        "joint_velocities", "of the servos", true,
-        [](const Context& c, Layout& l) { add_joints(c, l, "qd", "rad/s"); },
-        [](const Source& s, double*& out) { put_actuated(out, s.backend.robot(), state(s).qd); }},
+                     [](const Source& s, double*& out) { put(out, state(s).q, s.servos); }},
+    ObservationBlock{"joint_velocities", "of the servos", true,
+                     [](const Context& c, Layout& l) { add_joints(c, l, "qd", "rad/s"); },
+                     [](const Source& s, double*& out) { put(out, state(s).qd, s.servos); }},
     ObservationBlock{"foot_positions", "of the feet's centres in W", true,
                      [](const Context&, Layout& l) { add_feet(l, "p_WF", "m"); },
                      [](const Source& s, double*& out) {

@@ -21,6 +21,7 @@ struct ObservationSource {
   const LegArray<FootContact>& contacts;
   const AdaptiveGaitController& controller;
   const VelocityCommand& command;
+  std::span<const int> servos;          ///< indices of the actuated joints
   std::span<const double> last_action;  ///< clipped, as it was applied
 };
 
