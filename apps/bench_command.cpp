@@ -68,7 +68,7 @@ void add_bench_command(CLI::App& program) {
       "  crossgait bench --quick\n"
       "  crossgait bench --only speed --backend mujoco,bullet --json speed.json\n"
       "  crossgait bench --json result.json --figures figures --compare "
-      "benchmarks/results/epyc-2-cores.json\n"
+      "benchmarks/results/amd-epyc-2-cores.json\n"
       "  crossgait bench --from result.json --figures figures");
   auto options = std::make_shared<Options>();
   CLI::Option* quick =

@@ -26,7 +26,7 @@ TEST(Program, HelpTeachesEveryCommand) {
   const ProgramResult help = run_program("--help");
   EXPECT_EQ(help.exit_code, 0);
   for (const std::string command :
-       {"walk", "compare", "backends", "robots", "terrain", "ik", "gait", "workspace", "plot"}) {
+       {"walk", "compare", "bench", "backends", "robots", "terrain", "ik", "gait", "workspace", "plot"}) {
     EXPECT_NE(help.out.find(command), std::string::npos) << command;
     const ProgramResult own = run_program(command + " --help");
     EXPECT_EQ(own.exit_code, 0) << command;

@@ -129,6 +129,7 @@ TEST(Comparison, RefusesWhatMakesNoSense) {
 TEST(StoredResult, IsReadBack) {
   std::ofstream("bench_result.json") << hand_written();
   EXPECT_EQ(read_bench("bench_result.json"), hand_written());
+  std::filesystem::remove("bench_result.json");
   const std::string text = describe_bench(hand_written());
   for (const char* word : {"stand", "20.00", "diverged", "none", "tumbling_energy"}) {
     EXPECT_NE(text.find(word), std::string::npos) << word << " not in\n" << text;
@@ -144,6 +145,7 @@ void expect_refused(const std::string& text, const std::string& word) {
     EXPECT_NE(std::string(error.what()).find("bench_bad.json"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
   }
+  std::filesystem::remove("bench_bad.json");
 }
 
 TEST(StoredResult, RefusesAnythingElse) {
@@ -201,6 +203,7 @@ TEST(RunBench, HoldsWhatWasAskedFor) {
   std::ofstream("bench_run.json") << result;
   EXPECT_TRUE(compare_results(read_bench("bench_run.json"), result, 1.0000001).worse.empty());
   EXPECT_FALSE(describe_bench(result).empty());
+  std::filesystem::remove("bench_run.json");
 }
 
 }  // namespace
