@@ -16,6 +16,7 @@ namespace crossgait::apps {
 void add_walk_command(CLI::App& program);
 void add_compare_command(CLI::App& program);
 void add_bench_command(CLI::App& program);
+void add_verdict_command(CLI::App& program);
 void add_backends_command(CLI::App& program);
 void add_robots_command(CLI::App& program);
 void add_terrain_command(CLI::App& program);

@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
     add_walk_command(program);
     add_compare_command(program);
     add_bench_command(program);
+    add_verdict_command(program);
     add_backends_command(program);
     add_robots_command(program);
     add_terrain_command(program);

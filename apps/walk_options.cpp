@@ -28,18 +28,20 @@ void WalkOptions::add_to(CLI::App& command) {
       "Send the wanted joint angles as they are, without making up for the servos' lag and give");
 }
 
+std::optional<VelocityCommand> WalkOptions::make_command() const {
+  if (!velocity.empty()) {
+    const auto v = parse_numbers(velocity, 3, "--command", "VX,VY,YAWRATE in m/s, m/s, rad/s");
+    return VelocityCommand{v[0], v[1], v[2]};
+  }
+  return speed ? std::optional(VelocityCommand{*speed, 0, 0}) : std::nullopt;
+}
+
 WalkSetup WalkOptions::make(const RobotDescription& robot) const {
   WalkSetup setup;
   setup.gait = gait;
   setup.timing = timing;
   setup.compensation = plain_servos ? ServoCompensation::none() : ServoCompensation{};
-  std::optional<VelocityCommand> command;
-  if (speed) command = VelocityCommand{*speed, 0, 0};
-  if (!velocity.empty()) {
-    const auto v = parse_numbers(velocity, 3, "--command", "VX,VY,YAWRATE in m/s, m/s, rad/s");
-    command = VelocityCommand{v[0], v[1], v[2]};
-  }
-  const GaitChoice choice = choose_gait(gait, settings, command);
+  const GaitChoice choice = choose_gait(gait, settings, make_command());
   setup.make_gait = [choice, &robot] { return make_gait_source(choice, robot); };
   return setup;
 }

@@ -17,6 +17,8 @@ struct WalkOptions {
   bool plain_servos = false;
 
   void add_to(CLI::App& command);
+  /// Of --speed or --command. @throws ConfigError
+  std::optional<VelocityCommand> make_command() const;
   /// @param robot must outlive the setup
   /// @throws ConfigError for an unknown gait or parameter
   WalkSetup make(const RobotDescription& robot) const;

@@ -114,13 +114,14 @@ int WalkTiming::substeps(double physics_dt) const {
 int WalkTiming::control_steps() const { return static_cast<int>(std::lround(seconds / control_dt)); }
 
 WalkSummary run_walk(PhysicsBackend& backend, LegController& legs, const GaitSource& gait,
-                     const WalkTiming& timing, const WalkObserver& observer) {
+                     const WalkTiming& timing, const WalkObserver& observer,
+                     const LegController::Placement& start) {
   const auto begin = std::chrono::steady_clock::now();
   const double dt = timing.control_dt;
   const int substeps = timing.substeps(backend.spec().physics_dt);
   const LegArray<Vector3> standing = gait.feet(0);
 
-  backend.reset(legs.standing_state(standing, backend.spec().terrain));
+  backend.reset(legs.standing_state(standing, backend.spec().terrain, start));
   legs.restart();
   StepStatus status = StepStatus::kOk;
   const int settling = static_cast<int>(std::lround(timing.settle_seconds / dt));

@@ -73,8 +73,10 @@ struct WalkSummary {
 };
 
 /// Resets `backend`, restarts `legs` (made for the backend's robot), lets the robot settle, then walks.
+/// @param start  where the robot is put down
 /// @throws ConfigError for impossible timing
 WalkSummary run_walk(PhysicsBackend& backend, LegController& legs, const GaitSource& gait,
-                     const WalkTiming& timing, const WalkObserver& observer = {});
+                     const WalkTiming& timing, const WalkObserver& observer = {},
+                     const LegController::Placement& start = {});
 
 }  // namespace crossgait

@@ -1,0 +1,74 @@
+// What a verdict is about: something that a robot does in an engine, and the numbers that sum it up.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "crossgait/env/evaluation.h"
+#include "crossgait/parity/comparison.h"
+
+namespace crossgait {
+
+/// One number of a run.
+struct Statistic {
+  std::string name, unit;
+  /// A difference that nobody would act on, whichever is larger: a share of the statistic's size, or a fixed
+  /// amount in its unit.
+  double relative_floor = 0, absolute_floor = 0;
+  bool counts_failures = false;  ///< 1 for a run that fell or diverged, else 0
+};
+
+/// One way of setting up the same world that a user chooses without meaning anything by it.
+struct Variation {
+  enum class Kind { kNominal, kTimeStep, kSolver };
+  std::string name = "as asked";
+  Kind kind = Kind::kNominal;
+  double step = 1, tolerance = 1, iterations = 1;  ///< factors on the world's
+
+  void apply(WorldSpec& world) const;
+};
+
+/// Nominal; time step halved, doubled; solver tolerance a hundred times looser with half the iterations, and
+/// a hundred times tighter with twice as many.
+const std::vector<Variation>& variations();
+
+/// How far apart starts lie. Each start draws uniformly from the ranges, the same in every engine.
+struct StartSpread {
+  double position_m = 0.1;   ///< each way along x and y
+  double heading_rad = 0.2;  ///< each way
+  double tilt_rad = 0.02;    ///< roll and pitch, each way
+  /// One sideways push of the trunk in the first second, from any direction: the speed it would give to the
+  /// whole robot.
+  double push_mps = 0.02;
+};
+
+/// A behaviour can be run in any engine, from any of infinitely many starts, under any variation. `run` may
+/// be called from several threads at once and depends on nothing but its arguments.
+struct Behaviour {
+  std::string name;
+  std::vector<Statistic> statistics;
+  /// @returns one value per statistic. @throws ConfigError
+  std::function<std::vector<double>(const BackendFactory& engine, const Variation& variation,
+                                    std::size_t start)>
+      run;
+  double physics_dt = 0, control_dt = 0;  ///< s, as asked
+
+  /// False where the control step would no longer be a whole number of physics steps.
+  bool allows(const Variation& variation) const;
+};
+
+/// The ground of start `k`; random terrains differ from start to start.
+using TerrainOfStart = std::function<Terrain(std::size_t start)>;
+
+/// A gait, walked by `run_walk`. @param world whose terrain is replaced by `terrain`'s
+Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, TerrainOfStart terrain,
+                         const StartSpread& spread = {}, std::uint64_t seed = 0);
+
+/// A policy in its environment. Ranges of `config.randomisation` that are off are filled in from `spread`
+/// (position, heading, tilt) and with a random phase of the gait; those that are on stay as they are.
+Behaviour policy_behaviour(EnvConfig config, PolicyFactory policy, const std::string& name,
+                           const StartSpread& spread = {}, std::uint64_t seed = 0);
+
+}  // namespace crossgait
