@@ -26,6 +26,7 @@ WorldSpec nominal_world(const EnvConfig& config) {
 
 std::vector<const ObservationBlock*> find_blocks(const std::vector<std::string>& names) {
   std::vector<const ObservationBlock*> blocks;
+  blocks.reserve(names.size());
   for (const std::string& name : names) blocks.push_back(&find_observation_block(name));
   return blocks;
 }

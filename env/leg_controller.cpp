@@ -32,8 +32,8 @@ LegController::LegController(const RobotDescription& robot, const ServoCompensat
                              WorkingMode mode)
     : robot_(&robot),
       compensation_(compensation),
-      mode_(mode),
-      weight_(robot.total_mass() * -WorldSpec{}.gravity.z()) {
+      weight_(robot.total_mass() * -WorldSpec{}.gravity.z()),
+      mode_(mode) {
   if (!robot.legs) throw ConfigError(robot.source, "legs", "four five-bar legs", "a robot without legs");
   const std::vector<int> actuated = robot.actuated_joints();
   for (const Leg leg : kLegs) {

@@ -61,12 +61,12 @@ class LegController {
 
   const RobotDescription* robot_;
   ServoCompensation compensation_;
-  WorkingMode mode_;
   double weight_;  // of the robot on Earth, N
+  WorkingMode mode_;
+  bool moving_ = false;  // last_ holds an earlier update
   LegArray<FiveBarGeometry> geometry_;
   LegArray<LegServos> servos_{};
   LegArray<LastUpdate> last_{};
-  bool moving_ = false;  // last_ holds an earlier update
   LegArray<IkStatus> status_{};
   JointTargets targets_;
   std::int64_t clamped_ = 0;

@@ -4,7 +4,7 @@ namespace crossgait {
 
 WorkerPool::WorkerPool(std::size_t workers) {
   for (std::size_t i = 1; i < workers; ++i) {
-    threads_.emplace_back([this](std::stop_token stop) { serve(std::move(stop)); });
+    threads_.emplace_back([this](const std::stop_token& stop) { serve(stop); });
   }
 }
 
@@ -12,7 +12,7 @@ WorkerPool::~WorkerPool() {
   for (std::jthread& thread : threads_) thread.request_stop();
 }
 
-void WorkerPool::serve(std::stop_token stop) {
+void WorkerPool::serve(const std::stop_token& stop) {
   std::size_t seen = 0;
   while (true) {
     {

@@ -38,7 +38,7 @@ class WorkerPool {
   using Call = void (*)(const void* function, std::size_t index);
   void run(std::size_t count, Call call, const void* function);
   void work() noexcept;
-  void serve(std::stop_token stop);
+  void serve(const std::stop_token& stop);
 
   std::mutex mutex_;
   std::condition_variable_any begin_;
