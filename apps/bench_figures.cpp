@@ -121,6 +121,7 @@ Figure speed_figure(const ordered_json& speed, const Engines& engines) {
     for (const PlotPoint& p : series.points) highest = std::max(highest, p[1]);
   }
   threads.x_range = {0, most + 1};
+  threads.x_tics = std::ceil(most / 8);
   threads.y_range = {0, 1.1 * highest};
   Panel eta = curves("share of the walk's time that is the engine's (eta)", "", "", engines);
   eta.series.clear();

@@ -204,6 +204,7 @@ void append_panel(std::string& script, const Panel& panel, const Place& space, i
   fmt::format_to(out, "set yrange [{:.9g}:{:.9g}]\n", panel.y_down ? y.high : y.low,
                  panel.y_down ? y.low : y.high);
   script += "unset logscale\nset xtics autofreq\nunset ytics\n";
+  if (panel.x_tics > 0) fmt::format_to(out, "set xtics {:.9g}\n", panel.x_tics);
   if (panel.x_log) fmt::format_to(out, "set logscale x\nset xtics {}\n", log_tics(sound_x));
   if (panel.y_log) script += "set logscale y\n";
   if (panel.y_names.empty()) {

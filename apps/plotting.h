@@ -53,6 +53,8 @@ struct Panel {
   bool x_log = false, y_log = false;  ///< logarithmic; what is not positive is not drawn
   /// Lowest and highest x and y; found from the contents if empty.
   std::optional<PlotPoint> x_range, y_range;
+  /// Distance of the tick marks along x; found if zero.
+  double x_tics = 0;
   /// Names instead of numbers along y.
   std::vector<std::pair<double, std::string>> y_names;
 };
