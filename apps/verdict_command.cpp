@@ -82,7 +82,8 @@ void add_verdict_command(CLI::App& program) {
       "docs/verdict.md has the rule.");
   auto options = std::make_shared<Options>();
   command
-      ->add_option("--engines", options->engines, "Two, comma-separated; the first and last that are built in")
+      ->add_option("--engines", options->engines,
+                   "Two, comma-separated; the first and last that are built in")
       ->delimiter(',');
   options->world.add_to(*command);
   options->walk.add_to(*command);
@@ -94,8 +95,8 @@ void add_verdict_command(CLI::App& program) {
           ->type_name("zero|random|FILE.safetensors|FILE.yaml");
   CLI::Option* config =
       command->add_option("--config", options->config, "The policy's environment as YAML")->needs(policy);
-  for (const char* other : {"--robot", "--terrain", "--friction", "--physics-dt", "--gait", "--set", "--speed",
-                            "--command", "--seconds", "--control-dt", "--settle"})
+  for (const char* other : {"--robot", "--terrain", "--friction", "--physics-dt", "--gait", "--set",
+                            "--speed", "--command", "--seconds", "--control-dt", "--settle"})
     config->excludes(command->get_option(other));
   options->json.add_to(*command);
   command->callback([options] { run(*options); });

@@ -74,7 +74,7 @@ StatisticVerdict judge_one(const std::vector<Statistic>& statistics, std::size_t
   };
   const auto score = [&](std::size_t left_out) {
     const double spread = pooled(within(a, variations, s, left_out), within(b, variations, s, left_out));
-    return gap(left_out) / std::max(spread, v.floor);
+    return gap(left_out) / std::hypot(spread, v.floor);
   };
   const double confidence = 1 - (1 - options.confidence) / static_cast<double>(statistics.size());
   v.gap = jackknife(starts, gap, confidence);

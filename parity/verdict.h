@@ -34,8 +34,9 @@ struct WithinSpread {
 /// WithinSpread::total(): how much the statistic moves for reasons that are not the engine. The *floor* is
 /// the difference that nobody would act on (Statistic). The *score* is
 ///
-///     score = gap / max(spread, floor)
+///     score = gap / sqrt(spread^2 + floor^2)
 ///
+/// (added as independent spreads add: the larger counts, and no kink where one overtakes the other)
 /// and has a jackknife interval over starts with confidence 1 - (1 - confidence) / m for m statistics
 /// (Bonferroni, so that all m words together are right with at least `confidence`). With `limit` L (1: as far
 /// apart as one engine is from itself):

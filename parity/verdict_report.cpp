@@ -70,8 +70,9 @@ std::string describe(const Verdict& verdict) {
   for (const Variation& v : verdict.variations) varied.push_back(v.name);
   std::string text = table.str();
   text += fmt::format(
-      "\n{} starts, {}. Score = gap / max(spread within an engine, floor), {:g} % confidence for all lines\n"
-      "together: agrees within +-{:g}, engine-dependent beyond, unresolved across.\n",
+      "\n{} starts; {}.\nScore = gap / sqrt(spread^2 + floor^2), at {:g} % confidence for all lines "
+      "together: agrees "
+      "within +-{:g},\nengine-dependent beyond, unresolved across.\n",
       verdict.options.starts, fmt::join(varied, ", "), 100 * verdict.options.confidence,
       verdict.options.limit);
   for (const std::string& reason : verdict.left_out) text += "Left out: " + reason + ".\n";
