@@ -1,5 +1,6 @@
 #include "crossgait/apps/env_options.h"
 
+#include <filesystem>
 #include <thread>
 
 #include <fmt/format.h>
@@ -96,6 +97,8 @@ EnvFactory env_factory(const EnvConfig& config) {
 PolicyFactory policy_factory(const std::string& policy) {
   return [policy](const PolicyInterface& interface) { return make_policy(policy, interface); };
 }
+
+std::string short_name(const std::string& policy) { return std::filesystem::path(policy).filename(); }
 
 std::size_t default_workers() { return std::max(1U, std::thread::hardware_concurrency()); }
 

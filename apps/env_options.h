@@ -27,6 +27,8 @@ struct EnvOptions {
 /// The engine that the configuration names. @throws ConfigError if it is not built in
 EnvFactory env_factory(const EnvConfig& config);
 PolicyFactory policy_factory(const std::string& policy);
+/// A policy's name in a table: a file's without its folder.
+std::string short_name(const std::string& policy);
 
 /// Threads for episodes: as many as the machine has, at most `episodes`.
 std::size_t default_workers();

@@ -36,7 +36,7 @@ std::string reward(double value) { return fmt::format("{:.5g}", value); }
 std::string table(const EnvConfig& config, const std::vector<Run>& runs) {
   std::vector<std::string> header{fmt::format("{} on {} in {}, {} episodes", config.gait, config.terrain,
                                               config.backend, runs.front().all.episodes)};
-  for (const Run& run : runs) header.push_back(run.policy);
+  for (const Run& run : runs) header.push_back(short_name(run.policy));
   Table table(header);
   const auto add = [&](const std::string& label, auto&& value) {
     std::vector<std::string> row{label};

@@ -50,7 +50,7 @@ std::string describe(const Options& options, const std::vector<std::string>& eng
     table.add_row(row);
   };
   for (const std::string& terrain : options.terrains) {
-    add(terrain, options.policy, &Cell::policy);
+    add(terrain, short_name(options.policy), &Cell::policy);
     if (options.policy != "zero") add(terrain, "zero", &Cell::baseline);
   }
   return table.str();
