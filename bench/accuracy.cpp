@@ -50,15 +50,15 @@ void follow(PhysicsBackend& world, const RobotState& start, const std::vector<Jo
   }
 }
 
-/// One engine on one terrain at one step, with what it is measured against.
+/// One engine on one terrain at one step.
 struct Run {
   AccuracyPoint point;
   std::unique_ptr<PhysicsBackend> world;
-  const RobotState* start = nullptr;
-  std::vector<double> cost;
+  RobotState start;
+  std::vector<double> cost, cost_ratio;
 
-  Run(const std::string& terrain, const std::string& backend, double step)
-      : world(make_world(backend, terrain, step)) {
+  Run(const std::string& terrain, const std::string& backend, double step, RobotState from)
+      : world(make_world(backend, terrain, step)), start(std::move(from)) {
     point.terrain = terrain;
     point.backend = backend;
     point.step_s = step;
@@ -86,6 +86,41 @@ RobotState settled(PhysicsBackend& world) {
   RobotState state = world.state();
   state.time = 0;
   return state;
+}
+
+/// One engine at every step, against itself at the reference step.
+std::vector<Run> measure_errors(const std::string& backend, const std::string& terrain,
+                                const std::vector<double>& steps) {
+  const std::vector<JointTargets> targets = commands(kAccuracyHorizon);
+  const auto exact = make_world(backend, terrain, kReferenceStep);
+  const RobotState start = settled(*exact);
+  States states, reference;
+  follow(*exact, start, targets, reference);
+  if (reference.size() < targets.size()) {
+    throw std::runtime_error(fmt::format("the trot diverged in {} at the reference step", backend));
+  }
+  std::vector<Run> runs;
+  for (const double step : steps) {
+    Run& run = runs.emplace_back(terrain, backend, step, start);
+    follow(*run.world, start, targets, states);
+    compare(states, reference, run.point);
+  }
+  return runs;
+}
+
+/// Times every step in every engine, the engines in turns.
+void time_round(std::vector<std::vector<Run>>& runs) {
+  const std::vector<JointTargets> targets = commands(kAccuracyHorizon);
+  States states;
+  for (std::size_t s = 0; s < runs.front().size(); ++s) {
+    for (std::vector<Run>& engine : runs) {
+      Run& run = engine[s];
+      const double begin = thread_seconds();
+      follow(*run.world, run.start, targets, states);
+      run.cost.push_back((thread_seconds() - begin) / kAccuracyHorizon);
+      run.cost_ratio.push_back(run.cost.back() / runs.front()[s].cost.back());
+    }
+  }
 }
 
 StableStep find_stable_step(const std::string& backend, const std::string& terrain) {
@@ -124,44 +159,26 @@ bool trot_survives(const std::string& backend, const std::string& terrain, doubl
 
 Accuracy measure_accuracy(const AccuracySettings& settings, const Progress& progress) {
   Accuracy result;
-  const std::vector<JointTargets> targets = commands(kAccuracyHorizon);
   const double parts = static_cast<double>(settings.terrains.size()) * (settings.rounds + 3);
   double done = 0;
   const auto advance = [&](double share) { progress((done += share) / parts); };
   for (const std::string& terrain : settings.terrains) {
-    std::vector<RobotState> starts(settings.backends.size());
-    std::vector<Run> runs;
-    States states, reference;
-    for (std::size_t b = 0; b < settings.backends.size(); ++b) {
-      const std::string& backend = settings.backends[b];
-      const auto exact = make_world(backend, terrain, kReferenceStep);
-      starts[b] = settled(*exact);
-      follow(*exact, starts[b], targets, reference);
-      if (reference.size() < targets.size()) {
-        throw std::runtime_error(fmt::format("the trot diverged in {} at the reference step", backend));
-      }
-      for (const double step : settings.steps_s) {
-        Run& run = runs.emplace_back(terrain, backend, step);
-        run.start = &starts[b];
-        follow(*run.world, starts[b], targets, states);
-        compare(states, reference, run.point);
-      }
+    std::vector<std::vector<Run>> runs;  // by engine, by step
+    for (const std::string& backend : settings.backends) {
+      runs.push_back(measure_errors(backend, terrain, settings.steps_s));
       advance(2.0 / static_cast<double>(settings.backends.size()));
     }
     for (int round = 0; round < settings.rounds; ++round) {
-      for (Run& run : runs) {
-        const double begin = thread_seconds();
-        follow(*run.world, *run.start, targets, states);
-        run.cost.push_back((thread_seconds() - begin) / kAccuracyHorizon);
-      }
+      time_round(runs);
       advance(1);
     }
-    for (Run& run : runs) {
-      run.point.cost = spread(run.cost).median;
-      result.points.push_back(std::move(run.point));
-    }
-    for (const std::string& backend : settings.backends) {
-      result.stable.push_back(find_stable_step(backend, terrain));
+    for (std::vector<Run>& engine : runs) {
+      for (Run& run : engine) {
+        run.point.cost = spread(run.cost).median;
+        run.point.cost_ratio = spread(run.cost_ratio).median;
+        result.points.push_back(std::move(run.point));
+      }
+      result.stable.push_back(find_stable_step(engine.front().world->info().name, terrain));
     }
     advance(1);
   }

@@ -27,6 +27,7 @@ struct AccuracyPoint {
   std::optional<double> position_error_m;  ///< root mean square over the cycle; empty: it did not get through
   std::optional<double> joint_error_rad;   ///< the same, over all joints
   double cost = 0;                         ///< CPU seconds per simulated second, median
+  double cost_ratio = 1;                   ///< to the first engine at the same step in the same round, median
 };
 
 /// The largest step with which the trot neither falls nor diverges.

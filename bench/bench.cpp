@@ -93,7 +93,8 @@ ordered_json accuracy(const BenchOptions& options, const Progress& progress) {
                                 {"step_s", p.step_s},
                                 {"position_error_m", number_or_null(p.position_error_m)},
                                 {"joint_error_rad", number_or_null(p.joint_error_rad)},
-                                {"cost", p.cost}});
+                                {"cost", p.cost},
+                                {"cost_ratio", p.cost_ratio}});
   }
   for (const StableStep& s : measured.stable) {
     result["stable_steps"].push_back({{"terrain", s.terrain},

@@ -52,22 +52,18 @@ void add_speed(const ordered_json& speed, const std::string& base, Figures& figu
 }
 
 void add_accuracy(const ordered_json& accuracy, const std::string& base, Figures& figures) {
-  std::map<std::string, double> base_cost;
   const auto setting = [](const ordered_json& p) {
     return fmt::format("{}, {:g} ms", text(p, "terrain"), 1e3 * p.at("step_s").get<double>());
   };
-  for (const ordered_json& p : accuracy.at("points")) {
-    if (p.at("backend") == base) base_cost[setting(p)] = number(p, "cost");
-  }
   for (const ordered_json& p : accuracy.at("points")) {
     const std::string at = setting(p), backend = text(p, "backend");
     figures.push_back({fmt::format("accuracy, {}: base of {}, m", at, backend), number(p, "position_error_m"),
                        kLengthFloor});
     figures.push_back({fmt::format("accuracy, {}: joints of {}, rad", at, backend),
                        number(p, "joint_error_rad"), kRelativeFloor});
-    if (backend != base && base_cost.contains(at)) {
-      figures.push_back({fmt::format("accuracy, {}: time of {} over {}", at, backend, base),
-                         number(p, "cost") / base_cost.at(at), 0});
+    if (backend != base) {
+      figures.push_back(
+          {fmt::format("accuracy, {}: time of {} over {}", at, backend, base), number(p, "cost_ratio"), 0});
     }
   }
   for (const ordered_json& s : accuracy.at("stable_steps")) {

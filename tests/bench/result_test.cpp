@@ -33,9 +33,9 @@ ordered_json hand_written() {
     "accuracy": {
       "points": [
         {"terrain": "flat", "backend": "a", "step_s": 0.001, "position_error_m": 1e-5, "joint_error_rad": 1e-4,
-         "cost": 0.02},
+         "cost": 0.02, "cost_ratio": 1},
         {"terrain": "flat", "backend": "b", "step_s": 0.001, "position_error_m": null, "joint_error_rad": null,
-         "cost": 0.03}],
+         "cost": 0.03, "cost_ratio": 1.5}],
       "stable_steps": [{"terrain": "flat", "backend": "a", "largest_s": 0.016},
                        {"terrain": "flat", "backend": "b", "largest_s": null}]},
     "analytic": {
