@@ -1,5 +1,8 @@
 #include "crossgait/backends/registry.h"
 
+#include <algorithm>
+#include <utility>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,12 +12,20 @@
 #endif
 #if CROSSGAIT_HAS_BULLET
 #include "crossgait/backends/bullet/bullet_backend.h"
+#include "crossgait/backends/bullet/ingredients.h"
 #endif
 
 namespace crossgait {
 namespace {
 
-using Factory = std::unique_ptr<PhysicsBackend> (*)(const WorldSpec&);
+using Factory = std::unique_ptr<PhysicsBackend> (*)(const WorldSpec&, std::string_view changes);
+
+#if CROSSGAIT_HAS_MUJOCO
+std::unique_ptr<PhysicsBackend> make_mujoco(const WorldSpec& spec, std::string_view changes) {
+  if (!changes.empty()) throw ConfigError("backend", "mujoco", "no ingredients: it has none", changes);
+  return mujoco::make_mujoco_backend(spec);
+}
+#endif
 
 struct Row {
   const char* name;
@@ -27,7 +38,7 @@ struct Row {
 constexpr Row kRows[] = {
     {"mujoco", "MuJoCo: soft contact, elliptic friction cones, Newton solver",
 #if CROSSGAIT_HAS_MUJOCO
-     mujoco::make_mujoco_backend,
+     make_mujoco,
 #else
      nullptr,
 #endif
@@ -49,6 +60,12 @@ constexpr Row kRows[] = {
 };
 
 std::string_view canonical(std::string_view name) { return name == "bullet:native" ? "bullet" : name; }
+
+// "bullet:matched+surface" -> "bullet:matched" and "+surface".
+std::pair<std::string_view, std::string_view> split(std::string_view name) {
+  const std::size_t end = std::min(name.find_first_of("+-"), name.size());
+  return {canonical(name.substr(0, end)), name.substr(end)};
+}
 
 }  // namespace
 
@@ -72,11 +89,28 @@ std::vector<std::string> available_backends() {
   return names;
 }
 
+const std::vector<BackendFamily>& backend_families() {
+  static const std::vector<BackendFamily> kFamilies = [] {
+    std::vector<BackendFamily> families;
+#if CROSSGAIT_HAS_BULLET
+    BackendFamily family{"bullet:matched", "bullet", {}};
+    for (const bullet::IngredientRow& row : bullet::ingredient_rows()) {
+      family.ingredients.push_back(
+          {std::string(row.name), std::string(row.summary), {row.needs.begin(), row.needs.end()}});
+    }
+    families.push_back(std::move(family));
+#endif
+    return families;
+  }();
+  return kFamilies;
+}
+
 std::unique_ptr<PhysicsBackend> make_backend(std::string_view name, const WorldSpec& spec) {
+  const auto [base, changes] = split(name);
   for (const Row& row : kRows) {
-    if (canonical(name) != row.name) continue;
+    if (base != row.name) continue;
     if (row.factory == nullptr) throw ConfigError("backend", name, "a backend that is built in", row.missing);
-    return row.factory(spec);
+    return row.factory(spec, changes);
   }
   throw ConfigError("backend", "name", fmt::format("one of {}", fmt::join(available_backends(), ", ")),
                     fmt::format("\"{}\"", name));

@@ -23,7 +23,23 @@ const std::vector<BackendEntry>& known_backends();
 /// Names of those built in.
 std::vector<std::string> available_backends();
 
-/// @param name one of `available_backends()`; "bullet:native" is an alias of "bullet"
+/// One difference between two backends that can be made on its own.
+struct BackendIngredient {
+  std::string name, summary;
+  std::vector<std::string> needs;  ///< ingredients without which it means nothing
+};
+
+/// Two backends of one engine and all that is different between them: `from` with every ingredient is `to`.
+struct BackendFamily {
+  std::string from, to;
+  std::vector<BackendIngredient> ingredients;  ///< each after those it needs
+};
+
+/// Those built in.
+const std::vector<BackendFamily>& backend_families();
+
+/// @param name one of `available_backends()`; "bullet:native" is an alias of "bullet". A family's `from` may be
+/// followed by ingredients "+NAME", its `to` by "-NAME": "bullet:matched+surface+coulomb", "bullet-sweeps".
 /// @throws ConfigError for an unknown or unavailable name (listing the available ones) or an invalid
 /// specification
 std::unique_ptr<PhysicsBackend> make_backend(std::string_view name, const WorldSpec& spec);

@@ -9,26 +9,29 @@
 namespace crossgait::bullet {
 namespace {
 
-BackendInfo make_info(ContactMode mode) {
+BackendInfo make_info(const Ingredients& ingredients) {
   const int version = btGetVersion();
   BackendInfo info;
   info.engine = "Bullet";
   info.version = fmt::format("{}.{:02}", version / 100, version % 100);
-  if (mode == ContactMode::kMatched) {
-    info.name = "bullet:matched";
+  info.name = name_of(ingredients);
+  const bool matched = ingredients == Ingredients::matched();
+  info.capabilities.soft_contact = !ingredients.hard_normal;
+  info.capabilities.matches_mujoco = matched;
+  if (matched) {
     info.mode = "MuJoCo's contact law in Bullet's dynamics";
-    info.capabilities = {.soft_contact = true, .matches_mujoco = true, .exact_field_query = false};
-  } else {
-    info.name = "bullet";
+  } else if (ingredients == Ingredients::native()) {
     info.mode = "hard contact, projected Gauss-Seidel";
+  } else {
+    info.mode = "between MuJoCo's contact law and Bullet's own";
   }
   return info;
 }
 
 class BulletBackend final : public PhysicsBackend {
  public:
-  BulletBackend(const WorldSpec& world, ContactMode mode)
-      : PhysicsBackend(world), mode_(mode), info_(make_info(mode)) {
+  BulletBackend(const WorldSpec& world, const Ingredients& ingredients)
+      : PhysicsBackend(world), ingredients_(ingredients), info_(make_info(ingredients)) {
     build();
     reset();
   }
@@ -40,8 +43,8 @@ class BulletBackend final : public PhysicsBackend {
     world_.reset();
     solver_.reset();
     model_ = std::make_unique<MultibodyModel>(spec());
-    solver_ = std::make_unique<ConstraintSolver>(spec(), mode_, *model_);
-    world_ = std::make_unique<CollisionWorld>(spec(), mode_, *model_, *solver_);
+    solver_ = std::make_unique<ConstraintSolver>(spec(), ingredients_, *model_);
+    world_ = std::make_unique<CollisionWorld>(spec(), ingredients_, *model_, *solver_);
     poisoned_ = false;
   }
 
@@ -169,7 +172,7 @@ class BulletBackend final : public PhysicsBackend {
     world_->robot_moved();
   }
 
-  ContactMode mode_;
+  Ingredients ingredients_;
   BackendInfo info_;
   // Declared in order of dependence: each holds references to the ones before.
   std::unique_ptr<MultibodyModel> model_;
@@ -180,12 +183,14 @@ class BulletBackend final : public PhysicsBackend {
 
 }  // namespace
 
-std::unique_ptr<PhysicsBackend> make_matched_backend(const WorldSpec& spec) {
-  return std::make_unique<BulletBackend>(spec, ContactMode::kMatched);
+std::unique_ptr<PhysicsBackend> make_matched_backend(const WorldSpec& spec, std::string_view changes) {
+  const std::string name = fmt::format("bullet:matched{}", changes);
+  return std::make_unique<BulletBackend>(spec, changed(Ingredients::matched(), changes, name));
 }
 
-std::unique_ptr<PhysicsBackend> make_native_backend(const WorldSpec& spec) {
-  return std::make_unique<BulletBackend>(spec, ContactMode::kNative);
+std::unique_ptr<PhysicsBackend> make_native_backend(const WorldSpec& spec, std::string_view changes) {
+  const std::string name = fmt::format("bullet{}", changes);
+  return std::make_unique<BulletBackend>(spec, changed(Ingredients::native(), changes, name));
 }
 
 }  // namespace crossgait::bullet

@@ -16,10 +16,10 @@ constexpr int kRobotGroup = 2;
 constexpr double kFieldDepth = 0.1;  // m
 }  // namespace
 
-CollisionWorld::CollisionWorld(const WorldSpec& spec, ContactMode mode, MultibodyModel& model,
+CollisionWorld::CollisionWorld(const WorldSpec& spec, const Ingredients& ingredients, MultibodyModel& model,
                                ConstraintSolver& solver)
     : spec_(spec),
-      mode_(mode),
+      ingredients_(ingredients),
       model_(model),
       solver_(solver),
       sphere_terrain_(spec.terrain),
@@ -86,9 +86,9 @@ std::unique_ptr<btCompoundShape> CollisionWorld::make_shape(int link,
 
 void CollisionWorld::add_robot() {
   world_.addMultiBody(&model_.body());
-  // In matched mode contacts are found by the solver: Bullet has nothing to collide.
+  // Unless Bullet finds contacts the solver does: Bullet has nothing to collide.
   const std::vector<ContactSphere> spheres =
-      mode_ == ContactMode::kNative ? model_.spheres() : std::vector<ContactSphere>();
+      ingredients_.narrowphase ? model_.spheres() : std::vector<ContactSphere>();
   for (int link = -1; link < model_.body().getNumLinks(); ++link) {
     std::unique_ptr<btCompoundShape> shape = make_shape(link, spheres);
     if (shape->getNumChildShapes() == 0) continue;

@@ -18,7 +18,8 @@ namespace crossgait::bullet {
 /// it.
 class CollisionWorld {
  public:
-  CollisionWorld(const WorldSpec& spec, ContactMode mode, MultibodyModel& model, ConstraintSolver& solver);
+  CollisionWorld(const WorldSpec& spec, const Ingredients& ingredients, MultibodyModel& model,
+                 ConstraintSolver& solver);
   ~CollisionWorld();
   CollisionWorld(const CollisionWorld&) = delete;
   CollisionWorld& operator=(const CollisionWorld&) = delete;
@@ -37,7 +38,7 @@ class CollisionWorld {
   std::unique_ptr<btCompoundShape> make_shape(int link, const std::vector<ContactSphere>& spheres);
 
   const WorldSpec& spec_;
-  ContactMode mode_;
+  Ingredients ingredients_;
   MultibodyModel& model_;
   ConstraintSolver& solver_;
 

@@ -119,4 +119,29 @@ int ConeProblem::solve(double tolerance, int max_sweeps) noexcept {
   return max_sweeps;
 }
 
+int ConeProblem::solve_coulomb(double tolerance, int max_sweeps) noexcept {
+  const Eigen::Index rows = 3 * contacts;
+  x.head(rows).setZero();
+  // A is symmetric: its columns are contiguous, its rows are not.
+  const auto gradient = [&](Eigen::Index i) { return b[i] + A.col(i).head(rows).dot(x.head(rows)); };
+  for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
+    double change = 0, largest = 0;
+    for (Eigen::Index i = 0; i < rows; i += 3) {
+      const Vector3 old = x.segment<3>(i);
+      x[i] = std::max(0.0, x[i] - gradient(i) / A(i, i));
+      // One step size for both directions, or friction would not oppose slip.
+      const double step = 1 / std::max(A(i + 1, i + 1), A(i + 2, i + 2));
+      const double u = x[i + 1] - step * gradient(i + 1), v = x[i + 2] - step * gradient(i + 2);
+      const double limit = friction * x[i], size = std::hypot(u, v);
+      const double scale = size > limit ? limit / size : 1;
+      x[i + 1] = scale * u;
+      x[i + 2] = scale * v;
+      change = std::max(change, (x.segment<3>(i) - old).lpNorm<Eigen::Infinity>());
+      largest = std::max(largest, x.segment<3>(i).lpNorm<Eigen::Infinity>());
+    }
+    if (change <= tolerance * largest) return sweep;
+  }
+  return max_sweeps;
+}
+
 }  // namespace crossgait::bullet

@@ -24,6 +24,12 @@ struct ConeProblem {
   /// @param tolerance stops when no impulse changes by more than this share of the largest
   /// @returns sweeps taken
   int solve(double tolerance, int max_sweeps) noexcept;
+
+  /// Coulomb's law instead, as rows of Bullet's kind converge to: with w = A x + b, each normal has x >= 0, w >=
+  /// 0 and x w = 0 whatever friction does, and its tangents are the point of the disc of radius friction * normal
+  /// that opposes w best. Projected Gauss-Seidel over rows, from zero (Jourdan, Alart and Jean 1998). No minimum
+  /// of anything: the cone of `solve` lets a sliding contact lift, this does not.
+  int solve_coulomb(double tolerance, int max_sweeps) noexcept;
 };
 
 /// The block problem: argmin 1/2 x'Hx + g'x over one cone. `start` seeds the search on the cone's surface.

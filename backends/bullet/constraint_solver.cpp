@@ -4,14 +4,15 @@
 
 namespace crossgait::bullet {
 
-ConstraintSolver::ConstraintSolver(const WorldSpec& spec, ContactMode mode, MultibodyModel& model)
+ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const Ingredients& ingredients, MultibodyModel& model)
     : spec_(spec),
-      mode_(mode),
+      ingredients_(ingredients),
       model_(model),
       joints_(model.body(), model.armature(), model.loop_points(),
               SoftLaw(spec.robot->loop_softness, spec.physics_dt), spec.physics_dt),
       contact_law_(spec.contact.softness, spec.physics_dt),
       spheres_(model.spheres()),
+      margins_(contact_margins(spheres_, model.body().getNumLinks())),
       torque_(JointVector::Zero(spec.robot->joint_count())) {
   const Eigen::Index n = joints_.inertia().dofs();
   before_.setZero(n);
@@ -54,8 +55,14 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
     set_velocity(DofVector::Zero(before_.size()));
     return;
   }
-  if (mode_ == ContactMode::kMatched) {
-    solve_matched();
+  if (!ingredients_.sweeps) {
+    point_count_ = 0;
+    if (ingredients_.narrowphase) {
+      read_contacts(manifolds, manifold_count);
+    } else {
+      find_contacts();
+    }
+    solve_contacts();
     return;
   }
   correction_ = joints_.velocity() - after_dynamics;

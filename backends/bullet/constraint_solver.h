@@ -1,4 +1,4 @@
-// Bullet's constraint solver with Crossgait's joint stage, and either contact mode.
+// Bullet's constraint solver with Crossgait's joint stage, and contacts made of either engine's ingredients.
 #pragma once
 
 #include <array>
@@ -7,24 +7,23 @@
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 
 #include "crossgait/backends/bullet/cone_solver.h"
+#include "crossgait/backends/bullet/ingredients.h"
 #include "crossgait/backends/bullet/joint_stage.h"
 #include "crossgait/backends/bullet/multibody_model.h"
 #include "crossgait/physics/state.h"
 
 namespace crossgait::bullet {
 
-enum class ContactMode {
-  kMatched,  ///< MuJoCo's contact law
-  kNative,   ///< Bullet's own rows and sweeps
-};
+/// How far above the ground a point of each link (base first) counts for Bullet's collision detection, m.
+std::vector<double> contact_margins(const std::vector<ContactSphere>& spheres, int links);
 
 /// Bullet's world calls it once per step, after its forward dynamics and collision detection. The joint stage
-/// replaces Bullet's joint rows; contacts follow the mode.
+/// replaces Bullet's joint rows; contacts follow the ingredients.
 class ConstraintSolver final : public btMultiBodyConstraintSolver {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  ConstraintSolver(const WorldSpec& spec, ContactMode mode, MultibodyModel& model);
+  ConstraintSolver(const WorldSpec& spec, const Ingredients& ingredients, MultibodyModel& model);
 
   /// Call before the world steps: remembers velocities and the torques to apply.
   void begin_step(const JointVector& torque) noexcept;
@@ -47,13 +46,18 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
     double distance = 0;
   };
 
-  // Matched mode: contact_law.cpp
-  void solve_matched() noexcept;
+  // contact_points.cpp
   void find_contacts() noexcept;
+  void read_contacts(btPersistentManifold** manifolds, int count) noexcept;
+  void add_point(const ContactPoint& point) noexcept;
+
+  // All but Bullet's own sweeps: contact_law.cpp
+  void solve_contacts() noexcept;
   void assemble_contacts() noexcept;
+  double set_row(int contact, int axis) noexcept;
   void apply_contacts() noexcept;
 
-  // Native mode: native_contact.cpp
+  // Bullet's own sweeps: native_contact.cpp
   btScalar solveGroupCacheFriendlySetup(btCollisionObject** bodies, int body_count,
                                         btPersistentManifold** manifolds, int manifold_count,
                                         btTypedConstraint** constraints, int constraint_count,
@@ -69,11 +73,12 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   void report(const ContactPoint& point, const Vector3& force, const Vector3& velocity_before) noexcept;
 
   const WorldSpec& spec_;
-  ContactMode mode_;
+  Ingredients ingredients_;
   MultibodyModel& model_;
   JointStage joints_;
   SoftLaw contact_law_;
   std::vector<ContactSphere> spheres_;
+  std::vector<double> margins_;
   bool pending_ = false, finite_ = true;
 
   DofVector before_;      // velocities before the step

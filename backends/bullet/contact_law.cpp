@@ -1,5 +1,5 @@
-// Matched mode: MuJoCo's contact law in Bullet's dynamics. Contacts are placed midway between the surfaces
-// (Bullet places its own on them), softened like MuJoCo's, and solved over true friction cones.
+// Contact solved by Crossgait in Bullet's dynamics. With MuJoCo's ingredients contacts are placed midway between
+// the surfaces, softened like MuJoCo's, and solved over true friction cones; any of these can be Bullet's.
 #include <algorithm>
 #include <cmath>
 
@@ -16,6 +16,8 @@ constexpr double kRoundingFloor = 1e-15;
 constexpr int kMaxSweeps = 1000;
 // mjMINMU of mjmodel.h: MuJoCo's contacts are never quite without friction.
 constexpr double kMinFriction = 1e-5;
+// Bullet's default, btContactSolverInfo::m_erp2.
+constexpr double kErrorReduction = 0.2;
 
 Matrix3 contact_frame(const Vector3& normal) {
   const Vector3 helper = std::abs(normal.y()) < 0.5 ? Vector3::UnitY() : Vector3::UnitZ();
@@ -28,32 +30,38 @@ Matrix3 contact_frame(const Vector3& normal) {
 
 }  // namespace
 
-void ConstraintSolver::solve_matched() noexcept {
-  find_contacts();
+void ConstraintSolver::solve_contacts() noexcept {
   if (point_count_ == 0) {
     set_velocity(joints_.velocity());
     return;
   }
   assemble_contacts();
   const double tolerance = std::max(kRoundingFloor, kSweepTolerance * spec_.solver.tolerance);
-  cone_.solve(tolerance, kMaxSweeps);
+  if (ingredients_.coulomb) {
+    cone_.solve_coulomb(tolerance, kMaxSweeps);
+  } else {
+    cone_.solve(tolerance, kMaxSweeps);
+  }
   apply_contacts();
 }
 
-void ConstraintSolver::find_contacts() noexcept {
-  point_count_ = 0;
-  const btMultiBody& body = model_.body();
-  for (const ContactSphere& sphere : spheres_) {
-    const Vector3 centre = vector(body.localPosToWorld(sphere.link, vector(sphere.p_CS)));
-    SphereContact touch;
-    if (!spec_.terrain.touch_sphere(centre, sphere.radius, touch)) continue;
-    if (point_count_ < kMaxContacts) {
-      points_[static_cast<std::size_t>(point_count_++)] = {sphere.link, sphere.leg, touch.position,
-                                                           touch.normal, touch.distance};
-    } else {
-      ++contacts_.dropped;
-    }
+// Writes a row's regularisation on the diagonal. @returns the velocity that the row asks for, m/s
+double ConstraintSolver::set_row(int contact, int axis) noexcept {
+  const std::size_t k = static_cast<std::size_t>(contact);
+  const ContactPoint& point = points_[k];
+  double& regularization = cone_.A(3 * contact + axis, 3 * contact + axis);
+  if (axis == 0 ? ingredients_.hard_normal : ingredients_.hard_friction) {
+    regularization = 0;
+    if (axis > 0) return 0;
+    const double h = spec_.physics_dt;  // a gap may close, of a penetration a share is undone
+    return point.distance > 0 ? -point.distance / h : -kErrorReduction * point.distance / h;
   }
+  const double imp = contact_law_.impedance(point.distance);
+  const double R =
+      SoftLaw::regularization(imp, model_.inverse_weights()[static_cast<std::size_t>(point.link + 1)]);
+  // Friction rows share the normal's impedance and damping, without a spring.
+  regularization = axis == 0 ? R : R / spec_.contact.impratio;
+  return contact_law_.target_velocity(velocity_before_[k][axis], imp, axis == 0 ? point.distance : 0.0);
 }
 
 void ConstraintSolver::assemble_contacts() noexcept {
@@ -62,25 +70,22 @@ void ConstraintSolver::assemble_contacts() noexcept {
   for (int i = 0; i < point_count_; ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
     const ContactPoint& point = points_[k];
-    inertia.point_jacobian(point.link, point.p_WP, J_);
+    // On the robot's surface, or midway between the surfaces.
+    const Vector3 p_WP =
+        ingredients_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
+    inertia.point_jacobian(point.link, p_WP, J_);
     frames_[k] = contact_frame(point.normal);
     J_ = (frames_[k] * J_).eval();
     velocity_before_[k].noalias() = J_ * before_;
 
-    const double imp = contact_law_.impedance(point.distance);
-    const double R =
-        SoftLaw::regularization(imp, model_.inverse_weights()[static_cast<std::size_t>(point.link + 1)]);
     for (int r = 0; r < 3; ++r) {
       const Eigen::Index row = 3 * i + r;
-      // Friction rows share the normal's impedance and damping, without a spring.
-      const double target =
-          contact_law_.target_velocity(velocity_before_[k][r], imp, r == 0 ? point.distance : 0.0);
+      const double target = set_row(i, r);
       cone_.b[row] = J_.row(r).dot(joints_.velocity()) - target;
       rows_.col(row) = J_.row(r).transpose();
       inertia.half_solve(rows_.col(row));
       projected_.col(row) = rows_.col(row);
       joints_.project(projected_.col(row));
-      cone_.A(row, row) = r == 0 ? R : R / spec_.contact.impratio;
     }
   }
   for (Eigen::Index c = 0; c < rows; ++c) {
@@ -99,6 +104,7 @@ void ConstraintSolver::apply_contacts() noexcept {
   set_velocity(joints_.velocity() + change);
   for (int i = 0; i < point_count_; ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
+    if (points_[k].distance > 0 && cone_.x[3 * i] <= 0) continue;  // speculative
     const Matrix3 to_world = frames_[k].transpose();
     report(points_[k], to_world * cone_.x.segment<3>(3 * i) / spec_.physics_dt,
            to_world * velocity_before_[k]);
