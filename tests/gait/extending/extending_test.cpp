@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "crossgait/env/observation.h"
 #include "crossgait/gait/adaptive_gait_controller.h"
 #include "crossgait/gait/cycle_check.h"
 #include "crossgait/physics/error.h"
@@ -54,6 +55,17 @@ TEST(NewParameter, WidensActionsAndObservations) {
   EXPECT_NEAR(observed[4], 2 * 0.002 / 0.03 - 1, 1e-15);  // roundings of numbers near one
   for (int i = 0; i < 100; ++i) c.apply_action(action);
   EXPECT_EQ(c.parameters().swing_outward, 0.03);  // clipped
+}
+
+TEST(NewParameter, IsInTheEnvironmentsLayouts) {
+  AdaptiveGaitController c(find_gait("trot"), with_swing_outward(), leg_origins());
+  const Layout action = action_layout(c.adapted());
+  ASSERT_EQ(action.size(), 17u);
+  EXPECT_EQ(action.entries[4].name, "delta.swing_outward");
+  Layout observation;
+  find_observation_block("parameters").describe({{}, c.adapted(), action}, observation);
+  ASSERT_EQ(observation.size(), 5u);
+  EXPECT_EQ(observation.entries[4].name, "param.swing_outward");
 }
 
 TEST(NewParameter, MovesFeetGraduallyAndOnlyInSwing) {
