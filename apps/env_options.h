@@ -8,6 +8,9 @@
 
 namespace crossgait::apps {
 
+/// Threads for episodes: as many as the machine has.
+std::size_t default_workers();
+
 /// A configuration file and what is given on top of it.
 struct EnvOptions {
   std::string config;
@@ -24,14 +27,19 @@ struct EnvOptions {
   EnvConfig make() const;
 };
 
+/// How many episodes, from which seed, on how many threads.
+struct EpisodeOptions {
+  std::size_t episodes = 3, workers = default_workers();
+  std::uint64_t seed = 0;
+
+  void add_to(CLI::App& command);
+};
+
 /// The engine that the configuration names. @throws ConfigError if it is not built in
 EnvFactory env_factory(const EnvConfig& config);
 PolicyFactory policy_factory(const std::string& policy);
 /// A policy's name in a table: a file's without its folder.
 std::string short_name(const std::string& policy);
-
-/// Threads for episodes: as many as the machine has, at most `episodes`.
-std::size_t default_workers();
 
 /// Every statistic of an evaluation, reward terms with a weight by name.
 nlohmann::ordered_json to_json(const Evaluation& evaluation);

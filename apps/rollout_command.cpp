@@ -14,8 +14,7 @@ struct Options {
   EnvOptions env;
   std::vector<std::string> policies = {"zero"};
   bool baseline = false;
-  std::size_t episodes = 3, workers = default_workers();
-  std::uint64_t seed = 0;
+  EpisodeOptions runs;
   std::string trace;
   JsonOption json;
 };
@@ -68,7 +67,7 @@ void write_trace(const Options& options, const EnvConfig& config) {
   const auto env = env_factory(config)();
   const auto policy = policy_factory(options.policies.front())(env->interface());
   Trace trace;
-  run_episode(*env, *policy, derived_seed(options.seed, 0), [&](const AdaptiveGaitEnv& e) {
+  run_episode(*env, *policy, derived_seed(options.runs.seed, 0), [&](const AdaptiveGaitEnv& e) {
     trace.emplace_back(WalkSample{e.backend().state(), e.targets(), e.info().contacts, &e.info().parameters});
     return true;
   });
@@ -85,9 +84,10 @@ void run(const Options& options) {
   for (const std::string& policy : policies) {
     Run run{policy, {}, {}};
     const double done = static_cast<double>(runs.size());
-    run.episodes = evaluate_policy(
-        env_factory(config), policy_factory(policy), options.episodes, options.seed, options.workers,
-        [&](double share) { progress.update((done + share) / static_cast<double>(policies.size())); });
+    run.episodes = evaluate_policy(env_factory(config), policy_factory(policy), options.runs.episodes,
+                                   options.runs.seed, options.runs.workers, [&](double share) {
+                                     progress.update((done + share) / static_cast<double>(policies.size()));
+                                   });
     run.all = sum_up(run.episodes);
     runs.push_back(std::move(run));
   }
@@ -96,7 +96,7 @@ void run(const Options& options) {
   nlohmann::ordered_json json{{"backend", config.backend},
                               {"terrain", config.terrain},
                               {"gait", config.gait},
-                              {"seed", options.seed},
+                              {"seed", options.runs.seed},
                               {"policies", nlohmann::ordered_json::array()}};
   for (const Run& run : runs) {
     nlohmann::ordered_json entry{{"policy", run.policy}, {"all", to_json(run.all)}};
@@ -124,13 +124,7 @@ void add_rollout_command(CLI::App& program) {
       ->delimiter(',')
       ->capture_default_str();
   command->add_flag("--baseline", options->baseline, "Show the zero policy beside it");
-  command->add_option("--episodes", options->episodes, "Episodes of each policy, on the same worlds")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "Seed of the episodes")->capture_default_str();
-  command->add_option("--workers", options->workers, "Threads; results do not depend on them")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  options->runs.add_to(*command);
   command
       ->add_option("--trace", options->trace,
                    "Write state, targets, contacts and parameters of the first policy's first episode as CSV")

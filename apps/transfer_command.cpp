@@ -13,8 +13,7 @@ struct Options {
   EnvOptions env;
   std::string policy = "zero";
   std::vector<std::string> engines, terrains = {"flat", "rough", "waves"};
-  std::size_t episodes = 3, workers = default_workers();
-  std::uint64_t seed = 0;
+  EpisodeOptions runs;
   JsonOption json;
 };
 
@@ -68,8 +67,8 @@ void run(const Options& options) {
       config.terrain = terrain;
       config.backend = engine;
       const auto evaluate = [&](const std::string& policy) {
-        return sum_up(evaluate_policy(env_factory(config), policy_factory(policy), options.episodes,
-                                      options.seed, options.workers));
+        return sum_up(evaluate_policy(env_factory(config), policy_factory(policy), options.runs.episodes,
+                                      options.runs.seed, options.runs.workers));
       };
       Cell cell{terrain, engine, evaluate(options.policy), {}};
       cell.baseline = options.policy == "zero" ? cell.policy : evaluate("zero");
@@ -77,7 +76,7 @@ void run(const Options& options) {
       progress.update(static_cast<double>(cells.size()) / all);
     }
   }
-  nlohmann::ordered_json json{{"policy", options.policy}, {"seed", options.seed}};
+  nlohmann::ordered_json json{{"policy", options.policy}, {"seed", options.runs.seed}};
   for (const Cell& cell : cells) {
     json["cells"].push_back({{"terrain", cell.terrain},
                              {"backend", cell.engine},
@@ -108,13 +107,7 @@ void add_transfer_command(CLI::App& program) {
                    "Separated by blanks or semicolons (a terrain's own text has commas)")
       ->delimiter(';')
       ->capture_default_str();
-  command->add_option("--episodes", options->episodes, "Episodes in each cell")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "Seed of the episodes")->capture_default_str();
-  command->add_option("--workers", options->workers, "Threads; results do not depend on them")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  options->runs.add_to(*command);
   options->env.add_to(*command, false);
   options->json.add_to(*command);
   command->callback([options] { run(*options); });
