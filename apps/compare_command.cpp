@@ -5,9 +5,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/walk_options.h"
+#include "crossgait/apps/verdict_options.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/report.h"
+#include "crossgait/parity/verdict_report.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait::apps {
@@ -19,6 +20,7 @@ struct Options {
   WalkOptions walk;
   DivergenceTolerances tolerances;
   std::string trace;
+  bool verdict = false;
   JsonOption json;
 };
 
@@ -41,6 +43,24 @@ void check_engines(const std::vector<std::string>& engines) {
   }
 }
 
+// Of every pair that does not share a contact law; half as many starts as `crossgait verdict` takes.
+std::vector<Verdict> verdicts(const Options& options, const WorldSpec& spec, const Comparison& comparison) {
+  std::vector<Verdict> result;
+  SpreadOptions how;
+  how.verdict.starts = 6;
+  const Behaviour behaviour = walk_behaviour(options.world, options.walk, spec, how.spread);
+  for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
+    for (std::size_t k = i + 1; k < comparison.runs.size(); ++k) {
+      const BackendInfo &a = comparison.runs[i].backend, &b = comparison.runs[k].backend;
+      if (a.capabilities.matches_mujoco && b.capabilities.matches_mujoco) continue;
+      ProgressLine progress(fmt::format("judging {} and {}", a.name, b.name));
+      result.push_back(reach_verdict(behaviour, find_engine(a.name), find_engine(b.name), how.verdict,
+                                     [&](double share) { progress.update(share); }));
+    }
+  }
+  return result;
+}
+
 void run(const Options& options) {
   const WorldSpec spec = options.world.make();
   const WalkSetup setup = options.walk.make(*spec.robot);
@@ -49,15 +69,26 @@ void run(const Options& options) {
   std::vector<std::unique_ptr<PhysicsBackend>> backends;
   for (const std::string& engine : engines) backends.push_back(make_backend(engine, spec));
 
-  ProgressLine progress("comparing");
-  const Comparison comparison =
-      compare_engines(backends, setup, options.tolerances, [&](double share) { progress.update(share); });
+  Comparison comparison;
+  {
+    ProgressLine progress("comparing");
+    comparison =
+        compare_engines(backends, setup, options.tolerances, [&](double share) { progress.update(share); });
+  }
   if (!options.trace.empty()) {
     for (const WalkRun& walk : comparison.runs) {
       write_trace_csv(*spec.robot, walk.trace, trace_path(options.trace, walk.backend.name));
     }
   }
-  options.json.emit(describe(comparison), to_json(comparison));
+  std::string text = describe(comparison);
+  nlohmann::ordered_json json = to_json(comparison);
+  if (options.verdict) {
+    for (const Verdict& verdict : verdicts(options, spec, comparison)) {
+      text += "\n" + describe(verdict);
+      json["verdicts"].push_back(to_json(verdict));
+    }
+  }
+  options.json.emit(text, json);
 }
 
 }  // namespace
@@ -89,6 +120,10 @@ void add_compare_command(CLI::App& program) {
   command
       ->add_option("--trace", options->trace, "Write one CSV per engine: FILE.csv becomes FILE.<engine>.csv")
       ->type_name("FILE.csv");
+  command->add_flag(
+      "--verdict", options->verdict,
+      "Also judge whether the difference is the engine's (60 more runs per pair; see `crossgait "
+      "verdict`)");
   options->json.add_to(*command);
   command->callback([options] { run(*options); });
 }

@@ -6,6 +6,7 @@
 #include "crossgait/apps/env_options.h"
 #include "crossgait/apps/verdict_options.h"
 #include "crossgait/backends/registry.h"
+#include "crossgait/parity/model_audit.h"
 #include "crossgait/parity/verdict_report.h"
 #include "crossgait/physics/error.h"
 
@@ -18,6 +19,7 @@ struct Options {
   WalkOptions walk;
   SpreadOptions spread;
   std::string policy, config;
+  bool explain = false;
   JsonOption json;
 };
 
@@ -61,12 +63,31 @@ std::vector<std::string> two_engines(const std::vector<std::string>& asked) {
 void run(const Options& options) {
   const std::vector<std::string> engines = two_engines(options.engines);
   const WorldSpec spec = options.world.make();
-  for (const std::string& engine : engines) make_backend(engine, spec);  // bad names before long runs
-  ProgressLine progress("judging");
-  const Verdict verdict =
-      reach_verdict(behaviour(options, spec), find_engine(engines[0]), find_engine(engines[1]),
-                    options.spread.verdict, [&](double share) { progress.update(share); });
-  options.json.emit(describe(verdict), to_json(verdict));
+  // Before the long runs: names, and whether both engines hold the same machine at all.
+  const auto world_a = make_backend(engines[0], spec), world_b = make_backend(engines[1], spec);
+  const std::vector<AuditFinding> audit = audit_models(*world_a, *world_b);
+  std::optional<EngineFamily> family;
+  if (options.explain) family = find_family(engines[0], engines[1]);
+  const Behaviour what = behaviour(options, spec);
+  const VerdictOptions& how = options.spread.verdict;
+  std::string text;
+  nlohmann::ordered_json json;
+  {
+    ProgressLine progress("judging");
+    const Verdict verdict = reach_verdict(what, find_engine(engines[0]), find_engine(engines[1]), how,
+                                          [&](double share) { progress.update(share); });
+    text = fmt::format("{}\nModels: {}.\n", describe(verdict), describe(audit));
+    json = to_json(verdict);
+    json["models"] = to_json(audit);
+  }
+  if (family) {
+    ProgressLine progress("explaining");
+    const Attribution attribution = attribute(what, *family, {how.starts, how.confidence, how.workers},
+                                              [&](double share) { progress.update(share); });
+    text += "\n" + describe(attribution);
+    json["attribution"] = to_json(attribution);
+  }
+  options.json.emit(text, json);
 }
 
 }  // namespace
@@ -77,6 +98,7 @@ void add_verdict_command(CLI::App& program) {
   command->footer(
       "\nExamples:\n"
       "  crossgait verdict\n"
+      "  crossgait verdict --explain\n"
       "  crossgait verdict --gait gallop --terrain rough --starts 24 --json verdict.json\n"
       "  crossgait verdict --policy policy.safetensors --config env.yaml\n"
       "docs/verdict.md has the rule.");
@@ -98,6 +120,8 @@ void add_verdict_command(CLI::App& program) {
   for (const char* other : {"--robot", "--terrain", "--friction", "--physics-dt", "--gait", "--set",
                             "--speed", "--command", "--seconds", "--control-dt", "--settle"})
     config->excludes(command->get_option(other));
+  command->add_flag("--explain", options->explain,
+                    "Also say what the gap comes from, one ingredient of the contact at a time");
   options->json.add_to(*command);
   command->callback([options] { run(*options); });
 }

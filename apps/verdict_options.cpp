@@ -1,7 +1,10 @@
 #include "crossgait/apps/verdict_options.h"
 
+#include <fmt/format.h>
+
 #include "crossgait/apps/env_options.h"
 #include "crossgait/backends/registry.h"
+#include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait::apps {
@@ -16,6 +19,33 @@ Behaviour walk_behaviour(const WorldOptions& world, const WalkOptions& walk, con
 
 Engine find_engine(const std::string& name) {
   return {name, [name](const WorldSpec& world) { return make_backend(name, world); }};
+}
+
+EngineFamily find_family(const std::string& a, const std::string& b) {
+  const auto matches_mujoco = [](const std::string& name) {
+    WorldSpec spec;
+    spec.robot = std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped")));
+    return make_backend(name, spec)->info().capabilities.matches_mujoco;
+  };
+  const bool matches_a = matches_mujoco(a), matches_b = matches_mujoco(b);
+  for (const BackendFamily& family : backend_families()) {
+    const bool from_matches = matches_mujoco(family.from);
+    const auto is_from = [&](const std::string& name, bool matches) {
+      return name == family.from || (matches && from_matches);
+    };
+    if (!(is_from(a, matches_a) && b == family.to) && !(is_from(b, matches_b) && a == family.to)) continue;
+    EngineFamily result{family.from, family.to, {}, {}};
+    for (const BackendIngredient& i : family.ingredients)
+      result.ingredients.push_back({i.name, i.summary, i.needs});
+    result.make = [from = family.from](const std::vector<std::string>& names) {
+      std::string name = from;
+      for (const std::string& n : names) name += "+" + n;
+      return BackendFactory([name](const WorldSpec& world) { return make_backend(name, world); });
+    };
+    return result;
+  }
+  throw ConfigError("command line", "--explain", "two engines with known differences (mujoco and bullet)",
+                    fmt::format("{} and {}", a, b));
 }
 
 SpreadOptions::SpreadOptions() { verdict.workers = default_workers(); }

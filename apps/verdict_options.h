@@ -2,6 +2,7 @@
 #pragma once
 
 #include "crossgait/apps/walk_options.h"
+#include "crossgait/parity/attribution.h"
 #include "crossgait/parity/verdict.h"
 
 namespace crossgait::apps {
@@ -13,6 +14,10 @@ Behaviour walk_behaviour(const WorldOptions& world, const WalkOptions& walk, con
 
 /// The registry's engine. @throws ConfigError if it is not built in
 Engine find_engine(const std::string& name);
+
+/// The built-in family whose ends are `a` and `b`, either way round, where an engine that declares MuJoCo's
+/// contact law stands for the end that does. @throws ConfigError if there is none
+EngineFamily find_family(const std::string& a, const std::string& b);
 
 /// How runs are spread and judged.
 struct SpreadOptions {

@@ -52,20 +52,25 @@ std::vector<double> values_of(const EpisodeSummary& s) {
           s.slip_m,     s.cost_of_transport, s.total_reward, s.fell || s.diverged ? 1.0 : 0.0};
 }
 
-std::vector<double> walk_once(const WorldSpec& world, const WalkSetup& setup, const Start& start,
-                              const BackendFactory& engine) {
+// @param trace filled with every control step if not null
+WalkSummary walk_once(const WorldSpec& world, const WalkSetup& setup, const Start& start,
+                      const BackendFactory& engine, Trace* trace = nullptr) {
   const std::unique_ptr<PhysicsBackend> backend = engine(world);
   LegController legs(*world.robot, setup.compensation);
   const double mass = world.robot->total_mass(), due = setup.timing.settle_seconds + start.push_time;
   bool pushed = false;
   const auto observer = [&](const WalkSample& sample) {
+    if (trace != nullptr) {
+      trace->emplace_back(sample);
+      trace->back().torques = backend->torques();
+    }
     if (!pushed && sample.state.time >= due) {
       backend->apply_push(mass * start.push);
       pushed = true;
     }
     return true;
   };
-  return values_of(run_walk(*backend, legs, setup.make_gait(), setup.timing, observer, start.placement));
+  return run_walk(*backend, legs, setup.make_gait(), setup.timing, observer, start.placement);
 }
 
 void fill_in(Randomisation& randomisation, Randomised what, double low, double high) {
@@ -95,19 +100,28 @@ bool Behaviour::allows(const Variation& variation) const {
   return ratio > 0.5 && std::abs(ratio - std::round(ratio)) < 1e-9 * ratio;
 }
 
-Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, TerrainOfStart terrain,
+Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const TerrainOfStart& terrain,
                          const StartSpread& spread, std::uint64_t seed) {
   Behaviour behaviour;
   behaviour.name = fmt::format("{} on {}, {:g} s", setup.gait, world.terrain.name(), setup.timing.seconds);
   behaviour.statistics = {distance(), speed(), roll(), pitch(), slip(), cost(), duty(), falls()};
   behaviour.physics_dt = world.physics_dt;
   behaviour.control_dt = setup.timing.control_dt;
-  behaviour.run = [world, setup, terrain = std::move(terrain), spread, seed](
-                      const BackendFactory& engine, const Variation& variation, std::size_t k) {
+  behaviour.run = [world, setup, terrain, spread, seed](const BackendFactory& engine,
+                                                        const Variation& variation, std::size_t k) {
     WorldSpec varied = world;
     varied.terrain = terrain(k);
     variation.apply(varied);
-    return walk_once(varied, setup, draw_start(spread, derived_seed(seed, k)), engine);
+    return values_of(walk_once(varied, setup, draw_start(spread, derived_seed(seed, k)), engine));
+  };
+  behaviour.trace = [world, setup, terrain, spread, seed](const BackendFactory& engine, std::size_t k) {
+    WorldSpec own = world;
+    own.terrain = terrain(k);
+    WalkSetup at_once = setup;
+    at_once.timing.settle_seconds = 0;
+    Trace trace;
+    walk_once(own, at_once, draw_start(spread, derived_seed(seed, k)), engine, &trace);
+    return trace;
   };
   return behaviour;
 }

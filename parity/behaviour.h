@@ -53,6 +53,9 @@ struct Behaviour {
   std::function<std::vector<double>(const BackendFactory& engine, const Variation& variation,
                                     std::size_t start)>
       run;
+  /// The same as a trace with torques, as asked, without the time to settle, so that the first touch is on
+  /// it. Empty for behaviours that record none.
+  std::function<Trace(const BackendFactory& engine, std::size_t start)> trace;
   double physics_dt = 0, control_dt = 0;  ///< s, as asked
 
   /// False where the control step would no longer be a whole number of physics steps.
@@ -63,7 +66,7 @@ struct Behaviour {
 using TerrainOfStart = std::function<Terrain(std::size_t start)>;
 
 /// A gait, walked by `run_walk`. @param world whose terrain is replaced by `terrain`'s
-Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, TerrainOfStart terrain,
+Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const TerrainOfStart& terrain,
                          const StartSpread& spread = {}, std::uint64_t seed = 0);
 
 /// A policy in its environment. Ranges of `config.randomisation` that are off are filled in from `spread`

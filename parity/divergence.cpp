@@ -11,6 +11,21 @@ double attitude_difference(const Quaternion& a, const Quaternion& b) noexcept {
   return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));
 }
 
+namespace {
+
+double load_difference(const TraceSample& a, const TraceSample& b) {
+  double largest = 0;
+  for (const Leg leg : kLegs) largest = std::max(largest, std::abs(a.load[leg] - b.load[leg]));
+  return largest;
+}
+
+double torque_difference(const TraceSample& a, const TraceSample& b) {
+  if (a.torques.size() == 0 || a.torques.size() != b.torques.size()) return 0;
+  return (a.torques - b.torques).lpNorm<Eigen::Infinity>();
+}
+
+}  // namespace
+
 PairDifference compare_traces(const Trace& a, const Trace& b, const DivergenceTolerances& tolerances) {
   PairDifference result;
   result.tolerances = tolerances;
@@ -29,9 +44,11 @@ PairDifference compare_traces(const Trace& a, const Trace& b, const DivergenceTo
       const char* quantity;
       double difference, tolerance;
     };
-    const std::array<Check, 3> checks{{{"joint", joint, tolerances.joint},
+    const std::array<Check, 5> checks{{{"joint", joint, tolerances.joint},
                                        {"attitude", attitude, tolerances.attitude},
-                                       {"position", position, tolerances.position}}};
+                                       {"position", position, tolerances.position},
+                                       {"load", load_difference(a[i], b[i]), tolerances.load},
+                                       {"torque", torque_difference(a[i], b[i]), tolerances.torque}}};
     // Where several leave in the same step, the one that overshoots its tolerance most is named.
     const auto worst = std::max_element(checks.begin(), checks.end(), [](const Check& x, const Check& y) {
       return x.difference / x.tolerance < y.difference / y.tolerance;

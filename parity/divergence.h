@@ -1,6 +1,7 @@
 // How far two runs of the same controller lie apart, and what went first.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -13,16 +14,26 @@ struct DivergenceTolerances {
   double position = 1e-3;  ///< of the base, m
   double joint = 1e-2;     ///< largest difference of a joint angle, rad
   double attitude = 1e-2;  ///< angle between the base orientations, rad
+  /// Of the force on a foot, N, and of a joint's torque, N m. Not watched unless asked for: both jump at
+  /// every touchdown that comes a step earlier.
+  double load = std::numeric_limits<double>::infinity();
+  double torque = std::numeric_limits<double>::infinity();
 
   /// For engines that declare the same contact law: rounding with room (a 5 s trot differs by about 1e-14 m).
-  static DivergenceTolerances exact() { return {1e-6, 1e-6, 1e-6}; }
+  static DivergenceTolerances exact() { return {.position = 1e-6, .joint = 1e-6, .attitude = 1e-6}; }
+
+  /// For the first sign of a known change: about 1e-4 of the size of each (legs of a tenth of a metre, angles
+  /// of a radian, a weight of several N, torques of a tenth N m).
+  static DivergenceTolerances fine() {
+    return {.position = 1e-5, .joint = 1e-4, .attitude = 1e-4, .load = 1e-3, .torque = 1e-5};
+  }
 };
 
 /// The first time one quantity left its tolerance.
 struct FirstDivergence {
-  std::string quantity;  ///< "position", "joint" or "attitude"
+  std::string quantity;  ///< "position", "joint", "attitude", "load" or "torque"
   double time_s = 0;
-  double tolerance = 0;  ///< m or rad
+  double tolerance = 0;  ///< in the quantity's unit
 };
 
 struct PairDifference {
@@ -31,7 +42,7 @@ struct PairDifference {
   double max_joint_difference_rad = 0;
   double max_attitude_difference_rad = 0;
   DivergenceTolerances tolerances;
-  std::optional<FirstDivergence> first_divergence;  ///< earliest of the three; empty if all stayed within
+  std::optional<FirstDivergence> first_divergence;  ///< earliest of those watched; empty if all stayed within
 };
 
 /// Angle of the rotation between two orientations, in [0, pi], rad. Accurate near zero.

@@ -15,6 +15,7 @@ struct TraceSample {
   JointTargets targets;
   LegArray<bool> contact{};
   LegArray<double> load{};  ///< magnitude of the force on each foot, N
+  JointVector torques;      ///< of the last physics step, N m; empty where the recorder did not ask for them
 
   std::optional<GaitParameters> parameters;  ///< of the gait, where there is one
 

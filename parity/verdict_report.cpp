@@ -55,6 +55,14 @@ nlohmann::ordered_json to_json(const Verdict& verdict) {
   return json;
 }
 
+nlohmann::ordered_json to_json(const std::vector<AuditFinding>& findings) {
+  ordered_json json = ordered_json::array();
+  for (const AuditFinding& f : findings)
+    json.push_back(
+        {{"quantity", f.quantity}, {"element", f.element}, {"a", f.a}, {"b", f.b}, {"unit", f.unit}});
+  return json;
+}
+
 std::string describe(const Verdict& verdict) {
   Table table({verdict.behaviour, verdict.a, verdict.b, "gap", "+-", "spread", "floor", "score", "from", "to",
                "verdict"});

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "crossgait/parity/attribution.h"
+#include "crossgait/parity/model_audit.h"
 #include "crossgait/parity/verdict.h"
 
 namespace crossgait {
@@ -13,5 +15,12 @@ namespace crossgait {
 nlohmann::ordered_json to_json(const Verdict& verdict);
 /// A table with one line per statistic, and the rule in words.
 std::string describe(const Verdict& verdict);
+
+/// A list, empty where the models are the same.
+nlohmann::ordered_json to_json(const std::vector<AuditFinding>& findings);
+
+nlohmann::ordered_json to_json(const Attribution& attribution);
+/// What each ingredient does to each statistic, the way from one engine to the other, and what to blame.
+std::string describe(const Attribution& attribution);
 
 }  // namespace crossgait

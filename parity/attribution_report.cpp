@@ -1,0 +1,118 @@
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/parity/table.h"
+#include "crossgait/parity/verdict_report.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json to_json(const Interval& i) {
+  return {{"estimate", i.estimate}, {"low", i.low}, {"high", i.high}};
+}
+
+std::string label(const Statistic& s) {
+  return s.unit == "-" ? s.name : fmt::format("{}, {}", s.name, s.unit);
+}
+
+std::string when(const std::optional<FirstDivergence>& first) {
+  return first ? fmt::format("{} at {:.3f} s", first->quantity, first->time_s) : "nothing";
+}
+
+// Statistics whose gap somebody would act on.
+std::vector<std::size_t> worth_explaining(const Attribution& a) {
+  std::vector<std::size_t> shown;
+  for (std::size_t s = 0; s < a.statistics.size(); ++s) {
+    if (std::abs(a.gap[s].estimate) >= a.floor[s]) shown.push_back(s);
+  }
+  return shown;
+}
+
+std::string effects_table(const Attribution& a, const std::vector<std::size_t>& shown) {
+  std::vector<std::string> header{"share of the gap, %"};
+  for (const std::size_t s : shown) header.push_back(label(a.statistics[s]));
+  header.emplace_back("first to part");
+  Table table(header);
+  for (const IngredientEffect& e : a.effects) {
+    std::vector<std::string> row{e.ingredient.name};
+    for (const std::size_t s : shown) {
+      const double gap = std::abs(a.gap[s].estimate) / 100, sign = a.gap[s].estimate < 0 ? -1 : 1;
+      row.push_back(fmt::format("{:+.0f} +- {:.0f}", sign * e.effect[s].estimate / gap,
+                                e.effect[s].half_width() / gap));
+    }
+    row.push_back(when(e.first_divergence));
+    table.add_row(row);
+  }
+  return table.str();
+}
+
+std::string way_table(const Attribution& a) {
+  std::vector<std::string> header{"one after the other"};
+  for (const Statistic& s : a.statistics) header.push_back(label(s));
+  Table table(header);
+  std::vector<double> now = a.from_mean;
+  const auto add = [&](const std::string& name) {
+    std::vector<std::string> row{name};
+    for (const double value : now) row.push_back(fmt::format("{:.4g}", value));
+    table.add_row(row);
+  };
+  add(a.from);
+  for (const IngredientEffect& e : a.effects) {
+    for (std::size_t s = 0; s < now.size(); ++s) now[s] += e.step[s].estimate;
+    add(fmt::format("+ {}", e.ingredient.name));
+  }
+  return table.str() + fmt::format("The last line is {}.\n", a.to);
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const Attribution& a) {
+  ordered_json json{{"behaviour", a.behaviour}, {"from", a.from}, {"to", a.to}, {"starts", a.starts}};
+  for (std::size_t s = 0; s < a.statistics.size(); ++s) {
+    ordered_json statistic{{"name", a.statistics[s].name}, {"unit", a.statistics[s].unit},
+                           {"mean_from", a.from_mean[s]},  {"mean_to", a.to_mean[s]},
+                           {"gap", to_json(a.gap[s])},     {"floor", a.floor[s]},
+                           {"leading", a.leading(s)}};
+    for (const IngredientEffect& e : a.effects) {
+      statistic["ingredients"].push_back({{"name", e.ingredient.name},
+                                          {"effect", to_json(e.effect[s])},
+                                          {"first", to_json(e.first[s])},
+                                          {"last", to_json(e.last[s])},
+                                          {"step", to_json(e.step[s])}});
+    }
+    json["statistics"].push_back(statistic);
+  }
+  for (const IngredientEffect& e : a.effects) {
+    ordered_json first = nullptr;
+    if (const auto& d = e.first_divergence)
+      first = {{"quantity", d->quantity}, {"time_s", d->time_s}, {"tolerance", d->tolerance}};
+    json["ingredients"].push_back({{"name", e.ingredient.name},
+                                   {"summary", e.ingredient.summary},
+                                   {"needs", e.ingredient.needs},
+                                   {"first_divergence", first}});
+  }
+  return json;
+}
+
+std::string describe(const Attribution& a) {
+  const std::vector<std::size_t> shown = worth_explaining(a);
+  std::string text = fmt::format("From {} to {}, {} starts:\n\n", a.from, a.to, a.starts);
+  for (const IngredientEffect& e : a.effects)
+    text += fmt::format("  {:14} {}\n", e.ingredient.name, e.ingredient.summary);
+  text += fmt::format("\n{}\n", way_table(a));
+  if (shown.empty()) return text + "No gap is large enough to explain.\n";
+  text += effects_table(a, shown) + "\n";
+  for (const std::size_t s : shown) {
+    const std::vector<std::string> names = a.leading(s);
+    text += fmt::format("{}: {}.\n", a.statistics[s].name,
+                        names.empty() ? "no single ingredient" : fmt::format("{}", fmt::join(names, ", ")));
+  }
+  return text;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,235 @@
+#include "crossgait/parity/model_audit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "crossgait/parity/model_probes.h"
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace {
+
+// Keeps the largest difference of one quantity, in units of what is allowed.
+class Worst {
+ public:
+  Worst(std::string quantity, std::string unit) : finding_{std::move(quantity), {}, 0, 0, std::move(unit)} {}
+
+  /// @param scale size that a relative tolerance of 1e-6 refers to @param rounding absolute tolerance
+  void add(double a, double b, double scale, double rounding, const std::string& element) {
+    const double allowed = std::max(1e-6 * scale, rounding), excess = std::abs(a - b) / allowed;
+    if (excess <= 1 || excess <= worst_) return;
+    worst_ = excess;
+    finding_.a = a;
+    finding_.b = b;
+    finding_.element = element;
+  }
+  void append_to(std::vector<AuditFinding>& findings) const {
+    if (worst_ > 0) findings.push_back(finding_);
+  }
+
+ private:
+  AuditFinding finding_;
+  double worst_ = 0;
+};
+
+constexpr double kRounding = 1e-11;       // of numbers of order one that went through one engine step
+constexpr double kRayTolerance = 1e-5;    // m, of a ray test (Capabilities::exact_field_query)
+constexpr double kForceTolerance = 1e-3;  // solvers stop at their own tolerance
+constexpr double kStepTolerance = 1e-7;   // m/s and rad/s, over a step from 10 rad/s (joint stage, Newton)
+
+std::string body_label(const PhysicsBackend& world, int body) {
+  return "body " + world.robot().bodies[static_cast<std::size_t>(body)].name;
+}
+std::string joint_label(const PhysicsBackend& world, int joint) {
+  return "joint " + world.robot().joint(joint).name;
+}
+
+using Findings = std::vector<AuditFinding>;
+
+void audit_time(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+  Worst time("time step", "s");
+  const double ta = probes::time_of_a_step(a), tb = probes::time_of_a_step(b);
+  time.add(ta, tb, std::max(ta, tb), 0, "");
+  time.append_to(findings);
+}
+
+void audit_inertias(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
+  Worst mass("mass", "kg"), centre("centre of mass", "m"), inertia("inertia", "kg m^2");
+  for (int i = 0; i <= a.robot().joint_count(); ++i) {
+    const SpatialInertia x = a.body_inertia(i), y = b.body_inertia(i);
+    mass.add(x.mass, y.mass, x.mass, 0, body_label(a, i));
+    for (int k = 0; k < 3; ++k) centre.add(x.p_BC[k], y.p_BC[k], 0.01, kRounding, body_label(a, i));
+    const double size = x.I_C.diagonal().maxCoeff();
+    for (int k = 0; k < 9; ++k)
+      inertia.add(x.I_C(k / 3, k % 3), y.I_C(k / 3, k % 3), size, 0, body_label(a, i));
+  }
+  for (const Worst* w : {&mass, &centre, &inertia}) w->append_to(findings);
+}
+
+// Bodies' positions in the base's frame, and directions of their axes.
+void audit_geometry(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+  Worst placement("link placement", "m"), axis("joint axis", "m or rad");
+  const int joints = a.robot().joint_count();
+  for (int turned = -1; turned < joints; ++turned) {
+    const std::vector<Pose> x = probes::poses_with_turned(a, turned),
+                            y = probes::poses_with_turned(b, turned);
+    for (int i = 0; i <= joints; ++i) {
+      const Pose &X = x[static_cast<std::size_t>(i)], &Y = y[static_cast<std::size_t>(i)];
+      Worst& worst = turned < 0 ? placement : axis;
+      const std::string element = turned < 0 ? body_label(a, i) : joint_label(a, turned);
+      for (int k = 0; k < 3; ++k) worst.add(X.translation()[k], Y.translation()[k], 0.1, kRounding, element);
+      for (int k = 0; k < 9; ++k)
+        worst.add(X.linear()(k / 3, k % 3), Y.linear()(k / 3, k % 3), 1, 0, element);
+    }
+  }
+  placement.append_to(findings);
+  axis.append_to(findings);
+}
+
+void audit_armature(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+  Worst armature("armature", "kg m^2");
+  const Eigen::VectorXd x = probes::joint_inertias(a), y = probes::joint_inertias(b);
+  for (int i = 0; i < x.size(); ++i) armature.add(x[i], y[i], x[i], 0, joint_label(a, i));
+  armature.append_to(findings);
+}
+
+void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
+  Worst heights("height of the ground", "m"), diagonal("diagonal of the height field", "m");
+  const HeightField* field = a.spec().terrain.field();
+  const auto compare = [&](Worst& worst, double x, double y) {
+    const double height_a = a.terrain_height(x, y), height_b = b.terrain_height(x, y);
+    if (std::isnan(height_a) && std::isnan(height_b)) return;
+    worst.add(std::isnan(height_a) ? 1e3 : height_a, std::isnan(height_b) ? 1e3 : height_b, 0, kRayTolerance,
+              fmt::format("ground at ({:.4g}, {:.4g}) m", x, y));
+  };
+  if (field == nullptr) {
+    for (const double x : {-0.5, 0.0, 0.7}) compare(heights, x, 0.3 * x);
+  } else {
+    constexpr int kMost = 40;  // cells looked at along each side
+    const int skip_c = std::max(1, field->columns() / kMost), skip_r = std::max(1, field->rows() / kMost);
+    for (int r = 1; r + 2 < field->rows(); r += skip_r) {
+      for (int c = 1; c + 2 < field->columns(); c += skip_c) {
+        const double x = c * field->cell_x() - field->size_x() / 2;
+        const double y = r * field->cell_y() - field->size_y() / 2;
+        compare(heights, x, y);
+        // In the middle of a cell stands the mean of whichever diagonal it is split along.
+        compare(diagonal, x + field->cell_x() / 2, y + field->cell_y() / 2);
+      }
+    }
+  }
+  heights.append_to(findings);
+  diagonal.append_to(findings);
+}
+
+void audit_gravity(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+  Worst gravity("gravity", "m/s^2");
+  const Vector3 x = probes::free_fall(a), y = probes::free_fall(b);
+  constexpr std::array kAxes{"x", "y", "z"};
+  for (int k = 0; k < 3; ++k) gravity.add(x[k], y[k], 10, 1e-7, kAxes[static_cast<std::size_t>(k)]);
+  gravity.append_to(findings);
+}
+
+void audit_servos(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+  Worst damping("joint damping", "N m s/rad"), stiffness("servo stiffness", "N m/rad"),
+      effort("effort limit", "N m"), servo("servo damping", "N m s/rad");
+  for (int i = 0; i < a.robot().joint_count(); ++i) {
+    const probes::ServoResponse x = probes::servo_response(a, i), y = probes::servo_response(b, i);
+    const auto add = [&](Worst& worst, double probes::ServoResponse::*what) {
+      worst.add(x.*what, y.*what, std::abs(x.*what), kRounding, joint_label(a, i));
+    };
+    add(damping, &probes::ServoResponse::joint_damping);
+    add(stiffness, &probes::ServoResponse::stiffness);
+    add(effort, &probes::ServoResponse::effort_limit);
+    add(servo, &probes::ServoResponse::servo_damping);
+  }
+  for (const Worst* w : {&damping, &stiffness, &effort, &servo}) w->append_to(findings);
+}
+
+void audit_feet(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+  if (!a.robot().legs) return;
+  Worst radius("foot radius", "m"), friction("friction", "-"), law("contact law", "N");
+  const RobotState standing = probes::pressed(a, 0), sliding = probes::pressed(a, 1);
+  const LegArray<probes::PressedFoot> x = probes::press_feet(a, standing),
+                                      y = probes::press_feet(b, standing);
+  const LegArray<probes::PressedFoot> sliding_a = probes::press_feet(a, sliding),
+                                      sliding_b = probes::press_feet(b, sliding);
+  const bool one_law = a.info().capabilities.matches_mujoco && b.info().capabilities.matches_mujoco;
+  for (const Leg leg : kLegs) {
+    const std::string element = fmt::format("foot {}", name(leg));
+    radius.add(x[leg].depth, y[leg].depth, 0.01, 1e-9, element);
+    const double ratio = sliding_a[leg].friction_ratio;
+    friction.add(ratio, sliding_b[leg].friction_ratio, 0, kForceTolerance * std::max(0.1, ratio), element);
+    if (one_law)
+      law.add(x[leg].normal_force, y[leg].normal_force, 0, kForceTolerance * x[leg].normal_force, element);
+  }
+  for (const Worst* w : {&radius, &friction, &law}) w->append_to(findings);
+}
+
+void audit_motion(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+  Worst motion("motion in the air", "m/s or rad/s");
+  const RobotState state = probes::swinging(a);
+  const Eigen::VectorXd x = probes::swing(a, state), y = probes::swing(b, state);
+  for (int i = 0; i < x.size(); ++i)
+    motion.add(x[i], y[i], 0, kStepTolerance, i < 6 ? body_label(a, 0) : joint_label(a, i - 6));
+  motion.append_to(findings);
+}
+
+}  // namespace
+
+const std::vector<std::string>& audited_quantities() {
+  static const std::vector<std::string> kQuantities{"time step",
+                                                    "mass",
+                                                    "centre of mass",
+                                                    "inertia",
+                                                    "link placement",
+                                                    "joint axis",
+                                                    "armature",
+                                                    "height of the ground",
+                                                    "diagonal of the height field",
+                                                    "gravity",
+                                                    "joint damping",
+                                                    "servo stiffness",
+                                                    "effort limit",
+                                                    "servo damping",
+                                                    "foot radius",
+                                                    "friction",
+                                                    "contact law",
+                                                    "motion in the air"};
+  return kQuantities;
+}
+
+std::vector<AuditFinding> audit_models(PhysicsBackend& a, PhysicsBackend& b) {
+  if (a.robot().bodies.size() != b.robot().bodies.size()) {
+    throw ConfigError("model audit", "robots", fmt::format("{} bodies in both", a.robot().bodies.size()),
+                      fmt::format("{}", b.robot().bodies.size()));
+  }
+  Findings findings;
+  audit_time(a, b, findings);
+  audit_inertias(a, b, findings);
+  audit_geometry(a, b, findings);
+  audit_armature(a, b, findings);
+  audit_ground(a, b, findings);
+  audit_gravity(a, b, findings);
+  audit_servos(a, b, findings);
+  audit_feet(a, b, findings);
+  audit_motion(a, b, findings);
+  a.reset();
+  b.reset();
+  return findings;
+}
+
+std::string describe(const std::vector<AuditFinding>& findings) {
+  if (findings.empty()) return fmt::format("the same in {}", fmt::join(audited_quantities(), ", "));
+  std::string text;
+  for (const AuditFinding& f : findings) {
+    text += fmt::format("{}{}{}{}: {:.6g} against {:.6g} {}", text.empty() ? "" : "; ", f.quantity,
+                        f.element.empty() ? "" : " of ", f.element, f.a, f.b, f.unit);
+  }
+  return text;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,43 @@
+// Do two worlds hold the same machine? Asked of the engines, through nothing but the public interface.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "crossgait/physics/physics_backend.h"
+
+namespace crossgait {
+
+/// One number that two worlds hold differently.
+struct AuditFinding {
+  std::string quantity;  ///< "mass", "armature", "joint axis", ...; see `audited_quantities`
+  std::string element;   ///< the body, joint, foot or place: "body FL_lower_left"; empty for the whole world
+  double a = 0, b = 0;   ///< of the two worlds
+  std::string unit;
+};
+
+/// What the audit looks at, in order: from what is read off directly to what is inferred from motion, and
+/// each after all that could be mistaken for it. The first finding is therefore the cause, and later ones may
+/// be its consequences.
+const std::vector<std::string>& audited_quantities();
+
+/// Compares two worlds that are meant to be of one specification. Both are reset and moved, and end reset.
+///
+/// Read off: time per step; mass, centre of mass and inertia of each body; poses of the bodies at zero and
+/// with one joint turned at a time (link placement, joint axis); the diagonal of the mass matrix (armature);
+/// heights of the ground at the corners and in the middle of the cells (heights, diagonal). Measured in one
+/// step each: free fall (gravity); torques of each joint pushed off its target, against its stop and turning
+/// (servo stiffness, effort limit, joint damping, servo damping); depth of feet pressed into the ground (foot
+/// radius); force ratio of sliding feet (friction); motion of the swinging robot in the air (loops and what
+/// else there may be). Between engines that both declare MuJoCo's contact law also the force on pressed feet
+/// (contact law).
+///
+/// @returns differences beyond 1e-6 of the larger value or rounding (ray tests: 1e-5 m; friction, where
+/// solvers stop early: 1e-3); at most one per quantity, its largest
+/// @throws ConfigError if the two robots have different bodies
+std::vector<AuditFinding> audit_models(PhysicsBackend& a, PhysicsBackend& b);
+
+/// "mass of body trunk: .4 kg against .42 kg", or what was compared if all is the same.
+std::string describe(const std::vector<AuditFinding>& findings);
+
+}  // namespace crossgait

@@ -1,0 +1,145 @@
+#include "crossgait/parity/model_probes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "crossgait/physics/multibody.h"
+
+namespace crossgait::probes {
+namespace {
+
+constexpr double kHighUp = 100;  // m above the highest ground: nothing touches
+
+JointTargets targets_at(const RobotDescription& robot, const JointVector& q) {
+  const std::vector<int> actuated = robot.actuated_joints();
+  JointTargets targets{JointVector::Zero(static_cast<Eigen::Index>(actuated.size()))};
+  for (std::size_t k = 0; k < actuated.size(); ++k) targets.q[static_cast<Eigen::Index>(k)] = q[actuated[k]];
+  return targets;
+}
+
+RobotState high_up(const PhysicsBackend& world) {
+  RobotState state = world.home_state();
+  state.p_WB.z() += kHighUp;
+  return state;
+}
+
+double torque_of(PhysicsBackend& world, const RobotState& state, int joint, double target) {
+  world.reset(state);
+  JointVector q = state.q;
+  q[joint] = target;
+  return world.step(targets_at(world.robot(), q)) == StepStatus::kOk
+             ? world.torques()[joint]
+             : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+double time_of_a_step(PhysicsBackend& world) {
+  const RobotState state = high_up(world);
+  world.reset(state);
+  return world.step(targets_at(world.robot(), state.q)) == StepStatus::kOk
+             ? world.state().time - state.time
+             : std::numeric_limits<double>::infinity();
+}
+
+std::vector<Pose> poses_with_turned(PhysicsBackend& world, int turned) {
+  RobotState state = high_up(world);
+  state.q.setZero();
+  if (turned >= 0) state.q[turned] = 0.5;
+  world.reset(state);
+  const Pose X_BW = world.body_pose(0).inverse();
+  std::vector<Pose> poses;
+  for (int i = 0; i <= world.robot().joint_count(); ++i) poses.push_back(X_BW * world.body_pose(i));
+  return poses;
+}
+
+Eigen::VectorXd joint_inertias(PhysicsBackend& world) {
+  world.reset(high_up(world));
+  return world.mass_matrix().diagonal().tail(world.robot().joint_count());
+}
+
+Vector3 free_fall(PhysicsBackend& world) {
+  const RobotState state = high_up(world);
+  world.reset(state);
+  if (world.step(targets_at(world.robot(), state.q)) != StepStatus::kOk)
+    return Vector3::Constant(std::numeric_limits<double>::infinity());
+  return world.state().v_WB / (world.state().time - state.time);
+}
+
+ServoResponse servo_response(PhysicsBackend& world, int joint) {
+  constexpr double kSpeed = 0.1, kSmall = 1e-3;  // rad/s, rad
+  const Joint& of = world.robot().joint(joint);
+  RobotState rest = high_up(world), turning = rest;
+  turning.qd[joint] = kSpeed;
+  ServoResponse response;
+  if (!of.actuated) {
+    response.joint_damping = -torque_of(world, turning, joint, rest.q[joint]) / kSpeed;
+    return response;
+  }
+  // From far outside its range every target is far away.
+  const double range = 1e3;
+  RobotState outside = rest;
+  outside.q[joint] -= range;
+  RobotState outside_turning = outside;
+  outside_turning.qd[joint] = kSpeed;
+  response.effort_limit = torque_of(world, outside, joint, rest.q[joint]);
+  response.joint_damping =
+      (response.effort_limit - torque_of(world, outside_turning, joint, rest.q[joint])) / kSpeed;
+  response.stiffness = torque_of(world, rest, joint, rest.q[joint] + kSmall) / kSmall;
+  response.servo_damping = -torque_of(world, turning, joint, rest.q[joint]) / kSpeed - response.joint_damping;
+  return response;
+}
+
+RobotState pressed(const PhysicsBackend& world, double speed) {
+  constexpr double kDepth = 1e-3;  // m
+  const RobotDescription& robot = world.robot();
+  RobotState state = world.home_state();
+  std::vector<Pose> poses;
+  forward_kinematics(robot, state, poses);
+  double gap = std::numeric_limits<double>::infinity();
+  for (const Leg leg : kLegs) {
+    const Vector3 foot = foot_position(robot, leg, poses);
+    const double radius = (*robot.legs)[leg].foot_radius;
+    gap = std::min(gap, foot.z() - radius - world.spec().terrain.height(foot.x(), foot.y()));
+  }
+  state.p_WB.z() -= gap + kDepth;
+  state.v_WB.x() = speed;
+  return state;
+}
+
+LegArray<PressedFoot> press_feet(PhysicsBackend& world, const RobotState& pressed) {
+  world.reset(pressed);
+  LegArray<PressedFoot> feet{};
+  if (world.step(targets_at(world.robot(), pressed.q)) != StepStatus::kOk) return feet;
+  for (const Contact& c : world.contacts()) {
+    if (c.leg < 0 || c.distance > 0) continue;
+    PressedFoot& foot = feet[static_cast<std::size_t>(c.leg)];
+    const double normal = c.force.dot(c.normal);
+    foot.depth = std::max(foot.depth, -c.distance);
+    foot.normal_force += normal;
+    if (normal > 0) foot.friction_ratio = (c.force - normal * c.normal).norm() / normal;
+  }
+  return feet;
+}
+
+RobotState swinging(const PhysicsBackend& world) {
+  RobotState state = high_up(world);
+  state.w_WB = {1, 2, 3};
+  for (Eigen::Index i = 0; i < state.q.size(); ++i) {
+    state.q[i] += 0.02 * std::sin(static_cast<double>(i));  // opens the loops by a millimetre
+    state.qd[i] = std::cos(2.0 * static_cast<double>(i));
+  }
+  return state;
+}
+
+Eigen::VectorXd swing(PhysicsBackend& world, const RobotState& state) {
+  world.reset(state);
+  Eigen::VectorXd velocity(6 + state.q.size());
+  if (world.step(targets_at(world.robot(), state.q)) != StepStatus::kOk)
+    return velocity.setConstant(std::numeric_limits<double>::infinity());
+  velocity << world.state().v_WB, world.state().w_WB, world.state().qd;
+  return velocity;
+}
+
+}  // namespace crossgait::probes

@@ -1,0 +1,45 @@
+// Single experiments on a world through its public interface. Private to the model audit.
+#pragma once
+
+#include <vector>
+
+#include "crossgait/physics/physics_backend.h"
+
+namespace crossgait::probes {
+
+/// Simulated time that one step takes, s.
+double time_of_a_step(PhysicsBackend& world);
+
+/// Poses of all bodies in the base's frame with one joint turned by half a radian and all others at zero.
+/// @param turned joint, or -1 for none
+std::vector<Pose> poses_with_turned(PhysicsBackend& world, int turned);
+
+/// Diagonal of the mass matrix at home, joints alone, kg m^2.
+Eigen::VectorXd joint_inertias(PhysicsBackend& world);
+
+/// Acceleration of the resting robot let go far above the ground, m/s^2.
+Vector3 free_fall(PhysicsBackend& world);
+
+struct ServoResponse {
+  double joint_damping = 0, stiffness = 0, effort_limit = 0, servo_damping = 0;
+};
+/// From torques of single steps. A servo is told apart from its joint's damping by driving it into its effort
+/// limit, where its own damping has no say. Zeros for what a passive joint has not.
+ServoResponse servo_response(PhysicsBackend& world, int joint);
+
+struct PressedFoot {
+  double depth = 0;           ///< of the foot in the ground, m; 0 if it does not touch
+  double normal_force = 0;    ///< N
+  double friction_ratio = 0;  ///< tangential over normal force
+};
+/// The robot at home, its feet up to 1 mm deep in the ground, sliding forward. @param speed m/s
+RobotState pressed(const PhysicsBackend& world, double speed);
+/// One step from there. Both worlds are to start from the state of one.
+LegArray<PressedFoot> press_feet(PhysicsBackend& world, const RobotState& pressed);
+
+/// High in the air with every joint turning and the loops a little open.
+RobotState swinging(const PhysicsBackend& world);
+/// Velocities after one step from there with the servos holding `state`'s angles: [v_WB, w_WB, qd].
+Eigen::VectorXd swing(PhysicsBackend& world, const RobotState& state);
+
+}  // namespace crossgait::probes
