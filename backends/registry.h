@@ -38,8 +38,9 @@ struct BackendFamily {
 /// Those built in.
 const std::vector<BackendFamily>& backend_families();
 
-/// @param name one of `available_backends()`; "bullet:native" is an alias of "bullet". A family's `from` may be
-/// followed by ingredients "+NAME", its `to` by "-NAME": "bullet:matched+surface+coulomb", "bullet-sweeps".
+/// @param name one of `available_backends()`; "bullet:native" is an alias of "bullet". A family's `from` may
+/// be followed by ingredients "+NAME", its `to` by "-NAME": "bullet:matched+surface+coulomb",
+/// "bullet-sweeps".
 /// @throws ConfigError for an unknown or unavailable name (listing the available ones) or an invalid
 /// specification
 std::unique_ptr<PhysicsBackend> make_backend(std::string_view name, const WorldSpec& spec);

@@ -13,9 +13,9 @@ Statistic distance() { return {"distance", "m", 0.02, 0.005}; }
 Statistic speed() { return {"mean speed", "m/s", 0.02, 0.001}; }
 Statistic roll() { return {"RMS roll", "deg", 0.02, 0.1}; }
 Statistic pitch() { return {"RMS pitch", "deg", 0.02, 0.1}; }
-Statistic slip() { return {"slip of loaded feet", "m", 0.02, 0.005}; }
+Statistic slip() { return {"slip of loaded feet", "m", 0.02, 0.02}; }  // 5 mm for each foot
 Statistic cost() { return {"cost of transport", "-", 0.02, 0.01}; }
-Statistic duty() { return {"duty factor", "-", 0, 0.01}; }
+Statistic duty() { return {"duty factor", "-", 0, 0.02}; }
 Statistic falls() { return {"falls", "share", 0, 0.05, true}; }
 
 struct Start {

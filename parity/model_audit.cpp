@@ -70,7 +70,7 @@ void audit_inertias(const PhysicsBackend& a, const PhysicsBackend& b, Findings& 
   for (const Worst* w : {&mass, &centre, &inertia}) w->append_to(findings);
 }
 
-// Bodies' positions in the base's frame, and directions of their axes.
+// Where bodies sit in their parents, and what turning a joint does to that.
 void audit_geometry(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
   Worst placement("link placement", "m"), axis("joint axis", "m or rad");
   const int joints = a.robot().joint_count();
@@ -104,7 +104,7 @@ void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, Findings& fi
     const double height_a = a.terrain_height(x, y), height_b = b.terrain_height(x, y);
     if (std::isnan(height_a) && std::isnan(height_b)) return;
     worst.add(std::isnan(height_a) ? 1e3 : height_a, std::isnan(height_b) ? 1e3 : height_b, 0, kRayTolerance,
-              fmt::format("ground at ({:.4g}, {:.4g}) m", x, y));
+              fmt::format("({:.4g}, {:.4g}) m", x, y));
   };
   if (field == nullptr) {
     for (const double x : {-0.5, 0.0, 0.7}) compare(heights, x, 0.3 * x);
@@ -128,7 +128,7 @@ void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, Findings& fi
 void audit_gravity(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
   Worst gravity("gravity", "m/s^2");
   const Vector3 x = probes::free_fall(a), y = probes::free_fall(b);
-  constexpr std::array kAxes{"x", "y", "z"};
+  constexpr std::array kAxes{"axis x", "axis y", "axis z"};
   for (int k = 0; k < 3; ++k) gravity.add(x[k], y[k], 10, 1e-7, kAxes[static_cast<std::size_t>(k)]);
   gravity.append_to(findings);
 }

@@ -48,9 +48,11 @@ std::vector<Pose> poses_with_turned(PhysicsBackend& world, int turned) {
   state.q.setZero();
   if (turned >= 0) state.q[turned] = 0.5;
   world.reset(state);
-  const Pose X_BW = world.body_pose(0).inverse();
-  std::vector<Pose> poses;
-  for (int i = 0; i <= world.robot().joint_count(); ++i) poses.push_back(X_BW * world.body_pose(i));
+  std::vector<Pose> poses{Pose::Identity()};
+  for (int i = 1; i <= world.robot().joint_count(); ++i) {
+    const int parent = world.robot().bodies[static_cast<std::size_t>(i)].parent;
+    poses.push_back(world.body_pose(parent).inverse() * world.body_pose(i));
+  }
   return poses;
 }
 

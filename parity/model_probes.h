@@ -10,7 +10,7 @@ namespace crossgait::probes {
 /// Simulated time that one step takes, s.
 double time_of_a_step(PhysicsBackend& world);
 
-/// Poses of all bodies in the base's frame with one joint turned by half a radian and all others at zero.
+/// Poses of all bodies in their parents' with one joint turned by half a radian and all others at zero.
 /// @param turned joint, or -1 for none
 std::vector<Pose> poses_with_turned(PhysicsBackend& world, int turned);
 

@@ -25,10 +25,10 @@ struct ConeProblem {
   /// @returns sweeps taken
   int solve(double tolerance, int max_sweeps) noexcept;
 
-  /// Coulomb's law instead, as rows of Bullet's kind converge to: with w = A x + b, each normal has x >= 0, w >=
-  /// 0 and x w = 0 whatever friction does, and its tangents are the point of the disc of radius friction * normal
-  /// that opposes w best. Projected Gauss-Seidel over rows, from zero (Jourdan, Alart and Jean 1998). No minimum
-  /// of anything: the cone of `solve` lets a sliding contact lift, this does not.
+  /// Coulomb's law instead, as rows of Bullet's kind converge to: with w = A x + b, each normal has x >= 0, w
+  /// >= 0 and x w = 0 whatever friction does, and its tangents are the point of the disc of radius friction *
+  /// normal that opposes w best. Projected Gauss-Seidel over rows, from zero (Jourdan, Alart and Jean 1998).
+  /// No minimum of anything: the cone of `solve` lets a sliding contact lift, this does not.
   int solve_coulomb(double tolerance, int max_sweeps) noexcept;
 };
 

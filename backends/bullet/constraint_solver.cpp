@@ -4,7 +4,8 @@
 
 namespace crossgait::bullet {
 
-ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const Ingredients& ingredients, MultibodyModel& model)
+ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const Ingredients& ingredients,
+                                   MultibodyModel& model)
     : spec_(spec),
       ingredients_(ingredients),
       model_(model),

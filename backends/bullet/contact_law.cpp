@@ -1,5 +1,6 @@
-// Contact solved by Crossgait in Bullet's dynamics. With MuJoCo's ingredients contacts are placed midway between
-// the surfaces, softened like MuJoCo's, and solved over true friction cones; any of these can be Bullet's.
+// Contact solved by Crossgait in Bullet's dynamics. With MuJoCo's ingredients contacts are placed midway
+// between the surfaces, softened like MuJoCo's, and solved over true friction cones; any of these can be
+// Bullet's.
 #include <algorithm>
 #include <cmath>
 
@@ -71,8 +72,7 @@ void ConstraintSolver::assemble_contacts() noexcept {
     const std::size_t k = static_cast<std::size_t>(i);
     const ContactPoint& point = points_[k];
     // On the robot's surface, or midway between the surfaces.
-    const Vector3 p_WP =
-        ingredients_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
+    const Vector3 p_WP = ingredients_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
     inertia.point_jacobian(point.link, p_WP, J_);
     frames_[k] = contact_frame(point.normal);
     J_ = (frames_[k] * J_).eval();

@@ -1,4 +1,5 @@
-// What the contact of `bullet` is made of, piece by piece, so that a difference from MuJoCo can be traced to one.
+// What the contact of `bullet` is made of, piece by piece, so that a difference from MuJoCo can be traced to
+// one.
 #pragma once
 
 #include <span>
@@ -8,16 +9,16 @@
 
 namespace crossgait::bullet {
 
-/// Each piece is either MuJoCo's (false) or Bullet's (true). Everything else, the dynamics, the joint stage and
-/// the terrain, is the same in all of them.
+/// Each piece is either MuJoCo's (false) or Bullet's (true). Everything else, the dynamics, the joint stage
+/// and the terrain, is the same in all of them.
 struct Ingredients {
-  bool narrowphase = false;     ///< contact points from Bullet's collision detection, not `touch_sphere` alone
-  bool surface = false;         ///< forces act on the robot's surface, not midway between the surfaces
-  bool coulomb = false;         ///< friction <= mu normal given the normal impulse, not MuJoCo's convex cone
-  bool hard_friction = false;   ///< friction stops slip at once, not like a damper
-  bool hard_normal = false;     ///< penetration stops at once and a fifth of it is undone, not like a spring
-  bool speculative = false;     ///< points just above the ground count: they may close the gap and no more
-  bool sweeps = false;          ///< Bullet's own rows and projected Gauss-Seidel sweeps, not a converged solve
+  bool narrowphase = false;    ///< contact points from Bullet's collision detection, not `touch_sphere` alone
+  bool surface = false;        ///< forces act on the robot's surface, not midway between the surfaces
+  bool coulomb = false;        ///< friction <= mu normal given the normal impulse, not MuJoCo's convex cone
+  bool hard_friction = false;  ///< friction stops slip at once, not like a damper
+  bool hard_normal = false;    ///< penetration stops at once and a fifth of it is undone, not like a spring
+  bool speculative = false;    ///< points just above the ground count: they may close the gap and no more
+  bool sweeps = false;         ///< Bullet's own rows and projected Gauss-Seidel sweeps, not a converged solve
 
   /// MuJoCo's contact law in Bullet's dynamics.
   static constexpr Ingredients matched() { return {}; }

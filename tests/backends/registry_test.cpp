@@ -47,6 +47,20 @@ TEST(Registry, AnUnknownNameListsTheKnownOnes) {
   }
 }
 
+TEST(Registry, FamiliesLeadFromOneEndToTheOther) {
+  const WorldSpec spec = scenes::world_of(scenes::sled());
+  for (const BackendFamily& family : backend_families()) {
+    std::string name = family.from;
+    for (const BackendIngredient& ingredient : family.ingredients) {
+      EXPECT_FALSE(ingredient.summary.empty());
+      name += "+" + ingredient.name;
+      EXPECT_NO_THROW(make_backend(name, spec)) << name;
+    }
+    EXPECT_EQ(make_backend(name, spec)->info().name, family.to);
+    EXPECT_THROW(make_backend(family.to + "+" + family.ingredients[0].name, spec), ConfigError);
+  }
+}
+
 class Info : public BackendTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Info);
 

@@ -140,5 +140,45 @@ TEST(ConeProblem, NoContactsAreNoWork) {
   EXPECT_EQ(problem.solve(1e-12, 100), 1);
 }
 
+// Coulomb's law, row by row, for random contacts that see each other.
+TEST(CoulombSolve, SatisfiesTheLawItStates) {
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  int sticking = 0, sliding = 0, apart = 0;
+  for (int n = 0; n < 300; ++n) {
+    ConeProblem problem;
+    problem.contacts = 1 + n % 4;
+    problem.friction = std::exp(normal(random) - 1);
+    const Eigen::Index rows = 3 * problem.contacts;
+    const Eigen::MatrixXd G = random_matrix(random, rows, rows);
+    // Contacts of a robot see each other through its trunk, less than themselves.
+    problem.A.topLeftCorner(rows, rows) =
+        0.1 * G * G.transpose() / static_cast<double>(rows) + Eigen::MatrixXd::Identity(rows, rows);
+    problem.b.head(rows) = random_matrix(random, rows, 1);
+    ASSERT_LT(problem.solve_coulomb(1e-13, 10000), 10000) << n;
+    const Eigen::VectorXd x = problem.x.head(rows);
+    const Eigen::VectorXd w = problem.A.topLeftCorner(rows, rows) * x + problem.b.head(rows);
+    for (Eigen::Index i = 0; i < rows; i += 3) {
+      const Eigen::Vector2d force(x[i + 1], x[i + 2]), slip(w[i + 1], w[i + 2]);
+      const double limit = problem.friction * x[i];
+      ASSERT_GE(x[i], 0);
+      ASSERT_GT(w[i], -1e-10);
+      ASSERT_NEAR(x[i] * w[i], 0, 1e-10);
+      ASSERT_LE(force.norm(), limit + 1e-12);
+      if (x[i] == 0) {
+        ++apart;
+      } else if (slip.norm() > 1e-9) {  // as large as it may be, straight against the slip
+        ++sliding;
+        ASSERT_NEAR((force + limit * slip / slip.norm()).norm(), 0, 1e-8) << n;
+      } else {
+        ++sticking;
+      }
+    }
+  }
+  EXPECT_GT(sticking, 50);
+  EXPECT_GT(sliding, 50);
+  EXPECT_GT(apart, 50);
+}
+
 }  // namespace
 }  // namespace crossgait::bullet

@@ -1,0 +1,108 @@
+// Names of settings between MuJoCo's contact law and Bullet's, and that the list of ingredients is complete.
+#include "crossgait/backends/bullet/ingredients.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/bench/scenes.h"
+#include "crossgait/physics/error.h"
+
+namespace crossgait::bullet {
+namespace {
+
+TEST(Ingredients, TheTwoNamedSettingsAreTheEnds) {
+  Ingredients all;
+  for (const IngredientRow& row : ingredient_rows()) {
+    EXPECT_FALSE(Ingredients::matched().*row.member);
+    all.*row.member = true;
+  }
+  EXPECT_EQ(all, Ingredients::native());
+  EXPECT_EQ(name_of(Ingredients::matched()), "bullet:matched");
+  EXPECT_EQ(name_of(Ingredients::native()), "bullet");
+}
+
+TEST(Ingredients, NamesComeBack) {
+  for (const char* changes : {"+surface", "+coulomb+hard_friction", "+hard_normal+speculative"}) {
+    const Ingredients made = changed(Ingredients::matched(), changes, "test");
+    EXPECT_EQ(name_of(made), std::string("bullet:matched") + changes);
+  }
+  const Ingredients made = changed(Ingredients::native(), "-sweeps-speculative", "test");
+  EXPECT_EQ(name_of(made), "bullet-speculative-sweeps");  // in the table's order
+  EXPECT_EQ(changed(made, "+sweeps+speculative", "test"), Ingredients::native());
+}
+
+TEST(Ingredients, MeaninglessOnesAreRefused) {
+  for (const char* changes : {"+nonsense", "+", "+speculative", "+sweeps", "-surface", "+surface+surface"}) {
+    EXPECT_THROW(changed(Ingredients::matched(), changes, "test"), ConfigError) << changes;
+  }
+  EXPECT_THROW(changed(Ingredients::native(), "-hard_normal", "test"), ConfigError);  // others need it
+  try {
+    changed(Ingredients::matched(), "+speculative", "bullet:matched+speculative");
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(),
+                 "backend: bullet:matched+speculative: expected hard_normal along with speculative, found "
+                 "speculative without hard_normal");
+  }
+}
+
+double largest_difference(const std::string& a, const std::string& b, const std::string& terrain,
+                          int iterations) {
+  WorldSpec spec = scenes::world_of(scenes::quadruped());
+  spec.terrain = make_terrain(terrain);
+  spec.solver.tolerance = 1e-12;
+  spec.solver.iterations = iterations;
+  const auto x = make_backend(a, spec), y = make_backend(b, spec);
+  const scenes::Trot trot(*spec.robot);
+  double worst = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const JointTargets targets = trot.targets(i * 1e-3);
+    EXPECT_EQ(x->step(targets), StepStatus::kOk);
+    EXPECT_EQ(y->step(targets), StepStatus::kOk);
+    worst = std::max(worst, (x->state().p_WB - y->state().p_WB).norm());
+  }
+  return worst;
+}
+
+// Crossgait's own solution with all of Bullet's ingredients is Bullet's, once Bullet sweeps until nothing
+// moves: nothing is different between the two modes that is not in the table.
+TEST(Ingredients, AreAllThereIs) {
+  for (const char* terrain : {"flat", "rough:seed=1,size_x=4,size_y=2"}) {
+    EXPECT_LT(largest_difference("bullet", "bullet-sweeps", terrain, 2000), 1e-8) << terrain;
+  }
+}
+
+TEST(Ingredients, EachChangesSomethingOrIsRounding) {
+  // On its own, but for those that need others.
+  const auto difference = [](const char* a, const char* b) { return largest_difference(a, b, "flat", 100); };
+  EXPECT_LT(difference("bullet:matched", "bullet:matched+narrowphase"), 1e-10);
+  for (const char* changed : {"+surface", "+coulomb", "+hard_friction", "+hard_normal"}) {
+    EXPECT_GT(difference("bullet:matched", (std::string("bullet:matched") + changed).c_str()), 1e-4)
+        << changed;
+  }
+  EXPECT_GT(difference("bullet:matched+hard_normal", "bullet:matched+hard_normal+speculative"), 1e-4);
+}
+
+TEST(Ingredients, AnyCanBeSavedAndRestored) {
+  for (const char* name :
+       {"bullet:matched+narrowphase", "bullet:matched+hard_normal+speculative", "bullet-sweeps"}) {
+    const auto backend = make_backend(name, scenes::world_of(scenes::quadruped()));
+    EXPECT_EQ(backend->info().name, name);
+    EXPECT_FALSE(backend->info().capabilities.matches_mujoco);
+    const scenes::Trot trot(backend->robot());
+    const auto walk = [&](int from, int to) {
+      for (int i = from; i < to; ++i) ASSERT_EQ(backend->step(trot.targets(i * 1e-3)), StepStatus::kOk);
+    };
+    walk(0, 700);
+    const Snapshot snapshot = backend->save();
+    walk(700, 1000);
+    const RobotState end = backend->state();
+    backend->restore(snapshot);
+    walk(700, 1000);
+    EXPECT_TRUE(scenes::identical(backend->state(), end)) << name;
+  }
+}
+
+}  // namespace
+}  // namespace crossgait::bullet

@@ -1,0 +1,115 @@
+// Shares against cooperative games that can be solved by hand.
+#include "crossgait/parity/attribution.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "crossgait/parity/verdict_report.h"
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace {
+
+// Stands for an engine: the game's value is handed over when it is "built".
+thread_local double value = 0;
+
+using Game = std::function<double(bool a, bool b, bool c)>;
+
+EngineFamily family_of(const Game& game, bool c_needs_b = false) {
+  EngineFamily family;
+  family.from = "from";
+  family.to = "to";
+  family.ingredients = {{"a", "", {}}, {"b", "", {}}, {"c", "", {}}};
+  if (c_needs_b) family.ingredients[2].needs = {"b"};
+  family.make = [game](const std::vector<std::string>& names) -> BackendFactory {
+    const auto has = [&](const char* name) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    return [result = game(has("a"), has("b"), has("c"))](const WorldSpec&) {
+      value = result;
+      return std::unique_ptr<PhysicsBackend>();
+    };
+  };
+  return family;
+}
+
+// The game's value plus the number of the start, which every set of ingredients shares.
+Behaviour play() {
+  Behaviour behaviour;
+  behaviour.name = "game";
+  behaviour.statistics = {{"value", "-", 0, 0.1}};
+  behaviour.run = [](const BackendFactory& engine, const Variation&, std::size_t start) {
+    engine(WorldSpec{});
+    return std::vector<double>{value + static_cast<double>(start)};
+  };
+  return behaviour;
+}
+
+std::vector<double> effects(const Attribution& attribution) {
+  std::vector<double> result;
+  for (const IngredientEffect& e : attribution.effects) result.push_back(e.effect[0].estimate);
+  return result;
+}
+
+void expect_near(const std::vector<double>& actual, const std::vector<double>& expected) {
+  ASSERT_EQ(actual.size(), expected.size());
+  for (std::size_t i = 0; i < actual.size(); ++i) EXPECT_NEAR(actual[i], expected[i], 1e-12) << i;
+}
+
+TEST(Attribute, ShareOutWhatTwoMakeTogether) {
+  // 3 a + 2 b + 4 a b: each gets its own and half of the rest.
+  const Attribution result =
+      attribute(play(), family_of([](bool a, bool b, bool) { return 3.0 * a + 2.0 * b + 4.0 * (a && b); }),
+                {.starts = 4});
+  expect_near(effects(result), {5, 4, 0});
+  EXPECT_NEAR(result.effects[0].first[0].estimate, 3, 1e-12);
+  EXPECT_NEAR(result.effects[0].last[0].estimate, 7, 1e-12);
+  EXPECT_NEAR(result.effects[1].step[0].estimate, 6, 1e-12);
+  EXPECT_NEAR(result.gap[0].estimate, 9, 1e-12);
+  EXPECT_EQ(result.leading(0), std::vector<std::string>{"a"});
+}
+
+TEST(Attribute, ShareOutWhatThreeMakeTogether) {
+  const Attribution result =
+      attribute(play(), family_of([](bool a, bool b, bool c) { return 6.0 * (a && b && c); }), {.starts = 4});
+  expect_near(effects(result), {2, 2, 2});
+  EXPECT_EQ(result.leading(0).size(), 3U);
+}
+
+TEST(Attribute, GoesOnlyByOrdersThatHaveMeaning) {
+  // c needs b: orders abc, bac, bca. 6 a c + 3 c: c adds 9, 9 and 3 then; a 0, 0 and 6.
+  const auto game = [](bool a, bool b, bool c) {
+    EXPECT_TRUE(b || !c);
+    return 6.0 * (a && c) + 3.0 * c;
+  };
+  const Attribution result = attribute(play(), family_of(game, true), {.starts = 4});
+  expect_near(effects(result), {2, 0, 7});
+  EXPECT_NEAR(result.effects[1].last[0].estimate, 0, 1e-12);  // before c, which needs it
+}
+
+TEST(Attribute, NamesNothingWhereThereIsNothing) {
+  const Attribution result =
+      attribute(play(), family_of([](bool a, bool, bool) { return 0.05 * a; }), {.starts = 4});
+  EXPECT_TRUE(result.leading(0).empty());
+  EXPECT_NE(describe(result).find("No gap is large enough"), std::string::npos);
+}
+
+TEST(Attribute, DoesNotHangOnThreads) {
+  const Game game = [](bool a, bool b, bool c) { return 3.0 * a + 2.0 * b + 4.0 * (a && c); };
+  EXPECT_EQ(effects(attribute(play(), family_of(game), {.starts = 4, .workers = 1})),
+            effects(attribute(play(), family_of(game), {.starts = 4, .workers = 3})));
+}
+
+TEST(Attribute, RefusesFamiliesWithoutMeaning) {
+  const Game game = [](bool, bool, bool) { return 0.0; };
+  EngineFamily family = family_of(game);
+  family.ingredients[0].needs = {"c"};
+  EXPECT_THROW(attribute(play(), family, {}), ConfigError);
+  family.ingredients.clear();
+  EXPECT_THROW(attribute(play(), family, {}), ConfigError);
+  EXPECT_THROW(attribute(play(), family_of(game), {.starts = 3}), ConfigError);
+}
+
+}  // namespace
+}  // namespace crossgait

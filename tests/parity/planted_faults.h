@@ -1,0 +1,28 @@
+// Faults of models and behaviours whose verdict is known, for the tests of verdicts and audits.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "crossgait/env/walk.h"
+#include "crossgait/physics/world_spec.h"
+
+namespace crossgait {
+
+/// Something wrong with one engine's world, and what an audit that does not know it must call it.
+struct PlantedFault {
+  std::string name;
+  std::function<void(WorldSpec&)> plant;
+  std::string quantity, element;
+  std::string terrain = "flat";
+};
+
+/// Every fault at the size at which it is still worth finding: a few per cent, or half a millimetre.
+std::vector<PlantedFault> planted_faults();
+
+/// A crawl that is in balance at every moment: one foot at a time is lifted, and the body leans away from it.
+/// On ground of good friction that gives little, nothing in it hangs on how contact is modelled.
+GaitSource careful_crawl(const RobotDescription& robot);
+
+}  // namespace crossgait
