@@ -61,6 +61,7 @@ std::vector<std::string> two_engines(const std::vector<std::string>& asked) {
 }
 
 void run(const Options& options) {
+  options.spread.verdict.validate();
   const std::vector<std::string> engines = two_engines(options.engines);
   const WorldSpec spec = options.world.make();
   // Before the long runs: names, and whether both engines hold the same machine at all.

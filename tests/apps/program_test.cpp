@@ -25,8 +25,8 @@ std::string write_file(const std::string& name, const std::string& text) {
 TEST(Program, HelpTeachesEveryCommand) {
   const ProgramResult help = run_program("--help");
   EXPECT_EQ(help.exit_code, 0);
-  for (const std::string command :
-       {"walk", "compare", "bench", "backends", "robots", "terrain", "ik", "gait", "workspace", "plot"}) {
+  for (const std::string command : {"walk", "compare", "verdict", "bench", "backends", "robots", "terrain",
+                                    "ik", "gait", "workspace", "plot"}) {
     EXPECT_NE(help.out.find(command), std::string::npos) << command;
     const ProgramResult own = run_program(command + " --help");
     EXPECT_EQ(own.exit_code, 0) << command;

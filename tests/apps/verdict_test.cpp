@@ -1,0 +1,88 @@
+// `crossgait verdict` and `compare --verdict` on the command line.
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/tests/apps/run_program.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::json;
+
+// Short runs of few starts: what is looked at is the contract, not the word.
+const char* const kShort = " --seconds .2 --settle .1 --starts 4";
+
+bool two_engines() { return available_backends().size() >= 2; }
+
+TEST(VerdictCommand, KeepsItsContract) {
+  if (!two_engines()) GTEST_SKIP() << "one engine alone";
+  const json verdict = run_json(std::string("verdict") + kShort);
+  for (const char* key : {"behaviour", "a", "b", "word", "starts", "limit", "confidence", "variations",
+                          "left_out", "statistics", "models"}) {
+    EXPECT_TRUE(verdict.contains(key)) << key;
+  }
+  EXPECT_EQ(verdict["a"], available_backends().front());
+  EXPECT_EQ(verdict["b"], available_backends().back());
+  EXPECT_TRUE(verdict["models"].empty()) << verdict["models"];
+  EXPECT_EQ(verdict["statistics"].size(), 8U);
+  for (const json& s : verdict["statistics"]) {
+    for (const char* key : {"name", "unit", "mean_a", "mean_b", "gap", "spread_a", "spread_b", "spread",
+                            "floor", "score", "word"}) {
+      EXPECT_TRUE(s.contains(key)) << key;
+    }
+    EXPECT_LE(s["score"]["low"].get<double>(), s["score"]["estimate"].get<double>());
+    EXPECT_NEAR(s["gap"]["estimate"], s["mean_b"].get<double>() - s["mean_a"].get<double>(), 1e-12);
+  }
+}
+
+TEST(VerdictCommand, JudgesPolicies) {
+  if (!two_engines()) GTEST_SKIP() << "one engine alone";
+  const json verdict = run_json(std::string("verdict --policy zero") + kShort);
+  EXPECT_EQ(verdict["statistics"][6]["name"], "total reward");
+  EXPECT_EQ(verdict["behaviour"], "policy zero on flat, 0.2 s");
+}
+
+TEST(VerdictCommand, ExplainsWhereThereIsAFamily) {
+  if (backend_families().empty()) GTEST_SKIP() << "no engine is made of ingredients";
+  const BackendFamily& family = backend_families().front();
+  const json verdict =
+      run_json("verdict --explain --engines " + family.from + "," + family.to + " " + kShort);
+  const json& attribution = verdict["attribution"];
+  EXPECT_EQ(attribution["ingredients"].size(), family.ingredients.size());
+  for (const json& s : attribution["statistics"]) {
+    double effects = 0, steps = 0;
+    for (const json& i : s["ingredients"]) {
+      effects += i["effect"]["estimate"].get<double>();
+      steps += i["step"]["estimate"].get<double>();
+    }
+    // Both ways of sharing out sum to the gap.
+    const double gap = s["gap"]["estimate"];
+    EXPECT_NEAR(effects, gap, 1e-9 * (1 + std::abs(gap))) << s["name"];
+    EXPECT_NEAR(steps, gap, 1e-9 * (1 + std::abs(gap))) << s["name"];
+  }
+}
+
+TEST(VerdictCommand, RefusesWhatItCannotJudge) {
+  const std::string one = available_backends().front();
+  for (const std::string& arguments :
+       {"--engines " + one, "--engines " + one + "," + one, "--engines " + one + ",nonsense",
+        std::string("--starts 2"), std::string("--confidence 1"), std::string("--limit 0"),
+        std::string("--config env.yaml"), std::string("--policy zero --config env.yaml --terrain rough"),
+        std::string("--policy nonsense")}) {
+    EXPECT_EQ(run_program("verdict --seconds .1 " + arguments).exit_code, 2) << arguments;
+  }
+}
+
+TEST(CompareCommand, JudgesPairsOfDifferentContactLaws) {
+  if (!two_engines()) GTEST_SKIP() << "one engine alone";
+  const json plain = run_json("compare --seconds .2");
+  EXPECT_FALSE(plain.contains("verdicts"));
+  const json judged = run_json("compare --seconds .2 --verdict");
+  for (const json& verdict : judged["verdicts"]) EXPECT_EQ(verdict["starts"], 6);
+}
+
+}  // namespace
+}  // namespace crossgait
