@@ -44,10 +44,13 @@ EnvConfig environment(const Options& options) {
   return c;
 }
 
-Behaviour behaviour(const Options& options, const WorldSpec& spec) {
+Behaviour behaviour(const Options& options, const WorldSpec& spec, const std::string& engine) {
   if (options.policy.empty()) return walk_behaviour(options.world, options.walk, spec, options.spread.spread);
-  return policy_behaviour(environment(options), policy_factory(options.policy), options.policy,
-                          options.spread.spread, options.world.seed);
+  EnvConfig config = environment(options);
+  config.backend = engine;
+  policy_factory(options.policy)(env_factory(config)()->interface());  // a bad one before long runs
+  return policy_behaviour(config, policy_factory(options.policy), options.policy, options.spread.spread,
+                          options.world.seed);
 }
 
 std::vector<std::string> two_engines(const std::vector<std::string>& asked) {
@@ -69,7 +72,7 @@ void run(const Options& options) {
   const std::vector<AuditFinding> audit = audit_models(*world_a, *world_b);
   std::optional<EngineFamily> family;
   if (options.explain) family = find_family(engines[0], engines[1]);
-  const Behaviour what = behaviour(options, spec);
+  const Behaviour what = behaviour(options, spec, engines[0]);
   const VerdictOptions& how = options.spread.verdict;
   std::string text;
   nlohmann::ordered_json json;

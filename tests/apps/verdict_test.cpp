@@ -80,7 +80,8 @@ TEST(CompareCommand, JudgesPairsOfDifferentContactLaws) {
   if (!two_engines()) GTEST_SKIP() << "one engine alone";
   const json plain = run_json("compare --seconds .2");
   EXPECT_FALSE(plain.contains("verdicts"));
-  const json judged = run_json("compare --seconds .2 --verdict");
+  const json judged = run_json("compare --seconds .2 --verdict --engines " + available_backends().front() +
+                               "," + available_backends().back());
   for (const json& verdict : judged["verdicts"]) EXPECT_EQ(verdict["starts"], 6);
 }
 

@@ -65,6 +65,20 @@ TEST(CompareTraces, OfSeveralInOneStepTheWorstIsNamed) {
   EXPECT_EQ(pair.first_divergence->quantity, "position");
 }
 
+TEST(CompareTraces, WatchesLoadsAndTorquesWhenAsked) {
+  Trace a = straight(10, 2e-3);
+  for (TraceSample& sample : a) sample.torques = JointVector::Zero(3);
+  Trace b = a;
+  b[3].load[Leg::RL] = 0.5;
+  b[2].torques[1] = 1e-3;
+  EXPECT_FALSE(compare_traces(a, b, {}).first_divergence);
+  const PairDifference pair = compare_traces(a, b, DivergenceTolerances::fine());
+  ASSERT_TRUE(pair.first_divergence);
+  EXPECT_EQ(pair.first_divergence->quantity, "torque");
+  b[2].load[Leg::FR] = 1;  // a thousand times its tolerance, the torque a hundred
+  EXPECT_EQ(compare_traces(a, b, DivergenceTolerances::fine()).first_divergence->quantity, "load");
+}
+
 TEST(CompareTraces, CoversTheTimeBothRan) {
   const Trace a = straight(100, 2e-3), b = straight(50, 2e-3);
   EXPECT_FALSE(compare_traces(a, b, {}).first_divergence);
