@@ -71,7 +71,7 @@ void run(const Options& options) {
   const auto world_a = make_backend(engines[0], spec), world_b = make_backend(engines[1], spec);
   const std::vector<AuditFinding> audit = audit_models(*world_a, *world_b);
   std::optional<EngineFamily> family;
-  if (options.explain) family = find_family(engines[0], engines[1]);
+  if (options.explain) family = find_family(engines[0], engines[1], spec);
   const Behaviour what = behaviour(options, spec, engines[0]);
   const VerdictOptions& how = options.spread.verdict;
   std::string text;

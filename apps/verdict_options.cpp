@@ -4,7 +4,6 @@
 
 #include "crossgait/apps/env_options.h"
 #include "crossgait/backends/registry.h"
-#include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait::apps {
@@ -21,10 +20,8 @@ Engine find_engine(const std::string& name) {
   return {name, [name](const WorldSpec& world) { return make_backend(name, world); }};
 }
 
-EngineFamily find_family(const std::string& a, const std::string& b) {
-  const auto matches_mujoco = [](const std::string& name) {
-    WorldSpec spec;
-    spec.robot = std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped")));
+EngineFamily find_family(const std::string& a, const std::string& b, const WorldSpec& spec) {
+  const auto matches_mujoco = [&](const std::string& name) {
     return make_backend(name, spec)->info().capabilities.matches_mujoco;
   };
   const bool matches_a = matches_mujoco(a), matches_b = matches_mujoco(b);

@@ -17,7 +17,7 @@ Engine find_engine(const std::string& name);
 
 /// The built-in family whose ends are `a` and `b`, either way round, where an engine that declares MuJoCo's
 /// contact law stands for the end that does. @throws ConfigError if there is none
-EngineFamily find_family(const std::string& a, const std::string& b);
+EngineFamily find_family(const std::string& a, const std::string& b, const WorldSpec& spec);
 
 /// How runs are spread and judged.
 struct SpreadOptions {

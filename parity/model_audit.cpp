@@ -72,7 +72,7 @@ void audit_inertias(const PhysicsBackend& a, const PhysicsBackend& b, Findings& 
 
 // Where bodies sit in their parents, and what turning a joint does to that.
 void audit_geometry(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
-  Worst placement("link placement", "m"), axis("joint axis", "m or rad");
+  Worst placement("link placement", "m"), axis("joint axis", "-");
   const int joints = a.robot().joint_count();
   for (int turned = -1; turned < joints; ++turned) {
     const std::vector<Pose> x = probes::poses_with_turned(a, turned),
@@ -226,8 +226,9 @@ std::string describe(const std::vector<AuditFinding>& findings) {
   if (findings.empty()) return fmt::format("the same in {}", fmt::join(audited_quantities(), ", "));
   std::string text;
   for (const AuditFinding& f : findings) {
-    text += fmt::format("{}{}{}{}: {:.6g} against {:.6g} {}", text.empty() ? "" : "; ", f.quantity,
-                        f.element.empty() ? "" : " of ", f.element, f.a, f.b, f.unit);
+    text += fmt::format("{}{}{}{}: {:.6g} against {:.6g}{}{}", text.empty() ? "" : "; ", f.quantity,
+                        f.element.empty() ? "" : ", ", f.element, f.a, f.b, f.unit == "-" ? "" : " ",
+                        f.unit == "-" ? "" : f.unit);
   }
   return text;
 }

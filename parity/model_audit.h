@@ -13,7 +13,7 @@ struct AuditFinding {
   std::string quantity;  ///< "mass", "armature", "joint axis", ...; see `audited_quantities`
   std::string element;   ///< the body, joint, foot or place: "body FL_lower_left"; empty for the whole world
   double a = 0, b = 0;   ///< of the two worlds
-  std::string unit;
+  std::string unit;  ///< "-" for none, or for entries of a pose
 };
 
 /// What the audit looks at, in order: from what is read off directly to what is inferred from motion, and
@@ -37,7 +37,7 @@ const std::vector<std::string>& audited_quantities();
 /// @throws ConfigError if the two robots have different bodies
 std::vector<AuditFinding> audit_models(PhysicsBackend& a, PhysicsBackend& b);
 
-/// "mass of body trunk: .4 kg against .42 kg", or what was compared if all is the same.
+/// "mass, body trunk: .4 against .42 kg", or what was compared if all is the same.
 std::string describe(const std::vector<AuditFinding>& findings);
 
 }  // namespace crossgait
