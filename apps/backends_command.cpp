@@ -33,7 +33,19 @@ void run(const JsonOption& json) {
     }
     entries.push_back(std::move(object));
   }
-  json.emit(table.str(), {{"backends", std::move(entries)}});
+  std::string text = table.str();
+  nlohmann::ordered_json families = nlohmann::ordered_json::array();
+  for (const BackendFamily& family : backend_families()) {
+    text += fmt::format("\nBetween {0} and {1}, e.g. {0}+{2} or {1}-{3}:\n", family.from, family.to,
+                        family.ingredients.front().name, family.ingredients.back().name);
+    nlohmann::ordered_json ingredients = nlohmann::ordered_json::array();
+    for (const BackendIngredient& i : family.ingredients) {
+      text += fmt::format("  {:14} {}\n", i.name, i.summary);
+      ingredients.push_back({{"name", i.name}, {"summary", i.summary}, {"needs", i.needs}});
+    }
+    families.push_back({{"from", family.from}, {"to", family.to}, {"ingredients", ingredients}});
+  }
+  json.emit(text, {{"backends", std::move(entries)}, {"families", std::move(families)}});
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ struct AuditFinding {
   std::string quantity;  ///< "mass", "armature", "joint axis", ...; see `audited_quantities`
   std::string element;   ///< the body, joint, foot or place: "body FL_lower_left"; empty for the whole world
   double a = 0, b = 0;   ///< of the two worlds
-  std::string unit;  ///< "-" for none, or for entries of a pose
+  std::string unit;      ///< "-" for none, or for entries of a pose
 };
 
 /// What the audit looks at, in order: from what is read off directly to what is inferred from motion, and
