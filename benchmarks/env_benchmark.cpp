@@ -1,7 +1,9 @@
 // What the environment adds to its engine, and what a second worker brings. Ratios within one run, turns
 // interleaved, medians with quartiles.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -117,20 +119,34 @@ double batch_seconds(VectorEnv& env, int steps) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
+/// Two batches of half the size, each on a thread of its own that waits for nobody: what the machine gives.
+double apart_seconds(VectorEnv& a, VectorEnv& b, int steps) {
+  double first = 0;
+  std::jthread thread([&] { first = batch_seconds(a, steps); });
+  const double second = batch_seconds(b, steps);
+  thread.join();
+  return std::max(first, second);
+}
+
 void print_scaling() {
   constexpr std::size_t kEnvironments = 32;
-  Table table({"engine", "steps/s, 1 worker", "2 workers over 1 (quartiles)"});
+  constexpr int kBatchSteps = 100;
+  Table table({"engine", "steps/s, 1 worker", "2 workers over 1 (quartiles)", "2 threads apart over 1"});
   for (const std::string& backend : available_backends()) {
-    VectorEnv one({}, factory(backend), {.environments = kEnvironments, .workers = 1}),
-        two({}, factory(backend), {.environments = kEnvironments, .workers = 2});
-    std::vector<double> ratio, rate;
+    const auto batch = [&](std::size_t environments, std::size_t workers) {
+      return VectorEnv({}, factory(backend), {.environments = environments, .workers = workers});
+    };
+    VectorEnv one = batch(kEnvironments, 1), two = batch(kEnvironments, 2),
+              half = batch(kEnvironments / 2, 1), other_half = batch(kEnvironments / 2, 1);
+    std::vector<double> ratio, apart, rate;
     for (int round = 0; round < kRounds; ++round) {
-      const double slow = batch_seconds(one, 100), fast = batch_seconds(two, 100);
-      ratio.push_back(slow / fast);
-      rate.push_back(100.0 * kEnvironments / slow);
+      const double slow = batch_seconds(one, kBatchSteps);
+      ratio.push_back(slow / batch_seconds(two, kBatchSteps));
+      apart.push_back(slow / apart_seconds(half, other_half, kBatchSteps));
+      rate.push_back(1.0 * kBatchSteps * kEnvironments / slow);
     }
-    table.add_row(
-        {backend, fmt::format("{:.0f}", bench::spread(rate).median), with_quartiles(bench::spread(ratio))});
+    table.add_row({backend, fmt::format("{:.0f}", bench::spread(rate).median),
+                   with_quartiles(bench::spread(ratio)), with_quartiles(bench::spread(apart))});
   }
   fmt::print("{} environments, wall-clock time\n{}", kEnvironments, table.str());
 }

@@ -147,6 +147,7 @@ void AdaptiveGaitEnv::reset(std::uint64_t seed, std::span<double> observation) {
   e.start = state.p_WB;
   e.start_yaw = roll_pitch_yaw(state.q_WB).z();
   e.standing_height = state.p_WB.z() - backend_->spec().terrain.height(state.p_WB.x(), state.p_WB.y());
+  e.weight = backend_->robot().total_mass() * backend_->spec().gravity.norm();
   e.next_push = e.draw[Randomised::kPushInterval];
   e.info.diverged = status != StepStatus::kOk;
   e.result.terminated = e.info.diverged;
@@ -270,7 +271,7 @@ double AdaptiveGaitEnv::evaluate(const RobotState& before) noexcept {
       .parameters = e.parameters,
       .last_parameters = e.last_parameters,
       .servos = servos_,
-      .weight = world.robot->total_mass() * world.gravity.norm(),
+      .weight = e.weight,
       .fell = e.info.fell || e.info.left_terrain,
   };
   return evaluate_reward(record, config_.reward, e.info.reward_terms);

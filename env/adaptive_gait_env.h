@@ -92,7 +92,7 @@ class AdaptiveGaitEnv {
     JointTargets targets = {};
     VelocityCommand command = {};
     std::vector<double> action = {}, last_action = {}, parameters = {}, last_parameters = {};
-    double start_yaw = 0, standing_height = 0, next_push = 0;
+    double start_yaw = 0, standing_height = 0, next_push = 0, weight = 0;
     Vector3 start = Vector3::Zero();
     RandomDraw draw{};
     int steps = 0;

@@ -36,7 +36,9 @@ FootKinematics::FootKinematics(const RobotDescription& robot) {
         throw ConfigError(robot.source, fmt::format("foot {}", name(leg)),
                           fmt::format("at most {} joints between it and the base", kMaxChain), "more");
       }
-      chain.links[chain.count++] = {body.X_PB.linear(), body.X_PB.translation(), body.joint.axis, i - 1};
+      const Matrix3 R = body.X_PB.linear();
+      chain.links[chain.count++] = {R, R == Matrix3::Identity(), body.X_PB.translation(), body.joint.axis,
+                                    i - 1};
     }
     std::reverse(chain.links.begin(), chain.links.begin() + static_cast<std::ptrdiff_t>(chain.count));
   }
@@ -53,7 +55,7 @@ void FootKinematics::update(const RobotState& state, FootStates& feet) const noe
       const Vector3 arm = R * link.p;
       p += arm;
       v += w.cross(arm);
-      R = turned(R * link.R, link.axis, state.q[link.joint]);
+      R = turned(link.aligned ? R : Matrix3(R * link.R), link.axis, state.q[link.joint]);
       w += state.qd[link.joint] * (R * link.axis);
     }
     const Vector3 arm = R * chain.p_BF;

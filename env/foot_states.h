@@ -30,6 +30,7 @@ class FootKinematics {
   static constexpr std::size_t kMaxChain = 8;
   struct Link {
     Matrix3 R;        // of the joint's frame in its parent at zero angle
+    bool aligned;     // R is the identity, as in most robots
     Vector3 p, axis;  // joint's origin in its parent, m; unit axis in its own frame
     Eigen::Index joint;
   };

@@ -1,28 +1,37 @@
 #include "crossgait/env/worker_pool.h"
 
 namespace crossgait {
+namespace {
+
+// Waits until `value` is no longer `old`: for some tens of microseconds awake, which is how soon the next
+// round of a batch begins and how far apart two workers finish, then asleep.
+void wait_while(const std::atomic<std::size_t>& value, std::size_t old) noexcept {
+  constexpr int kYields = 100;
+  for (int i = 0; i < kYields; ++i) {
+    if (value.load(std::memory_order_acquire) != old) return;
+    std::this_thread::yield();
+  }
+  value.wait(old, std::memory_order_acquire);
+}
+
+}  // namespace
 
 WorkerPool::WorkerPool(std::size_t workers) {
-  for (std::size_t i = 1; i < workers; ++i) {
-    threads_.emplace_back([this](const std::stop_token& stop) { serve(stop); });
-  }
+  for (std::size_t i = 1; i < workers; ++i) threads_.emplace_back([this] { serve(); });
 }
 
 WorkerPool::~WorkerPool() {
-  for (std::jthread& thread : threads_) thread.request_stop();
+  stop_ = true;
+  round_.fetch_add(1, std::memory_order_release);
+  round_.notify_all();
 }
 
-void WorkerPool::serve(const std::stop_token& stop) {
-  std::size_t seen = 0;
-  while (true) {
-    {
-      std::unique_lock lock(mutex_);
-      if (!begin_.wait(lock, stop, [&] { return round_ != seen; })) return;
-      seen = round_;
-    }
+void WorkerPool::serve() noexcept {
+  for (std::size_t seen = 0;; ++seen) {
+    wait_while(round_, seen);
+    if (stop_) return;
     work();
-    const std::scoped_lock lock(mutex_);
-    if (--busy_ == 0) end_.notify_one();
+    if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_.notify_one();
   }
 }
 
@@ -46,17 +55,11 @@ void WorkerPool::run(std::size_t count, Call call, const void* function) {
   count_ = count;
   next_ = 0;
   error_ = nullptr;
-  if (!threads_.empty()) {
-    const std::scoped_lock lock(mutex_);
-    busy_ = threads_.size();
-    ++round_;
-    begin_.notify_all();
-  }
+  busy_ = threads_.size();
+  round_.fetch_add(1, std::memory_order_release);
+  round_.notify_all();
   work();
-  if (!threads_.empty()) {
-    std::unique_lock lock(mutex_);
-    end_.wait(lock, [&] { return busy_ == 0; });
-  }
+  for (std::size_t busy = busy_.load(); busy != 0; busy = busy_.load()) wait_while(busy_, busy);
   if (error_) std::rethrow_exception(error_);
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstddef>
 #include <exception>
 #include <functional>
@@ -38,17 +37,17 @@ class WorkerPool {
   using Call = void (*)(const void* function, std::size_t index);
   void run(std::size_t count, Call call, const void* function);
   void work() noexcept;
-  void serve(const std::stop_token& stop);
+  void serve() noexcept;
 
-  std::mutex mutex_;
-  std::condition_variable_any begin_;
-  std::condition_variable end_;
-  std::size_t round_ = 0, busy_ = 0;  // guarded by mutex_
-
+  // Written by the caller between rounds; a change of `round_` hands them to the workers.
   Call call_ = nullptr;
   const void* function_ = nullptr;
   std::size_t count_ = 0;
-  std::atomic<std::size_t> next_{0};
+  bool stop_ = false;
+
+  std::atomic<std::size_t> round_{0};  // begins with every change
+  std::atomic<std::size_t> busy_{0};   // threads that have not finished the round
+  std::atomic<std::size_t> next_{0};   // index that nobody has taken
 
   std::mutex error_mutex_;
   std::exception_ptr error_;
