@@ -87,6 +87,10 @@ void run(const Options& options) {
       text += "\n" + describe(verdict);
       json["verdicts"].push_back(to_json(verdict));
     }
+  } else {
+    text +=
+        "\nPhysics or engine? --verdict weighs the gaps against the spread within an engine (60 more walks a "
+        "pair).\n";
   }
   options.json.emit(text, json);
 }
