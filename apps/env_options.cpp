@@ -87,14 +87,18 @@ EnvConfig EnvOptions::make() const {
   return c;
 }
 
+void add_workers_option(CLI::App& command, std::size_t& workers) {
+  command.add_option("--workers", workers, "Threads; results do not depend on them")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+}
+
 void EpisodeOptions::add_to(CLI::App& command) {
   command.add_option("--episodes", episodes, "Episodes of each policy, on the same worlds")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command.add_option("--seed", seed, "Seed of the episodes")->capture_default_str();
-  command.add_option("--workers", workers, "Threads; results do not depend on them")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  add_workers_option(command, workers);
 }
 
 EnvFactory env_factory(const EnvConfig& config) {

@@ -10,6 +10,8 @@ namespace crossgait::apps {
 
 /// Threads for episodes: as many as the machine has.
 std::size_t default_workers();
+/// `--workers`. Adds the option alone.
+void add_workers_option(CLI::App& command, std::size_t& workers);
 
 /// A configuration file and what is given on top of it.
 struct EnvOptions {

@@ -245,9 +245,7 @@ void add_tune_command(CLI::App& program) {
       ->delimiter(',');
   command->add_option("--seed", options->seed, "Seed of the search and first terrain seed")
       ->capture_default_str();
-  command->add_option("--workers", options->workers, "Threads; results do not depend on them")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  add_workers_option(*command, options->workers);
   command->add_option("--out", options->out, "Write the tuned environment as YAML, for `rollout --config`")
       ->type_name("FILE.yaml");
   options->env.add_to(*command);

@@ -66,9 +66,7 @@ void SpreadOptions::add_to(CLI::App& command) {
   command.add_option("--push", spread.push_mps, "Push in the first second, as a speed of the robot, m/s")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
-  command.add_option("--workers", verdict.workers, "Threads; results do not depend on them")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  add_workers_option(command, verdict.workers);
 }
 
 }  // namespace crossgait::apps

@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "crossgait/env/check_size.h"
 #include "crossgait/env/gait_source.h"
+#include "crossgait/env/time_steps.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 
@@ -41,12 +43,7 @@ PolicyInterface make_interface(const EnvConfig& config, const RobotDescription& 
   return interface;
 }
 
-int ratio(double longer, double shorter) { return static_cast<int>(std::lround(longer / shorter)); }
-
-void check_size(std::string_view what, std::size_t found, std::size_t expected) {
-  if (found != expected)
-    throw ConfigError("environment", what, fmt::format("{} numbers", expected), fmt::format("{}", found));
-}
+constexpr std::string_view kSource = "environment";
 
 // Components of a horizontal vector in a frame turned by `yaw`; z as it is.
 Vector3 in_heading(const Vector3& v, double yaw) noexcept {
@@ -62,9 +59,8 @@ AdaptiveGaitEnv::AdaptiveGaitEnv(const EnvConfig& config, BackendFactory make_ba
       nominal_(nominal_world(config_)),
       blocks_(find_blocks(config_.observation)),
       servos_(nominal_.robot->actuated_joints()),
-      substeps_(ratio(config_.control_dt, config_.physics_dt)),
-      controls_(ratio(config_.policy_dt, config_.control_dt)),
-      max_steps_(ratio(config_.episode_seconds, config_.policy_dt)),
+      substeps_(step_count(config_.control_dt, config_.physics_dt)),
+      max_steps_(step_count(config_.episode_seconds, config_.policy_dt)),
       foot_kinematics_(*nominal_.robot),
       episode_(make_episode()) {
   interface_ = make_interface(config_, *nominal_.robot, episode_.controller.adapted());
@@ -97,23 +93,21 @@ WorldSpec AdaptiveGaitEnv::draw_world() {
   return world;
 }
 
-void AdaptiveGaitEnv::place_robot() {
+void AdaptiveGaitEnv::place_robot(const LegArray<Vector3>& feet) {
   const RandomDraw& draw = episode_.draw;
   const LegController::Placement placement{draw[Randomised::kStartX], draw[Randomised::kStartY],
                                            draw[Randomised::kStartRoll], draw[Randomised::kStartPitch],
                                            draw[Randomised::kStartYaw]};
   const Terrain& terrain = backend_->spec().terrain;
   if (!terrain.contains(placement.x, placement.y)) {
-    throw ConfigError("environment", "start_x, start_y", fmt::format("a place on {}", terrain.name()),
+    throw ConfigError(kSource, "start_x, start_y", fmt::format("a place on {}", terrain.name()),
                       fmt::format("({:g}, {:g}) m", placement.x, placement.y));
   }
-  LegArray<Vector3> feet;
-  for (const Leg leg : kLegs) feet[leg] = episode_.controller.targets()[leg].position;
   backend_->reset(episode_.legs.standing_state(feet, terrain, placement));
 }
 
 void AdaptiveGaitEnv::reset(std::uint64_t seed, std::span<double> observation) {
-  check_size("observation", observation.size(), observation_size());
+  check_size(kSource, "observation", observation.size(), observation_size());
   Episode& e = episode_;
   e.random = Random(seed);
   e.draw = draw(config_.randomisation, e.random);
@@ -131,13 +125,12 @@ void AdaptiveGaitEnv::reset(std::uint64_t seed, std::span<double> observation) {
   e.result = {};
   e.info = {};
   std::fill(e.action.begin(), e.action.end(), 0.0);
-  place_robot();
 
   // Standing is the gait's first target held; walking begins after it, part of a cycle if so drawn.
-  LegArray<Vector3> feet;
-  for (const Leg leg : kLegs) feet[leg] = e.controller.targets()[leg].position;
+  const LegArray<Vector3> feet = target_positions(e.controller.targets());
+  place_robot(feet);
   StepStatus status = StepStatus::kOk;
-  const int settling = ratio(config_.settle_seconds, config_.control_dt);
+  const int settling = step_count(config_.settle_seconds, config_.control_dt);
   for (int i = 0; i < settling && status == StepStatus::kOk; ++i)
     status = backend_->step(e.legs.update(feet, config_.control_dt), substeps_);
   if (status == StepStatus::kOk)
@@ -157,12 +150,10 @@ void AdaptiveGaitEnv::reset(std::uint64_t seed, std::span<double> observation) {
 
 StepStatus AdaptiveGaitEnv::control(double seconds) noexcept {
   Episode& e = episode_;
-  const int updates = ratio(seconds, config_.control_dt);
+  const int updates = step_count(seconds, config_.control_dt);
   for (int i = 0; i < updates; ++i) {
-    LegArray<Vector3> feet;
-    const LegArray<FootTarget>& targets = e.controller.update(config_.control_dt);
-    for (const Leg leg : kLegs) feet[leg] = targets[leg].position;
-    e.targets = e.legs.update(feet, config_.control_dt);
+    const LegArray<FootTarget>& feet = e.controller.update(config_.control_dt);
+    e.targets = e.legs.update(target_positions(feet), config_.control_dt);
     if (const StepStatus status = backend_->step(e.targets, substeps_); status != StepStatus::kOk)
       return status;
   }
@@ -195,8 +186,8 @@ void AdaptiveGaitEnv::take_action(std::span<const double> action) noexcept {
 }
 
 StepResult AdaptiveGaitEnv::step(std::span<const double> action, std::span<double> observation) {
-  check_size("action", action.size(), action_size());
-  check_size("observation", observation.size(), observation_size());
+  check_size(kSource, "action", action.size(), action_size());
+  check_size(kSource, "observation", observation.size(), observation_size());
   Episode& e = episode_;
   if (e.result.done()) {
     e.result.reward = 0;
@@ -287,7 +278,7 @@ void AdaptiveGaitEnv::observe(std::span<double> observation) const noexcept {
 
 void AdaptiveGaitEnv::set_command(const VelocityCommand& command) {
   if (!episode_.controller.generator().set_command(command)) {
-    throw ConfigError("environment", "command", "finite vx, vy (m/s) and yaw rate (rad/s)",
+    throw ConfigError(kSource, "command", "finite vx, vy (m/s) and yaw rate (rad/s)",
                       fmt::format("{}, {}, {}", command.vx, command.vy, command.yaw_rate));
   }
   episode_.command = command;

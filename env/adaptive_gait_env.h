@@ -102,7 +102,7 @@ class AdaptiveGaitEnv {
 
   Episode make_episode() const;
   WorldSpec draw_world();
-  void place_robot();
+  void place_robot(const LegArray<Vector3>& feet);
   StepStatus control(double seconds) noexcept;
   void push_if_due() noexcept;
   void take_action(std::span<const double> action) noexcept;
@@ -118,7 +118,7 @@ class AdaptiveGaitEnv {
   std::vector<const ObservationBlock*> blocks_;
   std::vector<int> servos_;
   PolicyInterface interface_;
-  int substeps_, controls_, max_steps_;
+  int substeps_, max_steps_;
   FootKinematics foot_kinematics_;
   FootStates feet_;
   std::unique_ptr<PhysicsBackend> backend_;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "crossgait/env/time_steps.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/yaml_reader.h"
 
@@ -17,9 +18,8 @@ void require(bool ok, std::string_view source, std::string_view element, std::st
 }
 
 void require_multiple(std::string_view source, std::string_view element, double longer, double shorter) {
-  const double ratio = longer / shorter;
-  require(std::isfinite(ratio) && ratio > 0.5 && std::abs(ratio - std::round(ratio)) < 1e-9 * ratio, source,
-          element, fmt::format("a whole multiple of {:g} s", shorter), longer);
+  require(is_whole_multiple(longer, shorter), source, element,
+          fmt::format("a whole multiple of {:g} s", shorter), longer);
 }
 
 // Reports a bad name or value of a table at the line of the file where it stands.

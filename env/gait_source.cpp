@@ -10,12 +10,6 @@
 namespace crossgait {
 namespace {
 
-LegArray<Vector3> positions(const LegArray<FootTarget>& targets) noexcept {
-  LegArray<Vector3> feet;
-  for (const Leg leg : kLegs) feet[leg] = targets[leg].position;
-  return feet;
-}
-
 // The controllers' setters refuse what `choose_gait` has refused before.
 void require(bool accepted) {
   if (!accepted) throw ConfigError("gait", "parameters or command", "valid values", "values that are not");
@@ -43,6 +37,12 @@ GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& 
   return choice;
 }
 
+LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept {
+  LegArray<Vector3> feet;
+  for (const Leg leg : kLegs) feet[leg] = targets[leg].position;
+  return feet;
+}
+
 LegArray<Vector3> leg_origins(const RobotDescription& robot) {
   LegArray<Vector3> p_BL;
   for (const Leg leg : kLegs) p_BL[leg] = five_bar_geometry(robot, leg).p_BL;
@@ -56,13 +56,13 @@ GaitSource make_gait_source(const GaitChoice& choice, const RobotDescription& ro
     options.parameters = choice.parameters;
     const auto controller = std::make_shared<MultiGaitController>(options, p_BL);
     require(!choice.command || controller->set_command(*choice.command));
-    return {[controller](double dt) { return positions(controller->update(dt)); },
+    return {[controller](double dt) { return target_positions(controller->update(dt)); },
             [controller]() -> const GaitGenerator& { return controller->generator(); }};
   }
   const auto generator = std::make_shared<GaitGenerator>(*choice.gait, choice.parameters, p_BL);
   require(!choice.command || generator->set_command(*choice.command));
   generator->reset(GaitGenerator::Start::kStanding);
-  return {[generator](double dt) { return positions(generator->update(dt)); },
+  return {[generator](double dt) { return target_positions(generator->update(dt)); },
           [generator]() -> const GaitGenerator& { return *generator; }};
 }
 

@@ -28,6 +28,9 @@ struct GaitChoice {
 GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings,
                        const std::optional<VelocityCommand>& command = {});
 
+/// The positions alone, as LegController takes them.
+LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept;
+
 /// Origins of the leg frames in the base frame, m. @throws ConfigError if the robot has no five-bar legs
 LegArray<Vector3> leg_origins(const RobotDescription& robot);
 

@@ -2,21 +2,15 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
-#include "crossgait/physics/error.h"
+#include "crossgait/env/check_size.h"
 
 namespace crossgait {
 namespace {
 
-void check_size(std::string_view what, std::size_t found, std::size_t expected) {
-  if (found != expected)
-    throw ConfigError("vector environment", what, fmt::format("{} numbers", expected),
-                      fmt::format("{}", found));
-}
+constexpr std::string_view kSource = "vector environment";
 
 std::size_t at_least_one(std::string_view what, std::size_t count) {
-  if (count == 0) throw ConfigError("vector environment", what, "at least 1", "0");
+  if (count == 0) throw ConfigError(kSource, what, "at least 1", "0");
   return count;
 }
 
@@ -42,7 +36,7 @@ void VectorEnv::begin_episode(std::size_t i, std::span<double> observation) {
 }
 
 void VectorEnv::reset(std::uint64_t seed, std::span<double> observations) {
-  check_size("observations", observations.size(), size() * observation_size());
+  check_size(kSource, "observations", observations.size(), size() * observation_size());
   pool_.run(size(), [&](std::size_t i) {
     slots_[i].seed = derived_seed(seed, i);
     slots_[i].episode = 0;
@@ -51,13 +45,13 @@ void VectorEnv::reset(std::uint64_t seed, std::span<double> observations) {
 }
 
 void VectorEnv::step(std::span<const double> actions, const VectorStep& out) {
-  check_size("actions", actions.size(), size() * action_size());
-  check_size("observations", out.observations.size(), size() * observation_size());
-  check_size("rewards", out.rewards.size(), size());
-  check_size("terminated", out.terminated.size(), size());
-  check_size("truncated", out.truncated.size(), size());
+  check_size(kSource, "actions", actions.size(), size() * action_size());
+  check_size(kSource, "observations", out.observations.size(), size() * observation_size());
+  check_size(kSource, "rewards", out.rewards.size(), size());
+  check_size(kSource, "terminated", out.terminated.size(), size());
+  check_size(kSource, "truncated", out.truncated.size(), size());
   if (!out.final_observations.empty())
-    check_size("final_observations", out.final_observations.size(), size() * observation_size());
+    check_size(kSource, "final_observations", out.final_observations.size(), size() * observation_size());
   pool_.run(size(), [&](std::size_t i) { step_one(i, actions, out); });
 }
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "crossgait/env/time_steps.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/multibody.h"
 
@@ -105,13 +106,12 @@ int WalkTiming::substeps(double physics_dt) const {
           "a time step in (0, 1] s", control_dt);
   require(std::isfinite(settle_seconds) && settle_seconds >= 0, "settle_seconds", "a time >= 0 s",
           settle_seconds);
-  const double ratio = control_dt / physics_dt;
-  require(ratio > 0.5 && std::abs(ratio - std::round(ratio)) < 1e-9 * ratio, "control_dt",
+  require(is_whole_multiple(control_dt, physics_dt), "control_dt",
           fmt::format("a whole multiple of the physics step of {} s", physics_dt).c_str(), control_dt);
-  return static_cast<int>(std::lround(ratio));
+  return step_count(control_dt, physics_dt);
 }
 
-int WalkTiming::control_steps() const { return static_cast<int>(std::lround(seconds / control_dt)); }
+int WalkTiming::control_steps() const { return step_count(seconds, control_dt); }
 
 WalkSummary run_walk(PhysicsBackend& backend, LegController& legs, const GaitSource& gait,
                      const WalkTiming& timing, const WalkObserver& observer,
@@ -124,7 +124,7 @@ WalkSummary run_walk(PhysicsBackend& backend, LegController& legs, const GaitSou
   backend.reset(legs.standing_state(standing, backend.spec().terrain, start));
   legs.restart();
   StepStatus status = StepStatus::kOk;
-  const int settling = static_cast<int>(std::lround(timing.settle_seconds / dt));
+  const int settling = step_count(timing.settle_seconds, dt);
   for (int i = 0; i < settling && status == StepStatus::kOk; ++i) {
     status = backend.step(legs.update(standing, dt), substeps);
   }

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "crossgait/env/time_steps.h"
+
 namespace crossgait {
 namespace {
 
@@ -96,8 +98,7 @@ const std::vector<Variation>& variations() {
 }
 
 bool Behaviour::allows(const Variation& variation) const {
-  const double ratio = control_dt / (physics_dt * variation.step);
-  return ratio > 0.5 && std::abs(ratio - std::round(ratio)) < 1e-9 * ratio;
+  return is_whole_multiple(control_dt, physics_dt * variation.step);
 }
 
 Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const TerrainOfStart& terrain,
