@@ -7,8 +7,8 @@
 #include "crossgait/apps/bench_figures.h"
 #include "crossgait/apps/command.h"
 #include "crossgait/backends/registry.h"
-#include "crossgait/bench/bench.h"
-#include "crossgait/bench/regression.h"
+#include "crossgait/benchmarks/bench.h"
+#include "crossgait/benchmarks/regression.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait::apps {
@@ -17,32 +17,32 @@ namespace {
 using nlohmann::ordered_json;
 
 struct Options {
-  bench::BenchOptions bench;
+  benchmarks::BenchOptions bench;
   std::string from, figures, compare;
   double worse_than = 1.25;
   JsonOption json;
 };
 
 ordered_json measure(const Options& options) {
-  bench::BenchOptions bench = options.bench;
+  benchmarks::BenchOptions bench = options.bench;
   if (bench.backends.empty()) bench.backends = available_backends();
   ProgressLine progress("measuring");
-  return bench::run_bench(bench, [&](double share) { progress.update(share); });
+  return benchmarks::run_bench(bench, [&](double share) { progress.update(share); });
 }
 
 void run(const Options& options) {
   // Looked at before minutes of measuring.
   ordered_json stored;
-  bench::check_worse_than(options.worse_than);
-  if (!options.compare.empty()) stored = bench::read_bench(options.compare);
-  ordered_json result = options.from.empty() ? measure(options) : bench::read_bench(options.from);
+  benchmarks::check_worse_than(options.worse_than);
+  if (!options.compare.empty()) stored = benchmarks::read_bench(options.compare);
+  ordered_json result = options.from.empty() ? measure(options) : benchmarks::read_bench(options.from);
 
-  std::string text = bench::describe_bench(result);
+  std::string text = benchmarks::describe_bench(result);
   std::size_t worse = 0;
   if (!options.compare.empty()) {
-    const bench::Regression regression = bench::compare_results(stored, result, options.worse_than);
-    text += bench::describe(regression);
-    result["comparison"] = bench::to_json(regression);
+    const benchmarks::Regression regression = benchmarks::compare_results(stored, result, options.worse_than);
+    text += benchmarks::describe(regression);
+    result["comparison"] = benchmarks::to_json(regression);
     worse = regression.worse.size();
   }
   if (!options.figures.empty()) {

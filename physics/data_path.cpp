@@ -48,7 +48,7 @@ std::string models_dir(std::string_view built_in) {
 std::vector<std::string> robot_names(std::string_view built_in) {
   std::vector<std::string> names;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(models_dir(built_in), error)) {
+  for (const auto& entry : fs::directory_iterator(fs::path(models_dir(built_in)) / "robots", error)) {
     if (fs::exists(entry.path() / "robot.yaml", error)) names.push_back(entry.path().filename().string());
   }
   std::sort(names.begin(), names.end());
@@ -64,7 +64,7 @@ std::string find_robot(std::string_view text, std::string_view built_in) {
                       fmt::format("a .yaml or .urdf file or one of: {}", fmt::join(names, ", ")),
                       fmt::format("'{}'", text));
   }
-  return (fs::path(models_dir(built_in)) / path / "robot.yaml").string();
+  return (fs::path(models_dir(built_in)) / "robots" / path / "robot.yaml").string();
 }
 
 }  // namespace crossgait

@@ -15,7 +15,7 @@ namespace crossgait {
 /// @throws ConfigError naming what was looked at
 std::string models_dir(std::string_view built_in = CROSSGAIT_MODELS_DIR);
 
-/// Names of the robots in `models_dir()` (folders that hold a robot.yaml), sorted.
+/// Names of the robots in `models_dir()`/robots (folders that hold a robot.yaml), sorted.
 std::vector<std::string> robot_names(std::string_view built_in = CROSSGAIT_MODELS_DIR);
 
 /// The file to give to `load_robot`: `text` itself where it ends in .yaml or .urdf, else robot.yaml of the

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <functional>
 
-#include "crossgait/bench/analytic.h"
+#include "crossgait/benchmarks/analytic.h"
 #include "crossgait/physics/multibody.h"
 #include "crossgait/tests/support/backend_test.h"
 
@@ -73,12 +73,12 @@ TEST_P(FreeFall, AWholeRobotHoldingItsPoseFallsAsOne) {
 
 class Tumbling : public BackendTest {
  protected:
-  static bench::TumblingDrift drift(double h) { return bench::measure_tumbling(GetParam(), h); }
+  static benchmarks::TumblingDrift drift(double h) { return benchmarks::measure_tumbling(GetParam(), h); }
 };
 CROSSGAIT_FOR_EVERY_BACKEND(Tumbling);
 
 TEST_P(Tumbling, AngularMomentumAndEnergyDriftAtFirstOrderOnly) {
-  const bench::TumblingDrift coarse = drift(1e-3), fine = drift(5e-4), finest = drift(2.5e-4);
+  const benchmarks::TumblingDrift coarse = drift(1e-3), fine = drift(5e-4), finest = drift(2.5e-4);
   measured("relative drift of angular momentum, h = 1e-3", coarse.momentum);
   measured("relative drift of energy, h = 1e-3", coarse.energy);
   measured("predicted drift of energy, h = 1e-3", coarse.predicted_energy);
@@ -93,7 +93,7 @@ TEST_P(Tumbling, AngularMomentumAndEnergyDriftAtFirstOrderOnly) {
 }
 
 TEST_P(Tumbling, TheCentreOfMassMovesInAStraightLine) {
-  const bench::TumblingDrift d = drift(1e-3);
+  const benchmarks::TumblingDrift d = drift(1e-3);
   measured("velocity of the centre of mass, m/s", d.velocity);
   measured("position of the centre of mass, m", d.position);
   EXPECT_LT(d.velocity, 1e-12);  // rounding of a thousand steps

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "crossgait/bench/analytic.h"
+#include "crossgait/benchmarks/analytic.h"
 #include "crossgait/tests/support/backend_test.h"
 
 namespace crossgait {
@@ -17,7 +17,7 @@ double frequency_of(const scenes::ArmLink& link) {
 class Pendulum : public BackendTest {
  protected:
   static double period(const scenes::ArmLink& link, double amplitude, double h, int swings) {
-    return bench::pendulum_period(GetParam(), link, amplitude, h, swings);
+    return benchmarks::pendulum_period(GetParam(), link, amplitude, h, swings);
   }
 };
 CROSSGAIT_FOR_EVERY_BACKEND(Pendulum);
@@ -37,9 +37,9 @@ TEST_P(Pendulum, SmallSwingsTakeThePeriodOfTheHarmonicOscillator) {
 }
 
 TEST_P(Pendulum, LargeSwingsTakeThePeriodOfTheEllipticIntegral) {
-  const double coarse = bench::pendulum_error(GetParam(), 4e-3);
-  const double middle = bench::pendulum_error(GetParam(), 2e-3);
-  const double fine = bench::pendulum_error(GetParam(), 1e-3);
+  const double coarse = benchmarks::pendulum_error(GetParam(), 4e-3);
+  const double middle = benchmarks::pendulum_error(GetParam(), 2e-3);
+  const double fine = benchmarks::pendulum_error(GetParam(), 1e-3);
   measured("relative error of the period, h = 4e-3", coarse);
   measured("relative error of the period, h = 1e-3", fine);
   // For one joint the integrator is symplectic and of second order in its period.

@@ -2,7 +2,7 @@
 // every heading alike.
 #include <cmath>
 
-#include "crossgait/bench/incline.h"
+#include "crossgait/benchmarks/incline.h"
 #include "crossgait/tests/support/backend_test.h"
 
 namespace crossgait {
@@ -27,17 +27,17 @@ class Slope : public BackendTest {
 
   static void sticks(scenes::MakeIncline make_incline) {
     // Hard contact does not creep: what is left is the tolerance that its solver stops at.
-    const double angle = bench::incline_angle(bench::kJustInside);
+    const double angle = benchmarks::incline_angle(benchmarks::kJustInside);
     const double bound = capabilities().soft_contact ? creep(angle) : 1e-5;
-    const bench::FrictionCone cone = bench::measure_friction_cone(GetParam(), make_incline);
+    const benchmarks::FrictionCone cone = benchmarks::measure_friction_cone(GetParam(), make_incline);
     measured("speed of creep, m/s", cone.creep_speed);
     measured("bound on the creep, m/s", bound);
     EXPECT_LT(cone.creep_speed, bound);
-    EXPECT_LT(cone.creep_distance, bound * bench::kInclineSeconds);
+    EXPECT_LT(cone.creep_distance, bound * benchmarks::kInclineSeconds);
   }
 
   static void slides(scenes::MakeIncline make_incline) {
-    const bench::FrictionCone cone = bench::measure_friction_cone(GetParam(), make_incline);
+    const benchmarks::FrictionCone cone = benchmarks::measure_friction_cone(GetParam(), make_incline);
     measured("distance against a t^2 / 2, relative", cone.distance_error);
     measured("spread over headings, relative", cone.spread);
     measured("off the line of fall, share of the distance", cone.off_line);

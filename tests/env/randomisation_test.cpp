@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/bench/robots.h"
-#include "crossgait/bench/scenes.h"
+#include "crossgait/benchmarks/robots.h"
+#include "crossgait/benchmarks/scenes.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait {

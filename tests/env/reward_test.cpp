@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/bench/robots.h"
+#include "crossgait/benchmarks/robots.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait {

@@ -30,12 +30,12 @@ run("configuring the consumer" ${CMAKE_COMMAND} -G ${GENERATOR} -S ${CONSUMER} -
     -DCMAKE_PREFIX_PATH=${prefix})
 run("building the consumer" ${CMAKE_COMMAND} --build ${SCRATCH}/build)
 run("running the consumer" ${SCRATCH}/build/consumer)
-expect_in_output("${prefix}/${DATADIR}/crossgait/models/scara_quadruped")
+expect_in_output("${prefix}/${DATADIR}/crossgait/models/robots/scara_quadruped")
 message(STATUS "${OUTPUT}")
 
 # The program finds its robots beside itself, wherever it was put: a robot that only the moved copy has is listed.
 file(RENAME ${prefix} ${SCRATCH}/moved)
 set(models ${SCRATCH}/moved/${DATADIR}/crossgait/models)
-file(RENAME ${models}/scara_quadruped ${models}/robot_of_this_copy)
+file(RENAME ${models}/robots/scara_quadruped ${models}/robots/robot_of_this_copy)
 run("the installed crossgait robots" ${SCRATCH}/moved/${BINDIR}/crossgait robots)
 expect_in_output("robot_of_this_copy")

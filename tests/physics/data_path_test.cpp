@@ -22,8 +22,8 @@ class DataPath : public testing::Test {
   void SetUp() override {
     unsetenv("CROSSGAIT_DATA");
     for (const char* robot : {"walker", "ant"}) {
-      fs::create_directories(models_ / robot);
-      std::ofstream(models_ / robot / "robot.yaml") << "name: " << robot << "\n";
+      fs::create_directories(models_ / "robots" / robot);
+      std::ofstream(models_ / "robots" / robot / "robot.yaml") << "name: " << robot << "\n";
     }
     fs::create_directories(models_ / "terrains");
   }
@@ -68,7 +68,7 @@ TEST_F(DataPath, RobotsAreTheFoldersWithARobotFile) {
 }
 
 TEST_F(DataPath, ANameIsARobotAndAFileIsItself) {
-  EXPECT_EQ(find_robot("ant", models_.string()), (models_ / "ant" / "robot.yaml").string());
+  EXPECT_EQ(find_robot("ant", models_.string()), (models_ / "robots" / "ant" / "robot.yaml").string());
   EXPECT_EQ(find_robot("some/where.urdf", models_.string()), "some/where.urdf");
   EXPECT_EQ(find_robot("ant.yaml", models_.string()), "ant.yaml");
 }

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "crossgait/backends/registry.h"
-#include "crossgait/bench/scenes.h"
+#include "crossgait/benchmarks/scenes.h"
 
 namespace crossgait {
 

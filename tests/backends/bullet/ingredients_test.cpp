@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "crossgait/backends/registry.h"
-#include "crossgait/bench/scenes.h"
+#include "crossgait/benchmarks/scenes.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait::bullet {

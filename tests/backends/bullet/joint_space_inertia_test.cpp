@@ -8,7 +8,7 @@
 
 #include "crossgait/backends/bullet/convert.h"
 #include "crossgait/backends/bullet/multibody_model.h"
-#include "crossgait/bench/scenes.h"
+#include "crossgait/benchmarks/scenes.h"
 
 namespace crossgait::bullet {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "crossgait/backends/mujoco/model_xml.h"
 #include "crossgait/backends/mujoco/mujoco_backend.h"
-#include "crossgait/bench/scenes.h"
+#include "crossgait/benchmarks/scenes.h"
 #include "crossgait/physics/multibody.h"
 
 namespace crossgait::mujoco {

@@ -1,0 +1,242 @@
+#include "crossgait/benchmarks/bench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <thread>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/benchmarks/accuracy.h"
+#include "crossgait/benchmarks/analytic.h"
+#include "crossgait/benchmarks/feet.h"
+#include "crossgait/benchmarks/incline.h"
+#include "crossgait/benchmarks/machine.h"
+#include "crossgait/benchmarks/regression.h"
+#include "crossgait/benchmarks/scaling.h"
+#include "crossgait/benchmarks/speed.h"
+#include "crossgait/physics/error.h"
+
+namespace crossgait::benchmarks {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr const char* kSchema = "crossgait-bench";
+constexpr int kVersion = 1;
+
+void set(ordered_json& record, const std::string& key, const Spread& value) {
+  record[key] = value.median;
+  record[key + "_quartiles"] = {value.low, value.high};
+}
+
+// JSON has no NaN.
+ordered_json number_or_null(double value) { return std::isfinite(value) ? ordered_json(value) : nullptr; }
+ordered_json number_or_null(const std::optional<double>& value) {
+  return value ? ordered_json(*value) : nullptr;
+}
+
+/// A share of the whole as a job of its own.
+Progress part(const Progress& progress, double from, double to) {
+  return [&progress, from, to](double share) { progress(from + share * (to - from)); };
+}
+
+ordered_json speed(const BenchOptions& options, const Progress& progress) {
+  ordered_json result{
+      {"scenes", ordered_json::array()}, {"eta", ordered_json::array()}, {"threads", ordered_json::array()}};
+  for (const SpeedScene& scene : speed_scenes()) result["summaries"][scene.name] = scene.summary;
+  constexpr double kStep = 1e-3;  // of WorldSpec
+  SpeedSettings settings{.backends = options.backends};
+  if (options.quick) settings.rounds = 5;
+  for (const SceneSpeed& s : measure_speed(settings, part(progress, 0, 0.5))) {
+    ordered_json record{{"scene", s.scene}, {"backend", s.backend}, {"contacts", s.contacts}};
+    set(record, "us_per_step", s.us_per_step);
+    set(record, "ratio", s.ratio);
+    record["steps_per_core_second"] = 1e6 / s.us_per_step.median;
+    record["real_time_factor"] = kStep * 1e6 / s.us_per_step.median;
+    result["scenes"].push_back(std::move(record));
+  }
+  OverheadSettings overhead{.backends = options.backends};
+  if (options.quick) overhead.rounds = 3;
+  for (const Overhead& o : measure_overhead(overhead, part(progress, 0.5, 0.7))) {
+    ordered_json record{{"terrain", o.terrain}, {"backend", o.backend}};
+    set(record, "eta", o.eta);
+    record["walk_us_per_step"] = o.walk_us;
+    record["engine_us_per_step"] = o.alone_us;
+    result["eta"].push_back(std::move(record));
+  }
+  ScalingSettings scaling{.backends = options.backends};
+  scaling.max_threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  if (options.quick) scaling.rounds = 3, scaling.repeats = 2;
+  for (const ThreadSpeed& t : measure_scaling(scaling, part(progress, 0.7, 1))) {
+    ordered_json record{{"backend", t.backend}, {"threads", t.threads}};
+    record["steps_per_second"] = t.steps_per_second;
+    set(record, "efficiency", t.efficiency);
+    result["threads"].push_back(std::move(record));
+  }
+  return result;
+}
+
+ordered_json accuracy(const BenchOptions& options, const Progress& progress) {
+  AccuracySettings settings{.backends = options.backends};
+  if (options.quick) settings.rounds = 1;
+  const Accuracy measured = measure_accuracy(settings, progress);
+  ordered_json result{{"command_step_s", kCommandStep},  {"reference_step_s", kReferenceStep},
+                      {"horizon_s", kAccuracyHorizon},   {"stability_horizon_s", kStabilityHorizon},
+                      {"points", ordered_json::array()}, {"stable_steps", ordered_json::array()}};
+  for (const AccuracyPoint& p : measured.points) {
+    result["points"].push_back({{"terrain", p.terrain},
+                                {"backend", p.backend},
+                                {"step_s", p.step_s},
+                                {"position_error_m", number_or_null(p.position_error_m)},
+                                {"joint_error_rad", number_or_null(p.joint_error_rad)},
+                                {"cost", p.cost},
+                                {"cost_ratio", p.cost_ratio}});
+  }
+  for (const StableStep& s : measured.stable) {
+    result["stable_steps"].push_back({{"terrain", s.terrain},
+                                      {"backend", s.backend},
+                                      {"largest_s", number_or_null(s.largest_s)},
+                                      {"tried_s", s.tried_s}});
+  }
+  return result;
+}
+
+ordered_json analytic(const BenchOptions& options, const Progress& progress) {
+  ordered_json result{{"convergence", ordered_json::array()}, {"friction", ordered_json::array()}};
+  for (const Convergence& c : measure_convergence(options.backends, part(progress, 0, 0.5))) {
+    result["convergence"].push_back({{"quantity", c.quantity},
+                                     {"unit", c.unit},
+                                     {"backend", c.backend},
+                                     {"order", number_or_null(c.order)},
+                                     {"step_s", c.step_s},
+                                     {"error", c.error}});
+  }
+  const std::vector<std::pair<const char*, scenes::MakeIncline>> grounds{
+      {"plane", scenes::tilted_gravity}, {"height field", scenes::inclined_field}};
+  for (const auto& [ground, make_incline] : grounds) {
+    for (const std::string& backend : options.backends) {
+      const FrictionCone cone = measure_friction_cone(backend, make_incline);
+      result["friction"].push_back({{"ground", ground},
+                                    {"backend", backend},
+                                    {"creep_inside_mps", cone.creep_speed},
+                                    {"distance_error_outside", cone.distance_error},
+                                    {"spread_over_headings", cone.spread},
+                                    {"off_line", cone.off_line}});
+      progress(0.5 + 0.5 * static_cast<double>(result["friction"].size()) /
+                         static_cast<double>(grounds.size() * options.backends.size()));
+    }
+  }
+  return result;
+}
+
+ordered_json feet(const BenchOptions& options, const Progress& progress) {
+  ordered_json result = ordered_json::array();
+  FeetSettings settings{.backends = options.backends};
+  if (options.quick) settings.stand_seconds = 10;
+  for (const FootCard& c : measure_feet(settings, progress)) {
+    result.push_back({{"terrain", c.terrain},
+                      {"backend", c.backend},
+                      {"stand_seconds", c.stand_seconds},
+                      {"creep_mps", c.creep_mps},
+                      {"penetration_m", c.penetration_m},
+                      {"force_error", c.force_error},
+                      {"strides", c.strides},
+                      {"touchdowns", c.touchdowns},
+                      {"touchdown_impulse_Ns", c.touchdown_impulse},
+                      {"touchdown_peak_over_weight", c.touchdown_peak},
+                      {"slip_per_stride_m", c.slip_per_stride_m},
+                      {"drag_per_stride_m", c.drag_per_stride_m},
+                      {"deepest_penetration_m", c.deepest_m}});
+  }
+  return result;
+}
+
+struct Section {
+  const char* name;
+  ordered_json (*measure)(const BenchOptions& options, const Progress& progress);
+  double effort;  // roughly, for the progress
+};
+constexpr std::array<Section, 4> kSections{
+    {{"speed", speed, 6}, {"accuracy", accuracy, 6}, {"analytic", analytic, 0.3}, {"feet", feet, 2}}};
+
+void check_list(const std::vector<std::string>& given, const std::vector<std::string>& known,
+                const char* option) {
+  for (auto it = given.begin(); it != given.end(); ++it) {
+    if (std::find(known.begin(), known.end(), *it) == known.end()) {
+      throw ConfigError("benchmark", option, fmt::format("one of {}", fmt::join(known, ", ")),
+                        "\"" + *it + "\"");
+    }
+    if (std::find(given.begin(), it, *it) != it) {
+      throw ConfigError("benchmark", option, "each once", "\"" + *it + "\" again");
+    }
+  }
+}
+
+}  // namespace
+
+const std::vector<std::string>& bench_sections() {
+  static const std::vector<std::string> kNames = [] {
+    std::vector<std::string> names;
+    for (const Section& section : kSections) names.emplace_back(section.name);
+    return names;
+  }();
+  return kNames;
+}
+
+ordered_json run_bench(const BenchOptions& options, const Progress& progress) {
+  check_list(options.backends, available_backends(), "backend");
+  check_list(options.sections, bench_sections(), "section");
+  if (options.backends.empty()) throw ConfigError("benchmark", "backend", "at least one engine", "none");
+
+  ordered_json result{{"schema", kSchema}, {"version", kVersion}, {"quick", options.quick}};
+  result["machine"] = describe_machine();
+  result["robot"] = scenes::quadruped()->name;
+  result["backends"] = ordered_json::array();
+  for (const std::string& name : options.backends) {
+    const BackendInfo info = make_backend(name, scenes::world_of(scenes::quadruped()))->info();
+    result["backends"].push_back(
+        {{"name", name}, {"engine", info.engine}, {"version", info.version}, {"mode", info.mode}});
+  }
+  const auto wanted = [&options](const char* name) {
+    return options.sections.empty() ||
+           std::find(options.sections.begin(), options.sections.end(), name) != options.sections.end();
+  };
+  double all = 0, done = 0;
+  for (const Section& section : kSections) all += wanted(section.name) ? section.effort : 0;
+  for (const Section& section : kSections) {
+    if (!wanted(section.name)) continue;
+    const double after = done + section.effort;
+    result[section.name] = section.measure(options, part(progress, done / all, after / all));
+    done = after;
+  }
+  result["machine"]["load_at_end"] = describe_machine().value("load", 0.0);
+  return result;
+}
+
+ordered_json read_bench(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw ConfigError(path, "file", "a result of `crossgait bench --json`", "no file to read");
+  ordered_json result = ordered_json::parse(file, nullptr, false);
+  if (!result.is_object() || result.value("schema", ordered_json()) != kSchema) {
+    throw ConfigError(path, "schema", fmt::format("\"{}\"", kSchema),
+                      result.is_discarded() ? "no JSON" : "something else");
+  }
+  if (result.value("version", ordered_json()) != kVersion) {
+    throw ConfigError(path, "version", fmt::format("{}", kVersion),
+                      result.value("version", ordered_json()).dump());
+  }
+  try {  // whatever is made of a result later reads these keys
+    if (result.at("backends").empty()) throw ConfigError(path, "backends", "at least one", "none");
+    describe_bench(result);
+    comparable_figures(result);
+  } catch (const ordered_json::exception& error) {
+    throw ConfigError(path, "contents", "the keys of a result of `crossgait bench`", error.what());
+  }
+  return result;
+}
+
+}  // namespace crossgait::benchmarks

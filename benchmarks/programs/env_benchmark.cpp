@@ -1,0 +1,161 @@
+// What the environment adds to its engine, and what a second worker brings. Ratios within one run, turns
+// interleaved, medians with quartiles.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/benchmarks/statistics.h"
+#include "crossgait/env/vector_env.h"
+#include "crossgait/parity/table.h"
+
+namespace crossgait {
+namespace {
+
+constexpr int kRounds = 15;
+constexpr int kSteps = 1000;  // 2 s, more than two cycles of the trot
+
+BackendFactory factory(const std::string& backend) {
+  return [backend](const WorldSpec& world) { return make_backend(backend, world); };
+}
+
+std::string with_quartiles(const benchmarks::Spread& s) {
+  return fmt::format("{:.3f} ({:.3f}-{:.3f})", s.median, s.low, s.high);
+}
+
+/// eta: physics steps per second of the environment over those of the engine alone, on the same servo targets
+/// from the same start. CPU time of the thread.
+class Eta {
+ public:
+  Eta(const std::string& backend, const std::string& terrain)
+      : env_(config(terrain), factory(backend)),
+        observation_(env_.observation_size()),
+        engine_(make_engine(backend)) {
+    env_.reset(1, observation_);
+    // The stride has grown to its full length.
+    for (int i = 0; i < kSteps; ++i) env_.step(action(i), observation_);
+    saved_ = env_.save();
+    engine_->restore(saved_->physics);
+    for (int i = 0; i < kSteps; ++i) {
+      env_.step(action(i), observation_);
+      targets_.push_back(env_.targets());
+    }
+  }
+
+  void measure() {
+    env_.restore(*saved_);
+    const double begin = benchmarks::thread_seconds();
+    for (int i = 0; i < kSteps; ++i) env_.step(action(i), observation_);
+    const double env = benchmarks::thread_seconds() - begin;
+    engine_->restore(saved_->physics);
+    const double middle = benchmarks::thread_seconds();
+    for (const JointTargets& targets : targets_) {
+      if (engine_->step(targets, kSubsteps) != StepStatus::kOk) std::abort();
+    }
+    const double alone = benchmarks::thread_seconds() - middle;
+    ratio_.push_back(alone / env);
+    added_us_.push_back(1e6 * (env - alone) / kSteps);
+    step_us_.push_back(1e6 * env / kSteps);
+  }
+
+  std::vector<std::string> row() const {
+    return {env_.backend().info().name, env_.config().terrain, with_quartiles(benchmarks::spread(ratio_)),
+            fmt::format("{:.1f}", benchmarks::spread(step_us_).median),
+            fmt::format("{:.2f}", benchmarks::spread(added_us_).median)};
+  }
+
+ private:
+  static constexpr int kSubsteps = 2;
+
+  static EnvConfig config(const std::string& terrain) {
+    EnvConfig c;
+    c.terrain = terrain;
+    c.episode_seconds = 1e5;
+    return c;
+  }
+  std::unique_ptr<PhysicsBackend> make_engine(const std::string& backend) const {
+    return make_backend(backend, env_.backend().spec());
+  }
+  // Small residuals that change all the time, so that nothing in the environment comes to rest.
+  std::span<const double> action(int step) {
+    action_.assign(env_.action_size(), 0.05 * (step % 3 - 1));
+    return action_;
+  }
+
+  AdaptiveGaitEnv env_;
+  std::vector<double> observation_, action_;
+  std::unique_ptr<PhysicsBackend> engine_;
+  std::shared_ptr<const AdaptiveGaitEnv::Saved> saved_;
+  std::vector<JointTargets> targets_;
+  std::vector<double> ratio_, added_us_, step_us_;
+};
+
+void print_eta() {
+  std::vector<std::unique_ptr<Eta>> runs;
+  for (const std::string& backend : available_backends()) {
+    for (const char* terrain : {"flat", "rough:seed=1"})
+      runs.push_back(std::make_unique<Eta>(backend, terrain));
+  }
+  for (int round = 0; round < kRounds; ++round) {
+    for (const auto& run : runs) run->measure();
+  }
+  Table table({"engine", "terrain", "eta (quartiles)", "us per policy step", "us above the engine"});
+  for (const auto& run : runs) table.add_row(run->row());
+  fmt::print("Trot, 69 observations, guide's reward, 2 physics steps per policy step\n{}\n", table.str());
+}
+
+/// Seconds on the wall of a batch's steps.
+double batch_seconds(VectorEnv& env, int steps) {
+  std::vector<double> seen(env.size() * env.observation_size()), rewards(env.size()),
+      actions(env.size() * env.action_size(), 0);
+  std::vector<std::uint8_t> terminated(env.size()), truncated(env.size());
+  env.reset(1, seen);
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < steps; ++i) env.step(actions, {seen, rewards, terminated, truncated});
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// Two batches of half the size, each on a thread of its own that waits for nobody: what the machine gives.
+double apart_seconds(VectorEnv& a, VectorEnv& b, int steps) {
+  double first = 0;
+  std::jthread thread([&] { first = batch_seconds(a, steps); });
+  const double second = batch_seconds(b, steps);
+  thread.join();
+  return std::max(first, second);
+}
+
+void print_scaling() {
+  constexpr std::size_t kEnvironments = 32;
+  constexpr int kBatchSteps = 100;
+  Table table({"engine", "steps/s, 1 worker", "2 workers over 1 (quartiles)", "2 threads apart over 1"});
+  for (const std::string& backend : available_backends()) {
+    const auto batch = [&](std::size_t environments, std::size_t workers) {
+      return VectorEnv({}, factory(backend), {.environments = environments, .workers = workers});
+    };
+    VectorEnv one = batch(kEnvironments, 1), two = batch(kEnvironments, 2),
+              half = batch(kEnvironments / 2, 1), other_half = batch(kEnvironments / 2, 1);
+    std::vector<double> ratio, apart, rate;
+    for (int round = 0; round < kRounds; ++round) {
+      const double slow = batch_seconds(one, kBatchSteps);
+      ratio.push_back(slow / batch_seconds(two, kBatchSteps));
+      apart.push_back(slow / apart_seconds(half, other_half, kBatchSteps));
+      rate.push_back(1.0 * kBatchSteps * kEnvironments / slow);
+    }
+    table.add_row({backend, fmt::format("{:.0f}", benchmarks::spread(rate).median),
+                   with_quartiles(benchmarks::spread(ratio)), with_quartiles(benchmarks::spread(apart))});
+  }
+  fmt::print("{} environments, wall-clock time\n{}", kEnvironments, table.str());
+}
+
+}  // namespace
+}  // namespace crossgait
+
+int main() {
+  crossgait::print_eta();
+  crossgait::print_scaling();
+  return 0;
+}

@@ -1,0 +1,52 @@
+#include "crossgait/benchmarks/programs/mujoco/bare_mujoco.h"
+
+#include <array>
+
+#include <mujoco/mujoco.h>
+
+#include "crossgait/backends/mujoco/model.h"
+#include "crossgait/backends/mujoco/model_xml.h"
+
+namespace crossgait {
+
+struct BareMujoco::Engine {
+  mujoco::ModelPtr m;
+  mujoco::DataPtr d;
+  std::vector<int> q, v;  // addresses by joint of the description
+};
+
+BareMujoco::BareMujoco(const WorldSpec& spec) : engine_(std::make_unique<Engine>()) {
+  engine_->m = mujoco::compile_model(spec);
+  engine_->d.reset(mj_makeData(engine_->m.get()));
+  for (int i = 0; i < spec.robot->joint_count(); ++i) {
+    const int joint = mj_name2id(engine_->m.get(), mjOBJ_JOINT, mujoco::joint_name(i).c_str());
+    engine_->q.push_back(engine_->m->jnt_qposadr[joint]);
+    engine_->v.push_back(engine_->m->jnt_dofadr[joint]);
+  }
+}
+
+BareMujoco::~BareMujoco() = default;
+
+void BareMujoco::replay(const RobotState& state, const std::vector<JointVector>& torques) {
+  mjModel* m = engine_->m.get();
+  mjData* d = engine_->d.get();
+  mj_resetData(m, d);
+  mju_copy3(d->qpos, state.p_WB.data());
+  const std::array<mjtNum, 4> q{state.q_WB.w(), state.q_WB.x(), state.q_WB.y(), state.q_WB.z()};
+  mju_copy4(d->qpos + 3, q.data());
+  for (std::size_t i = 0; i < engine_->q.size(); ++i)
+    d->qpos[engine_->q[i]] = state.q[static_cast<Eigen::Index>(i)];
+  for (const JointVector& tau : torques) {
+    for (std::size_t i = 0; i < engine_->v.size(); ++i) {
+      d->qfrc_applied[engine_->v[i]] = tau[static_cast<Eigen::Index>(i)];
+    }
+    mj_step(m, d);
+  }
+}
+
+Vector3 BareMujoco::position() const {
+  const mjtNum* p = engine_->d->qpos;
+  return {p[0], p[1], p[2]};
+}
+
+}  // namespace crossgait

@@ -1,0 +1,98 @@
+// Time of a physics step of the trot, as a ratio to a bare mj_step loop under the same recorded controls.
+// Interleaved within one run, median of several repetitions, with the spread:
+//   build/release/benchmarks/step_benchmark [REPETITIONS] [FILE.json]
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/benchmarks/scenes.h"
+#include "crossgait/benchmarks/programs/mujoco/bare_mujoco.h"
+#include "crossgait/parity/table.h"
+#include "crossgait/physics/atomic_file.h"
+
+namespace {
+
+using namespace crossgait;
+
+constexpr int kSteps = 4000;
+
+template <typename Work>
+double microseconds_per_step(const Work& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count() / kSteps;
+}
+
+struct Series {
+  std::string name;
+  std::vector<double> time, ratio;  // us; to the bare loop of the same repetition
+};
+
+double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int repetitions = argc > 1 ? std::max(1, std::atoi(argv[1])) : 15;
+  const WorldSpec spec = scenes::world_of(scenes::quadruped());
+  const scenes::Trot trot(*spec.robot);
+  std::vector<JointTargets> targets;
+  for (int i = 0; i < kSteps; ++i) targets.push_back(trot.targets(i * spec.physics_dt));
+
+  const auto recorder = make_backend("mujoco", spec);
+  const RobotState start = recorder->state();
+  std::vector<JointVector> torques;
+  for (const JointTargets& target : targets) {
+    if (recorder->step(target) != StepStatus::kOk) return EXIT_FAILURE;
+    torques.push_back(recorder->torques());
+  }
+  BareMujoco bare(spec);
+  std::vector<Series> series{{"bare mj_step", {}, {}}};
+  std::vector<std::unique_ptr<PhysicsBackend>> backends;
+  for (const std::string& name : available_backends()) {
+    backends.push_back(make_backend(name, spec));
+    series.push_back({name, {}, {}});
+  }
+  for (int r = -1; r < repetitions; ++r) {  // the first warms up and is not kept
+    std::vector<double> times{microseconds_per_step([&] { bare.replay(start, torques); })};
+    for (const auto& backend : backends) {
+      backend->reset();
+      times.push_back(microseconds_per_step([&] {
+        for (const JointTargets& target : targets) {
+          if (backend->step(target) != StepStatus::kOk) std::abort();
+        }
+      }));
+    }
+    for (std::size_t i = 0; r >= 0 && i < times.size(); ++i) {
+      series[i].time.push_back(times[i]);
+      series[i].ratio.push_back(times[i] / times[0]);
+    }
+  }
+  // The replay must have been the same walk, or the ratios compare different things.
+  if ((bare.position() - recorder->state().p_WB).norm() > 1e-9) {
+    fmt::print(stderr, "the bare loop walked elsewhere: {:.3g} m off\n",
+               (bare.position() - recorder->state().p_WB).norm());
+    return EXIT_FAILURE;
+  }
+  Table table({fmt::format("trot, {} steps x {}", kSteps, repetitions), "us/step", "ratio",
+               "quartiles of the ratio"});
+  nlohmann::ordered_json json;
+  for (const Series& s : series) {
+    const double low = quantile(s.ratio, 0.25), median = quantile(s.ratio, 0.5),
+                 high = quantile(s.ratio, 0.75);
+    table.add_row({s.name, fmt::format("{:.2f}", quantile(s.time, 0.5)), fmt::format("{:.3f}", median),
+                   fmt::format("{:.3f} to {:.3f}", low, high)});
+    json[s.name] = {
+        {"us_per_step", quantile(s.time, 0.5)}, {"ratio", median}, {"ratio_quartiles", {low, high}}};
+  }
+  fmt::print("{}", table.str());
+  if (argc > 2) write_file_atomically(argv[2], json.dump(2) + "\n");
+  return EXIT_SUCCESS;
+}

@@ -1,0 +1,162 @@
+#include "crossgait/benchmarks/scaling.h"
+
+#include <algorithm>
+#include <atomic>
+#include <barrier>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/env/gait_source.h"
+
+namespace crossgait::benchmarks {
+namespace {
+
+SpeedScene scene_named(const std::string& name) {
+  for (SpeedScene& scene : speed_scenes()) {
+    if (scene.name == name) return scene;
+  }
+  throw std::logic_error("no scene " + name);
+}
+
+/// Wall-clock time from when the first of `threads` runners starts until the last one is through, s.
+double run_together(std::vector<SceneRunner>& runners, int threads, int repeats) {
+  using Clock = std::chrono::steady_clock;
+  std::barrier together(threads);
+  std::atomic<bool> sound = true;
+  std::vector<Clock::time_point> begin(static_cast<std::size_t>(threads)), end = begin;
+  std::vector<std::thread> workers;
+  for (std::size_t t = 0; t < begin.size(); ++t) {
+    workers.emplace_back([&, t] {
+      together.arrive_and_wait();
+      begin[t] = Clock::now();
+      if (!runners[t].repeat(repeats)) sound = false;
+      end[t] = Clock::now();
+    });
+  }
+  for (std::thread& worker : workers) worker.join();
+  if (!sound) throw std::runtime_error("an engine diverged in the trot on several threads");
+  const auto first = *std::min_element(begin.begin(), begin.end());
+  const auto last = *std::max_element(end.begin(), end.end());
+  return std::chrono::duration<double>(last - first).count();
+}
+
+/// A recorded walk that can be run again as a walk and as bare steps.
+class Walk {
+ public:
+  Walk(const std::string& backend, const std::string& terrain, double seconds) {
+    WorldSpec spec = scenes::world_of(scenes::quadruped());
+    spec.terrain = make_terrain(terrain);
+    world_ = make_backend(backend, spec);
+    legs_ = std::make_unique<LegController>(world_->robot());
+    timing_.seconds = seconds;
+    timing_.settle_seconds = 0;  // an observer sees no targets of the settling
+    start_ = legs_->standing_state(source().feet(0), spec.terrain);
+    const WalkSummary summary =
+        run_walk(*world_, *legs_, source(), timing_, [this](const WalkSample& sample) {
+          targets_.push_back(sample.targets);
+          return true;
+        });
+    if (summary.diverged) throw std::runtime_error(fmt::format("the walk in {} diverged", backend));
+  }
+
+  double steps() const {
+    return static_cast<double>(targets_.size()) * timing_.substeps(world_->spec().physics_dt);
+  }
+  /// CPU time, s.
+  double walk() {
+    const GaitSource gait = source();
+    const double begin = thread_seconds();
+    run_walk(*world_, *legs_, gait, timing_);
+    const double time = thread_seconds() - begin;
+    end_ = world_->state();
+    return time;
+  }
+  /// CPU time, s. To be called after `walk`.
+  double engine_alone() {
+    const int substeps = timing_.substeps(world_->spec().physics_dt);
+    const double begin = thread_seconds();
+    world_->reset(start_);
+    for (const JointTargets& targets : targets_) {
+      if (world_->step(targets, substeps) != StepStatus::kOk) break;
+    }
+    const double time = thread_seconds() - begin;
+    if (!scenes::identical(world_->state(), end_)) {
+      throw std::runtime_error("the recorded targets did not lead where the walk did: nothing to compare");
+    }
+    return time;
+  }
+
+ private:
+  GaitSource source() const { return make_gait_source(choose_gait("trot", {}), world_->robot()); }
+
+  std::unique_ptr<PhysicsBackend> world_;
+  std::unique_ptr<LegController> legs_;
+  WalkTiming timing_;
+  RobotState start_, end_;
+  std::vector<JointTargets> targets_;
+};
+
+}  // namespace
+
+std::vector<ThreadSpeed> measure_scaling(const ScalingSettings& settings, const Progress& progress) {
+  const SpeedScene scene = scene_named("trot_flat");
+  const auto threads = static_cast<std::size_t>(settings.max_threads);
+  std::vector<std::vector<SceneRunner>> runners(settings.backends.size());
+  for (std::size_t b = 0; b < runners.size(); ++b) {
+    for (std::size_t t = 0; t < threads; ++t) runners[b].emplace_back(scene, settings.backends[b]);
+  }
+  std::vector<std::vector<double>> speed(runners.size() * threads), efficiency(speed.size());
+  for (int round = 0; round < settings.rounds; ++round) {
+    for (std::size_t b = 0; b < runners.size(); ++b) {
+      double alone = 0;  // steps per second of one thread in this round
+      for (std::size_t t = 0; t < threads; ++t) {
+        const int n = static_cast<int>(t) + 1;
+        const double rate =
+            n * scene.steps * settings.repeats / run_together(runners[b], n, settings.repeats);
+        if (n == 1) alone = rate;
+        speed[b * threads + t].push_back(rate);
+        efficiency[b * threads + t].push_back(rate / (n * alone));
+      }
+      progress((round + static_cast<double>(b + 1) / static_cast<double>(runners.size())) / settings.rounds);
+    }
+  }
+  std::vector<ThreadSpeed> results;
+  for (std::size_t i = 0; i < speed.size(); ++i) {
+    results.push_back({settings.backends[i / threads], static_cast<int>(i % threads) + 1,
+                       spread(speed[i]).median, spread(efficiency[i])});
+  }
+  return results;
+}
+
+std::vector<Overhead> measure_overhead(const OverheadSettings& settings, const Progress& progress) {
+  std::vector<Overhead> results;
+  const std::vector<std::string> terrains{"flat", "rough:seed=1"};
+  for (std::size_t k = 0; k < terrains.size(); ++k) {
+    std::vector<Walk> walks;
+    for (const std::string& backend : settings.backends) {
+      walks.emplace_back(backend, terrains[k], settings.seconds);
+    }
+    std::vector<std::vector<double>> eta(walks.size()), walk_us(walks.size()), alone_us(walks.size());
+    for (int round = 0; round < settings.rounds; ++round) {
+      for (std::size_t i = 0; i < walks.size(); ++i) {
+        const double walk = walks[i].walk(), alone = walks[i].engine_alone();
+        eta[i].push_back(alone / walk);
+        walk_us[i].push_back(1e6 * walk / walks[i].steps());
+        alone_us[i].push_back(1e6 * alone / walks[i].steps());
+      }
+      progress((static_cast<double>(k) + (round + 1.0) / settings.rounds) /
+               static_cast<double>(terrains.size()));
+    }
+    for (std::size_t i = 0; i < walks.size(); ++i) {
+      results.push_back({settings.backends[i], terrains[k], spread(eta[i]), spread(walk_us[i]).median,
+                         spread(alone_us[i]).median});
+    }
+  }
+  return results;
+}
+
+}  // namespace crossgait::benchmarks

@@ -1,0 +1,61 @@
+// What a physics step costs: every engine on the same motions, in turns.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "crossgait/benchmarks/scenes.h"
+#include "crossgait/benchmarks/statistics.h"
+#include "crossgait/parity/comparison.h"
+
+namespace crossgait::benchmarks {
+
+/// A motion to be timed.
+struct SpeedScene {
+  std::string name, summary;
+  WorldSpec spec;
+  double start = 0;  ///< when timing begins, s: what comes before brings the robot there
+  int steps = 1600;  ///< physics steps of one run: two cycles of the trot
+  std::function<JointTargets(double time)> targets;
+};
+
+/// swing, stand, trot_flat, trot_rough, pile.
+std::vector<SpeedScene> speed_scenes();
+
+struct SpeedSettings {
+  std::vector<std::string> backends;  ///< the first one is what the others are compared to
+  int rounds = 31;                    ///< every backend has its turn in each
+};
+
+/// One scene in one engine.
+struct SceneSpeed {
+  std::string scene, backend;
+  double contacts = 0;  ///< mean number per step
+  Spread us_per_step;   ///< CPU time of the thread, us
+  Spread ratio;         ///< to the first backend in the same round
+};
+
+/// A world that stands where a scene begins, and can be put back there bit for bit.
+class SceneRunner {
+ public:
+  /// @throws std::runtime_error if the engine diverges on the way
+  SceneRunner(const SpeedScene& scene, const std::string& backend);
+  /// CPU time of the scene, per step, s. @throws std::runtime_error if the engine diverges
+  double run();
+  /// `times` runs of it without looking at a clock. False if the engine diverged.
+  bool repeat(int times);
+  /// Mean number of contacts per step; runs the scene once.
+  double count_contacts();
+
+ private:
+  std::string what_;
+  std::unique_ptr<PhysicsBackend> world_;
+  std::vector<JointTargets> targets_;
+  Snapshot start_;
+};
+
+/// @throws std::runtime_error if an engine diverges
+std::vector<SceneSpeed> measure_speed(const SpeedSettings& settings, const Progress& progress);
+
+}  // namespace crossgait::benchmarks

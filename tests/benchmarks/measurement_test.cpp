@@ -1,0 +1,131 @@
+// The measurements against what is known of them, in every engine. Nothing here looks at a clock's reading.
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "crossgait/benchmarks/accuracy.h"
+#include "crossgait/benchmarks/analytic.h"
+#include "crossgait/benchmarks/feet.h"
+#include "crossgait/benchmarks/scaling.h"
+#include "crossgait/benchmarks/speed.h"
+#include "crossgait/tests/support/backend_test.h"
+
+namespace crossgait::benchmarks {
+namespace {
+
+const Progress kSilent = [](double) {};
+
+class Analytic : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(Analytic);
+
+TEST_P(Analytic, FreeFallIsLateByHalfAStep) {
+  for (const double h : {4e-3, 1e-3}) EXPECT_NEAR(free_fall_error(GetParam(), h), 9.81 * h / 2, 1e-11);
+}
+
+TEST_P(Analytic, OrdersAreThoseOfSemiImplicitEuler) {
+  double last = 0;
+  const auto results = measure_convergence({GetParam()}, [&last](double share) {
+    EXPECT_GE(share, last);
+    last = share;
+  });
+  EXPECT_NEAR(last, 1, 1e-12);
+  ASSERT_EQ(results.size(), 4U);
+  for (const Convergence& c : results) {
+    ASSERT_EQ(c.error.size(), c.step_s.size());
+    // At 4 ms a body that turns by 11 rad/s is 4 % of a radian further: so much of the next order shows.
+    EXPECT_NEAR(c.order, c.quantity == "pendulum_period" ? 2 : 1, 0.05) << c.quantity;
+  }
+}
+
+class Scenes : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(Scenes);
+
+TEST_P(Scenes, TouchTheGroundAsTheyShould) {
+  std::set<std::string> names;
+  for (const SpeedScene& scene : speed_scenes()) {
+    EXPECT_TRUE(names.insert(scene.name).second);
+    const double contacts = SceneRunner(scene, GetParam()).count_contacts();
+    if (scene.name.starts_with("trot")) {
+      EXPECT_GT(contacts, 2);  // a pair stands, and the other one lands
+      EXPECT_LT(contacts, 4);
+    } else {
+      EXPECT_EQ(contacts, scene.name == "swing" ? 0 : scene.name == "stand" ? 4 : 8 * 4) << scene.name;
+    }
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"swing", "stand", "trot_flat", "trot_rough", "pile"}));
+}
+
+TEST_P(Scenes, AreMeasuredInEveryRound) {
+  const auto results = measure_speed({.backends = {GetParam()}, .rounds = 1}, kSilent);
+  ASSERT_EQ(results.size(), speed_scenes().size());
+  for (const SceneSpeed& s : results) {
+    EXPECT_GT(s.us_per_step.median, 0);
+    EXPECT_EQ(s.ratio.median, 1);  // to itself
+  }
+}
+
+TEST_P(Scenes, TheWalkIsFollowedToTheBit) {
+  // Throws if the recorded targets lead elsewhere.
+  const auto results = measure_overhead({.backends = {GetParam()}, .rounds = 1, .seconds = 0.2}, kSilent);
+  ASSERT_EQ(results.size(), 2U);
+  for (const Overhead& o : results) EXPECT_GT(o.eta.median, 0);
+}
+
+TEST_P(Scenes, RunOnSeveralThreads) {
+  const auto results =
+      measure_scaling({.backends = {GetParam()}, .max_threads = 3, .rounds = 1, .repeats = 1}, kSilent);
+  ASSERT_EQ(results.size(), 3U);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(results[static_cast<std::size_t>(i)].threads, i + 1);
+  EXPECT_EQ(results[0].efficiency.median, 1);
+}
+
+class SelfConsistency : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(SelfConsistency);
+
+TEST_P(SelfConsistency, ErrorsShrinkWithTheStep) {
+  const Accuracy a = measure_accuracy(
+      {.backends = {GetParam()}, .terrains = {"flat"}, .steps_s = {4e-3, 1e-3, kReferenceStep}, .rounds = 1},
+      kSilent);
+  ASSERT_EQ(a.points.size(), 3U);
+  // The trot's legs obey equations of first order in the step: a quarter, give or take the next order.
+  ASSERT_TRUE(a.points[0].joint_error_rad && a.points[1].joint_error_rad);
+  EXPECT_NEAR(*a.points[0].joint_error_rad / *a.points[1].joint_error_rad, 4, 1);
+  EXPECT_GT(*a.points[0].position_error_m, 2 * *a.points[1].position_error_m);
+  // The reference against itself.
+  EXPECT_EQ(a.points[2].position_error_m, 0.0);
+  EXPECT_EQ(a.points[2].joint_error_rad, 0.0);
+  ASSERT_EQ(a.stable.size(), 1U);
+  ASSERT_TRUE(a.stable[0].largest_s);
+  EXPECT_TRUE(std::is_sorted(a.stable[0].tried_s.begin(), a.stable[0].tried_s.end()));
+}
+
+TEST_P(SelfConsistency, AnExplicitServoHasALargestStableStep) {
+  EXPECT_TRUE(trot_survives(GetParam(), "flat", 1e-3));
+  // Explicit damping d on a rotor of inertia I is stable up to 2 I / d = 20 ms.
+  EXPECT_FALSE(trot_survives(GetParam(), "flat", 40e-3));
+}
+
+class Feet : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(Feet);
+
+TEST_P(Feet, StandAndStep) {
+  const auto cards = measure_feet(
+      {.backends = {GetParam()}, .terrains = {"flat"}, .stand_seconds = 2, .strides = 2}, kSilent);
+  ASSERT_EQ(cards.size(), 1U);
+  const FootCard& card = cards[0];
+  EXPECT_EQ(card.stand_seconds, 2);
+  EXPECT_LT(std::abs(card.force_error), 1e-3);  // as the conformance test of standing
+  EXPECT_LT(card.creep_mps, 1e-3);
+  EXPECT_GE(card.penetration_m, 0);
+  EXPECT_LT(card.penetration_m, 2e-3);
+  EXPECT_GT(card.touchdowns, 0);
+  EXPECT_LE(card.touchdowns, 2 * kLegCount + 2);  // one per leg and stride, give or take one at either end
+  EXPECT_GT(card.touchdown_impulse, 0);
+  // The mean force of 10 ms cannot exceed the peak: impulse <= peak * 10 ms.
+  EXPECT_LE(card.touchdown_impulse, card.touchdown_peak * scenes::quadruped()->total_mass() * 9.81 * 0.0101);
+  EXPECT_GT(card.slip_per_stride_m, 0);
+  EXPECT_LT(card.slip_per_stride_m, scenes::Trot::kStepLength);
+}
+
+}  // namespace
+}  // namespace crossgait::benchmarks
