@@ -5,27 +5,25 @@
 #include "crossgait/apps/command.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/table.h"
-#include "crossgait/physics/data_path.h"
 
 namespace crossgait::apps {
 namespace {
 
 void run(const JsonOption& json) {
-  WorldSpec spec;
-  spec.robot = std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped")));
   Table table({"name", "engine", "contact", ""});
   nlohmann::ordered_json entries = nlohmann::ordered_json::array();
-  for (const BackendEntry& entry : known_backends()) {
+  for (const EngineListing& entry : known_engines()) {
     nlohmann::ordered_json object{
         {"name", entry.name}, {"summary", entry.summary}, {"available", entry.available}};
     if (entry.available) {
-      const BackendInfo info = make_backend(entry.name, spec)->info();
+      const EngineInfo info = find_engine(entry.name).info;
       table.add_row({entry.name, info.engine + " " + info.version, info.mode, "available"});
       object["engine"] = info.engine;
       object["version"] = info.version;
       object["mode"] = info.mode;
+      object["contact_law"] = info.laws.contact;
+      object["loop_law"] = info.laws.loops;
       object["capabilities"] = {{"soft_contact", info.capabilities.soft_contact},
-                                {"matches_mujoco", info.capabilities.matches_mujoco},
                                 {"exact_field_query", info.capabilities.exact_field_query}};
     } else {
       table.add_row({entry.name, "", "", "not built in: " + entry.reason});
@@ -35,15 +33,15 @@ void run(const JsonOption& json) {
   }
   std::string text = table.str();
   nlohmann::ordered_json families = nlohmann::ordered_json::array();
-  for (const BackendFamily& family : backend_families()) {
+  for (const EngineFamily& family : engine_families()) {
     text += fmt::format("\nBetween {0} and {1}, e.g. {0}+{2} or {1}-{3}:\n", family.from, family.to,
-                        family.ingredients.front().name, family.ingredients.back().name);
-    nlohmann::ordered_json ingredients = nlohmann::ordered_json::array();
-    for (const BackendIngredient& i : family.ingredients) {
+                        family.factors.front().name, family.factors.back().name);
+    nlohmann::ordered_json factors = nlohmann::ordered_json::array();
+    for (const ModelFactor& i : family.factors) {
       text += fmt::format("  {:14} {}\n", i.name, i.summary);
-      ingredients.push_back({{"name", i.name}, {"summary", i.summary}, {"needs", i.needs}});
+      factors.push_back({{"name", i.name}, {"summary", i.summary}, {"needs", i.needs}});
     }
-    families.push_back({{"from", family.from}, {"to", family.to}, {"ingredients", ingredients}});
+    families.push_back({{"from", family.from}, {"to", family.to}, {"factors", factors}});
   }
   json.emit(text, {{"backends", std::move(entries)}, {"families", std::move(families)}});
 }

@@ -25,7 +25,7 @@ struct Options {
 
 ordered_json measure(const Options& options) {
   benchmarks::BenchOptions bench = options.bench;
-  if (bench.backends.empty()) bench.backends = available_backends();
+  if (bench.backends.empty()) bench.backends = available_engines();
   ProgressLine progress("measuring");
   return benchmarks::run_bench(bench, [&](double share) { progress.update(share); });
 }

@@ -51,8 +51,8 @@ std::vector<Verdict> verdicts(const Options& options, const WorldSpec& spec, con
   const Behaviour behaviour = walk_behaviour(options.world, options.walk, spec, how.spread);
   for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
     for (std::size_t k = i + 1; k < comparison.runs.size(); ++k) {
-      const BackendInfo &a = comparison.runs[i].backend, &b = comparison.runs[k].backend;
-      if (a.capabilities.matches_mujoco && b.capabilities.matches_mujoco) continue;
+      const EngineInfo &a = comparison.runs[i].engine, &b = comparison.runs[k].engine;
+      if (a.laws == b.laws) continue;
       ProgressLine progress(fmt::format("judging {} and {}", a.name, b.name));
       result.push_back(reach_verdict(behaviour, find_engine(a.name), find_engine(b.name), how.verdict,
                                      [&](double share) { progress.update(share); }));
@@ -64,7 +64,7 @@ std::vector<Verdict> verdicts(const Options& options, const WorldSpec& spec, con
 void run(const Options& options) {
   const WorldSpec spec = options.world.make();
   const WalkSetup setup = options.walk.make(*spec.robot);
-  const std::vector<std::string> engines = options.engines.empty() ? available_backends() : options.engines;
+  const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
   check_engines(engines);
   std::vector<std::unique_ptr<PhysicsBackend>> backends;
   for (const std::string& engine : engines) backends.push_back(make_backend(engine, spec));
@@ -77,7 +77,7 @@ void run(const Options& options) {
   }
   if (!options.trace.empty()) {
     for (const WalkRun& walk : comparison.runs) {
-      write_trace_csv(*spec.robot, walk.trace, trace_path(options.trace, walk.backend.name));
+      write_trace_csv(*spec.robot, walk.trace, trace_path(options.trace, walk.engine.name));
     }
   }
   std::string text = describe(comparison);

@@ -61,8 +61,8 @@ EnvConfig EnvOptions::make() const {
   EnvConfig c;
   if (!config.empty()) {
     c = load_env_config(config);
-  } else if (!available_backends().empty()) {
-    c.backend = available_backends().front();
+  } else if (!available_engines().empty()) {
+    c.backend = available_engines().front();
   }
   if (backend) c.backend = *backend;
   if (robot) c.robot = *robot;
@@ -103,8 +103,7 @@ void EpisodeOptions::add_to(CLI::App& command) {
 
 EnvFactory env_factory(const EnvConfig& config) {
   return [config] {
-    return std::make_unique<AdaptiveGaitEnv>(
-        config, [name = config.backend](const WorldSpec& world) { return make_backend(name, world); });
+    return std::make_unique<AdaptiveGaitEnv>(config, find_engine(config.backend));
   };
 }
 

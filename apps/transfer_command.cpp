@@ -56,7 +56,7 @@ std::string describe(const Options& options, const std::vector<std::string>& eng
 }
 
 void run(const Options& options) {
-  const std::vector<std::string> engines = options.engines.empty() ? available_backends() : options.engines;
+  const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
   const EnvConfig base = options.env.make();
   std::vector<Cell> cells;
   ProgressLine progress("transferring");

@@ -195,7 +195,7 @@ void run(const Options& options) {
                    "body_height", "stance_width", "foot_clearance"};
   }
   if (!options.env.episode_seconds && options.env.config.empty()) start.episode_seconds = 6;
-  const std::vector<std::string> engines = options.engines.empty() ? available_backends() : options.engines;
+  const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
   ProgressLine progress("tuning");
   const Result result = tune(options, start, progress);
   const std::vector<Check> checks = check(options, engines, start, result.tuned);

@@ -55,8 +55,8 @@ Behaviour behaviour(const Options& options, const WorldSpec& spec, const std::st
 
 std::vector<std::string> two_engines(const std::vector<std::string>& asked) {
   std::vector<std::string> engines = asked;
-  if (engines.empty() && available_backends().size() >= 2)
-    engines = {available_backends().front(), available_backends().back()};
+  if (engines.empty() && available_engines().size() >= 2)
+    engines = {available_engines().front(), available_engines().back()};
   if (engines.size() != 2 || engines[0] == engines[1])
     throw ConfigError("command line", "--engines", "two different engines",
                       fmt::format("{}", fmt::join(engines, ",")));
@@ -71,7 +71,7 @@ void run(const Options& options) {
   const auto world_a = make_backend(engines[0], spec), world_b = make_backend(engines[1], spec);
   const std::vector<AuditFinding> audit = audit_models(*world_a, *world_b);
   std::optional<EngineFamily> family;
-  if (options.explain) family = find_family(engines[0], engines[1], spec);
+  if (options.explain) family = find_family(find_engine(engines[0]), find_engine(engines[1]));
   const Behaviour what = behaviour(options, spec, engines[0]);
   const VerdictOptions& how = options.spread.verdict;
   std::string text;
@@ -125,7 +125,7 @@ void add_verdict_command(CLI::App& program) {
                             "--speed", "--command", "--seconds", "--control-dt", "--settle"})
     config->excludes(command->get_option(other));
   command->add_flag("--explain", options->explain,
-                    "Also say what the gap comes from, one ingredient of the contact at a time");
+                    "Also say what the gap comes from, one factor of the contact at a time");
   options->json.add_to(*command);
   command->callback([options] { run(*options); });
 }

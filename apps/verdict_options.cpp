@@ -16,33 +16,14 @@ Behaviour walk_behaviour(const WorldOptions& world, const WalkOptions& walk, con
   return crossgait::walk_behaviour(spec, walk.make(*spec.robot), terrain, spread, world.seed);
 }
 
-Engine find_engine(const std::string& name) {
-  return {name, [name](const WorldSpec& world) { return make_backend(name, world); }};
-}
-
-EngineFamily find_family(const std::string& a, const std::string& b, const WorldSpec& spec) {
-  const auto matches_mujoco = [&](const std::string& name) {
-    return make_backend(name, spec)->info().capabilities.matches_mujoco;
-  };
-  const bool matches_a = matches_mujoco(a), matches_b = matches_mujoco(b);
-  for (const BackendFamily& family : backend_families()) {
-    const bool from_matches = matches_mujoco(family.from);
-    const auto is_from = [&](const std::string& name, bool matches) {
-      return name == family.from || (matches && from_matches);
-    };
-    if (!(is_from(a, matches_a) && b == family.to) && !(is_from(b, matches_b) && a == family.to)) continue;
-    EngineFamily result{family.from, family.to, {}, {}};
-    for (const BackendIngredient& i : family.ingredients)
-      result.ingredients.push_back({i.name, i.summary, i.needs});
-    result.make = [from = family.from](const std::vector<std::string>& names) {
-      std::string name = from;
-      for (const std::string& n : names) name += "+" + n;
-      return BackendFactory([name](const WorldSpec& world) { return make_backend(name, world); });
-    };
-    return result;
+EngineFamily find_family(const Engine& a, const Engine& b) {
+  for (const EngineFamily& family : engine_families()) {
+    const Laws from = find_engine(family.from).info.laws, to = find_engine(family.to).info.laws;
+    if ((a.info.laws == from && b.info.laws == to) || (b.info.laws == from && a.info.laws == to))
+      return family;
   }
   throw ConfigError("command line", "--explain", "two engines with known differences (mujoco and bullet)",
-                    fmt::format("{} and {}", a, b));
+                    fmt::format("{} and {}", a.name(), b.name()));
 }
 
 SpreadOptions::SpreadOptions() { verdict.workers = default_workers(); }

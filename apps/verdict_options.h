@@ -12,12 +12,9 @@ namespace crossgait::apps {
 Behaviour walk_behaviour(const WorldOptions& world, const WalkOptions& walk, const WorldSpec& spec,
                          const StartSpread& spread);
 
-/// The registry's engine. @throws ConfigError if it is not built in
-Engine find_engine(const std::string& name);
-
-/// The built-in family whose ends are `a` and `b`, either way round, where an engine that declares MuJoCo's
-/// contact law stands for the end that does. @throws ConfigError if there is none
-EngineFamily find_family(const std::string& a, const std::string& b, const WorldSpec& spec);
+/// The built-in family whose ends are `a` and `b`, either way round; an engine of the same laws may stand for
+/// an end. @throws ConfigError if there is none
+EngineFamily find_family(const Engine& a, const Engine& b);
 
 /// How runs are spread and judged.
 struct SpreadOptions {

@@ -9,7 +9,7 @@
 namespace crossgait::apps {
 namespace {
 
-std::string first_available() { return available_backends().empty() ? "none" : available_backends().front(); }
+std::string first_available() { return available_engines().empty() ? "none" : available_engines().front(); }
 
 struct Options {
   std::string backend = first_available();

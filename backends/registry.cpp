@@ -12,18 +12,19 @@
 #endif
 #if CROSSGAIT_HAS_BULLET
 #include "crossgait/backends/bullet/bullet_backend.h"
-#include "crossgait/backends/bullet/ingredients.h"
+#include "crossgait/backends/bullet/contact_factors.h"
 #endif
 
 namespace crossgait {
 namespace {
 
-using Factory = std::unique_ptr<PhysicsBackend> (*)(const WorldSpec&, std::string_view changes);
+// Makes the engine with `changes` ("+surface", "-sweeps") of its factors.
+using Factory = Engine (*)(std::string_view changes);
 
 #if CROSSGAIT_HAS_MUJOCO
-std::unique_ptr<PhysicsBackend> make_mujoco(const WorldSpec& spec, std::string_view changes) {
-  if (!changes.empty()) throw ConfigError("backend", "mujoco", "no ingredients: it has none", changes);
-  return mujoco::make_mujoco_backend(spec);
+Engine mujoco_engine(std::string_view changes) {
+  if (!changes.empty()) throw ConfigError("engine", "mujoco", "no factors: it has none", changes);
+  return mujoco::engine();
 }
 #endif
 
@@ -38,21 +39,21 @@ struct Row {
 constexpr Row kRows[] = {
     {"mujoco", "MuJoCo: soft contact, elliptic friction cones, Newton solver",
 #if CROSSGAIT_HAS_MUJOCO
-     make_mujoco,
+     mujoco_engine,
 #else
      nullptr,
 #endif
      "MuJoCo was not found when Crossgait was built (Debian: libmujoco-dev)"},
     {"bullet:matched", "Bullet dynamics under MuJoCo's contact law: equal to `mujoco` up to rounding",
 #if CROSSGAIT_HAS_BULLET
-     bullet::make_matched_backend,
+     bullet::matched_engine,
 #else
      nullptr,
 #endif
      "float64 Bullet was not found when Crossgait was built (Debian: libbullet-dev)"},
     {"bullet", "Bullet with its own hard contact: the independent second opinion",
 #if CROSSGAIT_HAS_BULLET
-     bullet::make_native_backend,
+     bullet::native_engine,
 #else
      nullptr,
 #endif
@@ -69,9 +70,9 @@ std::pair<std::string_view, std::string_view> split(std::string_view name) {
 
 }  // namespace
 
-const std::vector<BackendEntry>& known_backends() {
-  static const std::vector<BackendEntry> kEntries = [] {
-    std::vector<BackendEntry> entries;
+const std::vector<EngineListing>& known_engines() {
+  static const std::vector<EngineListing> kEntries = [] {
+    std::vector<EngineListing> entries;
     for (const Row& row : kRows) {
       const bool available = row.factory != nullptr;
       entries.push_back({row.name, row.summary, available, available ? "" : row.missing});
@@ -81,39 +82,38 @@ const std::vector<BackendEntry>& known_backends() {
   return kEntries;
 }
 
-std::vector<std::string> available_backends() {
+std::vector<std::string> available_engines() {
   std::vector<std::string> names;
-  for (const BackendEntry& entry : known_backends()) {
+  for (const EngineListing& entry : known_engines()) {
     if (entry.available) names.push_back(entry.name);
   }
   return names;
 }
 
-const std::vector<BackendFamily>& backend_families() {
-  static const std::vector<BackendFamily> kFamilies = [] {
-    std::vector<BackendFamily> families;
+const std::vector<EngineFamily>& engine_families() {
+  static const std::vector<EngineFamily> kFamilies = [] {
+    std::vector<EngineFamily> families;
 #if CROSSGAIT_HAS_BULLET
-    BackendFamily family{"bullet:matched", "bullet", {}};
-    for (const bullet::IngredientRow& row : bullet::ingredient_rows()) {
-      family.ingredients.push_back(
-          {std::string(row.name), std::string(row.summary), {row.needs.begin(), row.needs.end()}});
-    }
-    families.push_back(std::move(family));
+    families.push_back(bullet::family());
 #endif
     return families;
   }();
   return kFamilies;
 }
 
-std::unique_ptr<PhysicsBackend> make_backend(std::string_view name, const WorldSpec& spec) {
+Engine find_engine(std::string_view name) {
   const auto [base, changes] = split(name);
   for (const Row& row : kRows) {
     if (base != row.name) continue;
-    if (row.factory == nullptr) throw ConfigError("backend", name, "a backend that is built in", row.missing);
-    return row.factory(spec, changes);
+    if (row.factory == nullptr) throw ConfigError("engine", name, "an engine that is built in", row.missing);
+    return row.factory(changes);
   }
-  throw ConfigError("backend", "name", fmt::format("one of {}", fmt::join(available_backends(), ", ")),
+  throw ConfigError("engine", "name", fmt::format("one of {}", fmt::join(available_engines(), ", ")),
                     fmt::format("\"{}\"", name));
+}
+
+std::unique_ptr<PhysicsBackend> make_backend(std::string_view name, const WorldSpec& spec) {
+  return find_engine(name).make(spec);
 }
 
 }  // namespace crossgait

@@ -174,8 +174,8 @@ Accuracy measure_accuracy(const AccuracySettings& settings, const Progress& prog
     }
     for (std::vector<Run>& engine : runs) {
       for (Run& run : engine) {
-        run.point.cost = spread(run.cost).median;
-        run.point.cost_ratio = spread(run.cost_ratio).median;
+        run.point.cost = quartiles(run.cost).median;
+        run.point.cost_ratio = quartiles(run.cost_ratio).median;
         result.points.push_back(std::move(run.point));
       }
       result.stable.push_back(find_stable_step(engine.front().world->info().name, terrain));

@@ -28,7 +28,7 @@ using nlohmann::ordered_json;
 constexpr const char* kSchema = "crossgait-bench";
 constexpr int kVersion = 1;
 
-void set(ordered_json& record, const std::string& key, const Spread& value) {
+void set(ordered_json& record, const std::string& key, const Quartiles& value) {
   record[key] = value.median;
   record[key + "_quartiles"] = {value.low, value.high};
 }
@@ -188,7 +188,7 @@ const std::vector<std::string>& bench_sections() {
 }
 
 ordered_json run_bench(const BenchOptions& options, const Progress& progress) {
-  check_list(options.backends, available_backends(), "backend");
+  check_list(options.backends, available_engines(), "backend");
   check_list(options.sections, bench_sections(), "section");
   if (options.backends.empty()) throw ConfigError("benchmark", "backend", "at least one engine", "none");
 
@@ -197,7 +197,7 @@ ordered_json run_bench(const BenchOptions& options, const Progress& progress) {
   result["robot"] = scenes::quadruped()->name;
   result["backends"] = ordered_json::array();
   for (const std::string& name : options.backends) {
-    const BackendInfo info = make_backend(name, scenes::world_of(scenes::quadruped()))->info();
+    const EngineInfo info = make_backend(name, scenes::world_of(scenes::quadruped()))->info();
     result["backends"].push_back(
         {{"name", name}, {"engine", info.engine}, {"version", info.version}, {"mode", info.mode}});
   }

@@ -127,7 +127,7 @@ std::vector<ThreadSpeed> measure_scaling(const ScalingSettings& settings, const 
   std::vector<ThreadSpeed> results;
   for (std::size_t i = 0; i < speed.size(); ++i) {
     results.push_back({settings.backends[i / threads], static_cast<int>(i % threads) + 1,
-                       spread(speed[i]).median, spread(efficiency[i])});
+                       quartiles(speed[i]).median, quartiles(efficiency[i])});
   }
   return results;
 }
@@ -152,8 +152,8 @@ std::vector<Overhead> measure_overhead(const OverheadSettings& settings, const P
                static_cast<double>(terrains.size()));
     }
     for (std::size_t i = 0; i < walks.size(); ++i) {
-      results.push_back({settings.backends[i], terrains[k], spread(eta[i]), spread(walk_us[i]).median,
-                         spread(alone_us[i]).median});
+      results.push_back({settings.backends[i], terrains[k], quartiles(eta[i]), quartiles(walk_us[i]).median,
+                         quartiles(alone_us[i]).median});
     }
   }
   return results;

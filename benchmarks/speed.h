@@ -32,8 +32,8 @@ struct SpeedSettings {
 struct SceneSpeed {
   std::string scene, backend;
   double contacts = 0;  ///< mean number per step
-  Spread us_per_step;   ///< CPU time of the thread, us
-  Spread ratio;         ///< to the first backend in the same round
+  Quartiles us_per_step;   ///< CPU time of the thread, us
+  Quartiles ratio;         ///< to the first backend in the same round
 };
 
 /// A world that stands where a scene begins, and can be put back there bit for bit.

@@ -10,14 +10,14 @@ namespace crossgait::benchmarks {
 double thread_seconds() noexcept;
 
 /// Quartiles.
-struct Spread {
+struct Quartiles {
   double low = 0, median = 0, high = 0;
 };
 
 /// The value that a `share` of `values` lies below, interpolated between neighbours. @pre not empty
 double quantile(std::vector<double> values, double share);
 /// @pre not empty
-Spread spread(const std::vector<double>& values);
+Quartiles quartiles(const std::vector<double>& values);
 
 /// p of error = C step^p, by least squares over the logarithms; signs do not count. NaN with fewer than two
 /// errors that are not zero.

@@ -29,5 +29,6 @@ function(crossgait_library name)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:crossgait_options>)
+  crossgait_precompiled(${target} library)
   install(TARGETS ${target} EXPORT crossgait-targets)
 endfunction()

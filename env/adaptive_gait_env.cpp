@@ -53,9 +53,9 @@ Vector3 in_heading(const Vector3& v, double yaw) noexcept {
 
 }  // namespace
 
-AdaptiveGaitEnv::AdaptiveGaitEnv(const EnvConfig& config, BackendFactory make_backend)
+AdaptiveGaitEnv::AdaptiveGaitEnv(const EnvConfig& config, Engine engine)
     : config_(config),
-      make_backend_(std::move(make_backend)),
+      engine_(std::move(engine)),
       nominal_(nominal_world(config_)),
       blocks_(find_blocks(config_.observation)),
       servos_(nominal_.robot->actuated_joints()),
@@ -66,7 +66,7 @@ AdaptiveGaitEnv::AdaptiveGaitEnv(const EnvConfig& config, BackendFactory make_ba
   interface_ = make_interface(config_, *nominal_.robot, episode_.controller.adapted());
   episode_.action.assign(action_size(), 0);
   episode_.last_action = episode_.action;
-  if (!config_.randomisation.changes_world()) backend_ = make_backend_(nominal_);
+  if (!config_.randomisation.changes_world()) backend_ = engine_.make(nominal_);
   std::vector<double> observation(observation_size());
   reset(0, observation);
 }
@@ -111,7 +111,7 @@ void AdaptiveGaitEnv::reset(std::uint64_t seed, std::span<double> observation) {
   Episode& e = episode_;
   e.random = Random(seed);
   e.draw = draw(config_.randomisation, e.random);
-  if (config_.randomisation.changes_world()) backend_ = make_backend_(draw_world());
+  if (config_.randomisation.changes_world()) backend_ = engine_.make(draw_world());
 
   if (config_.command) {
     static_cast<void>(e.controller.generator().set_command(*config_.command));  // finite: validated
@@ -297,7 +297,7 @@ void AdaptiveGaitEnv::restore(const Saved& saved) {
   const WorldSpec& world = backend_->spec();
   if (config_.randomisation.changes_world() &&
       (world.robot != saved.world.robot || world.terrain.field() != saved.world.terrain.field())) {
-    backend_ = make_backend_(saved.world);
+    backend_ = engine_.make(saved.world);
   }
   backend_->restore(saved.physics);
   episode_ = saved.episode;

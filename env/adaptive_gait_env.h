@@ -10,11 +10,9 @@
 #include "crossgait/env/leg_controller.h"
 #include "crossgait/env/policy.h"
 #include "crossgait/env/random.h"
+#include "crossgait/physics/engine.h"
 
 namespace crossgait {
-
-/// Makes the engine that an environment runs on: usually `make_backend` of the registry with a name.
-using BackendFactory = std::function<std::unique_ptr<PhysicsBackend>(const WorldSpec&)>;
 
 struct StepResult {
   double reward = 0;
@@ -45,7 +43,7 @@ struct StepInfo {
 class AdaptiveGaitEnv {
  public:
   /// @throws ConfigError for a bad configuration or a world that cannot be built
-  AdaptiveGaitEnv(const EnvConfig& config, BackendFactory make_backend);
+  AdaptiveGaitEnv(const EnvConfig& config, Engine engine);
 
   const EnvConfig& config() const noexcept { return config_; }
   const Layout& observation_layout() const noexcept { return interface_.observation; }
@@ -113,7 +111,7 @@ class AdaptiveGaitEnv {
   void observe(std::span<double> observation) const noexcept;
 
   EnvConfig config_;
-  BackendFactory make_backend_;
+  Engine engine_;
   WorldSpec nominal_;  // its robot is what the controller knows
   std::vector<const ObservationBlock*> blocks_;
   std::vector<int> servos_;

@@ -16,14 +16,13 @@ std::size_t at_least_one(std::string_view what, std::size_t count) {
 
 }  // namespace
 
-VectorEnv::VectorEnv(const EnvConfig& config, const BackendFactory& make_backend,
-                     const VectorEnvOptions& options)
+VectorEnv::VectorEnv(const EnvConfig& config, const Engine& engine, const VectorEnvOptions& options)
     : auto_reset_(options.auto_reset),
       environments_(at_least_one("environments", options.environments)),
       slots_(options.environments),
       pool_(at_least_one("workers", options.workers)) {
   pool_.run(size(), [&](std::size_t i) {
-    environments_[i] = std::make_unique<AdaptiveGaitEnv>(config, make_backend);
+    environments_[i] = std::make_unique<AdaptiveGaitEnv>(config, engine);
   });
 }
 

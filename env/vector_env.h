@@ -40,7 +40,7 @@ struct VectorStep {
 class VectorEnv {
  public:
   /// @throws ConfigError for a bad configuration, no environments or no workers
-  VectorEnv(const EnvConfig& config, const BackendFactory& make_backend, const VectorEnvOptions& options);
+  VectorEnv(const EnvConfig& config, const Engine& engine, const VectorEnvOptions& options);
 
   std::size_t size() const noexcept { return environments_.size(); }
   std::size_t workers() const noexcept { return pool_.workers(); }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <mutex>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -14,17 +13,17 @@
 namespace crossgait {
 namespace {
 
-using Mask = unsigned;  // of ingredients
+using Mask = unsigned;  // of factors
 
-// Which ingredients each needs and is needed by, as sets.
+// Which factors each needs and is needed by, as sets.
 class Order {
  public:
   explicit Order(const EngineFamily& family)
-      : count_(family.ingredients.size()), needs_(count_), needed_(count_) {
+      : count_(family.factors.size()), needs_(count_), needed_(count_) {
     for (std::size_t i = 0; i < count_; ++i) {
       for (std::size_t k = 0; k < i; ++k) {
-        const auto& names = family.ingredients[i].needs;
-        if (std::find(names.begin(), names.end(), family.ingredients[k].name) == names.end()) continue;
+        const auto& names = family.factors[i].needs;
+        if (std::find(names.begin(), names.end(), family.factors[k].name) == names.end()) continue;
         needs_[i] |= needs_[k] | bit(k);
       }
     }
@@ -81,13 +80,13 @@ class Order {
   std::vector<Mask> needs_, needed_;
 };
 
-// values[start][statistic] of every set of ingredients that was run.
+// values[start][statistic] of every set of factors that was run.
 using Runs = std::map<Mask, std::vector<std::vector<double>>>;
 
 std::vector<std::string> names_of(const EngineFamily& family, Mask mask) {
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < family.ingredients.size(); ++i) {
-    if ((mask & Order::bit(i)) != 0) names.push_back(family.ingredients[i].name);
+  for (std::size_t i = 0; i < family.factors.size(); ++i) {
+    if ((mask & Order::bit(i)) != 0) names.push_back(family.factors[i].name);
   }
   return names;
 }
@@ -99,10 +98,10 @@ Runs run_all(const Behaviour& behaviour, const EngineFamily& family, const Order
     if (order.allows(mask)) masks.push_back(mask);
   }
   Runs runs;
-  std::vector<BackendFactory> engines;
+  std::vector<Engine> engines;
   for (const Mask mask : masks) {
     runs[mask].resize(options.starts);
-    engines.push_back(family.make(names_of(family, mask)));
+    engines.push_back(family.with(names_of(family, mask)));
   }
   std::mutex mutex;
   std::size_t done = 0;
@@ -156,7 +155,7 @@ void add_effects(const Runs& runs, const Order& order, double confidence, Attrib
         std::max(statistic.absolute_floor,
                  statistic.relative_floor * (std::abs(from.estimate) + std::abs(to.estimate)) / 2));
     for (std::size_t i = 0; i < result.effects.size(); ++i) {
-      IngredientEffect& effect = result.effects[i];
+      FactorEffect& effect = result.effects[i];
       const Mask own = Order::bit(i), first = order.before_first(i), last = order.before_last(i),
                  step = order.before_step(i);
       effect.first.push_back(contrast({{first | own, 1}, {first, -1}}));
@@ -177,8 +176,8 @@ void add_divergences(const Behaviour& behaviour, const EngineFamily& family, con
   if (!behaviour.trace) return;
   for (std::size_t i = 0; i < result.effects.size(); ++i) {
     const Mask before = order.before_first(i);
-    const Trace without = behaviour.trace(family.make(names_of(family, before)), 0);
-    const Trace with = behaviour.trace(family.make(names_of(family, before | Order::bit(i))), 0);
+    const Trace without = behaviour.trace(family.with(names_of(family, before)), 0);
+    const Trace with = behaviour.trace(family.with(names_of(family, before | Order::bit(i))), 0);
     result.effects[i].first_divergence =
         compare_traces(without, with, DivergenceTolerances::fine()).first_divergence;
   }
@@ -186,35 +185,19 @@ void add_divergences(const Behaviour& behaviour, const EngineFamily& family, con
 
 }  // namespace
 
-void EngineFamily::validate() const {
-  constexpr std::size_t kMost = 10;
-  if (ingredients.empty() || ingredients.size() > kMost) {
-    throw ConfigError("attribution", "ingredients", fmt::format("1 to {}", kMost),
-                      fmt::format("{}", ingredients.size()));
-  }
-  std::set<std::string> known;
-  for (const Ingredient& ingredient : ingredients) {
-    for (const std::string& need : ingredient.needs) {
-      if (!known.contains(need))
-        throw ConfigError("attribution", ingredient.name, "needs that come before it", need);
-    }
-    known.insert(ingredient.name);
-  }
-}
-
 std::vector<std::string> Attribution::leading(std::size_t statistic) const {
   std::vector<std::string> names;
   if (std::abs(gap[statistic].estimate) < floor[statistic]) return names;
-  const auto size = [&](const IngredientEffect& e) { return std::abs(e.effect[statistic].estimate); };
+  const auto size = [&](const FactorEffect& e) { return std::abs(e.effect[statistic].estimate); };
   const auto largest = std::max_element(effects.begin(), effects.end(),
                                         [&](const auto& x, const auto& y) { return size(x) < size(y); });
   const Interval& most = largest->effect[statistic];
   if (most.contains(0)) return names;
-  names.push_back(largest->ingredient.name);
-  for (const IngredientEffect& effect : effects) {
+  names.push_back(largest->factor.name);
+  for (const FactorEffect& effect : effects) {
     const Interval& own = effect.effect[statistic];
     const bool alike = size(effect) + own.half_width() >= size(*largest) - most.half_width();
-    if (&effect != &*largest && alike && !own.contains(0)) names.push_back(effect.ingredient.name);
+    if (&effect != &*largest && alike && !own.contains(0)) names.push_back(effect.factor.name);
   }
   return names;
 }
@@ -232,12 +215,12 @@ Attribution attribute(const Behaviour& behaviour, const EngineFamily& family,
   result.to = family.to;
   result.statistics = behaviour.statistics;
   result.starts = options.starts;
-  for (const Ingredient& ingredient : family.ingredients) {
-    IngredientEffect effect;
-    effect.ingredient = ingredient;
+  for (const ModelFactor& factor : family.factors) {
+    FactorEffect effect;
+    effect.factor = factor;
     result.effects.push_back(std::move(effect));
   }
-  const double cells = static_cast<double>(family.ingredients.size() * behaviour.statistics.size());
+  const double cells = static_cast<double>(family.factors.size() * behaviour.statistics.size());
   add_effects(runs, order, 1 - (1 - options.confidence) / cells, result);
   add_divergences(behaviour, family, order, result);
   return result;

@@ -1,7 +1,6 @@
-// Why do two engines differ? One ingredient changed at a time, from the one to the other.
+// Why do two engines differ? One factor changed at a time, from the one to the other.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,32 +10,14 @@
 
 namespace crossgait {
 
-/// One difference between two engines that can be made on its own.
-struct Ingredient {
-  std::string name, summary;
-  std::vector<std::string> needs;  ///< ingredients without which it means nothing; they come before it
-};
-
-/// Two engines and everything that is different between them.
-struct EngineFamily {
-  std::string from, to;  ///< without and with all ingredients
-  std::vector<Ingredient> ingredients;
-  /// The engine with exactly these ingredients, in the order of the table.
-  std::function<BackendFactory(const std::vector<std::string>& names)> make;
-
-  /// @throws ConfigError if there are none, more than 10 (every set of them is run), or one needs what does
-  /// not come before it
-  void validate() const;
-};
-
-/// What one ingredient does, per statistic of the behaviour. Each is the mean over starts of a paired
-/// difference, with its jackknife interval at confidence 1 - (1 - confidence) / (ingredients * statistics).
-struct IngredientEffect {
-  Ingredient ingredient;
+/// What one factor does, per statistic of the behaviour. Each is the mean over starts of a paired
+/// difference, with its jackknife interval at confidence 1 - (1 - confidence) / (factors * statistics).
+struct FactorEffect {
+  ModelFactor factor;
   std::vector<Interval> first;  ///< put into `from` (with what it needs) before all others
   std::vector<Interval> last;   ///< put in after all others (but those that need it)
   std::vector<Interval> step;   ///< put in after those before it in the table: these sum to the gap
-  /// Mean of what it changes over all orders in which ingredients can be put in, each after those it needs:
+  /// Mean of what it changes over all orders in which factors can be put in, each after those it needs:
   /// the Shapley value (Shapley 1953; with precedence, Faigle and Kern 1992). These too sum to the gap, and
   /// hang on no order of the table.
   std::vector<Interval> effect;
@@ -52,9 +33,9 @@ struct Attribution {
   std::vector<double> from_mean, to_mean;  ///< per statistic
   std::vector<Interval> gap;               ///< to - from
   std::vector<double> floor;               ///< differences that nobody would act on
-  std::vector<IngredientEffect> effects;   ///< in the order of the family
+  std::vector<FactorEffect> effects;   ///< in the order of the family
 
-  /// The ingredients to blame for a statistic: the one of largest effect, and those whose effect cannot be
+  /// The factors to blame for a statistic: the one of largest effect, and those whose effect cannot be
   /// told from it in size. None where the gap is below the floor or no effect can be told from zero.
   std::vector<std::string> leading(std::size_t statistic) const;
 };

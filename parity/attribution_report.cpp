@@ -38,8 +38,8 @@ std::string effects_table(const Attribution& a, const std::vector<std::size_t>& 
   for (const std::size_t s : shown) header.push_back(label(a.statistics[s]));
   header.emplace_back("first to part");
   Table table(header);
-  for (const IngredientEffect& e : a.effects) {
-    std::vector<std::string> row{e.ingredient.name};
+  for (const FactorEffect& e : a.effects) {
+    std::vector<std::string> row{e.factor.name};
     for (const std::size_t s : shown) {
       const double gap = std::abs(a.gap[s].estimate) / 100, sign = a.gap[s].estimate < 0 ? -1 : 1;
       row.push_back(fmt::format("{:+.0f} +- {:.0f}", sign * e.effect[s].estimate / gap,
@@ -62,9 +62,9 @@ std::string way_table(const Attribution& a) {
     table.add_row(row);
   };
   add(a.from);
-  for (const IngredientEffect& e : a.effects) {
+  for (const FactorEffect& e : a.effects) {
     for (std::size_t s = 0; s < now.size(); ++s) now[s] += e.step[s].estimate;
-    add(fmt::format("+ {}", e.ingredient.name));
+    add(fmt::format("+ {}", e.factor.name));
   }
   return table.str() + fmt::format("The last line is {}.\n", a.to);
 }
@@ -78,8 +78,8 @@ nlohmann::ordered_json to_json(const Attribution& a) {
                            {"mean_from", a.from_mean[s]},  {"mean_to", a.to_mean[s]},
                            {"gap", to_json(a.gap[s])},     {"floor", a.floor[s]},
                            {"leading", a.leading(s)}};
-    for (const IngredientEffect& e : a.effects) {
-      statistic["ingredients"].push_back({{"name", e.ingredient.name},
+    for (const FactorEffect& e : a.effects) {
+      statistic["factors"].push_back({{"name", e.factor.name},
                                           {"effect", to_json(e.effect[s])},
                                           {"first", to_json(e.first[s])},
                                           {"last", to_json(e.last[s])},
@@ -87,13 +87,13 @@ nlohmann::ordered_json to_json(const Attribution& a) {
     }
     json["statistics"].push_back(statistic);
   }
-  for (const IngredientEffect& e : a.effects) {
+  for (const FactorEffect& e : a.effects) {
     ordered_json first = nullptr;
     if (const auto& d = e.first_divergence)
       first = {{"quantity", d->quantity}, {"time_s", d->time_s}, {"tolerance", d->tolerance}};
-    json["ingredients"].push_back({{"name", e.ingredient.name},
-                                   {"summary", e.ingredient.summary},
-                                   {"needs", e.ingredient.needs},
+    json["factors"].push_back({{"name", e.factor.name},
+                                   {"summary", e.factor.summary},
+                                   {"needs", e.factor.needs},
                                    {"first_divergence", first}});
   }
   return json;
@@ -102,15 +102,15 @@ nlohmann::ordered_json to_json(const Attribution& a) {
 std::string describe(const Attribution& a) {
   const std::vector<std::size_t> shown = worth_explaining(a);
   std::string text = fmt::format("From {} to {}, {} starts:\n\n", a.from, a.to, a.starts);
-  for (const IngredientEffect& e : a.effects)
-    text += fmt::format("  {:14} {}\n", e.ingredient.name, e.ingredient.summary);
+  for (const FactorEffect& e : a.effects)
+    text += fmt::format("  {:14} {}\n", e.factor.name, e.factor.summary);
   text += fmt::format("\n{}\n", way_table(a));
   if (shown.empty()) return text + "No gap is large enough to explain.\n";
   text += effects_table(a, shown) + "\n";
   for (const std::size_t s : shown) {
     const std::vector<std::string> names = a.leading(s);
     text += fmt::format("{}: {}.\n", a.statistics[s].name,
-                        names.empty() ? "no single ingredient" : fmt::format("{}", fmt::join(names, ", ")));
+                        names.empty() ? "no single factor" : fmt::format("{}", fmt::join(names, ", ")));
   }
   return text;
 }

@@ -56,8 +56,8 @@ std::vector<double> values_of(const EpisodeSummary& s) {
 
 // @param trace filled with every control step if not null
 WalkSummary walk_once(const WorldSpec& world, const WalkSetup& setup, const Start& start,
-                      const BackendFactory& engine, Trace* trace = nullptr) {
-  const std::unique_ptr<PhysicsBackend> backend = engine(world);
+                      const Engine& engine, Trace* trace = nullptr) {
+  const std::unique_ptr<PhysicsBackend> backend = engine.make(world);
   LegController legs(*world.robot, setup.compensation);
   const double mass = world.robot->total_mass(), due = setup.timing.settle_seconds + start.push_time;
   bool pushed = false;
@@ -108,14 +108,14 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
   behaviour.statistics = {distance(), speed(), roll(), pitch(), slip(), cost(), duty(), falls()};
   behaviour.physics_dt = world.physics_dt;
   behaviour.control_dt = setup.timing.control_dt;
-  behaviour.run = [world, setup, terrain, spread, seed](const BackendFactory& engine,
+  behaviour.run = [world, setup, terrain, spread, seed](const Engine& engine,
                                                         const Variation& variation, std::size_t k) {
     WorldSpec varied = world;
     varied.terrain = terrain(k);
     variation.apply(varied);
     return values_of(walk_once(varied, setup, draw_start(spread, derived_seed(seed, k)), engine));
   };
-  behaviour.trace = [world, setup, terrain, spread, seed](const BackendFactory& engine, std::size_t k) {
+  behaviour.trace = [world, setup, terrain, spread, seed](const Engine& engine, std::size_t k) {
     WorldSpec own = world;
     own.terrain = terrain(k);
     WalkSetup at_once = setup;
@@ -142,18 +142,15 @@ Behaviour policy_behaviour(EnvConfig config, PolicyFactory policy, const std::st
   behaviour.statistics = {distance(), speed(), roll(), pitch(), slip(), cost(), reward, falls()};
   behaviour.physics_dt = config.physics_dt;
   behaviour.control_dt = config.control_dt;
-  behaviour.run = [config, policy = std::move(policy), seed](const BackendFactory& engine,
+  behaviour.run = [config, policy = std::move(policy), seed](const Engine& engine,
                                                              const Variation& variation, std::size_t k) {
     EnvConfig varied = config;
     varied.physics_dt *= variation.step;
     varied.terrain_seed += k;
-    AdaptiveGaitEnv env(varied, [&](const WorldSpec& world) {
-      WorldSpec w = world;
-      Variation solver_alone = variation;
-      solver_alone.step = 1;  // the configuration has it already
-      solver_alone.apply(w);
-      return engine(w);
-    });
+    Variation solver_alone = variation;
+    solver_alone.step = 1;  // the configuration has it already
+    AdaptiveGaitEnv env(varied,
+                        with_change(engine, [&solver_alone](WorldSpec& w) { solver_alone.apply(w); }));
     const std::unique_ptr<Policy> own = policy(env.interface());
     return values_of(run_episode(env, *own, derived_seed(seed, k)));
   };

@@ -34,11 +34,11 @@ Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& b
     for (std::size_t k = i + 1; k < result.runs.size(); ++k) {
       const WalkRun& a = result.runs[i];
       const WalkRun& b = result.runs[k];
-      const bool same_law = a.backend.capabilities.matches_mujoco && b.backend.capabilities.matches_mujoco;
+      const bool same_laws = a.engine.laws == b.engine.laws;
       PairDifference pair =
-          compare_traces(a.trace, b.trace, same_law ? DivergenceTolerances::exact() : tolerances);
-      pair.a = a.backend.name;
-      pair.b = b.backend.name;
+          compare_traces(a.trace, b.trace, same_laws ? DivergenceTolerances::exact() : tolerances);
+      pair.a = a.engine.name;
+      pair.b = b.engine.name;
       result.pairs.push_back(std::move(pair));
     }
   }

@@ -12,7 +12,7 @@ namespace crossgait {
 
 /// One engine's walk.
 struct WalkRun {
-  BackendInfo backend;
+  EngineInfo engine;
   std::string terrain, gait;
   WalkSummary summary;
   Trace trace;
@@ -39,9 +39,8 @@ struct WalkSetup {
 /// Walks once on `backend`, keeping the whole trace.
 WalkRun record_walk(PhysicsBackend& backend, const WalkSetup& setup, const Progress& progress = {});
 
-/// @param tolerances for pairs of which one is an independent opinion; two engines that both declare MuJoCo's
-/// contact
-///                   law are held to `DivergenceTolerances::exact()`
+/// @param tolerances for pairs of which one is an independent opinion; two engines of the same laws
+///                   are held to `DivergenceTolerances::exact()`
 Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& backends,
                            const WalkSetup& setup, const DivergenceTolerances& tolerances = {},
                            const Progress& progress = {});

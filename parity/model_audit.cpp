@@ -157,7 +157,7 @@ void audit_feet(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
                                       y = probes::press_feet(b, standing);
   const LegArray<probes::PressedFoot> sliding_a = probes::press_feet(a, sliding),
                                       sliding_b = probes::press_feet(b, sliding);
-  const bool one_law = a.info().capabilities.matches_mujoco && b.info().capabilities.matches_mujoco;
+  const bool one_law = a.info().laws.contact == b.info().laws.contact;
   for (const Leg leg : kLegs) {
     const std::string element = fmt::format("foot {}", name(leg));
     radius.add(x[leg].depth, y[leg].depth, 0.01, 1e-9, element);

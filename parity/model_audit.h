@@ -29,7 +29,7 @@ const std::vector<std::string>& audited_quantities();
 /// step each: free fall (gravity); torques of each joint pushed off its target, against its stop and turning
 /// (servo stiffness, effort limit, joint damping, servo damping); depth of feet pressed into the ground (foot
 /// radius); force ratio of sliding feet (friction); motion of the swinging robot in the air (loops and what
-/// else there may be). Between engines that both declare MuJoCo's contact law also the force on pressed feet
+/// else there may be). Between engines of one contact law also the force on pressed feet
 /// (contact law).
 ///
 /// @returns differences beyond 1e-6 of the larger value or rounding (ray tests: 1e-5 m; friction, where

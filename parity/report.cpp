@@ -81,7 +81,7 @@ std::string heading(const WalkRun& run) {
 
 const WalkRun& run_named(const Comparison& comparison, const std::string& backend) {
   for (const WalkRun& run : comparison.runs) {
-    if (run.backend.name == backend) return run;
+    if (run.engine.name == backend) return run;
   }
   return comparison.runs.front();
 }
@@ -111,8 +111,8 @@ std::string sentence(const Comparison& comparison, const PairDifference& pair) {
 nlohmann::ordered_json to_json(const WalkRun& run) {
   const WalkSummary& s = run.summary;
   const Vector3& p = s.final_position_m;
-  ordered_json result{{"backend", run.backend.name},
-                      {"engine", run.backend.engine + " " + run.backend.version},
+  ordered_json result{{"backend", run.engine.name},
+                      {"engine", run.engine.engine + " " + run.engine.version},
                       {"terrain", run.terrain},
                       {"gait", run.gait},
                       {"simulated_seconds", s.simulated_seconds},
@@ -147,7 +147,7 @@ nlohmann::ordered_json to_json(const Comparison& comparison) {
 }
 
 std::string describe(const WalkRun& run) {
-  Table table({heading(run), run.backend.name});
+  Table table({heading(run), run.engine.name});
   for (const Row& row : rows()) table.add_row({row.label, row.value(run.summary)});
   return table.str();
 }
@@ -155,7 +155,7 @@ std::string describe(const WalkRun& run) {
 std::string describe(const Comparison& comparison) {
   if (comparison.runs.empty()) return "nothing to compare\n";
   std::vector<std::string> header{heading(comparison.runs.front())};
-  for (const WalkRun& run : comparison.runs) header.push_back(run.backend.name);
+  for (const WalkRun& run : comparison.runs) header.push_back(run.engine.name);
   Table table(std::move(header));
   for (const Row& row : rows()) {
     std::vector<std::string> cells{row.label};

@@ -80,9 +80,9 @@ StatisticVerdict judge_one(const std::vector<Statistic>& statistics, std::size_t
   v.gap = jackknife(starts, gap, confidence);
   v.score = jackknife(starts, score, confidence);
   if (v.score.low > -options.limit && v.score.high < options.limit) {
-    v.word = Word::kAgrees;
+    v.conclusion = Conclusion::kAgrees;
   } else if (v.score.low > options.limit || v.score.high < -options.limit) {
-    v.word = Word::kEngineDependent;
+    v.conclusion = Conclusion::kEngineDependent;
   }
   return v;
 }
@@ -110,7 +110,7 @@ class Campaign {
     WorkerPool pool(std::min(options_.workers, 2 * per_engine));
     pool.run(2 * per_engine, [&](std::size_t i) {
       const std::size_t engine = i / per_engine, v = i % per_engine / starts, k = i % starts;
-      tables_[engine][v][k] = behaviour_.run(engines_[engine]->make, variations_[v], k);
+      tables_[engine][v][k] = behaviour_.run(*engines_[engine], variations_[v], k);
       const std::scoped_lock lock(mutex);
       ++done;
       if (progress) progress(static_cast<double>(done) / static_cast<double>(2 * per_engine));
@@ -124,7 +124,7 @@ class Campaign {
       for (std::size_t e = 0; e < 2; ++e) {
         if (failures(e, v) <= failures(e, 0)) continue;
         left_out_.push_back(fmt::format("{}: {} of {} runs fail in {}, {} as asked", variations_[v].name,
-                                        failures(e, v), options_.starts, engines_[e]->name, failures(e, 0)));
+                                        failures(e, v), options_.starts, engines_[e]->name(), failures(e, 0)));
         variations_.erase(variations_.begin() + static_cast<std::ptrdiff_t>(v));
         for (RunTable& table : tables_) table.erase(table.begin() + static_cast<std::ptrdiff_t>(v));
         break;
@@ -134,7 +134,7 @@ class Campaign {
 
   Verdict judge_all() {
     Verdict verdict{
-        behaviour_.name, engines_[0]->name, engines_[1]->name, options_, variations_, left_out_, {}};
+        behaviour_.name, engines_[0]->name(), engines_[1]->name(), options_, variations_, left_out_, {}};
     verdict.statistics = judge(behaviour_.statistics, variations_, tables_[0], tables_[1], options_);
     return verdict;
   }
@@ -159,9 +159,9 @@ class Campaign {
 
 }  // namespace
 
-std::string_view name(Word word) noexcept {
+std::string_view name(Conclusion conclusion) noexcept {
   constexpr std::array<std::string_view, 3> kNames{"agrees", "engine-dependent", "unresolved"};
-  return kNames[static_cast<std::size_t>(word)];
+  return kNames[static_cast<std::size_t>(conclusion)];
 }
 
 double WithinSpread::total() const noexcept {
@@ -178,13 +178,13 @@ void VerdictOptions::validate() const {
   require(workers >= 1, "workers", "1 or more", static_cast<double>(workers));
 }
 
-Word Verdict::word() const noexcept {
-  const auto any = [this](Word word) {
+Conclusion Verdict::conclusion() const noexcept {
+  const auto any = [this](Conclusion what) {
     return std::any_of(statistics.begin(), statistics.end(),
-                       [word](const auto& s) { return s.word == word; });
+                       [what](const auto& s) { return s.conclusion == what; });
   };
-  if (any(Word::kEngineDependent)) return Word::kEngineDependent;
-  return any(Word::kUnresolved) ? Word::kUnresolved : Word::kAgrees;
+  if (any(Conclusion::kEngineDependent)) return Conclusion::kEngineDependent;
+  return any(Conclusion::kUnresolved) ? Conclusion::kUnresolved : Conclusion::kAgrees;
 }
 
 std::vector<StatisticVerdict> judge(const std::vector<Statistic>& statistics,

@@ -10,15 +10,9 @@
 
 namespace crossgait {
 
-/// An engine under the name it is chosen by.
-struct Engine {
-  std::string name;
-  BackendFactory make;
-};
-
-enum class Word { kAgrees, kEngineDependent, kUnresolved };
+enum class Conclusion { kAgrees, kEngineDependent, kUnresolved };
 /// "agrees", "engine-dependent", "unresolved"
-std::string_view name(Word word) noexcept;
+std::string_view name(Conclusion conclusion) noexcept;
 
 /// Standard deviations of one statistic within one engine, by what was varied.
 struct WithinSpread {
@@ -53,7 +47,7 @@ struct StatisticVerdict {
   WithinSpread spread_a, spread_b;
   double spread = 0, floor = 0;
   Interval score;
-  Word word = Word::kUnresolved;
+  Conclusion conclusion = Conclusion::kUnresolved;
 };
 
 struct VerdictOptions {
@@ -76,7 +70,7 @@ struct Verdict {
   std::vector<std::string> left_out;  ///< the others, with the reason
   std::vector<StatisticVerdict> statistics;
 
-  Word word() const noexcept;
+  Conclusion conclusion() const noexcept;
 };
 
 /// The rule alone, on runs that were made. @param a,b of equal shape, nominal variation first

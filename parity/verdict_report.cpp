@@ -32,7 +32,7 @@ ordered_json to_json(const StatisticVerdict& v) {
           {"spread", v.spread},
           {"floor", v.floor},
           {"score", to_json(v.score)},
-          {"word", name(v.word)}};
+          {"word", name(v.conclusion)}};
 }
 
 std::string label(const Statistic& s) { return s.unit == "-" ? s.name : s.name + ", " + s.unit; }
@@ -43,7 +43,7 @@ nlohmann::ordered_json to_json(const Verdict& verdict) {
   ordered_json json{{"behaviour", verdict.behaviour},
                     {"a", verdict.a},
                     {"b", verdict.b},
-                    {"word", name(verdict.word())},
+                    {"word", name(verdict.conclusion())},
                     {"starts", verdict.options.starts},
                     {"limit", verdict.options.limit},
                     {"confidence", verdict.options.confidence},
@@ -72,7 +72,7 @@ std::string describe(const Verdict& verdict) {
                    fmt::format("{:+.3g}", v.gap.estimate), number(v.gap.half_width()), number(v.spread),
                    number(v.floor), fmt::format("{:+.2f}", v.score.estimate),
                    fmt::format("{:+.2f}", v.score.low), fmt::format("{:+.2f}", v.score.high),
-                   std::string(name(v.word))});
+                   std::string(name(v.conclusion))});
   }
   std::vector<std::string> varied;
   for (const Variation& v : verdict.variations) varied.push_back(v.name);
@@ -84,7 +84,7 @@ std::string describe(const Verdict& verdict) {
       verdict.options.starts, fmt::join(varied, ", "), 100 * verdict.options.confidence,
       verdict.options.limit);
   for (const std::string& reason : verdict.left_out) text += "Left out: " + reason + ".\n";
-  return text + fmt::format("\n{} against {}: {}.\n", verdict.b, verdict.a, name(verdict.word()));
+  return text + fmt::format("\n{} against {}: {}.\n", verdict.b, verdict.a, name(verdict.conclusion()));
 }
 
 }  // namespace crossgait

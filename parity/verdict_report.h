@@ -20,7 +20,7 @@ std::string describe(const Verdict& verdict);
 nlohmann::ordered_json to_json(const std::vector<AuditFinding>& findings);
 
 nlohmann::ordered_json to_json(const Attribution& attribution);
-/// What each ingredient does to each statistic, the way from one engine to the other, and what to blame.
+/// What each factor does to each statistic, the way from one engine to the other, and what to blame.
 std::string describe(const Attribution& attribution);
 
 }  // namespace crossgait

@@ -161,8 +161,9 @@ Snapshot PhysicsBackend::save() const {
 }
 
 void PhysicsBackend::restore(const Snapshot& snapshot) {
-  if (snapshot.backend != info().name) {
-    throw ConfigError("restore", "backend", fmt::format("a snapshot of {}", info().name), snapshot.backend);
+  if (snapshot.engine_name != info().name) {
+    throw ConfigError("restore", "engine", fmt::format("a snapshot of {}", info().name),
+                      snapshot.engine_name);
   }
   std::vector<double> own;
   do_save(own);

@@ -12,24 +12,37 @@ namespace crossgait {
 
 /// What an engine and mode declares; tests skip on these and on nothing else.
 struct Capabilities {
-  bool soft_contact = false;    ///< honours ContactSpec::softness
-  bool matches_mujoco = false;  ///< solves MuJoCo's contact law: held to the `matched` tolerances
+  bool soft_contact = false;  ///< honours ContactSpec::softness
   bool exact_field_query =
       false;  ///< terrain_height is exact to rounding (1e-12 m) rather than to the ray test (2e-6 m)
+
+  bool operator==(const Capabilities&) const = default;
 };
 
-struct BackendInfo {
+/// The laws that an engine solves, by name. Engines that agree in all of them solve the same equations, so
+/// that nothing but rounding may lie between them: they are held to the tight tolerances.
+struct Laws {
+  std::string contact;  ///< normal force and friction between robot and terrain: "mujoco", "bullet"
+  std::string loops;    ///< of loop closures: "mujoco" (soft, with its reference acceleration)
+
+  bool operator==(const Laws&) const = default;
+};
+
+struct EngineInfo {
   std::string name;     ///< the name it is chosen by: "mujoco", "bullet", "bullet:matched"
   std::string engine;   ///< "MuJoCo", "Bullet"
   std::string version;  ///< of the engine's library, e.g. "2.2.2"
   std::string mode;     ///< contact mode in words
+  Laws laws;
   Capabilities capabilities;
+
+  bool operator==(const EngineInfo&) const = default;
 };
 
 /// A saved instant. Restoring it, in this or in another world built from the same WorldSpec, continues bit
 /// for bit.
 struct Snapshot {
-  std::string backend;  ///< BackendInfo::name it came from
+  std::string engine_name;  ///< EngineInfo::name it came from
   RobotState state;
   ContactList contacts;
   JointVector torques;
@@ -48,7 +61,7 @@ class PhysicsBackend {
   PhysicsBackend(const PhysicsBackend&) = delete;
   PhysicsBackend& operator=(const PhysicsBackend&) = delete;
 
-  virtual const BackendInfo& info() const = 0;
+  virtual const EngineInfo& info() const = 0;
   const WorldSpec& spec() const { return spec_; }
   const RobotDescription& robot() const { return *spec_.robot; }
 
@@ -92,7 +105,7 @@ class PhysicsBackend {
   void apply_push(const Vector3& impulse);
 
   Snapshot save() const;
-  /// @throws ConfigError if the snapshot is of another backend or robot
+  /// @throws ConfigError if the snapshot is of another engine or robot
   void restore(const Snapshot& snapshot);
 
  protected:

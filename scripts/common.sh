@@ -7,6 +7,7 @@ jobs=$(nproc)
 # preset is compiled once.
 if command -v ccache >/dev/null; then
   export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_BASEDIR=$PWD CCACHE_DIR=${CCACHE_DIR:-$PWD/build/.ccache}
+  export CCACHE_SLOPPINESS=pch_defines,time_macros  # or it does not cache what uses precompiled headers
 fi
 
 # run_quietly WHAT COMMAND...: shows the command's output only if it fails.

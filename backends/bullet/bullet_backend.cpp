@@ -9,18 +9,19 @@
 namespace crossgait::bullet {
 namespace {
 
-BackendInfo make_info(const Ingredients& ingredients) {
+EngineInfo make_info(const ContactFactors& factors) {
   const int version = btGetVersion();
-  BackendInfo info;
+  EngineInfo info;
   info.engine = "Bullet";
   info.version = fmt::format("{}.{:02}", version / 100, version % 100);
-  info.name = name_of(ingredients);
-  const bool matched = ingredients == Ingredients::matched();
-  info.capabilities.soft_contact = !ingredients.hard_normal;
-  info.capabilities.matches_mujoco = matched;
+  info.name = name_of(factors);
+  const bool matched = factors == ContactFactors::matched();
+  info.capabilities.soft_contact = !factors.hard_normal;
+  // What lies between the two laws is a law of its own.
+  info.laws = {matched ? "mujoco" : info.name, "mujoco"};
   if (matched) {
     info.mode = "MuJoCo's contact law in Bullet's dynamics";
-  } else if (ingredients == Ingredients::native()) {
+  } else if (factors == ContactFactors::native()) {
     info.mode = "hard contact, projected Gauss-Seidel";
   } else {
     info.mode = "between MuJoCo's contact law and Bullet's own";
@@ -30,21 +31,21 @@ BackendInfo make_info(const Ingredients& ingredients) {
 
 class BulletBackend final : public PhysicsBackend {
  public:
-  BulletBackend(const WorldSpec& world, const Ingredients& ingredients)
-      : PhysicsBackend(world), ingredients_(ingredients), info_(make_info(ingredients)) {
+  BulletBackend(const WorldSpec& world, const ContactFactors& factors)
+      : PhysicsBackend(world), factors_(factors), info_(make_info(factors)) {
     build();
     reset();
   }
 
-  const BackendInfo& info() const override { return info_; }
+  const EngineInfo& info() const override { return info_; }
 
  private:
   void build() {
     world_.reset();
     solver_.reset();
     model_ = std::make_unique<MultibodyModel>(spec());
-    solver_ = std::make_unique<ConstraintSolver>(spec(), ingredients_, *model_);
-    world_ = std::make_unique<CollisionWorld>(spec(), ingredients_, *model_, *solver_);
+    solver_ = std::make_unique<ConstraintSolver>(spec(), factors_, *model_);
+    world_ = std::make_unique<CollisionWorld>(spec(), factors_, *model_, *solver_);
     poisoned_ = false;
   }
 
@@ -172,8 +173,8 @@ class BulletBackend final : public PhysicsBackend {
     world_->robot_moved();
   }
 
-  Ingredients ingredients_;
-  BackendInfo info_;
+  ContactFactors factors_;
+  EngineInfo info_;
   // Declared in order of dependence: each holds references to the ones before.
   std::unique_ptr<MultibodyModel> model_;
   std::unique_ptr<ConstraintSolver> solver_;
@@ -181,16 +182,32 @@ class BulletBackend final : public PhysicsBackend {
   bool poisoned_ = false;
 };
 
-}  // namespace
-
-std::unique_ptr<PhysicsBackend> make_matched_backend(const WorldSpec& spec, std::string_view changes) {
-  const std::string name = fmt::format("bullet:matched{}", changes);
-  return std::make_unique<BulletBackend>(spec, changed(Ingredients::matched(), changes, name));
+Engine engine_of(const ContactFactors& factors) {
+  return {make_info(factors),
+          [factors](const WorldSpec& spec) { return std::make_unique<BulletBackend>(spec, factors); }};
 }
 
-std::unique_ptr<PhysicsBackend> make_native_backend(const WorldSpec& spec, std::string_view changes) {
+}  // namespace
+
+Engine matched_engine(std::string_view changes) {
+  const std::string name = fmt::format("bullet:matched{}", changes);
+  return engine_of(changed(ContactFactors::matched(), changes, name));
+}
+
+Engine native_engine(std::string_view changes) {
   const std::string name = fmt::format("bullet{}", changes);
-  return std::make_unique<BulletBackend>(spec, changed(Ingredients::native(), changes, name));
+  return engine_of(changed(ContactFactors::native(), changes, name));
+}
+
+EngineFamily family() {
+  EngineFamily family{name_of(ContactFactors::matched()), name_of(ContactFactors::native()), {}, {}};
+  for (const FactorRow& row : factor_rows()) family.factors.push_back(row.factor);
+  family.with = [](const std::vector<std::string>& names) {
+    std::string changes;
+    for (const std::string& name : names) changes += "+" + name;
+    return matched_engine(changes);
+  };
+  return family;
 }
 
 }  // namespace crossgait::bullet

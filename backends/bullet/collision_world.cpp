@@ -16,10 +16,10 @@ constexpr int kRobotGroup = 2;
 constexpr double kFieldDepth = 0.1;  // m
 }  // namespace
 
-CollisionWorld::CollisionWorld(const WorldSpec& spec, const Ingredients& ingredients, MultibodyModel& model,
+CollisionWorld::CollisionWorld(const WorldSpec& spec, const ContactFactors& factors, MultibodyModel& model,
                                ConstraintSolver& solver)
     : spec_(spec),
-      ingredients_(ingredients),
+      factors_(factors),
       model_(model),
       solver_(solver),
       sphere_terrain_(spec.terrain),
@@ -88,7 +88,7 @@ void CollisionWorld::add_robot() {
   world_.addMultiBody(&model_.body());
   // Unless Bullet finds contacts the solver does: Bullet has nothing to collide.
   const std::vector<ContactSphere> spheres =
-      ingredients_.narrowphase ? model_.spheres() : std::vector<ContactSphere>();
+      factors_.narrowphase ? model_.spheres() : std::vector<ContactSphere>();
   for (int link = -1; link < model_.body().getNumLinks(); ++link) {
     std::unique_ptr<btCompoundShape> shape = make_shape(link, spheres);
     if (shape->getNumChildShapes() == 0) continue;

@@ -18,7 +18,7 @@ namespace crossgait::bullet {
 /// it.
 class CollisionWorld {
  public:
-  CollisionWorld(const WorldSpec& spec, const Ingredients& ingredients, MultibodyModel& model,
+  CollisionWorld(const WorldSpec& spec, const ContactFactors& factors, MultibodyModel& model,
                  ConstraintSolver& solver);
   ~CollisionWorld();
   CollisionWorld(const CollisionWorld&) = delete;
@@ -38,7 +38,7 @@ class CollisionWorld {
   std::unique_ptr<btCompoundShape> make_shape(int link, const std::vector<ContactSphere>& spheres);
 
   const WorldSpec& spec_;
-  Ingredients ingredients_;
+  ContactFactors factors_;
   MultibodyModel& model_;
   ConstraintSolver& solver_;
 

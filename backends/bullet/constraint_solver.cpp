@@ -4,10 +4,10 @@
 
 namespace crossgait::bullet {
 
-ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const Ingredients& ingredients,
+ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const ContactFactors& factors,
                                    MultibodyModel& model)
     : spec_(spec),
-      ingredients_(ingredients),
+      factors_(factors),
       model_(model),
       joints_(model.body(), model.armature(), model.loop_points(),
               SoftLaw(spec.robot->loop_softness, spec.physics_dt), spec.physics_dt),
@@ -56,9 +56,9 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
     set_velocity(DofVector::Zero(before_.size()));
     return;
   }
-  if (!ingredients_.sweeps) {
+  if (!factors_.sweeps) {
     point_count_ = 0;
-    if (ingredients_.narrowphase) {
+    if (factors_.narrowphase) {
       read_contacts(manifolds, manifold_count);
     } else {
       find_contacts();

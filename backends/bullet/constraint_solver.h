@@ -1,4 +1,4 @@
-// Bullet's constraint solver with Crossgait's joint stage, and contacts made of either engine's ingredients.
+// Bullet's constraint solver with Crossgait's joint stage, and contacts made of either engine's factors.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 
 #include "crossgait/backends/bullet/cone_solver.h"
-#include "crossgait/backends/bullet/ingredients.h"
+#include "crossgait/backends/bullet/contact_factors.h"
 #include "crossgait/backends/bullet/joint_stage.h"
 #include "crossgait/backends/bullet/multibody_model.h"
 #include "crossgait/physics/state.h"
@@ -18,12 +18,12 @@ namespace crossgait::bullet {
 std::vector<double> contact_margins(const std::vector<ContactSphere>& spheres, int links);
 
 /// Bullet's world calls it once per step, after its forward dynamics and collision detection. The joint stage
-/// replaces Bullet's joint rows; contacts follow the ingredients.
+/// replaces Bullet's joint rows; contacts follow the factors.
 class ConstraintSolver final : public btMultiBodyConstraintSolver {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  ConstraintSolver(const WorldSpec& spec, const Ingredients& ingredients, MultibodyModel& model);
+  ConstraintSolver(const WorldSpec& spec, const ContactFactors& factors, MultibodyModel& model);
 
   /// Call before the world steps: remembers velocities and the torques to apply.
   void begin_step(const JointVector& torque) noexcept;
@@ -73,7 +73,7 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   void report(const ContactPoint& point, const Vector3& force, const Vector3& velocity_before) noexcept;
 
   const WorldSpec& spec_;
-  Ingredients ingredients_;
+  ContactFactors factors_;
   MultibodyModel& model_;
   JointStage joints_;
   SoftLaw contact_law_;

@@ -1,4 +1,4 @@
-// Contact solved by Crossgait in Bullet's dynamics. With MuJoCo's ingredients contacts are placed midway
+// Contact solved by Crossgait in Bullet's dynamics. With MuJoCo's factors contacts are placed midway
 // between the surfaces, softened like MuJoCo's, and solved over true friction cones; any of these can be
 // Bullet's.
 #include <algorithm>
@@ -38,7 +38,7 @@ void ConstraintSolver::solve_contacts() noexcept {
   }
   assemble_contacts();
   const double tolerance = std::max(kRoundingFloor, kSweepTolerance * spec_.solver.tolerance);
-  if (ingredients_.coulomb) {
+  if (factors_.coulomb) {
     cone_.solve_coulomb(tolerance, kMaxSweeps);
   } else {
     cone_.solve(tolerance, kMaxSweeps);
@@ -51,7 +51,7 @@ double ConstraintSolver::set_row(int contact, int axis) noexcept {
   const std::size_t k = static_cast<std::size_t>(contact);
   const ContactPoint& point = points_[k];
   double& regularization = cone_.A(3 * contact + axis, 3 * contact + axis);
-  if (axis == 0 ? ingredients_.hard_normal : ingredients_.hard_friction) {
+  if (axis == 0 ? factors_.hard_normal : factors_.hard_friction) {
     regularization = 0;
     if (axis > 0) return 0;
     const double h = spec_.physics_dt;  // a gap may close, of a penetration a share is undone
@@ -72,7 +72,7 @@ void ConstraintSolver::assemble_contacts() noexcept {
     const std::size_t k = static_cast<std::size_t>(i);
     const ContactPoint& point = points_[k];
     // On the robot's surface, or midway between the surfaces.
-    const Vector3 p_WP = ingredients_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
+    const Vector3 p_WP = factors_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
     inertia.point_jacobian(point.link, p_WP, J_);
     frames_[k] = contact_frame(point.normal);
     J_ = (frames_[k] * J_).eval();

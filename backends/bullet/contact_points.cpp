@@ -41,7 +41,7 @@ void ConstraintSolver::find_contacts() noexcept {
   for (const ContactSphere& sphere : spheres_) {
     const Vector3 centre = vector(body.localPosToWorld(sphere.link, vector(sphere.p_CS)));
     SphereContact touch;
-    if (!ingredients_.speculative) {
+    if (!factors_.speculative) {
       if (!spec_.terrain.touch_sphere(centre, sphere.radius, touch)) continue;
       add_point({sphere.link, sphere.leg, touch.position, touch.normal, touch.distance});
       continue;
@@ -65,7 +65,7 @@ void ConstraintSolver::read_contacts(btPersistentManifold** manifolds, int count
     for (int i = 0; i < manifold.getNumContacts(); ++i) {
       const btManifoldPoint& p = manifold.getContactPoint(i);
       const double distance = p.getDistance();
-      if (distance >= 0 && !ingredients_.speculative) continue;
+      if (distance >= 0 && !factors_.speculative) continue;
       const Vector3 on_a = vector(p.m_positionWorldOnA), on_b = vector(p.m_positionWorldOnB);
       add_point({link, leg_at(link, robot_first ? on_a : on_b), 0.5 * (on_a + on_b),
                  vector(p.m_normalWorldOnB) * (robot_first ? 1.0 : -1.0), distance});

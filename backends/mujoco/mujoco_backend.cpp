@@ -34,14 +34,16 @@ class MujocoBackend final : public PhysicsBackend {
     reset();
   }
 
-  const BackendInfo& info() const override {
-    static const BackendInfo kInfo{"mujoco",
-                                   "MuJoCo",
-                                   mj_versionString(),
-                                   "soft contact, elliptic cones, Newton",
-                                   {.soft_contact = true, .matches_mujoco = true, .exact_field_query = true}};
+  static const EngineInfo& the_info() {
+    static const EngineInfo kInfo{"mujoco",
+                                  "MuJoCo",
+                                  mj_versionString(),
+                                  "soft contact, elliptic cones, Newton",
+                                  {.contact = "mujoco", .loops = "mujoco"},
+                                  {.soft_contact = true, .exact_field_query = true}};
     return kInfo;
   }
+  const EngineInfo& info() const override { return the_info(); }
 
  private:
   void index_elements() {
@@ -246,8 +248,9 @@ class MujocoBackend final : public PhysicsBackend {
 
 }  // namespace
 
-std::unique_ptr<PhysicsBackend> make_mujoco_backend(const WorldSpec& spec) {
-  return std::make_unique<MujocoBackend>(spec);
+Engine engine() {
+  return {MujocoBackend::the_info(),
+          [](const WorldSpec& spec) { return std::make_unique<MujocoBackend>(spec); }};
 }
 
 }  // namespace crossgait::mujoco

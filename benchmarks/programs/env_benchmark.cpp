@@ -19,11 +19,8 @@ namespace {
 constexpr int kRounds = 15;
 constexpr int kSteps = 1000;  // 2 s, more than two cycles of the trot
 
-BackendFactory factory(const std::string& backend) {
-  return [backend](const WorldSpec& world) { return make_backend(backend, world); };
-}
 
-std::string with_quartiles(const benchmarks::Spread& s) {
+std::string with_quartiles(const benchmarks::Quartiles& s) {
   return fmt::format("{:.3f} ({:.3f}-{:.3f})", s.median, s.low, s.high);
 }
 
@@ -32,7 +29,7 @@ std::string with_quartiles(const benchmarks::Spread& s) {
 class Eta {
  public:
   Eta(const std::string& backend, const std::string& terrain)
-      : env_(config(terrain), factory(backend)),
+      : env_(config(terrain), find_engine(backend)),
         observation_(env_.observation_size()),
         engine_(make_engine(backend)) {
     env_.reset(1, observation_);
@@ -63,9 +60,9 @@ class Eta {
   }
 
   std::vector<std::string> row() const {
-    return {env_.backend().info().name, env_.config().terrain, with_quartiles(benchmarks::spread(ratio_)),
-            fmt::format("{:.1f}", benchmarks::spread(step_us_).median),
-            fmt::format("{:.2f}", benchmarks::spread(added_us_).median)};
+    return {env_.backend().info().name, env_.config().terrain, with_quartiles(benchmarks::quartiles(ratio_)),
+            fmt::format("{:.1f}", benchmarks::quartiles(step_us_).median),
+            fmt::format("{:.2f}", benchmarks::quartiles(added_us_).median)};
   }
 
  private:
@@ -96,7 +93,7 @@ class Eta {
 
 void print_eta() {
   std::vector<std::unique_ptr<Eta>> runs;
-  for (const std::string& backend : available_backends()) {
+  for (const std::string& backend : available_engines()) {
     for (const char* terrain : {"flat", "rough:seed=1"})
       runs.push_back(std::make_unique<Eta>(backend, terrain));
   }
@@ -132,9 +129,9 @@ void print_scaling() {
   constexpr std::size_t kEnvironments = 32;
   constexpr int kBatchSteps = 100;
   Table table({"engine", "steps/s, 1 worker", "2 workers over 1 (quartiles)", "2 threads apart over 1"});
-  for (const std::string& backend : available_backends()) {
+  for (const std::string& backend : available_engines()) {
     const auto batch = [&](std::size_t environments, std::size_t workers) {
-      return VectorEnv({}, factory(backend), {.environments = environments, .workers = workers});
+      return VectorEnv({}, find_engine(backend), {.environments = environments, .workers = workers});
     };
     VectorEnv one = batch(kEnvironments, 1), two = batch(kEnvironments, 2),
               half = batch(kEnvironments / 2, 1), other_half = batch(kEnvironments / 2, 1);
@@ -145,8 +142,8 @@ void print_scaling() {
       apart.push_back(slow / apart_seconds(half, other_half, kBatchSteps));
       rate.push_back(1.0 * kBatchSteps * kEnvironments / slow);
     }
-    table.add_row({backend, fmt::format("{:.0f}", benchmarks::spread(rate).median),
-                   with_quartiles(benchmarks::spread(ratio)), with_quartiles(benchmarks::spread(apart))});
+    table.add_row({backend, fmt::format("{:.0f}", benchmarks::quartiles(rate).median),
+                   with_quartiles(benchmarks::quartiles(ratio)), with_quartiles(benchmarks::quartiles(apart))});
   }
   fmt::print("{} environments, wall-clock time\n{}", kEnvironments, table.str());
 }

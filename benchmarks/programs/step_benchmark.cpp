@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
   BareMujoco bare(spec);
   std::vector<Series> series{{"bare mj_step", {}, {}}};
   std::vector<std::unique_ptr<PhysicsBackend>> backends;
-  for (const std::string& name : available_backends()) {
+  for (const std::string& name : available_engines()) {
     backends.push_back(make_backend(name, spec));
     series.push_back({name, {}, {}});
   }

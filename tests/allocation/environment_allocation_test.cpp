@@ -22,7 +22,7 @@ EnvConfig everything() {
 }
 
 TEST_P(EnvironmentAllocation, NonePerStep) {
-  AdaptiveGaitEnv env(everything(), scenes::factory(GetParam()));
+  AdaptiveGaitEnv env(everything(), find_engine(GetParam()));
   std::vector<double> seen(env.observation_size());
   env.reset(1, seen);
   Random random(2);
@@ -40,7 +40,7 @@ TEST_P(EnvironmentAllocation, NonePerStep) {
 }
 
 TEST_P(EnvironmentAllocation, NonePerStepOfABatch) {
-  VectorEnv env(everything(), scenes::factory(GetParam()), {.environments = 3, .workers = 2});
+  VectorEnv env(everything(), find_engine(GetParam()), {.environments = 3, .workers = 2});
   std::vector<double> seen(3 * env.observation_size()), rewards(3), actions(3 * env.action_size(), 0.1);
   std::vector<std::uint8_t> terminated(3), truncated(3);
   env.reset(1, seen);

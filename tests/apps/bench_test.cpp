@@ -26,7 +26,7 @@ void expect_bad_input(const std::string& arguments, const std::vector<std::strin
 }
 
 TEST(Bench, MeasuresStoresComparesAndDraws) {
-  const std::string engine = available_backends().front();
+  const std::string engine = available_engines().front();
   const ProgramResult first =
       run_program("bench --quick --only analytic --backend " + engine + " --json bench_app.json");
   ASSERT_EQ(first.exit_code, 0) << first.err;
@@ -51,7 +51,7 @@ TEST(Bench, MeasuresStoresComparesAndDraws) {
 }
 
 TEST(Bench, FailsWhereAFigureGotWorse) {
-  const std::string engine = available_backends().front();
+  const std::string engine = available_engines().front();
   const ProgramResult first =
       run_program("bench --quick --only analytic --backend " + engine + " --json bench_worse.json");
   ASSERT_EQ(first.exit_code, 0) << first.err;
@@ -96,7 +96,7 @@ TEST(Bench, StoredResultsOfTheProjectAreReadAndDrawn) {
 TEST(Bench, NamesWhatWasWrong) {
   expect_bad_input("bench --only beauty", {"beauty", "analytic"});
   expect_bad_input("bench --only feet --only feet", {"feet", "again"});
-  expect_bad_input("bench --backend nonsense", {"nonsense", available_backends().front()});
+  expect_bad_input("bench --backend nonsense", {"nonsense", available_engines().front()});
   expect_bad_input("bench --compare bench_nowhere.json", {"bench_nowhere.json"});
   expect_bad_input("bench --from bench_nowhere.json", {"bench_nowhere.json"});
   expect_bad_input("bench --from x.json --quick", {"--quick"});

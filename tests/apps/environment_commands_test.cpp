@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-std::string backend() { return available_backends().front(); }
+std::string backend() { return available_engines().front(); }
 
 TEST(EnvCommand, DescribesEveryNumberByName) {
   const json result = run_json(
@@ -53,7 +53,7 @@ TEST(EnvCommand, WritesAConfigurationThatRolloutReads) {
 }
 
 TEST(RolloutCommand, ShowsPoliciesAndTheBaselineInEveryEngine) {
-  for (const std::string& engine : available_backends()) {
+  for (const std::string& engine : available_engines()) {
     const std::string arguments =
         "rollout --policy random --baseline --episodes 2 --episode-seconds 1 --terrain rough --backend " +
         engine;
@@ -84,7 +84,7 @@ TEST(RolloutCommand, TracesAnEpisode) {
 TEST(TransferCommand, FillsTheMatrix) {
   const json result =
       run_json("transfer --policy random --terrains \"flat;rough\" --episodes 1 --episode-seconds .5");
-  EXPECT_EQ(result["cells"].size(), 2 * available_backends().size());
+  EXPECT_EQ(result["cells"].size(), 2 * available_engines().size());
   for (const json& cell : result["cells"]) {
     EXPECT_EQ(cell["policy"]["episodes"], 1);
     EXPECT_NE(cell["policy"]["total_reward"]["mean"], cell["baseline"]["total_reward"]["mean"]);

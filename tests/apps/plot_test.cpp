@@ -49,7 +49,7 @@ class PlotTest : public testing::Test {
   void SetUp() override {
     trace_ = std::string("plot_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
     ASSERT_EQ(run_program("walk --seconds .5 --set step_length=.07 --trace " + trace_ + " --backend " +
-                          available_backends().front())
+                          available_engines().front())
                   .exit_code,
               0);
   }

@@ -42,7 +42,7 @@ TEST(Program, BackendsListsWhatIsBuiltIn) {
   for (const json& entry : result["backends"]) {
     if (entry["available"]) names.push_back(entry["name"]);
   }
-  EXPECT_EQ(names, available_backends());
+  EXPECT_EQ(names, available_engines());
 }
 
 TEST(Program, RobotsShowsTheBundledOnesAndOne) {
@@ -56,7 +56,7 @@ TEST(Program, RobotsShowsTheBundledOnesAndOne) {
 }
 
 TEST(Program, WalkKeepsItsContract) {
-  for (const std::string& backend : available_backends()) {
+  for (const std::string& backend : available_engines()) {
     const json walk =
         run_json("walk --backend " + backend + " --terrain flat --gait trot --seconds 1 --seed 3");
     for (const char* key :
@@ -77,13 +77,13 @@ TEST(Program, WalkKeepsItsContract) {
 
 TEST(Program, LongerStepsWalkFurther) {
   const std::string base =
-      "walk --backend " + available_backends().front() + " --seconds 3 --set step_length=";
+      "walk --backend " + available_engines().front() + " --seconds 3 --set step_length=";
   EXPECT_GT(run_json(base + ".09")["distance_m"].get<double>(),
             1.5 * run_json(base + ".045")["distance_m"].get<double>());
 }
 
 TEST(Program, CompareReportsRunsAndPairs) {
-  const auto engines = available_backends();
+  const auto engines = available_engines();
   if (engines.size() < 2) GTEST_SKIP() << "one engine built in: nothing to compare";
   const json result =
       run_json("compare --terrain rough --seconds 1 --engines " + engines[0] + "," + engines[1]);
@@ -100,7 +100,7 @@ TEST(Program, CompareReportsRunsAndPairs) {
 }
 
 TEST(Program, CompareNamesTheFirstDivergence) {
-  const auto engines = available_backends();
+  const auto engines = available_engines();
   if (engines.size() < 2) GTEST_SKIP() << "one engine built in: nothing to compare";
   // The last two differ in their contact law: a tolerance of a nanometre cannot hold.
   const json result = run_json("compare --seconds 1 --position-tolerance 1e-9 --engines " +
@@ -114,7 +114,7 @@ TEST(Program, CompareNamesTheFirstDivergence) {
 
 TEST(Program, TraceHasOneRowPerControlStep) {
   ASSERT_EQ(
-      run_program("walk --seconds 0.5 --trace program_trace.csv --backend " + available_backends().front())
+      run_program("walk --seconds 0.5 --trace program_trace.csv --backend " + available_engines().front())
           .exit_code,
       0);
   std::ifstream file("program_trace.csv");
@@ -179,7 +179,7 @@ TEST(Program, JsonGoesToAFileToo) {
 }
 
 TEST(ProgramBadInput, NamesWhatWasWrong) {
-  expect_bad_input("walk --backend nonsense", {"nonsense", available_backends().front()});
+  expect_bad_input("walk --backend nonsense", {"nonsense", available_engines().front()});
   expect_bad_input("walk --seconds -1", {"seconds", "-1"});
   expect_bad_input("walk --seconds nan", {"seconds"});
   expect_bad_input("walk --seconds soon", {"seconds", "soon"});
@@ -196,7 +196,7 @@ TEST(ProgramBadInput, NamesWhatWasWrong) {
   expect_bad_input("walk --terrain rough:bumps=3", {"bumps", "amplitude"});
   expect_bad_input("walk --trace nowhere/at/all.csv --seconds .1", {"nowhere/at"});
   expect_bad_input("walk --unknown-option", {"--unknown-option"});
-  expect_bad_input("compare --engines " + available_backends().front(), {"--engines", "two"});
+  expect_bad_input("compare --engines " + available_engines().front(), {"--engines", "two"});
   expect_bad_input("ik --target 1,2", {"--target", "1,2"});
   expect_bad_input("ik --target 1,2,x", {"--target", "x"});
   expect_bad_input("ik --target 0,0,.07 --mode 5", {"--mode", "5"});

@@ -15,7 +15,7 @@ using nlohmann::json;
 // Short runs of few starts: what is looked at is the contract, not the word.
 const char* const kShort = " --seconds .2 --settle .1 --starts 4";
 
-bool two_engines() { return available_backends().size() >= 2; }
+bool two_engines() { return available_engines().size() >= 2; }
 
 TEST(VerdictCommand, KeepsItsContract) {
   if (!two_engines()) GTEST_SKIP() << "one engine alone";
@@ -24,8 +24,8 @@ TEST(VerdictCommand, KeepsItsContract) {
                           "left_out", "statistics", "models"}) {
     EXPECT_TRUE(verdict.contains(key)) << key;
   }
-  EXPECT_EQ(verdict["a"], available_backends().front());
-  EXPECT_EQ(verdict["b"], available_backends().back());
+  EXPECT_EQ(verdict["a"], available_engines().front());
+  EXPECT_EQ(verdict["b"], available_engines().back());
   EXPECT_TRUE(verdict["models"].empty()) << verdict["models"];
   EXPECT_EQ(verdict["statistics"].size(), 8U);
   for (const json& s : verdict["statistics"]) {
@@ -46,15 +46,15 @@ TEST(VerdictCommand, JudgesPolicies) {
 }
 
 TEST(VerdictCommand, ExplainsWhereThereIsAFamily) {
-  if (backend_families().empty()) GTEST_SKIP() << "no engine is made of ingredients";
-  const BackendFamily& family = backend_families().front();
+  if (engine_families().empty()) GTEST_SKIP() << "no engine is made of factors";
+  const EngineFamily& family = engine_families().front();
   const json verdict =
       run_json("verdict --explain --engines " + family.from + "," + family.to + " " + kShort);
   const json& attribution = verdict["attribution"];
-  EXPECT_EQ(attribution["ingredients"].size(), family.ingredients.size());
+  EXPECT_EQ(attribution["factors"].size(), family.factors.size());
   for (const json& s : attribution["statistics"]) {
     double effects = 0, steps = 0;
-    for (const json& i : s["ingredients"]) {
+    for (const json& i : s["factors"]) {
       effects += i["effect"]["estimate"].get<double>();
       steps += i["step"]["estimate"].get<double>();
     }
@@ -66,7 +66,7 @@ TEST(VerdictCommand, ExplainsWhereThereIsAFamily) {
 }
 
 TEST(VerdictCommand, RefusesWhatItCannotJudge) {
-  const std::string one = available_backends().front();
+  const std::string one = available_engines().front();
   for (const std::string& arguments :
        {"--engines " + one, "--engines " + one + "," + one, "--engines " + one + ",nonsense",
         std::string("--starts 2"), std::string("--confidence 1"), std::string("--limit 0"),
@@ -80,8 +80,8 @@ TEST(CompareCommand, JudgesPairsOfDifferentContactLaws) {
   if (!two_engines()) GTEST_SKIP() << "one engine alone";
   const json plain = run_json("compare --seconds .2");
   EXPECT_FALSE(plain.contains("verdicts"));
-  const json judged = run_json("compare --seconds .2 --verdict --engines " + available_backends().front() +
-                               "," + available_backends().back());
+  const json judged = run_json("compare --seconds .2 --verdict --engines " + available_engines().front() +
+                               "," + available_engines().back());
   for (const json& verdict : judged["verdicts"]) EXPECT_EQ(verdict["starts"], 6);
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 TEST(Registry, NamesAreUniqueAndTellWhyTheyAreMissing) {
   std::set<std::string> names;
-  for (const BackendEntry& entry : known_backends()) {
+  for (const EngineListing& entry : known_engines()) {
     EXPECT_TRUE(names.insert(entry.name).second) << entry.name;
     EXPECT_FALSE(entry.summary.empty());
     EXPECT_EQ(entry.reason.empty(), entry.available) << entry.name;
@@ -19,7 +19,7 @@ TEST(Registry, NamesAreUniqueAndTellWhyTheyAreMissing) {
 
 TEST(Registry, WhatIsAvailableCanBeMadeAndNothingElse) {
   const WorldSpec spec = scenes::world_of(scenes::sled());
-  for (const BackendEntry& entry : known_backends()) {
+  for (const EngineListing& entry : known_engines()) {
     if (entry.available) {
       EXPECT_EQ(make_backend(entry.name, spec)->info().name, entry.name);
       continue;
@@ -39,7 +39,7 @@ TEST(Registry, AnUnknownNameListsTheKnownOnes) {
       make_backend(name, scenes::world_of(scenes::sled()));
       ADD_FAILURE() << name;
     } catch (const ConfigError& error) {
-      for (const std::string& known : available_backends()) {
+      for (const std::string& known : available_engines()) {
         EXPECT_NE(error.expected().find(known), std::string::npos) << error.what();
       }
       EXPECT_NE(error.found().find(name), std::string::npos);
@@ -49,15 +49,15 @@ TEST(Registry, AnUnknownNameListsTheKnownOnes) {
 
 TEST(Registry, FamiliesLeadFromOneEndToTheOther) {
   const WorldSpec spec = scenes::world_of(scenes::sled());
-  for (const BackendFamily& family : backend_families()) {
+  for (const EngineFamily& family : engine_families()) {
     std::string name = family.from;
-    for (const BackendIngredient& ingredient : family.ingredients) {
-      EXPECT_FALSE(ingredient.summary.empty());
-      name += "+" + ingredient.name;
+    for (const ModelFactor& factor : family.factors) {
+      EXPECT_FALSE(factor.summary.empty());
+      name += "+" + factor.name;
       EXPECT_NO_THROW(make_backend(name, spec)) << name;
     }
     EXPECT_EQ(make_backend(name, spec)->info().name, family.to);
-    EXPECT_THROW(make_backend(family.to + "+" + family.ingredients[0].name, spec), ConfigError);
+    EXPECT_THROW(make_backend(family.to + "+" + family.factors[0].name, spec), ConfigError);
   }
 }
 

@@ -172,7 +172,7 @@ TEST(RunBench, RefusesBadSelections) {
     return run_bench({.backends = std::move(backends), .sections = std::move(sections), .quick = true},
                      [](double) {});
   };
-  const std::string engine = available_backends().front();
+  const std::string engine = available_engines().front();
   EXPECT_THROW(run({}, {"analytic"}), ConfigError);
   EXPECT_THROW(run({"nonsense"}, {"analytic"}), ConfigError);
   EXPECT_THROW(run({engine, engine}, {"analytic"}), ConfigError);
@@ -183,7 +183,7 @@ TEST(RunBench, RefusesBadSelections) {
 TEST(RunBench, HoldsWhatWasAskedFor) {
   double last = 0;
   const ordered_json result =
-      run_bench({.backends = available_backends(), .sections = {"analytic", "feet"}, .quick = true},
+      run_bench({.backends = available_engines(), .sections = {"analytic", "feet"}, .quick = true},
                 [&last](double share) {
                   EXPECT_GE(share, last - 1e-12);
                   last = share;
@@ -192,7 +192,7 @@ TEST(RunBench, HoldsWhatWasAskedFor) {
   EXPECT_TRUE(result["quick"]);
   EXPECT_FALSE(result.contains("speed"));
   EXPECT_FALSE(result.contains("accuracy"));
-  const std::size_t engines = available_backends().size();
+  const std::size_t engines = available_engines().size();
   EXPECT_EQ(result["backends"].size(), engines);
   EXPECT_EQ(result["analytic"]["convergence"].size(), 4 * engines);
   EXPECT_EQ(result["analytic"]["friction"].size(), 2 * engines);

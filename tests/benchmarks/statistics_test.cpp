@@ -13,7 +13,7 @@ TEST(Quantile, InterpolatesBetweenNeighbours) {
   EXPECT_EQ(quantile({4, 1, 3, 2}, 0), 1);
   EXPECT_EQ(quantile({4, 1, 3, 2}, 1), 4);
   EXPECT_EQ(quantile({7}, 0.25), 7);
-  const Spread s = spread({1, 2, 3, 4, 5});
+  const Quartiles s = quartiles({1, 2, 3, 4, 5});
   EXPECT_EQ(s.low, 2);
   EXPECT_EQ(s.median, 3);
   EXPECT_EQ(s.high, 4);

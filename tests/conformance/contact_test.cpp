@@ -181,7 +181,7 @@ TEST_P(Trotting, AFootHeldUpDoesNotTouch) {
 }
 
 TEST(NoContact, InTheAirNothingTouches) {
-  for (const std::string& name : available_backends()) {
+  for (const std::string& name : available_engines()) {
     const auto backend = make_backend(name, scenes::world_of(scenes::quadruped()));
     RobotState start = backend->home_state();
     start.p_WB.z() += 1;

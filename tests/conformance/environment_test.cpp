@@ -18,7 +18,7 @@ TEST_P(RandomActions, LeaveEverythingFinite) {
     config.residual_scale = 0.03;  // three times what is sensible: legs at their limits all the time
     config.observation.emplace_back("terrain");
     config.reward.fill(1);
-    VectorEnv env(config, scenes::factory(GetParam()), {.environments = 2, .workers = 2});
+    VectorEnv env(config, find_engine(GetParam()), {.environments = 2, .workers = 2});
     std::vector<double> seen(env.size() * env.observation_size()), rewards(env.size());
     std::vector<std::uint8_t> terminated(env.size()), truncated(env.size());
     env.reset(1, seen);

@@ -175,9 +175,9 @@ TEST_P(Determinism, AFixedBaseIsPartOfASnapshot) {
 TEST_P(Determinism, ForeignSnapshotsAreRefused) {
   const auto backend = make(world("flat"));
   Snapshot snapshot = backend->save();
-  snapshot.backend = "abacus";
+  snapshot.engine_name = "abacus";
   EXPECT_THROW(backend->restore(snapshot), ConfigError);
-  for (const std::string& name : available_backends()) {
+  for (const std::string& name : available_engines()) {
     if (name == GetParam()) continue;
     EXPECT_THROW(backend->restore(make_backend(name, world("flat"))->save()), ConfigError) << name;
   }

@@ -20,8 +20,8 @@ class EnvironmentDeterminism : public BackendTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(EnvironmentDeterminism);
 
 TEST_P(EnvironmentDeterminism, AfterResetRestoreAndInAnotherInstance) {
-  AdaptiveGaitEnv env(rough_ground(), scenes::factory(GetParam())),
-      other(rough_ground(), scenes::factory(GetParam()));
+  AdaptiveGaitEnv env(rough_ground(), find_engine(GetParam())),
+      other(rough_ground(), find_engine(GetParam()));
   std::vector<double> seen(env.observation_size());
   const auto begin = [&](AdaptiveGaitEnv& e) {
     e.reset(5, seen);
@@ -47,8 +47,8 @@ TEST_P(EnvironmentDeterminism, WithOneAndTwoWorkers) {
   EnvConfig config = rough_ground();
   config.episode_seconds = 1;  // with resets in between
   config.randomisation[Randomised::kStartYaw] = {-1, 1};
-  VectorEnv one(config, scenes::factory(GetParam()), {.environments = 4, .workers = 1}),
-      two(config, scenes::factory(GetParam()), {.environments = 4, .workers = 2});
+  VectorEnv one(config, find_engine(GetParam()), {.environments = 4, .workers = 1}),
+      two(config, find_engine(GetParam()), {.environments = 4, .workers = 2});
   const std::size_t rows = one.size();
   std::vector<double> a(rows * one.observation_size()), b(a.size()), reward_a(rows), reward_b(rows);
   std::vector<std::uint8_t> terminated_a(rows), terminated_b(rows), truncated_a(rows), truncated_b(rows);

@@ -15,7 +15,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 class Environment : public BackendTest {
  protected:
   static AdaptiveGaitEnv make_env(const EnvConfig& config = {}) {
-    return AdaptiveGaitEnv(config, scenes::factory(GetParam()));
+    return AdaptiveGaitEnv(config, find_engine(GetParam()));
   }
   static std::vector<double> zeros(const AdaptiveGaitEnv& env) {
     return std::vector<double>(env.action_size(), 0);

@@ -21,14 +21,14 @@ class Evaluations : public BackendTest {
   static std::vector<EpisodeSummary> evaluate(const EnvConfig& config, const std::string& policy,
                                               std::size_t workers) {
     return evaluate_policy(
-        [&] { return std::make_unique<AdaptiveGaitEnv>(config, scenes::factory(GetParam())); },
+        [&] { return std::make_unique<AdaptiveGaitEnv>(config, find_engine(GetParam())); },
         [&](const PolicyInterface& interface) { return make_policy(policy, interface); }, 4, 5, workers);
   }
 };
 CROSSGAIT_FOR_EVERY_BACKEND(Evaluations);
 
 TEST_P(Evaluations, AddUpWhatTheEpisodesDid) {
-  AdaptiveGaitEnv env(config(), scenes::factory(GetParam()));
+  AdaptiveGaitEnv env(config(), find_engine(GetParam()));
   const auto zero = make_policy("zero", env.interface());
   double reward = 0;
   int steps = 0;
@@ -64,10 +64,10 @@ TEST_P(Evaluations, AreTheSameForAnyNumberOfWorkersAndWorldsForAnyPolicy) {
 }
 
 TEST_P(Evaluations, RefuseAPolicyOfAnotherLayout) {
-  AdaptiveGaitEnv env(config(), scenes::factory(GetParam()));
+  AdaptiveGaitEnv env(config(), find_engine(GetParam()));
   EnvConfig other = config();
   other.adapt = {"step_length"};
-  const AdaptiveGaitEnv narrower(other, scenes::factory(GetParam()));
+  const AdaptiveGaitEnv narrower(other, find_engine(GetParam()));
   const auto policy = make_policy("zero", narrower.interface());
   EXPECT_THROW(run_episode(env, *policy, 0), ConfigError);
 }

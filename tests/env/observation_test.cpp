@@ -24,7 +24,7 @@ CROSSGAIT_FOR_EVERY_BACKEND(Layouts);
 TEST_P(Layouts, HaveTheGuidesSizesAndOneNamePerNumber) {
   for (const std::size_t parameters : {std::size_t{4}, std::size_t{5}, std::size_t{6}}) {
     for (const bool terrain : {false, true}) {
-      const AdaptiveGaitEnv env(adapting(parameters, terrain), scenes::factory(GetParam()));
+      const AdaptiveGaitEnv env(adapting(parameters, terrain), find_engine(GetParam()));
       EXPECT_EQ(env.action_size(), parameters + 12);                           // 16, 17, 18
       EXPECT_EQ(env.observation_size(), 65 + parameters + (terrain ? 8 : 0));  // 69, 70, 71; 77, ...
       std::set<std::string> names;
@@ -49,7 +49,7 @@ TEST_P(Layouts, ReadAsWhatTheirNamesSay) {
     if (!block.standard && block.name != "terrain") config.observation.emplace_back(block.name);
   }
   config.command = VelocityCommand{0.1, 0.02, 0.3};
-  AdaptiveGaitEnv env(config, scenes::factory(GetParam()));
+  AdaptiveGaitEnv env(config, find_engine(GetParam()));
   std::vector<double> seen(env.observation_size());
   env.reset(1, seen);
   Random random(1);
@@ -111,7 +111,7 @@ TEST_P(Layouts, TheHashTellsThemApart) {
   std::set<std::string> hashes;
   for (const std::size_t parameters : {std::size_t{4}, std::size_t{5}, std::size_t{6}}) {
     for (const bool terrain : {false, true}) {
-      const AdaptiveGaitEnv env(adapting(parameters, terrain), scenes::factory(GetParam()));
+      const AdaptiveGaitEnv env(adapting(parameters, terrain), find_engine(GetParam()));
       hashes.insert(layout_hash(env.observation_layout(), env.action_layout()));
     }
   }

@@ -29,7 +29,7 @@ class PolicyInEnvironment : public ScratchFolder {
     return heights;
   }
 
-  AdaptiveGaitEnv env_{EnvConfig{}, scenes::factory(available_backends().front())};
+  AdaptiveGaitEnv env_{EnvConfig{}, find_engine(available_engines().front())};
 };
 
 TEST_F(PolicyInEnvironment, AScriptSteersParameters) {

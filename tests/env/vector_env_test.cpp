@@ -25,7 +25,7 @@ struct Arrays {
 class Vectors : public BackendTest {
  protected:
   static VectorEnv make_env(const EnvConfig& config, const VectorEnvOptions& options) {
-    return VectorEnv(config, scenes::factory(GetParam()), options);
+    return VectorEnv(config, find_engine(GetParam()), options);
   }
   static EnvConfig short_episodes() {
     EnvConfig config;
@@ -70,7 +70,7 @@ TEST_P(Vectors, EachIsASingleEnvironmentWithItsOwnSeed) {
   Arrays arrays(env);
   env.reset(11, arrays.observations);
   for (std::size_t i = 0; i < 3; ++i) {
-    AdaptiveGaitEnv single(config, scenes::factory(GetParam()));
+    AdaptiveGaitEnv single(config, find_engine(GetParam()));
     std::vector<double> seen(single.observation_size());
     single.reset(derived_seed(derived_seed(11, i), 0), seen);
     const auto row = std::span(arrays.observations).subspan(i * seen.size(), seen.size());
@@ -114,11 +114,8 @@ TEST_P(Vectors, ADivergedEnvironmentIsCountedResetAndAlone) {
   EnvConfig config = short_episodes();
   config.randomisation[Randomised::kStartYaw] = {0, 0};
   VectorEnv calm = make_env(config, {.environments = 1});
-  const auto explode = [&](const WorldSpec& world) {
-    WorldSpec heavy = world;
-    heavy.gravity = {0, 0, -1e9};
-    return make_backend(GetParam(), heavy);
-  };
+  const Engine explode =
+      with_change(find_engine(GetParam()), [](WorldSpec& world) { world.gravity = {0, 0, -1e9}; });
   Arrays arrays(calm);
   VectorEnv wild(config, explode, {.environments = 3, .workers = 2});
   Arrays out(wild);

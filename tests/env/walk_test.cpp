@@ -21,7 +21,7 @@ std::shared_ptr<const RobotDescription> robot() {
 std::unique_ptr<PhysicsBackend> any_backend() {
   WorldSpec spec;
   spec.robot = robot();
-  return make_backend(available_backends().front(), spec);
+  return make_backend(available_engines().front(), spec);
 }
 
 LegArray<Vector3> standing_feet() {
@@ -188,7 +188,7 @@ TEST(Walk, FallingIsNoticed) {
   spec.robot = robot();
   spec.gravity = {0, 20, -9.81};
   spec.contact.friction = 5;
-  const auto backend = make_backend(available_backends().front(), spec);
+  const auto backend = make_backend(available_engines().front(), spec);
   LegController legs(*robot());
   const WalkTiming timing{.seconds = 2, .settle_seconds = 0};
   const WalkSummary s = run_walk(*backend, legs, {[](double) { return standing_feet(); }}, timing);

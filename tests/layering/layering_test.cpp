@@ -36,7 +36,7 @@ TEST(Layering, EngineHeadersStayInFoldersNamedForThem) {
                {"backends/bullet/a.h", "#include <btBulletDynamicsCommon.h>", true},
                {"backends/bullet/a.h", "#include <BulletDynamics/Featherstone/btMultiBody.h>", true},
                {"tests/backends/mujoco/a_test.cpp", "#include <mujoco/mujoco.h>", true},
-               {"benchmarks/mujoco/a.cpp", "#include <mujoco/mujoco.h>", true},
+               {"benchmarks/programs/mujoco/a.cpp", "#include <mujoco/mujoco.h>", true},
                {"backends/bullet/a.cpp", "#include <mujoco/mujoco.h>", false},
                {"backends/mujoco/a.cpp", "#include <LinearMath/btVector3.h>", false},
                {"backends/registry.cpp", "#include <mujoco/mujoco.h>", false},

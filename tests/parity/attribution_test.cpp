@@ -20,27 +20,27 @@ EngineFamily family_of(const Game& game, bool c_needs_b = false) {
   EngineFamily family;
   family.from = "from";
   family.to = "to";
-  family.ingredients = {{"a", "", {}}, {"b", "", {}}, {"c", "", {}}};
-  if (c_needs_b) family.ingredients[2].needs = {"b"};
-  family.make = [game](const std::vector<std::string>& names) -> BackendFactory {
+  family.factors = {{"a", "", {}}, {"b", "", {}}, {"c", "", {}}};
+  if (c_needs_b) family.factors[2].needs = {"b"};
+  family.with = [game](const std::vector<std::string>& names) -> Engine {
     const auto has = [&](const char* name) {
       return std::find(names.begin(), names.end(), name) != names.end();
     };
-    return [result = game(has("a"), has("b"), has("c"))](const WorldSpec&) {
-      value = result;
-      return std::unique_ptr<PhysicsBackend>();
-    };
+    return {{}, [result = game(has("a"), has("b"), has("c"))](const WorldSpec&) {
+              value = result;
+              return std::unique_ptr<PhysicsBackend>();
+            }};
   };
   return family;
 }
 
-// The game's value plus the number of the start, which every set of ingredients shares.
+// The game's value plus the number of the start, which every set of factors shares.
 Behaviour play() {
   Behaviour behaviour;
   behaviour.name = "game";
   behaviour.statistics = {{"value", "-", 0, 0.1}};
-  behaviour.run = [](const BackendFactory& engine, const Variation&, std::size_t start) {
-    engine(WorldSpec{});
+  behaviour.run = [](const Engine& engine, const Variation&, std::size_t start) {
+    engine.make(WorldSpec{});
     return std::vector<double>{value + static_cast<double>(start)};
   };
   return behaviour;
@@ -48,7 +48,7 @@ Behaviour play() {
 
 std::vector<double> effects(const Attribution& attribution) {
   std::vector<double> result;
-  for (const IngredientEffect& e : attribution.effects) result.push_back(e.effect[0].estimate);
+  for (const FactorEffect& e : attribution.effects) result.push_back(e.effect[0].estimate);
   return result;
 }
 
@@ -104,9 +104,9 @@ TEST(Attribute, DoesNotHangOnThreads) {
 TEST(Attribute, RefusesFamiliesWithoutMeaning) {
   const Game game = [](bool, bool, bool) { return 0.0; };
   EngineFamily family = family_of(game);
-  family.ingredients[0].needs = {"c"};
+  family.factors[0].needs = {"c"};
   EXPECT_THROW(attribute(play(), family, {}), ConfigError);
-  family.ingredients.clear();
+  family.factors.clear();
   EXPECT_THROW(attribute(play(), family, {}), ConfigError);
   EXPECT_THROW(attribute(play(), family_of(game), {.starts = 3}), ConfigError);
 }

@@ -15,17 +15,15 @@ struct Pair {
   std::string a, b;
 };
 
-/// Every two backends of which `is_matched(capabilities of a, of b)`.
+/// Every two engines that `choose(laws of a, of b)`.
 template <typename Choose>
 std::vector<Pair> pairs_of(Choose choose) {
-  const std::vector<std::string> names = available_backends();
-  const auto capabilities = [](const std::string& name) {
-    return make_backend(name, scenes::world_of(scenes::sled()))->info().capabilities;
-  };
+  const std::vector<std::string> names = available_engines();
+  const auto laws = [](const std::string& name) { return find_engine(name).info.laws; };
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < names.size(); ++i) {
     for (std::size_t k = i + 1; k < names.size(); ++k) {
-      if (choose(capabilities(names[i]), capabilities(names[k]))) pairs.push_back({names[i], names[k]});
+      if (choose(laws(names[i]), laws(names[k]))) pairs.push_back({names[i], names[k]});
     }
   }
   return pairs;
@@ -103,7 +101,7 @@ class MatchedPair : public ::testing::TestWithParam<Pair> {
 };
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(MatchedPair);
 INSTANTIATE_TEST_SUITE_P(Engines, MatchedPair, ::testing::ValuesIn(pairs_of([](const auto& a, const auto& b) {
-                           return a.matches_mujoco && b.matches_mujoco;
+                           return a == b;
                          })),
                          pair_name);
 
@@ -347,7 +345,7 @@ class UnmatchedPair : public ::testing::TestWithParam<Pair> {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(UnmatchedPair);
 INSTANTIATE_TEST_SUITE_P(Engines, UnmatchedPair,
                          ::testing::ValuesIn(pairs_of([](const auto& a, const auto& b) {
-                           return a.matches_mujoco != b.matches_mujoco;
+                           return a != b;
                          })),
                          pair_name);
 

@@ -24,18 +24,15 @@ EnvConfig all_blocks(const std::string& terrain) {
 
 TEST(EnvironmentParity, MatchedEnginesSeeTheSame) {
   std::vector<std::string> matched;
-  for (const std::string& name : available_backends()) {
-    if (make_backend(name, scenes::world_of(scenes::sled()))->info().capabilities.matches_mujoco)
+  for (const std::string& name : available_engines()) {
+    if (find_engine(name).info.laws == find_engine(available_engines().front()).info.laws)
       matched.push_back(name);
   }
   if (matched.size() < 2) GTEST_SKIP() << "no two engines declare the same contact law";
   for (const char* terrain : {"flat", "rough"}) {
-    const auto exact = [](const std::string& backend) {
-      return [backend](const WorldSpec& world) {
-        WorldSpec precise = world;
-        precise.solver.tolerance = 1e-12;  // so that what differs is not where an iteration stopped
-        return make_backend(backend, precise);
-      };
+    const auto exact = [](const std::string& name) {
+      // So that what differs is not where an iteration stopped.
+      return with_change(find_engine(name), [](WorldSpec& world) { world.solver.tolerance = 1e-12; });
     };
     AdaptiveGaitEnv a(all_blocks(terrain), exact(matched[0])), b(all_blocks(terrain), exact(matched[1]));
     std::vector<double> x(a.observation_size()), y(x.size());
@@ -63,7 +60,7 @@ TEST(EnvironmentParity, MatchedEnginesSeeTheSame) {
 
 /// An observation every 25 steps of 200 under fixed actions, one line each.
 std::vector<std::vector<double>> golden_run(const std::string& backend) {
-  AdaptiveGaitEnv env(all_blocks("rough"), scenes::factory(backend));
+  AdaptiveGaitEnv env(all_blocks("rough"), find_engine(backend));
   std::vector<double> seen(env.observation_size());
   std::vector<std::vector<double>> lines;
   env.reset(1, seen);

@@ -27,7 +27,7 @@ TEST_P(PlantedFaults, SoundModelsRaiseNoAlarm) {
     for (const scenes::RobotPtr& robot : {scenes::quadruped(), scenes::long_quadruped()}) {
       WorldSpec spec = world_on(terrain);
       spec.robot = robot;
-      const auto a = make_backend(available_backends().front(), spec), b = make(spec);
+      const auto a = make_backend(available_engines().front(), spec), b = make(spec);
       const std::vector<AuditFinding> findings = audit_models(*a, *b);
       EXPECT_TRUE(findings.empty()) << robot->name << " on " << terrain << ": " << describe(findings);
     }
@@ -40,7 +40,7 @@ TEST_P(PlantedFaults, AreNamed) {
     const WorldSpec sound = world_on(fault.terrain);
     WorldSpec faulty = sound;
     fault.plant(faulty);
-    const auto a = make_backend(available_backends().front(), sound), b = make(faulty);
+    const auto a = make_backend(available_engines().front(), sound), b = make(faulty);
     const std::vector<AuditFinding> findings = audit_models(*a, *b);
     EXPECT_FALSE(findings.empty());
     if (findings.empty()) continue;
@@ -51,27 +51,11 @@ TEST_P(PlantedFaults, AreNamed) {
   }
 }
 
-Engine engine(const std::string& name) {
-  return {name, [name](const WorldSpec& world) { return make_backend(name, world); }};
-}
-
-EngineFamily family_of(const BackendFamily& backends) {
-  EngineFamily family{backends.from, backends.to, {}, {}};
-  for (const BackendIngredient& i : backends.ingredients)
-    family.ingredients.push_back({i.name, i.summary, i.needs});
-  family.make = [from = backends.from](const std::vector<std::string>& names) {
-    std::string name = from;
-    for (const std::string& n : names) name += "+" + n;
-    return engine(name).make;
-  };
-  return family;
-}
-
 // Without what does nothing but rounding or needs all others (EachChangesSomethingOrIsRounding), which would
 // only take time.
 EngineFamily shortened(EngineFamily family) {
-  std::erase_if(family.ingredients,
-                [](const Ingredient& i) { return i.name == "sweeps" || i.name == "narrowphase"; });
+  std::erase_if(family.factors,
+                [](const ModelFactor& i) { return i.name == "sweeps" || i.name == "narrowphase"; });
   family.to += " but for narrowphase and sweeps";
   return family;
 }
@@ -95,45 +79,45 @@ std::size_t index_of(const std::vector<Statistic>& statistics, const std::string
 
 // Every two ends of a family are two engines that differ.
 TEST(PlantedBehaviours, ACarefulCrawlAgrees) {
-  for (const BackendFamily& family : backend_families()) {
+  for (const EngineFamily& family : engine_families()) {
     WorldSpec spec = world_on("flat");
     spec.contact.friction = 1.2;
     spec.contact.impratio = 100;                  // feet that stick creep a hundredth as fast
     spec.contact.softness.time_constant = 0.005;  // s
     const Verdict verdict = reach_verdict(behaviour_of(spec, "careful crawl", careful_crawl, 3),
-                                          engine(family.from), engine(family.to), {.starts = 4});
-    EXPECT_EQ(verdict.word(), Word::kAgrees) << describe(verdict);
+                                          find_engine(family.from), find_engine(family.to), {.starts = 4});
+    EXPECT_EQ(verdict.conclusion(), Conclusion::kAgrees) << describe(verdict);
     std::printf("planted careful crawl:\n%s", describe(verdict).c_str());
   }
 }
 
 // Friction that only damps slip lets a robot glide down a slope without a step.
 TEST(PlantedBehaviours, AGlideOnSoftFrictionIsTheEnginesAndItsFrictionIsNamed) {
-  for (const BackendFamily& backends : backend_families()) {
+  for (const EngineFamily& ends : engine_families()) {
     const WorldSpec spec = world_on("slope:angle=20");
     const auto stand = [](const RobotDescription& robot) {
       const LegArray<Vector3> feet = make_gait_source(choose_gait("trot", {}), robot).feet(0);
       return GaitSource{[feet](double) { return feet; }};
     };
     const Behaviour glide = behaviour_of(spec, "glide", stand, 1.5, 0.5);
-    const Verdict verdict = reach_verdict(glide, engine(backends.from), engine(backends.to), {.starts = 4});
+    const Verdict verdict = reach_verdict(glide, find_engine(ends.from), find_engine(ends.to), {.starts = 4});
     const std::size_t distance = index_of(glide.statistics, "distance");
-    EXPECT_EQ(verdict.statistics[distance].word, Word::kEngineDependent) << describe(verdict);
-    const Attribution attribution = attribute(glide, shortened(family_of(backends)), {.starts = 4});
+    EXPECT_EQ(verdict.statistics[distance].conclusion, Conclusion::kEngineDependent) << describe(verdict);
+    const Attribution attribution = attribute(glide, shortened(ends), {.starts = 4});
     EXPECT_EQ(attribution.leading(distance), std::vector<std::string>{"hard_friction"})
         << describe(attribution);
     std::printf("planted glide:\n%s%s", describe(verdict).c_str(), describe(attribution).c_str());
   }
 }
 
-// The last engine of a family with all but one of its ingredients out of action: the one left is to be named.
-TEST(PlantedBehaviours, ASingleHiddenIngredientIsNamed) {
-  for (const BackendFamily& backends : backend_families()) {
+// The last engine of a family with all but one of its factors out of action: the one left is to be named.
+TEST(PlantedBehaviours, ASingleHiddenFactorIsNamed) {
+  for (const EngineFamily& ends : engine_families()) {
     for (const std::string hidden : {"coulomb", "hard_friction", "hard_normal"}) {
-      EngineFamily family = shortened(family_of(backends));
-      family.make = [make = family.make, hidden](const std::vector<std::string>& names) {
+      EngineFamily family = shortened(ends);
+      family.with = [with = family.with, hidden](const std::vector<std::string>& names) {
         const bool has = std::find(names.begin(), names.end(), hidden) != names.end();
-        return make(has ? std::vector<std::string>{hidden} : std::vector<std::string>{});
+        return with(has ? std::vector<std::string>{hidden} : std::vector<std::string>{});
       };
       const auto trot = [](const RobotDescription& robot) {
         return make_gait_source(choose_gait("trot", {}), robot);
@@ -142,9 +126,9 @@ TEST(PlantedBehaviours, ASingleHiddenIngredientIsNamed) {
       const Attribution attribution = attribute(walk, family, {.starts = 4});
       const std::size_t slip = index_of(walk.statistics, "slip of loaded feet");
       EXPECT_EQ(attribution.leading(slip), std::vector<std::string>{hidden}) << describe(attribution);
-      for (const IngredientEffect& effect : attribution.effects) {
-        EXPECT_EQ(effect.first_divergence.has_value(), effect.ingredient.name == hidden);
-        if (effect.ingredient.name != hidden) {
+      for (const FactorEffect& effect : attribution.effects) {
+        EXPECT_EQ(effect.first_divergence.has_value(), effect.factor.name == hidden);
+        if (effect.factor.name != hidden) {
           EXPECT_NEAR(effect.effect[slip].estimate, 0, 1e-12);
         }
       }

@@ -45,7 +45,7 @@ StatisticVerdict judged(const Truth& truth, std::size_t starts = 12) {
 
 TEST(Judge, EqualRunsAgree) {
   const StatisticVerdict v = judged({.noise = 0.1});
-  EXPECT_EQ(v.word, Word::kAgrees);
+  EXPECT_EQ(v.conclusion, Conclusion::kAgrees);
   EXPECT_EQ(v.gap.estimate, 0);
   // Uniform over +-.1: standard deviation .1 / sqrt(3), of 12 samples good to a third.
   EXPECT_NEAR(v.spread_a.starts, 0.1 / std::sqrt(3), 0.02);
@@ -54,7 +54,7 @@ TEST(Judge, EqualRunsAgree) {
 
 TEST(Judge, AGapFarBeyondTheSpreadIsTheEngines) {
   const StatisticVerdict v = judged({.noise = 0.02, .offset = 0.2});
-  EXPECT_EQ(v.word, Word::kEngineDependent);
+  EXPECT_EQ(v.conclusion, Conclusion::kEngineDependent);
   EXPECT_NEAR(v.gap.estimate, 0.2, 1e-12);
   EXPECT_GT(v.score.low, 1);
 }
@@ -64,28 +64,28 @@ TEST(Judge, AGapWithinTheSpreadAgreesHoweverSignificant) {
   // itself.
   const StatisticVerdict v = judged({.noise = 0.3, .offset = 0.03});
   EXPECT_GT(v.gap.low, 0);
-  EXPECT_EQ(v.word, Word::kAgrees);
+  EXPECT_EQ(v.conclusion, Conclusion::kAgrees);
 }
 
 TEST(Judge, AGapNobodyWouldActOnAgreesHoweverRepeatable) {
   const StatisticVerdict v = judged({.offset = 0.01});  // floor .02 m, spread nil
   EXPECT_EQ(v.spread, 0);
   EXPECT_GT(v.gap.low, 0);
-  EXPECT_EQ(v.word, Word::kAgrees);
+  EXPECT_EQ(v.conclusion, Conclusion::kAgrees);
 }
 
 TEST(Judge, TheTimeStepCountsAsSpread) {
-  EXPECT_EQ(judged({.offset = 0.05}).word, Word::kEngineDependent);
+  EXPECT_EQ(judged({.offset = 0.05}).conclusion, Conclusion::kEngineDependent);
   const StatisticVerdict v = judged({.per_step = 0.2, .offset = 0.05});
   // Means at half, one and two steps: -.1, 0, .2.
   EXPECT_NEAR(v.spread_a.time_step, std::sqrt((0.01 + 0.04 - 0.01 / 3) / 2), 1e-12);
-  EXPECT_EQ(v.word, Word::kAgrees);
+  EXPECT_EQ(v.conclusion, Conclusion::kAgrees);
 }
 
 TEST(Judge, WhatFewRunsCannotTellIsUnresolvedAndManyResolve) {
   const Truth truth{.noise = 0, .own = 0.1, .offset = 0.085};  // 1.4 standard deviations
-  EXPECT_EQ(judged(truth, 6).word, Word::kUnresolved);
-  EXPECT_EQ(judged(truth, 400).word, Word::kEngineDependent);
+  EXPECT_EQ(judged(truth, 6).conclusion, Conclusion::kUnresolved);
+  EXPECT_EQ(judged(truth, 400).conclusion, Conclusion::kEngineDependent);
 }
 
 TEST(Judge, IsRarelyWrong) {
@@ -102,7 +102,7 @@ TEST(Judge, IsRarelyWrong) {
       a[0].push_back({1 + random.uniform(-0.1, 0.1), 0});
       b[0].push_back({1 + offset + random.uniform(-0.1, 0.1), 0});
     }
-    if (judge(kStatistics, nominal, a, b, {}).front().word != Word::kUnresolved) ++words;
+    if (judge(kStatistics, nominal, a, b, {}).front().conclusion != Conclusion::kUnresolved) ++words;
   }
   EXPECT_LE(static_cast<double>(words) / kRepetitions, 0.05);
 }
@@ -114,13 +114,13 @@ Behaviour brittle() {
   behaviour.statistics = kStatistics;
   behaviour.physics_dt = 1e-3;
   behaviour.control_dt = 2e-3;
-  behaviour.run = [](const BackendFactory&, const Variation& v, std::size_t) {
+  behaviour.run = [](const Engine&, const Variation& v, std::size_t) {
     return v.step > 1 ? std::vector<double>{100, 1} : std::vector<double>{1, 0};
   };
   return behaviour;
 }
 
-const Engine kNothing{"nothing", [](const WorldSpec&) { return std::unique_ptr<PhysicsBackend>(); }};
+const Engine kNothing{{"nothing", {}, {}, {}, {}, {}}, [](const WorldSpec&) { return std::unique_ptr<PhysicsBackend>(); }};
 
 TEST(ReachVerdict, LeavesOutVariationsThatFailOrCannotBe) {
   Behaviour behaviour = brittle();
@@ -147,19 +147,16 @@ Verdict short_trot(const std::string& a, const std::string& b, std::size_t worke
   setup.gait = "trot";
   setup.timing = {.seconds = 0.3, .settle_seconds = 0.1};
   setup.make_gait = [robot = spec.robot] { return make_gait_source(choose_gait("trot", {}), *robot); };
-  const auto engine = [](const std::string& name) {
-    return Engine{name, [name](const WorldSpec& world) { return make_backend(name, world); }};
-  };
   const Behaviour behaviour =
       walk_behaviour(spec, setup, [](std::size_t k) { return make_terrain("rough:size_x=2,size_y=2", k); });
   VerdictOptions options;
   options.starts = 4;
   options.workers = workers;
-  return reach_verdict(behaviour, engine(a), engine(b), options);
+  return reach_verdict(behaviour, find_engine(a), find_engine(b), options);
 }
 
 TEST(ReachVerdict, DoesNotHangOnThreads) {
-  const std::vector<std::string> names = available_backends();
+  const std::vector<std::string> names = available_engines();
   if (names.empty()) GTEST_SKIP() << "no engine is built in";
   const auto text = [&](std::size_t workers) {
     return to_json(short_trot(names.front(), names.back(), workers)).dump();
@@ -169,13 +166,13 @@ TEST(ReachVerdict, DoesNotHangOnThreads) {
 
 TEST(ReachVerdict, EnginesOfOneContactLawAgree) {
   std::vector<std::string> matched;
-  for (const std::string& name : available_backends()) {
-    if (make_backend(name, scenes::world_of(scenes::sled()))->info().capabilities.matches_mujoco)
+  for (const std::string& name : available_engines()) {
+    if (find_engine(name).info.laws == find_engine(available_engines().front()).info.laws)
       matched.push_back(name);
   }
   if (matched.size() < 2) GTEST_SKIP() << "no two engines declare the same contact law";
   const Verdict verdict = short_trot(matched[0], matched[1], 1);
-  EXPECT_EQ(verdict.word(), Word::kAgrees) << describe(verdict);
+  EXPECT_EQ(verdict.conclusion(), Conclusion::kAgrees) << describe(verdict);
   for (const StatisticVerdict& v : verdict.statistics) EXPECT_NEAR(v.score.estimate, 0, 1e-6);
 }
 

@@ -22,7 +22,7 @@ class BackendTest : public ::testing::TestWithParam<std::string> {
     return make(scenes::world_of(robot));
   }
   /// What the backend declares: the only thing that a test may skip or choose by.
-  static Capabilities capabilities() { return make(scenes::sled())->info().capabilities; }
+  static Capabilities capabilities() { return find_engine(GetParam()).info.capabilities; }
 };
 
 /// "bullet:matched" as a test name: "bullet_matched".
@@ -50,5 +50,5 @@ inline void measured(const std::string& what, double value) {
 /// Instantiates `suite`, derived from BackendTest, for every backend that is built in.
 #define CROSSGAIT_FOR_EVERY_BACKEND(suite)                                                              \
   GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(suite);                                                 \
-  INSTANTIATE_TEST_SUITE_P(EveryBackend, suite, ::testing::ValuesIn(::crossgait::available_backends()), \
+  INSTANTIATE_TEST_SUITE_P(EveryBackend, suite, ::testing::ValuesIn(::crossgait::available_engines()), \
                            ::crossgait::backend_of_test)

@@ -10,11 +10,6 @@
 
 namespace crossgait::scenes {
 
-/// The registry's engine of that name.
-inline BackendFactory factory(const std::string& backend) {
-  return [backend](const WorldSpec& world) { return make_backend(backend, world); };
-}
-
 inline std::vector<double> random_action(Random& random, std::size_t size) {
   std::vector<double> action(size);
   for (double& a : action) a = random.uniform(-1, 1);

@@ -121,7 +121,7 @@ TEST(MujocoCollision, LeavesOtherModelsAlone) {
   const ModelPtr plain = foreign_model(0), with_data = foreign_model(1);
   const std::vector<double> before = contacts_of(*plain);
   ASSERT_GT(before.size(), 12U);  // several contacts, where Crossgait's routine gives one
-  make_mujoco_backend(scenes::world_of(scenes::sled()));
+  engine().make(scenes::world_of(scenes::sled()));
   EXPECT_NE(mjCOLLISIONFUNC[mjGEOM_HFIELD][mjGEOM_SPHERE], nullptr);
   EXPECT_EQ(contacts_of(*plain), before);
   EXPECT_EQ(contacts_of(*with_data), before);  // user data that nobody set
@@ -130,7 +130,7 @@ TEST(MujocoCollision, LeavesOtherModelsAlone) {
 TEST(MujocoCollision, GivesOneContactPerSphereOnLevelGround) {
   WorldSpec spec = scenes::world_of(scenes::quadruped());
   spec.terrain = make_terrain("slope:angle=0,size_x=2,size_y=2");
-  const auto backend = make_mujoco_backend(spec);
+  const auto backend = engine().make(spec);
   ASSERT_EQ(backend->step(scenes::home_targets(backend->robot()), 500), StepStatus::kOk);
   EXPECT_EQ(backend->contacts().count, 4);
 }

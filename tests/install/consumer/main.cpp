@@ -33,7 +33,7 @@ int main() {
     const std::string file = crossgait::find_robot("scara_quadruped");
     std::printf("robot: %s\n", file.c_str());
     spec.robot = std::make_shared<const crossgait::RobotDescription>(crossgait::load_robot(file));
-    const auto backends = crossgait::available_backends();
+    const auto backends = crossgait::available_engines();
     for (const std::string& backend : backends) {
       const double height = stand(backend, spec, 0.5);
       std::printf("%s: base at %.4f m\n", backend.c_str(), height);

@@ -1,5 +1,5 @@
-// Names of settings between MuJoCo's contact law and Bullet's, and that the list of ingredients is complete.
-#include "crossgait/backends/bullet/ingredients.h"
+// Names of settings between MuJoCo's contact law and Bullet's, and that the list of factors is complete.
+#include "crossgait/backends/bullet/contact_factors.h"
 
 #include <cmath>
 
@@ -12,37 +12,37 @@
 namespace crossgait::bullet {
 namespace {
 
-TEST(Ingredients, TheTwoNamedSettingsAreTheEnds) {
-  Ingredients all;
-  for (const IngredientRow& row : ingredient_rows()) {
-    EXPECT_FALSE(Ingredients::matched().*row.member);
+TEST(ContactFactors, TheTwoNamedSettingsAreTheEnds) {
+  ContactFactors all;
+  for (const FactorRow& row : factor_rows()) {
+    EXPECT_FALSE(ContactFactors::matched().*row.member);
     all.*row.member = true;
   }
-  EXPECT_EQ(all, Ingredients::native());
-  EXPECT_EQ(name_of(Ingredients::matched()), "bullet:matched");
-  EXPECT_EQ(name_of(Ingredients::native()), "bullet");
+  EXPECT_EQ(all, ContactFactors::native());
+  EXPECT_EQ(name_of(ContactFactors::matched()), "bullet:matched");
+  EXPECT_EQ(name_of(ContactFactors::native()), "bullet");
 }
 
-TEST(Ingredients, NamesComeBack) {
+TEST(ContactFactors, NamesComeBack) {
   for (const char* changes : {"+surface", "+coulomb+hard_friction", "+hard_normal+speculative"}) {
-    const Ingredients made = changed(Ingredients::matched(), changes, "test");
+    const ContactFactors made = changed(ContactFactors::matched(), changes, "test");
     EXPECT_EQ(name_of(made), std::string("bullet:matched") + changes);
   }
-  const Ingredients made = changed(Ingredients::native(), "-sweeps-speculative", "test");
+  const ContactFactors made = changed(ContactFactors::native(), "-sweeps-speculative", "test");
   EXPECT_EQ(name_of(made), "bullet-speculative-sweeps");  // in the table's order
-  EXPECT_EQ(changed(made, "+sweeps+speculative", "test"), Ingredients::native());
+  EXPECT_EQ(changed(made, "+sweeps+speculative", "test"), ContactFactors::native());
 }
 
-TEST(Ingredients, MeaninglessOnesAreRefused) {
+TEST(ContactFactors, MeaninglessOnesAreRefused) {
   for (const char* changes : {"+nonsense", "+", "+speculative", "+sweeps", "-surface", "+surface+surface"}) {
-    EXPECT_THROW(changed(Ingredients::matched(), changes, "test"), ConfigError) << changes;
+    EXPECT_THROW(changed(ContactFactors::matched(), changes, "test"), ConfigError) << changes;
   }
-  EXPECT_THROW(changed(Ingredients::native(), "-hard_normal", "test"), ConfigError);  // others need it
+  EXPECT_THROW(changed(ContactFactors::native(), "-hard_normal", "test"), ConfigError);  // others need it
   try {
-    changed(Ingredients::matched(), "+speculative", "bullet:matched+speculative");
+    changed(ContactFactors::matched(), "+speculative", "bullet:matched+speculative");
   } catch (const ConfigError& error) {
     EXPECT_STREQ(error.what(),
-                 "backend: bullet:matched+speculative: expected hard_normal along with speculative, found "
+                 "engine: bullet:matched+speculative: expected hard_normal along with speculative, found "
                  "speculative without hard_normal");
   }
 }
@@ -65,15 +65,15 @@ double largest_difference(const std::string& a, const std::string& b, const std:
   return worst;
 }
 
-// Crossgait's own solution with all of Bullet's ingredients is Bullet's, once Bullet sweeps until nothing
+// Crossgait's own solution with all of Bullet's factors is Bullet's, once Bullet sweeps until nothing
 // moves: nothing is different between the two modes that is not in the table.
-TEST(Ingredients, AreAllThereIs) {
+TEST(ContactFactors, AreAllThereIs) {
   for (const char* terrain : {"flat", "rough:seed=1,size_x=4,size_y=2"}) {
     EXPECT_LT(largest_difference("bullet", "bullet-sweeps", terrain, 2000), 1e-8) << terrain;
   }
 }
 
-TEST(Ingredients, EachChangesSomethingOrIsRounding) {
+TEST(ContactFactors, EachChangesSomethingOrIsRounding) {
   // On its own, but for those that need others.
   const auto difference = [](const char* a, const char* b) { return largest_difference(a, b, "flat", 100); };
   EXPECT_LT(difference("bullet:matched", "bullet:matched+narrowphase"), 1e-10);
@@ -84,12 +84,13 @@ TEST(Ingredients, EachChangesSomethingOrIsRounding) {
   EXPECT_GT(difference("bullet:matched+hard_normal", "bullet:matched+hard_normal+speculative"), 1e-4);
 }
 
-TEST(Ingredients, AnyCanBeSavedAndRestored) {
+TEST(ContactFactors, AnyCanBeSavedAndRestored) {
   for (const char* name :
        {"bullet:matched+narrowphase", "bullet:matched+hard_normal+speculative", "bullet-sweeps"}) {
     const auto backend = make_backend(name, scenes::world_of(scenes::quadruped()));
     EXPECT_EQ(backend->info().name, name);
-    EXPECT_FALSE(backend->info().capabilities.matches_mujoco);
+    EXPECT_NE(backend->info().laws.contact, "mujoco");
+    EXPECT_NE(backend->info().laws.contact, "bullet");
     const scenes::Trot trot(backend->robot());
     const auto walk = [&](int from, int to) {
       for (int i = from; i < to; ++i) ASSERT_EQ(backend->step(trot.targets(i * 1e-3)), StepStatus::kOk);

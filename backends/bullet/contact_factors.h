@@ -2,16 +2,17 @@
 // one.
 #pragma once
 
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "crossgait/physics/engine.h"
 
 namespace crossgait::bullet {
 
 /// Each piece is either MuJoCo's (false) or Bullet's (true). Everything else, the dynamics, the joint stage
 /// and the terrain, is the same in all of them.
-struct Ingredients {
+struct ContactFactors {
   bool narrowphase = false;    ///< contact points from Bullet's collision detection, not `touch_sphere` alone
   bool surface = false;        ///< forces act on the robot's surface, not midway between the surfaces
   bool coulomb = false;        ///< friction <= mu normal given the normal impulse, not MuJoCo's convex cone
@@ -21,27 +22,26 @@ struct Ingredients {
   bool sweeps = false;         ///< Bullet's own rows and projected Gauss-Seidel sweeps, not a converged solve
 
   /// MuJoCo's contact law in Bullet's dynamics.
-  static constexpr Ingredients matched() { return {}; }
+  static constexpr ContactFactors matched() { return {}; }
   /// Bullet as it ships.
-  static constexpr Ingredients native() { return {true, true, true, true, true, true, true}; }
+  static constexpr ContactFactors native() { return {true, true, true, true, true, true, true}; }
 
-  bool operator==(const Ingredients&) const = default;
+  bool operator==(const ContactFactors&) const = default;
 };
 
 /// One row of the table, in the order in which `needs` are satisfied.
-struct IngredientRow {
-  std::string_view name, summary;
-  bool Ingredients::*member;
-  std::vector<std::string_view> needs;  ///< without which it means nothing
+struct FactorRow {
+  ModelFactor factor;
+  bool ContactFactors::*member;
 };
-const std::vector<IngredientRow>& ingredient_rows();
+const std::vector<FactorRow>& factor_rows();
 
 /// `base` with changes `+NAME` (Bullet's) and `-NAME` (MuJoCo's), one after the other.
-/// @throws ConfigError for an unknown ingredient, a change that changes nothing, or a combination without
+/// @throws ConfigError for an unknown factor, a change that changes nothing, or a combination without
 /// meaning; messages name `backend`
-Ingredients changed(Ingredients base, std::string_view changes, std::string_view backend);
+ContactFactors changed(ContactFactors base, std::string_view changes, std::string_view backend);
 
 /// The shortest name: "bullet", "bullet:matched", "bullet:matched+surface", "bullet-sweeps".
-std::string name_of(const Ingredients& ingredients);
+std::string name_of(const ContactFactors& factors);
 
 }  // namespace crossgait::bullet

@@ -1,0 +1,22 @@
+# Precompiled headers: third-party and standard ones that most files read, so that a change of ours never rebuilds
+# them. One per kind of compilation, which all targets of that kind share: crossgait_precompiled(TARGET KIND).
+#   library   position-independent code of the libraries
+#   program   the commands (CLI11 alone takes six seconds to read)
+#   test      the tests, which are built with less optimisation
+set(_crossgait_common <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <fmt/ranges.h> <algorithm> <array> <cmath> <functional>
+                      <limits> <map> <memory> <optional> <set> <span> <string> <string_view> <utility> <vector>)
+
+function(crossgait_precompiled_headers kind)
+  set(_source ${PROJECT_BINARY_DIR}/precompiled_${kind}.cpp)
+  file(GENERATE OUTPUT ${_source} CONTENT "// Carries the precompiled headers of the kind '${kind}'.\n")
+  add_library(crossgait_precompiled_${kind} OBJECT EXCLUDE_FROM_ALL ${_source})
+  target_precompile_headers(crossgait_precompiled_${kind} PRIVATE ${ARGN})
+endfunction()
+
+function(crossgait_precompiled target kind)
+  target_precompile_headers(${target} REUSE_FROM crossgait_precompiled_${kind})
+endfunction()
+
+crossgait_precompiled_headers(library ${_crossgait_common})
+target_link_libraries(crossgait_precompiled_library PRIVATE crossgait_options Eigen3::Eigen fmt::fmt)
+set_target_properties(crossgait_precompiled_library PROPERTIES POSITION_INDEPENDENT_CODE ON)
