@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "crossgait/physics/atomic_file.h"
-#include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/text.h"
 
@@ -33,29 +32,6 @@ void add_robot_option(CLI::App& command, std::string& robot) {
   command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file")
       ->type_name("NAME|FILE.yaml|FILE.urdf")
       ->capture_default_str();
-}
-
-void WorldOptions::add_to(CLI::App& command) {
-  add_robot_option(command, robot);
-  command
-      .add_option("--terrain", terrain,
-                  "The ground (see `crossgait terrain --list`), e.g. rough or stairs:rise=.01,run=.1")
-      ->type_name("NAME[:k=v,...]|FILE.png|FILE.csv")
-      ->capture_default_str();
-  command.add_option("--seed", seed, "Seed of a random terrain")->capture_default_str();
-  command.add_option("--physics-dt", physics_dt, "Physics time step, s")->capture_default_str();
-  command.add_option("--friction", friction, "Coefficient of friction between feet and ground")
-      ->capture_default_str();
-}
-
-WorldSpec WorldOptions::make() const {
-  WorldSpec spec;
-  spec.robot = std::make_shared<const RobotDescription>(load_robot(find_robot(robot)));
-  spec.terrain = make_terrain(terrain, seed);
-  spec.physics_dt = physics_dt;
-  spec.contact.friction = friction;
-  spec.validate();
-  return spec;
 }
 
 std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& option,
@@ -92,6 +68,17 @@ void ProgressLine::update(double share) {
   fmt::print(stderr, "\r\033[K{}: {:3.0f} %, {:.0f} s left", label_, 100 * share, left);
   std::fflush(stderr);
   shown_ = true;
+}
+
+std::function<void(const std::string&, double)> Stages::progress() {
+  return [this](const std::string& stage, double share) {
+    if (stage != stage_ || line_ == nullptr) {
+      line_.reset();  // clears its line before the next begins
+      line_ = std::make_unique<ProgressLine>(stage);
+      stage_ = stage;
+    }
+    line_->update(share);
+  };
 }
 
 }  // namespace crossgait::apps

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
-
-#include "crossgait/physics/world_spec.h"
 
 namespace crossgait::apps {
 
@@ -40,19 +40,6 @@ struct JsonOption {
   void emit(const std::string& text, const nlohmann::ordered_json& json) const;
 };
 
-/// `--robot`, `--terrain`, `--seed` and the physics behind them.
-struct WorldOptions {
-  std::string robot = "scara_quadruped";
-  std::string terrain = "flat";
-  std::uint64_t seed = 0;
-  double physics_dt = 1e-3;
-  double friction = 0.6;
-
-  void add_to(CLI::App& command);
-  /// @throws ConfigError
-  WorldSpec make() const;
-};
-
 /// A name with `--robot`'s meaning: a bundled robot's name or a file. Adds the option alone.
 void add_robot_option(CLI::App& command, std::string& robot);
 
@@ -75,6 +62,16 @@ class ProgressLine {
   bool terminal_;
   bool shown_ = false;
   std::chrono::steady_clock::time_point begin_;
+};
+
+/// A ProgressLine per stage of a job that has several.
+class Stages {
+ public:
+  std::function<void(const std::string& stage, double share)> progress();
+
+ private:
+  std::string stage_;
+  std::unique_ptr<ProgressLine> line_;
 };
 
 }  // namespace crossgait::apps

@@ -71,8 +71,8 @@ void list_tables(const Options& options) {
 }
 
 void describe(const Options& options, const EnvConfig& config) {
-  const auto env = env_factory(config)();
-  const Layout &action = env->action_layout(), &observation = env->observation_layout();
+  const PolicyInterface interface = EnvModel::make(config)->interface;
+  const Layout &action = interface.action, &observation = interface.observation;
   const std::string hash = layout_hash(observation, action);
   const ordered_json json{{"layout_hash", hash},           {"policy_dt", config.policy_dt},
                           {"action_size", action.size()},  {"observation_size", observation.size()},

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/command.h"
+#include "crossgait/physics/robot.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
 

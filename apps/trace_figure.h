@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "crossgait/apps/plotting.h"
-#include "crossgait/apps/trace_table.h"
+#include "crossgait/parity/trace_table.h"
 #include "crossgait/physics/robot.h"
 
 namespace crossgait::apps {

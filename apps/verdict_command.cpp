@@ -4,53 +4,29 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/env_options.h"
-#include "crossgait/apps/verdict_options.h"
+#include "crossgait/apps/walk_options.h"
 #include "crossgait/backends/registry.h"
-#include "crossgait/parity/model_audit.h"
-#include "crossgait/parity/verdict_report.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/study/judgement.h"
 
 namespace crossgait::apps {
 namespace {
 
 struct Options {
   std::vector<std::string> engines;
-  WorldOptions world;
   WalkOptions walk;
-  SpreadOptions spread;
+  StartRanges starts;
+  JudgementOptions judgement;
   std::string policy, config;
-  bool explain = false;
   JsonOption json;
 };
 
-// The environment that the walk's options describe, or the file's.
-EnvConfig environment(const Options& options) {
-  if (!options.config.empty()) return load_env_config(options.config);
-  EnvConfig c;
-  c.robot = options.world.robot;
-  c.terrain = options.world.terrain;
-  c.terrain_seed = options.world.seed;
-  c.friction = options.world.friction;
-  c.physics_dt = options.world.physics_dt;
-  c.control_dt = options.walk.timing.control_dt;
-  c.policy_dt = c.control_dt;
-  c.settle_seconds = options.walk.timing.settle_seconds;
-  c.episode_seconds = options.walk.timing.seconds;
-  c.gait = options.walk.gait;
-  c.parameters = find_gait(c.gait).preferred;
-  for (const std::string& setting : options.walk.settings) assign(c.parameters, setting);
-  c.command = options.walk.make_command();
-  c.validate("command line");
-  return c;
-}
-
-Behaviour behaviour(const Options& options, const WorldSpec& spec, const std::string& engine) {
-  if (options.policy.empty()) return walk_behaviour(options.world, options.walk, spec, options.spread.spread);
-  EnvConfig config = environment(options);
-  config.backend = engine;
-  policy_factory(options.policy)(env_factory(config)()->interface());  // a bad one before long runs
-  return policy_behaviour(config, policy_factory(options.policy), options.policy, options.spread.spread,
-                          options.world.seed);
+BehaviourSpec behaviour(const Options& options) {
+  const WalkConfig walk = options.walk.make();
+  if (options.policy.empty()) return {walk, options.starts, walk.terrain_seed};
+  const EnvConfig environment =
+      options.config.empty() ? walk.environment() : load_env_config(options.config);
+  return {PolicyConfig{environment, options.policy}, options.starts, walk.terrain_seed};
 }
 
 std::vector<std::string> two_engines(const std::vector<std::string>& asked) {
@@ -64,34 +40,40 @@ std::vector<std::string> two_engines(const std::vector<std::string>& asked) {
 }
 
 void run(const Options& options) {
-  options.spread.verdict.validate();
   const std::vector<std::string> engines = two_engines(options.engines);
-  const WorldSpec spec = options.world.make();
-  // Before the long runs: names, and whether both engines hold the same machine at all.
-  const auto world_a = make_backend(engines[0], spec), world_b = make_backend(engines[1], spec);
-  const std::vector<AuditFinding> audit = audit_models(*world_a, *world_b);
-  std::optional<EngineFamily> family;
-  if (options.explain) family = find_family(find_engine(engines[0]), find_engine(engines[1]));
-  const Behaviour what = behaviour(options, spec, engines[0]);
-  const VerdictOptions& how = options.spread.verdict;
-  std::string text;
-  nlohmann::ordered_json json;
-  {
-    ProgressLine progress("judging");
-    const Verdict verdict = reach_verdict(what, find_engine(engines[0]), find_engine(engines[1]), how,
-                                          [&](double share) { progress.update(share); });
-    text = fmt::format("{}\nModels: {}.\n", describe(verdict), describe(audit));
-    json = to_json(verdict);
-    json["models"] = to_json(audit);
-  }
-  if (family) {
-    ProgressLine progress("explaining");
-    const Attribution attribution = attribute(what, *family, {how.starts, how.confidence, how.workers},
-                                              [&](double share) { progress.update(share); });
-    text += "\n" + describe(attribution);
-    json["attribution"] = to_json(attribution);
-  }
-  options.json.emit(text, json);
+  Stages stages;
+  const Judgement judgement =
+      judge_behaviour(behaviour(options), engines[0], engines[1], options.judgement, stages.progress());
+  options.json.emit(describe(judgement), to_json(judgement));
+}
+
+void add_judgement_options(CLI::App& command, Options& options) {
+  VerdictOptions& verdict = options.judgement.verdict;
+  StartRanges& starts = options.starts;
+  command.add_option("--starts", verdict.starts, "Starts that both engines run from, at least 4")
+      ->check(CLI::Range(4, 10000))
+      ->capture_default_str();
+  command
+      .add_option("--limit", verdict.limit, "Gap over spread up to which engines agree, and beyond which not")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_option("--confidence", verdict.confidence, "Of all words together, between 0 and 1")
+      ->capture_default_str();
+  command.add_option("--offset", starts.position_m, "How far starts lie apart, each way, m")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  command.add_option("--heading", starts.heading_rad, "How far headings differ, each way, rad")
+      ->check(CLI::Range(0.0, 3.14159))
+      ->capture_default_str();
+  command.add_option("--push", starts.push_mps, "Push in the first second, as a speed of the robot, m/s")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  add_workers_option(command, verdict.workers);
+  command
+      .add_option("--runs", options.judgement.stored_runs,
+                  "Take runs that this file holds, and add those that it does not: a verdict that was stopped "
+                  "goes on, one that is repeated costs nothing")
+      ->type_name("FILE.jsonl");
 }
 
 }  // namespace
@@ -111,9 +93,9 @@ void add_verdict_command(CLI::App& program) {
       ->add_option("--engines", options->engines,
                    "Two, comma-separated; the first and last that are built in")
       ->delimiter(',');
-  options->world.add_to(*command);
   options->walk.add_to(*command);
-  options->spread.add_to(*command);
+  options->judgement.verdict.workers = EpisodeOptions::default_workers();
+  add_judgement_options(*command, *options);
   CLI::Option* policy =
       command
           ->add_option("--policy", options->policy,
@@ -124,8 +106,8 @@ void add_verdict_command(CLI::App& program) {
   for (const char* other : {"--robot", "--terrain", "--friction", "--physics-dt", "--gait", "--set",
                             "--speed", "--command", "--seconds", "--control-dt", "--settle"})
     config->excludes(command->get_option(other));
-  command->add_flag("--explain", options->explain,
-                    "Also say what the gap comes from, one factor of the contact at a time");
+  command->add_flag("--explain", options->judgement.explain,
+                    "Also say what the gap comes from, one modelling factor at a time");
   options->json.add_to(*command);
   command->callback([options] { run(*options); });
 }

@@ -5,6 +5,8 @@
 #include "crossgait/apps/walk_options.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/report.h"
+#include "crossgait/physics/data_path.h"
+#include "crossgait/study/walk.h"
 
 namespace crossgait::apps {
 namespace {
@@ -12,20 +14,18 @@ namespace {
 std::string first_available() { return available_engines().empty() ? "none" : available_engines().front(); }
 
 struct Options {
-  std::string backend = first_available();
-  WorldOptions world;
+  std::string engine = first_available();
   WalkOptions walk;
   std::string trace;
   JsonOption json;
 };
 
 void run(const Options& options) {
-  const auto backend = make_backend(options.backend, options.world.make());
-  const WalkSetup setup = options.walk.make(backend->robot());
-  ProgressLine progress(fmt::format("{} in {}", setup.gait, options.backend));
-  const WalkRun walk = record_walk(*backend, setup, [&](double share) { progress.update(share); });
-  if (!options.trace.empty()) write_trace_csv(backend->robot(), walk.trace, options.trace);
-  options.json.emit(describe(walk), to_json(walk));
+  const WalkConfig config = options.walk.make();
+  ProgressLine progress(fmt::format("{} in {}", config.gait.name(), options.engine));
+  const WalkRun run = walk(config, options.engine, [&](double share) { progress.update(share); });
+  if (!options.trace.empty()) write_trace_csv(load_robot(find_robot(config.robot)), run.trace, options.trace);
+  options.json.emit(describe(run), report(run));
 }
 
 }  // namespace
@@ -35,12 +35,11 @@ void add_walk_command(CLI::App& program) {
   command->footer(
       "\nExamples:\n"
       "  crossgait walk\n"
-      "  crossgait walk --backend bullet --terrain rough --seed 3 --seconds 10\n"
+      "  crossgait walk --engine bullet --terrain rough --seed 3 --seconds 10\n"
       "  crossgait walk --set step_length=.08 --set cycle_time=1 --trace walk.csv --json -");
   auto options = std::make_shared<Options>();
-  command->add_option("--backend", options->backend, "Engine and mode (see `crossgait backends`)")
+  command->add_option("--engine,--backend", options->engine, "Engine and mode (see `crossgait backends`)")
       ->capture_default_str();
-  options->world.add_to(*command);
   options->walk.add_to(*command);
   command
       ->add_option("--trace", options->trace,

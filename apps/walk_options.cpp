@@ -1,10 +1,33 @@
 #include "crossgait/apps/walk_options.h"
 
-#include "crossgait/env/gait_source.h"
-
 namespace crossgait::apps {
+namespace {
+
+void add_world(CLI::App& command, WalkConfig& config) {
+  add_robot_option(command, config.robot);
+  command
+      .add_option("--terrain", config.terrain,
+                  "The ground (see `crossgait terrain --list`), e.g. rough or stairs:rise=.01,run=.1")
+      ->type_name("NAME[:k=v,...]|FILE.png|FILE.csv")
+      ->capture_default_str();
+  command.add_option("--seed", config.terrain_seed, "Seed of a random terrain")->capture_default_str();
+  command.add_option("--physics-dt", config.physics_dt, "Physics time step, s")->capture_default_str();
+  command.add_option("--friction", config.friction, "Coefficient of friction between feet and ground")
+      ->capture_default_str();
+}
+
+std::optional<VelocityCommand> make_command(const WalkOptions& options) {
+  if (!options.velocity.empty()) {
+    const auto v = parse_numbers(options.velocity, 3, "--command", "VX,VY,YAWRATE in m/s, m/s, rad/s");
+    return VelocityCommand{v[0], v[1], v[2]};
+  }
+  return options.speed ? std::optional(VelocityCommand{*options.speed, 0, 0}) : std::nullopt;
+}
+
+}  // namespace
 
 void WalkOptions::add_to(CLI::App& command) {
+  add_world(command, config);
   command
       .add_option("--gait", gait, "The gait (see `crossgait gait --list`), or auto: the one for the speed")
       ->capture_default_str();
@@ -18,32 +41,21 @@ void WalkOptions::add_to(CLI::App& command) {
       .add_option("--command", velocity, "Walk at a velocity: forward and left in m/s, turning left in rad/s")
       ->type_name("VX,VY,YAWRATE")
       ->excludes(forward);
-  command.add_option("--seconds", timing.seconds, "Simulated time to walk, s")->capture_default_str();
-  command.add_option("--control-dt", timing.control_dt, "Time step of gait, kinematics and servo targets, s")
+  command.add_option("--seconds", config.timing.seconds, "Simulated time to walk, s")->capture_default_str();
+  command.add_option("--control-dt", config.timing.control_dt, "Time step of gait, kinematics and servo targets, s")
       ->capture_default_str();
-  command.add_option("--settle", timing.settle_seconds, "Simulated time to stand before the first step, s")
+  command.add_option("--settle", config.timing.settle_seconds, "Simulated time to stand before the first step, s")
       ->capture_default_str();
   command.add_flag(
       "--no-compensation", plain_servos,
       "Send the wanted joint angles as they are, without making up for the servos' lag and give");
 }
 
-std::optional<VelocityCommand> WalkOptions::make_command() const {
-  if (!velocity.empty()) {
-    const auto v = parse_numbers(velocity, 3, "--command", "VX,VY,YAWRATE in m/s, m/s, rad/s");
-    return VelocityCommand{v[0], v[1], v[2]};
-  }
-  return speed ? std::optional(VelocityCommand{*speed, 0, 0}) : std::nullopt;
-}
-
-WalkSetup WalkOptions::make(const RobotDescription& robot) const {
-  WalkSetup setup;
-  setup.gait = gait;
-  setup.timing = timing;
-  setup.compensation = plain_servos ? ServoCompensation::none() : ServoCompensation{};
-  const GaitChoice choice = choose_gait(gait, settings, make_command());
-  setup.make_gait = [choice, &robot] { return make_gait_source(choice, robot); };
-  return setup;
+WalkConfig WalkOptions::make() const {
+  WalkConfig made = config;
+  made.gait = choose_gait(gait, settings, make_command(*this));
+  made.compensation = !plain_servos;
+  return made;
 }
 
 }  // namespace crossgait::apps

@@ -11,6 +11,8 @@
 
 #include "crossgait/backends/registry.h"
 #include "crossgait/env/gait_source.h"
+#include "crossgait/env/time_steps.h"
+#include "crossgait/env/walk.h"
 
 namespace crossgait::benchmarks {
 namespace {
@@ -51,33 +53,31 @@ class Walk {
     WorldSpec spec = scenes::world_of(scenes::quadruped());
     spec.terrain = make_terrain(terrain);
     world_ = make_backend(backend, spec);
-    legs_ = std::make_unique<LegController>(world_->robot());
     timing_.seconds = seconds;
     timing_.settle_seconds = 0;  // an observer sees no targets of the settling
-    start_ = legs_->standing_state(source().feet(0), spec.terrain);
-    const WalkSummary summary =
-        run_walk(*world_, *legs_, source(), timing_, [this](const WalkSample& sample) {
-          targets_.push_back(sample.targets);
-          return true;
-        });
-    if (summary.diverged) throw std::runtime_error(fmt::format("the walk in {} diverged", backend));
+    start_ = source().stand(spec.terrain, {});
+    const MotionSummary summary = run_walk(*world_, source(), timing_, [this](const WalkSample& sample) {
+      targets_.push_back(sample.targets.joints);
+      return true;
+    });
+    if (summary.has(Outcome::kDiverged)) throw std::runtime_error(fmt::format("the walk in {} diverged", backend));
   }
 
   double steps() const {
-    return static_cast<double>(targets_.size()) * timing_.substeps(world_->spec().physics_dt);
+    return static_cast<double>(targets_.size()) * step_count(timing_.control_dt, world_->spec().physics_dt);
   }
   /// CPU time, s.
   double walk() {
-    const GaitSource gait = source();
+    const TargetSource gait = source();
     const double begin = thread_seconds();
-    run_walk(*world_, *legs_, gait, timing_);
+    run_walk(*world_, gait, timing_);
     const double time = thread_seconds() - begin;
     end_ = world_->state();
     return time;
   }
   /// CPU time, s. To be called after `walk`.
   double engine_alone() {
-    const int substeps = timing_.substeps(world_->spec().physics_dt);
+    const int substeps = step_count(timing_.control_dt, world_->spec().physics_dt);
     const double begin = thread_seconds();
     world_->reset(start_);
     for (const JointTargets& targets : targets_) {
@@ -91,10 +91,9 @@ class Walk {
   }
 
  private:
-  GaitSource source() const { return make_gait_source(choose_gait("trot", {}), world_->robot()); }
+  TargetSource source() const { return make_gait_source(choose_gait("trot", {}), world_->spec().robot); }
 
   std::unique_ptr<PhysicsBackend> world_;
-  std::unique_ptr<LegController> legs_;
   WalkTiming timing_;
   RobotState start_, end_;
   std::vector<JointTargets> targets_;

@@ -1,7 +1,7 @@
 # Headers, libraries, models, the program and a package configuration for find_package(crossgait).
 include(CMakePackageConfigHelpers)
 
-foreach(folder physics backends ik gait env parity benchmarks)
+foreach(folder physics backends ik gait env parity study benchmarks)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/crossgait
           FILES_MATCHING PATTERN "*.h" PATTERN "mujoco" EXCLUDE PATTERN "bullet" EXCLUDE PATTERN "programs" EXCLUDE)
 endforeach()

@@ -1,14 +1,12 @@
 // The reinforcement-learning environment: a gait whose parameters and foot targets a policy adjusts.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <span>
-#include <string>
 
-#include "crossgait/env/env_config.h"
+#include "crossgait/env/closed_loop.h"
+#include "crossgait/env/env_model.h"
 #include "crossgait/env/leg_controller.h"
-#include "crossgait/env/policy.h"
 #include "crossgait/env/random.h"
 #include "crossgait/physics/engine.h"
 
@@ -16,7 +14,7 @@ namespace crossgait {
 
 struct StepResult {
   double reward = 0;
-  bool terminated = false;  ///< fell, left the terrain, or the engine diverged
+  bool terminated = false;  ///< an outcome of EnvConfig::ends came about, or the engine diverged
   bool truncated = false;   ///< the episode's time is over
   bool done() const noexcept { return terminated || truncated; }
 };
@@ -31,27 +29,34 @@ struct StepInfo {
   double distance = 0,
          lateral = 0;  ///< of the base since the episode began, along and left of its heading then, m
   Vector3 roll_pitch_yaw = Vector3::Zero();  ///< rad, yaw since the episode began
-  double power = 0;                          ///< sum of |torque x velocity| of the servo joints, W
+  double power = 0;                          ///< of the servos (servo_power), W
   double limit_factor = 1;                   ///< share of the velocity command that the steps follow
   int ik_clamped = 0;                        ///< leg solutions of this step that were not exact
-  int invalid_actions = 0;  ///< entries of the action that were not finite and counted as zero
-  bool fell = false, left_terrain = false, diverged = false;  ///< why the episode terminated
+  int invalid_actions = 0;             ///< entries of the action that were not finite and counted as zero
+  Outcome outcome = Outcome::kWalked;  ///< the worst so far of those that are known at once
 };
 
 /// One environment: one world, one thread. The same configuration, seed and actions give the same
 /// observations bit for bit, after `reset` as after `restore`.
 class AdaptiveGaitEnv {
  public:
-  /// @throws ConfigError for a bad configuration or a world that cannot be built
+  /// Builds the world, unless the configuration randomises it; nothing moves before `reset`.
+  /// @throws ConfigError for a world that cannot be built
+  AdaptiveGaitEnv(std::shared_ptr<const EnvModel> model, Engine engine);
+  /// With a model of its own. @throws ConfigError for a bad configuration besides
   AdaptiveGaitEnv(const EnvConfig& config, Engine engine);
+  AdaptiveGaitEnv(const AdaptiveGaitEnv&) = delete;
+  AdaptiveGaitEnv& operator=(const AdaptiveGaitEnv&) = delete;
 
-  const EnvConfig& config() const noexcept { return config_; }
-  const Layout& observation_layout() const noexcept { return interface_.observation; }
-  const Layout& action_layout() const noexcept { return interface_.action; }
+  const EnvModel& model() const noexcept { return *model_; }
+  const EnvConfig& config() const noexcept { return model_->config; }
+  const Engine& engine() const noexcept { return engine_; }
+  const Layout& observation_layout() const noexcept { return interface().observation; }
+  const Layout& action_layout() const noexcept { return interface().action; }
   /// What a policy for this environment runs on.
-  const PolicyInterface& interface() const noexcept { return interface_; }
-  std::size_t observation_size() const noexcept { return interface_.observation.size(); }
-  std::size_t action_size() const noexcept { return interface_.action.size(); }
+  const PolicyInterface& interface() const noexcept { return model_->interface; }
+  std::size_t observation_size() const noexcept { return interface().observation.size(); }
+  std::size_t action_size() const noexcept { return interface().action.size(); }
 
   /// Begins an episode: draws what is randomised, settles, and writes the first observation. Builds a world
   /// anew if the configuration randomises it. @throws ConfigError for a wrong size or an impossible draw
@@ -60,21 +65,24 @@ class AdaptiveGaitEnv {
   /// One policy step. Entries of the action are clipped to [-1, 1]; what is not finite counts as zero. After
   /// the end of an episode nothing moves until `reset`: the last observation again, no reward, the same
   /// flags.
-  /// @throws ConfigError for a wrong size (before anything changes)
+  /// @throws ConfigError for a wrong size or before the first `reset` (before anything changes)
   StepResult step(std::span<const double> action, std::span<double> observation);
 
   /// Of the last step; of the start after `reset`.
   const StepInfo& info() const noexcept { return episode_.info; }
+  /// The world; before the first `reset` only where the configuration does not randomise it.
   const PhysicsBackend& backend() const noexcept { return *backend_; }
   const AdaptiveGaitController& controller() const noexcept { return episode_.controller; }
   const FootStates& feet() const noexcept { return feet_; }
-  const JointTargets& targets() const noexcept { return episode_.targets; }
+  const ControlTargets& targets() const noexcept { return episode_.loop.targets(); }
+  /// The episode so far.
+  MotionSummary summary() const { return episode_.loop.statistics().summary(*backend_); }
 
   /// Asks for another velocity from the next step on. @throws ConfigError if it is not finite
   void set_command(const VelocityCommand& command);
 
   struct Saved;
-  /// Everything that the rest of the episode depends on.
+  /// Everything that the rest of the episode depends on. @throws ConfigError before the first `reset`
   std::shared_ptr<const Saved> save() const;
   /// Continues where `saved` was, bit for bit. @throws ConfigError if it is of another configuration or
   /// engine
@@ -83,44 +91,37 @@ class AdaptiveGaitEnv {
  private:
   // What changes from step to step, beside the engine.
   struct Episode {
-    std::shared_ptr<const RobotDescription> robot;  // that `legs` was made for, also in a saved episode
     AdaptiveGaitController controller;
     LegController legs;
+    ClosedLoop loop;
+    LegArray<Vector3> standing = {};  // feet before the first step
     Random random{0};
-    JointTargets targets = {};
     VelocityCommand command = {};
     std::vector<double> action = {}, last_action = {}, parameters = {}, last_parameters = {};
-    double start_yaw = 0, standing_height = 0, next_push = 0, weight = 0;
-    Vector3 start = Vector3::Zero();
     RandomDraw draw{};
     int steps = 0;
+    bool begun = false;
     StepResult result = {};
     StepInfo info = {};
   };
 
   Episode make_episode() const;
+  TargetSource make_source();
   WorldSpec draw_world();
-  void place_robot(const LegArray<Vector3>& feet);
-  StepStatus control(double seconds) noexcept;
-  void push_if_due() noexcept;
+  Start draw_start() const;
   void take_action(std::span<const double> action) noexcept;
-  void read_parameters(std::vector<double>& out) const noexcept;
-  void finish_step(const RobotState& before, StepStatus status) noexcept;
-  void measure() noexcept;
-  double evaluate(const RobotState& before) noexcept;
-  void observe(std::span<double> observation) const noexcept;
+  void finish_step(const RobotState& before);
+  void measure();
+  double evaluate(const RobotState& before);
+  void observe(std::span<double> observation) const;
+  void require_begun(std::string_view what) const;
 
-  EnvConfig config_;
+  std::shared_ptr<const EnvModel> model_;
   Engine engine_;
-  WorldSpec nominal_;  // its robot is what the controller knows
-  std::vector<const ObservationBlock*> blocks_;
-  std::vector<int> servos_;
-  PolicyInterface interface_;
-  int substeps_, max_steps_;
-  FootKinematics foot_kinematics_;
   FootStates feet_;
   std::unique_ptr<PhysicsBackend> backend_;
   Episode episode_;
+  TargetSource source_;  // the episode's controller and legs
 };
 
 struct AdaptiveGaitEnv::Saved {

@@ -109,12 +109,26 @@ void read_tables(const YamlValue& root, EnvConfig& config) {
   }
 }
 
+void read_ends(const YamlValue& root, EnvConfig& config) {
+  const auto ends = root.find("ends");
+  if (!ends) return;
+  config.ends = OutcomeSet().add(Outcome::kDiverged);
+  for (const YamlValue& item : ends->items()) {
+    const Outcome outcome = named(item, [](const std::string& name) { return find_outcome(name); });
+    if (!outcome_rows()[static_cast<std::size_t>(outcome)].at_once)
+      item.fail("an outcome that is known the moment it happens", item.text());
+    config.ends.add(outcome);
+  }
+}
+
 EnvConfig read_config(const YamlValue& root) {
-  root.allow_keys({"backend", "robot", "terrain", "terrain_seed", "friction", "gait", "parameters", "adapt",
+  root.allow_keys({"engine", "backend", "robot", "terrain", "terrain_seed", "friction", "gait", "parameters", "adapt",
                    "residual_scale", "command", "observation", "reward", "physics_dt", "control_dt",
-                   "policy_dt", "episode_seconds", "settle_seconds", "tilt_limit_deg", "randomisation"});
+                   "policy_dt", "episode_seconds", "settle_seconds", "tilt_limit_deg", "ends",
+                   "randomisation"});
   EnvConfig config;
-  read(root, "backend", config.backend);
+  read(root, "backend", config.engine);  // its name before plug-ins
+  read(root, "engine", config.engine);
   read(root, "robot", config.robot);
   read(root, "terrain", config.terrain);
   if (const auto seed = root.find("terrain_seed")) {
@@ -130,6 +144,7 @@ EnvConfig read_config(const YamlValue& root) {
   read(root, "episode_seconds", config.episode_seconds);
   read(root, "settle_seconds", config.settle_seconds);
   read(root, "tilt_limit_deg", config.tilt_limit_deg);
+  read_ends(root, config);
   config.validate(root.source());
   return config;
 }
@@ -182,8 +197,8 @@ EnvConfig parse_env_config(const std::string& text, const std::string& source) {
 
 std::string to_yaml(const EnvConfig& c) {
   std::string out =
-      fmt::format("backend: {}\nrobot: '{}'\nterrain: '{}'\nterrain_seed: {}\nfriction: {}\ngait: {}\n",
-                  c.backend, c.robot, c.terrain, c.terrain_seed, c.friction, c.gait);
+      fmt::format("engine: {}\nrobot: '{}'\nterrain: '{}'\nterrain_seed: {}\nfriction: {}\ngait: {}\n",
+                  c.engine, c.robot, c.terrain, c.terrain_seed, c.friction, c.gait);
   write_map(out, "parameters", gait_parameters(),
             [&](const ParameterRow& row) { return fmt::format("{}", c.parameters.*row.member); });
   out += fmt::format("  swing: {}\n", name(c.parameters.swing));
@@ -202,6 +217,11 @@ std::string to_yaml(const EnvConfig& c) {
       "physics_dt: {}\ncontrol_dt: {}\npolicy_dt: {}\nepisode_seconds: {}\nsettle_seconds: "
       "{}\ntilt_limit_deg: {}\n",
       c.physics_dt, c.control_dt, c.policy_dt, c.episode_seconds, c.settle_seconds, c.tilt_limit_deg);
+  std::vector<std::string_view> ends;
+  for (const OutcomeRow& row : outcome_rows()) {
+    if (c.ends.has(row.outcome)) ends.push_back(row.name);
+  }
+  out += fmt::format("ends: [{}]\n", fmt::join(ends, ", "));
   std::string ranges;
   for (const RandomisationRow& row : randomisation_rows()) {
     const Range& range = c.randomisation[row.what];

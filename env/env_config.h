@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "crossgait/env/observation.h"
+#include "crossgait/env/outcome.h"
 #include "crossgait/env/randomisation.h"
 #include "crossgait/env/reward.h"
 #include "crossgait/gait/gait.h"
@@ -14,7 +15,7 @@ namespace crossgait {
 
 /// The initialisers are the defaults. `docs/environment.md` shows the same as YAML.
 struct EnvConfig {
-  std::string backend = "mujoco";         ///< see `crossgait backends`; used by whoever makes the engine
+  std::string engine = "mujoco";          ///< see `crossgait backends`; used by whoever makes it
   std::string robot = "scara_quadruped";  ///< a bundled robot or a file
   std::string terrain = "flat";           ///< as `make_terrain` takes it
   std::uint64_t terrain_seed = 0;
@@ -34,7 +35,8 @@ struct EnvConfig {
   double policy_dt = 2e-3;      ///< actions, observations and rewards, s; a multiple of control_dt
   double episode_seconds = 20;  ///< then an episode is truncated
   double settle_seconds = 0.5;  ///< standing before the first observation
-  double tilt_limit_deg = 60;   ///< roll or pitch beyond it ends the episode
+  double tilt_limit_deg = 60;   ///< roll or pitch beyond it is a fall
+  OutcomeSet ends = OutcomeSet::of_episodes();  ///< outcomes that end an episode; divergence always does
   Randomisation randomisation;
 
   /// @throws ConfigError naming `source` and the field

@@ -9,9 +9,6 @@
 namespace crossgait {
 namespace {
 
-constexpr double kDegrees = 180 / M_PI;
-constexpr double kMovedDistance = 1e-3;  // m, below which a cost per distance means nothing
-
 // Two streams of random numbers from one seed: the world's and the policy's.
 constexpr std::uint64_t kPolicyStream = 0x706f6c696379;  // "policy"
 
@@ -23,13 +20,25 @@ void check_interface(const Policy& policy, const AdaptiveGaitEnv& env) {
     throw ConfigError(policy.name(), "layout", "a policy for this environment", difference);
 }
 
-Evaluation::Spread spread(const std::vector<EpisodeSummary>& episodes, double EpisodeSummary::*member) {
-  const auto n = static_cast<double>(episodes.size());
-  double sum = 0, squares = 0;
-  for (const EpisodeSummary& e : episodes) sum += e.*member;
+template <typename Value>
+std::optional<MeanAndDeviation> over(const std::vector<EpisodeSummary>& episodes, const Value& value) {
+  double n = 0, sum = 0, squares = 0;
+  for (const EpisodeSummary& e : episodes) {
+    if (const std::optional<double> v = value(e)) {
+      ++n;
+      sum += *v;
+    }
+  }
+  if (n == 0) return std::nullopt;
   const double mean = sum / n;
-  for (const EpisodeSummary& e : episodes) squares += (e.*member - mean) * (e.*member - mean);
-  return {mean, n > 1 ? std::sqrt(squares / (n - 1)) : 0};
+  for (const EpisodeSummary& e : episodes) {
+    if (const std::optional<double> v = value(e)) squares += (*v - mean) * (*v - mean);
+  }
+  return MeanAndDeviation{mean, n > 1 ? std::sqrt(squares / (n - 1)) : 0};
+}
+
+MeanAndDeviation over(const std::vector<EpisodeSummary>& episodes, double MotionSummary::*member) {
+  return *over(episodes, [member](const EpisodeSummary& e) { return std::optional(e.motion.*member); });
 }
 
 }  // namespace
@@ -42,9 +51,6 @@ EpisodeSummary run_episode(AdaptiveGaitEnv& env, Policy& policy, std::uint64_t s
   std::vector<double> observation(env.observation_size()), action(env.action_size());
   env.reset(seed, observation);
   policy.reset(derived_seed(seed, kPolicyStream));
-  const double dt = env.config().policy_dt;
-  double roll2 = 0, pitch2 = 0, work = 0, path = 0;
-  Vector3 last = env.backend().state().p_WB;
   StepResult result;
   while (!result.done()) {
     policy.act(observation, action);
@@ -53,38 +59,17 @@ EpisodeSummary run_episode(AdaptiveGaitEnv& env, Policy& policy, std::uint64_t s
     ++s.steps;
     s.total_reward += result.reward;
     for (std::size_t i = 0; i < s.reward_terms.size(); ++i) s.reward_terms[i] += info.reward_terms[i];
-    roll2 += info.roll_pitch_yaw.x() * info.roll_pitch_yaw.x();
-    pitch2 += info.roll_pitch_yaw.y() * info.roll_pitch_yaw.y();
-    work += info.power * dt;
-    const Vector3& p = env.backend().state().p_WB;
-    path += (p - last).head<2>().norm();
-    last = p;
-    for (const FootContact& foot : info.contacts) s.slip_m += foot.touching ? foot.slip_speed * dt : 0;
-    s.ik_clamped += info.ik_clamped;
     s.invalid_actions += info.invalid_actions;
     if (observer && !observer(env)) break;
   }
-  const StepInfo& info = env.info();
-  const auto n = static_cast<double>(s.steps);
-  s.simulated_seconds = n * dt;
-  s.distance_m = info.distance;
-  s.lateral_m = info.lateral;
-  s.mean_speed_mps = s.distance_m / s.simulated_seconds;
-  s.rms_roll_deg = std::sqrt(roll2 / n) * kDegrees;
-  s.rms_pitch_deg = std::sqrt(pitch2 / n) * kDegrees;
-  const WorldSpec& world = env.backend().spec();
-  if (path > kMovedDistance)
-    s.cost_of_transport = work / (world.robot->total_mass() * world.gravity.norm() * path);
-  s.fell = info.fell;
-  s.left_terrain = info.left_terrain;
-  s.diverged = info.diverged;
-  s.parameters = info.parameters;
+  s.motion = env.summary();
+  s.parameters = env.info().parameters;
   return s;
 }
 
 std::vector<EpisodeSummary> evaluate_policy(const EnvFactory& make_env, const PolicyFactory& make_policy,
                                             std::size_t episodes, std::uint64_t seed, std::size_t workers,
-                                            const std::function<void(double)>& progress) {
+                                            const Progress& progress) {
   std::vector<std::unique_ptr<AdaptiveGaitEnv>> envs;
   std::vector<std::unique_ptr<Policy>> policies;
   for (std::size_t w = 0; w < std::max<std::size_t>(1, std::min(workers, episodes)); ++w) {
@@ -106,27 +91,36 @@ std::vector<EpisodeSummary> evaluate_policy(const EnvFactory& make_env, const Po
   return summaries;
 }
 
+std::size_t Evaluation::ended_early() const noexcept {
+  std::size_t sum = 0;
+  for (const OutcomeRow& row : outcome_rows()) sum += row.at_once ? count(row.outcome) : 0;
+  return sum;
+}
+
 Evaluation sum_up(const std::vector<EpisodeSummary>& episodes) {
   Evaluation all;
   all.episodes = episodes.size();
   if (episodes.empty()) return all;
-  all.total_reward = spread(episodes, &EpisodeSummary::total_reward);
-  all.speed = spread(episodes, &EpisodeSummary::mean_speed_mps);
-  all.distance = spread(episodes, &EpisodeSummary::distance_m);
-  all.rms_roll_deg = spread(episodes, &EpisodeSummary::rms_roll_deg).mean;
-  all.rms_pitch_deg = spread(episodes, &EpisodeSummary::rms_pitch_deg).mean;
-  all.slip_m = spread(episodes, &EpisodeSummary::slip_m).mean;
-  all.cost_of_transport = spread(episodes, &EpisodeSummary::cost_of_transport).mean;
+  using M = MotionSummary;
+  all.total_reward = *over(episodes, [](const EpisodeSummary& e) { return std::optional(e.total_reward); });
+  all.mean_speed_mps = over(episodes, &M::mean_speed_mps);
+  all.distance_m = over(episodes, &M::distance_m);
+  all.path_m = over(episodes, &M::path_m);
+  all.rms_roll_deg = over(episodes, &M::rms_roll_deg);
+  all.rms_pitch_deg = over(episodes, &M::rms_pitch_deg);
+  all.slip_m = over(episodes, &M::slip_m);
+  all.duty_factor =
+      *over(episodes, [](const EpisodeSummary& e) { return std::optional(e.motion.mean_duty_factor()); });
+  all.cost_of_transport = over(episodes, [](const EpisodeSummary& e) { return e.motion.cost_of_transport; });
+  all.drag = over(episodes, [](const EpisodeSummary& e) { return e.motion.drag; });
   for (const EpisodeSummary& e : episodes) {
     for (std::size_t i = 0; i < all.reward_terms.size(); ++i)
       all.reward_terms[i] += e.reward_terms[i] / static_cast<double>(episodes.size());
-    all.simulated_seconds += e.simulated_seconds;
+    all.simulated_seconds += e.motion.simulated_seconds;
     all.steps += e.steps;
-    all.ik_clamped += e.ik_clamped;
+    all.ik_clamped += e.motion.ik_clamped;
     all.invalid_actions += e.invalid_actions;
-    all.falls += e.fell ? 1 : 0;
-    all.diverged += e.diverged ? 1 : 0;
-    all.left_terrain += e.left_terrain ? 1 : 0;
+    ++all.outcomes[static_cast<std::size_t>(e.motion.outcome)];
   }
   return all;
 }

@@ -7,22 +7,17 @@
 #include <vector>
 
 #include "crossgait/env/adaptive_gait_env.h"
+#include "crossgait/env/progress.h"
 
 namespace crossgait {
 
-/// One episode. Speeds are per simulated second.
+/// One episode.
 struct EpisodeSummary {
   std::uint64_t seed = 0;
+  MotionSummary motion;
   double total_reward = 0;
-  RewardTerms reward_terms{};            ///< sums, weighted
-  double simulated_seconds = 0;          ///< s
-  double distance_m = 0, lateral_m = 0;  ///< along and left of the heading at the start
-  double mean_speed_mps = 0;             ///< distance over simulated time
-  double rms_roll_deg = 0, rms_pitch_deg = 0;
-  double slip_m = 0;             ///< path length that loaded feet slid, all four together
-  double cost_of_transport = 0;  ///< of the servo joints, over weight times path; 0 if it did not move
-  std::int64_t steps = 0, ik_clamped = 0, invalid_actions = 0;
-  bool fell = false, left_terrain = false, diverged = false;
+  RewardTerms reward_terms{};  ///< sums, weighted
+  std::int64_t steps = 0, invalid_actions = 0;
   GaitParameters parameters;  ///< at the end
 };
 
@@ -40,23 +35,29 @@ using PolicyFactory = std::function<std::unique_ptr<Policy>(const PolicyInterfac
 
 /// Episode k runs with derived_seed(seed, k) for environment and policy, so that two policies meet the same
 /// worlds; results are in that order and the same for any number of workers.
-/// @param progress  called now and then with the share of episodes done, from any worker, one at a time
 std::vector<EpisodeSummary> evaluate_policy(const EnvFactory& make_env, const PolicyFactory& make_policy,
                                             std::size_t episodes, std::uint64_t seed, std::size_t workers = 1,
-                                            const std::function<void(double)>& progress = {});
+                                            const Progress& progress = {});
+
+/// Over episodes; the deviation is that of the sample, zero for a single one.
+struct MeanAndDeviation {
+  double mean = 0, deviation = 0;
+};
 
 /// What a set of episodes comes to.
 struct Evaluation {
-  struct Spread {
-    double mean = 0, deviation = 0;  ///< deviation: of the sample, zero for a single episode
-  };
   std::size_t episodes = 0;
-  Spread total_reward, speed, distance;
-  RewardTerms reward_terms{};                                                     ///< means of the sums
-  double rms_roll_deg = 0, rms_pitch_deg = 0, slip_m = 0, cost_of_transport = 0;  ///< means
-  double simulated_seconds = 0;                                                   ///< sum
-  std::int64_t steps = 0, ik_clamped = 0, invalid_actions = 0;                    ///< sums
-  std::size_t falls = 0, diverged = 0, left_terrain = 0;                          ///< episodes
+  MeanAndDeviation total_reward, mean_speed_mps, distance_m, path_m, rms_roll_deg, rms_pitch_deg, slip_m,
+      duty_factor;
+  std::optional<MeanAndDeviation> cost_of_transport, drag;  ///< over the episodes that have one
+  RewardTerms reward_terms{};                               ///< means of the sums
+  double simulated_seconds = 0;                             ///< sum
+  std::int64_t steps = 0, ik_clamped = 0, invalid_actions = 0;  ///< sums
+  std::array<std::size_t, kOutcomes> outcomes{};                ///< episodes of each outcome
+
+  std::size_t count(Outcome outcome) const noexcept { return outcomes[static_cast<std::size_t>(outcome)]; }
+  /// Episodes that an outcome of `EnvConfig::ends` cut short, or would by default.
+  std::size_t ended_early() const noexcept;
 };
 Evaluation sum_up(const std::vector<EpisodeSummary>& episodes);
 

@@ -15,7 +15,48 @@ void require(bool accepted) {
   if (!accepted) throw ConfigError("gait", "parameters or command", "valid values", "values that are not");
 }
 
+// Targets by kinematics, and how many legs could not follow.
+void solve_legs(LegController& legs, const LegArray<Vector3>& feet, double dt, ControlTargets& out) {
+  const std::int64_t before = legs.clamped();
+  out.joints = legs.update(feet, dt);
+  out.ik_clamped = static_cast<int>(legs.clamped() - before);
+}
+
+// A gait's targets on legs. @param update advances the gait @param generator the one that moves the feet
+template <typename Update, typename Generator>
+TargetSource walk_legs(LegController legs, const std::optional<VelocityCommand>& command, Update update,
+                       Generator generator) {
+  const auto own = std::make_shared<LegController>(std::move(legs));
+  const LegArray<Vector3> standing = target_positions(update(0));
+  const auto stand = [own, standing](const Terrain& terrain, const Placement& placement) {
+    return own->standing_state(standing, terrain, placement);
+  };
+  const auto hold = [own, standing](double dt, ControlTargets& out) { solve_legs(*own, standing, dt, out); };
+  const auto advance = [own, command, update, generator](double dt, ControlTargets& out) {
+    const LegArray<FootTarget>& feet = update(dt);
+    solve_legs(*own, target_positions(feet), dt, out);
+    describe_plan(generator(), feet, command, out);
+  };
+  return {stand, hold, advance};
+}
+
 }  // namespace
+
+void describe_plan(const GaitGenerator& generator, const LegArray<FootTarget>& feet,
+                   const std::optional<VelocityCommand>& command, ControlTargets& out) noexcept {
+  out.swing.emplace();
+  for (const Leg leg : kLegs) (*out.swing)[leg] = feet[leg].swing;
+  out.parameters = generator.parameters();
+  out.limit_factor = generator.limit_factor();
+  out.velocity = command ? *command : nominal_velocity(generator);
+}
+
+VelocityCommand nominal_velocity(const GaitGenerator& generator) noexcept {
+  const GaitParameters& p = generator.parameters();
+  double stance = 0;
+  for (const Leg leg : kLegs) stance += generator.duty()[leg] * p.cycle_time / kLegCount;
+  return {p.step_length / stance, 0, 0};
+}
 
 GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings,
                        const std::optional<VelocityCommand>& command) {
@@ -49,21 +90,43 @@ LegArray<Vector3> leg_origins(const RobotDescription& robot) {
   return p_BL;
 }
 
-GaitSource make_gait_source(const GaitChoice& choice, const RobotDescription& robot) {
-  const LegArray<Vector3> p_BL = leg_origins(robot);
+TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const RobotDescription> robot,
+                              const ServoCompensation& compensation) {
+  const LegArray<Vector3> p_BL = leg_origins(*robot);
   if (!choice.gait) {
     MultiGaitOptions options;
     options.parameters = choice.parameters;
     const auto controller = std::make_shared<MultiGaitController>(options, p_BL);
     require(!choice.command || controller->set_command(*choice.command));
-    return {[controller](double dt) { return target_positions(controller->update(dt)); },
-            [controller]() -> const GaitGenerator& { return controller->generator(); }};
+    return walk_legs(
+        LegController(std::move(robot), compensation), choice.command,
+        [controller](double dt) -> const LegArray<FootTarget>& { return controller->update(dt); },
+        [controller]() -> const GaitGenerator& { return controller->generator(); });
   }
   const auto generator = std::make_shared<GaitGenerator>(*choice.gait, choice.parameters, p_BL);
   require(!choice.command || generator->set_command(*choice.command));
   generator->reset(GaitGenerator::Start::kStanding);
-  return {[generator](double dt) { return target_positions(generator->update(dt)); },
-          [generator]() -> const GaitGenerator& { return *generator; }};
+  return walk_legs(
+      LegController(std::move(robot), compensation), choice.command,
+      [generator](double dt) -> const LegArray<FootTarget>& { return generator->update(dt); },
+      [generator]() -> const GaitGenerator& { return *generator; });
+}
+
+TargetSource make_feet_source(FootTargets feet, std::shared_ptr<const RobotDescription> robot,
+                              const ServoCompensation& compensation) {
+  struct Feet {
+    FootTargets targets;
+    LegController legs;
+    LegArray<Vector3> standing;
+  };
+  const LegArray<Vector3> standing = feet(0);
+  const auto own = std::make_shared<Feet>(
+      Feet{std::move(feet), LegController(std::move(robot), compensation), standing});
+  return {[own](const Terrain& terrain, const Placement& placement) {
+            return own->legs.standing_state(own->standing, terrain, placement);
+          },
+          [own](double dt, ControlTargets& out) { solve_legs(own->legs, own->standing, dt, out); },
+          [own](double dt, ControlTargets& out) { solve_legs(own->legs, own->targets(dt), dt, out); }};
 }
 
 }  // namespace crossgait

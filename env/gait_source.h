@@ -6,7 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "crossgait/env/walk.h"
+#include "crossgait/env/leg_controller.h"
+#include "crossgait/gait/gait_generator.h"
 
 namespace crossgait {
 
@@ -31,11 +32,29 @@ GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& 
 /// The positions alone, as LegController takes them.
 LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept;
 
+/// What the gait means by its targets: swing, velocity, parameters.
+/// @param command  empty: the velocity is that of steps of step_length
+void describe_plan(const GaitGenerator& generator, const LegArray<FootTarget>& feet,
+                   const std::optional<VelocityCommand>& command, ControlTargets& out) noexcept;
+
+/// Of the body, by steps of step_length: one step per stance.
+VelocityCommand nominal_velocity(const GaitGenerator& generator) noexcept;
+
 /// Origins of the leg frames in the base frame, m. @throws ConfigError if the robot has no five-bar legs
 LegArray<Vector3> leg_origins(const RobotDescription& robot);
 
-/// Walks `choice` with the legs of `robot`, from standing. Every call makes an independent source.
+/// Walks `choice` from standing. Every call makes an independent source.
 /// @throws ConfigError if the robot has no five-bar legs
-GaitSource make_gait_source(const GaitChoice& choice, const RobotDescription& robot);
+TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const RobotDescription> robot,
+                              const ServoCompensation& compensation = {});
+
+/// Foot targets in the leg frames, m, after `dt` more seconds. Asked with dt = 0 before the first step, it
+/// says where the feet stand.
+using FootTargets = std::function<LegArray<Vector3>(double dt)>;
+
+/// Feet from anywhere else: recorded, computed, commanded. Nothing is known of what they mean, so that
+/// statistics of swing and progress stay empty. @throws ConfigError if the robot has no five-bar legs
+TargetSource make_feet_source(FootTargets feet, std::shared_ptr<const RobotDescription> robot,
+                              const ServoCompensation& compensation = {});
 
 }  // namespace crossgait

@@ -28,12 +28,13 @@ double ground_below(const Terrain& terrain, double x, double y, double radius) {
 
 }  // namespace
 
-LegController::LegController(const RobotDescription& robot, const ServoCompensation& compensation,
-                             WorkingMode mode)
-    : robot_(&robot),
+LegController::LegController(std::shared_ptr<const RobotDescription> description,
+                             const ServoCompensation& compensation, WorkingMode mode)
+    : robot_(std::move(description)),
       compensation_(compensation),
-      weight_(robot.total_mass() * -WorldSpec{}.gravity.z()),
+      weight_(robot_->total_mass() * -WorldSpec{}.gravity.z()),
       mode_(mode) {
+  const RobotDescription& robot = *robot_;
   if (!robot.legs) throw ConfigError(robot.source, "legs", "four five-bar legs", "a robot without legs");
   const std::vector<int> actuated = robot.actuated_joints();
   for (const Leg leg : kLegs) {

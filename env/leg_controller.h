@@ -4,8 +4,10 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 
 #include "crossgait/env/servo_compensation.h"
+#include "crossgait/env/target_source.h"
 #include "crossgait/physics/robot.h"
 #include "crossgait/physics/state.h"
 #include "crossgait/physics/terrain.h"
@@ -15,9 +17,9 @@ namespace crossgait {
 /// Solves all four legs at once. Constructing one reads the geometry of the robot; updates allocate nothing.
 class LegController {
  public:
-  /// The robot must outlive the controller.
   /// @throws ConfigError if the robot has no legs or they are not five-bars
-  explicit LegController(const RobotDescription& robot, const ServoCompensation& compensation = {},
+  explicit LegController(std::shared_ptr<const RobotDescription> robot,
+                         const ServoCompensation& compensation = {},
                          WorkingMode mode = kDefaultMode);
 
   /// @param feet targets in each leg's frame (x forward, y left, z down), m
@@ -28,10 +30,6 @@ class LegController {
   /// Forgets the last update, so that the next one starts from rest, and the count of clamped solutions.
   void restart() noexcept;
 
-  /// Where a robot is put down: over (x, y) in W, m, turned by the angles, rad.
-  struct Placement {
-    double x = 0, y = 0, roll = 0, pitch = 0, yaw = 0;
-  };
   /// The robot at rest with its feet where `feet` says (in the leg frames) and just clear of `terrain`.
   /// @throws ConfigError if a foot is out of reach
   RobotState standing_state(const LegArray<Vector3>& feet, const Terrain& terrain,
@@ -59,7 +57,7 @@ class LegController {
   Vector3 torque(Leg leg, const Vector3& position, const LegAngles& angles, double load,
                  double dt) const noexcept;
 
-  const RobotDescription* robot_;
+  std::shared_ptr<const RobotDescription> robot_;
   ServoCompensation compensation_;
   double weight_;  // of the robot on Earth, N
   WorkingMode mode_;

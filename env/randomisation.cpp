@@ -33,7 +33,8 @@ constexpr std::array kRows{
                      0, 1e9},
     RandomisationRow{kPushImpulse, "push_impulse", "N s", "sideways push on the trunk, from any direction", 0,
                      0, 10},
-    RandomisationRow{kPushInterval, "push_interval", "s", "time between two pushes", 0, 0.01, 1e6},
+    RandomisationRow{kPushInterval, "push_interval", "s", "time to the first push and between two", 0, 0, 1e6},
+    RandomisationRow{kPushCount, "push_count", "-", "pushes at most, whole numbers; 0 for no limit", 0, 0, 1e6},
 };
 static_assert(kRows.size() == kRandomisations);
 
@@ -99,6 +100,10 @@ RandomDraw draw(const Randomisation& randomisation, Random& random) noexcept {
                            : range.min + (range.max - range.min) * u;
   }
   return result;
+}
+
+Placement placement_of(const RandomDraw& draw) noexcept {
+  return {draw[kStartX], draw[kStartY], draw[kStartRoll], draw[kStartPitch], draw[kStartYaw]};
 }
 
 WorldSpec randomised_world(const WorldSpec& nominal, const Randomisation& randomisation,

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "crossgait/env/random.h"
+#include "crossgait/env/target_source.h"
 #include "crossgait/physics/world_spec.h"
 
 namespace crossgait {
@@ -34,6 +35,7 @@ enum class Randomised : std::size_t {
   kTerrainSeed,
   kPushImpulse,
   kPushInterval,
+  kPushCount,
 };
 
 /// One row of the table.
@@ -49,7 +51,7 @@ std::span<const RandomisationRow> randomisation_rows();
 /// @throws ConfigError listing the known names
 const RandomisationRow& find_randomisation(std::string_view name);
 
-inline constexpr std::size_t kRandomisations = 15;
+inline constexpr std::size_t kRandomisations = 16;
 
 /// A range per row; the neutral ones draw nothing.
 struct Randomisation {
@@ -74,6 +76,9 @@ struct RandomDraw {
 
 /// Draws every row, also the neutral ones, so that turning one on leaves the others' values as they were.
 RandomDraw draw(const Randomisation& randomisation, Random& random) noexcept;
+
+/// Where the draw puts the robot down.
+Placement placement_of(const RandomDraw& draw) noexcept;
 
 /// `nominal` with the draw's friction, masses and servos. Masses scale with their inertias; each body but the
 /// trunk draws its own factor. The terrain is the caller's: it comes from a text and a seed.

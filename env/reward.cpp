@@ -39,12 +39,6 @@ double joint_acceleration(const Record& r) {
   return sum;
 }
 
-double power(const Record& r) {
-  double sum = 0;
-  for (const int i : r.servos) sum += std::abs(r.torques[i] * r.after.qd[i]);
-  return sum;
-}
-
 double foot_slip(const Record& r) {
   double sum = 0;
   for (const FootContact& foot : r.contacts) sum += foot.touching ? square(foot.slip_speed) : 0;
@@ -87,8 +81,8 @@ constexpr std::array kTerms{
     RewardTerm{"height", "m^2", "squared difference from the standing height over the ground", 0,
                [](const Record& r) { return square(r.height - r.standing_height); }},
     RewardTerm{"alive", "-", "one for every step", 0, [](const Record&) { return 1.0; }},
-    RewardTerm{"fall", "-", "one for the step that ends an episode by a fall", 0,
-               [](const Record& r) { return r.fell ? 1.0 : 0.0; }},
+    RewardTerm{"fall", "-", "one for the step that ends an episode by a fall or another failure", 0,
+               [](const Record& r) { return r.failed ? 1.0 : 0.0; }},
     RewardTerm{"action_rate", "-", "sum of squared changes of the action", 0,
                [](const Record& r) { return squared_difference(r.action, r.last_action); }},
     RewardTerm{"action_size", "-", "sum of squares of the action", 0,
@@ -104,11 +98,12 @@ constexpr std::array kTerms{
                  for (const int i : r.servos) sum += square(r.torques[i]);
                  return sum;
                }},
-    RewardTerm{"power", "W", "sum of |torque x velocity| of the same", 0, power},
+    RewardTerm{"power", "W", "sum of |servo torque x joint velocity|", 0,
+               [](const Record& r) { return r.power; }},
     RewardTerm{"cost_of_transport", "-", "that power over weight times horizontal speed (at least .02 m/s)",
                0,
                [](const Record& r) {
-                 return power(r) / (r.weight * std::max(r.after.v_WB.head<2>().norm(), kLeastSpeed));
+                 return r.power / (r.weight * std::max(r.after.v_WB.head<2>().norm(), kLeastSpeed));
                }},
 };
 static_assert(kTerms.size() == kRewardTerms);

@@ -10,7 +10,6 @@
 
 #include "crossgait/gait/velocity_command.h"
 #include "crossgait/physics/math.h"
-#include "crossgait/physics/robot.h"
 #include "crossgait/physics/state.h"
 
 namespace crossgait {
@@ -19,7 +18,6 @@ namespace crossgait {
 /// Vectors are those of the environment; references are valid during the call alone.
 struct StepRecord {
   double dt;  ///< of the policy step, s
-  const RobotDescription& robot;
   const RobotState& before;
   const RobotState& after;
   const JointVector& torques;  ///< of all joints in the last physics step (servo minus damping), N m
@@ -35,7 +33,8 @@ struct StepRecord {
   std::span<const double> parameters, last_parameters;  ///< that adapt, in their units
   std::span<const int> servos;                          ///< indices of the actuated joints
   double weight;                                        ///< of the robot, N
-  bool fell;  ///< the episode ended because the robot tilted or left the ground
+  double power;  ///< of the servos at the end of the step (servo_power), W
+  bool failed;   ///< the episode ended by an outcome: a fall, divergence, ... (EnvConfig::ends)
 };
 
 /// One row of the table. The reward is the sum of weight times value.

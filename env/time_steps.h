@@ -2,6 +2,11 @@
 #pragma once
 
 #include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "crossgait/physics/error.h"
 
 namespace crossgait {
 
@@ -14,6 +19,15 @@ inline int step_count(double longer, double shorter) noexcept {
 inline bool is_whole_multiple(double longer, double shorter) noexcept {
   const double ratio = longer / shorter;
   return std::isfinite(ratio) && ratio > 0.5 && std::abs(ratio - std::round(ratio)) < 1e-9 * ratio;
+}
+
+/// How many steps of `shorter` make `longer`. @throws ConfigError naming `element` unless it is a whole number
+inline int whole_steps(std::string_view element, double longer, double shorter) {
+  if (!is_whole_multiple(longer, shorter)) {
+    throw ConfigError("timing", element, fmt::format("a whole multiple of {:g} s", shorter),
+                      fmt::format("{:g} s", longer));
+  }
+  return step_count(longer, shorter);
 }
 
 }  // namespace crossgait

@@ -21,8 +21,9 @@ VectorEnv::VectorEnv(const EnvConfig& config, const Engine& engine, const Vector
       environments_(at_least_one("environments", options.environments)),
       slots_(options.environments),
       pool_(at_least_one("workers", options.workers)) {
+  const auto model = EnvModel::make(config);
   pool_.run(size(), [&](std::size_t i) {
-    environments_[i] = std::make_unique<AdaptiveGaitEnv>(config, engine);
+    environments_[i] = std::make_unique<AdaptiveGaitEnv>(model, engine);
   });
 }
 
@@ -69,7 +70,7 @@ void VectorEnv::step_one(std::size_t i, std::span<const double> actions, const V
   out.terminated[i] = result.terminated ? 1 : 0;
   out.truncated[i] = result.truncated ? 1 : 0;
   if (!result.done()) return;
-  slot.diverged += environments_[i]->info().diverged ? 1 : 0;
+  slot.diverged += environments_[i]->info().outcome == Outcome::kDiverged ? 1 : 0;
   slot.ended = true;
   if (auto_reset_ == AutoReset::kNextStep) return;
   if (!out.final_observations.empty())

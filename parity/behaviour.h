@@ -17,7 +17,7 @@ struct Statistic {
   /// A difference that nobody would act on, whichever is larger: a share of the statistic's size, or a fixed
   /// amount in its unit.
   double relative_floor = 0, absolute_floor = 0;
-  bool counts_failures = false;  ///< 1 for a run that fell or diverged, else 0
+  bool counts_failures = false;  ///< 1 for a run that failed (MotionSummary::failed), else 0
 };
 
 /// One way of setting up the same world that a user chooses without meaning anything by it.
@@ -34,14 +34,17 @@ struct Variation {
 /// a hundred times tighter with twice as many.
 const std::vector<Variation>& variations();
 
-/// How far apart starts lie. Each start draws uniformly from the ranges, the same in every engine.
-struct StartSpread {
+/// How far apart the starts of a verdict lie. Each start draws uniformly, the same in every engine.
+struct StartRanges {
   double position_m = 0.1;   ///< each way along x and y
   double heading_rad = 0.2;  ///< each way
   double tilt_rad = 0.02;    ///< roll and pitch, each way
   /// One sideways push of the trunk in the first second, from any direction: the speed it would give to the
   /// whole robot.
   double push_mps = 0.02;
+
+  /// The same as ranges of an environment. Rows of `base` that are on stay as they are.
+  Randomisation over(Randomisation base, const RobotDescription& robot) const;
 };
 
 /// A behaviour can be run in any engine, from any of infinitely many starts, under any variation. `run` may
@@ -67,11 +70,11 @@ using TerrainOfStart = std::function<Terrain(std::size_t start)>;
 
 /// A gait, walked by `run_walk`. @param world whose terrain is replaced by `terrain`'s
 Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const TerrainOfStart& terrain,
-                         const StartSpread& spread = {}, std::uint64_t seed = 0);
+                         const StartRanges& ranges = {}, std::uint64_t seed = 0);
 
-/// A policy in its environment. Ranges of `config.randomisation` that are off are filled in from `spread`
-/// (position, heading, tilt) and with a random phase of the gait; those that are on stay as they are.
+/// A policy in its environment, from starts of the same ranges; those that `config.randomisation` has on stay
+/// as they are.
 Behaviour policy_behaviour(EnvConfig config, PolicyFactory policy, const std::string& name,
-                           const StartSpread& spread = {}, std::uint64_t seed = 0);
+                           const StartRanges& ranges = {}, std::uint64_t seed = 0);
 
 }  // namespace crossgait

@@ -4,12 +4,12 @@ namespace crossgait {
 
 WalkRun record_walk(PhysicsBackend& backend, const WalkSetup& setup, const Progress& progress) {
   WalkRun run{backend.info(), backend.spec().terrain.name(), setup.gait, {}, {}};
-  LegController legs(backend.robot(), setup.compensation);
-  (void)setup.timing.substeps(backend.spec().physics_dt);  // throws for timing that cannot be
+  setup.timing.validate(backend.spec().physics_dt);
   const auto steps = static_cast<std::size_t>(setup.timing.control_steps());
   run.trace.reserve(steps);
-  run.summary = run_walk(backend, legs, setup.make_gait(), setup.timing, [&](const WalkSample& sample) {
-    run.trace.emplace_back(sample);
+  const TargetSource source = setup.make_source(backend.spec().robot);
+  run.summary = run_walk(backend, source, setup.timing, [&](const WalkSample& sample) {
+    run.trace.emplace_back(sample.world, sample.targets);
     constexpr std::size_t kStepsPerReport = 100;
     if (progress && run.trace.size() % kStepsPerReport == 0) {
       progress(static_cast<double>(run.trace.size()) / static_cast<double>(steps));

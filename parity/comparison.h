@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "crossgait/env/progress.h"
+#include "crossgait/env/walk.h"
 #include "crossgait/parity/divergence.h"
 
 namespace crossgait {
@@ -14,7 +16,7 @@ namespace crossgait {
 struct WalkRun {
   EngineInfo engine;
   std::string terrain, gait;
-  WalkSummary summary;
+  MotionSummary summary;
   Trace trace;
 };
 
@@ -23,16 +25,11 @@ struct Comparison {
   std::vector<PairDifference> pairs;  ///< every two runs, in order
 };
 
-/// Makes a fresh gait for each engine: state must not leak from one run into the next.
-using GaitFactory = std::function<GaitSource()>;
-/// Called now and then with the share of all work done, in [0, 1].
-using Progress = std::function<void(double share)>;
-
 /// The controller's side of a walk, the same for every engine.
 struct WalkSetup {
   std::string gait;  ///< its name, for reports
-  GaitFactory make_gait;
-  ServoCompensation compensation;
+  /// Makes a fresh source for each run: state must not leak from one into the next.
+  std::function<TargetSource(std::shared_ptr<const RobotDescription> robot)> make_source;
   WalkTiming timing;
 };
 

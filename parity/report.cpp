@@ -37,40 +37,35 @@ ordered_json to_json(const PairDifference& pair) {
 // One line of the statistics table.
 struct Row {
   const char* label;
-  std::function<std::string(const WalkSummary&)> value;
+  std::function<std::string(const MotionSummary&)> value;
 };
 
-std::string mean_duty(const WalkSummary& s) {
-  double sum = 0;
-  for (const Leg leg : kLegs) sum += s.duty_factor[leg];
-  return fmt::format("{:.3f}", sum / kLegCount);
-}
-
-std::string outcome(const WalkSummary& s) {
-  if (s.diverged) return "diverged";
-  return s.fell ? fmt::format("fell at {:.2f} s", *s.fell_at_s) : "walked";
+std::string optional(const std::optional<double>& value) {
+  return value ? fmt::format("{:.3f}", *value) : "-";
 }
 
 const std::vector<Row>& rows() {
   static const std::vector<Row> kRows{
-      {"outcome", outcome},
-      {"simulated time, s", [](const WalkSummary& s) { return fmt::format("{:.2f}", s.simulated_seconds); }},
-      {"distance, m", [](const WalkSummary& s) { return fmt::format("{:.4f}", s.distance_m); }},
-      {"drift to the left, m", [](const WalkSummary& s) { return fmt::format("{:.4f}", s.lateral_m); }},
-      {"mean speed, m/s", [](const WalkSummary& s) { return fmt::format("{:.4f}", s.mean_speed_mps); }},
-      {"RMS roll, deg", [](const WalkSummary& s) { return fmt::format("{:.3f}", s.rms_roll_deg); }},
-      {"RMS pitch, deg", [](const WalkSummary& s) { return fmt::format("{:.3f}", s.rms_pitch_deg); }},
-      {"duty factor, mean of legs", mean_duty},
-      {"slip of loaded feet, m", [](const WalkSummary& s) { return fmt::format("{:.4f}", s.slip_m); }},
+      {"outcome", outcome_in_words},
+      {"simulated time, s", [](const MotionSummary& s) { return fmt::format("{:.2f}", s.simulated_seconds); }},
+      {"distance, m", [](const MotionSummary& s) { return fmt::format("{:.4f}", s.distance_m); }},
+      {"drift to the left, m", [](const MotionSummary& s) { return fmt::format("{:.4f}", s.lateral_m); }},
+      {"mean speed, m/s", [](const MotionSummary& s) { return fmt::format("{:.4f}", s.mean_speed_mps); }},
+      {"RMS roll, deg", [](const MotionSummary& s) { return fmt::format("{:.3f}", s.rms_roll_deg); }},
+      {"RMS pitch, deg", [](const MotionSummary& s) { return fmt::format("{:.3f}", s.rms_pitch_deg); }},
+      {"duty factor, mean of legs",
+       [](const MotionSummary& s) { return fmt::format("{:.3f}", s.mean_duty_factor()); }},
+      {"drag, share of swing", [](const MotionSummary& s) { return optional(s.drag); }},
+      {"slip of loaded feet, m", [](const MotionSummary& s) { return fmt::format("{:.4f}", s.slip_m); }},
       {"largest penetration, mm",
-       [](const WalkSummary& s) { return fmt::format("{:.3f}", 1e3 * s.max_penetration_m); }},
+       [](const MotionSummary& s) { return fmt::format("{:.3f}", 1e3 * s.max_penetration_m); }},
       {"largest loop gap, mm",
-       [](const WalkSummary& s) { return fmt::format("{:.3f}", 1e3 * s.max_loop_gap_m); }},
-      {"cost of transport", [](const WalkSummary& s) { return fmt::format("{:.3f}", s.cost_of_transport); }},
-      {"IK targets clamped", [](const WalkSummary& s) { return fmt::format("{}", s.ik_clamped); }},
+       [](const MotionSummary& s) { return fmt::format("{:.3f}", 1e3 * s.max_loop_gap_m); }},
+      {"cost of transport", [](const MotionSummary& s) { return optional(s.cost_of_transport); }},
+      {"IK targets clamped", [](const MotionSummary& s) { return fmt::format("{}", s.ik_clamped); }},
       {"share of command followed",
-       [](const WalkSummary& s) { return fmt::format("{:.3f}", s.limit_factor); }},
-      {"wall time, s", [](const WalkSummary& s) { return fmt::format("{:.2f}", s.wall_seconds); }},
+       [](const MotionSummary& s) { return fmt::format("{:.3f}", s.limit_factor); }},
+      {"wall time, s", [](const MotionSummary& s) { return fmt::format("{:.2f}", s.wall_seconds); }},
   };
   return kRows;
 }
@@ -108,34 +103,53 @@ std::string sentence(const Comparison& comparison, const PairDifference& pair) {
 
 }  // namespace
 
+std::string outcome_in_words(const MotionSummary& m) {
+  const OutcomeRow& row = outcome_rows()[static_cast<std::size_t>(m.outcome)];
+  const std::optional<double>& at = m.first_at_s[static_cast<std::size_t>(m.outcome)];
+  return at ? fmt::format("{} at {:.2f} s", row.words, *at) : std::string(row.words);
+}
+
+nlohmann::ordered_json to_json(const MotionSummary& m) {
+  const Vector3& p = m.final_position_m;
+  const auto at = [&m](Outcome which) { return m.first_at_s[static_cast<std::size_t>(which)]; };
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? ordered_json(*value) : ordered_json(nullptr);
+  };
+  return {{"outcome", name(m.outcome)},
+          {"outcome_at_s", or_null(at(m.outcome))},
+          {"simulated_seconds", m.simulated_seconds},
+          {"distance_m", m.distance_m},
+          {"lateral_m", m.lateral_m},
+          {"path_m", m.path_m},
+          {"yaw_rad", m.yaw_rad},
+          {"fell", m.has(Outcome::kFell)},
+          {"fell_at_s", or_null(at(Outcome::kFell))},
+          {"collapsed", m.has(Outcome::kCollapsed)},
+          {"left_terrain", m.has(Outcome::kLeftTerrain)},
+          {"came_apart", m.has(Outcome::kCameApart)},
+          {"diverged", m.has(Outcome::kDiverged)},
+          {"mean_speed_mps", m.mean_speed_mps},
+          {"final_position_m", {p.x(), p.y(), p.z()}},
+          {"rms_roll_deg", m.rms_roll_deg},
+          {"rms_pitch_deg", m.rms_pitch_deg},
+          {"duty_factor", per_leg(m.duty_factor)},
+          {"drag", or_null(m.drag)},
+          {"slip_m", m.slip_m},
+          {"cost_of_transport", or_null(m.cost_of_transport)},
+          {"ik_clamped", m.ik_clamped},
+          {"limit_factor", m.limit_factor},
+          {"max_penetration_m", m.max_penetration_m},
+          {"max_loop_gap_m", m.max_loop_gap_m},
+          {"physics_steps", m.physics_steps}};
+}
+
 nlohmann::ordered_json to_json(const WalkRun& run) {
-  const WalkSummary& s = run.summary;
-  const Vector3& p = s.final_position_m;
   ordered_json result{{"backend", run.engine.name},
                       {"engine", run.engine.engine + " " + run.engine.version},
                       {"terrain", run.terrain},
-                      {"gait", run.gait},
-                      {"simulated_seconds", s.simulated_seconds},
-                      {"distance_m", s.distance_m},
-                      {"lateral_m", s.lateral_m},
-                      {"yaw_rad", s.yaw_rad},
-                      {"fell", s.fell},
-                      {"fell_at_s", nullptr},
-                      {"mean_speed_mps", s.mean_speed_mps},
-                      {"final_position_m", {p.x(), p.y(), p.z()}},
-                      {"rms_roll_deg", s.rms_roll_deg},
-                      {"rms_pitch_deg", s.rms_pitch_deg},
-                      {"duty_factor", per_leg(s.duty_factor)},
-                      {"slip_m", s.slip_m},
-                      {"cost_of_transport", s.cost_of_transport},
-                      {"ik_clamped", s.ik_clamped},
-                      {"limit_factor", s.limit_factor},
-                      {"diverged", s.diverged},
-                      {"max_penetration_m", s.max_penetration_m},
-                      {"max_loop_gap_m", s.max_loop_gap_m},
-                      {"wall_seconds", s.wall_seconds},
-                      {"physics_steps", s.physics_steps}};
-  if (s.fell_at_s) result["fell_at_s"] = *s.fell_at_s;
+                      {"gait", run.gait}};
+  result.update(to_json(run.summary));
+  result["wall_seconds"] = run.summary.wall_seconds;
   return result;
 }
 

@@ -24,11 +24,12 @@ std::string header(const RobotDescription& robot, bool parameters) {
 
 }  // namespace
 
-TraceSample::TraceSample(const WalkSample& sample) : state(sample.state), targets(sample.targets) {
-  if (sample.parameters != nullptr) parameters = *sample.parameters;
+TraceSample::TraceSample(const PhysicsBackend& world, const ControlTargets& control)
+    : state(world.state()), targets(control.joints), parameters(control.parameters) {
+  const LegArray<FootContact> feet = world.foot_contacts();
   for (const Leg leg : kLegs) {
-    contact[leg] = sample.feet[leg].touching;
-    load[leg] = sample.feet[leg].force.norm();
+    contact[leg] = feet[leg].touching;
+    load[leg] = feet[leg].force.norm();
   }
 }
 

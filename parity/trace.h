@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/env/walk.h"
+#include "crossgait/env/target_source.h"
+#include "crossgait/physics/physics_backend.h"
 
 namespace crossgait {
 
@@ -19,7 +20,7 @@ struct TraceSample {
 
   std::optional<GaitParameters> parameters;  ///< of the gait, where there is one
 
-  explicit TraceSample(const WalkSample& sample);
+  TraceSample(const PhysicsBackend& world, const ControlTargets& control);
 };
 
 using Trace = std::vector<TraceSample>;

@@ -18,7 +18,7 @@ struct Folder {
 };
 
 const std::vector<std::string_view> kEverything{"physics", "backends", "ik",   "gait",  "env",
-                                                "parity",  "apps",     "tests", "benchmarks"};
+                                                "parity",  "study",    "apps", "tests", "benchmarks"};
 
 /// Programs that measure speed stand beside what they measure and may use what tests do.
 constexpr std::string_view kPrograms = "benchmarks/programs";
@@ -33,6 +33,7 @@ const std::vector<Folder>& folders() {
       {"parity", {"physics", "ik", "gait", "env"}, true},
       {"apps", kEverything, true},
       {"tests", kEverything, true},
+      {"study", {"physics", "backends", "ik", "gait", "env", "parity"}, true},
       {"benchmarks", {"physics", "backends", "ik", "gait", "env", "parity"}, true},
       {kPrograms, kEverything, true},
   };

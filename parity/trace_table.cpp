@@ -1,11 +1,11 @@
-#include "crossgait/apps/trace_table.h"
+#include "crossgait/parity/trace_table.h"
 
 #include <fmt/format.h>
 
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/text.h"
 
-namespace crossgait::apps {
+namespace crossgait {
 namespace {
 
 /// Takes what stands before the next `separator` off `text`.
@@ -88,4 +88,4 @@ const std::vector<double>& TraceTable::column(std::string_view name) const {
   return values_[it->second];
 }
 
-}  // namespace crossgait::apps
+}  // namespace crossgait

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace crossgait::apps {
+namespace crossgait {
 
 class TraceTable {
  public:
@@ -33,4 +33,4 @@ class TraceTable {
   std::map<std::string, std::size_t, std::less<>> index_;
 };
 
-}  // namespace crossgait::apps
+}  // namespace crossgait

@@ -1,0 +1,31 @@
+// What every environment of one configuration shares: read and built once, never changed.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "crossgait/env/env_config.h"
+#include "crossgait/env/foot_states.h"
+#include "crossgait/env/policy.h"
+
+namespace crossgait {
+
+struct EnvModel {
+  EnvConfig config;
+  WorldSpec world;  ///< nominal; its robot is what the controller knows
+  PolicyInterface interface;
+  std::vector<const ObservationBlock*> blocks;  ///< of the observation
+  std::vector<int> servos;                      ///< indices of the actuated joints
+  FootKinematics foot_kinematics;
+  std::string layout;   ///< hash of the interface
+  int policy_steps = 1; ///< control steps in a policy step
+  int max_steps = 0;    ///< policy steps in an episode
+
+  /// Reads robot and terrain. @throws ConfigError for a bad configuration
+  static std::shared_ptr<const EnvModel> make(const EnvConfig& config);
+
+  /// A controller as it is before an episode.
+  AdaptiveGaitController make_controller() const;
+};
+
+}  // namespace crossgait

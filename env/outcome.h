@@ -1,0 +1,75 @@
+// How a motion ended, or went on: what every walk, episode and verdict calls by the same name.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace crossgait {
+
+/// From worst to best. Where several hold, the first of this list is the outcome.
+enum class Outcome : std::uint8_t {
+  kDiverged,     ///< the engine produced a state that is none
+  kCameApart,    ///< a loop of the mechanism opened: the numbers no longer describe the machine
+  kFell,         ///< roll or pitch beyond a limit
+  kCollapsed,    ///< down: a body other than a foot carried the weight, or the base hung low, for a while
+  kLeftTerrain,  ///< the base left the height field
+  kSlid,         ///< moved, but by sliding feet rather than by steps
+  kNoProgress,   ///< made next to nothing of the way or the turn that was asked for
+  kWalked,       ///< none of the above
+};
+inline constexpr std::size_t kOutcomes = 8;
+
+/// One row of the table of outcomes.
+struct OutcomeRow {
+  Outcome outcome;
+  std::string_view name;   ///< in JSON and YAML: "came_apart"
+  std::string_view words;  ///< in tables: "came apart"
+  bool at_once;            ///< known the moment it happens, and may end a motion; the others at its end alone
+};
+
+/// The table, in the order of the enumeration.
+std::span<const OutcomeRow> outcome_rows();
+std::string_view name(Outcome outcome) noexcept;
+/// @throws ConfigError listing the known names
+Outcome find_outcome(std::string_view name);
+
+/// Some of the outcomes.
+struct OutcomeSet {
+  std::array<bool, kOutcomes> in{};
+
+  bool has(Outcome outcome) const noexcept { return in[static_cast<std::size_t>(outcome)]; }
+  OutcomeSet& add(Outcome outcome) noexcept {
+    in[static_cast<std::size_t>(outcome)] = true;
+    return *this;
+  }
+  bool operator==(const OutcomeSet&) const = default;
+
+  /// What ends a walk: divergence alone, so that a fall is on its trace.
+  static OutcomeSet of_walks() noexcept { return OutcomeSet().add(Outcome::kDiverged); }
+  /// What ends an episode: everything after which walking on means nothing.
+  static OutcomeSet of_episodes() noexcept;
+};
+
+/// When an outcome holds. Lengths are in leg lengths, which are RobotDescription::home_height: the height of
+/// the base in the home pose.
+struct OutcomeLimits {
+  double tilt_deg = 60;         ///< fell: |roll| or |pitch| beyond this, degrees
+  double low_height = 0.5;      ///< collapsed: base below this share of the height it was put down at ...
+  double other_load = 0.5;      ///< ... or bodies other than feet carry more than this share of the weight ...
+  double low_seconds = 0.5;     ///< ... for this long without a break, s
+  double load_smoothing = 0.1;  ///< time constant of that load, s: contact forces come in blows
+  double loop_gap = 0.05;       ///< came apart: a loop opens beyond this, leg lengths
+  double slip = 0.75;      ///< slid: mean way a loaded foot slid, over the way of the base, beyond this ...
+  double slip_path = 1;    ///< ... if the base went further than this, leg lengths
+  double progress = 0.2;   ///< no progress: less than this share of the way (or turn) that was asked for ...
+  double asked_path = 1;   ///< ... if that was longer than this, leg lengths ...
+  double asked_turn = 0.5; ///< ... or, short of that, a turn beyond this, rad
+
+  /// @throws ConfigError naming `source` and the limit
+  void validate(std::string_view source) const;
+};
+
+}  // namespace crossgait

@@ -1,0 +1,70 @@
+#include "crossgait/study/judgement.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/parity/verdict_report.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/study/run_store.h"
+#include "crossgait/study/schema.h"
+
+namespace crossgait {
+
+EngineFamily find_family(const Engine& a, const Engine& b) {
+  for (const EngineFamily& family : engine_families()) {
+    const Laws from = find_engine(family.from).info.laws, to = find_engine(family.to).info.laws;
+    if ((a.info.laws == from && b.info.laws == to) || (b.info.laws == from && a.info.laws == to))
+      return family;
+  }
+  throw ConfigError("verdict", "explain", "two engines with known differences (mujoco and bullet)",
+                    fmt::format("{} and {}", a.name(), b.name()));
+}
+
+WorldSpec world_of(const BehaviourSpec& spec) {
+  if (const auto* walk = std::get_if<WalkConfig>(&spec.what)) return walk->world();
+  return EnvModel::make(std::get<PolicyConfig>(spec.what).environment)->world;
+}
+
+Judgement judge_behaviour(const BehaviourSpec& spec, const std::string& a, const std::string& b,
+                          const JudgementOptions& options, const StageProgress& progress) {
+  options.verdict.validate();
+  const Engine engine_a = find_engine(a), engine_b = find_engine(b);
+  std::optional<EngineFamily> family;
+  if (options.explain) family = find_family(engine_a, engine_b);
+  std::optional<RunStore> store;
+  if (!options.stored_runs.empty()) store.emplace(options.stored_runs);
+  Behaviour behaviour = make_behaviour(spec);
+  if (store) behaviour = with_store(std::move(behaviour), spec, *store);
+  const auto stage = [&progress](const char* name) {
+    return progress ? Progress([&progress, name](double share) { progress(name, share); }) : Progress();
+  };
+
+  Judgement result;
+  const WorldSpec world = world_of(spec);
+  const auto world_a = engine_a.make(world), world_b = engine_b.make(world);
+  result.models = audit_models(*world_a, *world_b);
+  result.verdict = reach_verdict(behaviour, engine_a, engine_b, options.verdict, stage("judging"));
+  if (family) {
+    const VerdictOptions& how = options.verdict;
+    result.attribution =
+        attribute(behaviour, *family, {how.starts, how.confidence, how.workers}, stage("explaining"));
+  }
+  return result;
+}
+
+nlohmann::ordered_json to_json(const Judgement& judgement) {
+  nlohmann::ordered_json json = with_schema("verdict", to_json(judgement.verdict));
+  json["models"] = to_json(judgement.models);
+  if (judgement.attribution) json["attribution"] = to_json(*judgement.attribution);
+  return json;
+}
+
+std::string describe(const Judgement& judgement) {
+  std::string text =
+      fmt::format("{}\nModels: {}.\n", describe(judgement.verdict), describe(judgement.models));
+  if (judgement.attribution) text += fmt::format("\n{}", describe(*judgement.attribution));
+  return text;
+}
+
+}  // namespace crossgait

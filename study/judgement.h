@@ -1,0 +1,48 @@
+// A verdict with all that belongs to it, as one call.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "crossgait/parity/attribution.h"
+#include "crossgait/parity/model_audit.h"
+#include "crossgait/parity/verdict.h"
+#include "crossgait/study/run_spec.h"
+
+namespace crossgait {
+
+struct JudgementOptions {
+  VerdictOptions verdict;
+  bool explain = false;      ///< also say what the gap comes from
+  std::string stored_runs;   ///< file of runs to take and to add to (RunStore); empty: none
+};
+
+struct Judgement {
+  std::vector<AuditFinding> models;  ///< what the two engines' worlds hold differently
+  Verdict verdict;
+  std::optional<Attribution> attribution;
+};
+
+/// What is being done, for a line of progress, and the share of it that is done.
+using StageProgress = std::function<void(const std::string& stage, double share)>;
+
+/// Audits the two worlds, runs the behaviour in both engines, judges, and explains if asked.
+/// @throws ConfigError before any long run for what is wrong with names, options or the world
+Judgement judge_behaviour(const BehaviourSpec& spec, const std::string& a, const std::string& b,
+                          const JudgementOptions& options = {}, const StageProgress& progress = {});
+
+/// The family whose ends are `a` and `b`, either way round; an engine of the same laws may stand for an end.
+/// @throws ConfigError if there is none
+EngineFamily find_family(const Engine& a, const Engine& b);
+
+/// The world of a specification: a walk's, or its environment's.
+WorldSpec world_of(const BehaviourSpec& spec);
+
+/// Keys as in docs/schemas/verdict.json.
+nlohmann::ordered_json to_json(const Judgement& judgement);
+std::string describe(const Judgement& judgement);
+
+}  // namespace crossgait

@@ -1,0 +1,77 @@
+// Policies over whole episodes in one engine, and one policy over engines and grounds.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "crossgait/env/evaluation.h"
+#include "crossgait/parity/trace.h"
+
+namespace crossgait {
+
+/// How many episodes, from which seed, on how many threads.
+struct EpisodeOptions {
+  std::size_t episodes = 3, workers = default_workers();
+  std::uint64_t seed = 0;
+
+  /// As many threads as the machine has.
+  static std::size_t default_workers();
+};
+
+/// One policy's episodes.
+struct PolicyEpisodes {
+  std::string policy;
+  std::vector<EpisodeSummary> episodes;
+  Evaluation all;
+};
+
+struct Rollout {
+  EnvConfig config;
+  std::uint64_t seed = 0;
+  std::vector<PolicyEpisodes> policies;
+};
+
+/// Every policy on the same worlds. @throws ConfigError
+Rollout roll_out(const EnvConfig& config, const std::vector<std::string>& policies,
+                 const EpisodeOptions& options, const Progress& progress = {});
+
+/// The first episode of a policy once more, as a trace.
+Trace trace_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed);
+
+/// One policy, and none, in one engine on one ground.
+struct TransferCell {
+  std::string terrain, engine;
+  Evaluation policy, baseline;
+};
+
+struct Transfer {
+  std::string policy;
+  std::uint64_t seed = 0;
+  std::vector<std::string> engines, terrains;
+  std::vector<TransferCell> cells;  ///< terrain by terrain, engine by engine
+};
+
+/// @throws ConfigError
+Transfer transfer_policy(const EnvConfig& config, const std::string& policy,
+                         const std::vector<std::string>& engines, const std::vector<std::string>& terrains,
+                         const EpisodeOptions& options, const Progress& progress = {});
+
+/// Makes environments of one configuration, which share its model, in the engine that it names.
+/// @throws ConfigError
+EnvFactory env_factory(const EnvConfig& config);
+PolicyFactory policy_factory(const std::string& policy);
+
+/// Keys as in docs/schemas.
+nlohmann::ordered_json to_json(const Evaluation& evaluation);
+nlohmann::ordered_json to_json(const EpisodeSummary& episode);
+nlohmann::ordered_json to_json(const Rollout& rollout);
+nlohmann::ordered_json to_json(const Transfer& transfer);
+std::string describe(const Rollout& rollout);
+std::string describe(const Transfer& transfer);
+
+/// "3 fell, 1 left the terrain", "all walked".
+std::string outcomes_in_words(const Evaluation& evaluation);
+
+}  // namespace crossgait

@@ -1,0 +1,178 @@
+#include "crossgait/study/run_spec.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/physics/data_path.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/hash.h"
+#include "crossgait/physics/text.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::json;
+
+bool is_file(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+// A file counts by what is in it, and by what is in the files that it names beside itself; a name as it is.
+void add_file(Fnv1a& hash, const std::string& path) {
+  const std::string text = read_text_file(path);
+  hash.add(text);
+  if (!path.ends_with(".yaml")) return;
+  constexpr std::string_view kBetween = " \t\r\n\"',:{}[]";
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find_first_of(kBetween, begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    const std::string beside = (std::filesystem::path(path).parent_path() / word).string();
+    const bool names_file = word.ends_with(".safetensors") || word.ends_with(".yaml");
+    if (names_file && beside != path && is_file(beside)) add_file(hash, beside);
+    begin = end + 1;
+  }
+}
+
+json content_of(const std::string& name_or_file) {
+  if (!is_file(name_or_file)) return name_or_file;
+  Fnv1a hash;
+  add_file(hash, name_or_file);
+  return {{"file", hash.hex()}};
+}
+
+// What engines are told of a robot, whatever the files look like that say it.
+json robot_json(const std::string& name_or_file) {
+  const RobotDescription robot = load_robot(find_robot(name_or_file));
+  Fnv1a hash;
+  const auto add = [&hash](const auto& values) {
+    for (Eigen::Index i = 0; i < values.size(); ++i) hash.add(fmt::format("{:.17g};", values.data()[i]));
+  };
+  const auto add_number = [&hash](double value) { hash.add(fmt::format("{:.17g};", value)); };
+  for (const Body& b : robot.bodies) {
+    hash.add(b.name);
+    for (const double v : {static_cast<double>(b.parent), b.inertia.mass, b.joint.lower, b.joint.upper,
+                           b.joint.damping, b.joint.armature, b.joint.actuated ? 1.0 : 0.0, b.joint.kp,
+                           b.joint.kd, b.joint.effort_limit})
+      add_number(v);
+    add(b.X_PB.matrix());
+    add(b.joint.axis);
+    add(b.inertia.p_BC);
+    add(b.inertia.I_C);
+    for (const CollisionShape& shape : b.shapes) {
+      add_number(static_cast<double>(shape.type));
+      add(shape.size);
+      add(shape.X_BG.matrix());
+    }
+  }
+  for (const LoopClosure& loop : robot.loops) {
+    add_number(loop.body_a);
+    add_number(loop.body_b);
+    add(loop.p_AP);
+    add(loop.p_BP);
+  }
+  const Softness& s = robot.loop_softness;
+  for (const double v :
+       {s.time_constant, s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width})
+    add_number(v);
+  add(robot.home);
+  return {{"name", robot.name}, {"description", hash.hex()}};
+}
+
+json to_json(const GaitParameters& p) {
+  json parameters{{"swing", name(p.swing)}};
+  for (const ParameterRow& row : gait_parameters()) parameters[std::string(row.name)] = p.*row.member;
+  return parameters;
+}
+
+json to_json(const std::optional<VelocityCommand>& c) {
+  if (!c) return nullptr;
+  return {{"vx", c->vx}, {"vy", c->vy}, {"yaw_rate", c->yaw_rate}};
+}
+
+json to_json(const WalkConfig& c) {
+  return {{"kind", "walk"},
+          {"robot", robot_json(c.robot)},
+          {"terrain", content_of(c.terrain)},
+          {"terrain_seed", c.terrain_seed},
+          {"friction", c.friction},
+          {"physics_dt", c.physics_dt},
+          {"gait", c.gait.name()},
+          {"parameters", to_json(c.gait.parameters)},
+          {"command", to_json(c.gait.command)},
+          {"compensation", c.compensation},
+          {"seconds", c.timing.seconds},
+          {"control_dt", c.timing.control_dt},
+          {"settle_seconds", c.timing.settle_seconds}};
+}
+
+json to_json(const PolicyConfig& c) {
+  EnvConfig config = c.environment;
+  // The run says which engine; robot and terrain stand beside it by their contents.
+  config.engine.clear();
+  config.robot.clear();
+  config.terrain.clear();
+  return {{"kind", "policy"},
+          {"robot", robot_json(c.environment.robot)},
+          {"terrain", content_of(c.environment.terrain)},
+          {"environment", to_yaml(config)},
+          {"policy", content_of(c.policy)}};
+}
+
+json to_json(const StartRanges& r) {
+  return {{"position_m", r.position_m},
+          {"heading_rad", r.heading_rad},
+          {"tilt_rad", r.tilt_rad},
+          {"push_mps", r.push_mps}};
+}
+
+}  // namespace
+
+json to_json(const RunSpec& spec) {
+  const Variation& v = spec.variation;
+  return {{"schema", {{"name", "run"}, {"version", 1}}},
+          {"behaviour", std::visit([](const auto& what) { return to_json(what); }, spec.behaviour.what)},
+          {"starts", to_json(spec.behaviour.starts)},
+          {"seed", spec.behaviour.seed},
+          {"engine", spec.engine},
+          {"engine_version", spec.engine_version},
+          {"variation", {{"step", v.step}, {"tolerance", v.tolerance}, {"iterations", v.iterations}}},
+          {"start", spec.start}};
+}
+
+std::string canonical_json(const RunSpec& run) { return to_json(run).dump(); }
+
+std::string run_hash(const RunSpec& run) { return fnv1a_hex(canonical_json(run)); }
+
+Behaviour make_behaviour(const BehaviourSpec& spec) {
+  if (const auto* walk = std::get_if<WalkConfig>(&spec.what)) {
+    const auto terrain = [text = walk->terrain, seed = walk->terrain_seed](std::size_t k) {
+      return make_terrain(text, seed + k);
+    };
+    return walk_behaviour(walk->world(), walk->setup(), terrain, spec.starts, spec.seed);
+  }
+  const auto& [environment, policy] = std::get<PolicyConfig>(spec.what);
+  const PolicyFactory factory = [policy = policy](const PolicyInterface& interface) {
+    return make_policy(policy, interface);
+  };
+  static_cast<void>(factory(EnvModel::make(environment)->interface));  // a bad one before long runs
+  return policy_behaviour(environment, factory, std::filesystem::path(policy).filename(), spec.starts,
+                          spec.seed);
+}
+
+RunResult run(const RunSpec& spec) {
+  const Engine engine = find_engine(spec.engine);
+  if (engine.info.version != spec.engine_version) {
+    throw ConfigError("run", spec.engine, "version " + spec.engine_version, engine.info.version);
+  }
+  const Behaviour behaviour = make_behaviour(spec.behaviour);
+  RunResult result;
+  for (const Statistic& s : behaviour.statistics) result.names.push_back(s.name);
+  result.values = behaviour.run(engine, spec.variation, spec.start);
+  return result;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,58 @@
+// One run, said completely: what moves, in which engine, under which variation, from which start. Written as
+// canonical JSON it has a hash, by which a result is found again.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "crossgait/parity/behaviour.h"
+#include "crossgait/physics/engine.h"
+#include "crossgait/study/walk_config.h"
+
+namespace crossgait {
+
+/// A policy in its environment.
+struct PolicyConfig {
+  EnvConfig environment;  ///< its engine is the run's
+  std::string policy = "zero";  ///< as `make_policy` takes it
+};
+
+/// What a verdict, a sweep or a single run is about, in whatever engine.
+struct BehaviourSpec {
+  std::variant<WalkConfig, PolicyConfig> what;
+  StartRanges starts;
+  std::uint64_t seed = 0;  ///< of the starts
+};
+
+/// One run of it.
+struct RunSpec {
+  BehaviourSpec behaviour;
+  std::string engine, engine_version;  ///< EngineInfo::name and ::version
+  Variation variation;
+  std::size_t start = 0;
+};
+
+/// The numbers of a run, by the names of the behaviour's statistics.
+struct RunResult {
+  std::vector<std::string> names;
+  std::vector<double> values;
+};
+
+/// Everything that the result of a run depends on, and nothing else: keys sorted, no spaces, numbers with as
+/// many digits as bring them back. A policy file stands with the hash of its bytes. `schema` is run/1.
+nlohmann::json to_json(const RunSpec& run);
+std::string canonical_json(const RunSpec& run);
+/// 64-bit FNV-1a of the canonical JSON, as 16 hexadecimal digits.
+std::string run_hash(const RunSpec& run);
+
+/// The behaviour that a specification describes. @throws ConfigError for what cannot be read or made
+Behaviour make_behaviour(const BehaviourSpec& spec);
+
+/// Makes the run. @throws ConfigError
+RunResult run(const RunSpec& spec);
+
+}  // namespace crossgait

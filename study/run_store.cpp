@@ -1,0 +1,86 @@
+#include "crossgait/study/run_store.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/text.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::json;
+
+RunResult result_of(const json& line) {
+  RunResult result;
+  for (const auto& [name, value] : line.at("result").items()) {
+    result.names.push_back(name);
+    result.values.push_back(value.get<double>());
+  }
+  return result;
+}
+
+}  // namespace
+
+RunStore::RunStore(std::string path) : path_(std::move(path)) {
+  std::error_code error;
+  if (!std::filesystem::exists(path_, error)) return;
+  const std::string text = read_text_file(path_);
+  std::size_t begin = 0, number = 0;
+  for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', begin)) {
+    ++number;
+    try {
+      const json line = json::parse(text.substr(begin, end - begin));
+      runs_[line.at("hash").get<std::string>()] = result_of(line);
+    } catch (const json::exception& problem) {
+      throw ConfigError(path_, fmt::format("line {}", number), "a stored run", problem.what());
+    }
+    begin = end + 1;
+  }
+  whole_bytes_ = begin;
+}
+
+std::size_t RunStore::size() const {
+  const std::scoped_lock lock(mutex_);
+  return runs_.size();
+}
+
+std::optional<RunResult> RunStore::find(const RunSpec& run) const {
+  const std::string hash = run_hash(run);
+  const std::scoped_lock lock(mutex_);
+  const auto it = runs_.find(hash);
+  return it == runs_.end() ? std::nullopt : std::optional(it->second);
+}
+
+void RunStore::add(const RunSpec& run, const RunResult& result) {
+  // Not ordered by name: statistics keep the order in which they are judged.
+  nlohmann::ordered_json line{{"hash", run_hash(run)}, {"run", to_json(run)}};
+  for (std::size_t i = 0; i < result.names.size(); ++i) line["result"][result.names[i]] = result.values[i];
+  const std::string bytes = line.dump() + "\n";
+  const std::scoped_lock lock(mutex_);
+  std::error_code error;
+  if (std::filesystem::exists(path_, error)) std::filesystem::resize_file(path_, whole_bytes_, error);
+  std::ofstream file(path_, std::ios::app | std::ios::binary);
+  file << bytes << std::flush;
+  if (error || !file) throw ConfigError(path_, "file", "a file that can be written", "one that cannot");
+  whole_bytes_ += bytes.size();
+  runs_[run_hash(run)] = result;
+}
+
+Behaviour with_store(Behaviour behaviour, const BehaviourSpec& spec, RunStore& store) {
+  std::vector<std::string> names;
+  for (const Statistic& s : behaviour.statistics) names.push_back(s.name);
+  behaviour.run = [make = std::move(behaviour.run), names, spec, &store](
+                      const Engine& engine, const Variation& variation, std::size_t start) {
+    const RunSpec run{spec, engine.info.name, engine.info.version, variation, start};
+    if (const auto stored = store.find(run); stored && stored->names == names) return stored->values;
+    const std::vector<double> values = make(engine, variation, start);
+    store.add(run, {names, values});
+    return values;
+  };
+  return behaviour;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,38 @@
+// Runs on disk: a line of JSON each, found again by their hash. A verdict that was stopped goes on where it
+// was, and one of stored runs alone costs nothing.
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "crossgait/study/run_spec.h"
+
+namespace crossgait {
+
+/// A file that only grows. Each line is {"hash", "run", "result": {statistic: value}}; a last line that was
+/// cut off is made again. One process at a time.
+class RunStore {
+ public:
+  /// Reads what is there; a file that is not there is made with the first run.
+  /// @throws ConfigError naming file and line for what is no stored run
+  explicit RunStore(std::string path);
+
+  std::size_t size() const;
+  std::optional<RunResult> find(const RunSpec& run) const;
+  /// Appends it. May be called from several threads. @throws ConfigError if it cannot be written
+  void add(const RunSpec& run, const RunResult& result);
+
+ private:
+  std::string path_;
+  mutable std::mutex mutex_;
+  std::map<std::string, RunResult> runs_;
+  std::size_t whole_bytes_ = 0;  ///< up to the end of the last whole line
+};
+
+/// `behaviour`, made of `spec`, that looks a run up before it makes it, and stores what it made. The store
+/// has to outlive it.
+Behaviour with_store(Behaviour behaviour, const BehaviourSpec& spec, RunStore& store);
+
+}  // namespace crossgait

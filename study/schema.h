@@ -1,0 +1,15 @@
+// Results say what they are: every JSON object that a command writes begins with its schema.
+#pragma once
+
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+namespace crossgait {
+
+/// `json` with {"schema": {"name", "version"}} in front. The schema is docs/schemas/NAME.json; its version is
+/// raised when a key goes, changes its meaning, unit or type; a key that is added leaves it as it is.
+/// @throws std::logic_error for a name that has no schema
+nlohmann::ordered_json with_schema(std::string_view name, const nlohmann::ordered_json& json);
+
+}  // namespace crossgait

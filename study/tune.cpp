@@ -1,0 +1,187 @@
+#include "crossgait/study/tune.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/env/worker_pool.h"
+#include "crossgait/parity/table.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/study/schema.h"
+
+namespace crossgait {
+namespace {
+
+// Parameters as the optimiser sees them: every range mapped to [-1, 1].
+using Point = std::vector<double>;
+
+// The rows that are tuned.
+std::vector<const ParameterRow*> rows_of(const EnvConfig& config) {
+  std::vector<const ParameterRow*> rows;
+  for (const std::string& name : config.adapt) rows.push_back(&find_parameter(name));
+  if (rows.empty()) throw ConfigError("tune", "adapt", "at least one parameter to tune", "none");
+  return rows;
+}
+
+EnvConfig with_parameters(EnvConfig config, const std::vector<const ParameterRow*>& rows,
+                          const Point& point) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const ParameterRow& row = *rows[i];
+    config.parameters.*row.member = row.clip(row.min + (point[i] + 1) / 2 * (row.max - row.min));
+  }
+  return config;
+}
+
+// The zero policy on so many terrains from `first` on.
+Evaluation walk(EnvConfig config, std::uint64_t first, std::size_t terrains) {
+  std::vector<EpisodeSummary> episodes;
+  for (std::size_t k = 0; k < terrains; ++k) {
+    config.terrain_seed = first + k;
+    const auto one = evaluate_policy(env_factory(config), policy_factory("zero"), 1, 0);
+    episodes.insert(episodes.end(), one.begin(), one.end());
+  }
+  return sum_up(episodes);
+}
+
+// Mean speed, less a metre per second for every terrain that it did not stay on, and a little for reaching
+// beyond the legs.
+double score(const Evaluation& e) {
+  const double clamped =
+      static_cast<double>(e.ik_clamped) / static_cast<double>(std::max<std::int64_t>(1, e.steps));
+  return e.mean_speed_mps.mean - static_cast<double>(e.ended_early()) - 0.1 * clamped;
+}
+
+struct Distribution {
+  Point mean, deviation;
+
+  Point sample(Random& random) const {
+    Point point(mean.size());
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      // Box and Muller's transform: the standard library's normal distribution differs between machines.
+      const double r = std::sqrt(-2 * std::log(1 - random.uniform())), angle = random.uniform(0, 2 * M_PI);
+      point[i] = std::clamp(mean[i] + deviation[i] * r * std::cos(angle), -1.0, 1.0);
+    }
+    return point;
+  }
+
+  void fit(const std::vector<Point>& best) {
+    constexpr double kLeastDeviation = 0.03;
+    const auto n = static_cast<double>(best.size());
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      double sum = 0, squares = 0;
+      for (const Point& p : best) sum += p[i];
+      mean[i] = sum / n;
+      for (const Point& p : best) squares += (p[i] - mean[i]) * (p[i] - mean[i]);
+      deviation[i] = std::max(std::sqrt(squares / n), kLeastDeviation);
+    }
+  }
+};
+
+void search(const TuneOptions& options, const Progress& progress, Tuning& result) {
+  const EnvConfig& start = result.start;
+  const std::vector<const ParameterRow*> rows = rows_of(start);
+  Distribution distribution;
+  for (const ParameterRow* row : rows)
+    distribution.mean.push_back(row->normalise(start.parameters.*row->member));
+  distribution.deviation.assign(rows.size(), 0.5);
+  Point best = distribution.mean;
+  Random random(options.seed);
+  WorkerPool pool(options.workers);
+  const std::size_t elite = std::max<std::size_t>(2, options.population / 4);
+  for (std::size_t iteration = 0; iteration < options.iterations; ++iteration) {
+    std::vector<Point> points;
+    for (std::size_t k = 0; k < options.population; ++k) points.push_back(distribution.sample(random));
+    points.front() = best;  // the best so far stays in the race
+    std::vector<double> scores(points.size());
+    pool.run(points.size(), [&](std::size_t k) {
+      scores[k] = score(walk(with_parameters(start, rows, points[k]), options.seed, options.terrains));
+    });
+    std::vector<std::size_t> order(points.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return scores[a] > scores[b]; });
+    std::vector<Point> top;
+    for (std::size_t k = 0; k < elite; ++k) top.push_back(points[order[k]]);
+    distribution.fit(top);
+    if (scores[order[0]] > result.score) {
+      result.score = scores[order[0]];
+      best = points[order[0]];
+      result.tuned = with_parameters(start, rows, best);
+    }
+    result.history.push_back(result.score);
+    if (progress) progress(static_cast<double>(iteration + 1) / static_cast<double>(options.iterations));
+  }
+}
+
+void add_checks(const TuneOptions& options, Tuning& result) {
+  const auto add = [&](const std::string& ground, std::uint64_t first, std::size_t terrains) {
+    for (const auto& [name, config] : {std::pair{"default", &result.start}, std::pair{"tuned", &result.tuned}}) {
+      TuneCheck line{ground, name, {}};
+      for (const std::string& engine : result.engines) {
+        EnvConfig c = *config;
+        c.engine = engine;
+        line.per_engine.push_back(walk(c, first, terrains));
+      }
+      result.checks.push_back(std::move(line));
+    }
+  };
+  add("seeds tuned on", options.seed, options.terrains);
+  if (options.unseen > 0) add("unseen seeds", options.seed + options.terrains, options.unseen);
+}
+
+}  // namespace
+
+Tuning tune_gait(const EnvConfig& start, const std::vector<std::string>& engines, const TuneOptions& options,
+                 const Progress& progress) {
+  Tuning result{start, start, score(walk(start, options.seed, options.terrains)), {}, engines, {}};
+  search(options, progress, result);
+  add_checks(options, result);
+  return result;
+}
+
+nlohmann::ordered_json to_json(const Tuning& t) {
+  nlohmann::ordered_json json{
+      {"backend", t.start.engine}, {"terrain", t.start.terrain}, {"history", t.history}};
+  for (const ParameterRow* row : rows_of(t.start))
+    json["parameters"][std::string(row->name)] = t.tuned.parameters.*row->member;
+  for (const TuneCheck& line : t.checks) {
+    for (std::size_t k = 0; k < t.engines.size(); ++k) {
+      json["checks"].push_back({{"ground", line.ground},
+                                {"parameters", line.parameters},
+                                {"backend", t.engines[k]},
+                                {"all", to_json(line.per_engine[k])}});
+    }
+  }
+  return with_schema("tune", json);
+}
+
+std::string describe(const Tuning& t) {
+  Table parameters({"parameter", "default", "tuned", "unit"});
+  for (const ParameterRow* row : rows_of(t.start)) {
+    parameters.add_row({std::string(row->name), fmt::format("{:.4f}", t.start.parameters.*row->member),
+                        fmt::format("{:.4f}", t.tuned.parameters.*row->member), std::string(row->unit)});
+  }
+  std::vector<std::string> header{fmt::format("mean speed on {}, m/s", t.start.terrain), "parameters"};
+  header.insert(header.end(), t.engines.begin(), t.engines.end());
+  Table speeds(header);
+  for (std::size_t i = 0; i < t.checks.size(); ++i) {
+    std::vector<std::string> row{t.checks[i].ground, t.checks[i].parameters};
+    for (std::size_t k = 0; k < t.engines.size(); ++k) {
+      const Evaluation& e = t.checks[i].per_engine[k];
+      std::string text = fmt::format("{:.4f}", e.mean_speed_mps.mean);
+      if (i % 2 == 1) {
+        const double before = t.checks[i - 1].per_engine[k].mean_speed_mps.mean;
+        text += fmt::format(" ({:.2f} x)", e.mean_speed_mps.mean / before);
+      }
+      if (e.ended_early() > 0) text += fmt::format(", {}", outcomes_in_words(e));
+      row.push_back(text);
+    }
+    speeds.add_row(row);
+  }
+  return fmt::format("{}\nTuned in {}\n{}", parameters.str(), t.start.engine, speeds.str());
+}
+
+}  // namespace crossgait

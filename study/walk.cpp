@@ -1,0 +1,63 @@
+#include "crossgait/study/walk.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/parity/report.h"
+#include "crossgait/parity/verdict_report.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/study/schema.h"
+
+namespace crossgait {
+namespace {
+
+void check_engines(const std::vector<std::string>& engines) {
+  if (engines.size() < 2)
+    throw ConfigError("compare", "--engines", "two or more engines", fmt::format("{}", engines.size()));
+  for (auto it = engines.begin(); it != engines.end(); ++it) {
+    if (std::find(engines.begin(), it, *it) != it)
+      throw ConfigError("compare", "--engines", "each engine once", *it + " again");
+  }
+}
+
+}  // namespace
+
+WalkRun walk(const WalkConfig& config, const std::string& engine, const Progress& progress) {
+  const auto world = find_engine(engine).make(config.world());
+  return record_walk(*world, config.setup(), progress);
+}
+
+WalkComparison compare_walks(const WalkConfig& config, const std::vector<std::string>& engines,
+                             const CompareOptions& options, const StageProgress& progress) {
+  check_engines(engines);
+  const WorldSpec spec = config.world();
+  std::vector<std::unique_ptr<PhysicsBackend>> worlds;
+  for (const std::string& engine : engines) worlds.push_back(find_engine(engine).make(spec));
+  const auto stage = [&progress](const std::string& name) {
+    return progress ? Progress([&progress, name](double share) { progress(name, share); }) : Progress();
+  };
+  WalkComparison result;
+  result.comparison = compare_engines(worlds, config.setup(), options.tolerances, stage("comparing"));
+  if (!options.verdict) return result;
+  const Behaviour behaviour = make_behaviour({config, {}, config.terrain_seed});
+  for (const PairDifference& pair : result.comparison.pairs) {
+    const Engine a = find_engine(pair.a), b = find_engine(pair.b);
+    if (a.info.laws == b.info.laws) continue;
+    result.verdicts.push_back(reach_verdict(behaviour, a, b, options.judge,
+                                            stage(fmt::format("judging {} and {}", pair.a, pair.b))));
+  }
+  return result;
+}
+
+nlohmann::ordered_json report(const WalkRun& run) { return with_schema("walk", to_json(run)); }
+
+nlohmann::ordered_json report(const WalkComparison& result) {
+  nlohmann::ordered_json json = with_schema("compare", to_json(result.comparison));
+  for (const Verdict& verdict : result.verdicts) json["verdicts"].push_back(to_json(verdict));
+  return json;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,47 @@
+#include "crossgait/study/walk_config.h"
+
+#include "crossgait/physics/data_path.h"
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+
+WorldSpec WalkConfig::world() const {
+  WorldSpec spec;
+  spec.robot = std::make_shared<const RobotDescription>(load_robot(find_robot(robot)));
+  spec.terrain = make_terrain(terrain, terrain_seed);
+  spec.physics_dt = physics_dt;
+  spec.contact.friction = friction;
+  spec.validate();
+  return spec;
+}
+
+WalkSetup WalkConfig::setup() const {
+  const ServoCompensation servos = compensation ? ServoCompensation{} : ServoCompensation::none();
+  return {gait.name(),
+          [choice = gait, servos](std::shared_ptr<const RobotDescription> description) {
+            return make_gait_source(choice, std::move(description), servos);
+          },
+          timing};
+}
+
+EnvConfig WalkConfig::environment() const {
+  if (!gait.gait) throw ConfigError("environment", "gait", "one gait", std::string(kAutomaticGait));
+  if (!compensation) throw ConfigError("environment", "compensation", "compensated servos", "none");
+  EnvConfig c;
+  c.robot = robot;
+  c.terrain = terrain;
+  c.terrain_seed = terrain_seed;
+  c.friction = friction;
+  c.physics_dt = physics_dt;
+  c.control_dt = timing.control_dt;
+  c.policy_dt = timing.control_dt;
+  c.settle_seconds = timing.settle_seconds;
+  c.episode_seconds = timing.seconds;
+  c.gait = gait.name();
+  c.parameters = gait.parameters;
+  c.command = gait.command;
+  c.validate("walk");
+  return c;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,33 @@
+// Everything that makes a walk, before any engine is chosen.
+#pragma once
+
+#include <string>
+
+#include "crossgait/env/env_config.h"
+#include "crossgait/env/gait_source.h"
+#include "crossgait/parity/comparison.h"
+
+namespace crossgait {
+
+/// The initialisers are the defaults of `crossgait walk`.
+struct WalkConfig {
+  std::string robot = "scara_quadruped";  ///< a bundled robot or a file
+  std::string terrain = "flat";           ///< as `make_terrain` takes it
+  std::uint64_t terrain_seed = 0;
+  double friction = 0.6;
+  double physics_dt = 1e-3;  ///< s
+
+  GaitChoice gait = choose_gait("trot", {});
+  bool compensation = true;  ///< make up for the servos' lag and give
+  WalkTiming timing;
+
+  /// Reads robot and terrain. @throws ConfigError
+  WorldSpec world() const;
+  /// The controller's side of it.
+  WalkSetup setup() const;
+  /// An environment in which the zero policy walks like this, one policy step per control step.
+  /// @throws ConfigError for what an environment cannot do: `auto`, no compensation
+  EnvConfig environment() const;
+};
+
+}  // namespace crossgait
