@@ -74,13 +74,15 @@ void describe(const Options& options, const EnvConfig& config) {
   const PolicyInterface interface = EnvModel::make(config)->interface;
   const Layout &action = interface.action, &observation = interface.observation;
   const std::string hash = layout_hash(observation, action);
-  const ordered_json json{{"layout_hash", hash},           {"policy_dt", config.policy_dt},
-                          {"action_size", action.size()},  {"observation_size", observation.size()},
-                          {"action", layout_json(action)}, {"observation", layout_json(observation)}};
-  options.json.emit(fmt::format("{} actions and {} observations every {:g} ms, layout {}\n\n{}\n{}",
-                                action.size(), observation.size(), 1e3 * config.policy_dt, hash,
-                                layout_table("action", action), layout_table("observation", observation)),
-                    json);
+  const ordered_json json{{"layout_version", kLayoutVersion},       {"layout_hash", hash},
+                          {"policy_dt", config.policy_dt},          {"action_size", action.size()},
+                          {"observation_size", observation.size()}, {"action", layout_json(action)},
+                          {"observation", layout_json(observation)}};
+  options.json.emit(
+      fmt::format("{} actions and {} observations every {:g} ms, layout {} of version {}\n\n{}\n{}",
+                  action.size(), observation.size(), 1e3 * config.policy_dt, hash, layout_version_in_words(),
+                  layout_table("action", action), layout_table("observation", observation)),
+      json);
 }
 
 void run(const Options& options) {

@@ -119,7 +119,7 @@ void print_targets(const Options& options, GaitGenerator& generator, int rows) {
     samples.push_back(std::move(sample));
   }
   const std::string legend =
-      "\n^ swing, _ stance; positions in the leg frames: x forward, z down from the shoulders\n";
+      "\n^ swing, _ stance; positions in the leg frames: x forward, z up from the shoulders\n";
   options.json.emit(table.str() + legend, {{"gait", options.gait}, {"samples", std::move(samples)}});
 }
 

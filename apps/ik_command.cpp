@@ -25,7 +25,7 @@ void run(const Options& options) {
   const auto mode = working_mode(options.mode);
   if (!mode)
     throw ConfigError("command line", "--mode", "a working mode from 1 to 4", std::to_string(options.mode));
-  const auto xyz = parse_numbers(options.target, 3, "--target", "X,Y,Z in m, z down from the shoulders");
+  const auto xyz = parse_numbers(options.target, 3, "--target", "X,Y,Z in m, z up from the shoulders");
 
   const RobotDescription robot = load_robot(find_robot(options.robot));
   const FiveBarGeometry geometry = five_bar_geometry(robot, *leg);
@@ -46,8 +46,11 @@ void run(const Options& options) {
   angle("margin to joint limits", margins.joint_limit);
   angle("margin to straight or folded elbows", margins.serial);
   angle("margin to parallel lower links", margins.parallel);
-  const std::string text = fmt::format("status: {}; foot at {:.6f}, {:.6f}, {:.6f} m\n",
-                                       name(solution.status), foot.x(), foot.y(), foot.z());
+  std::string text = fmt::format("status: {}; foot at {:.6f}, {:.6f}, {:.6f} m\n", name(solution.status),
+                                 foot.x(), foot.y(), foot.z());
+  if (solution.status != IkStatus::kOk && xyz[2] > 0) {
+    text += "hint: z points up, so the target lies above the shoulders; a foot below them has negative z\n";
+  }
   options.json.emit(
       table.str() + text,
       {{"status", name(solution.status)},
@@ -66,11 +69,12 @@ void run(const Options& options) {
 void add_ik_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("ik", "Joint angles of one leg that put its foot on a target");
   command->footer(
-      "\nThe leg frame's origin is midway between the shoulders at zero tilt: x forward, y left, z down.\n"
+      "\nThe leg frame's origin is midway between the shoulders at zero tilt: x forward, y left, z up.\n"
+      "A foot below the shoulders has negative z.\n"
       "Working modes: 1 knees inward, 2 knees outward, 3 both forward, 4 both backward. A target out of "
       "reach\n"
       "is moved to the edge of the workspace, and the status says so.\n"
-      "\nExample:  crossgait ik --target 0.01,0.02,0.07 --leg FR");
+      "\nExample:  crossgait ik --target 0.01,0.02,-0.07 --leg FR");
   auto options = std::make_shared<Options>();
   command->add_option("--target", options->target, "Foot centre in the leg frame, m")
       ->type_name("X,Y,Z")

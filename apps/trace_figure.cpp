@@ -153,7 +153,7 @@ std::vector<Figure::Row> joint_rows(const TraceTable& trace, const RobotDescript
 }
 
 std::vector<Figure::Row> feet_rows(const TraceTable& trace, const RobotDescription& robot) {
-  const LegArray<FiveBarGeometry> legs = five_bar_geometry(robot);
+  const LegArray<Vector3> origins = leg_origins(five_bar_geometry(robot));
   const auto columns = joint_columns(trace, robot);
   LegArray<Series> paths, stances;
   LegArray<const std::vector<double>*> contact{};
@@ -169,7 +169,7 @@ std::vector<Figure::Row> feet_rows(const TraceTable& trace, const RobotDescripti
     for (int i = 0; i < robot.joint_count(); ++i) state.q[i] = (*columns[static_cast<std::size_t>(i)])[row];
     forward_kinematics(robot, state, poses);
     for (const Leg leg : kLegs) {
-      const Vector3 p = kMillimetres * leg_from_base(legs[leg], foot_position(robot, leg, poses));
+      const Vector3 p = kMillimetres * (foot_position(robot, leg, poses) - origins[leg]);
       paths[leg].points.push_back({p.x(), p.z()});
       if ((*contact[leg])[row] != 0) stances[leg].points.push_back({p.x(), p.z()});
     }
@@ -179,8 +179,8 @@ std::vector<Figure::Row> feet_rows(const TraceTable& trace, const RobotDescripti
     Panel panel;
     panel.title = fmt::format("Foot {} from the side", name(leg));
     panel.x_label = "x forward in the leg frame, mm";
-    panel.y_label = "z down, mm";
-    panel.equal_scales = panel.y_down = true;
+    panel.y_label = "z up from the shoulders, mm";
+    panel.equal_scales = true;
     panel.series = {std::move(paths[leg]), std::move(stances[leg])};
     Figure::Row& row = rows[is_front(leg) ? 0 : 1];
     row.height = 300;

@@ -213,8 +213,8 @@ Panel slice(const Report& r, int axis) {
   panel.title = fmt::format("{}-z plane at {} = {:.1f} mm", "xy"[axis], "xy"[across],
                             kMillimetres * r.standing[across]);
   panel.x_label = axis == 0 ? "x forward, mm" : "y to the left, mm";
-  panel.y_label = "z down from the shoulders, mm";
-  panel.equal_scales = panel.y_down = true;
+  panel.y_label = "z up from the shoulders, mm";
+  panel.equal_scales = true;
   panel.shades = ShadeMap{"smallest margin, deg",
                           flat(plane.min),
                           flat(plane.max),

@@ -17,7 +17,7 @@ LegArray<Vector3> feet_at_home(const RobotDescription& robot, const LegArray<Fiv
   std::vector<Pose> poses;
   forward_kinematics(robot, home, poses);
   LegArray<Vector3> feet;
-  for (const Leg leg : kLegs) feet[leg] = leg_from_base(geometry[leg], foot_position(robot, leg, poses));
+  for (const Leg leg : kLegs) feet[leg] = foot_position(robot, leg, poses) - geometry[leg].p_BL;
   return feet;
 }
 
@@ -95,7 +95,7 @@ JointTargets Trot::targets(double time) const noexcept {
       if (phase < 0.5) {
         const double angle = 2 * std::numbers::pi * phase;
         feet[leg].x() -= ramp * kStepLength / 2 * std::cos(angle);
-        feet[leg].z() -= ramp * kStepHeight * std::sin(angle);
+        feet[leg].z() += ramp * kStepHeight * std::sin(angle);
       } else {
         feet[leg].x() += ramp * kStepLength * (1.5 - 2 * phase);
       }
@@ -113,7 +113,7 @@ JointTargets Swing::targets(double time) const noexcept {
     const double turn = 2 * std::numbers::pi * time;
     const auto shift = static_cast<double>(leg);
     feet[leg] += Vector3(0.015 * std::sin(1.5 * turn + shift), 0.012 * std::sin(turn + shift),
-                         0.008 * std::sin(2 * turn + 0.5 * shift));
+                         -0.008 * std::sin(2 * turn + 0.5 * shift));
   }
   return solve(geometry_, feet);
 }

@@ -152,7 +152,7 @@ PolicyInterface member_interface(const PolicyInterface& whole, const std::vector
 }
 
 std::unique_ptr<Policy> make_hierarchical_policy(const YamlValue& root, const PolicyInterface& interface) {
-  root.allow_keys({"kind", "planner", "residual", "hold_deltas"});
+  root.allow_keys({"kind", "layout_version", "planner", "residual", "hold_deltas"});
   const YamlValue planner = root.at("planner"), residual = root.at("residual");
   planner.allow_keys({"policy", "observation", "dt"});
   residual.allow_keys({"policy", "observation"});

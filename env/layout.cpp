@@ -1,11 +1,16 @@
 #include "crossgait/env/layout.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
 namespace crossgait {
 namespace {
+
+/// What versions 1, 2, ... say that a layout's numbers mean.
+constexpr std::array<std::string_view, kLayoutVersion> kVersions{"leg frames with z down",
+                                                                 "leg frames with z up"};
 
 class Fnv1a {
  public:
@@ -30,6 +35,21 @@ void add(Fnv1a& hash, const Layout& layout) {
 
 }  // namespace
 
+std::string layout_version_in_words() {
+  return fmt::format("{} ({})", kLayoutVersion, kVersions[kLayoutVersion - 1]);
+}
+
+std::optional<std::string> layout_version_error(const std::optional<std::string>& stated,
+                                                std::string_view made) {
+  if (!stated) return fmt::format("none, which means 1: {} for {}", made, kVersions[0]);
+  for (std::size_t i = 0; i < kVersions.size(); ++i) {
+    if (*stated != std::to_string(i + 1)) continue;
+    if (i + 1 == kLayoutVersion) return std::nullopt;
+    return fmt::format("{}: {} for {}", *stated, made, kVersions[i]);
+  }
+  return fmt::format("'{}', which is not known here", *stated);
+}
+
 std::optional<std::size_t> Layout::find(std::string_view name) const {
   const auto it = std::find_if(entries.begin(), entries.end(),
                                [name](const LayoutEntry& entry) { return entry.name == name; });
@@ -46,6 +66,7 @@ std::vector<std::string> Layout::names() const {
 
 std::string layout_hash(const Layout& observation, const Layout& action) {
   Fnv1a hash;
+  hash.add(std::to_string(kLayoutVersion));
   add(hash, observation);
   add(hash, action);
   return fmt::format("{:016x}", hash.value());

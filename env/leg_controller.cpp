@@ -71,7 +71,7 @@ Vector3 LegController::torque(Leg leg, const Vector3& position, const LegAngles&
                               double dt) const noexcept {
   const LegServos& servos = servos_[leg];
   const Matrix3 jacobian = leg_jacobian(geometry_[leg], angles);
-  Vector3 torque = load * jacobian.row(2).transpose();  // the leg frame's z points down
+  Vector3 torque = -load * jacobian.row(2).transpose();  // the foot pushes down
   if (compensation_.lag && moving_) {
     const LastUpdate& last = last_[leg];
     const Vector3 wanted(angles.tilt, angles.shoulder_left, angles.shoulder_right);
@@ -118,7 +118,7 @@ RobotState LegController::standing_state(const LegArray<Vector3>& feet, const Te
     const LegSolution solution = solve_leg(geometry_[leg], feet[leg], mode_);
     if (solution.status != IkStatus::kOk) {
       throw ConfigError(robot_->source, fmt::format("foot {}", name(leg)), "a standing position within reach",
-                        fmt::format("({:.4g}, {:.4g}, {:.4g}) m in the leg frame: {}", feet[leg].x(),
+                        fmt::format("({:.4g}, {:.4g}, {:.4g}) m in the leg frame (z up): {}", feet[leg].x(),
                                     feet[leg].y(), feet[leg].z(), name(solution.status)));
     }
     const LegModel& model = (*robot_->legs)[leg];

@@ -22,7 +22,7 @@ class LegController {
                          const ServoCompensation& compensation = {},
                          WorkingMode mode = kDefaultMode);
 
-  /// @param feet targets in each leg's frame (x forward, y left, z down), m
+  /// @param feet targets in each leg's frame (x forward, y left, z up), m
   /// @param dt   time since the last update, s; velocities are differences over it
   /// @returns targets of the actuated joints
   const JointTargets& update(const LegArray<Vector3>& feet, double dt) noexcept;

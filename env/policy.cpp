@@ -15,12 +15,26 @@
 namespace crossgait {
 namespace {
 
+/// Descriptions name entries of layouts, and names do not tell what changed with a version.
+void check_layout_version(const YamlValue& root) {
+  constexpr std::string_view kKey = "layout_version";
+  const auto value = root.find(kKey);
+  const auto stated = value ? std::optional(value->text()) : std::nullopt;
+  const auto error = layout_version_error(stated, "written");
+  if (!error) return;
+  if (value) value->fail(layout_version_in_words(), *error);
+  throw ConfigError(root.source(), kKey, layout_version_in_words(), *error);
+}
+
 std::unique_ptr<Policy> make_described(const std::string& path, const PolicyInterface& interface) {
   const YamlValue root = YamlValue::load(path);
   const YamlValue kind = root.at("kind");
-  if (kind.text() == "scripted") return make_scripted_policy(root, interface);
-  if (kind.text() == "hierarchical") return make_hierarchical_policy(root, interface);
-  kind.fail("scripted or hierarchical", "'" + kind.text() + "'");
+  const bool scripted = kind.text() == "scripted";
+  if (!scripted && kind.text() != "hierarchical") {
+    kind.fail("scripted or hierarchical", "'" + kind.text() + "'");
+  }
+  check_layout_version(root);
+  return scripted ? make_scripted_policy(root, interface) : make_hierarchical_policy(root, interface);
 }
 
 }  // namespace

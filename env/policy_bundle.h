@@ -42,7 +42,8 @@ struct PolicyBundle {
   Eigen::MatrixXd golden_observation, golden_action;
 };
 
-/// @throws ConfigError unless everything is there, of matching shapes and finite, with std > 0
+/// @throws ConfigError unless everything is there, of matching shapes and finite, with std > 0, and the
+/// bundle was trained for this `kLayoutVersion`
 PolicyBundle read_policy_bundle(const std::string& path);
 
 /// @throws ConfigError saying in which entry the layouts differ, unless the bundle is for this interface

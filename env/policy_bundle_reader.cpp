@@ -27,6 +27,7 @@ class Reader {
     PolicyBundle bundle;
     const std::string format = text("format");
     if (format != bundle_names::kFormat) fail("format", std::string(bundle_names::kFormat), quoted(format));
+    check_layout_version();
     bundle.layout_hash = text("layout_hash");
     bundle.observation_names = names("observation_names");
     bundle.action_names = names("action_names");
@@ -49,6 +50,15 @@ class Reader {
  private:
   [[noreturn]] void fail(std::string_view element, std::string_view expected, std::string_view found) const {
     throw ConfigError(path_, element, expected, found);
+  }
+
+  /// Before anything is made of names, which are the same in all versions.
+  void check_layout_version() {
+    const auto entry = file_.metadata.extract("layout_version");
+    const auto stated = entry ? std::optional(entry.mapped()) : std::nullopt;
+    if (const auto error = layout_version_error(stated, "trained")) {
+      fail("layout_version", layout_version_in_words(), *error);
+    }
   }
 
   static std::string quoted(std::string_view text) { return fmt::format("'{}'", text); }
@@ -171,7 +181,9 @@ void check_interface(const PolicyBundle& bundle, const PolicyInterface& interfac
   const std::string hash = layout_hash(interface.observation, interface.action);
   if (bundle.layout_hash != hash) {
     throw ConfigError(path, "layout_hash", hash,
-                      fmt::format("{}: names agree, so units of some entries differ", bundle.layout_hash));
+                      fmt::format("{}: names agree, so units of some entries differ, or the hash is not "
+                                  "that of docs/policies.md",
+                                  bundle.layout_hash));
   }
   constexpr double kRounding = 1e-9;  // relative; of a number that was written as decimal text
   if (bundle.policy_dt &&

@@ -108,7 +108,7 @@ void ScriptedPolicy::do_act(std::span<const double> observation, std::span<doubl
 }
 
 std::unique_ptr<Policy> make_scripted_policy(const YamlValue& root, const PolicyInterface& interface) {
-  root.allow_keys({"kind", "steps"});
+  root.allow_keys({"kind", "layout_version", "steps"});
   const YamlValue list = root.at("steps");
   std::vector<ScriptedStep> steps;
   for (const YamlValue& item : list.items()) {

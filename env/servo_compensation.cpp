@@ -22,10 +22,10 @@ Vector2 elbow_drag(const FiveBarChain& chain, double elbow_sign, const Vector2& 
 
 LegArray<double> load_shares(const LegArray<Vector3>& feet, double depth) noexcept {
   double lowest = feet[kLegs.front()].z(), sum = 0;
-  for (const Leg leg : kLegs) lowest = std::max(lowest, feet[leg].z());
+  for (const Leg leg : kLegs) lowest = std::min(lowest, feet[leg].z());
   LegArray<double> shares{};
   for (const Leg leg : kLegs) {
-    const double u = std::clamp(1 - (lowest - feet[leg].z()) / depth, 0.0, 1.0);
+    const double u = std::clamp(1 - (feet[leg].z() - lowest) / depth, 0.0, 1.0);
     sum += shares[leg] = u * u * (3 - 2 * u);
   }
   for (double& share : shares) share /= sum;  // the lowest foot's is 1
@@ -34,18 +34,18 @@ LegArray<double> load_shares(const LegArray<Vector3>& feet, double depth) noexce
 
 Vector3 elbow_drag_force(const FiveBarGeometry& g, const Vector3& foot, WorkingMode mode,
                          const Vector3& velocity, double elbow_damping) noexcept {
-  // Depth in the leg's plane and its gradient: D^2 = Y^2 + Z^2 - a^2 (ik/leg_kinematics.h).
+  // Depth in the leg's plane and its gradient along y and down: D^2 = Y^2 + Z^2 - a^2 (ik/leg_kinematics.h).
   const double a = g.axis_to_plane_out, b = g.axis_to_shoulder_down;
-  const double Y = g.side * foot.y() + a, Z = foot.z() + b;
+  const double Y = g.side * foot.y() + a, Z = b - foot.z();
   const double D = std::sqrt(std::max(Y * Y + Z * Z - a * a, 1e-8));
-  const double D_y = g.side * Y / D, D_z = Z / D;
+  const double D_y = g.side * Y / D, D_down = Z / D;
   const Vector2 in_plane(foot.x(), D - b);
-  const Vector2 rate(velocity.x(), D_y * velocity.y() + D_z * velocity.z());
+  const Vector2 rate(velocity.x(), D_y * velocity.y() - D_down * velocity.z());
 
   const ElbowSigns signs = elbow_signs(mode);
   const Vector2 drag = elbow_drag(g.a, signs.a, in_plane, rate, elbow_damping) +
                        elbow_drag(g.b, signs.b, in_plane, rate, elbow_damping);
-  const Vector3 force(drag.x(), D_y * drag.y(), D_z * drag.y());
+  const Vector3 force(drag.x(), D_y * drag.y(), -D_down * drag.y());
   return force.allFinite() ? force : Vector3(Vector3::Zero());
 }
 

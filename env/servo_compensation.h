@@ -21,8 +21,8 @@ struct ServoCompensation {
   static constexpr ServoCompensation none() { return {.lag = false, .load_share = 0}; }
 };
 
-/// How the legs share a load, adding up to 1: evenly among the feet at the lowest depth, a foot `depth` above
-/// them none, smoothly between. @param feet  targets in the leg frames (z down), m
+/// How the legs share a load, adding up to 1: evenly among the lowest feet, a foot `depth` above them none,
+/// smoothly between. @param feet  targets in the leg frames (z up), m
 LegArray<double> load_shares(const LegArray<Vector3>& feet, double depth) noexcept;
 
 /// Force (N, leg frame) with which a foot must push to overcome the viscous friction of the passive elbows

@@ -39,8 +39,8 @@ class AdaptiveGaitController {
   /// Adds to the parameters, each result clipped to its row's range. What is not finite counts as zero, and
   /// so does what is missing from a span that is too short. @param deltas  in the units of the rows
   void add_deltas(std::span<const double> deltas) noexcept;
-  /// Offsets of the targets in their leg frames, m, every coordinate clipped to +-residual_scale; not finite:
-  /// zero.
+  /// Offsets of the targets in their leg frames (z up: a positive z raises the foot), m, every coordinate
+  /// clipped to +-residual_scale; not finite: zero.
   void set_residuals(const LegArray<Vector3>& residuals) noexcept;
   /// Both from one action vector in [-1, 1] (clipped): times the rows' delta_scale and times residual_scale.
   void apply_action(std::span<const double> action) noexcept;

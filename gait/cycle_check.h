@@ -10,8 +10,8 @@
 
 namespace crossgait {
 
-/// Whether a leg can put its foot on a target of its leg frame (m): a question for kinematics, which gaits
-/// know nothing of.
+/// Whether a leg can put its foot on a target of its leg frame (z up, m): a question for kinematics, which
+/// gaits know nothing of.
 using TargetCheck = std::function<bool(Leg leg, const Vector3& target)>;
 
 struct CycleCheck {

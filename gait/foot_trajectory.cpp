@@ -40,7 +40,7 @@ Vector3 foot_position(const GaitParameters& p, Leg leg, const LegPhase& phase,
   }
   const double half = point.along / 2, lift = point.lift * stride.lift_scale;
   return {half * stride.step.x(), half * stride.step.y() + side_sign(leg) * outward_shift(p, leg),
-          p.body_height - lift * swing_lift(p)};
+          lift * swing_lift(p) - p.body_height};
 }
 
 FootSpacing foot_spacing(const GaitParameters& p, const LegArray<Vector3>& p_BL) noexcept {

@@ -1,7 +1,7 @@
 // The path of one foot: a swing curve from lift-off to touchdown, and a straight stance back.
 //
 // Along the step vector s the foot goes from -s/2 to +s/2 in swing and back at constant speed in stance; its
-// depth is body_height - lift. Everything is continuous in phase, duty factor and parameters.
+// height is lift - body_height. Everything is continuous in phase, duty factor and parameters.
 #pragma once
 
 #include "crossgait/gait/gait.h"
@@ -40,7 +40,7 @@ struct FootStride {
   SwingCurve curve = SwingCurve::kBezier;  ///< in place of GaitParameters::swing
 };
 
-/// Foot centre in the leg frame (x forward, y left, z down), m.
+/// Foot centre in the leg frame (x forward, y left, z up: a standing foot is at z = -body_height), m.
 Vector3 foot_position(const GaitParameters& parameters, Leg leg, const LegPhase& phase,
                       const FootStride& stride) noexcept;
 

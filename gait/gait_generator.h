@@ -12,7 +12,7 @@ namespace crossgait {
 
 /// What one foot should do now.
 struct FootTarget {
-  Vector3 position = Vector3::Zero();  ///< foot centre in the leg frame (x forward, y left, z down), m
+  Vector3 position = Vector3::Zero();  ///< foot centre in the leg frame (x forward, y left, z up), m
   bool swing = false;                  ///< in the air
   double phase = 0;                    ///< of the leg, since its lift-off, in [0, 1)
 };

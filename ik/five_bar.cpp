@@ -30,8 +30,8 @@ Vector2 project_to_reach(const FiveBarChain& c, const Vector2& p) {
   return shoulder + d * (largest_reach(c) / d.norm());
 }
 
-/// Nearest point to `p` of the discs' intersection. Both centres lie on z = 0, so with p.z >= 0 so has the
-/// result.
+/// Nearest point to `p` of the discs' intersection. Both centres lie at depth 0, so if `p` is not above it,
+/// neither is the result.
 Vector2 project_to_both_reaches(const FiveBarGeometry& g, const Vector2& p) {
   // A projection onto one disc that lies in the other is the nearest point of the intersection; otherwise it
   // is where the circles cross. Tolerance: the corner belongs to both up to rounding.
@@ -92,29 +92,30 @@ IkStatus clamp_to_workspace(const FiveBarGeometry& g, Vector2& p) noexcept {
   return status;
 }
 
-TwoLinkSolution solve_two_link(double upper, double lower, double x, double z, double elbow_sign) noexcept {
+TwoLinkSolution solve_two_link(double upper, double lower, double x, double depth,
+                               double elbow_sign) noexcept {
   FiveBarChain chain;
   chain.upper = upper;
   chain.lower = lower;
   const double far = largest_reach(chain), near = smallest_reach(chain);
-  if (!std::isfinite(x) || !std::isfinite(z)) {
+  if (!std::isfinite(x) || !std::isfinite(depth)) {
     TwoLinkSolution neutral = angles(place_links(chain, {0, (near + far) / 2}, elbow_sign), elbow_sign);
     neutral.status = IkStatus::kInvalidTarget;
     return neutral;
   }
-  const double r = std::hypot(x, z);
+  const double r = std::hypot(x, depth);
   const double reach = std::clamp(r, near, far);
   // The ray of the origin itself is undefined: straight down.
-  const Vector2 p = r > 0 ? Vector2(x / r * reach, z / r * reach) : Vector2(0, reach);
+  const Vector2 p = r > 0 ? Vector2(x / r * reach, depth / r * reach) : Vector2(0, reach);
   TwoLinkSolution solution = angles(place_links(chain, p, elbow_sign), elbow_sign);
   if (r > far) solution.status = IkStatus::kClampedTooFar;
   if (r < near) solution.status = IkStatus::kClampedTooNear;
   return solution;
 }
 
-FiveBarSolution solve_five_bar(const FiveBarGeometry& g, double x, double z, WorkingMode mode) noexcept {
-  const bool finite = std::isfinite(x) && std::isfinite(z);
-  Vector2 p = finite ? Vector2(x, z) : Vector2(0, neutral_depth(g));
+FiveBarSolution solve_five_bar(const FiveBarGeometry& g, double x, double depth, WorkingMode mode) noexcept {
+  const bool finite = std::isfinite(x) && std::isfinite(depth);
+  Vector2 p = finite ? Vector2(x, depth) : Vector2(0, neutral_depth(g));
   const IkStatus clamped = clamp_to_workspace(g, p);
   const ElbowSigns signs = elbow_signs(mode);
   return {finite ? clamped : IkStatus::kInvalidTarget, angles(place_links(g.a, p, signs.a), signs.a),

@@ -58,6 +58,7 @@ class LegFrames {
   Leg leg_;
 };
 
+/// (x, depth) of a vector of the base frame at zero tilt.
 Vector2 in_plane(const Vector3& v) { return {v.x(), -v.z()}; }
 
 /// (cos, sin) of the angle from `from` to `to`.
@@ -86,7 +87,7 @@ FiveBarChain chain(const LegFrames& frames, int tilt, int shoulder, int elbow, c
   frames.require_parent(elbow, shoulder + 1);
   const Vector3 y = Vector3::UnitY();
   FiveBarChain c;
-  // A rotation about +y carries x towards -z, that is towards +z down: it increases plane angles.
+  // A rotation about +y carries x towards -z, that is down: it increases plane angles.
   c.shoulder_sign = frames.axis_sign(shoulder, y, "y");
   c.elbow_sign = frames.axis_sign(elbow, y, "y");
   c.shoulder_limits = frames.limits(shoulder);

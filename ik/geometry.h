@@ -15,7 +15,7 @@ struct JointLimits {
 };
 
 /// One of the two chains of a five-bar: shoulder, upper link, elbow, lower link. Vectors lie in the leg's
-/// plane and are written (x forward, z down); plane angles are measured from +x towards +z.
+/// plane and are written (x forward, depth); plane angles are measured from +x towards the depth.
 struct FiveBarChain {
   double shoulder_x = 0;        ///< of the shoulder axis in the leg frame, m
   double upper = 0;             ///< length of the upper link, m
@@ -31,8 +31,8 @@ struct FiveBarChain {
 /// A five-bar leg on a tilt joint. Chain a is shoulder_left (the rear one), chain b shoulder_right.
 ///
 /// The **leg frame** has its origin midway between the two shoulder axes, in the plane of the foot, at zero
-/// tilt; x is forward, y left and z **down**. (It is left-handed: map points with `base_from_leg`, never with
-/// a rotation.)
+/// tilt; its axes are those of the base (x forward, y left, z up): p_BF = p_BL + p_LF. What is below the
+/// shoulders has negative z.
 struct FiveBarGeometry {
   Vector3 p_BL = Vector3::Zero();    ///< origin of the leg frame in the base frame, m
   double side = 1;                   ///< +1 where outward is +y (left legs), -1 for right legs
@@ -63,16 +63,5 @@ LegArray<Vector3> leg_origins(const LegArray<FiveBarGeometry>& legs);
 /// between the
 ///   two shoulders' reach, which `clamp_to_workspace` relies on.
 void validate(const FiveBarGeometry& geometry, const std::string& source);
-
-/// Maps a point of the leg frame (z down) to the base frame (z up), m.
-inline Vector3 base_from_leg(const FiveBarGeometry& geometry, const Vector3& p_LF) {
-  return geometry.p_BL + Vector3(p_LF.x(), p_LF.y(), -p_LF.z());
-}
-
-/// Inverse of `base_from_leg`.
-inline Vector3 leg_from_base(const FiveBarGeometry& geometry, const Vector3& p_BF) {
-  const Vector3 p = p_BF - geometry.p_BL;
-  return {p.x(), p.y(), -p.z()};
-}
 
 }  // namespace crossgait

@@ -61,11 +61,11 @@ PlacedLeg place_leg(const FiveBarGeometry& g, const Vector3& target, WorkingMode
   Vector3 p = target;
   if (!target.allFinite()) {
     leg.status = IkStatus::kInvalidTarget;
-    p = {0, 0, (g.a.upper + g.a.lower + g.b.upper + g.b.lower) / 3};
+    p = {0, 0, -(g.a.upper + g.a.lower + g.b.upper + g.b.lower) / 3};
   }
   p = p.cwiseMax(-kFar).cwiseMin(kFar);
   const double a = g.axis_to_plane_out, b = g.axis_to_shoulder_down;
-  const double Y = g.side * p.y() + a, Z = p.z() + b;
+  const double Y = g.side * p.y() + a, Z = b - p.z();
   const double D2 = Y * Y + Z * Z - a * a, D_min = std::max(b, 0.0);
   const bool too_near = D2 < D_min * D_min;
   const double D = too_near ? D_min : std::sqrt(D2);
@@ -93,7 +93,7 @@ ServoSolution servo_solution(const FiveBarGeometry& g, const PlacedLeg& leg, boo
 /// Foot in the leg frame from its place in the leg's plane and the outward tilt (cos, sin).
 Vector3 tilted(const FiveBarGeometry& g, const Vector2& p, double c, double s) {
   const double a = g.axis_to_plane_out, b = g.axis_to_shoulder_down, D = p.y() + b;
-  return {p.x(), g.side * (a * c + D * s - a), D * c - a * s - b};
+  return {p.x(), g.side * (a * c + D * s - a), b - (D * c - a * s)};
 }
 
 double elbow_margin(const ChainLinks& links) {
@@ -153,9 +153,9 @@ Matrix3 leg_jacobian(const FiveBarGeometry& g, const LegAngles& q) noexcept {
   const double c = std::cos(q.tilt), s = g.tilt_sign * std::sin(q.tilt);
   const double D = foot.y() + g.axis_to_shoulder_down, a = g.axis_to_plane_out;
   Matrix3 J;
-  J.col(0) = g.tilt_sign * Vector3(0, g.side * (D * c - a * s), -(D * s + a * c));
-  J.col(1) = Vector3(column_a.x(), g.side * s * column_a.y(), c * column_a.y());
-  J.col(2) = Vector3(column_b.x(), g.side * s * column_b.y(), c * column_b.y());
+  J.col(0) = g.tilt_sign * Vector3(0, g.side * (D * c - a * s), D * s + a * c);
+  J.col(1) = Vector3(column_a.x(), g.side * s * column_a.y(), -c * column_a.y());
+  J.col(2) = Vector3(column_b.x(), g.side * s * column_b.y(), -c * column_b.y());
   return J;
 }
 

@@ -1,9 +1,10 @@
 // Inverse, forward and differential kinematics of a five-bar leg on a tilt joint.
 //
-// With the foot at lateral distance Y (outward) and depth Z from the tilt axis, a = axis_to_plane_out:
-//   D = sqrt(Y^2 + Z^2 - a^2),   outward tilt = atan2(Y, Z) - atan2(a, D),   depth in the leg's plane d = D -
-//   b,
-// b = axis_to_shoulder_down. With a = b = 0 that is the guide's tilt = atan2(y, |z|).
+// With the foot at lateral distance Y = side y + a (outward) and depth Z = b - z (down) from the tilt axis,
+// a = axis_to_plane_out and b = axis_to_shoulder_down:
+//   D = sqrt(Y^2 + Z^2 - a^2),  outward tilt = atan2(Y, Z) - atan2(a, D),  depth in the leg's plane d = D -
+//   b.
+// With a = b = 0 that is the guide's tilt = atan2(y, |z|).
 #pragma once
 
 #include "crossgait/ik/five_bar.h"
@@ -23,7 +24,7 @@ struct LegSolution {
 /// Joint angles that put the foot's centre on `target`, or on the workspace's boundary if it is out of reach;
 /// see IkStatus. Never NaN, continuous in the target (except on the tilt axis, where "outward" has no
 /// direction).
-/// @param target  foot centre in the leg frame (x forward, y left, z down), m
+/// @param target  foot centre in the leg frame (x forward, y left, z up: negative below the shoulders), m
 [[nodiscard]] LegSolution solve_leg(const FiveBarGeometry& geometry, const Vector3& target,
                                     WorkingMode mode = kDefaultMode) noexcept;
 

@@ -76,8 +76,8 @@ TargetBox reach_bounds(const FiveBarGeometry& g) {
   const double down = std::min(reach_a, reach_b), a = g.axis_to_plane_out, b = g.axis_to_shoulder_down;
   const double around = std::hypot(a, down + b);  // of the foot about the tilt axis
   const double inward = g.side * (-around - a), outward = g.side * (around - a);
-  return {{g.b.shoulder_x - reach_b, std::min(inward, outward), 0},
-          {g.a.shoulder_x + reach_a, std::max(inward, outward), around - b}};
+  return {{g.b.shoulder_x - reach_b, std::min(inward, outward), b - around},
+          {g.a.shoulder_x + reach_a, std::max(inward, outward), 0}};
 }
 
 WorkspaceMap sample_workspace(const FiveBarGeometry& g, WorkingMode mode, const TargetBox& box,

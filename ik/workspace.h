@@ -7,7 +7,7 @@
 
 namespace crossgait {
 
-/// Axis-aligned box of foot targets in the leg frame, m.
+/// Axis-aligned box of foot targets in the leg frame (z up), m.
 struct TargetBox {
   Vector3 min = Vector3::Zero(), max = Vector3::Zero();
 };

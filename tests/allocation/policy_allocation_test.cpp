@@ -33,13 +33,15 @@ class PolicyAllocation : public ScratchFolder {
 TEST_F(PolicyAllocation, None) {
   EXPECT_EQ(allocations_of("zero"), 0U);
   EXPECT_EQ(allocations_of("random"), 0U);
-  EXPECT_EQ(allocations_of(write("scripted.yaml",
-                                 "{kind: scripted, steps: [{time: 0, parameters: {step_height: 0.06}},"
-                                 " {time: 0.1, action: {residual.FL.x: 1}}]}")),
+  EXPECT_EQ(allocations_of(write(
+                "scripted.yaml",
+                "{kind: scripted, layout_version: 2, steps: [{time: 0, parameters: {step_height: 0.06}},"
+                " {time: 0.1, action: {residual.FL.x: 1}}]}")),
             0U);
-  EXPECT_EQ(allocations_of(write("hierarchical.yaml",
-                                 "{kind: hierarchical, planner: {policy: random, observation: [terrain.]},"
-                                 " residual: {policy: random}}")),
+  EXPECT_EQ(allocations_of(write(
+                "hierarchical.yaml",
+                "{kind: hierarchical, layout_version: 2, planner: {policy: random, observation: [terrain.]},"
+                " residual: {policy: random}}")),
             0U);
 }
 

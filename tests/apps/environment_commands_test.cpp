@@ -30,6 +30,7 @@ TEST(EnvCommand, DescribesEveryNumberByName) {
   EXPECT_EQ(result["observation"][0]["unit"], "m");
   EXPECT_TRUE(result["observation"][0]["min"].is_null());
   EXPECT_EQ(result["observation"][77]["name"], "terrain.front_left");
+  EXPECT_EQ(result["layout_version"], kLayoutVersion);
   EXPECT_EQ(result["layout_hash"].get<std::string>().size(), 16U);
 }
 

@@ -133,7 +133,7 @@ TEST(Program, TraceHasOneRowPerControlStep) {
 }
 
 TEST(Program, IkAnswersInJointAngles) {
-  const json down = run_json("ik --target 0,0,0.07 --mode 2");
+  const json down = run_json("ik --target 0,0,-0.07 --mode 2");
   EXPECT_EQ(down["status"], "ok");
   // By hand: shoulder at -.01, tip .07 below the middle: law of cosines with .045 and .060.
   const double reach = std::hypot(0.01, 0.07);
@@ -141,7 +141,14 @@ TEST(Program, IkAnswersInJointAngles) {
   EXPECT_NEAR(down["shoulder_left"], bend - std::atan2(0.01, 0.07), 1e-12);
   EXPECT_NEAR(down["shoulder_right"].get<double>(), -down["shoulder_left"].get<double>(), 1e-12);
   EXPECT_NEAR(down["tilt"], 0.0, 1e-12);
-  EXPECT_EQ(run_json("ik --target 0,0,0.5 --mode 2")["status"], "clamped_too_far");
+  EXPECT_EQ(run_json("ik --target 0,0,-0.5 --mode 2")["status"], "clamped_too_far");
+}
+
+TEST(Program, IkSaysWhichWayZPointsIfATargetLiesAbove) {
+  const std::string hint = "hint: z points up";
+  EXPECT_NE(run_program("ik --target 0,0,0.07").out.find(hint), std::string::npos);
+  EXPECT_EQ(run_program("ik --target 0,0,-0.07").out.find(hint), std::string::npos);
+  EXPECT_EQ(run_program("ik --target 0,0,-0.5").out.find(hint), std::string::npos);
 }
 
 TEST(Program, GaitPrintsTargetsOverTime) {
@@ -153,7 +160,11 @@ TEST(Program, GaitPrintsTargetsOverTime) {
   std::getline(text, line);
   EXPECT_EQ(line, "t,FL.x,FL.y,FL.z,FR.x,FR.y,FR.z,RL.x,RL.y,RL.z,RR.x,RR.y,RR.z");
   int rows = 0;
-  while (std::getline(text, line)) ++rows;
+  while (std::getline(text, line)) {
+    if (rows++ == 0) {
+      EXPECT_EQ(std::stod(line.substr(line.rfind(',') + 1)), -0.05);  // RR at body_height below its shoulders
+    }
+  }
   EXPECT_EQ(rows, 9);  // both ends
 }
 
@@ -170,7 +181,7 @@ TEST(Program, TerrainIsSampledAndWritten) {
 }
 
 TEST(Program, JsonGoesToAFileToo) {
-  const ProgramResult result = run_program("ik --target 0,0,0.07 --json program_ik.json");
+  const ProgramResult result = run_program("ik --target 0,0,-0.07 --json program_ik.json");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_NE(result.out.find("shoulder_left"), std::string::npos);
   std::ifstream file("program_ik.json");
@@ -199,8 +210,8 @@ TEST(ProgramBadInput, NamesWhatWasWrong) {
   expect_bad_input("compare --engines " + available_engines().front(), {"--engines", "two"});
   expect_bad_input("ik --target 1,2", {"--target", "1,2"});
   expect_bad_input("ik --target 1,2,x", {"--target", "x"});
-  expect_bad_input("ik --target 0,0,.07 --mode 5", {"--mode", "5"});
-  expect_bad_input("ik --target 0,0,.07 --leg XX", {"--leg", "XX"});
+  expect_bad_input("ik --target 0,0,-.07 --mode 5", {"--mode", "5"});
+  expect_bad_input("ik --target 0,0,-.07 --leg XX", {"--leg", "XX"});
   expect_bad_input("gait --dt 0", {"--dt"});
   expect_bad_input("gait --seconds -2", {"--seconds"});
   expect_bad_input("terrain flat --png flat.png", {"--png", "plane"});

@@ -134,7 +134,7 @@ class HierarchicalPolicyFile : public ScratchFolder {
  protected:
   std::unique_ptr<Policy> make(const std::string& yaml,
                                const PolicyInterface& interface = small_interface()) {
-    return make_policy(write("h.yaml", "kind: hierarchical\n" + yaml), interface);
+    return make_policy(write("h.yaml", "kind: hierarchical\nlayout_version: 2\n" + yaml), interface);
   }
   std::string error_of(const std::string& yaml, const PolicyInterface& interface = small_interface()) {
     const std::string message = config_error([&] { (void)make(yaml, interface); }).what();
@@ -149,7 +149,8 @@ TEST_F(HierarchicalPolicyFile, ReadsMembersBesideIt) {
             (std::vector<std::string>{"terrain.front", "terrain.back", "p_WB.x"}));
   const MlpNetwork network = random_network(planner, {8});
   write_policy_bundle(path("planner.safetensors"), network, planner);
-  write("residual.yaml", "kind: scripted\nsteps: [{time: 0.004, action: {residual.FL.z: -0.5}}]\n");
+  write("residual.yaml",
+        "kind: scripted\nlayout_version: 2\nsteps: [{time: 0.004, action: {residual.FL.z: -0.5}}]\n");
   const auto policy = make(
       "planner: {policy: planner.safetensors, observation: [terrain., p_WB.x], dt: 0.004}\n"
       "residual: {policy: residual.yaml}\n");
@@ -175,27 +176,37 @@ TEST_F(HierarchicalPolicyFile, PlansAtTenHertzUnlessToldOtherwise) {
 TEST_F(HierarchicalPolicyFile, RefusesWhatDoesNotFit) {
   const std::string zero = "residual: {policy: zero}\n";
   EXPECT_EQ(error_of("planner: {policy: zero, rate: 10}\n" + zero),
-            "h.yaml: line 2, planner.rate: expected one of the keys policy, observation, dt, found unknown "
+            "h.yaml: line 3, planner.rate: expected one of the keys policy, observation, dt, found unknown "
             "key 'rate'");
   EXPECT_EQ(error_of(zero), "h.yaml: top level: expected key 'planner', found none");
   EXPECT_EQ(error_of("planner: {policy: zero, observation: [terrain.left]}\n" + zero),
-            "h.yaml: line 2, planner: observation terrain.left: expected one of p_WB.x, param.step_height, "
+            "h.yaml: line 3, planner: observation terrain.left: expected one of p_WB.x, param.step_height, "
             "terrain.front, terrain.back, or a beginning that ends in '.', found an unknown entry");
   EXPECT_EQ(error_of("planner: {policy: zero, observation: [terrain.front, terrain.]}\n" + zero),
-            "h.yaml: line 2, planner: observation: expected each entry once, found terrain.front twice");
+            "h.yaml: line 3, planner: observation: expected each entry once, found terrain.front twice");
   EXPECT_EQ(error_of("planner: {policy: zero, observation: []}\n" + zero),
-            "h.yaml: line 2, planner.observation: expected at least one name, found none");
+            "h.yaml: line 3, planner.observation: expected at least one name, found none");
   EXPECT_EQ(error_of("planner: {policy: zero, dt: 0.003}\n" + zero),
             "h.yaml: planner.dt: expected a multiple of the policy step, 0.002 s, found 0.003 s");
   PolicyInterface no_deltas = small_interface();
   no_deltas.action = layout_of({"residual.FL.x"});
   EXPECT_EQ(error_of("planner: {policy: zero}\n" + zero, no_deltas),
-            "h.yaml: line 2, planner: action: expected entries delta.*, found none");
+            "h.yaml: line 3, planner: action: expected entries delta.*, found none");
+}
+
+TEST_F(HierarchicalPolicyFile, RefusesMembersOfAnotherLayoutVersion) {
+  const std::string scripted = "kind: scripted\nsteps: [{time: 0, action: {residual.FL.z: -0.5}}]\n";
+  const std::string member = write("residual.yaml", scripted);
+  const std::string yaml = "planner: {policy: zero}\nresidual: {policy: residual.yaml}\n";
+  EXPECT_EQ(std::string(config_error([&] { (void)make(yaml); }).what()),
+            member +
+                ": layout_version: expected 2 (leg frames with z up), found none, which means 1: written "
+                "for leg frames with z down");
 }
 
 TEST_F(HierarchicalPolicyFile, CannotBeItsOwnMember) {
   EXPECT_EQ(error_of("planner: {policy: h.yaml}\nresidual: {policy: zero}\n"),
-            "h.yaml: line 3, residual: action: expected entries residual.*, found none");
+            "h.yaml: line 4, residual: action: expected entries residual.*, found none");
 }
 
 }  // namespace

@@ -167,11 +167,24 @@ TEST_F(MlpPolicyTest, SaysWhatDiffersInAnotherLayout) {
   const std::string message = error_for(other);
   EXPECT_EQ(message, "layout_hash: expected " + layout_hash(other.observation, other.action) + ", found " +
                          layout_hash(small_interface().observation, small_interface().action) +
-                         ": names agree, so units of some entries differ");
+                         ": names agree, so units of some entries differ, or the hash is not that of "
+                         "docs/policies.md");
   other = small_interface();
   other.policy_dt = 0.02;
   EXPECT_EQ(error_for(other),
             "policy_dt: expected 0.02 s, the environment's, found a policy trained for 0.002 s");
+}
+
+TEST_F(MlpPolicyTest, RefusesBundlesOfAnotherLayoutVersion) {
+  const std::string expected = "layout_version: expected 2 (leg frames with z up), found ";
+  EXPECT_EQ(error_after([](TensorFile& file) { EXPECT_EQ(file.metadata.erase("layout_version"), 1U); }),
+            expected + "none, which means 1: trained for leg frames with z down");
+  EXPECT_EQ(error_after(with_metadata("layout_version", "1")),
+            expected + "1: trained for leg frames with z down");
+  for (const std::string other : {"3", "0", "", "2.0", "two"}) {
+    EXPECT_EQ(error_after(with_metadata("layout_version", other)),
+              expected + "'" + other + "', which is not known here");
+  }
 }
 
 TEST_F(MlpPolicyTest, RefusesIncompleteAndContradictoryBundles) {

@@ -130,5 +130,32 @@ TEST_F(MakePolicy, RefusesWhatIsNoPolicy) {
   EXPECT_EQ(error_of(file), file + ": line 1, kind: expected scripted or hierarchical, found 'clever'");
 }
 
+TEST_F(MakePolicy, RefusesDescriptionsOfAnotherLayoutVersion) {
+  const auto error_of = [this](const std::string& yaml) {
+    const std::string file = write("p.yaml", yaml);
+    return std::string(config_error([&] { (void)make_policy(file, small_interface()); }).what())
+        .substr(file.size() + 2);
+  };
+  const std::string expected = "layout_version: expected 2 (leg frames with z up), found ";
+  const std::string members = "planner: {policy: zero}\nresidual: {policy: zero}\n";
+  for (const std::string& yaml :
+       {std::string("kind: scripted\nsteps: [{time: 0}]\n"), "kind: hierarchical\n" + members}) {
+    EXPECT_EQ(error_of(yaml), expected + "none, which means 1: written for leg frames with z down");
+    EXPECT_EQ(error_of(yaml + "layout_version: 1\n"),
+              "line " + std::to_string(std::count(yaml.begin(), yaml.end(), '\n') + 1) + ", " + expected +
+                  "1: written for leg frames with z down");
+    EXPECT_NO_THROW((void)make_policy(write("p.yaml", yaml + "layout_version: 2\n"), small_interface()));
+  }
+  EXPECT_EQ(error_of("layout_version: 3\nkind: scripted\n"),
+            "line 1, " + expected + "'3', which is not known here");
+  EXPECT_EQ(error_of("{kind: scripted, layout_version: two}\n"),
+            "line 1, " + expected + "'two', which is not known here");
+}
+
+TEST(LayoutHash, IsThatOfTheDocument) {
+  // By layout_hash of docs/policies.md: the exporter in Python must agree.
+  EXPECT_EQ(layout_hash(small_interface().observation, small_interface().action), "fca41285ee111649");
+}
+
 }  // namespace
 }  // namespace crossgait

@@ -26,13 +26,13 @@ std::unique_ptr<PhysicsBackend> any_backend() {
 
 LegArray<Vector3> standing_feet() {
   LegArray<Vector3> feet;
-  feet.fill(Vector3(0, 0, 0.06));
+  feet.fill(Vector3(0, 0, -0.06));
   return feet;
 }
 
 TEST(LegController, UnreachableStandingFootIsAnError) {
   LegArray<Vector3> feet = standing_feet();
-  feet[Leg::RL].z() = 0.5;
+  feet[Leg::RL].z() = -0.5;
   const LegController legs(*robot());
   EXPECT_THROW((void)legs.standing_state(feet, Terrain()), ConfigError);
 }
@@ -42,7 +42,7 @@ TEST(LegController, CountsTargetsOutOfReach) {
   LegArray<Vector3> feet = standing_feet();
   legs.update(feet, 2e-3);
   EXPECT_EQ(legs.clamped(), 0);
-  feet[Leg::FR].z() = 0.5;
+  feet[Leg::FR].z() = -0.5;
   EXPECT_TRUE(legs.update(feet, 2e-3).q.allFinite());
   EXPECT_EQ(legs.clamped(), 1);
   EXPECT_EQ(legs.status()[Leg::FR], IkStatus::kClampedTooFar);
@@ -66,18 +66,18 @@ TEST(LegController, LeadVanishesAtRestAndGrowsWithSpeed) {
 
 TEST(LegController, HoldsUpTheLoadOfStandingLegs) {
   // A servo's lead times its stiffness is a torque, and the torques of all legs do the work of lifting the
-  // weight: tau . theta' = load z' for any velocity of the foot.
+  // weight: tau . theta' = load d' for any velocity d' of the foot downward.
   LegController plain(*robot(), ServoCompensation::none());
   LegController lifting(*robot(), {.lag = false, .load_share = 1});
   LegArray<Vector3> feet = standing_feet();
-  feet[Leg::FR].z() -= 0.01;  // in the air
+  feet[Leg::FR].z() += 0.01;  // in the air
   const JointVector lead = lifting.update(feet, 0).q - plain.update(feet, 0).q;
   const std::vector<int> joints = robot()->actuated_joints();
   const double third = robot()->total_mass() * 9.81 / 3, h = 1e-6;
   for (const Leg leg : kLegs) {
     LegArray<Vector3> up = feet, down = feet;
-    up[leg].z() -= h;
-    down[leg].z() += h;
+    up[leg].z() += h;
+    down[leg].z() -= h;
     const JointVector rate =
         (JointVector(plain.update(down, 0).q) - JointVector(plain.update(up, 0).q)) / (2 * h);
     double force = 0;
@@ -92,11 +92,11 @@ TEST(LegController, HoldsUpTheLoadOfStandingLegs) {
 TEST(LoadShares, PassSmoothlyToTheLowestFeet) {
   LegArray<Vector3> feet = standing_feet();
   for (const double share : load_shares(feet, 0.005)) EXPECT_DOUBLE_EQ(share, 0.25);
-  feet[Leg::FL].z() -= 0.0025;
+  feet[Leg::FL].z() += 0.0025;
   const LegArray<double> halfway = load_shares(feet, 0.005);
   EXPECT_NEAR(halfway[Leg::FL], 0.5 / 3.5, 1e-12);  // rounding
   EXPECT_NEAR(halfway[Leg::RR], 1 / 3.5, 1e-12);
-  feet[Leg::FL].z() -= 0.02;
+  feet[Leg::FL].z() += 0.02;
   EXPECT_EQ(load_shares(feet, 0.005)[Leg::FL], 0);
 }
 
@@ -104,7 +104,7 @@ TEST(ElbowDrag, IsThePowerThatTheElbowsDissipate) {
   // Virtual work: tau . theta' must equal d (elbow_left'^2 + elbow_right'^2), with rates by central
   // differences.
   const FiveBarGeometry g = five_bar_geometry(*robot(), Leg::FL);
-  const Vector3 foot(0.012, 0.015, 0.062), velocity(0.3, -0.1, 0.2);
+  const Vector3 foot(0.012, 0.015, -0.062), velocity(0.3, -0.1, -0.2);
   const double d = 0.02, h = 1e-6;
   const LegAngles at = solve_leg(g, foot).angles;
   const LegAngles before = solve_leg(g, foot - h * velocity).angles,

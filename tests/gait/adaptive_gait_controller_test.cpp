@@ -92,6 +92,19 @@ TEST(AdaptiveGait, ResidualsAreClippedAndActAtOnce) {
   }
 }
 
+TEST(AdaptiveGait, APositiveZResidualRaisesTheFoot) {
+  AdaptiveGaitController c = controller(), plain = controller();
+  std::vector<double> action = zeros(c);
+  action[6] = 0.5;  // FL z
+  c.apply_action(action);
+  c.update(kDt);
+  plain.update(kDt);
+  const double stand = plain.targets()[Leg::RR].position.z(), z = plain.targets()[Leg::FL].position.z();
+  EXPECT_LT(stand, 0);  // below the shoulders, and up is towards them
+  EXPECT_EQ(c.targets()[Leg::FL].position.z(), z + 0.005);
+  EXPECT_EQ(c.targets()[Leg::RR].position.z(), stand);
+}
+
 TEST(AdaptiveGait, NormalisesParametersInTheOrderOfTheNames) {
   AdaptiveGaitOptions options;
   options.parameters = {"cycle_time", "step_height"};

@@ -26,7 +26,7 @@ TEST(BezierSwing, IsTheGuidesCurve) {
     for (double u = 0; u <= 1; u += 0.01) {
       const Vector3 foot = target(p, true, u);
       EXPECT_NEAR(foot.x(), bernstein(u, -s, -s * k, s * k, s), 1e-16);  // roundings of centimetres
-      EXPECT_NEAR(foot.z(), bernstein(u, h, l, l, h), 1e-16);            // as above
+      EXPECT_NEAR(foot.z(), -bernstein(u, h, l, l, h), 1e-16);           // as above
     }
   }
 }
@@ -76,7 +76,7 @@ TEST_P(Path, IsClosed) {
   EXPECT_EQ(target(p, true, 0), target(p, false, 1));
   EXPECT_EQ(target(p, true, 1), target(p, false, 0));
   EXPECT_EQ(target(p, true, 0).x(), -p.step_length / 2);
-  EXPECT_EQ(target(p, false, 0).z(), p.body_height);
+  EXPECT_EQ(target(p, false, 0).z(), -p.body_height);
 }
 
 TEST_P(Path, StanceIsAStraightSweepAtConstantSpeedAndDepth) {
@@ -84,7 +84,7 @@ TEST_P(Path, StanceIsAStraightSweepAtConstantSpeedAndDepth) {
   for (double w = 0; w <= 1; w += 0.125) {
     const Vector3 foot = target(p, false, w);
     EXPECT_NEAR(foot.x(), p.step_length * (0.5 - w), 1e-17);  // roundings of centimetres
-    EXPECT_EQ(foot.z(), p.body_height);
+    EXPECT_EQ(foot.z(), -p.body_height);
   }
   EXPECT_EQ(nominal_speed(p, 0.5), 0.06 / 0.4);
 }

@@ -37,10 +37,10 @@ TEST(GaitGenerator, TrotIsTheGuides) {
       const bool swing = (phase < 0.5) == pair_a;
       const double u = 2 * (phase < 0.5 ? phase : phase - 0.5), v = 1 - u;
       const double k = p.swing_shape;
-      Vector3 expected(s - 2 * s * u, side_sign(leg) * 0.04, h);
+      Vector3 expected(s - 2 * s * u, side_sign(leg) * 0.04, -h);
       if (swing) {
         expected.x() = -s * v * v * v - 3 * s * k * v * v * u + 3 * s * k * v * u * u + s * u * u * u;
-        expected.z() = h * (v * v * v + u * u * u) + 3 * l * v * u;
+        expected.z() = -(h * (v * v * v + u * u * u) + 3 * l * v * u);
       }
       // The clock sums 800 steps, 1e-16 of a cycle each; a foot moves .2 m in one at most.
       ASSERT_LT((targets[leg].position - expected).norm(), 2e-14) << i << " " << name(leg);
@@ -140,7 +140,7 @@ TEST(GaitGenerator, ChangesCurveWithoutAJump) {
                               test::top_foot_speed({}, g.effective().step, g.duty(), SwingCurve::kMatched));
   run(g, 0.2);  // pair a in mid-swing
   ASSERT_TRUE(g.set_parameters(p));
-  double apex = 1;
+  double apex = -1;
   LegArray<FootTarget> before = g.targets();
   for (int i = 0; i < 800; ++i) {
     g.update(kDt);
@@ -148,10 +148,10 @@ TEST(GaitGenerator, ChangesCurveWithoutAJump) {
       ASSERT_LE((g.targets()[leg].position - before[leg].position).norm(),
                 1.001 * top * kDt);  // of the sampled top
     }
-    if (i > 400) apex = std::min(apex, g.targets()[Leg::FL].position.z());
+    if (i > 400) apex = std::max(apex, g.targets()[Leg::FL].position.z());
     before = g.targets();
   }
-  EXPECT_LT(apex, 1e-3);  // the matched curve lifts fully, the Bezier to a quarter of .05 m
+  EXPECT_GT(apex, -1e-3);  // the matched curve lifts fully, the Bezier to a quarter of .05 m
 }
 
 TEST(GaitGenerator, RefusesNonsenseAndStaysAsItWas) {
@@ -298,14 +298,14 @@ TEST(Command, ZeroStandsAndWalkingResumesFromTheStand) {
   run(g, 5);
   ASSERT_TRUE(g.is_standing());
   for (const Leg leg : kLegs) {
-    EXPECT_EQ(g.targets()[leg].position, Vector3(0, side_sign(leg) * 0.04, 0.05));
+    EXPECT_EQ(g.targets()[leg].position, Vector3(0, side_sign(leg) * 0.04, -0.05));
     EXPECT_FALSE(g.targets()[leg].swing);
   }
   GaitParameters lower;
   lower.body_height = 0.045;
   ASSERT_TRUE(g.set_parameters(lower));  // standing robots can still crouch
   run(g, 1);
-  EXPECT_EQ(g.targets()[Leg::FL].position.z(), 0.045);
+  EXPECT_EQ(g.targets()[Leg::FL].position.z(), -0.045);
   EXPECT_TRUE(g.is_standing());
   ASSERT_TRUE(g.set_command({0.1, 0, 0}));
   g.update(kDt);
@@ -357,7 +357,7 @@ TEST(StandingStart, BeginsWithAllFeetInPlace) {
   GaitGenerator g = generator();
   g.reset(GaitGenerator::Start::kStanding);
   EXPECT_TRUE(g.is_standing());
-  for (const Leg leg : kLegs) EXPECT_EQ(g.targets()[leg].position, Vector3(0, side_sign(leg) * 0.04, 0.05));
+  for (const Leg leg : kLegs) EXPECT_EQ(g.targets()[leg].position, Vector3(0, side_sign(leg) * 0.04, -0.05));
   run(g, 2);
   EXPECT_EQ(g.effective().lift_scale, 1);
   EXPECT_EQ(g.effective().step[Leg::FR], Vector2(0.06, 0));

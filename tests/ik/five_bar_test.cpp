@@ -92,10 +92,10 @@ TEST(FiveBar, ModesBendTheKneesAsNamed) {
 
 TEST(FiveBar, BothTipsMeetAtTheTargetInEveryMode) {
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> x(-0.09, 0.09), z(0, 0.105);
+  std::uniform_real_distribution<double> x(-0.09, 0.09), depth(0, 0.105);
   int reachable = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Vector2 target(x(random), z(random));
+    const Vector2 target(x(random), depth(random));
     for (const WorkingMode mode : kModes) {
       const FiveBarSolution s = solve_five_bar(leg(), target.x(), target.y(), mode);
       if (s.status != IkStatus::kOk) continue;

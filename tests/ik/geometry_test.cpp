@@ -150,13 +150,5 @@ TEST(FiveBarGeometry, OfARobotWithoutLegsIsAnError) {
   EXPECT_THROW(five_bar_geometry(r, Leg::FL), ConfigError);
 }
 
-TEST(LegFrame, PointsDownAndMapsBack) {
-  const FiveBarGeometry g = test::hand_made_leg(Leg::RR);
-  const Vector3 p_LF(0.01, -0.02, 0.05);
-  // Mount (-.075, -.038, .0125), shoulders .024 outward and .010 below, foot .05 below them.
-  EXPECT_LT((base_from_leg(g, p_LF) - Vector3(-0.065, -0.082, -0.0475)).norm(), kRounding);
-  EXPECT_LT((leg_from_base(g, base_from_leg(g, p_LF)) - p_LF).norm(), kRounding);
-}
-
 }  // namespace
 }  // namespace crossgait

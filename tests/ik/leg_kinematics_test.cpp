@@ -23,7 +23,7 @@ Vector3 random_target(std::mt19937& random) {
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  return {uniform(-0.09, 0.09), uniform(-0.09, 0.09), uniform(0, 0.1)};
+  return {uniform(-0.09, 0.09), uniform(-0.09, 0.09), -uniform(0, 0.1)};
 }
 
 std::vector<FiveBarGeometry> robot_legs(const char* robot) {
@@ -56,7 +56,7 @@ Vector3 foot_by_chain_a(const FiveBarGeometry& g, const LegAngles& q) {
   const double d = g.a.upper * std::sin(upper) + g.a.lower * std::sin(lower);
   const double outward = g.tilt_sign * q.tilt, D = d + g.axis_to_shoulder_down, a = g.axis_to_plane_out;
   return {x, g.side * (a * std::cos(outward) + D * std::sin(outward) - a),
-          D * std::cos(outward) - a * std::sin(outward) - g.axis_to_shoulder_down};
+          g.axis_to_shoulder_down + a * std::sin(outward) - D * std::cos(outward)};
 }
 
 bool chains_alike(const FiveBarGeometry& g) { return g.a.upper == g.b.upper && g.a.lower == g.b.lower; }
@@ -116,7 +116,7 @@ TEST(SolveLeg, TiltIsTheDesignsEquation) {
     const FiveBarGeometry g = test::hand_made_leg(leg);
     const double a = 0.024, b = 0.010, side = side_sign(leg);
     for (const double outward : {-0.04, -0.01, 0.0, 0.02, 0.05}) {
-      const LegSolution s = solve_leg(g, {0.01, side * outward, 0.05});
+      const LegSolution s = solve_leg(g, {0.01, side * outward, -0.05});
       ASSERT_EQ(s.status, IkStatus::kOk);
       const double Y = outward + a, Z = 0.05 + b, D = std::sqrt(Y * Y + Z * Z - a * a);
       // The joint turns about +x: outward is positive on the left, negative on the right. Roundings of angles
@@ -130,7 +130,7 @@ TEST(SolveLeg, WithoutOffsetsTiltIsTheGuides) {
   FiveBarGeometry g = test::hand_made_leg(Leg::FL);
   g.axis_to_plane_out = g.axis_to_shoulder_down = 0;
   for (const double y : {-0.03, 0.0, 0.01, 0.04}) {
-    EXPECT_NEAR(solve_leg(g, {0, y, 0.05}).angles.tilt, std::atan2(y, 0.05),
+    EXPECT_NEAR(solve_leg(g, {0, y, -0.05}).angles.tilt, std::atan2(y, 0.05),
                 1e-15);  // rounding of an angle < 1
   }
 }
@@ -140,7 +140,7 @@ TEST(SolveLeg, HomePostureIsTheRobotFiles) {
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
     const LegSolution s =
-        solve_leg(five_bar_geometry(robot, leg), {0, 0, 0.07});  // "feet .07 m below the shoulders"
+        solve_leg(five_bar_geometry(robot, leg), {0, 0, -0.07});  // "feet .07 m below the shoulders"
     // robot.yaml gives 13 decimals and its loader closes the loops to rounding.
     EXPECT_NEAR(s.angles.tilt, robot.home[model.tilt], 1e-12);
     EXPECT_NEAR(s.angles.shoulder_left, robot.home[model.shoulder_left], 1e-12);
@@ -181,7 +181,7 @@ TEST_P(WholeRobot, HasItsFeetAtTheTargets) {
     // The demand on every engine is 1e-9 m; here only roundings of positions below 1 m.
     ASSERT_LT(max_loop_gap(robot, poses), 1e-12);
     for (const Leg leg : kLegs) {
-      const Vector3 wanted = state.X_WB() * base_from_leg(legs[leg], targets[leg]);
+      const Vector3 wanted = state.X_WB() * (legs[leg].p_BL + targets[leg]);
       ASSERT_LT((foot_position(robot, leg, poses) - wanted).norm(), 1e-12) << name(leg);
       ++checked;
     }
@@ -194,15 +194,16 @@ INSTANTIATE_TEST_SUITE_P(, WholeRobot, testing::Values("scara_quadruped", "scara
 
 TEST(SolveLeg, UnreachableTargetsMoveToTheBoundary) {
   const FiveBarGeometry g = test::hand_made_leg(Leg::RL);
-  const LegSolution far = solve_leg(g, {0, 0, 0.2});
+  const LegSolution far = solve_leg(g, {0, 0, -0.2});
   EXPECT_EQ(far.status, IkStatus::kClampedTooFar);
   // Straight below, both chains stretched: sqrt(.105^2 - .010^2).
-  EXPECT_LT((foot_by_chain_a(g, far.angles) - Vector3(0, 0, std::sqrt(0.105 * 0.105 - 1e-4))).norm(), 1e-15);
-  const LegSolution near = solve_leg(g, {0, 0, 0.001});
+  EXPECT_LT((foot_by_chain_a(g, far.angles) - Vector3(0, 0, -std::sqrt(0.105 * 0.105 - 1e-4))).norm(), 1e-15);
+  const LegSolution near = solve_leg(g, {0, 0, -0.001});
   EXPECT_EQ(near.status, IkStatus::kClampedTooNear);
-  EXPECT_LT((foot_by_chain_a(g, near.angles) - Vector3(0, 0, std::sqrt(0.015 * 0.015 - 1e-4))).norm(), 1e-15);
+  EXPECT_LT((foot_by_chain_a(g, near.angles) - Vector3(0, 0, -std::sqrt(0.015 * 0.015 - 1e-4))).norm(),
+            1e-15);
   // On the tilt axis itself no direction is outward: still an answer.
-  EXPECT_EQ(solve_leg(g, {0, -0.024, -0.010}).status, IkStatus::kClampedTooNear);
+  EXPECT_EQ(solve_leg(g, {0, -0.024, 0.010}).status, IkStatus::kClampedTooNear);
 }
 
 TEST(SolveLeg, IsContinuousInTheTarget) {
@@ -214,7 +215,7 @@ TEST(SolveLeg, IsContinuousInTheTarget) {
   for (int i = 0; i < 20000; ++i) {
     const Vector3 p(spread(random), spread(random), spread(random));
     // A turn of the tilt joint past half a revolution is no neighbour of its start.
-    if (p.z() < 0.005) continue;
+    if (p.z() > -0.005) continue;
     const Vector3 q = p + 1e-8 * Vector3(spread(random), spread(random), spread(random)).normalized();
     const LegSolution at_p = solve_leg(g, p), at_q = solve_leg(g, q);
     ASSERT_LT((foot_by_chain_a(g, at_p.angles) - foot_by_chain_a(g, at_q.angles)).norm(), 5e-5)
@@ -224,10 +225,10 @@ TEST(SolveLeg, IsContinuousInTheTarget) {
 
 TEST(SolveLeg, JointLimitsClampAndTheElbowsFollow) {
   FiveBarGeometry g = test::hand_made_leg(Leg::FL);
-  const LegSolution wanted = solve_leg(g, {0.02, 0.03, 0.06});
+  const LegSolution wanted = solve_leg(g, {0.02, 0.03, -0.06});
   g.tilt_limits = {-1, 0.9 * wanted.angles.tilt};
   g.b.shoulder_limits = {wanted.angles.shoulder_right + 0.1, 2};
-  const LegSolution clamped = solve_leg(g, {0.02, 0.03, 0.06});
+  const LegSolution clamped = solve_leg(g, {0.02, 0.03, -0.06});
   EXPECT_EQ(clamped.status, IkStatus::kClampedJointLimit);
   EXPECT_EQ(clamped.angles.tilt, g.tilt_limits.upper);
   EXPECT_EQ(clamped.angles.shoulder_right, g.b.shoulder_limits.lower);
@@ -237,7 +238,7 @@ TEST(SolveLeg, JointLimitsClampAndTheElbowsFollow) {
   ASSERT_TRUE(p.closed);
   EXPECT_LT((foot_by_chain_a(g, clamped.angles) - p.foot).norm(), 1e-15);  // both chains end in one point
   // Too far and past a limit: the first trouble is the one told, and the elbows still follow.
-  const LegSolution both = solve_leg(g, {0.12, 0.01, 0.02});
+  const LegSolution both = solve_leg(g, {0.12, 0.01, -0.02});
   EXPECT_EQ(both.status, IkStatus::kClampedTooFar);
   EXPECT_EQ(both.angles.shoulder_right, g.b.shoulder_limits.lower);
   const LegPosition q =
@@ -249,8 +250,8 @@ TEST(SolveLeg, JointLimitsClampAndTheElbowsFollow) {
 TEST(SolveLeg, NonsenseIsReportedAndFinite) {
   const FiveBarGeometry g = test::hand_made_leg(Leg::FL);
   const double infinity = std::numeric_limits<double>::infinity();
-  for (const Vector3& bad : {Vector3(kNaN, 0, 0.05), Vector3(0, kNaN, 0.05), Vector3(0, 0, kNaN),
-                             Vector3(infinity, 0, 0.05), Vector3(0, 0, -infinity)}) {
+  for (const Vector3& bad : {Vector3(kNaN, 0, -0.05), Vector3(0, kNaN, -0.05), Vector3(0, 0, kNaN),
+                             Vector3(infinity, 0, -0.05), Vector3(0, 0, infinity)}) {
     for (const WorkingMode mode : kModes) {
       const LegSolution s = solve_leg(g, bad, mode);
       EXPECT_EQ(s.status, IkStatus::kInvalidTarget);
@@ -258,7 +259,7 @@ TEST(SolveLeg, NonsenseIsReportedAndFinite) {
       EXPECT_TRUE(std::isfinite(s.angles.shoulder_right) && std::isfinite(s.angles.elbow_right));
     }
   }
-  const LegSolution huge = solve_leg(g, {1e300, -1e300, 1e300});
+  const LegSolution huge = solve_leg(g, {1e300, -1e300, -1e300});
   EXPECT_EQ(huge.status, IkStatus::kClampedTooFar);
   EXPECT_TRUE(foot_by_chain_a(g, huge.angles).allFinite());
 }
@@ -295,7 +296,7 @@ TEST(LegJacobian, IsTheDerivativeOfTheForwardKinematics) {
 
 TEST(LegMargins, MeasureTheirAngles) {
   FiveBarGeometry g = test::hand_made_leg(Leg::FL);
-  const LegSolution s = solve_leg(g, {0, 0, 0.07});
+  const LegSolution s = solve_leg(g, {0, 0, -0.07});
   // Symmetric posture: knees at the cosine rule's angle, lower links leaning in by half their opening.
   const double r2 = 0.07 * 0.07 + 1e-4;
   const double bend = std::acos((r2 - 0.045 * 0.045 - 0.06 * 0.06) / (2 * 0.045 * 0.06));
@@ -312,11 +313,11 @@ TEST(LegMargins, MeasureTheirAngles) {
 TEST(LegMargins, VanishAtTheSingularities) {
   const FiveBarGeometry g = test::hand_made_leg(Leg::FL);
   // Stretched: the bend is the root of a rounding error relative to 1, 1.5e-8.
-  EXPECT_LT(leg_margins(g, solve_leg(g, {0, 0, 0.2}).angles).serial, 1e-7);
+  EXPECT_LT(leg_margins(g, solve_leg(g, {0, 0, -0.2}).angles).serial, 1e-7);
   // Both elbows on one point (0, .0439), lower links together: parallel. Mode 4 with the foot .06 to the
   // right.
   const double depth = std::sqrt(0.045 * 0.045 - 1e-4);
-  const LegSolution together = solve_leg(g, {0.06, 0, depth}, WorkingMode::kBothDown);
+  const LegSolution together = solve_leg(g, {0.06, 0, -depth}, WorkingMode::kBothDown);
   EXPECT_EQ(together.status, IkStatus::kOk);
   EXPECT_LT(leg_margins(g, together.angles).parallel, 1e-14);  // roundings of an angle
 }

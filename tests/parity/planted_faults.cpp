@@ -117,7 +117,7 @@ GaitSource careful_crawl(const RobotDescription& robot) {
       const bool swings = p < kSwing;
       const double s = swings ? smooth(p / kSwing) - 0.5 : 0.5 - (p - kSwing) / (1 - kSwing);
       const double up = swings ? std::sin(M_PI * p / kSwing) : 0;
-      feet[leg] = rest[leg] + grown * Vector3(kStep * s, 0, -kLift * up) - lean;
+      feet[leg] = rest[leg] + grown * Vector3(kStep * s, 0, kLift * up) - lean;
     }
     return feet;
   }};
