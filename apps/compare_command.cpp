@@ -70,10 +70,13 @@ void add_compare_command(CLI::App& program) {
                    "When two engines count as apart, m (engines with the same contact law: 1e-6)")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  command->add_option("--joint-tolerance", options->compare.tolerances.joint, "The same for joint angles, rad")
+  command
+      ->add_option("--joint-tolerance", options->compare.tolerances.joint, "The same for joint angles, rad")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  command->add_option("--attitude-tolerance", options->compare.tolerances.attitude, "The same for orientation, rad")
+  command
+      ->add_option("--attitude-tolerance", options->compare.tolerances.attitude,
+                   "The same for orientation, rad")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   command

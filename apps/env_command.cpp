@@ -6,6 +6,7 @@
 
 #include "crossgait/apps/env_options.h"
 #include "crossgait/parity/table.h"
+#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
@@ -67,7 +68,7 @@ void list_tables(const Options& options) {
     json["randomisation"].push_back(
         {{"name", row.name}, {"unit", row.unit}, {"min", row.min}, {"max", row.max}, {"help", row.help}});
   }
-  options.json.emit(blocks.str() + "\n" + terms.str() + "\n" + ranges.str(), json);
+  options.json.emit(blocks.str() + "\n" + terms.str() + "\n" + ranges.str(), with_schema("env", json));
 }
 
 void describe(const Options& options, const EnvConfig& config) {
@@ -82,7 +83,7 @@ void describe(const Options& options, const EnvConfig& config) {
       fmt::format("{} actions and {} observations every {:g} ms, layout {} of version {}\n\n{}\n{}",
                   action.size(), observation.size(), 1e3 * config.policy_dt, hash, layout_version_in_words(),
                   layout_table("action", action), layout_table("observation", observation)),
-      json);
+      with_schema("env", json));
 }
 
 void run(const Options& options) {
@@ -90,7 +91,7 @@ void run(const Options& options) {
   const EnvConfig config = options.env.make();
   if (options.yaml) {
     const std::string text = to_yaml(config);
-    return options.json.emit(text, ordered_json{{"yaml", text}});
+    return options.json.emit(text, with_schema("env", {{"yaml", text}}));
   }
   describe(options, config);
 }

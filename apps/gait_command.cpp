@@ -11,6 +11,7 @@
 #include "crossgait/physics/atomic_file.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
@@ -50,7 +51,7 @@ void list_gaits(const JsonOption& json) {
                    std::string(gait.summary)});
     entries.push_back(std::move(entry));
   }
-  json.emit(table.str(), {{"gaits", std::move(entries)}});
+  json.emit(table.str(), with_schema("gait", {{"gaits", std::move(entries)}}));
 }
 
 void list_parameters(const Options& options) {
@@ -72,9 +73,9 @@ void list_parameters(const Options& options) {
                        {"help", row.help}});
   }
   const std::string more = fmt::format("\nswing = {} (bezier or matched)\n", name(chosen.swing));
-  options.json.emit(
-      table.str() + more,
-      {{"gait", options.gait}, {"parameters", std::move(entries)}, {"swing", name(chosen.swing)}});
+  options.json.emit(table.str() + more, with_schema("gait", {{"gait", options.gait},
+                                                             {"parameters", std::move(entries)},
+                                                             {"swing", name(chosen.swing)}}));
 }
 
 GaitGenerator make_generator(const Options& options) {
@@ -120,7 +121,8 @@ void print_targets(const Options& options, GaitGenerator& generator, int rows) {
   }
   const std::string legend =
       "\n^ swing, _ stance; positions in the leg frames: x forward, z up from the shoulders\n";
-  options.json.emit(table.str() + legend, {{"gait", options.gait}, {"samples", std::move(samples)}});
+  options.json.emit(table.str() + legend,
+                    with_schema("gait", {{"gait", options.gait}, {"samples", std::move(samples)}}));
 }
 
 void run(const Options& options) {

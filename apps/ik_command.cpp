@@ -7,6 +7,7 @@
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
@@ -51,17 +52,17 @@ void run(const Options& options) {
   if (solution.status != IkStatus::kOk && xyz[2] > 0) {
     text += "hint: z points up, so the target lies above the shoulders; a foot below them has negative z\n";
   }
-  options.json.emit(
-      table.str() + text,
-      {{"status", name(solution.status)},
-       {"tilt", q.tilt},
-       {"shoulder_left", q.shoulder_left},
-       {"shoulder_right", q.shoulder_right},
-       {"elbow_left", q.elbow_left},
-       {"elbow_right", q.elbow_right},
-       {"foot_m", {foot.x(), foot.y(), foot.z()}},
-       {"margins_rad",
-        {{"joint_limit", margins.joint_limit}, {"serial", margins.serial}, {"parallel", margins.parallel}}}});
+  options.json.emit(table.str() + text, with_schema("ik", {{"status", name(solution.status)},
+                                                           {"tilt", q.tilt},
+                                                           {"shoulder_left", q.shoulder_left},
+                                                           {"shoulder_right", q.shoulder_right},
+                                                           {"elbow_left", q.elbow_left},
+                                                           {"elbow_right", q.elbow_right},
+                                                           {"foot_m", {foot.x(), foot.y(), foot.z()}},
+                                                           {"margins_rad",
+                                                            {{"joint_limit", margins.joint_limit},
+                                                             {"serial", margins.serial},
+                                                             {"parallel", margins.parallel}}}}));
 }
 
 }  // namespace

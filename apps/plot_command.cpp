@@ -10,6 +10,7 @@
 #include "crossgait/apps/trace_figure.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
@@ -76,11 +77,11 @@ void run(const Options& options) {
   const double from = trace.time().front(), to = trace.time().back();
   options.json.emit(fmt::format("{}: {} panels of {} rows, {:.3f} to {:.3f} s\n", options.out,
                                 figure.panel_count(), trace.rows(), from, to),
-                    {{"file", options.out},
-                     {"panels", figure.panel_count()},
-                     {"rows", trace.rows()},
-                     {"from_s", from},
-                     {"to_s", to}});
+                    with_schema("plot", {{"file", options.out},
+                                         {"panels", figure.panel_count()},
+                                         {"rows", trace.rows()},
+                                         {"from_s", from},
+                                         {"to_s", to}}));
 }
 
 }  // namespace

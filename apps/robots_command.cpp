@@ -3,9 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/command.h"
-#include "crossgait/physics/robot.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
+#include "crossgait/physics/robot.h"
+#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
@@ -38,7 +39,7 @@ void list(const JsonOption& json) {
                    std::to_string(robot.loops.size()), fmt::format("{:.4f}", robot.home_height)});
     robots.push_back(summary(robot));
   }
-  json.emit(table.str(), {{"robots", std::move(robots)}});
+  json.emit(table.str(), with_schema("robots", {{"robots", std::move(robots)}}));
 }
 
 void show(const Options& options) {
@@ -68,7 +69,7 @@ void show(const Options& options) {
   const std::string total =
       fmt::format("\n{:.4f} kg in all, {} loops, base {:.4f} m above ground at home; from {}\n",
                   robot.total_mass(), robot.loops.size(), robot.home_height, robot.source);
-  options.json.emit(table.str() + total, result);
+  options.json.emit(table.str() + total, with_schema("robots", result));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/terrain.h"
+#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
@@ -43,7 +44,7 @@ void list(const JsonOption& json) {
     generators.push_back(
         {{"name", generator.name}, {"help", generator.help}, {"parameters", std::move(parameters)}});
   }
-  json.emit(table.str(), {{"generators", std::move(generators)}});
+  json.emit(table.str(), with_schema("terrain", {{"generators", std::move(generators)}}));
 }
 
 struct Statistics {
@@ -143,7 +144,7 @@ void run(const Options& options) {
   sample_ring_of(options, terrain, text, result);
   if (!options.png.empty()) write_png(*field, options.png);
   if (!options.csv.empty()) write_csv(*field, options.csv);
-  options.json.emit(text, result);
+  options.json.emit(text, with_schema("terrain", result));
 }
 
 }  // namespace

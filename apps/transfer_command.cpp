@@ -19,9 +19,8 @@ struct Options {
 void run(const Options& options) {
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
   ProgressLine progress("transferring");
-  const Transfer transfer =
-      transfer_policy(options.env.make(), options.policy, engines, options.terrains, options.runs,
-                      [&](double share) { progress.update(share); });
+  const Transfer transfer = transfer_policy(options.env.make(), options.policy, engines, options.terrains,
+                                            options.runs, [&](double share) { progress.update(share); });
   options.json.emit(describe(transfer), to_json(transfer));
 }
 

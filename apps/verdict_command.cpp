@@ -24,8 +24,7 @@ struct Options {
 BehaviourSpec behaviour(const Options& options) {
   const WalkConfig walk = options.walk.make();
   if (options.policy.empty()) return {walk, options.starts, walk.terrain_seed};
-  const EnvConfig environment =
-      options.config.empty() ? walk.environment() : load_env_config(options.config);
+  const EnvConfig environment = options.config.empty() ? walk.environment() : load_env_config(options.config);
   return {PolicyConfig{environment, options.policy}, options.starts, walk.terrain_seed};
 }
 
@@ -70,9 +69,10 @@ void add_judgement_options(CLI::App& command, Options& options) {
       ->capture_default_str();
   add_workers_option(command, verdict.workers);
   command
-      .add_option("--runs", options.judgement.stored_runs,
-                  "Take runs that this file holds, and add those that it does not: a verdict that was stopped "
-                  "goes on, one that is repeated costs nothing")
+      .add_option(
+          "--runs", options.judgement.stored_runs,
+          "Take runs that this file holds, and add those that it does not: a verdict that was stopped "
+          "goes on, one that is repeated costs nothing")
       ->type_name("FILE.jsonl");
 }
 

@@ -42,9 +42,13 @@ void WalkOptions::add_to(CLI::App& command) {
       ->type_name("VX,VY,YAWRATE")
       ->excludes(forward);
   command.add_option("--seconds", config.timing.seconds, "Simulated time to walk, s")->capture_default_str();
-  command.add_option("--control-dt", config.timing.control_dt, "Time step of gait, kinematics and servo targets, s")
+  command
+      .add_option("--control-dt", config.timing.control_dt,
+                  "Time step of gait, kinematics and servo targets, s")
       ->capture_default_str();
-  command.add_option("--settle", config.timing.settle_seconds, "Simulated time to stand before the first step, s")
+  command
+      .add_option("--settle", config.timing.settle_seconds,
+                  "Simulated time to stand before the first step, s")
       ->capture_default_str();
   command.add_flag(
       "--no-compensation", plain_servos,

@@ -13,6 +13,7 @@
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
@@ -247,7 +248,7 @@ void run(const Options& options) {
     figure.rows.push_back({{slice(report, 0), slice(report, 1)}, 380, 2});
     draw(figure, options.out);
   }
-  options.json.emit(describe(report), to_json(report));
+  options.json.emit(describe(report), with_schema("workspace", to_json(report)));
 }
 
 }  // namespace

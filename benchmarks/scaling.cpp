@@ -60,7 +60,8 @@ class Walk {
       targets_.push_back(sample.targets.joints);
       return true;
     });
-    if (summary.has(Outcome::kDiverged)) throw std::runtime_error(fmt::format("the walk in {} diverged", backend));
+    if (summary.has(Outcome::kDiverged))
+      throw std::runtime_error(fmt::format("the walk in {} diverged", backend));
   }
 
   double steps() const {

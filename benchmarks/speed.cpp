@@ -99,7 +99,8 @@ std::vector<SceneSpeed> measure_speed(const SpeedSettings& settings, const Progr
       progress((static_cast<double>(s) + (round + 1.0) / settings.rounds) / static_cast<double>(all.size()));
     }
     for (std::size_t i = 0; i < count; ++i) {
-      results.push_back({all[s].name, settings.backends[i], contacts[i], quartiles(time[i]), quartiles(ratio[i])});
+      results.push_back(
+          {all[s].name, settings.backends[i], contacts[i], quartiles(time[i]), quartiles(ratio[i])});
     }
   }
   return results;

@@ -30,10 +30,7 @@ Outcome worst_so_far(const MotionStatistics& statistics) noexcept {
 }  // namespace
 
 AdaptiveGaitEnv::AdaptiveGaitEnv(std::shared_ptr<const EnvModel> model, Engine engine)
-    : model_(std::move(model)),
-      engine_(std::move(engine)),
-      episode_(make_episode()),
-      source_(make_source()) {
+    : model_(std::move(model)), engine_(std::move(engine)), episode_(make_episode()), source_(make_source()) {
   if (!config().randomisation.changes_world()) backend_ = engine_.make(model_->world);
 }
 
@@ -174,8 +171,7 @@ void AdaptiveGaitEnv::measure() {
     e.parameters[i] = e.info.parameters.*e.controller.adapted()[i]->member;
   if (e.steps == 0) e.last_parameters = e.parameters;
   e.info.roll_pitch_yaw = roll_pitch_yaw(state.q_WB);
-  e.info.roll_pitch_yaw.z() =
-      std::remainder(e.info.roll_pitch_yaw.z() - statistics.start_yaw(), 2 * M_PI);
+  e.info.roll_pitch_yaw.z() = std::remainder(e.info.roll_pitch_yaw.z() - statistics.start_yaw(), 2 * M_PI);
   const Vector3 moved = in_heading(state.p_WB - statistics.start(), statistics.start_yaw());
   e.info.distance = moved.x();
   e.info.lateral = moved.y();
@@ -215,7 +211,7 @@ double AdaptiveGaitEnv::evaluate(const RobotState& before) {
 
 void AdaptiveGaitEnv::observe(std::span<double> observation) const {
   const Episode& e = episode_;
-  const ObservationSource source{*backend_, feet_,           e.info.contacts, e.controller,
+  const ObservationSource source{*backend_, feet_,          e.info.contacts, e.controller,
                                  e.command, model_->servos, e.action};
   double* out = observation.data();
   for (const ObservationBlock* block : model_->blocks) block->write(source, out);
@@ -235,8 +231,7 @@ void AdaptiveGaitEnv::require_begun(std::string_view what) const {
 
 std::shared_ptr<const AdaptiveGaitEnv::Saved> AdaptiveGaitEnv::save() const {
   require_begun("save");
-  return std::make_shared<const Saved>(
-      Saved{episode_, backend_->spec(), backend_->save(), model_->layout});
+  return std::make_shared<const Saved>(Saved{episode_, backend_->spec(), backend_->save(), model_->layout});
 }
 
 void AdaptiveGaitEnv::restore(const Saved& saved) {

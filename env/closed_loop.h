@@ -23,8 +23,8 @@ struct Start {
 class ClosedLoop {
  public:
   struct Options {
-    double control_dt = 2e-3;      ///< gait, kinematics and servo targets, s; a multiple of the physics step
-    double settle_seconds = 0.5;   ///< standing before the motion, s
+    double control_dt = 2e-3;     ///< gait, kinematics and servo targets, s; a multiple of the physics step
+    double settle_seconds = 0.5;  ///< standing before the motion, s
     OutcomeLimits limits;
     OutcomeSet ends = OutcomeSet::of_walks();  ///< outcomes that end the motion
   };

@@ -122,10 +122,11 @@ void read_ends(const YamlValue& root, EnvConfig& config) {
 }
 
 EnvConfig read_config(const YamlValue& root) {
-  root.allow_keys({"engine", "backend", "robot", "terrain", "terrain_seed", "friction", "gait", "parameters", "adapt",
-                   "residual_scale", "command", "observation", "reward", "physics_dt", "control_dt",
-                   "policy_dt", "episode_seconds", "settle_seconds", "tilt_limit_deg", "ends",
-                   "randomisation"});
+  root.allow_keys(
+      {"engine",         "backend",    "robot",        "terrain",        "terrain_seed",    "friction",
+       "gait",           "parameters", "adapt",        "residual_scale", "command",         "observation",
+       "reward",         "physics_dt", "control_dt",   "policy_dt",      "episode_seconds", "settle_seconds",
+       "tilt_limit_deg", "ends",       "randomisation"});
   EnvConfig config;
   read(root, "backend", config.engine);  // its name before plug-ins
   read(root, "engine", config.engine);

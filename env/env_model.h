@@ -17,9 +17,9 @@ struct EnvModel {
   std::vector<const ObservationBlock*> blocks;  ///< of the observation
   std::vector<int> servos;                      ///< indices of the actuated joints
   FootKinematics foot_kinematics;
-  std::string layout;   ///< hash of the interface
-  int policy_steps = 1; ///< control steps in a policy step
-  int max_steps = 0;    ///< policy steps in an episode
+  std::string layout;    ///< hash of the interface
+  int policy_steps = 1;  ///< control steps in a policy step
+  int max_steps = 0;     ///< policy steps in an episode
 
   /// Reads robot and terrain. @throws ConfigError for a bad configuration
   static std::shared_ptr<const EnvModel> make(const EnvConfig& config);

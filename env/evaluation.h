@@ -49,9 +49,9 @@ struct Evaluation {
   std::size_t episodes = 0;
   MeanAndDeviation total_reward, mean_speed_mps, distance_m, path_m, rms_roll_deg, rms_pitch_deg, slip_m,
       duty_factor;
-  std::optional<MeanAndDeviation> cost_of_transport, drag;  ///< over the episodes that have one
-  RewardTerms reward_terms{};                               ///< means of the sums
-  double simulated_seconds = 0;                             ///< sum
+  std::optional<MeanAndDeviation> cost_of_transport, drag;      ///< over the episodes that have one
+  RewardTerms reward_terms{};                                   ///< means of the sums
+  double simulated_seconds = 0;                                 ///< sum
   std::int64_t steps = 0, ik_clamped = 0, invalid_actions = 0;  ///< sums
   std::array<std::size_t, kOutcomes> outcomes{};                ///< episodes of each outcome
 

@@ -120,8 +120,8 @@ TargetSource make_feet_source(FootTargets feet, std::shared_ptr<const RobotDescr
     LegArray<Vector3> standing;
   };
   const LegArray<Vector3> standing = feet(0);
-  const auto own = std::make_shared<Feet>(
-      Feet{std::move(feet), LegController(std::move(robot), compensation), standing});
+  const auto own =
+      std::make_shared<Feet>(Feet{std::move(feet), LegController(std::move(robot), compensation), standing});
   return {[own](const Terrain& terrain, const Placement& placement) {
             return own->legs.standing_state(own->standing, terrain, placement);
           },

@@ -19,8 +19,7 @@ class LegController {
  public:
   /// @throws ConfigError if the robot has no legs or they are not five-bars
   explicit LegController(std::shared_ptr<const RobotDescription> robot,
-                         const ServoCompensation& compensation = {},
-                         WorkingMode mode = kDefaultMode);
+                         const ServoCompensation& compensation = {}, WorkingMode mode = kDefaultMode);
 
   /// @param feet targets in each leg's frame (x forward, y left, z up), m
   /// @param dt   time since the last update, s; velocities are differences over it

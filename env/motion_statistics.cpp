@@ -7,8 +7,8 @@ namespace crossgait {
 namespace {
 
 constexpr double kDegrees = 180 / M_PI;
-constexpr double kCornerTime = 0.5;   // s, of the straight pieces that make the path
-constexpr double kMoved = 0.1;        // leg lengths, below which a cost per distance means nothing
+constexpr double kCornerTime = 0.5;     // s, of the straight pieces that make the path
+constexpr double kMoved = 0.1;          // leg lengths, below which a cost per distance means nothing
 constexpr double kDragLoad = 1.0 / 50;  // of the weight
 
 double wrap(double angle) { return std::remainder(angle, 2 * M_PI); }
@@ -122,8 +122,8 @@ void MotionStatistics::add_way(const PhysicsBackend& world, const ControlTargets
 void MotionStatistics::find_outcomes(const PhysicsBackend& world, double dt) noexcept {
   const double tilt = t_.roll_pitch_yaw.head<2>().cwiseAbs().maxCoeff() * kDegrees;
   if (tilt > limits_.tilt_deg) note(Outcome::kFell);
-  const bool low = t_.height < limits_.low_height * t_.standing_height ||
-                   t_.other_load > limits_.other_load * t_.weight;
+  const bool low =
+      t_.height < limits_.low_height * t_.standing_height || t_.other_load > limits_.other_load * t_.weight;
   t_.low_time = low ? t_.low_time + dt : 0;
   if (t_.low_time >= limits_.low_seconds) note(Outcome::kCollapsed);
   const Vector3& p = world.state().p_WB;

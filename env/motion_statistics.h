@@ -1,4 +1,5 @@
-// What happened in a motion, in numbers: the same ones, under the same names, for walks, episodes and verdicts.
+// What happened in a motion, in numbers: the same ones, under the same names, for walks, episodes and
+// verdicts.
 #pragma once
 
 #include <array>
@@ -49,9 +50,7 @@ struct MotionSummary {
 
   double wall_seconds = 0;  ///< of the whole motion, settling included; set by whoever ran it
 
-  bool has(Outcome which) const noexcept {
-    return first_at_s[static_cast<std::size_t>(which)].has_value();
-  }
+  bool has(Outcome which) const noexcept { return first_at_s[static_cast<std::size_t>(which)].has_value(); }
   /// Fell, collapsed, came apart or diverged: what a share of failures counts.
   bool failed() const noexcept;
   double mean_duty_factor() const noexcept;

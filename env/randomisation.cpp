@@ -33,8 +33,10 @@ constexpr std::array kRows{
                      0, 1e9},
     RandomisationRow{kPushImpulse, "push_impulse", "N s", "sideways push on the trunk, from any direction", 0,
                      0, 10},
-    RandomisationRow{kPushInterval, "push_interval", "s", "time to the first push and between two", 0, 0, 1e6},
-    RandomisationRow{kPushCount, "push_count", "-", "pushes at most, whole numbers; 0 for no limit", 0, 0, 1e6},
+    RandomisationRow{kPushInterval, "push_interval", "s", "time to the first push and between two", 0, 0,
+                     1e6},
+    RandomisationRow{kPushCount, "push_count", "-", "pushes at most, whole numbers; 0 for no limit", 0, 0,
+                     1e6},
 };
 static_assert(kRows.size() == kRandomisations);
 

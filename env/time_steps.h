@@ -21,7 +21,8 @@ inline bool is_whole_multiple(double longer, double shorter) noexcept {
   return std::isfinite(ratio) && ratio > 0.5 && std::abs(ratio - std::round(ratio)) < 1e-9 * ratio;
 }
 
-/// How many steps of `shorter` make `longer`. @throws ConfigError naming `element` unless it is a whole number
+/// How many steps of `shorter` make `longer`. @throws ConfigError naming `element` unless it is a whole
+/// number
 inline int whole_steps(std::string_view element, double longer, double shorter) {
   if (!is_whole_multiple(longer, shorter)) {
     throw ConfigError("timing", element, fmt::format("a whole multiple of {:g} s", shorter),

@@ -10,11 +10,13 @@ namespace crossgait {
 
 /// Timing of a walk. All in simulated seconds.
 struct WalkTiming {
-  double seconds = 5;           ///< of walking, s
-  double control_dt = 2e-3;     ///< gait, inverse kinematics and servo targets, s; a multiple of the physics step
+  double seconds = 5;  ///< of walking, s
+  double control_dt =
+      2e-3;  ///< gait, inverse kinematics and servo targets, s; a multiple of the physics step
   double settle_seconds = 0.5;  ///< standing before the first step, s
 
-  /// @throws ConfigError if a time is out of range, or the control step is not a whole number of physics steps
+  /// @throws ConfigError if a time is out of range, or the control step is not a whole number of physics
+  /// steps
   void validate(double physics_dt) const;
   /// Control steps of the walk proper.
   int control_steps() const;

@@ -33,7 +33,7 @@ struct Attribution {
   std::vector<double> from_mean, to_mean;  ///< per statistic
   std::vector<Interval> gap;               ///< to - from
   std::vector<double> floor;               ///< differences that nobody would act on
-  std::vector<FactorEffect> effects;   ///< in the order of the family
+  std::vector<FactorEffect> effects;       ///< in the order of the family
 
   /// The factors to blame for a statistic: the one of largest effect, and those whose effect cannot be
   /// told from it in size. None where the gap is below the floor or no effect can be told from zero.

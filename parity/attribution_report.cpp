@@ -80,10 +80,10 @@ nlohmann::ordered_json to_json(const Attribution& a) {
                            {"leading", a.leading(s)}};
     for (const FactorEffect& e : a.effects) {
       statistic["factors"].push_back({{"name", e.factor.name},
-                                          {"effect", to_json(e.effect[s])},
-                                          {"first", to_json(e.first[s])},
-                                          {"last", to_json(e.last[s])},
-                                          {"step", to_json(e.step[s])}});
+                                      {"effect", to_json(e.effect[s])},
+                                      {"first", to_json(e.first[s])},
+                                      {"last", to_json(e.last[s])},
+                                      {"step", to_json(e.step[s])}});
     }
     json["statistics"].push_back(statistic);
   }
@@ -92,9 +92,9 @@ nlohmann::ordered_json to_json(const Attribution& a) {
     if (const auto& d = e.first_divergence)
       first = {{"quantity", d->quantity}, {"time_s", d->time_s}, {"tolerance", d->tolerance}};
     json["factors"].push_back({{"name", e.factor.name},
-                                   {"summary", e.factor.summary},
-                                   {"needs", e.factor.needs},
-                                   {"first_divergence", first}});
+                               {"summary", e.factor.summary},
+                               {"needs", e.factor.needs},
+                               {"first_divergence", first}});
   }
   return json;
 }

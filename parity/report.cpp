@@ -47,7 +47,8 @@ std::string optional(const std::optional<double>& value) {
 const std::vector<Row>& rows() {
   static const std::vector<Row> kRows{
       {"outcome", outcome_in_words},
-      {"simulated time, s", [](const MotionSummary& s) { return fmt::format("{:.2f}", s.simulated_seconds); }},
+      {"simulated time, s",
+       [](const MotionSummary& s) { return fmt::format("{:.2f}", s.simulated_seconds); }},
       {"distance, m", [](const MotionSummary& s) { return fmt::format("{:.4f}", s.distance_m); }},
       {"drift to the left, m", [](const MotionSummary& s) { return fmt::format("{:.4f}", s.lateral_m); }},
       {"mean speed, m/s", [](const MotionSummary& s) { return fmt::format("{:.4f}", s.mean_speed_mps); }},

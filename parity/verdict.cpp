@@ -124,7 +124,8 @@ class Campaign {
       for (std::size_t e = 0; e < 2; ++e) {
         if (failures(e, v) <= failures(e, 0)) continue;
         left_out_.push_back(fmt::format("{}: {} of {} runs fail in {}, {} as asked", variations_[v].name,
-                                        failures(e, v), options_.starts, engines_[e]->name(), failures(e, 0)));
+                                        failures(e, v), options_.starts, engines_[e]->name(),
+                                        failures(e, 0)));
         variations_.erase(variations_.begin() + static_cast<std::ptrdiff_t>(v));
         for (RunTable& table : tables_) table.erase(table.begin() + static_cast<std::ptrdiff_t>(v));
         break;

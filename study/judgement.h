@@ -16,8 +16,8 @@ namespace crossgait {
 
 struct JudgementOptions {
   VerdictOptions verdict;
-  bool explain = false;      ///< also say what the gap comes from
-  std::string stored_runs;   ///< file of runs to take and to add to (RunStore); empty: none
+  bool explain = false;     ///< also say what the gap comes from
+  std::string stored_runs;  ///< file of runs to take and to add to (RunStore); empty: none
 };
 
 struct Judgement {

@@ -54,9 +54,9 @@ json robot_json(const std::string& name_or_file) {
   const auto add_number = [&hash](double value) { hash.add(fmt::format("{:.17g};", value)); };
   for (const Body& b : robot.bodies) {
     hash.add(b.name);
-    for (const double v : {static_cast<double>(b.parent), b.inertia.mass, b.joint.lower, b.joint.upper,
-                           b.joint.damping, b.joint.armature, b.joint.actuated ? 1.0 : 0.0, b.joint.kp,
-                           b.joint.kd, b.joint.effort_limit})
+    for (const double v :
+         {static_cast<double>(b.parent), b.inertia.mass, b.joint.lower, b.joint.upper, b.joint.damping,
+          b.joint.armature, b.joint.actuated ? 1.0 : 0.0, b.joint.kp, b.joint.kd, b.joint.effort_limit})
       add_number(v);
     add(b.X_PB.matrix());
     add(b.joint.axis);

@@ -17,7 +17,7 @@ namespace crossgait {
 
 /// A policy in its environment.
 struct PolicyConfig {
-  EnvConfig environment;  ///< its engine is the run's
+  EnvConfig environment;        ///< its engine is the run's
   std::string policy = "zero";  ///< as `make_policy` takes it
 };
 

@@ -13,9 +13,9 @@ struct Row {
 };
 
 constexpr std::array kSchemas{
-    Row{"bench", 1},   Row{"compare", 1}, Row{"engines", 1}, Row{"env", 1},      Row{"gait", 1},
-    Row{"ik", 1},      Row{"plot", 1},    Row{"robots", 1},  Row{"rollout", 1},  Row{"terrain", 1},
-    Row{"transfer", 1}, Row{"tune", 1},   Row{"verdict", 1}, Row{"walk", 1},     Row{"workspace", 1},
+    Row{"bench", 1},    Row{"compare", 1}, Row{"engines", 1}, Row{"env", 1},     Row{"gait", 1},
+    Row{"ik", 1},       Row{"plot", 1},    Row{"robots", 1},  Row{"rollout", 1}, Row{"terrain", 1},
+    Row{"transfer", 1}, Row{"tune", 1},    Row{"verdict", 1}, Row{"walk", 1},    Row{"workspace", 1},
 };
 
 }  // namespace

@@ -118,7 +118,8 @@ void search(const TuneOptions& options, const Progress& progress, Tuning& result
 
 void add_checks(const TuneOptions& options, Tuning& result) {
   const auto add = [&](const std::string& ground, std::uint64_t first, std::size_t terrains) {
-    for (const auto& [name, config] : {std::pair{"default", &result.start}, std::pair{"tuned", &result.tuned}}) {
+    for (const auto& [name, config] :
+         {std::pair{"default", &result.start}, std::pair{"tuned", &result.tuned}}) {
       TuneCheck line{ground, name, {}};
       for (const std::string& engine : result.engines) {
         EnvConfig c = *config;

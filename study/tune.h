@@ -1,6 +1,6 @@
-// Gait parameters for speed, by the cross-entropy method (Rubinstein, 1999): draw parameter sets from a normal
-// distribution, keep the best quarter, fit the distribution to them, repeat. No gradients, no network: it
-// shows that the environment can be learned, and what its parameters alone are worth.
+// Gait parameters for speed, by the cross-entropy method (Rubinstein, 1999): draw parameter sets from a
+// normal distribution, keep the best quarter, fit the distribution to them, repeat. No gradients, no network:
+// it shows that the environment can be learned, and what its parameters alone are worth.
 #pragma once
 
 #include <string>

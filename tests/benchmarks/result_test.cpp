@@ -19,7 +19,7 @@ using nlohmann::ordered_json;
 /// A small result written by hand: two engines, the first the one that times are compared to.
 ordered_json hand_written() {
   ordered_json result = ordered_json::parse(R"({
-    "schema": "crossgait-bench", "version": 1, "quick": false, "machine": {"cores": 2},
+    "schema": {"name": "bench", "version": 1}, "quick": false, "machine": {"cores": 2},
     "backends": [{"name": "a"}, {"name": "b"}],
     "speed": {
       "scenes": [
@@ -154,8 +154,8 @@ TEST(StoredResult, RefusesAnythingElse) {
   expect_refused("[1, 2]", "schema");
   expect_refused(R"({"schema": "something-else"})", "schema");
   expect_refused(R"({"schema": 7})", "schema");
-  expect_refused(R"({"schema": "crossgait-bench", "version": 99})", "version");
-  expect_refused(R"({"schema": "crossgait-bench", "version": 1})", "backends");
+  expect_refused(R"({"schema": {"name": "bench", "version": 99}})", "schema");
+  expect_refused(R"({"schema": {"name": "bench", "version": 1}})", "backends");
   ordered_json result = hand_written();
   result["backends"].clear();
   expect_refused(result.dump(), "backends");
