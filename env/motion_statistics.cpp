@@ -63,6 +63,7 @@ void MotionStatistics::add_physics_step(const PhysicsBackend& world, const Contr
   }
   t_.other_load += h / (limits_.load_smoothing + h) * (other - t_.other_load);
   const LegArray<FootContact> feet = world.foot_contacts();
+  const double speed = world.state().v_WB.norm();
   for (const Leg leg : kLegs) {
     if (targets.swing) {
       const bool swings = (*targets.swing)[leg];
@@ -72,6 +73,9 @@ void MotionStatistics::add_physics_step(const PhysicsBackend& world, const Contr
     if (!feet[leg].touching) continue;
     ++t_.touching[leg];
     t_.slip += feet[leg].slip_speed * h;
+    if (targets.swing && (*targets.swing)[leg]) continue;  // dragged, not stood upon
+    t_.stance_slip += feet[leg].slip_speed * h;
+    t_.stance_way += speed * h;
   }
 }
 
@@ -144,7 +148,7 @@ bool MotionStatistics::any(const OutcomeSet& ends) const noexcept {
 }
 
 bool MotionStatistics::slid(double path) const noexcept {
-  return path > limits_.slip_path * leg_length_ && t_.slip / kLegCount > limits_.slip * path;
+  return path > limits_.slip_path * leg_length_ && t_.stance_slip > limits_.slip * t_.stance_way;
 }
 
 bool MotionStatistics::no_progress() const noexcept {

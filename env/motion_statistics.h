@@ -114,7 +114,7 @@ class MotionStatistics {
     std::int64_t physics_steps = 0, control_steps = 0, ik_clamped = 0;
     double roll2 = 0, pitch2 = 0, work = 0, power = 0, height = 0, slip = 0;
     double max_penetration = 0, max_loop_gap = 0, other_load = 0, low_time = 0, limit_factor = 1;
-    double asked_path = 0, made_path = 0, asked_turn = 0, made_turn = 0;
+    double stance_slip = 0, stance_way = 0, asked_path = 0, made_path = 0, asked_turn = 0, made_turn = 0;
     LegArray<std::int64_t> touching{}, swinging{}, dragging{};
     std::array<std::optional<double>, kOutcomes> first_at_s;
   };
