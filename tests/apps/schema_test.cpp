@@ -1,0 +1,117 @@
+// What the commands print as JSON is what docs/schemas promises: every key is there, none beside them.
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validation_results.hpp>
+#include <valijson/validator.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/tests/apps/run_program.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::json;
+using Adapter = valijson::adapters::NlohmannJsonAdapter;
+
+json read_schema(const std::string& name) {
+  std::ifstream file(std::string(CROSSGAIT_SOURCE_DIR) + "/docs/schemas/" + name + ".json");
+  return json::parse(file);
+}
+
+/// What is wrong with `value`, by place; empty if nothing is.
+std::string violations(const json& schema_json, const json& value) {
+  valijson::Schema schema;
+  valijson::SchemaParser().populateSchema(Adapter(schema_json), schema);
+  valijson::ValidationResults results;
+  if (valijson::Validator().validate(schema, Adapter(value), &results)) return {};
+  std::string text;
+  valijson::ValidationResults::Error error;
+  while (results.popError(error)) {
+    for (const std::string& place : error.context) text += place;
+    text += ": " + error.description + "\n";
+  }
+  return text;
+}
+
+struct Case {
+  std::string schema, arguments;
+};
+
+std::vector<Case> cases() {
+  const std::vector<std::string> engines = available_engines();
+  if (engines.empty()) return {};
+  const std::string two = "--engines " + engines.front() + "," + engines.back();
+  std::vector<Case> all{
+      {"walk", "walk --seconds .1"},
+      {"walk", "walk --seconds .1 --gait auto --speed 0"},  // cost of transport and drag are null
+      {"walk", "walk --seconds .2 --terrain slope:angle=45 --friction 0"},
+      {"rollout", "rollout --policy random --baseline --episodes 2 --episode-seconds .1"},
+      {"rollout", "rollout --episodes 1 --episode-seconds .05 --command 0,0,0"},
+      {"transfer", "transfer --episodes 1 --episode-seconds .1"},
+      {"tune", "tune --iterations 1 --population 4 --terrains 1 --unseen 1 --episode-seconds .1"},
+      {"engines", "backends"},
+      {"robots", "robots"},
+      {"robots", "robots scara_quadruped"},
+      {"terrain", "terrain --list"},
+      {"terrain", "terrain rough --sample .1,.2 --ring 0,0,1"},
+      {"terrain", "terrain flat"},
+      {"ik", "ik --target .01,.02,-.07"},
+      {"ik", "ik --target .01,.02,-.7"},
+      {"gait", "gait --list"},
+      {"gait", "gait --parameters"},
+      {"gait", "gait --seconds .1"},
+      {"workspace", "workspace"},
+      {"workspace", "workspace --gait trot --set step_length=.1 --set body_height=.04"},
+      {"env", "env"},
+      {"env", "env --list"},
+      {"env", "env --yaml"},
+      {"bench", "bench --quick --only analytic --engines " + engines.front()},
+  };
+  if (engines.size() > 1) {
+    all.push_back({"compare", "compare --seconds .1 " + two});
+    all.push_back({"compare", "compare --seconds .1 --verdict " + two});
+    all.push_back({"verdict", "verdict --seconds .1 --starts 4 " + two});
+    all.push_back({"verdict", "verdict --seconds .1 --starts 4 --policy zero " + two});
+  }
+  return all;
+}
+
+class Schemas : public testing::TestWithParam<Case> {};
+
+TEST_P(Schemas, HoldForWhatIsPrinted) {
+  const auto& [name, arguments] = GetParam();
+  const json value = run_json(arguments);
+  EXPECT_EQ(violations(read_schema(name), value), "") << arguments;
+  EXPECT_EQ(value.begin().key().empty(), false);
+  EXPECT_EQ(value.at("schema").at("name"), name);
+}
+
+// The test itself can fail: a key that goes or comes, and another version, are seen.
+TEST_P(Schemas, RefuseAnythingElse) {
+  const auto& [name, arguments] = GetParam();
+  const json schema = read_schema(name), value = run_json(arguments);
+  json more = value, less = value, other = value;
+  more["key_of_nobody"] = 1;
+  less.erase("schema");
+  other["schema"]["version"] = 99;
+  for (const json& wrong : {more, less, other}) EXPECT_NE(violations(schema, wrong), "");
+}
+
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Schemas);
+INSTANTIATE_TEST_SUITE_P(EveryCommand, Schemas, testing::ValuesIn(cases()), [](const auto& test) {
+  return test.param.schema + "_" + std::to_string(test.index);
+});
+
+TEST(SchemaFiles, AreOfTheStoredResultsToo) {
+  std::ifstream file(std::string(CROSSGAIT_SOURCE_DIR) + "/benchmarks/results/amd-epyc-2-cores.json");
+  EXPECT_EQ(violations(read_schema("bench"), json::parse(file)), "");
+}
+
+}  // namespace
+}  // namespace crossgait
