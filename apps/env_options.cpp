@@ -32,7 +32,7 @@ void EnvOptions::add_to(CLI::App& command, bool world) {
                   "Environment as YAML (`crossgait env --yaml` writes one); options come on top")
       ->type_name("FILE.yaml");
   if (world) {
-    command.add_option("--backend", backend, "Engine and mode (see `crossgait backends`)");
+    command.add_option("--engine,--backend", backend, "Engine and mode (see `crossgait backends`)");
     command.add_option("--terrain", terrain, "The ground (see `crossgait terrain --list`)")
         ->type_name("NAME[:k=v,...]|FILE.png|FILE.csv");
     command.add_option("--terrain-seed", terrain_seed, "Seed of a random terrain");
@@ -102,9 +102,7 @@ void EpisodeOptions::add_to(CLI::App& command) {
 }
 
 EnvFactory env_factory(const EnvConfig& config) {
-  return [config] {
-    return std::make_unique<AdaptiveGaitEnv>(config, find_engine(config.backend));
-  };
+  return [config] { return std::make_unique<AdaptiveGaitEnv>(config, find_engine(config.backend)); };
 }
 
 PolicyFactory policy_factory(const std::string& policy) {

@@ -23,7 +23,7 @@ struct EnvOptions {
   std::string velocity;
   std::optional<double> friction, residual_scale, policy_dt, episode_seconds;
 
-  /// @param world  with --backend and --terrain; without, where a command takes lists of them
+  /// @param world  with --engine and --terrain; without, where a command takes lists of them
   void add_to(CLI::App& command, bool world = true);
   /// @throws ConfigError
   EnvConfig make() const;

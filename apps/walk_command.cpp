@@ -35,10 +35,10 @@ void add_walk_command(CLI::App& program) {
   command->footer(
       "\nExamples:\n"
       "  crossgait walk\n"
-      "  crossgait walk --backend bullet --terrain rough --seed 3 --seconds 10\n"
+      "  crossgait walk --engine bullet --terrain rough --seed 3 --seconds 10\n"
       "  crossgait walk --set step_length=.08 --set cycle_time=1 --trace walk.csv --json -");
   auto options = std::make_shared<Options>();
-  command->add_option("--backend", options->backend, "Engine and mode (see `crossgait backends`)")
+  command->add_option("--engine,--backend", options->backend, "Engine and mode (see `crossgait backends`)")
       ->capture_default_str();
   options->world.add_to(*command);
   options->walk.add_to(*command);
