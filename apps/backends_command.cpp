@@ -1,37 +1,48 @@
-// crossgait backends: which engines this build can use.
+// crossgait backends: which engines there are, where each came from, and why one cannot be used.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/command.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/table.h"
+#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
 
+/// What is not known of an engine that is not available is an empty text.
+nlohmann::ordered_json to_json(const EngineListing& entry) {
+  return {{"name", entry.name},
+          {"summary", entry.summary},
+          {"engine", entry.info.engine},
+          {"version", entry.info.version},
+          {"mode", entry.info.mode},
+          {"contact_law", entry.info.laws.contact},
+          {"loop_law", entry.info.laws.loops},
+          {"capabilities",
+           {{"soft_contact", entry.info.capabilities.soft_contact},
+            {"exact_field_query", entry.info.capabilities.exact_field_query},
+            {"allocates", entry.info.capabilities.allocates}}},
+          {"file", entry.file},
+          {"available", entry.available},
+          {"reason", entry.reason}};
+}
+
 void run(const JsonOption& json) {
-  Table table({"name", "engine", "contact", ""});
+  Table table({"name", "engine", "contact", "plug-in"});
+  std::string refused;
   nlohmann::ordered_json entries = nlohmann::ordered_json::array();
   for (const EngineListing& entry : known_engines()) {
-    nlohmann::ordered_json object{
-        {"name", entry.name}, {"summary", entry.summary}, {"available", entry.available}};
+    entries.push_back(to_json(entry));
     if (entry.available) {
-      const EngineInfo info = find_engine(entry.name).info;
-      table.add_row({entry.name, info.engine + " " + info.version, info.mode, "available"});
-      object["engine"] = info.engine;
-      object["version"] = info.version;
-      object["mode"] = info.mode;
-      object["contact_law"] = info.laws.contact;
-      object["loop_law"] = info.laws.loops;
-      object["capabilities"] = {{"soft_contact", info.capabilities.soft_contact},
-                                {"exact_field_query", info.capabilities.exact_field_query}};
+      table.add_row({entry.name, entry.info.engine + " " + entry.info.version, entry.info.mode, entry.file});
     } else {
-      table.add_row({entry.name, "", "", "not built in: " + entry.reason});
-      object["reason"] = entry.reason;
+      refused += fmt::format("  {}{}: {}\n", entry.name, entry.file.empty() ? "" : " of " + entry.file,
+                             entry.reason);
     }
-    entries.push_back(std::move(object));
   }
   std::string text = table.str();
+  if (!refused.empty()) text += "\nNot available:\n" + refused;
   nlohmann::ordered_json families = nlohmann::ordered_json::array();
   for (const EngineFamily& family : engine_families()) {
     text += fmt::format("\nBetween {0} and {1}, e.g. {0}+{2} or {1}-{3}:\n", family.from, family.to,
@@ -43,13 +54,19 @@ void run(const JsonOption& json) {
     }
     families.push_back({{"from", family.from}, {"to", family.to}, {"factors", factors}});
   }
-  json.emit(text, {{"backends", std::move(entries)}, {"families", std::move(families)}});
+  json.emit(text,
+            with_schema("engines", {{"backends", std::move(entries)}, {"families", std::move(families)}}));
 }
 
 }  // namespace
 
 void add_backends_command(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("backends", "List the physics engines that this build can use");
+  CLI::App* command =
+      program.add_subcommand("backends", "List the physics engines, where they are, and why one is missing");
+  command->alias("engines");
+  command->footer(
+      "\nEngines are plug-ins, libcrossgait_engine_<name>.so. Those in the folders that the environment\n"
+      "variable CROSSGAIT_ENGINE_PATH lists, separated by colons, come before the ones of the installation.");
   auto json = std::make_shared<JsonOption>();
   json->add_to(*command);
   command->callback([json] { run(*json); });

@@ -66,7 +66,7 @@ void add_bench_command(CLI::App& program) {
       "  feet      creep, penetration, touch-down and slip of feet\n"
       "\nExamples:\n"
       "  crossgait bench --quick\n"
-      "  crossgait bench --only speed --backend mujoco,bullet --json speed.json\n"
+      "  crossgait bench --only speed --engines mujoco,bullet --json speed.json\n"
       "  crossgait bench --json result.json --figures figures --compare "
       "benchmarks/results/amd-epyc-2-cores.json\n"
       "  crossgait bench --from result.json --figures figures");
@@ -80,7 +80,7 @@ void add_bench_command(CLI::App& program) {
           ->delimiter(',');
   CLI::Option* backend =
       command
-          ->add_option("--backend", options->bench.backends,
+          ->add_option("--engines,--engine,--backend", options->bench.backends,
                        "Engines, comma-separated or repeated; all that are built in by default. Times are "
                        "compared to the first one's")
           ->delimiter(',');

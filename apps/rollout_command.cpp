@@ -42,7 +42,7 @@ void add_rollout_command(CLI::App& program) {
   command->footer(
       "\nExamples:\n"
       "  crossgait rollout\n"
-      "  crossgait rollout --policy random --baseline --terrain rough --backend bullet\n"
+      "  crossgait rollout --policy random --baseline --terrain rough --engine bullet\n"
       "  crossgait rollout --policy policy.safetensors --config env.yaml --episodes 10 --json -");
   auto options = std::make_shared<Options>();
   command

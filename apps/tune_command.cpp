@@ -41,7 +41,7 @@ void add_tune_command(CLI::App& program) {
   command->footer(
       "\nExamples:\n"
       "  crossgait tune\n"
-      "  crossgait tune --backend bullet --adapt step_length,cycle_time --out fast.yaml\n"
+      "  crossgait tune --engine bullet --adapt step_length,cycle_time --out fast.yaml\n"
       "  crossgait rollout --config fast.yaml");
   auto options = std::make_shared<Options>();
   command->add_option("--iterations", options->tune.iterations, "Generations")

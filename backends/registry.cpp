@@ -1,116 +1,127 @@
 #include "crossgait/backends/registry.h"
 
 #include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "crossgait/backends/bundled_engines.h"
+#include "crossgait/backends/plugin_loader.h"
 #include "crossgait/physics/error.h"
-#if CROSSGAIT_HAS_MUJOCO
-#include "crossgait/backends/mujoco/mujoco_backend.h"
-#endif
-#if CROSSGAIT_HAS_BULLET
-#include "crossgait/backends/bullet/bullet_backend.h"
-#include "crossgait/backends/bullet/contact_factors.h"
-#endif
 
 namespace crossgait {
 namespace {
 
-// Makes the engine with `changes` ("+surface", "-sweeps") of its factors.
-using Factory = Engine (*)(std::string_view changes);
-
-#if CROSSGAIT_HAS_MUJOCO
-Engine mujoco_engine(std::string_view changes) {
-  if (!changes.empty()) throw ConfigError("engine", "mujoco", "no factors: it has none", changes);
-  return mujoco::engine();
+EngineListing unavailable(const std::string& name, const std::string& file, const std::string& reason) {
+  EngineListing listing{name, "", {}, file, false, reason};
+  listing.info.name = name;
+  return listing;
 }
-#endif
 
-struct Row {
-  const char* name;
-  const char* summary;
-  Factory factory;  // null when not built in
-  const char* missing;
-};
+// The names that a plug-in would have offered, as far as its file's name tells.
+std::vector<std::string> names_of(const std::string& plugin) {
+  for (const BundledEngine& engine : bundled_engines()) {
+    if (engine.name == plugin) return engine.names;
+  }
+  return {plugin};
+}
 
-// A further engine is one row per mode here.
-constexpr Row kRows[] = {
-    {"mujoco", "MuJoCo: soft contact, elliptic friction cones, Newton solver",
-#if CROSSGAIT_HAS_MUJOCO
-     mujoco_engine,
-#else
-     nullptr,
-#endif
-     "MuJoCo was not found when Crossgait was built (Debian: libmujoco-dev)"},
-    {"bullet:matched", "Bullet dynamics under MuJoCo's contact law: equal to `mujoco` up to rounding",
-#if CROSSGAIT_HAS_BULLET
-     bullet::matched_engine,
-#else
-     nullptr,
-#endif
-     "float64 Bullet was not found when Crossgait was built (Debian: libbullet-dev)"},
-    {"bullet", "Bullet with its own hard contact: the independent second opinion",
-#if CROSSGAIT_HAS_BULLET
-     bullet::native_engine,
-#else
-     nullptr,
-#endif
-     "float64 Bullet was not found when Crossgait was built (Debian: libbullet-dev)"},
-};
-
-std::string_view canonical(std::string_view name) { return name == "bullet:native" ? "bullet" : name; }
-
-// "bullet:matched+surface" -> "bullet:matched" and "+surface".
-std::pair<std::string_view, std::string_view> split(std::string_view name) {
-  const std::size_t end = std::min(name.find_first_of("+-"), name.size());
-  return {canonical(name.substr(0, end)), name.substr(end)};
+const EngineRegistry& shared_registry() {
+  static const EngineRegistry kRegistry(plugin_folders());
+  return kRegistry;
 }
 
 }  // namespace
 
-const std::vector<EngineListing>& known_engines() {
-  static const std::vector<EngineListing> kEntries = [] {
-    std::vector<EngineListing> entries;
-    for (const Row& row : kRows) {
-      const bool available = row.factory != nullptr;
-      entries.push_back({row.name, row.summary, available, available ? "" : row.missing});
-    }
-    return entries;
-  }();
-  return kEntries;
+// What is needed until the lists are in order.
+struct EngineRegistry::Offers {
+  std::map<std::string, std::string> file_of;  // by name of an engine
+  std::map<std::string, int> rank_of;
+};
+
+EngineRegistry::EngineRegistry(const std::vector<std::string>& folders) {
+  Offers offers;
+  for (const std::string& file : plugin_files(folders)) add_plugin(file, offers);
+  const auto place = [&](const EngineListing& listing) {
+    return std::pair(!listing.available, listing.available ? offers.rank_of.at(listing.name) : 0);
+  };
+  std::stable_sort(listings_.begin(), listings_.end(),
+                   [&](const EngineListing& a, const EngineListing& b) { return place(a) < place(b); });
+  add_missing(folders);
 }
 
-std::vector<std::string> available_engines() {
+void EngineRegistry::add_plugin(const std::string& file, Offers& offers) {
+  const LoadedPlugin loaded = load_plugin(file);
+  if (loaded.plugin == nullptr) {
+    for (const std::string& name : names_of(plugin_name(file))) {
+      listings_.push_back(unavailable(name, loaded.file, loaded.reason));
+    }
+    return;
+  }
+  plugins_.push_back(loaded.plugin);
+  std::set<std::string> own;
+  for (OfferedEngine& offer : loaded.plugin->engines()) {
+    const std::string name = offer.info.name;
+    const auto [place, first] = offers.file_of.try_emplace(name, loaded.file);
+    if (first) {
+      own.insert(name);
+      offers.rank_of[name] = loaded.plugin->rank;
+    }
+    listings_.push_back({name, std::move(offer.summary), std::move(offer.info), loaded.file, first,
+                         first ? "" : "already offered by " + place->second});
+  }
+  for (EngineFamily& family : loaded.plugin->families()) {
+    if (own.contains(family.from) && own.contains(family.to)) families_.push_back(std::move(family));
+  }
+}
+
+void EngineRegistry::add_missing(const std::vector<std::string>& folders) {
+  for (const BundledEngine& engine : bundled_engines()) {
+    const std::string reason = !engine.missing.empty()
+                                   ? engine.missing
+                                   : fmt::format("libcrossgait_engine_{}.so is in none of {}", engine.name,
+                                                 fmt::join(folders, ", "));
+    for (const std::string& name : engine.names) {
+      const auto same = [&](const EngineListing& listing) { return listing.name == name; };
+      if (std::none_of(listings_.begin(), listings_.end(), same)) {
+        listings_.push_back(unavailable(name, "", reason));
+      }
+    }
+  }
+}
+
+std::vector<std::string> EngineRegistry::available() const {
   std::vector<std::string> names;
-  for (const EngineListing& entry : known_engines()) {
+  for (const EngineListing& entry : listings_) {
     if (entry.available) names.push_back(entry.name);
   }
   return names;
 }
 
-const std::vector<EngineFamily>& engine_families() {
-  static const std::vector<EngineFamily> kFamilies = [] {
-    std::vector<EngineFamily> families;
-#if CROSSGAIT_HAS_BULLET
-    families.push_back(bullet::family());
-#endif
-    return families;
-  }();
-  return kFamilies;
-}
-
-Engine find_engine(std::string_view name) {
-  const auto [base, changes] = split(name);
-  for (const Row& row : kRows) {
-    if (base != row.name) continue;
-    if (row.factory == nullptr) throw ConfigError("engine", name, "an engine that is built in", row.missing);
-    return row.factory(changes);
+Engine EngineRegistry::find(std::string_view name) const {
+  for (const EnginePlugin* plugin : plugins_) {
+    if (std::optional<Engine> engine = plugin->find(name)) return *std::move(engine);
   }
-  throw ConfigError("engine", "name", fmt::format("one of {}", fmt::join(available_engines(), ", ")),
+  for (const EngineListing& entry : listings_) {
+    if (!entry.available && entry.name == split_factors(name).first) {
+      throw ConfigError("engine", name, fmt::format("one of {}", fmt::join(available(), ", ")), entry.reason);
+    }
+  }
+  throw ConfigError("engine", "name", fmt::format("one of {}", fmt::join(available(), ", ")),
                     fmt::format("\"{}\"", name));
 }
+
+const std::vector<EngineListing>& known_engines() { return shared_registry().listings(); }
+
+std::vector<std::string> available_engines() { return shared_registry().available(); }
+
+const std::vector<EngineFamily>& engine_families() { return shared_registry().families(); }
+
+Engine find_engine(std::string_view name) { return shared_registry().find(name); }
 
 std::unique_ptr<PhysicsBackend> make_backend(std::string_view name, const WorldSpec& spec) {
   return find_engine(name).make(spec);

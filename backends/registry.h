@@ -1,4 +1,4 @@
-// Engines by name, at run time.
+// Engines by name, at run time. They are plug-ins: nothing here is linked to an engine.
 #pragma once
 
 #include <memory>
@@ -10,20 +10,53 @@
 
 namespace crossgait {
 
-/// One name a user can choose.
+struct EnginePlugin;
+
+/// One name a user can choose, or could.
 struct EngineListing {
   std::string name;        ///< "mujoco", "bullet", "bullet:matched"
-  std::string summary;     ///< one line
-  bool available = false;  ///< built in
+  std::string summary;     ///< one line; empty if no plug-in could say
+  EngineInfo info;         ///< its name alone, if no plug-in could say more
+  std::string file;        ///< the plug-in's; empty if there is none
+  bool available = false;  ///< can be made
   std::string reason;      ///< why not, when not
 };
 
-/// Every engine Crossgait knows, built in or not, in a fixed order.
+/// The engines of the plug-ins in some folders. The first plug-in that offers a name has it, in the order of
+/// the folders and then of file names.
+class EngineRegistry {
+ public:
+  /// Opens every plug-in of these folders. What cannot be used is listed with the reason.
+  explicit EngineRegistry(const std::vector<std::string>& folders);
+
+  /// What is available by rank (EnginePlugin::rank), then the rest: refused plug-ins, names that an earlier
+  /// plug-in has, and engines that come with Crossgait but were not built or not found.
+  const std::vector<EngineListing>& listings() const noexcept { return listings_; }
+  /// Names of those available.
+  std::vector<std::string> available() const;
+  const std::vector<EngineFamily>& families() const noexcept { return families_; }
+  /// @throws ConfigError for an unknown or unavailable name (listing the available ones)
+  Engine find(std::string_view name) const;
+
+ private:
+  struct Offers;
+  void add_plugin(const std::string& file, Offers& offers);
+  void add_missing(const std::vector<std::string>& folders);
+
+  std::vector<const EnginePlugin*> plugins_;
+  std::vector<EngineListing> listings_;
+  std::vector<EngineFamily> families_;
+};
+
+// The functions below share one registry of plugin_folders(), made when the first of them is called, by any
+// thread. They throw ConfigError as plugin_folders() does.
+
+/// Every engine Crossgait knows, available or not, in a fixed order.
 const std::vector<EngineListing>& known_engines();
-/// Names of those built in.
+/// Names of those available. The first is what commands use by default.
 std::vector<std::string> available_engines();
 
-/// Those built in.
+/// Those available.
 const std::vector<EngineFamily>& engine_families();
 
 /// The engine of a name: one of `available_engines()`; "bullet:native" is an alias of "bullet". A family's

@@ -1,6 +1,6 @@
-# crossgait_library(NAME SOURCES ... [PUBLIC targets] [PRIVATE targets]): one static library per folder,
-# exported as crossgait::NAME. Headers are included as "crossgait/<folder>/<file>.h" in the tree (through a link in
-# the build folder) exactly as after installation.
+# crossgait_library(NAME [INTERNAL] SOURCES ... [PUBLIC targets] [PRIVATE targets]): one static library per folder,
+# exported as crossgait::NAME unless it is internal. Headers are included as "crossgait/<folder>/<file>.h" in the tree
+# (through a link in the build folder) exactly as after installation.
 
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/include/crossgait SYMBOLIC)
@@ -20,7 +20,7 @@ if(CROSSGAIT_SANITIZE)
 endif()
 
 function(crossgait_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(target crossgait_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(crossgait::${name} ALIAS ${target})
@@ -30,5 +30,7 @@ function(crossgait_library name)
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:crossgait_options>)
   crossgait_precompiled(${target} library)
-  install(TARGETS ${target} EXPORT crossgait-targets)
+  if(NOT ARG_INTERNAL)
+    install(TARGETS ${target} EXPORT crossgait-targets)
+  endif()
 endfunction()

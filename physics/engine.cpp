@@ -1,5 +1,6 @@
 #include "crossgait/physics/engine.h"
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -16,6 +17,11 @@ Engine with_change(Engine engine, std::function<void(WorldSpec&)> change) {
     return make(spec);
   };
   return engine;
+}
+
+std::pair<std::string_view, std::string_view> split_factors(std::string_view name) {
+  const std::size_t end = std::min(name.find_first_of("+-"), name.size());
+  return {name.substr(0, end), name.substr(end)};
 }
 
 void EngineFamily::validate() const {

@@ -4,6 +4,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "crossgait/physics/physics_backend.h"
@@ -22,6 +24,9 @@ struct Engine {
 
 /// The same engine, in which every world is changed before it is made.
 Engine with_change(Engine engine, std::function<void(WorldSpec&)> change);
+
+/// A name and the factors behind it: "bullet:matched+surface" -> "bullet:matched" and "+surface".
+std::pair<std::string_view, std::string_view> split_factors(std::string_view name);
 
 /// One modelling choice in which two engines differ and that can be changed on its own: a factor, as in a
 /// factorial experiment.

@@ -15,6 +15,7 @@ struct Capabilities {
   bool soft_contact = false;  ///< honours ContactSpec::softness
   bool exact_field_query =
       false;  ///< terrain_height is exact to rounding (1e-12 m) rather than to the ray test (2e-6 m)
+  bool allocates = false;  ///< the engine's own library allocates in a step
 
   bool operator==(const Capabilities&) const = default;
 };

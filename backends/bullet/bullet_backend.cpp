@@ -17,6 +17,7 @@ EngineInfo make_info(const ContactFactors& factors) {
   info.name = name_of(factors);
   const bool matched = factors == ContactFactors::matched();
   info.capabilities.soft_contact = !factors.hard_normal;
+  info.capabilities.allocates = factors.narrowphase || factors.sweeps;  // both are Bullet's own code
   // What lies between the two laws is a law of its own.
   info.laws = {matched ? "mujoco" : info.name, "mujoco"};
   if (matched) {
@@ -197,6 +198,13 @@ Engine matched_engine(std::string_view changes) {
 Engine native_engine(std::string_view changes) {
   const std::string name = fmt::format("bullet{}", changes);
   return engine_of(changed(ContactFactors::native(), changes, name));
+}
+
+std::optional<Engine> find(std::string_view name) {
+  const auto [base, changes] = split_factors(name);
+  if (base == "bullet:matched") return matched_engine(changes);
+  if (base == "bullet" || base == "bullet:native") return native_engine(changes);
+  return std::nullopt;
 }
 
 EngineFamily family() {

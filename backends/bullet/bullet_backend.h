@@ -1,6 +1,7 @@
-// Bullet behind the PhysicsBackend interface. The only header of this folder that others may include.
+// Bullet behind the PhysicsBackend interface: what the plug-in offers.
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include "crossgait/physics/engine.h"
@@ -16,6 +17,11 @@ Engine matched_engine(std::string_view changes = {});
 /// Bullet's own hard contact. @param changes factors taken out for MuJoCo's, "-sweeps"
 /// @throws ConfigError if a change is invalid
 Engine native_engine(std::string_view changes = {});
+
+/// Either of them by its name, "bullet:native" being an alias of "bullet", with changes behind it. Nothing
+/// for any other name.
+/// @throws ConfigError if a change is invalid
+std::optional<Engine> find(std::string_view name);
 
 /// From the one to the other.
 EngineFamily family();

@@ -1,4 +1,4 @@
-// MuJoCo behind the PhysicsBackend interface. The only header of this folder that others may include.
+// MuJoCo behind the PhysicsBackend interface: what the plug-in offers.
 #pragma once
 
 #include "crossgait/physics/engine.h"

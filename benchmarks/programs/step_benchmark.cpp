@@ -1,4 +1,5 @@
-// Time of a physics step of the trot, as a ratio to a bare mj_step loop under the same recorded controls.
+// Time of a physics step of the trot, as a ratio to a bare mj_step loop under the same recorded controls. The
+// engines are linked, not opened as plug-ins: the bare loop needs MuJoCo's own functions in this program.
 // Interleaved within one run, median of several repetitions, with the spread:
 //   build/release/benchmarks/step_benchmark [REPETITIONS] [FILE.json]
 #include <algorithm>
@@ -8,11 +9,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/benchmarks/scenes.h"
+#include "crossgait/backends/mujoco/mujoco_backend.h"
 #include "crossgait/benchmarks/programs/mujoco/bare_mujoco.h"
+#include "crossgait/benchmarks/scenes.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/atomic_file.h"
+#ifdef CROSSGAIT_HAS_BULLET
+#include "crossgait/backends/bullet/bullet_backend.h"
+#endif
 
 namespace {
 
@@ -25,6 +29,15 @@ double microseconds_per_step(const Work& work) {
   const auto begin = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count() / kSteps;
+}
+
+std::vector<Engine> engines() {
+  std::vector<Engine> all{mujoco::engine()};
+#ifdef CROSSGAIT_HAS_BULLET
+  all.push_back(bullet::matched_engine());
+  all.push_back(bullet::native_engine());
+#endif
+  return all;
 }
 
 struct Series {
@@ -46,7 +59,7 @@ int main(int argc, char** argv) {
   std::vector<JointTargets> targets;
   for (int i = 0; i < kSteps; ++i) targets.push_back(trot.targets(i * spec.physics_dt));
 
-  const auto recorder = make_backend("mujoco", spec);
+  const auto recorder = mujoco::engine().make(spec);
   const RobotState start = recorder->state();
   std::vector<JointVector> torques;
   for (const JointTargets& target : targets) {
@@ -56,9 +69,9 @@ int main(int argc, char** argv) {
   BareMujoco bare(spec);
   std::vector<Series> series{{"bare mj_step", {}, {}}};
   std::vector<std::unique_ptr<PhysicsBackend>> backends;
-  for (const std::string& name : available_engines()) {
-    backends.push_back(make_backend(name, spec));
-    series.push_back({name, {}, {}});
+  for (const Engine& engine : engines()) {
+    backends.push_back(engine.make(spec));
+    series.push_back({engine.name(), {}, {}});
   }
   for (int r = -1; r < repetitions; ++r) {  // the first warms up and is not kept
     std::vector<double> times{microseconds_per_step([&] { bare.replay(start, torques); })};

@@ -11,10 +11,27 @@ TEST(Registry, NamesAreUniqueAndTellWhyTheyAreMissing) {
   std::set<std::string> names;
   for (const EngineListing& entry : known_engines()) {
     EXPECT_TRUE(names.insert(entry.name).second) << entry.name;
-    EXPECT_FALSE(entry.summary.empty());
+    EXPECT_EQ(entry.info.name, entry.name);
+    EXPECT_EQ(entry.summary.empty(), !entry.available) << entry.name;
+    EXPECT_EQ(entry.file.empty(), !entry.available) << entry.name;
     EXPECT_EQ(entry.reason.empty(), entry.available) << entry.name;
   }
   for (const char* name : {"mujoco", "bullet", "bullet:matched"}) EXPECT_TRUE(names.contains(name)) << name;
+}
+
+TEST(Registry, ListsMujocoFirstAndNativeBulletLast) {
+  // The first is what commands use by default, first and last are what `verdict` compares.
+  const std::vector<std::string> names = available_engines();
+  ASSERT_FALSE(names.empty());
+  for (const EngineListing& entry : known_engines()) {
+    if (!entry.available) continue;
+    if (entry.name == "mujoco") {
+      EXPECT_EQ(names.front(), "mujoco");
+    }
+    if (entry.name == "bullet") {
+      EXPECT_EQ(names.back(), "bullet");
+    }
+  }
 }
 
 TEST(Registry, WhatIsAvailableCanBeMadeAndNothingElse) {

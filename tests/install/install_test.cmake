@@ -27,15 +27,75 @@ endif()
 run("installing" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 run("configuring the consumer" ${CMAKE_COMMAND} -G ${GENERATOR} -S ${CONSUMER} -B ${SCRATCH}/build
     -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${flags}"
+    # who uses Crossgait needs no engine's package
+    -DCMAKE_DISABLE_FIND_PACKAGE_mujoco=ON -DCMAKE_DISABLE_FIND_PACKAGE_BulletFloat64=ON
     -DCMAKE_PREFIX_PATH=${prefix})
 run("building the consumer" ${CMAKE_COMMAND} --build ${SCRATCH}/build)
 run("running the consumer" ${SCRATCH}/build/consumer)
 expect_in_output("${prefix}/${DATADIR}/crossgait/models/robots/scara_quadruped")
+expect_in_output("${prefix}/${LIBDIR}/crossgait/engines/libcrossgait_engine_")
 message(STATUS "${OUTPUT}")
 
-# The program finds its robots beside itself, wherever it was put: a robot that only the moved copy has is listed.
+if(ENGINES MATCHES mujoco AND ENGINES MATCHES bullet)
+  run("a verdict and its explanation in ten lines" ${SCRATCH}/build/verdict)
+  expect_in_output("bullet against mujoco:")
+  expect_in_output("From bullet:matched to bullet, 4 starts:")
+endif()
+
+# An engine built elsewhere, and the same one as a stranger's compiler options would make it.
+foreach(build engine stranger)
+  set(options "")
+  if(build STREQUAL stranger)
+    set(options "-DEIGEN_MAX_ALIGN_BYTES=64")
+  endif()
+  run("configuring the engine" ${CMAKE_COMMAND} -G ${GENERATOR} -S ${ENGINE} -B ${SCRATCH}/${build}
+      -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${flags} ${options}"
+      -DCMAKE_PREFIX_PATH=${prefix})
+  run("building the engine" ${CMAKE_COMMAND} --build ${SCRATCH}/${build})
+endforeach()
+
+# The program finds its engines and robots beside itself, wherever it was put: a robot that only the moved copy has is
+# listed.
 file(RENAME ${prefix} ${SCRATCH}/moved)
 set(models ${SCRATCH}/moved/${DATADIR}/crossgait/models)
 file(RENAME ${models}/robots/scara_quadruped ${models}/robots/robot_of_this_copy)
 run("the installed crossgait robots" ${SCRATCH}/moved/${BINDIR}/crossgait robots)
 expect_in_output("robot_of_this_copy")
+file(RENAME ${models}/robots/robot_of_this_copy ${models}/robots/scara_quadruped)
+
+# expect_engine(NAME KEY VALUE): fails unless the last `crossgait backends --json -` lists NAME with that VALUE of KEY
+# (as a regular expression).
+macro(expect_engine name key expected)
+  string(JSON _count LENGTH "${OUTPUT}" backends)
+  math(EXPR _last "${_count} - 1")
+  set(_found "nothing of that name")
+  foreach(_i RANGE ${_last})
+    string(JSON _name GET "${OUTPUT}" backends ${_i} name)
+    if(_name STREQUAL "${name}")
+      string(JSON _found GET "${OUTPUT}" backends ${_i} ${key})
+    endif()
+  endforeach()
+  if(NOT _found MATCHES "${expected}")
+    message(FATAL_ERROR "${name}: ${key}: expected '${expected}', found '${_found}' in:\n${OUTPUT}")
+  endif()
+endmacro()
+
+set(crossgait ${SCRATCH}/moved/${BINDIR}/crossgait)
+run("the moved crossgait backends" ${crossgait} backends --json -)
+foreach(engine ${ENGINES})
+  expect_engine(${engine} available "ON|true")
+  expect_engine(${engine} file "^${SCRATCH}/moved/${LIBDIR}/crossgait/engines/libcrossgait_engine_${engine}.so$")
+endforeach()
+
+set(ENV{CROSSGAIT_ENGINE_PATH} ${SCRATCH}/engine)
+run("crossgait with an engine built elsewhere" ${crossgait} backends --json -)
+expect_engine(statue available "ON|true")
+expect_engine(statue version "^1\\.0$")
+expect_engine(statue file "^${SCRATCH}/engine/libcrossgait_engine_statue.so$")
+run("a walk in it" ${crossgait} walk --engine statue --seconds .1 --json -)
+expect_in_output("\"backend\": \"statue\"")
+
+set(ENV{CROSSGAIT_ENGINE_PATH} ${SCRATCH}/stranger)
+run("crossgait with a stranger's engine" ${crossgait} backends --json -)
+expect_engine(statue available "OFF|false")
+expect_engine(statue reason "EIGEN_MAX_ALIGN_BYTES 64 instead of EIGEN_MAX_ALIGN_BYTES")

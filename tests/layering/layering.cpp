@@ -77,11 +77,22 @@ bool may_include_engine(const fs::path& file, std::string_view engine) {
   return std::find(parent.begin(), parent.end(), fs::path(engine)) != parent.end();
 }
 
-/// What is inside backends/<engine>/ is for that folder and the registry beside it, and for tests and
-/// benchmarks.
+/// What is inside backends/<engine>/ is for that folder, and for tests and benchmarks of the inside.
 bool may_include_backend(const fs::path& file, const fs::path& header_folder) {
-  return file.parent_path() == "backends" || file.parent_path() == header_folder ||
-         is_test_or_benchmark(file);
+  return file.parent_path() == header_folder || file.parent_path() == "tests" / header_folder ||
+         file.string().starts_with(kPrograms);
+}
+
+/// Headers whose users open plug-ins.
+bool opens_plugins(std::string_view header) {
+  return header == "crossgait/backends/registry.h" || header == "crossgait/backends/plugin_loader.h" ||
+         header == "crossgait/tests/support/backend_test.h";
+}
+
+/// Whether a header makes its includer need an engine linked to the program.
+bool links_engine(std::string_view header) {
+  constexpr std::string_view kBackends = "crossgait/backends/";
+  return header.starts_with(kBackends) && header.find('/', kBackends.size()) != std::string_view::npos;
 }
 
 /// `line` without what follows //, in lower case.
@@ -126,11 +137,21 @@ std::vector<Violation> check_file(const fs::path& file, std::string_view text) {
   std::vector<Violation> violations;
   std::istringstream lines{std::string(text)};
   std::string line;
+  // Tests of an engine's inside are linked to it, whatever one of their files includes.
+  bool links = folder->name == "tests" && file.parent_path().parent_path() == "tests/backends" &&
+               file.parent_path().filename() != "plugins";
+  bool opens = false;
   for (int number = 1; std::getline(lines, line); ++number) {
     const auto report = [&](const std::string& rule) {
       violations.push_back({file.string(), number, std::string(rule).append(": ").append(line)});
     };
-    if (const std::string rule = refusal(file, *folder, included_header(line)); !rule.empty()) report(rule);
+    const std::string_view header = included_header(line);
+    if (const std::string rule = refusal(file, *folder, header); !rule.empty()) report(rule);
+    links = links || links_engine(header);
+    if (opens_plugins(header)) opens = true;
+    if (links && opens && (links_engine(header) || opens_plugins(header))) {
+      report("a program that is linked to an engine opens no plug-in");
+    }
     if (!folder->knows_backends) {
       const std::string code = code_of(line);
       for (const std::string_view word : engine_words) {

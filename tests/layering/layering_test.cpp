@@ -66,15 +66,33 @@ TEST(Layering, FoldersIncludeOnlyWhatIsBelowThem) {
                {"benchmarks/a.cpp", "#include <mujoco/mujoco.h>", false},
                {"benchmarks/a.cpp", "#include \"crossgait/apps/plotting.h\"", false},
                {"parity/a.cpp", "#include \"crossgait/benchmarks/scenes.h\"", false},
-               {"backends/registry.cpp", "#include \"crossgait/backends/mujoco/backend.h\"", true},
+               {"backends/registry.cpp", "#include \"crossgait/backends/mujoco/backend.h\"", false},
+               {"backends/plugin_loader.cpp", "#include \"crossgait/physics/engine_plugin.h\"", true},
                {"backends/mujoco/a.cpp", "#include \"crossgait/backends/mujoco/backend.h\"", true},
                {"backends/bullet/a.cpp", "#include \"crossgait/backends/mujoco/backend.h\"", false},
                {"backends/mujoco/a.cpp", "#include \"crossgait/gait/trot.h\"", false},
                {"apps/a.cpp", "#include \"crossgait/backends/mujoco/backend.h\"", false},
-               {"tests/backends/a_test.cpp", "#include \"crossgait/backends/bullet/rows.h\"", true},
+               {"tests/backends/a_test.cpp", "#include \"crossgait/backends/bullet/rows.h\"", false},
+               {"tests/backends/bullet/a_test.cpp", "#include \"crossgait/backends/bullet/rows.h\"", true},
+               {"tests/backends/bullet/a_test.cpp", "#include \"crossgait/backends/mujoco/model.h\"", false},
+               {"benchmarks/programs/a.cpp", "#include \"crossgait/backends/bullet/rows.h\"", true},
                {"apps/a.cpp", "#include \"crossgait/backends/registry.h\"", true},
                {"tests/gait/a_test.cpp", "#include \"crossgait/backends/registry.h\"", true},
                {"elsewhere/a.cpp", "", false}});
+}
+
+TEST(Layering, WhatIsLinkedToAnEngineOpensNoPlugin) {
+  const std::string engine = "#include \"crossgait/backends/mujoco/model.h\"\n";
+  for (const std::string opens :
+       {"#include \"crossgait/backends/registry.h\"\n", "#include \"crossgait/backends/plugin_loader.h\"\n",
+        "#include \"crossgait/tests/support/backend_test.h\"\n"}) {
+    expect_rule({{"benchmarks/programs/a.cpp", opens, true},
+                 {"benchmarks/programs/a.cpp", engine + opens, false},
+                 {"benchmarks/programs/a.cpp", opens + engine, false},
+                 {"tests/backends/a_test.cpp", opens, true},
+                 {"tests/backends/plugins/a.cpp", opens, true},
+                 {"tests/backends/mujoco/a_test.cpp", opens, false}});
+  }
 }
 
 TEST(Layering, GaitAndIkKnowNoBackend) {

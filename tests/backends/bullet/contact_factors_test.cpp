@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/registry.h"
+#include "crossgait/backends/bullet/bullet_backend.h"
 #include "crossgait/benchmarks/scenes.h"
 #include "crossgait/physics/error.h"
 
@@ -47,13 +47,26 @@ TEST(ContactFactors, MeaninglessOnesAreRefused) {
   }
 }
 
+std::unique_ptr<PhysicsBackend> make(const std::string& name, const WorldSpec& spec) {
+  return find(name).value().make(spec);
+}
+
+TEST(ContactFactors, EnginesAreFoundByName) {
+  EXPECT_EQ(find("bullet:native").value().name(), "bullet");
+  EXPECT_EQ(find("bullet:matched+surface").value().name(), "bullet:matched+surface");
+  for (const char* name : {"", "mujoco", "bullet:", "bullet:other+surface"}) EXPECT_FALSE(find(name)) << name;
+  for (const char* name : {"bullet+surface", "bullet:matched-surface"}) {
+    EXPECT_THROW(find(name), ConfigError) << name;
+  }
+}
+
 double largest_difference(const std::string& a, const std::string& b, const std::string& terrain,
                           int iterations) {
   WorldSpec spec = scenes::world_of(scenes::quadruped());
   spec.terrain = make_terrain(terrain);
   spec.solver.tolerance = 1e-12;
   spec.solver.iterations = iterations;
-  const auto x = make_backend(a, spec), y = make_backend(b, spec);
+  const auto x = make(a, spec), y = make(b, spec);
   const scenes::Trot trot(*spec.robot);
   double worst = 0;
   for (int i = 0; i < 1500; ++i) {
@@ -87,7 +100,7 @@ TEST(ContactFactors, EachChangesSomethingOrIsRounding) {
 TEST(ContactFactors, AnyCanBeSavedAndRestored) {
   for (const char* name :
        {"bullet:matched+narrowphase", "bullet:matched+hard_normal+speculative", "bullet-sweeps"}) {
-    const auto backend = make_backend(name, scenes::world_of(scenes::quadruped()));
+    const auto backend = make(name, scenes::world_of(scenes::quadruped()));
     EXPECT_EQ(backend->info().name, name);
     EXPECT_NE(backend->info().laws.contact, "mujoco");
     EXPECT_NE(backend->info().laws.contact, "bullet");

@@ -1,5 +1,5 @@
 // What a user of the installed library writes: the robot that came with it, a step in every engine that is
-// built in.
+// found.
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -34,6 +34,9 @@ int main() {
     std::printf("robot: %s\n", file.c_str());
     spec.robot = std::make_shared<const crossgait::RobotDescription>(crossgait::load_robot(file));
     const auto backends = crossgait::available_engines();
+    for (const crossgait::EngineListing& engine : crossgait::known_engines()) {
+      std::printf("%s: %s\n", engine.name.c_str(), engine.file.c_str());
+    }
     for (const std::string& backend : backends) {
       const double height = stand(backend, spec, 0.5);
       std::printf("%s: base at %.4f m\n", backend.c_str(), height);

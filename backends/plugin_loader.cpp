@@ -1,0 +1,173 @@
+#include "crossgait/backends/plugin_loader.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <link.h>
+
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kBeginning = "libcrossgait_engine_", kEnding = ".so";
+
+std::vector<std::string_view> split(std::string_view text, std::string_view separator) {
+  std::vector<std::string_view> parts;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(separator), text.size());
+    if (end > 0) parts.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + separator.size(), text.size()));
+  }
+  return parts;
+}
+
+// What dlopen or dlsym had to say, without the file's name, which stands beside it.
+std::string last_error(const std::string& file) {
+  const char* error = dlerror();
+  std::string_view text = error != nullptr ? error : "unknown error";
+  if (const std::string prefix = file + ": "; text.starts_with(prefix)) text.remove_prefix(prefix.size());
+  return std::string(text);
+}
+
+// Items of `theirs` that differ from the same places of `ours`: both list the same things in the same order,
+// or differ in all.
+std::string difference(std::string_view theirs, std::string_view ours) {
+  const auto a = split(theirs, "; "), b = split(ours, "; ");
+  if (a.size() != b.size()) return fmt::format("\"{}\" instead of \"{}\"", theirs, ours);
+  std::vector<std::string> items;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i] != b[i]) items.push_back(fmt::format("{} instead of {}", a[i], b[i]));
+  }
+  return fmt::format("{}", fmt::join(items, ", "));
+}
+
+// Why a plug-in cannot be used; empty if it can.
+std::string refusal(const EnginePlugin* plugin) {
+  if (plugin == nullptr) return fmt::format("its {} gives nothing", kPluginFunction);
+  if (plugin->interface_version != kPluginInterfaceVersion) {
+    return fmt::format("it has version {} of the plug-in interface, this program version {}: build it again",
+                       plugin->interface_version, kPluginInterfaceVersion);
+  }
+  const std::string_view own = plugin_detail::kStamp.bytes.data();
+  if (plugin->stamp != own) {
+    return fmt::format("it was built differently from this program ({}): build it again",
+                       difference(plugin->stamp, own));
+  }
+  if (plugin->header_version == nullptr || plugin->library_version == nullptr || plugin->engines == nullptr ||
+      plugin->families == nullptr || plugin->find == nullptr) {
+    return "it leaves out a function";
+  }
+  const std::string header = plugin->header_version(), library = plugin->library_version();
+  if (header != library) {
+    return fmt::format("it was built with the engine's headers of version {}, but the library it found is {}",
+                       header, library);
+  }
+  if (plugin->engines().empty()) return "it offers no engine";
+  return "";
+}
+
+bool is_folder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
+// The run path of whatever this code was linked into, and the folders that every program searches.
+std::vector<std::string> library_folders() {
+  Dl_info address{};
+  link_map* own = nullptr;
+  if (dladdr1(reinterpret_cast<const void*>(&library_folders), &address, reinterpret_cast<void**>(&own),
+              RTLD_DL_LINKMAP) == 0) {
+    return {};
+  }
+  // The program itself has no name in its link map, and is what a null pointer opens.
+  void* handle = dlopen(own->l_name[0] != '\0' ? own->l_name : nullptr, RTLD_LAZY | RTLD_NOLOAD);
+  Dl_serinfo size{};
+  if (handle == nullptr || dlinfo(handle, RTLD_DI_SERINFOSIZE, &size) != 0) return {};
+  std::vector<char> memory(size.dls_size + alignof(Dl_serinfo));
+  auto* list = reinterpret_cast<Dl_serinfo*>(memory.data());
+  list->dls_size = size.dls_size;
+  list->dls_cnt = size.dls_cnt;
+  if (dlinfo(handle, RTLD_DI_SERINFO, list) != 0) return {};
+  std::vector<std::string> folders;
+  for (unsigned int i = 0; i < list->dls_cnt; ++i) folders.emplace_back(list->dls_serpath[i].dls_name);
+  return folders;
+}
+
+}  // namespace
+
+LoadedPlugin load_plugin(const std::string& file) {
+  std::error_code error;
+  // A name without a slash would be searched for elsewhere.
+  LoadedPlugin result{fs::canonical(file, error).string(), nullptr, ""};
+  if (error) return {file, nullptr, error.message()};
+  void* library = dlopen(result.file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) {
+    result.reason = last_error(result.file);
+    return result;
+  }
+  void* function = dlsym(library, kPluginFunction);
+  if (function == nullptr) {
+    result.reason = fmt::format("it is no engine of Crossgait: it has no function {}", kPluginFunction);
+    return result;
+  }
+  try {
+    const EnginePlugin* plugin = reinterpret_cast<decltype(&crossgait_engine_plugin)>(function)();
+    result.reason = refusal(plugin);
+    if (result.reason.empty()) result.plugin = plugin;
+  } catch (const std::exception& failure) {
+    result.reason = failure.what();
+  }
+  return result;
+}
+
+std::vector<std::string> plugin_folders() {
+  std::vector<std::string> folders;
+  if (const char* given = std::getenv("CROSSGAIT_ENGINE_PATH"); given != nullptr) {
+    for (const std::string_view folder : split(given, ":")) {
+      if (!is_folder(folder)) {
+        throw ConfigError("environment", "CROSSGAIT_ENGINE_PATH", "folders of engines, separated by colons",
+                          fmt::format("'{}', which is no folder", folder));
+      }
+      folders.emplace_back(folder);
+    }
+  }
+  for (std::string& folder : library_folders()) folders.push_back(std::move(folder));
+  return folders;
+}
+
+std::vector<std::string> plugin_files(const std::vector<std::string>& folders) {
+  std::vector<std::string> files;
+  for (const std::string& folder : folders) {
+    std::vector<std::string> found;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+      const std::string name = entry.path().filename().string();
+      if (name.starts_with(kBeginning) && name.ends_with(kEnding)) found.push_back(entry.path().string());
+    }
+    std::sort(found.begin(), found.end());
+    for (const std::string& path : found) {
+      std::string file = fs::canonical(path, error).string();
+      if (error) file = path;  // a link to nothing, which opening it will say
+      if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(std::move(file));
+    }
+  }
+  return files;
+}
+
+std::string plugin_name(const std::string& file) {
+  std::string name = fs::path(file).filename().string();
+  if (name.ends_with(kEnding)) name.resize(name.size() - kEnding.size());
+  if (name.starts_with(kBeginning)) name.erase(0, kBeginning.size());
+  return name;
+}
+
+}  // namespace crossgait

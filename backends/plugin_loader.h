@@ -1,0 +1,36 @@
+// Opens engines' plug-ins (physics/engine_plugin.h) and says why one cannot be used.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "crossgait/physics/engine_plugin.h"
+
+namespace crossgait {
+
+/// A file and what came of opening it. What was opened stays so for the life of the process.
+struct LoadedPlugin {
+  std::string file;                      ///< with links resolved
+  const EnginePlugin* plugin = nullptr;  ///< null if it was refused
+  std::string reason;                    ///< why it was
+};
+
+/// Opens one file with symbols of its own: two engines, or two versions of one, may carry the same symbols.
+/// Refuses what is no plug-in, was built for another interface, or found another library than its headers'.
+/// Opening a file runs its code.
+LoadedPlugin load_plugin(const std::string& file);
+
+/// Folders in which plug-ins are looked for:
+///  1. those that the environment variable CROSSGAIT_ENGINE_PATH lists, separated by colons;
+///  2. those in which the program or shared library that this code is in finds its libraries: its run path
+///     leads to the engines that come with Crossgait (the CMake target crossgait::backends sets it).
+/// @throws ConfigError if CROSSGAIT_ENGINE_PATH lists what is no folder
+std::vector<std::string> plugin_folders();
+
+/// Files libcrossgait_engine_*.so in these folders, by folder and then by name, links resolved, each once.
+std::vector<std::string> plugin_files(const std::vector<std::string>& folders);
+
+/// "mujoco" of ".../libcrossgait_engine_mujoco.so".
+std::string plugin_name(const std::string& file);
+
+}  // namespace crossgait

@@ -1,0 +1,261 @@
+// Plug-ins that are used and plug-ins that are refused, made by plugins/CMakeLists.txt.
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include <dlfcn.h>
+
+#include "crossgait/backends/plugin_loader.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/tests/physics/scratch_folder.h"
+#include "crossgait/tests/support/backend_test.h"
+
+namespace crossgait {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string built(const std::string& name) {
+  return std::string(CROSSGAIT_TEST_PLUGINS) + "/libcrossgait_engine_" + name + ".so";
+}
+
+const EngineListing* listing(const EngineRegistry& registry, const std::string& name,
+                             const std::string& file) {
+  for (const EngineListing& entry : registry.listings()) {
+    if (entry.name == name && entry.file == file) return &entry;
+  }
+  return nullptr;
+}
+
+class Plugin : public ScratchFolder {
+ protected:
+  void SetUp() override {
+    ScratchFolder::SetUp();
+    folder_ = fs::canonical(folder_);  // registries resolve links
+  }
+  void TearDown() override {
+    unsetenv("CROSSGAIT_TEST_FAULT");
+    unsetenv("CROSSGAIT_ENGINE_PATH");
+    ScratchFolder::TearDown();
+  }
+
+  /// A copy that has not been opened before, so that it can go wrong in a way of its own.
+  std::string copy(const std::string& name, const std::string& as) const {
+    std::string file = path("libcrossgait_engine_" + as + ".so");
+    fs::copy_file(built(name), file, fs::copy_options::overwrite_existing);
+    return file;
+  }
+  std::string refusal(const std::string& fault) const {
+    setenv("CROSSGAIT_TEST_FAULT", fault.c_str(), 1);
+    const LoadedPlugin loaded = load_plugin(copy("test_1", "fault"));
+    EXPECT_EQ(loaded.plugin, nullptr) << fault;
+    return loaded.reason;
+  }
+};
+
+#define EXPECT_CONTAINS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
+
+TEST_F(Plugin, IsRefusedIfItsInterfaceIsAnother) {
+  const std::string reason = refusal("interface");
+  EXPECT_CONTAINS(reason,
+                  "version " + std::to_string(kPluginInterfaceVersion + 1) + " of the plug-in interface");
+}
+
+TEST_F(Plugin, IsRefusedIfItWasBuiltDifferently) {
+  const std::string size = std::to_string(sizeof(WorldSpec));
+  const std::string reason = refusal("stamp");
+  // What differs, and nothing else.
+  EXPECT_CONTAINS(reason, "(sizeof WorldSpec 9" + size + " instead of sizeof WorldSpec " + size + ")");
+}
+
+TEST_F(Plugin, IsRefusedIfItsStampIsOfAnotherKind) {
+  EXPECT_CONTAINS(refusal("other compiler"), "\"cc 1; \" instead of");
+}
+
+TEST_F(Plugin, IsRefusedIfItFoundAnotherLibraryThanItsHeaders) {
+  EXPECT_CONTAINS(refusal("headers"), "headers of version 2.3.7, but the library it found is 1");
+}
+
+TEST_F(Plugin, IsRefusedIfItIsIncomplete) { EXPECT_CONTAINS(refusal("function"), "leaves out a function"); }
+
+TEST_F(Plugin, IsRefusedIfItOffersNothing) {
+  EXPECT_CONTAINS(refusal("nothing offered"), "offers no engine");
+}
+
+TEST_F(Plugin, IsRefusedIfItGivesNothing) { EXPECT_CONTAINS(refusal("null"), "gives nothing"); }
+
+TEST_F(Plugin, IsRefusedWithItsOwnWordsIfItThrows) { EXPECT_EQ(refusal("throw"), "no licence"); }
+
+TEST_F(Plugin, IsRefusedWithoutItsFunction) {
+  EXPECT_CONTAINS(load_plugin(built("no_function")).reason, "no function crossgait_engine_plugin");
+}
+
+TEST_F(Plugin, IsRefusedWithASymbolMissing) {
+  EXPECT_CONTAINS(load_plugin(built("unresolved")).reason,
+                  "undefined symbol: function_of_a_library_that_is_not_there");
+}
+
+TEST_F(Plugin, IsRefusedIfItIsNoLibrary) {
+  const std::string text(1000, 'x');
+  EXPECT_EQ(load_plugin(write("libcrossgait_engine_text.so", text)).reason, "invalid ELF header");
+  EXPECT_EQ(load_plugin(write("libcrossgait_engine_empty.so", "")).reason, "file too short");
+  EXPECT_EQ(load_plugin(path("nothing.so")).reason, "No such file or directory");
+}
+
+TEST_F(Plugin, ExportsItsFunctionAlone) {
+  for (const char* name : {"test_1", "test_2"}) {
+    void* library = dlopen(built(name).c_str(), RTLD_NOW | RTLD_LOCAL);
+    ASSERT_NE(library, nullptr) << dlerror();
+    EXPECT_NE(dlsym(library, kPluginFunction), nullptr);
+    // Crossgait's own code, a template of the standard library, the engine's: each is in the file.
+    for (const char* symbol :
+         {"_ZN9crossgait14PhysicsBackend5resetERKNS_10RobotStateE", "_ZTVN9crossgait14PhysicsBackendE",
+          "_ZTIN9crossgait11ConfigErrorE",
+          "_ZN6statue6engineERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEES7_"}) {
+      EXPECT_EQ(dlsym(library, symbol), nullptr) << name << ": " << symbol;
+    }
+  }
+}
+
+TEST_F(Plugin, TwoVersionsOfALibraryLiveTogether) {
+  const EngineRegistry registry({CROSSGAIT_TEST_PLUGINS});
+  const WorldSpec spec = scenes::world_of(scenes::sled());
+  const Engine first = registry.find("stone@1"), second = registry.find("stone@2");
+  EXPECT_EQ(first.info.version, "1");
+  EXPECT_EQ(second.info.version, "2");
+  // Functions and variables of one name are those of the plug-in's own library.
+  const auto made = [&](const char* name) { return std::stoi(registry.find(name).info.mode); };
+  const int first_before = made("stone@1"), second_before = made("stone@2");
+  EXPECT_EQ(first.make(spec)->info().name, "stone@1");
+  EXPECT_EQ(first.make(spec)->info().name, "stone@1");
+  EXPECT_EQ(second.make(spec)->info().name, "stone@2");
+  EXPECT_EQ(made("stone@1"), first_before + 2);
+  EXPECT_EQ(made("stone@2"), second_before + 1);
+}
+
+TEST_F(Plugin, WorksAcrossTheBoundary) {
+  const EngineRegistry registry({CROSSGAIT_TEST_PLUGINS});
+  const auto world = registry.find("stone@1").make(scenes::world_of(scenes::quadruped()));
+  EXPECT_EQ(world->step(scenes::home_targets(world->robot()), 10), StepStatus::kOk);
+  EXPECT_NEAR(world->state().time, 0.01, 1e-15);
+  const Snapshot snapshot = world->save();
+  RobotState elsewhere = world->state();
+  elsewhere.p_WB.x() += 1;
+  world->reset(elsewhere);
+  world->restore(snapshot);
+  EXPECT_EQ(world->state().p_WB, snapshot.state.p_WB);
+  // Exceptions thrown there are caught here: by the plug-in itself, and by Crossgait's code inside it.
+  EXPECT_THROW(registry.find("stone@1+factor"), ConfigError);
+  EXPECT_THROW(world->restore({}), ConfigError);
+  WorldSpec bad = world->spec();
+  bad.physics_dt = -1;
+  EXPECT_THROW(registry.find("stone@1").make(bad), ConfigError);
+}
+
+TEST_F(Plugin, OutlivesTheRegistryThatOpenedIt) {
+  std::unique_ptr<PhysicsBackend> world;
+  Engine engine;
+  {
+    const EngineRegistry registry({CROSSGAIT_TEST_PLUGINS});
+    engine = registry.find("stone@2");
+    world = engine.make(scenes::world_of(scenes::sled()));
+  }
+  EXPECT_EQ(world->step({}, 3), StepStatus::kOk);
+  EXPECT_EQ(engine.make(world->spec())->info().version, "2");
+}
+
+TEST_F(Plugin, OfANameTheFirstFoundHasIt) {
+  const EngineRegistry registry({CROSSGAIT_TEST_PLUGINS});
+  EXPECT_EQ(registry.find("stone").info.version, "1");
+  const EngineListing* second = listing(registry, "stone", fs::canonical(built("test_2")));
+  ASSERT_NE(second, nullptr);
+  EXPECT_FALSE(second->available);
+  EXPECT_EQ(second->reason, "already offered by " + fs::canonical(built("test_1")).string());
+  EXPECT_EQ(second->info.version, "2");
+
+  // Folders count before names of files.
+  const std::string other = copy("test_2", "zzz");
+  const EngineRegistry reversed({folder_.string(), CROSSGAIT_TEST_PLUGINS});
+  EXPECT_EQ(reversed.find("stone").info.version, "2");
+  EXPECT_FALSE(listing(reversed, "stone@2", fs::canonical(built("test_2")))->available);
+  EXPECT_TRUE(listing(reversed, "stone@2", other)->available);
+}
+
+TEST_F(Plugin, OneFileIsOpenedOnce) {
+  fs::create_symlink(built("test_1"), path("libcrossgait_engine_link.so"));
+  const std::vector<std::string> files =
+      plugin_files({folder_.string(), CROSSGAIT_TEST_PLUGINS, CROSSGAIT_TEST_PLUGINS, path("nowhere")});
+  EXPECT_EQ(std::count(files.begin(), files.end(), fs::canonical(built("test_1")).string()), 1);
+  EXPECT_EQ(files.size(), 4U);  // test_1, test_2, no_function, unresolved
+  EXPECT_EQ(plugin_name(files.front()), "test_1");
+}
+
+TEST_F(Plugin, RefusedOnesAreListedAndSayWhy) {
+  write("libcrossgait_engine_broken.so", "");
+  write("libcrossgait_engine_bullet.so", "");  // the name of one that comes with Crossgait
+  write("engine.so", "");                      // not of that kind
+  const EngineRegistry registry({folder_.string()});
+  EXPECT_TRUE(registry.available().empty());
+  for (const char* name : {"bullet", "bullet:matched"}) {
+    const EngineListing* entry = listing(registry, name, path("libcrossgait_engine_bullet.so"));
+    ASSERT_NE(entry, nullptr) << name;
+    EXPECT_EQ(entry->reason, "file too short");
+  }
+  try {
+    registry.find("broken+more");
+    ADD_FAILURE();
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(error.found(), "file too short");
+  }
+}
+
+TEST_F(Plugin, WhatComesWithCrossgaitIsListedWhereItIsNotFound) {
+  const EngineRegistry registry({folder_.string()});
+  for (const char* name : {"mujoco", "bullet", "bullet:matched"}) {
+    const EngineListing* entry = listing(registry, name, "");
+    ASSERT_NE(entry, nullptr) << name;
+    EXPECT_FALSE(entry->available);
+    // Which of the three depends on the build.
+    EXPECT_TRUE(entry->reason.find("is in none of " + folder_.string()) != std::string::npos ||
+                entry->reason.find("was switched off") != std::string::npos ||
+                entry->reason.find("was not found when Crossgait was built (Debian: lib") !=
+                    std::string::npos)
+        << entry->reason;
+  }
+}
+
+TEST_F(Plugin, FoldersAreThoseOfTheVariableAndTheRunPath) {
+  unsetenv("CROSSGAIT_ENGINE_PATH");
+  const std::vector<std::string> own = plugin_folders();
+  EXPECT_FALSE(own.empty());
+  setenv("CROSSGAIT_ENGINE_PATH", (":" + folder_.string() + "::" + CROSSGAIT_TEST_PLUGINS).c_str(), 1);
+  const std::vector<std::string> all = plugin_folders();
+  ASSERT_EQ(all.size(), own.size() + 2);
+  EXPECT_EQ(all[0], folder_.string());
+  EXPECT_EQ(all[1], CROSSGAIT_TEST_PLUGINS);
+  setenv("CROSSGAIT_ENGINE_PATH", (folder_.string() + ":" + path("nowhere")).c_str(), 1);
+  try {
+    plugin_folders();
+    ADD_FAILURE();
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(error.element(), "CROSSGAIT_ENGINE_PATH");
+    EXPECT_CONTAINS(error.found(), path("nowhere"));
+  }
+}
+
+TEST_F(Plugin, FirstUseMayBeFromManyThreads) {
+  const std::string file = copy("test_1", "shared");
+  std::vector<std::string> names(8);
+  std::vector<std::thread> threads;
+  for (std::string& name : names) {
+    threads.emplace_back([&] {
+      const EngineRegistry registry({folder_.string()});
+      name = registry.find("stone@1").make(scenes::world_of(scenes::sled()))->info().name;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const std::string& name : names) EXPECT_EQ(name, "stone@1");
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,87 @@
+// Stretches of simulation that must not allocate once every buffer has had its largest size: for engines of
+// the registry, and for tests of an engine's inside.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "crossgait/benchmarks/scenes.h"
+#include "crossgait/env/vector_env.h"
+#include "crossgait/tests/support/allocation_counter.h"
+
+namespace crossgait {
+
+inline std::size_t allocations_of_a_trot(const Engine& engine, const Terrain& terrain) {
+  WorldSpec spec = scenes::world_of(scenes::quadruped());
+  spec.terrain = terrain;
+  const auto backend = engine.make(spec);
+  const scenes::Trot trot(backend->robot());
+  int i = 0;
+  const auto steps = [&](int count) {
+    for (const int end = i + count; i < end; ++i) {
+      EXPECT_EQ(backend->step(trot.targets(i * 1e-3)), StepStatus::kOk);
+      (void)backend->foot_contacts();
+    }
+  };
+  steps(1500);  // a stand and more than a cycle
+  const AllocationScope scope;
+  steps(1600);
+  return scope.count();
+}
+
+inline std::size_t allocations_of_pushes_and_refused_targets(const Engine& engine) {
+  const auto backend = engine.make(scenes::world_of(scenes::quadruped()));
+  const JointTargets targets = scenes::home_targets(backend->robot());
+  EXPECT_EQ(backend->step(targets, 500), StepStatus::kOk);
+  const AllocationScope scope;
+  backend->apply_push({0.01, 0, 0});
+  EXPECT_EQ(backend->step(targets, 10), StepStatus::kOk);
+  EXPECT_EQ(backend->step({}), StepStatus::kInvalidTargets);
+  return scope.count();
+}
+
+/// Everything that an environment can observe and reward, on rough ground.
+inline EnvConfig full_environment() {
+  EnvConfig config;
+  config.terrain = "rough";
+  config.observation.clear();
+  for (const ObservationBlock& block : observation_blocks()) config.observation.emplace_back(block.name);
+  config.reward.fill(1);
+  return config;
+}
+
+inline std::size_t allocations_of_an_environment(const Engine& engine) {
+  AdaptiveGaitEnv env(full_environment(), engine);
+  std::vector<double> seen(env.observation_size());
+  env.reset(1, seen);
+  Random random(2);
+  std::vector<double> action(env.action_size());
+  const auto steps = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      for (double& a : action) a = random.uniform(-0.5, 0.5);
+      env.step(action, seen);
+    }
+  };
+  steps(1000);
+  const AllocationScope scope;
+  steps(1000);
+  return scope.count();
+}
+
+inline std::size_t allocations_of_a_batch(const Engine& engine) {
+  VectorEnv env(full_environment(), engine, {.environments = 3, .workers = 2});
+  std::vector<double> seen(3 * env.observation_size()), rewards(3), actions(3 * env.action_size(), 0.1);
+  std::vector<std::uint8_t> terminated(3), truncated(3);
+  env.reset(1, seen);
+  const auto steps = [&](int count) {
+    for (int i = 0; i < count; ++i) env.step(actions, {seen, rewards, terminated, truncated});
+  };
+  steps(1000);
+  const AllocationScope scope;
+  steps(500);
+  return scope.count();
+}
+
+}  // namespace crossgait
