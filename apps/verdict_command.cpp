@@ -103,8 +103,9 @@ void add_verdict_command(CLI::App& program) {
           ->type_name("zero|random|FILE.safetensors|FILE.yaml");
   CLI::Option* config =
       command->add_option("--config", options->config, "The policy's environment as YAML")->needs(policy);
-  for (const char* other : {"--robot", "--terrain", "--friction", "--physics-dt", "--gait", "--set",
-                            "--speed", "--command", "--seconds", "--control-dt", "--settle"})
+  for (const char* other :
+       {"--robot", "--terrain", "--friction", "--physics-dt", "--gait", "--set", "--speed", "--command",
+        "--seconds", "--control-dt", "--settle", "--ends", "--no-compensation"})
     config->excludes(command->get_option(other));
   command->add_flag("--explain", options->judgement.explain,
                     "Also say what the gap comes from, one modelling factor at a time");

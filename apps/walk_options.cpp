@@ -50,6 +50,11 @@ void WalkOptions::add_to(CLI::App& command) {
       .add_option("--settle", config.timing.settle_seconds,
                   "Simulated time to stand before the first step, s")
       ->capture_default_str();
+  command
+      .add_option("--ends", ends,
+                  "Outcomes that end the walk before its time, comma-separated: came_apart, fell, collapsed, "
+                  "left_terrain (divergence always does)")
+      ->delimiter(',');
   command.add_flag(
       "--no-compensation", plain_servos,
       "Send the wanted joint angles as they are, without making up for the servos' lag and give");
@@ -59,6 +64,7 @@ WalkConfig WalkOptions::make() const {
   WalkConfig made = config;
   made.gait = choose_gait(gait, settings, make_command(*this));
   made.compensation = !plain_servos;
+  made.ends = OutcomeSet::that_end(ends);
   return made;
 }
 

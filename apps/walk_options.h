@@ -14,6 +14,7 @@ struct WalkOptions {
   std::vector<std::string> settings;  // NAME=VALUE of gait parameters
   std::optional<double> speed;
   std::string velocity;
+  std::vector<std::string> ends;  // outcomes
   bool plain_servos = false;
 
   void add_to(CLI::App& command);

@@ -123,7 +123,7 @@ ordered_json analytic(const BenchOptions& options, const Progress& progress) {
                                     {"backend", backend},
                                     {"creep_inside_mps", cone.creep_speed},
                                     {"distance_error_outside", cone.distance_error},
-                                    {"spread_over_headings", cone.spread},
+                                    {"range_over_headings", cone.range},
                                     {"off_line", cone.off_line}});
       progress(0.5 + 0.5 * static_cast<double>(result["friction"].size()) /
                          static_cast<double>(grounds.size() * options.backends.size()));

@@ -128,8 +128,8 @@ std::string analytic_tables(const ordered_json& analytic, const std::vector<std:
                  fmt::format("{:.3g}", 1e6 * number(f, "creep_inside_mps")));
     friction.set(ground + ": distance outside, error in %", backend,
                  fmt::format("{:.3f}", 100 * number(f, "distance_error_outside")));
-    friction.set(ground + ": spread over headings, %", backend,
-                 fmt::format("{:.3f}", 100 * number(f, "spread_over_headings")));
+    friction.set(ground + ": range over headings, %", backend,
+                 fmt::format("{:.3f}", 100 * number(f, "range_over_headings")));
   }
   return errors.str() + orders.str() + friction.str();
 }

@@ -92,7 +92,7 @@ FrictionCone measure_friction_cone(const std::string& backend, scenes::MakeIncli
     least = std::min(least, outside.distance);
     most = std::max(most, outside.distance);
   }
-  result.spread = (most - least) / expected;
+  result.range = (most - least) / expected;
   return result;
 }
 

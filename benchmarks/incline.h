@@ -38,7 +38,7 @@ struct FrictionCone {
   double creep_distance = 0;  ///< m
   /// A tenth outside, where it should go a t^2 / 2, a = g (sin - mu cos).
   double distance_error = 0;  ///< relative
-  double spread = 0;          ///< of the distance over the headings, relative
+  double range = 0;           ///< of the distance over the headings, relative
   double off_line = 0;        ///< off the line of fall, share of the distance
 };
 inline constexpr double kInclineSeconds = 0.3;                  ///< that it is watched

@@ -88,7 +88,7 @@ void add_analytic(const ordered_json& analytic, Figures& figures) {
     figures.push_back(
         {"analytic, " + where + ": distance", number(f, "distance_error_outside"), kRelativeFloor});
     figures.push_back(
-        {"analytic, " + where + ": spread over headings", number(f, "spread_over_headings"), 1e-4});
+        {"analytic, " + where + ": range over headings", number(f, "range_over_headings"), 1e-4});
   }
 }
 

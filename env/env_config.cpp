@@ -218,11 +218,7 @@ std::string to_yaml(const EnvConfig& c) {
       "physics_dt: {}\ncontrol_dt: {}\npolicy_dt: {}\nepisode_seconds: {}\nsettle_seconds: "
       "{}\ntilt_limit_deg: {}\n",
       c.physics_dt, c.control_dt, c.policy_dt, c.episode_seconds, c.settle_seconds, c.tilt_limit_deg);
-  std::vector<std::string_view> ends;
-  for (const OutcomeRow& row : outcome_rows()) {
-    if (c.ends.has(row.outcome)) ends.push_back(row.name);
-  }
-  out += fmt::format("ends: [{}]\n", fmt::join(ends, ", "));
+  out += fmt::format("ends: [{}]\n", fmt::join(outcome_names(c.ends), ", "));
   std::string ranges;
   for (const RandomisationRow& row : randomisation_rows()) {
     const Range& range = c.randomisation[row.what];

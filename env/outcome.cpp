@@ -1,8 +1,6 @@
 #include "crossgait/env/outcome.h"
 
 #include <cmath>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -37,6 +35,25 @@ Outcome find_outcome(std::string_view name) {
   }
   throw ConfigError("outcome", "name", fmt::format("one of {}", fmt::join(known, ", ")),
                     fmt::format("'{}'", name));
+}
+
+std::vector<std::string> outcome_names(const OutcomeSet& set) {
+  std::vector<std::string> names;
+  for (const OutcomeRow& row : kRows) {
+    if (set.has(row.outcome)) names.emplace_back(row.name);
+  }
+  return names;
+}
+
+OutcomeSet OutcomeSet::that_end(const std::vector<std::string>& names) {
+  OutcomeSet set = of_walks();
+  for (const std::string& name : names) {
+    const Outcome outcome = find_outcome(name);
+    if (!kRows[static_cast<std::size_t>(outcome)].at_once)
+      throw ConfigError("outcome", "ends", "outcomes that are known the moment they happen", name);
+    set.add(outcome);
+  }
+  return set;
 }
 
 OutcomeSet OutcomeSet::of_episodes() noexcept {

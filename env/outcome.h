@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace crossgait {
 
@@ -33,6 +35,9 @@ struct OutcomeRow {
 /// The table, in the order of the enumeration.
 std::span<const OutcomeRow> outcome_rows();
 std::string_view name(Outcome outcome) noexcept;
+struct OutcomeSet;
+/// In the order of the table.
+std::vector<std::string> outcome_names(const OutcomeSet& set);
 /// @throws ConfigError listing the known names
 Outcome find_outcome(std::string_view name);
 
@@ -46,6 +51,9 @@ struct OutcomeSet {
     return *this;
   }
   bool operator==(const OutcomeSet&) const = default;
+  /// Those named, and divergence, after which nothing goes on. @throws ConfigError for an unknown name, or an
+  /// outcome that is known at the end alone
+  static OutcomeSet that_end(const std::vector<std::string>& names);
 
   /// What ends a walk: divergence alone, so that a fall is on its trace.
   static OutcomeSet of_walks() noexcept { return OutcomeSet().add(Outcome::kDiverged); }

@@ -55,7 +55,7 @@ MotionSummary walk_once(const WorldSpec& world, const WalkSetup& setup, const St
       return true;
     };
   }
-  return run_walk(*backend, setup.make_source(world.robot), setup.timing, observer, start);
+  return run_walk(*backend, setup.make_source(world.robot), setup.timing, observer, start, setup.ends);
 }
 
 }  // namespace

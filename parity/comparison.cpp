@@ -8,14 +8,17 @@ WalkRun record_walk(PhysicsBackend& backend, const WalkSetup& setup, const Progr
   const auto steps = static_cast<std::size_t>(setup.timing.control_steps());
   run.trace.reserve(steps);
   const TargetSource source = setup.make_source(backend.spec().robot);
-  run.summary = run_walk(backend, source, setup.timing, [&](const WalkSample& sample) {
-    run.trace.emplace_back(sample.world, sample.targets);
-    constexpr std::size_t kStepsPerReport = 100;
-    if (progress && run.trace.size() % kStepsPerReport == 0) {
-      progress(static_cast<double>(run.trace.size()) / static_cast<double>(steps));
-    }
-    return true;
-  });
+  run.summary = run_walk(
+      backend, source, setup.timing,
+      [&](const WalkSample& sample) {
+        run.trace.emplace_back(sample.world, sample.targets);
+        constexpr std::size_t kStepsPerReport = 100;
+        if (progress && run.trace.size() % kStepsPerReport == 0) {
+          progress(static_cast<double>(run.trace.size()) / static_cast<double>(steps));
+        }
+        return true;
+      },
+      {}, setup.ends);
   return run;
 }
 

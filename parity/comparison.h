@@ -31,6 +31,7 @@ struct WalkSetup {
   /// Makes a fresh source for each run: state must not leak from one into the next.
   std::function<TargetSource(std::shared_ptr<const RobotDescription> robot)> make_source;
   WalkTiming timing;
+  OutcomeSet ends = OutcomeSet::of_walks();  ///< outcomes that end the walk before its time
 };
 
 /// Walks once on `backend`, keeping the whole trace.

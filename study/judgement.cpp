@@ -32,10 +32,9 @@ Judgement judge_behaviour(const BehaviourSpec& spec, const std::string& a, const
   const Engine engine_a = find_engine(a), engine_b = find_engine(b);
   std::optional<EngineFamily> family;
   if (options.explain) family = find_family(engine_a, engine_b);
-  std::optional<RunStore> store;
-  if (!options.stored_runs.empty()) store.emplace(options.stored_runs);
   Behaviour behaviour = make_behaviour(spec);
-  if (store) behaviour = with_store(std::move(behaviour), spec, *store);
+  if (!options.stored_runs.empty())
+    behaviour = with_store(std::move(behaviour), spec, std::make_shared<RunStore>(options.stored_runs));
   const auto stage = [&progress](const char* name) {
     return progress ? Progress([&progress, name](double share) { progress(name, share); }) : Progress();
   };

@@ -104,6 +104,7 @@ json to_json(const WalkConfig& c) {
           {"parameters", to_json(c.gait.parameters)},
           {"command", to_json(c.gait.command)},
           {"compensation", c.compensation},
+          {"ends", outcome_names(c.ends)},
           {"seconds", c.timing.seconds},
           {"control_dt", c.timing.control_dt},
           {"settle_seconds", c.timing.settle_seconds}};

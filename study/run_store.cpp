@@ -68,15 +68,15 @@ void RunStore::add(const RunSpec& run, const RunResult& result) {
   runs_[run_hash(run)] = result;
 }
 
-Behaviour with_store(Behaviour behaviour, const BehaviourSpec& spec, RunStore& store) {
+Behaviour with_store(Behaviour behaviour, const BehaviourSpec& spec, std::shared_ptr<RunStore> store) {
   std::vector<std::string> names;
   for (const Statistic& s : behaviour.statistics) names.push_back(s.name);
-  behaviour.run = [make = std::move(behaviour.run), names, spec, &store](
+  behaviour.run = [make = std::move(behaviour.run), names, spec, store = std::move(store)](
                       const Engine& engine, const Variation& variation, std::size_t start) {
     const RunSpec run{spec, engine.info.name, engine.info.version, variation, start};
-    if (const auto stored = store.find(run); stored && stored->names == names) return stored->values;
+    if (const auto stored = store->find(run); stored && stored->names == names) return stored->values;
     const std::vector<double> values = make(engine, variation, start);
-    store.add(run, {names, values});
+    store->add(run, {names, values});
     return values;
   };
   return behaviour;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -31,8 +32,7 @@ class RunStore {
   std::size_t whole_bytes_ = 0;  ///< up to the end of the last whole line
 };
 
-/// `behaviour`, made of `spec`, that looks a run up before it makes it, and stores what it made. The store
-/// has to outlive it.
-Behaviour with_store(Behaviour behaviour, const BehaviourSpec& spec, RunStore& store);
+/// `behaviour`, made of `spec`, that looks a run up before it makes it, and stores what it made.
+Behaviour with_store(Behaviour behaviour, const BehaviourSpec& spec, std::shared_ptr<RunStore> store);
 
 }  // namespace crossgait

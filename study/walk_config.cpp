@@ -21,7 +21,7 @@ WalkSetup WalkConfig::setup() const {
           [choice = gait, servos](std::shared_ptr<const RobotDescription> description) {
             return make_gait_source(choice, std::move(description), servos);
           },
-          timing};
+          timing, ends};
 }
 
 EnvConfig WalkConfig::environment() const {
@@ -40,6 +40,7 @@ EnvConfig WalkConfig::environment() const {
   c.gait = gait.name();
   c.parameters = gait.parameters;
   c.command = gait.command;
+  c.ends = ends;
   c.validate("walk");
   return c;
 }

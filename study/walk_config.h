@@ -20,6 +20,7 @@ struct WalkConfig {
   GaitChoice gait = choose_gait("trot", {});
   bool compensation = true;  ///< make up for the servos' lag and give
   WalkTiming timing;
+  OutcomeSet ends = OutcomeSet::of_walks();  ///< outcomes that end it before its time
 
   /// Reads robot and terrain. @throws ConfigError
   WorldSpec world() const;

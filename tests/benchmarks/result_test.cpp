@@ -42,7 +42,7 @@ ordered_json hand_written() {
       "convergence": [{"quantity": "tumbling_energy", "unit": "relative", "backend": "a", "order": 1.0,
                        "step_s": [0.002, 0.001], "error": [-0.02, -0.01]}],
       "friction": [{"ground": "plane", "backend": "b", "creep_inside_mps": 1e-12,
-                    "distance_error_outside": 0.001, "spread_over_headings": 1e-6}]},
+                    "distance_error_outside": 0.001, "range_over_headings": 1e-6}]},
     "feet": [{"terrain": "flat", "backend": "a", "stand_seconds": 60, "creep_mps": 1e-5, "penetration_m": 1e-3,
               "force_error": -1e-7, "strides": 6, "touchdowns": 24, "touchdown_impulse_Ns": 0.02,
               "touchdown_peak_over_weight": 0.4, "slip_per_stride_m": 0.004, "drag_per_stride_m": 0.02,
@@ -104,7 +104,7 @@ TEST(Comparison, RoundingErrorsAreNeitherBetterNorWorse) {
   ordered_json after = hand_written();
   after["analytic"]["friction"][0]["creep_inside_mps"] = 9e-10;  // 900 times as much of nothing
   after["feet"][0]["force_error"] = 9e-7;
-  after["analytic"]["friction"][0]["spread_over_headings"] = 9e-5;
+  after["analytic"]["friction"][0]["range_over_headings"] = 9e-5;
   EXPECT_TRUE(compare_results(hand_written(), after, 1.25).worse.empty());
 }
 

@@ -39,12 +39,12 @@ class Slope : public BackendTest {
   static void slides(scenes::MakeIncline make_incline) {
     const benchmarks::FrictionCone cone = benchmarks::measure_friction_cone(GetParam(), make_incline);
     measured("distance against a t^2 / 2, relative", cone.distance_error);
-    measured("spread over headings, relative", cone.spread);
+    measured("range over headings, relative", cone.range);
     measured("off the line of fall, share of the distance", cone.off_line);
     // Integration is half a step late (2 h / (t0 + t1) = 0.3 %), and a soft contact under way hops within a
     // fraction of a millimetre instead of settling, which tells when its path is cut off.
     EXPECT_LT(cone.distance_error, 0.01);
-    EXPECT_LT(cone.spread, 0.01);
+    EXPECT_LT(cone.range, 0.01);
     EXPECT_LT(cone.off_line, 1e-3);
   }
 };
