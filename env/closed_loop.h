@@ -23,9 +23,9 @@ struct Start {
 class ClosedLoop {
  public:
   struct Options {
-    double control_dt = 2e-3;      ///< gait, kinematics and servo targets, s; a multiple of the physics step
-    double settle_seconds = 0.5;   ///< standing before the motion, s
-    OutcomeLimits limits;
+    double control_dt = 2e-3;     ///< gait, kinematics and servo targets, s; a multiple of the physics step
+    double settle_seconds = 0.5;  ///< standing before the motion, s
+    OutcomeLimits limits = {};
     OutcomeSet ends = OutcomeSet::of_walks();  ///< outcomes that end the motion
   };
 

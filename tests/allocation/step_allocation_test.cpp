@@ -54,7 +54,7 @@ TEST_P(StepAllocation, NoneForPushesAndRefusedTargets) {
 
 TEST(ControlAllocation, NoneInGaitKinematicsAndCompensation) {
   const auto robot = scenes::quadruped();
-  LegController legs(*robot);
+  LegController legs(robot);
   GaitGenerator gait(find_gait("trot"), find_gait("trot").preferred, leg_origins(*robot));
   const AllocationScope scope;
   for (int i = 0; i < 1000; ++i) {
