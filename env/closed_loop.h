@@ -25,7 +25,7 @@ class ClosedLoop {
   struct Options {
     double control_dt = 2e-3;     ///< gait, kinematics and servo targets, s; a multiple of the physics step
     double settle_seconds = 0.5;  ///< standing before the motion, s
-    OutcomeLimits limits;
+    OutcomeLimits limits = {};
     OutcomeSet ends = OutcomeSet::of_walks();  ///< outcomes that end the motion
   };
 

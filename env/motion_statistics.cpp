@@ -11,6 +11,11 @@ constexpr double kCornerTime = 0.5;     // s, of the straight pieces that make t
 constexpr double kMoved = 0.1;          // leg lengths, below which a cost per distance means nothing
 constexpr double kDragLoad = 1.0 / 50;  // of the weight
 
+// Whether so many steps of `dt` make `seconds`, whatever the rounding of times written as decimals.
+bool lasts(std::int64_t steps, double dt, double seconds) {
+  return static_cast<double>(steps) * dt > seconds * (1 - 1e-9);
+}
+
 double wrap(double angle) { return std::remainder(angle, 2 * M_PI); }
 
 }  // namespace
@@ -82,7 +87,7 @@ void MotionStatistics::add_physics_step(const PhysicsBackend& world, const Contr
 void MotionStatistics::add_control_step(const PhysicsBackend& world, const ControlTargets& targets,
                                         double dt) noexcept {
   ++t_.control_steps;
-  t_.time += dt;
+  t_.time = static_cast<double>(t_.control_steps) * dt;  // not a sum, which would drift
   t_.ik_clamped += targets.ik_clamped;
   t_.limit_factor = std::min(t_.limit_factor, targets.limit_factor);
   t_.power = servo_power(world, servos_);
@@ -104,11 +109,10 @@ void MotionStatistics::add_way(const PhysicsBackend& world, const ControlTargets
                                double dt) noexcept {
   const RobotState& s = world.state();
   t_.height = s.p_WB.z() - world.spec().terrain.height(s.p_WB.x(), s.p_WB.y());
-  t_.corner_time += dt;
-  if (t_.corner_time >= kCornerTime) {
+  if (lasts(++t_.corner_steps, dt, kCornerTime)) {
     t_.path += (s.p_WB - t_.corner).head<2>().norm();
     t_.corner = s.p_WB;
-    t_.corner_time = 0;
+    t_.corner_steps = 0;
   }
   if (!targets.velocity) return;
   const VelocityCommand& asked = *targets.velocity;
@@ -128,8 +132,8 @@ void MotionStatistics::find_outcomes(const PhysicsBackend& world, double dt) noe
   if (tilt > limits_.tilt_deg) note(Outcome::kFell);
   const bool low =
       t_.height < limits_.low_height * t_.standing_height || t_.other_load > limits_.other_load * t_.weight;
-  t_.low_time = low ? t_.low_time + dt : 0;
-  if (t_.low_time >= limits_.low_seconds) note(Outcome::kCollapsed);
+  t_.low_steps = low ? t_.low_steps + 1 : 0;
+  if (low && lasts(t_.low_steps, dt, limits_.low_seconds)) note(Outcome::kCollapsed);
   const Vector3& p = world.state().p_WB;
   if (!world.spec().terrain.contains(p.x(), p.y())) note(Outcome::kLeftTerrain);
   if (t_.max_loop_gap > limits_.loop_gap * leg_length_) note(Outcome::kCameApart);

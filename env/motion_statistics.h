@@ -70,7 +70,7 @@ class MotionStatistics {
   void begin(const PhysicsBackend& world, double standing_height) noexcept;
   /// After every physics step of a control step with these targets.
   void add_physics_step(const PhysicsBackend& world, const ControlTargets& targets) noexcept;
-  /// After every control step of `dt` seconds.
+  /// After every control step of `dt` seconds, the same for all steps of a motion.
   void add_control_step(const PhysicsBackend& world, const ControlTargets& targets, double dt) noexcept;
   void note(Outcome outcome) noexcept;
 
@@ -110,10 +110,10 @@ class MotionStatistics {
   struct Totals {
     double weight = 0, standing_height = 0, begin_height = 0, start_yaw = 0;
     Vector3 start = Vector3::Zero(), corner = Vector3::Zero(), roll_pitch_yaw = Vector3::Zero();
-    double time = 0, corner_time = 0, path = 0;
-    std::int64_t physics_steps = 0, control_steps = 0, ik_clamped = 0;
+    double time = 0, path = 0;
+    std::int64_t physics_steps = 0, control_steps = 0, corner_steps = 0, low_steps = 0, ik_clamped = 0;
     double roll2 = 0, pitch2 = 0, work = 0, power = 0, height = 0, slip = 0;
-    double max_penetration = 0, max_loop_gap = 0, other_load = 0, low_time = 0, limit_factor = 1;
+    double max_penetration = 0, max_loop_gap = 0, other_load = 0, limit_factor = 1;
     double stance_slip = 0, stance_way = 0, asked_path = 0, made_path = 0, asked_turn = 0, made_turn = 0;
     LegArray<std::int64_t> touching{}, swinging{}, dragging{};
     std::array<std::optional<double>, kOutcomes> first_at_s;

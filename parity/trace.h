@@ -20,6 +20,8 @@ struct TraceSample {
 
   std::optional<GaitParameters> parameters;  ///< of the gait, where there is one
 
+  TraceSample() = default;
+  /// Now, after a control step towards `control`.
   TraceSample(const PhysicsBackend& world, const ControlTargets& control);
 };
 

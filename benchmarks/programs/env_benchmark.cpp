@@ -19,7 +19,6 @@ namespace {
 constexpr int kRounds = 15;
 constexpr int kSteps = 1000;  // 2 s, more than two cycles of the trot
 
-
 std::string with_quartiles(const benchmarks::Quartiles& s) {
   return fmt::format("{:.3f} ({:.3f}-{:.3f})", s.median, s.low, s.high);
 }
@@ -39,7 +38,7 @@ class Eta {
     engine_->restore(saved_->physics);
     for (int i = 0; i < kSteps; ++i) {
       env_.step(action(i), observation_);
-      targets_.push_back(env_.targets());
+      targets_.push_back(env_.targets().joints);
     }
   }
 
@@ -143,7 +142,8 @@ void print_scaling() {
       rate.push_back(1.0 * kBatchSteps * kEnvironments / slow);
     }
     table.add_row({backend, fmt::format("{:.0f}", benchmarks::quartiles(rate).median),
-                   with_quartiles(benchmarks::quartiles(ratio)), with_quartiles(benchmarks::quartiles(apart))});
+                   with_quartiles(benchmarks::quartiles(ratio)),
+                   with_quartiles(benchmarks::quartiles(apart))});
   }
   fmt::print("{} environments, wall-clock time\n{}", kEnvironments, table.str());
 }

@@ -9,8 +9,9 @@
 namespace crossgait {
 namespace {
 
-const RobotDescription& robot() {
-  static const RobotDescription kRobot = load_robot(find_robot("scara_quadruped"));
+std::shared_ptr<const RobotDescription> robot() {
+  static const auto kRobot =
+      std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped")));
   return kRobot;
 }
 
@@ -21,7 +22,7 @@ LegArray<Vector3> next_feet(GaitGenerator& gait) {
   return feet;
 }
 
-GaitGenerator trot() { return {find_gait("trot"), find_gait("trot").preferred, leg_origins(robot())}; }
+GaitGenerator trot() { return {find_gait("trot"), find_gait("trot").preferred, leg_origins(*robot())}; }
 
 void BM_Gait(benchmark::State& state) {
   GaitGenerator gait = trot();

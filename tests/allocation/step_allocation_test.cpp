@@ -40,7 +40,7 @@ TEST_P(DeclaredAllocation, IsTrue) {
 
 TEST(ControlAllocation, NoneInGaitKinematicsAndCompensation) {
   const auto robot = scenes::quadruped();
-  LegController legs(*robot);
+  LegController legs(robot);
   GaitGenerator gait(find_gait("trot"), find_gait("trot").preferred, leg_origins(*robot));
   const AllocationScope scope;
   for (int i = 0; i < 1000; ++i) {

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "crossgait/env/gait_source.h"
+#include "crossgait/env/walk.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/tests/support/backend_test.h"
 
@@ -12,7 +13,7 @@ namespace {
 class GaitWalk : public BackendTest {
  protected:
   struct Walk {
-    WalkSummary summary;
+    MotionSummary summary;
     double turned = 0;  // rad, whole turns included
   };
   static Walk walk(const std::string& gait, double seconds,
@@ -20,19 +21,17 @@ class GaitWalk : public BackendTest {
     static const auto kRobot =
         std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped")));
     const auto backend = make(kRobot);
-    LegController legs(*kRobot);
     Walk walk;
     double last = 0;
     const auto watch = [&](const WalkSample& sample) {
-      const double yaw = roll_pitch_yaw(sample.state.q_WB).z();
+      const double yaw = roll_pitch_yaw(sample.world.state().q_WB).z();
       walk.turned += std::remainder(yaw - last, 2 * M_PI);
       last = yaw;
       return true;
     };
-    walk.summary = run_walk(*backend, legs, make_gait_source(choose_gait(gait, {}, command), *kRobot),
+    walk.summary = run_walk(*backend, make_gait_source(choose_gait(gait, {}, command), kRobot),
                             {.seconds = seconds}, watch);
-    EXPECT_FALSE(walk.summary.fell);
-    EXPECT_FALSE(walk.summary.diverged);
+    EXPECT_EQ(walk.summary.outcome, Outcome::kWalked) << gait;
     EXPECT_EQ(walk.summary.ik_clamped, 0);
     return walk;
   }
@@ -45,7 +44,7 @@ TEST_P(GaitWalk, EveryGaitWalksForwardForTwentySeconds) {
   const std::map<std::string, double> least{{"trot", 0.9},  {"walk", 0.8},  {"pace", 0.6},
                                             {"bound", 0.6}, {"pronk", 0.1}, {"gallop", 0.3}};
   for (const Gait& gait : gaits()) {
-    const WalkSummary s = walk(std::string(gait.name), 20).summary;
+    const MotionSummary s = walk(std::string(gait.name), 20).summary;
     const double ratio = s.mean_speed_mps / nominal_speed(gait.preferred, gait.duty[Leg::FL]);
     measured(std::string(gait.name) + ", speed over nominal", ratio);
     EXPECT_GT(ratio, least.at(std::string(gait.name))) << gait.name;
@@ -76,7 +75,7 @@ TEST_P(GaitWalk, TrotTurnsInPlaceAtTheCommandedRate) {
 
 TEST_P(GaitWalk, TheGaitForASpeedWalks) {
   for (const double speed : {0.05, 0.15, 0.4}) {
-    const WalkSummary s = walk("auto", 10, VelocityCommand{speed, 0, 0}).summary;
+    const MotionSummary s = walk("auto", 10, VelocityCommand{speed, 0, 0}).summary;
     const double ratio = s.mean_speed_mps / speed;
     measured("auto at " + std::to_string(speed) + " m/s, speed over commanded", ratio);
     EXPECT_GT(ratio, 0.6);  // the gallop's steps reach their limit at .83 of .4 m/s

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "crossgait/env/gait_source.h"
+#include "crossgait/env/walk.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/support/backend_test.h"
 #include "crossgait/tests/support/environments.h"
@@ -33,9 +34,8 @@ TEST_P(Environment, AZeroPolicyIsThePlainGait) {
   while (!env.step(zeros(env), seen).done()) {
   }
   const auto backend = make(scenes::quadruped());
-  LegController legs(backend->robot());
-  const WalkSummary walk =
-      run_walk(*backend, legs, make_gait_source(choose_gait("trot", {}), backend->robot()), {.seconds = 2});
+  const MotionSummary walk =
+      run_walk(*backend, make_gait_source(choose_gait("trot", {}), backend->spec().robot), {.seconds = 2});
   EXPECT_TRUE(scenes::identical(env.backend().state(), backend->state()));
   EXPECT_EQ(env.info().distance, walk.distance_m);
   EXPECT_EQ(env.info().time, 2);
@@ -75,7 +75,7 @@ TEST_P(Environment, EndsByTiltingAndByLeavingTheGround) {
   while (!(r = tilting.step(zeros(tilting), seen)).done()) {
   }
   EXPECT_TRUE(r.terminated);
-  EXPECT_TRUE(tilting.info().fell);
+  EXPECT_EQ(tilting.info().outcome, Outcome::kFell);
   EXPECT_GT(tilting.info().roll_pitch_yaw.head<2>().cwiseAbs().maxCoeff() * 180 / M_PI, 1.5);
   EXPECT_LT(tilting.info().time, 2);
 
@@ -87,7 +87,7 @@ TEST_P(Environment, EndsByTiltingAndByLeavingTheGround) {
   leaving.reset(0, seen);
   while (!(r = leaving.step(zeros(leaving), seen)).done()) EXPECT_EQ(r.reward, 0);
   EXPECT_TRUE(r.terminated);
-  EXPECT_TRUE(leaving.info().left_terrain || leaving.info().fell);
+  EXPECT_TRUE(leaving.info().outcome == Outcome::kLeftTerrain || leaving.info().outcome == Outcome::kFell);
   EXPECT_EQ(r.reward, -10);
   for (const double x : seen) EXPECT_TRUE(std::isfinite(x));
 }
@@ -188,7 +188,9 @@ TEST_P(Environment, RandomisedStartsAreWhereTheyWereDrawn) {
   for (int i = 0; i < 1000; ++i) env.step(zeros(env), seen);
   EXPECT_GT(env.info().distance, 0.15);  // forward is where it faced
   config.randomisation[Randomised::kStartX] = {50, 60};
-  EXPECT_THROW(make_env(config), ConfigError);
+  AdaptiveGaitEnv beyond = make_env(config);
+  EXPECT_THROW(beyond.reset(0, seen), ConfigError);
+  EXPECT_THROW(beyond.step(zeros(beyond), seen), ConfigError);  // a reset that failed begins nothing
 }
 
 TEST_P(Environment, RandomisedWorldsAreTheirSeeds) {
@@ -263,7 +265,24 @@ TEST_P(Environment, RestoringContinuesBitForBit) {
 TEST_P(Environment, RefusesSnapshotsOfAnother) {
   EnvConfig other;
   other.adapt = {"step_length"};
-  EXPECT_THROW(make_env().restore(*make_env(other).save()), ConfigError);
+  AdaptiveGaitEnv saved = make_env(other);
+  std::vector<double> seen(saved.observation_size());
+  saved.reset(0, seen);
+  EXPECT_THROW(make_env().restore(*saved.save()), ConfigError);
+}
+
+TEST_P(Environment, NothingMovesBeforeTheFirstReset) {
+  AdaptiveGaitEnv env = make_env();
+  std::vector<double> seen(env.observation_size());
+  const RobotState before = env.backend().state();
+  EXPECT_EQ(before.time, 0);
+  EXPECT_TRUE(scenes::identical(before, env.backend().home_state()));
+  EXPECT_THROW(env.step(zeros(env), seen), ConfigError);
+  EXPECT_THROW((void)env.save(), ConfigError);
+  EXPECT_TRUE(scenes::identical(env.backend().state(), before));
+  env.reset(0, seen);
+  EXPECT_DOUBLE_EQ(env.backend().state().time, env.config().settle_seconds);
+  EXPECT_NO_THROW(env.step(zeros(env), seen));
 }
 
 TEST_P(Environment, ConfigurationErrorsSurface) {

@@ -23,7 +23,7 @@ TEST(EnvConfig, AnEmptyFileIsTheDefault) {
 
 TEST(EnvConfig, ReadsBackWhatItWrites) {
   EnvConfig c;
-  c.backend = "bullet";
+  c.engine = "bullet";
   c.terrain = "rough:amplitude=.01";
   c.terrain_seed = 7;
   c.gait = "walk";
@@ -37,12 +37,26 @@ TEST(EnvConfig, ReadsBackWhatItWrites) {
   c.reward.fill(0);
   c.reward[find_reward_term("alive")] = 0.25;
   c.policy_dt = 0.02;
+  c.ends = OutcomeSet().add(Outcome::kDiverged).add(Outcome::kCollapsed);
   c.randomisation[Randomised::kFriction] = {0.5, 1.5};
   const EnvConfig back = parse_env_config(to_yaml(c), "round trip");
   EXPECT_EQ(to_yaml(back), to_yaml(c));
   EXPECT_EQ(back.parameters.step_length, c.parameters.step_length);  // every digit
   EXPECT_EQ(back.reward, c.reward);
+  EXPECT_EQ(back.ends, c.ends);
   EXPECT_EQ(back.randomisation.ranges, c.randomisation.ranges);
+}
+
+TEST(EnvConfig, TheEngineMayGoByItsOldKey) {
+  EXPECT_EQ(parse_env_config("backend: bullet\n", "env.yaml").engine, "bullet");
+  EXPECT_EQ(parse_env_config("engine: bullet\n", "env.yaml").engine, "bullet");
+}
+
+TEST(EnvConfig, DivergenceEndsAnEpisodeWhateverIsAskedFor) {
+  const OutcomeSet ends = parse_env_config("ends: [fell]\n", "env.yaml").ends;
+  EXPECT_EQ(ends, OutcomeSet().add(Outcome::kFell).add(Outcome::kDiverged));
+  EXPECT_EQ(parse_env_config("ends: []\n", "env.yaml").ends, OutcomeSet().add(Outcome::kDiverged));
+  EXPECT_EQ(parse_env_config("{}", "env.yaml").ends, OutcomeSet::of_episodes());
 }
 
 TEST(EnvConfig, AGaitBringsItsPreferredParameters) {
@@ -81,6 +95,9 @@ TEST(EnvConfig, ErrorsNameTheLineTheExpectedAndTheFound) {
       {"randomisation: {friction: 1}\n", {"randomisation.friction"}},
       {"randomisation: {push_impulse: [0, 1]}\n", {"push_interval"}},
       {"command: {vz: 1}\n", {"command", "vz"}},
+      {"ends: [fell, stumbled]\n", {"ends", "came_apart", "stumbled"}},
+      {"ends: [slid]\n", {"ends", "the moment", "slid"}},
+      {"ends: fell\n", {"ends"}},
   };
   for (const auto& [text, words] : cases) {
     const std::string message = complaint(text);

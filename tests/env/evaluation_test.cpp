@@ -20,9 +20,9 @@ class Evaluations : public BackendTest {
   }
   static std::vector<EpisodeSummary> evaluate(const EnvConfig& config, const std::string& policy,
                                               std::size_t workers) {
-    return evaluate_policy(
-        [&] { return std::make_unique<AdaptiveGaitEnv>(config, find_engine(GetParam())); },
-        [&](const PolicyInterface& interface) { return make_policy(policy, interface); }, 4, 5, workers);
+    return evaluate_policy([&] { return std::make_unique<AdaptiveGaitEnv>(config, find_engine(GetParam())); },
+                           [&](const PolicyInterface& interface) { return make_policy(policy, interface); },
+                           4, 5, workers);
   }
 };
 CROSSGAIT_FOR_EVERY_BACKEND(Evaluations);
@@ -39,17 +39,17 @@ TEST_P(Evaluations, AddUpWhatTheEpisodesDid) {
   });
   EXPECT_EQ(steps, 500);
   EXPECT_EQ(s.steps, 500);
-  EXPECT_DOUBLE_EQ(s.simulated_seconds, 1);
+  EXPECT_DOUBLE_EQ(s.motion.simulated_seconds, 1);
   EXPECT_NEAR(s.total_reward, reward, 1e-9 * std::abs(reward));  // rounding of another order of sums
   double terms = 0;
   for (const double term : s.reward_terms) terms += term;
   EXPECT_NEAR(terms, reward, 1e-9 * std::abs(reward));
-  EXPECT_EQ(s.distance_m, env.info().distance);
-  EXPECT_DOUBLE_EQ(s.mean_speed_mps, s.distance_m);
-  EXPECT_GT(s.distance_m, 0.05);
-  EXPECT_GT(s.cost_of_transport, 0.5);  // a trot of scara_quadruped: 2 to 3
-  EXPECT_GT(s.slip_m, 0);
-  EXPECT_FALSE(s.fell || s.left_terrain || s.diverged);
+  EXPECT_EQ(s.motion.distance_m, env.info().distance);
+  EXPECT_DOUBLE_EQ(s.motion.mean_speed_mps, s.motion.distance_m);
+  EXPECT_GT(s.motion.distance_m, 0.05);
+  EXPECT_GT(s.motion.cost_of_transport.value(), 0.5);  // a trot of scara_quadruped: 2 to 3
+  EXPECT_GT(s.motion.slip_m, 0);
+  EXPECT_EQ(s.motion.outcome, Outcome::kWalked);
 }
 
 TEST_P(Evaluations, AreTheSameForAnyNumberOfWorkersAndWorldsForAnyPolicy) {
@@ -79,13 +79,26 @@ TEST(SumUp, IsMeansAndSampleDeviations) {
     episodes[i].reward_terms[0] = 3;
     episodes[i].steps = 10;
   }
-  episodes[1].fell = true;
+  episodes[0].motion.cost_of_transport = 2;
+  episodes[2].motion.cost_of_transport = 4;
+  episodes[1].motion.outcome = Outcome::kFell;
+  episodes[2].motion.outcome = Outcome::kSlid;
+  for (EpisodeSummary& e : episodes) e.motion.duty_factor.fill(0.25);
+  episodes[2].motion.duty_factor[Leg::RR] = 0.85;
   const Evaluation all = sum_up(episodes);
   EXPECT_DOUBLE_EQ(all.total_reward.mean, 1);
   EXPECT_DOUBLE_EQ(all.total_reward.deviation, 1);
   EXPECT_DOUBLE_EQ(all.reward_terms[0], 3);
   EXPECT_EQ(all.steps, 30);
-  EXPECT_EQ(all.falls, 1U);
+  EXPECT_EQ(all.count(Outcome::kFell), 1U);
+  EXPECT_EQ(all.count(Outcome::kSlid), 1U);
+  EXPECT_EQ(all.count(Outcome::kWalked), 1U);
+  EXPECT_EQ(all.ended_early(), 1U);
+  ASSERT_TRUE(all.cost_of_transport.has_value());  // of the two that have one
+  EXPECT_DOUBLE_EQ(all.cost_of_transport->mean, 3);
+  EXPECT_DOUBLE_EQ(all.cost_of_transport->deviation, std::sqrt(2.0));
+  EXPECT_FALSE(all.drag.has_value());
+  EXPECT_DOUBLE_EQ(all.duty_factor.mean, 0.3);
   EXPECT_EQ(sum_up({}).episodes, 0U);
   episodes.resize(1);
   EXPECT_EQ(sum_up(episodes).total_reward.deviation, 0);

@@ -36,7 +36,6 @@ TEST(Reward, EveryTermIsItsFormula) {
   swing[Leg::FR] = true;  // FL right, FR wrong, RL should touch and does not, RR likewise
   const std::vector<double> action{0.5, -1}, last_action{0, 1}, parameters{0.05, 0.8}, last{0.04, 0.9};
   const StepRecord record{.dt = 0.02,
-                          .robot = *robot,
                           .before = before,
                           .after = after,
                           .torques = torques,
@@ -54,7 +53,8 @@ TEST(Reward, EveryTermIsItsFormula) {
                           .last_parameters = last,
                           .servos = servos,
                           .weight = 10,
-                          .fell = true};
+                          .power = 0.23,
+                          .failed = true};
   const double degrees = 180 / M_PI;
   const std::map<std::string, double> expected{
       {"forward_velocity", 0.11},
@@ -114,7 +114,6 @@ TEST(Reward, ARobotAtRestHasAFiniteCostOfTransport) {
   const JointVector torques = JointVector::Zero(robot->joint_count());
   const LegArray<FootContact> contacts{};
   const StepRecord record{.dt = 0.02,
-                          .robot = *robot,
                           .before = state,
                           .after = state,
                           .torques = torques,
@@ -132,7 +131,8 @@ TEST(Reward, ARobotAtRestHasAFiniteCostOfTransport) {
                           .last_parameters = {},
                           .servos = {},
                           .weight = 10,
-                          .fell = false};
+                          .power = 0,
+                          .failed = false};
   for (const RewardTerm& term : reward_terms()) EXPECT_TRUE(std::isfinite(term.value(record))) << term.name;
 }
 

@@ -6,6 +6,7 @@
 
 #include "crossgait/backends/registry.h"
 #include "crossgait/env/gait_source.h"
+#include "crossgait/env/time_steps.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/multibody.h"
 
@@ -30,15 +31,19 @@ LegArray<Vector3> standing_feet() {
   return feet;
 }
 
+TargetSource standing() {
+  return make_feet_source([](double) { return standing_feet(); }, robot());
+}
+
 TEST(LegController, UnreachableStandingFootIsAnError) {
   LegArray<Vector3> feet = standing_feet();
   feet[Leg::RL].z() = -0.5;
-  const LegController legs(*robot());
+  const LegController legs(robot());
   EXPECT_THROW((void)legs.standing_state(feet, Terrain()), ConfigError);
 }
 
 TEST(LegController, CountsTargetsOutOfReach) {
-  LegController legs(*robot());
+  LegController legs(robot());
   LegArray<Vector3> feet = standing_feet();
   legs.update(feet, 2e-3);
   EXPECT_EQ(legs.clamped(), 0);
@@ -51,7 +56,7 @@ TEST(LegController, CountsTargetsOutOfReach) {
 }
 
 TEST(LegController, LeadVanishesAtRestAndGrowsWithSpeed) {
-  LegController plain(*robot(), ServoCompensation::none()), leading(*robot(), {.load_share = 0});
+  LegController plain(robot(), ServoCompensation::none()), leading(robot(), {.load_share = 0});
   LegArray<Vector3> feet = standing_feet();
   EXPECT_EQ(plain.update(feet, 2e-3).q, leading.update(feet, 2e-3).q);
   EXPECT_EQ(plain.update(feet, 2e-3).q, leading.update(feet, 2e-3).q);
@@ -67,8 +72,8 @@ TEST(LegController, LeadVanishesAtRestAndGrowsWithSpeed) {
 TEST(LegController, HoldsUpTheLoadOfStandingLegs) {
   // A servo's lead times its stiffness is a torque, and the torques of all legs do the work of lifting the
   // weight: tau . theta' = load d' for any velocity d' of the foot downward.
-  LegController plain(*robot(), ServoCompensation::none());
-  LegController lifting(*robot(), {.lag = false, .load_share = 1});
+  LegController plain(robot(), ServoCompensation::none());
+  LegController lifting(robot(), {.lag = false, .load_share = 1});
   LegArray<Vector3> feet = standing_feet();
   feet[Leg::FR].z() += 0.01;  // in the air
   const JointVector lead = lifting.update(feet, 0).q - plain.update(feet, 0).q;
@@ -122,41 +127,41 @@ TEST(ElbowDrag, IsThePowerThatTheElbowsDissipate) {
 
 TEST(Walk, AcceptsOnlyTimingThatCanBe) {
   WalkTiming timing;
-  EXPECT_EQ(timing.substeps(1e-3), 2);
-  EXPECT_EQ(timing.substeps(2e-3), 1);
-  EXPECT_EQ(timing.substeps(0.25e-3), 8);
-  EXPECT_THROW((void)timing.substeps(3e-3), ConfigError);
+  for (const auto& [physics_dt, substeps] : {std::pair{1e-3, 2}, {2e-3, 1}, {0.25e-3, 8}}) {
+    EXPECT_NO_THROW(timing.validate(physics_dt));
+    EXPECT_EQ(whole_steps("control_dt", timing.control_dt, physics_dt), substeps);
+  }
+  EXPECT_EQ(timing.control_steps(), 2500);
+  EXPECT_THROW(timing.validate(3e-3), ConfigError);
   timing.control_dt = 2.5e-3;
-  EXPECT_THROW((void)timing.substeps(1e-3), ConfigError);
+  EXPECT_THROW(timing.validate(1e-3), ConfigError);
   for (const double seconds : {-1.0, 0.0, std::nan(""), HUGE_VAL}) {
     WalkTiming bad;
     bad.seconds = seconds;
-    EXPECT_THROW((void)bad.substeps(1e-3), ConfigError) << seconds;
+    EXPECT_THROW(bad.validate(1e-3), ConfigError) << seconds;
   }
 }
 
 TEST(Walk, StandingStillGoesNowhere) {
   const auto backend = any_backend();
-  LegController legs(*robot());
   const WalkTiming timing{.seconds = 1};
-  const WalkSummary s = run_walk(*backend, legs, {[](double) { return standing_feet(); }}, timing);
+  const MotionSummary s = run_walk(*backend, standing(), timing);
   EXPECT_LT(std::abs(s.distance_m), 2e-3);  // soft contact lets a standing robot creep
-  EXPECT_FALSE(s.fell);
-  EXPECT_FALSE(s.diverged);
+  EXPECT_EQ(s.outcome, Outcome::kWalked);
+  for (const auto& at : s.first_at_s) EXPECT_FALSE(at.has_value());
   EXPECT_EQ(s.physics_steps, 1000);
   for (const Leg leg : kLegs) EXPECT_DOUBLE_EQ(s.duty_factor[leg], 1.0);
 }
 
 TEST(Walk, TrotStatisticsAreThoseOfATrot) {
   const auto backend = any_backend();
-  LegController legs(*robot());
   const WalkTiming timing{.seconds = 4};
   const GaitChoice trot = choose_gait("trot", {});
   int samples = 0;
-  const WalkSummary s =
-      run_walk(*backend, legs, make_gait_source(trot, *robot()), timing, [&](const WalkSample& sample) {
+  const MotionSummary s =
+      run_walk(*backend, make_gait_source(trot, robot()), timing, [&](const WalkSample& sample) {
         ++samples;
-        EXPECT_TRUE(sample.state.is_finite());
+        EXPECT_TRUE(sample.world.state().is_finite());
         return true;
       });
   EXPECT_EQ(samples, 2000);
@@ -174,10 +179,9 @@ TEST(Walk, TrotStatisticsAreThoseOfATrot) {
 
 TEST(Walk, ObserverCanEndIt) {
   const auto backend = any_backend();
-  LegController legs(*robot());
   int samples = 0;
-  const WalkSummary s = run_walk(*backend, legs, {[](double) { return standing_feet(); }},
-                                 WalkTiming{.seconds = 5}, [&](const WalkSample&) { return ++samples < 10; });
+  const MotionSummary s = run_walk(*backend, standing(), WalkTiming{.seconds = 5},
+                                   [&](const WalkSample&) { return ++samples < 10; });
   EXPECT_EQ(s.physics_steps, 20);
 }
 
@@ -189,13 +193,12 @@ TEST(Walk, FallingIsNoticed) {
   spec.gravity = {0, 20, -9.81};
   spec.contact.friction = 5;
   const auto backend = make_backend(available_engines().front(), spec);
-  LegController legs(*robot());
   const WalkTiming timing{.seconds = 2, .settle_seconds = 0};
-  const WalkSummary s = run_walk(*backend, legs, {[](double) { return standing_feet(); }}, timing);
-  EXPECT_TRUE(s.fell);
-  ASSERT_TRUE(s.fell_at_s.has_value());
-  EXPECT_GT(*s.fell_at_s, 0.0);
-  EXPECT_FALSE(s.diverged);
+  const MotionSummary s = run_walk(*backend, standing(), timing);
+  ASSERT_TRUE(s.has(Outcome::kFell));
+  EXPECT_GT(*s.first_at_s[static_cast<std::size_t>(Outcome::kFell)], 0.0);
+  EXPECT_FALSE(s.has(Outcome::kDiverged));
+  EXPECT_DOUBLE_EQ(s.simulated_seconds, 2);  // a fall is on the trace
 }
 
 TEST(GaitSource, UnknownNamesAreErrors) {

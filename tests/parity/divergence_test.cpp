@@ -10,15 +10,13 @@ namespace crossgait {
 namespace {
 
 Trace straight(int samples, double dt) {
-  RobotState state;
-  state.q = state.qd = JointVector::Zero(3);
-  JointTargets targets{JointVector::Zero(3)};
-  const LegArray<FootContact> feet{};
+  TraceSample sample;
+  sample.state.q = sample.state.qd = sample.targets.q = JointVector::Zero(3);
   Trace trace;
   for (int i = 0; i < samples; ++i) {
-    state.time = (i + 1) * dt;
-    state.p_WB.x() = 0.1 * state.time;
-    trace.emplace_back(WalkSample{state, targets, feet});
+    sample.state.time = (i + 1) * dt;
+    sample.state.p_WB.x() = 0.1 * sample.state.time;
+    trace.push_back(sample);
   }
   return trace;
 }

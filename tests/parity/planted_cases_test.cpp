@@ -61,13 +61,13 @@ EngineFamily shortened(EngineFamily family) {
 }
 
 Behaviour behaviour_of(const WorldSpec& spec, const std::string& name,
-                       const std::function<GaitSource(const RobotDescription&)>& gait, double seconds,
-                       double settling = 0.2) {
+                       const std::function<TargetSource(std::shared_ptr<const RobotDescription>)>& gait,
+                       double seconds, double settling = 0.2) {
   WalkSetup setup;
   setup.gait = name;
   setup.timing.seconds = seconds;
   setup.timing.settle_seconds = settling;
-  setup.make_gait = [robot = spec.robot, gait] { return gait(*robot); };
+  setup.make_source = gait;
   return walk_behaviour(spec, setup, [terrain = spec.terrain](std::size_t) { return terrain; });
 }
 
@@ -95,9 +95,9 @@ TEST(PlantedBehaviours, ACarefulCrawlAgrees) {
 TEST(PlantedBehaviours, AGlideOnSoftFrictionIsTheEnginesAndItsFrictionIsNamed) {
   for (const EngineFamily& ends : engine_families()) {
     const WorldSpec spec = world_on("slope:angle=20");
-    const auto stand = [](const RobotDescription& robot) {
-      const LegArray<Vector3> feet = make_gait_source(choose_gait("trot", {}), robot).feet(0);
-      return GaitSource{[feet](double) { return feet; }};
+    const auto stand = [](std::shared_ptr<const RobotDescription> robot) {
+      const LegArray<Vector3> feet = standing_feet("trot", *robot);
+      return make_feet_source([feet](double) { return feet; }, std::move(robot));
     };
     const Behaviour glide = behaviour_of(spec, "glide", stand, 1.5, 0.5);
     const Verdict verdict = reach_verdict(glide, find_engine(ends.from), find_engine(ends.to), {.starts = 4});
@@ -119,8 +119,8 @@ TEST(PlantedBehaviours, ASingleHiddenFactorIsNamed) {
         const bool has = std::find(names.begin(), names.end(), hidden) != names.end();
         return with(has ? std::vector<std::string>{hidden} : std::vector<std::string>{});
       };
-      const auto trot = [](const RobotDescription& robot) {
-        return make_gait_source(choose_gait("trot", {}), robot);
+      const auto trot = [](std::shared_ptr<const RobotDescription> robot) {
+        return make_gait_source(choose_gait("trot", {}), std::move(robot));
       };
       const Behaviour walk = behaviour_of(world_on("flat"), "trot", trot, 0.6);
       const Attribution attribution = attribute(walk, family, {.starts = 4});

@@ -97,13 +97,18 @@ std::vector<PlantedFault> planted_faults() {
   };
 }
 
-GaitSource careful_crawl(const RobotDescription& robot) {
+LegArray<Vector3> standing_feet(const std::string& gait, const RobotDescription& robot) {
+  GaitGenerator generator(find_gait(gait), find_gait(gait).preferred, leg_origins(robot));
+  generator.reset(GaitGenerator::Start::kStanding);
+  return target_positions(generator.update(0));
+}
+
+TargetSource careful_crawl(std::shared_ptr<const RobotDescription> robot) {
   constexpr double kCycle = 2.4, kSwing = 0.12, kStep = 0.03, kLift = 0.03, kLean = 0.03;  // s, -, m, m, m
-  const GaitSource standing = make_gait_source(choose_gait("walk", {}), robot);
-  const LegArray<Vector3> rest = standing.feet(0);
+  const LegArray<Vector3> rest = standing_feet("walk", *robot);
   const auto clock = std::make_shared<double>(0);
   const auto smooth = [](double s) { return (1 - std::cos(M_PI * s)) / 2; };
-  return {[=](double dt) {
+  const auto feet_after = [=](double dt) {
     *clock += dt;
     const double grown = smooth(std::min(1.0, *clock));
     // Feet are lifted in turn around the body, FL, RL, RR, FR; the body leans away from the one in the air.
@@ -120,7 +125,8 @@ GaitSource careful_crawl(const RobotDescription& robot) {
       feet[leg] = rest[leg] + grown * Vector3(kStep * s, 0, kLift * up) - lean;
     }
     return feet;
-  }};
+  };
+  return make_feet_source(feet_after, std::move(robot));
 }
 
 }  // namespace crossgait

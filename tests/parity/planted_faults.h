@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/env/walk.h"
+#include "crossgait/env/target_source.h"
 #include "crossgait/physics/world_spec.h"
 
 namespace crossgait {
@@ -21,8 +21,11 @@ struct PlantedFault {
 /// Every fault at the size at which it is still worth finding: a few per cent, or half a millimetre.
 std::vector<PlantedFault> planted_faults();
 
+/// Where a gait has the feet before its first step, in the leg frames, m.
+LegArray<Vector3> standing_feet(const std::string& gait, const RobotDescription& robot);
+
 /// A crawl that is in balance at every moment: one foot at a time is lifted, and the body leans away from it.
 /// On ground of good friction that gives little, nothing in it hangs on how contact is modelled.
-GaitSource careful_crawl(const RobotDescription& robot);
+TargetSource careful_crawl(std::shared_ptr<const RobotDescription> robot);
 
 }  // namespace crossgait

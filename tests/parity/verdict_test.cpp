@@ -13,7 +13,8 @@
 namespace crossgait {
 namespace {
 
-const std::vector<Statistic> kStatistics{{"distance", "m", 0.02, 0.005}, {"falls", "share", 0, 0.05, true}};
+const std::vector<Statistic> kStatistics{{"distance", "m", 0.02, 0.005},
+                                         {"failures", "share", 0, 0.05, true}};
 
 // Distance 1 m, `noise` either way over starts that both engines share, `own` either way that they do not,
 // `per_step` more at twice the time step, `offset` more in the second engine.
@@ -120,7 +121,8 @@ Behaviour brittle() {
   return behaviour;
 }
 
-const Engine kNothing{{"nothing", {}, {}, {}, {}, {}}, [](const WorldSpec&) { return std::unique_ptr<PhysicsBackend>(); }};
+const Engine kNothing{{"nothing", {}, {}, {}, {}, {}},
+                      [](const WorldSpec&) { return std::unique_ptr<PhysicsBackend>(); }};
 
 TEST(ReachVerdict, LeavesOutVariationsThatFailOrCannotBe) {
   Behaviour behaviour = brittle();
@@ -146,7 +148,9 @@ Verdict short_trot(const std::string& a, const std::string& b, std::size_t worke
   WalkSetup setup;
   setup.gait = "trot";
   setup.timing = {.seconds = 0.3, .settle_seconds = 0.1};
-  setup.make_gait = [robot = spec.robot] { return make_gait_source(choose_gait("trot", {}), *robot); };
+  setup.make_source = [](std::shared_ptr<const RobotDescription> robot) {
+    return make_gait_source(choose_gait("trot", {}), std::move(robot));
+  };
   const Behaviour behaviour =
       walk_behaviour(spec, setup, [](std::size_t k) { return make_terrain("rough:size_x=2,size_y=2", k); });
   VerdictOptions options;

@@ -1,0 +1,109 @@
+// What environments of one configuration share, and that sharing changes nothing.
+#include "crossgait/env/env_model.h"
+
+#include "crossgait/env/evaluation.h"
+#include "crossgait/env/vector_env.h"
+#include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/environments.h"
+#include "crossgait/tests/support/motion_bits.h"
+
+namespace crossgait {
+namespace {
+
+EnvConfig config() {
+  EnvConfig c;
+  c.terrain = "rough:size_x=4,size_y=4";
+  c.observation.emplace_back("terrain");
+  c.episode_seconds = 1;
+  c.randomisation[Randomised::kStartYaw] = {-1, 1};
+  c.randomisation[Randomised::kStartPhase] = {0, 1};
+  c.randomisation[Randomised::kPushImpulse] = {0.005, 0.02};
+  c.randomisation[Randomised::kPushInterval] = {0.1, 0.4};
+  return c;
+}
+
+class SharedModel : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(SharedModel);
+
+TEST_P(SharedModel, IsReadOnce) {
+  const auto model = EnvModel::make(config());
+  const Engine engine = find_engine(GetParam());
+  const AdaptiveGaitEnv a(model, engine), b(model, engine);
+  for (const AdaptiveGaitEnv* env : {&a, &b}) {
+    EXPECT_EQ(&env->model(), model.get());
+    EXPECT_EQ(&env->config(), &model->config);
+    EXPECT_EQ(&env->interface(), &model->interface);
+    EXPECT_EQ(env->backend().spec().robot, model->world.robot);
+    EXPECT_EQ(env->backend().spec().terrain.field(), model->world.terrain.field());
+  }
+  ASSERT_NE(model->world.terrain.field(), nullptr);
+  const VectorEnv batch(config(), engine, {.environments = 3, .workers = 2});
+  for (std::size_t i = 1; i < 3; ++i) EXPECT_EQ(&batch.environment(i).model(), &batch.environment(0).model());
+}
+
+TEST_P(SharedModel, MovesNothingBeforeTheFirstReset) {
+  const AdaptiveGaitEnv env(EnvModel::make(config()), find_engine(GetParam()));
+  const auto fresh = make(env.model().world);
+  EXPECT_TRUE(scenes::identical(env.backend().state(), fresh->state()));
+  EXPECT_EQ(env.backend().contacts().count, 0);
+}
+
+TEST_P(SharedModel, GivesTheBitsOfModelsOfTheirOwn) {
+  for (const bool own_worlds : {false, true}) {
+    EnvConfig c = config();
+    if (own_worlds) {
+      c.randomisation[Randomised::kTerrainSeed] = {0, 100};
+      c.randomisation[Randomised::kMass] = {0.9, 1.1};
+    }
+    const auto model = EnvModel::make(c);
+    const Engine engine = find_engine(GetParam());
+    AdaptiveGaitEnv first(model, engine), second(model, engine), own(c, engine);
+    EXPECT_NE(&own.model(), model.get());
+    std::vector<std::vector<double>> runs;
+    std::vector<MotionSummary> motions;
+    for (AdaptiveGaitEnv* env : {&own, &first, &second}) {
+      std::vector<double> seen(env->observation_size());
+      env->reset(7, seen);
+      Random random(8);
+      runs.push_back(scenes::record(*env, random, 400));
+      runs.back().insert(runs.back().end(), seen.begin(), seen.end());
+      motions.push_back(env->summary());
+      // Whatever one of them draws stays its own.
+      EXPECT_EQ(model->world.contact.friction, c.friction);
+    }
+    EXPECT_EQ(runs[1], runs[0]);
+    EXPECT_EQ(runs[2], runs[0]);
+    EXPECT_EQ(differences(motions[1], motions[0]), "");
+    EXPECT_EQ(differences(motions[2], motions[0]), "");
+  }
+}
+
+TEST_P(SharedModel, AnEpisodeSavedInOneGoesOnInAnother) {
+  const auto model = EnvModel::make(config());
+  const Engine engine = find_engine(GetParam());
+  AdaptiveGaitEnv a(model, engine), b(model, engine);
+  std::vector<double> seen(a.observation_size());
+  a.reset(1, seen);
+  Random random(2);
+  scenes::record(a, random, 200);
+  const auto saved = a.save();
+  const Random at_save = random;
+  const auto expected = scenes::record(a, random, 200);
+  random = at_save;
+  b.restore(*saved);
+  EXPECT_EQ(scenes::record(b, random, 200), expected);
+  EXPECT_EQ(differences(b.summary(), a.summary()), "");
+}
+
+TEST(EnvModel, HasTheSizesOfItsTimes) {
+  EnvConfig c;
+  c.policy_dt = 0.02;
+  c.episode_seconds = 3;
+  const auto model = EnvModel::make(c);
+  EXPECT_EQ(model->policy_steps, 10);
+  EXPECT_EQ(model->max_steps, 150);
+  EXPECT_EQ(model->layout, layout_hash(model->interface.observation, model->interface.action));
+}
+
+}  // namespace
+}  // namespace crossgait
