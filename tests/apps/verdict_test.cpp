@@ -13,13 +13,13 @@ namespace {
 using nlohmann::json;
 
 // Short runs of few starts: what is looked at is the contract, not the word.
-const char* const kShort = " --seconds .2 --settle .1 --starts 4";
+const std::string kShort = " --seconds .2 --settle .1 --starts 4";
 
 bool two_engines() { return available_engines().size() >= 2; }
 
 TEST(VerdictCommand, KeepsItsContract) {
   if (!two_engines()) GTEST_SKIP() << "one engine alone";
-  const json verdict = run_json(std::string("verdict") + kShort);
+  const json verdict = run_json("verdict" + kShort);
   for (const char* key : {"behaviour", "a", "b", "word", "starts", "limit", "confidence", "variations",
                           "left_out", "statistics", "models"}) {
     EXPECT_TRUE(verdict.contains(key)) << key;
@@ -40,7 +40,7 @@ TEST(VerdictCommand, KeepsItsContract) {
 
 TEST(VerdictCommand, JudgesPolicies) {
   if (!two_engines()) GTEST_SKIP() << "one engine alone";
-  const json verdict = run_json(std::string("verdict --policy zero") + kShort);
+  const json verdict = run_json("verdict --policy zero" + kShort);
   ASSERT_EQ(verdict["statistics"].size(), 9U);
   EXPECT_EQ(verdict["statistics"][8]["name"], "total reward");
   EXPECT_EQ(verdict["behaviour"], "policy zero on flat, 0.2 s");

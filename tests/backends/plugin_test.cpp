@@ -247,6 +247,7 @@ TEST_F(Plugin, FirstUseMayBeFromManyThreads) {
   const std::string file = copy("test_1", "shared");
   std::vector<std::string> names(8);
   std::vector<std::thread> threads;
+  threads.reserve(names.size());
   for (std::string& name : names) {
     threads.emplace_back([&] {
       const EngineRegistry registry({folder_.string()});

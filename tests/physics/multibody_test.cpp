@@ -14,7 +14,7 @@ namespace {
 const char* const kRobots[] = {"scara_quadruped", "scara_quadruped_long"};
 
 RobotDescription load_model(const std::string& name) {
-  return load_robot(CROSSGAIT_SOURCE_DIR "/models/robots/" + name + "/robot.yaml");
+  return load_robot(std::string(CROSSGAIT_SOURCE_DIR "/models/robots/") + name + "/robot.yaml");
 }
 
 /// Any pose and velocity, loops open: the tree's algorithms do not know of loops.
