@@ -11,9 +11,9 @@
 namespace crossgait {
 namespace {
 
-using nlohmann::json;
+using nlohmann::ordered_json;  // statistics keep the order in which they are judged
 
-RunResult result_of(const json& line) {
+RunResult result_of(const ordered_json& line) {
   RunResult result;
   for (const auto& [name, value] : line.at("result").items()) {
     result.names.push_back(name);
@@ -32,9 +32,9 @@ RunStore::RunStore(std::string path) : path_(std::move(path)) {
   for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', begin)) {
     ++number;
     try {
-      const json line = json::parse(text.substr(begin, end - begin));
+      const auto line = ordered_json::parse(text.substr(begin, end - begin));
       runs_[line.at("hash").get<std::string>()] = result_of(line);
-    } catch (const json::exception& problem) {
+    } catch (const ordered_json::exception& problem) {
       throw ConfigError(path_, fmt::format("line {}", number), "a stored run", problem.what());
     }
     begin = end + 1;
@@ -55,8 +55,7 @@ std::optional<RunResult> RunStore::find(const RunSpec& run) const {
 }
 
 void RunStore::add(const RunSpec& run, const RunResult& result) {
-  // Not ordered by name: statistics keep the order in which they are judged.
-  nlohmann::ordered_json line{{"hash", run_hash(run)}, {"run", to_json(run)}};
+  ordered_json line{{"hash", run_hash(run)}, {"run", to_json(run)}};
   for (std::size_t i = 0; i < result.names.size(); ++i) line["result"][result.names[i]] = result.values[i];
   const std::string bytes = line.dump() + "\n";
   const std::scoped_lock lock(mutex_);
