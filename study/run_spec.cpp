@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -22,7 +23,9 @@ bool is_file(const std::string& path) {
 }
 
 // A file counts by what is in it, and by what is in the files that it names beside itself; a name as it is.
-void add_file(Fnv1a& hash, const std::string& path) {
+// @param seen files that are in already: files may name each other
+void add_file(Fnv1a& hash, const std::string& path, std::set<std::string>& seen) {
+  if (!seen.insert(std::filesystem::weakly_canonical(path).string()).second) return;
   const std::string text = read_text_file(path);
   hash.add(text);
   if (!path.ends_with(".yaml")) return;
@@ -32,7 +35,7 @@ void add_file(Fnv1a& hash, const std::string& path) {
     const std::string word = text.substr(begin, end - begin);
     const std::string beside = (std::filesystem::path(path).parent_path() / word).string();
     const bool names_file = word.ends_with(".safetensors") || word.ends_with(".yaml");
-    if (names_file && beside != path && is_file(beside)) add_file(hash, beside);
+    if (names_file && is_file(beside)) add_file(hash, beside, seen);
     begin = end + 1;
   }
 }
@@ -40,8 +43,18 @@ void add_file(Fnv1a& hash, const std::string& path) {
 json content_of(const std::string& name_or_file) {
   if (!is_file(name_or_file)) return name_or_file;
   Fnv1a hash;
-  add_file(hash, name_or_file);
+  std::set<std::string> seen;
+  add_file(hash, name_or_file, seen);
   return {{"file", hash.hex()}};
+}
+
+// As `make_terrain` takes it: FILE.png may have settings behind a colon.
+json terrain_json(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  if (is_file(text) || colon == std::string::npos || !is_file(text.substr(0, colon))) return content_of(text);
+  json terrain = content_of(text.substr(0, colon));
+  terrain["settings"] = text.substr(colon + 1);
+  return terrain;
 }
 
 // What engines are told of a robot, whatever the files look like that say it.
@@ -79,6 +92,16 @@ json robot_json(const std::string& name_or_file) {
        {s.time_constant, s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width})
     add_number(v);
   add(robot.home);
+  add_number(robot.home_height);
+  if (robot.legs) {
+    for (const LegModel& leg : *robot.legs) {
+      for (const int i :
+           {leg.tilt, leg.shoulder_left, leg.shoulder_right, leg.elbow_left, leg.elbow_right, leg.foot_body})
+        add_number(i);
+      add(leg.p_BF);
+      add_number(leg.foot_radius);
+    }
+  }
   return {{"name", robot.name}, {"description", hash.hex()}};
 }
 
@@ -96,7 +119,7 @@ json to_json(const std::optional<VelocityCommand>& c) {
 json to_json(const WalkConfig& c) {
   return {{"kind", "walk"},
           {"robot", robot_json(c.robot)},
-          {"terrain", content_of(c.terrain)},
+          {"terrain", terrain_json(c.terrain)},
           {"terrain_seed", c.terrain_seed},
           {"friction", c.friction},
           {"physics_dt", c.physics_dt},
@@ -118,7 +141,7 @@ json to_json(const PolicyConfig& c) {
   config.terrain.clear();
   return {{"kind", "policy"},
           {"robot", robot_json(c.environment.robot)},
-          {"terrain", content_of(c.environment.terrain)},
+          {"terrain", terrain_json(c.environment.terrain)},
           {"environment", to_yaml(config)},
           {"policy", content_of(c.policy)}};
 }

@@ -11,7 +11,7 @@
 namespace crossgait {
 namespace {
 
-using nlohmann::ordered_json;  // statistics come back in the order in which they are judged
+using nlohmann::ordered_json;  // statistics keep the order in which they are judged
 
 RunResult result_of(const ordered_json& line) {
   RunResult result;
@@ -32,7 +32,7 @@ RunStore::RunStore(std::string path) : path_(std::move(path)) {
   for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', begin)) {
     ++number;
     try {
-      const ordered_json line = ordered_json::parse(text.substr(begin, end - begin));
+      const auto line = ordered_json::parse(text.substr(begin, end - begin));
       runs_[line.at("hash").get<std::string>()] = result_of(line);
     } catch (const ordered_json::exception& problem) {
       throw ConfigError(path_, fmt::format("line {}", number), "a stored run", problem.what());

@@ -1,6 +1,7 @@
 // env, rollout, transfer and tune from the command line.
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -67,6 +68,27 @@ TEST(RolloutCommand, ShowsPoliciesAndTheBaselineInEveryEngine) {
       EXPECT_TRUE(policy["all"]["reward_terms"].contains("forward_velocity"));
     }
     EXPECT_EQ(run_json(arguments + " --workers 1"), result);  // whatever the number of threads
+  }
+}
+
+TEST(RolloutCommand, OfTheZeroPolicyIsTheWalk) {
+  for (const std::string& engine : available_engines()) {
+    const json walk = run_json("walk --terrain rough --seed 2 --seconds 1 --engine " + engine);
+    const json rollout = run_json(
+        "rollout --terrain rough --terrain-seed 2 --episode-seconds 1 --episodes 1 --engine " + engine);
+    const json& episode = rollout["policies"][0]["episodes"][0];
+    const std::set<std::string> of_the_run{"schema", "backend", "engine", "terrain", "gait", "wall_seconds"};
+    int numbers = 0;
+    for (const auto& [key, value] : walk.items()) {
+      if (of_the_run.contains(key)) continue;
+      ASSERT_TRUE(episode.contains(key)) << key;
+      EXPECT_EQ(episode[key], value) << key;
+      ++numbers;
+    }
+    EXPECT_GE(numbers, 26);
+    EXPECT_EQ(walk["outcome"], "walked");
+    EXPECT_TRUE(walk["outcome_at_s"].is_null());
+    EXPECT_EQ(rollout["policies"][0]["all"]["outcomes"]["walked"], 1);
   }
 }
 

@@ -59,10 +59,13 @@ TEST(Program, WalkKeepsItsContract) {
   for (const std::string& backend : available_engines()) {
     const json walk =
         run_json("walk --backend " + backend + " --terrain flat --gait trot --seconds 1 --seed 3");
-    for (const char* key :
-         {"backend", "terrain", "gait", "simulated_seconds", "distance_m", "fell", "mean_speed_mps",
-          "final_position_m", "rms_roll_deg", "rms_pitch_deg", "ik_clamped", "diverged", "max_penetration_m",
-          "max_loop_gap_m", "wall_seconds", "physics_steps"}) {
+    for (const char* key : {"backend",           "terrain",        "gait",           "simulated_seconds",
+                            "distance_m",        "fell",           "mean_speed_mps", "final_position_m",
+                            "rms_roll_deg",      "rms_pitch_deg",  "ik_clamped",     "diverged",
+                            "max_penetration_m", "max_loop_gap_m", "wall_seconds",   "physics_steps",
+                            "outcome",           "outcome_at_s",   "path_m",         "collapsed",
+                            "came_apart",        "left_terrain",   "drag",           "cost_of_transport",
+                            "duty_factor",       "slip_m"}) {
       EXPECT_TRUE(walk.contains(key)) << backend << ": " << key;
     }
     EXPECT_EQ(walk["backend"], backend);

@@ -1,5 +1,9 @@
 // `crossgait verdict` and `compare --verdict` on the command line.
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -14,6 +18,11 @@ using nlohmann::json;
 
 // Short runs of few starts: what is looked at is the contract, not the word.
 const std::string kShort = " --seconds .2 --settle .1 --starts 4";
+
+std::string contents(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
 
 bool two_engines() { return available_engines().size() >= 2; }
 
@@ -44,6 +53,26 @@ TEST(VerdictCommand, JudgesPolicies) {
   ASSERT_EQ(verdict["statistics"].size(), 9U);
   EXPECT_EQ(verdict["statistics"][8]["name"], "total reward");
   EXPECT_EQ(verdict["behaviour"], "policy zero on flat, 0.2 s");
+}
+
+TEST(VerdictCommand, FromStoredRunsGivesTheSameAndMakesNoRun) {
+  if (!two_engines()) GTEST_SKIP() << "one engine alone";
+  const std::string file = "verdict_stored_runs.jsonl";
+  std::filesystem::remove(file);
+  const std::string arguments = std::string("verdict --workers 2 --runs ") + file + kShort;
+  const json first = run_json(arguments);
+  const std::string runs = contents(file);
+  EXPECT_GT(std::count(runs.begin(), runs.end(), '\n'), 8);
+  const json second = run_json(arguments);
+  EXPECT_EQ(second, first);
+  EXPECT_EQ(contents(file), runs);  // what is made is added, so nothing was
+  // Stopped halfway through a line.
+  std::filesystem::resize_file(file, runs.size() / 2);
+  EXPECT_EQ(run_json(arguments), first);
+  EXPECT_EQ(contents(file).size(), runs.size());
+  std::ofstream(file) << "garbage\n";
+  expect_bad_input(arguments, {file, "line 1"});
+  std::filesystem::remove(file);
 }
 
 TEST(VerdictCommand, ExplainsWhereThereIsAFamily) {

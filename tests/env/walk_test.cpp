@@ -15,7 +15,7 @@ namespace {
 
 std::shared_ptr<const RobotDescription> robot() {
   static const auto kRobot = std::make_shared<const RobotDescription>(
-      load_robot(std::string(CROSSGAIT_SOURCE_DIR) + "/models/robots/scara_quadruped/robot.yaml"));
+      load_robot(CROSSGAIT_SOURCE_DIR "/models/robots/scara_quadruped/robot.yaml"));
   return kRobot;
 }
 

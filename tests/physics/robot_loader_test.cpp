@@ -10,7 +10,7 @@
 namespace crossgait {
 namespace {
 
-const std::string kLongRobot = std::string(CROSSGAIT_SOURCE_DIR) + "/models/robots/scara_quadruped_long/robot.yaml";
+const std::string kLongRobot = CROSSGAIT_SOURCE_DIR "/models/robots/scara_quadruped_long/robot.yaml";
 
 std::vector<Pose> home_poses(const RobotDescription& robot) {
   RobotState state;

@@ -13,7 +13,7 @@
 
 namespace crossgait {
 
-inline const std::string kRobotFolder = std::string(CROSSGAIT_SOURCE_DIR) + "/models/robots/scara_quadruped/";
+inline const std::string kRobotFolder = CROSSGAIT_SOURCE_DIR "/models/robots/scara_quadruped/";
 
 /// A folder with a copy of the default robot, named after the running test and removed with this object.
 class ScratchRobot {

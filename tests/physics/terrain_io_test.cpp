@@ -309,7 +309,7 @@ TEST_F(TerrainFiles, AreNotWrittenWhereTheyCannotBe) {
 }
 
 TEST_F(TerrainFiles, ExamplesAreWhatTheirReadmeSays) {
-  const std::string folder = std::string(CROSSGAIT_SOURCE_DIR) + "/models/terrains/";
+  const std::string folder = CROSSGAIT_SOURCE_DIR "/models/terrains/";
   const Terrain bumps = make_terrain(folder + "bumps.png");
   const Terrain made = make_terrain("rough:size_x=4,size_y=2,amplitude=.02,seed=7");
   ASSERT_EQ(bumps.field()->heights().size(), made.field()->heights().size());

@@ -1,0 +1,141 @@
+#include "crossgait/study/judgement.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/parity/verdict_report.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/tests/physics/scratch_folder.h"
+
+namespace crossgait {
+namespace {
+
+BehaviourSpec short_trot() {
+  WalkConfig config;
+  config.timing = {.seconds = 0.2, .settle_seconds = 0.1};
+  return {config, {}, 0};
+}
+
+BehaviourSpec short_policy() {
+  PolicyConfig config;
+  config.environment = std::get<WalkConfig>(short_trot().what).environment();
+  return {config, {}, 0};
+}
+
+class Judgements : public ScratchFolder {
+ protected:
+  void SetUp() override {
+    ScratchFolder::SetUp();
+    if (available_engines().size() < 2) GTEST_SKIP() << "one engine alone";
+  }
+  static std::string a() { return available_engines().front(); }
+  static std::string b() { return available_engines().back(); }
+  JudgementOptions options(bool stored = false, std::size_t workers = 1) const {
+    JudgementOptions o;
+    o.verdict.starts = 4;
+    o.verdict.workers = workers;
+    if (stored) o.stored_runs = path("runs.jsonl");
+    return o;
+  }
+  long lines() const {
+    const std::string text = read(path("runs.jsonl"));
+    return std::count(text.begin(), text.end(), '\n');
+  }
+};
+
+TEST_F(Judgements, AreAnAuditAndAVerdict) {
+  for (const BehaviourSpec& spec : {short_trot(), short_policy()}) {
+    const Judgement whole = judge_behaviour(spec, a(), b(), options());
+    const Engine engine_a = find_engine(a()), engine_b = find_engine(b());
+    const Verdict verdict = reach_verdict(make_behaviour(spec), engine_a, engine_b, options().verdict);
+    EXPECT_EQ(to_json(whole.verdict).dump(), to_json(verdict).dump());
+    const auto world_a = engine_a.make(world_of(spec)), world_b = engine_b.make(world_of(spec));
+    EXPECT_EQ(to_json(whole.models).dump(), to_json(audit_models(*world_a, *world_b)).dump());
+    EXPECT_FALSE(whole.attribution.has_value());
+  }
+}
+
+TEST_F(Judgements, ExplainWithTheFamilyOfTheTwoEngines) {
+  if (engine_families().empty()) GTEST_SKIP() << "no engine is made of factors";
+  const EngineFamily& family = engine_families().front();
+  JudgementOptions how = options(true);
+  how.explain = true;
+  BehaviourSpec spec = short_trot();
+  std::get<WalkConfig>(spec.what).timing = {.seconds = 0.1, .settle_seconds = 0.05};
+  const Judgement whole = judge_behaviour(spec, family.from, family.to, how);
+  ASSERT_TRUE(whole.attribution.has_value());
+  const Attribution attribution = attribute(make_behaviour(spec), family, {.starts = 4, .workers = 1});
+  EXPECT_EQ(to_json(*whole.attribution).dump(), to_json(attribution).dump());
+  // Every set of factors is an engine of its own to the store: the same again takes no run.
+  const std::string bytes = read(path("runs.jsonl"));
+  EXPECT_EQ(to_json(judge_behaviour(spec, family.from, family.to, how)).dump(), to_json(whole).dump());
+  EXPECT_EQ(read(path("runs.jsonl")), bytes);
+  how.explain = true;
+  EXPECT_THROW(judge_behaviour(spec, family.to, family.to, how), ConfigError);
+}
+
+TEST_F(Judgements, FromStoredRunsCostNoRun) {
+  for (const BehaviourSpec& spec : {short_trot(), short_policy()}) {
+    std::filesystem::remove(path("runs.jsonl"));
+    const std::string plain = to_json(judge_behaviour(spec, a(), b(), options())).dump();
+    const std::string first = to_json(judge_behaviour(spec, a(), b(), options(true, 2))).dump();
+    // Both engines, every variation, four starts.
+    EXPECT_EQ(lines(), static_cast<long>(2 * variations().size() * 4));
+    const std::string bytes = read(path("runs.jsonl"));
+    const std::string second = to_json(judge_behaviour(spec, a(), b(), options(true, 2))).dump();
+    EXPECT_EQ(read(path("runs.jsonl")), bytes);  // what is made is added, so nothing was
+    EXPECT_EQ(second, first);
+    const auto without_workers = [](const std::string& text) {
+      auto json = nlohmann::json::parse(text);
+      json.erase("workers");
+      return json;
+    };
+    EXPECT_EQ(without_workers(first), without_workers(plain));
+  }
+}
+
+TEST_F(Judgements, MoreStartsTakeOnlyTheRunsThatAreNew) {
+  JudgementOptions how = options(true);
+  judge_behaviour(short_trot(), a(), b(), how);
+  const std::string bytes = read(path("runs.jsonl"));
+  how.verdict.starts = 5;
+  judge_behaviour(short_trot(), a(), b(), how);
+  EXPECT_EQ(lines(), static_cast<long>(2 * variations().size() * 5));
+  EXPECT_EQ(read(path("runs.jsonl")).substr(0, bytes.size()), bytes);
+}
+
+TEST_F(Judgements, LookAtTheWorldOfThePolicysConfiguration) {
+  PolicyConfig config;
+  config.environment.robot = "scara_quadruped_long";
+  config.environment.terrain = "rough:size_x=2,size_y=2";
+  config.environment.terrain_seed = 9;
+  config.environment.friction = 0.3;
+  config.environment.physics_dt = 5e-4;
+  const WorldSpec world = world_of({config, {}, 0});
+  EXPECT_EQ(world.robot->name, "scara_quadruped_long");
+  EXPECT_EQ(world.contact.friction, 0.3);
+  EXPECT_EQ(world.physics_dt, 5e-4);
+  const Terrain expected = make_terrain("rough:size_x=2,size_y=2", 9);
+  EXPECT_EQ(world.terrain.name(), expected.name());
+  for (const double x : {-0.7, 0.4, 0.8}) EXPECT_EQ(world.terrain.height(x, 0.5), expected.height(x, 0.5));
+}
+
+TEST_F(Judgements, StartWithNoRunWhereSomethingIsWrong) {
+  JudgementOptions how = options(true);
+  how.verdict.starts = 3;
+  EXPECT_THROW(judge_behaviour(short_trot(), a(), b(), how), ConfigError);
+  how = options(true);
+  EXPECT_THROW(judge_behaviour(short_trot(), a(), "nonsense", how), ConfigError);
+  BehaviourSpec spec = short_policy();
+  std::get<PolicyConfig>(spec.what).policy = "nonsense";
+  EXPECT_THROW(judge_behaviour(spec, a(), b(), how), ConfigError);
+  spec = short_trot();
+  std::get<WalkConfig>(spec.what).terrain = "moon";
+  EXPECT_THROW(judge_behaviour(spec, a(), b(), how), ConfigError);
+  EXPECT_FALSE(std::filesystem::exists(path("runs.jsonl")));
+}
+
+}  // namespace
+}  // namespace crossgait

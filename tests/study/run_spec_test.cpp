@@ -1,0 +1,328 @@
+#include "crossgait/study/run_spec.h"
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <map>
+
+#include "crossgait/physics/data_path.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/hash.h"
+#include "crossgait/tests/env/policy_interfaces.h"
+#include "crossgait/tests/physics/scratch_folder.h"
+#include "crossgait/tests/support/backend_test.h"
+
+namespace crossgait {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+RunSpec walk_run() {
+  WalkConfig config;
+  config.terrain = "rough:size_x=2,size_y=2";
+  config.timing = {.seconds = 0.3, .settle_seconds = 0.1};
+  return {{config, {}, 3}, "mujoco", "2.2.2", {}, 1};
+}
+
+RunSpec policy_run() {
+  PolicyConfig config;
+  config.environment.episode_seconds = 0.3;
+  config.environment.settle_seconds = 0.1;
+  return {{config, {}, 3}, "mujoco", "2.2.2", {}, 1};
+}
+
+WalkConfig& walk_of(RunSpec& run) { return std::get<WalkConfig>(run.behaviour.what); }
+PolicyConfig& policy_of(RunSpec& run) { return std::get<PolicyConfig>(run.behaviour.what); }
+
+TEST(RunSpec, HasOneTextThatStays) {
+  // Results of years hang on this text. Where it changes on purpose, `schema` has to say so.
+  Json json = Json::parse(canonical_json(walk_run()));
+  EXPECT_EQ(json["behaviour"]["robot"]["description"].get<std::string>().size(), 16U);
+  json["behaviour"]["robot"]["description"] =
+      "";  // of angles that another machine's sine may round otherwise
+  EXPECT_EQ(
+      json.dump(),
+      R"({"behaviour":{"command":null,"compensation":true,"control_dt":0.002,"friction":0.6,"gait":"trot",)"
+      R"("kind":"walk","parameters":{"body_height":0.05,"cycle_time":0.8,"foot_clearance":0.0,)"
+      R"("lateral_offset_fl":0.0,"lateral_offset_fr":0.0,"lateral_offset_rl":0.0,"lateral_offset_rr":0.0,)"
+      R"("stance_width":0.08,"step_height":0.03,"step_length":0.06,"swing":"bezier","swing_shape":0.35},"physics_dt":0.001,)"
+      R"("robot":{"description":"","name":"scara_quadruped"},"seconds":0.3,"settle_seconds":0.1,)"
+      R"("terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"engine":"mujoco","engine_version":"2.2.2",)"
+      R"("schema":{"name":"run","version":1},"seed":3,"start":1,)"
+      R"("starts":{"heading_rad":0.2,"position_m":0.1,"push_mps":0.02,"tilt_rad":0.02},)"
+      R"("variation":{"iterations":1.0,"step":1.0,"tolerance":1.0}})");
+  EXPECT_EQ(canonical_json(walk_run()), canonical_json(walk_run()));
+  EXPECT_EQ(run_hash(walk_run()), fnv1a_hex(canonical_json(walk_run())));
+  EXPECT_EQ(fnv1a_hex("foobar"), "85944171f73967e8");  // of the authors' test vectors
+}
+
+using Change = std::function<void(RunSpec&)>;
+
+/// Every change gives a hash of its own.
+void expect_all_different(const RunSpec& run, const std::map<std::string, Change>& changes) {
+  std::map<std::string, std::string> hashes{{run_hash(run), "as it is"}};
+  for (const auto& [name, change] : changes) {
+    RunSpec changed = run;
+    change(changed);
+    const auto [it, fresh] = hashes.emplace(run_hash(changed), name);
+    EXPECT_TRUE(fresh) << name << " has the hash of " << it->second;
+  }
+}
+
+std::map<std::string, Change> changes_of_any_run() {
+  std::map<std::string, Change> all{
+      {"engine", [](RunSpec& r) { r.engine = "bullet"; }},
+      {"engine version", [](RunSpec& r) { r.engine_version = "2.2.3"; }},
+      {"start", [](RunSpec& r) { r.start = 2; }},
+      {"seed", [](RunSpec& r) { r.behaviour.seed = 4; }},
+      {"step", [](RunSpec& r) { r.variation.step = 0.5; }},
+      {"tolerance", [](RunSpec& r) { r.variation.tolerance = 0.5; }},
+      {"iterations", [](RunSpec& r) { r.variation.iterations = 0.5; }},
+      {"position", [](RunSpec& r) { r.behaviour.starts.position_m = 0.3; }},
+      {"heading", [](RunSpec& r) { r.behaviour.starts.heading_rad = 0.3; }},
+      {"tilt", [](RunSpec& r) { r.behaviour.starts.tilt_rad = 0.3; }},
+      {"push", [](RunSpec& r) { r.behaviour.starts.push_mps = 0.3; }},
+  };
+  return all;
+}
+
+TEST(RunSpec, ChangesWithEveryFieldOfAWalk) {
+  std::map<std::string, Change> changes = changes_of_any_run();
+  const auto add = [&changes](const char* name, const std::function<void(WalkConfig&)>& change) {
+    changes[name] = [change](RunSpec& r) { change(walk_of(r)); };
+  };
+  add("robot", [](WalkConfig& c) { c.robot = "scara_quadruped_long"; });
+  add("terrain", [](WalkConfig& c) { c.terrain = "flat"; });
+  add("terrain settings", [](WalkConfig& c) { c.terrain = "rough:size_x=2,size_y=3"; });
+  add("terrain seed", [](WalkConfig& c) { c.terrain_seed = 1; });
+  add("friction", [](WalkConfig& c) { c.friction = std::nextafter(0.6, 1); });  // the last bit
+  add("physics_dt", [](WalkConfig& c) { c.physics_dt = 2e-3; });
+  add("gait", [](WalkConfig& c) { c.gait.gait = find_gait("pace"); });
+  add("any gait", [](WalkConfig& c) { c.gait.gait.reset(); });
+  add("command", [](WalkConfig& c) { c.gait.command = VelocityCommand{}; });
+  add("vx", [](WalkConfig& c) { c.gait.command = VelocityCommand{0.1, 0, 0}; });
+  add("vy", [](WalkConfig& c) { c.gait.command = VelocityCommand{0, 0.1, 0}; });
+  add("yaw rate", [](WalkConfig& c) { c.gait.command = VelocityCommand{0, 0, 0.1}; });
+  add("compensation", [](WalkConfig& c) { c.compensation = false; });
+  add("seconds", [](WalkConfig& c) { c.timing.seconds = 0.4; });
+  add("control_dt", [](WalkConfig& c) { c.timing.control_dt = 4e-3; });
+  add("settle", [](WalkConfig& c) { c.timing.settle_seconds = 0.2; });
+  add("swing", [](WalkConfig& c) { c.gait.parameters.swing = SwingCurve::kMatched; });
+  for (const ParameterRow& row : gait_parameters())
+    add(row.name.data(), [&row](WalkConfig& c) { c.gait.parameters.*row.member += 1e-9; });
+  expect_all_different(walk_run(), changes);
+  RunSpec named = walk_run();
+  named.variation.name = "by another name";
+  named.variation.kind = Variation::Kind::kSolver;
+  EXPECT_EQ(run_hash(named), run_hash(walk_run()));
+}
+
+TEST(RunSpec, ChangesWithEveryFieldOfAnEnvironment) {
+  std::map<std::string, Change> changes = changes_of_any_run();
+  const auto add = [&changes](std::string_view name, const std::function<void(EnvConfig&)>& change) {
+    changes[std::string(name)] = [change](RunSpec& r) { change(policy_of(r).environment); };
+  };
+  changes["policy"] = [](RunSpec& r) { policy_of(r).policy = "random"; };
+  changes["walk"] = [](RunSpec& r) { r = walk_run(); };
+  add("robot", [](EnvConfig& c) { c.robot = "scara_quadruped_long"; });
+  add("terrain", [](EnvConfig& c) { c.terrain = "rough"; });
+  add("terrain seed", [](EnvConfig& c) { c.terrain_seed = 1; });
+  add("friction", [](EnvConfig& c) { c.friction = std::nextafter(0.6, 1); });
+  add("gait", [](EnvConfig& c) { c.gait = "walk"; });
+  add("swing", [](EnvConfig& c) { c.parameters.swing = SwingCurve::kMatched; });
+  for (const ParameterRow& row : gait_parameters())
+    add(row.name, [&row](EnvConfig& c) { c.parameters.*row.member += 1e-9; });
+  add("adapt", [](EnvConfig& c) { c.adapt.pop_back(); });
+  add("residual_scale", [](EnvConfig& c) { c.residual_scale = 0.02; });
+  add("vx", [](EnvConfig& c) { c.command = VelocityCommand{0.1, 0, 0}; });
+  add("vy", [](EnvConfig& c) { c.command = VelocityCommand{0, 0.1, 0}; });
+  add("yaw rate", [](EnvConfig& c) { c.command = VelocityCommand{0, 0, 0.1}; });
+  add("observation", [](EnvConfig& c) { c.observation.emplace_back("terrain"); });
+  for (std::size_t i = 0; i < kRewardTerms; ++i)
+    add(std::string("reward ") + std::string(reward_terms()[i].name),
+        [i](EnvConfig& c) { c.reward[i] += 1; });
+  add("physics_dt", [](EnvConfig& c) { c.physics_dt = 2e-3; });
+  add("control_dt", [](EnvConfig& c) { c.control_dt = 1e-3; });
+  add("policy_dt", [](EnvConfig& c) { c.policy_dt = 4e-3; });
+  add("episode_seconds", [](EnvConfig& c) { c.episode_seconds = 0.4; });
+  add("settle", [](EnvConfig& c) { c.settle_seconds = 0.2; });
+  add("tilt limit", [](EnvConfig& c) { c.tilt_limit_deg = 50; });
+  for (const OutcomeRow& row : outcome_rows()) {
+    if (!row.at_once || row.outcome == Outcome::kDiverged) continue;
+    add(std::string("ends ") + std::string(row.name),
+        [&row](EnvConfig& c) { c.ends.in[static_cast<std::size_t>(row.outcome)] = false; });
+  }
+  for (const RandomisationRow& row : randomisation_rows()) {
+    add(std::string("min of ") + std::string(row.name),
+        [&row](EnvConfig& c) { c.randomisation[row.what].min -= 0.01; });
+    add(std::string("max of ") + std::string(row.name),
+        [&row](EnvConfig& c) { c.randomisation[row.what].max += 0.01; });
+  }
+  expect_all_different(policy_run(), changes);
+  RunSpec elsewhere = policy_run();
+  policy_of(elsewhere).environment.engine = "bullet";  // the run says in which
+  EXPECT_EQ(run_hash(elsewhere), run_hash(policy_run()));
+}
+
+class RunFiles : public ScratchFolder {
+ protected:
+  static std::string hash_of_robot(const std::string& file) {
+    RunSpec run = walk_run();
+    walk_of(run).robot = file;
+    return run_hash(run);
+  }
+  static std::string hash_of_policy(const std::string& file) {
+    RunSpec run = policy_run();
+    policy_of(run).policy = file;
+    return run_hash(run);
+  }
+  static std::string hash_of_terrain(const std::string& file) {
+    RunSpec walk = walk_run(), policy = policy_run();
+    walk_of(walk).terrain = policy_of(policy).environment.terrain = file;
+    return run_hash(walk) + run_hash(policy);
+  }
+  std::string copy_robot(const std::string& folder) const {
+    fs::copy(fs::path(find_robot("scara_quadruped")).parent_path(), path(folder),
+             fs::copy_options::recursive);
+    return path(folder + "/robot.yaml");
+  }
+  void replace(const std::string& file, const std::string& old, const std::string& with) const {
+    std::string text = read(file);
+    const std::size_t place = text.find(old);
+    ASSERT_NE(place, std::string::npos) << old;
+    std::ofstream(file, std::ios::binary) << text.replace(place, old.size(), with);
+  }
+};
+
+TEST_F(RunFiles, ARobotIsWhatItIsWhereverItsFileLies) {
+  const std::string copy = copy_robot("one"), other = copy_robot("two");
+  EXPECT_EQ(hash_of_robot(copy), hash_of_robot("scara_quadruped"));
+  EXPECT_EQ(hash_of_robot(other), hash_of_robot(copy));
+  // A comment changes nothing; a mass does.
+  std::ofstream(copy, std::ios::app) << "\n# a note\n";
+  EXPECT_EQ(hash_of_robot(copy), hash_of_robot(other));
+  const std::string urdf = (fs::path(copy).parent_path() / "robot.urdf").string();
+  const std::string text = read(urdf);
+  const std::size_t at = text.find("<mass value=\"") + std::string("<mass value=\"").size();
+  std::ofstream(urdf, std::ios::binary) << text.substr(0, at) << "1" << text.substr(at);
+  EXPECT_NE(hash_of_robot(copy), hash_of_robot(other));
+}
+
+TEST_F(RunFiles, APolicyIsItsBytesWhereverTheyLie) {
+  const std::string text = "{kind: scripted, layout_version: 2, steps: [{time: 0.2}]}";
+  const std::string one = write("one.yaml", text), two = write("two.yaml", text);
+  EXPECT_EQ(hash_of_policy(one), hash_of_policy(two));
+  const std::string before = hash_of_policy(one);
+  write("one.yaml", "{kind: scripted, layout_version: 2, steps: [{time: 0.3}]}");
+  EXPECT_NE(hash_of_policy(one), before);
+}
+
+TEST_F(RunFiles, MembersOfAPolicyCountAsItself) {
+  fs::create_directories(path("parts"));
+  write("parts/planner.safetensors", "a planner");
+  write("residual.yaml", "{kind: scripted}");
+  const std::string file = write("h.yaml",
+                                 "kind: hierarchical\nplanner: {policy: parts/planner.safetensors}\n"
+                                 "residual: {policy: 'residual.yaml'}\n");
+  std::string before = hash_of_policy(file);
+  write("parts/planner.safetensors", "another planner");
+  EXPECT_NE(hash_of_policy(file), before);
+  before = hash_of_policy(file);
+  write("residual.yaml", "{kind: scripted, steps: []}");
+  EXPECT_NE(hash_of_policy(file), before);
+  fs::create_directories(path("moved"));
+  before = hash_of_policy(file);
+  for (const char* name : {"h.yaml", "residual.yaml", "parts"})
+    fs::rename(path(name), path(std::string("moved/") + name));
+  EXPECT_EQ(hash_of_policy(path("moved/h.yaml")), before);
+}
+
+TEST_F(RunFiles, FilesThatNameEachOtherAreReadOnce) {
+  const std::string a = write("a.yaml", "kind: scripted  # see b.yaml\n");
+  write("b.yaml", "kind: scripted  # see a.yaml\n");
+  const std::string before = hash_of_policy(a);
+  write("b.yaml", "kind: scripted  # like a.yaml\n");
+  EXPECT_NE(hash_of_policy(a), before);
+}
+
+TEST_F(RunFiles, ATerrainIsItsBytesWhereverTheyLieWithOrWithoutSettings) {
+  const std::string one = write("one.csv", "0,0\n0,0.01\n"), two = write("two.csv", "0,0\n0,0.01\n");
+  for (const char* settings : {"", ":size_x=2,size_y=2"}) {
+    EXPECT_EQ(hash_of_terrain(one + settings), hash_of_terrain(two + settings)) << settings;
+  }
+  EXPECT_NE(hash_of_terrain(one), hash_of_terrain(one + ":size_x=2,size_y=2"));
+  EXPECT_NE(hash_of_terrain(one + ":size_x=2"), hash_of_terrain(one + ":size_x=3"));
+  for (const char* settings : {"", ":size_x=2,size_y=2"}) {
+    write("one.csv", "0,0\n0,0.01\n");
+    const std::string before = hash_of_terrain(one + settings);
+    write("one.csv", "0,0\n0,0.02\n");
+    EXPECT_NE(hash_of_terrain(one + settings), before) << settings;
+  }
+}
+
+class Runs : public BackendTest {
+ protected:
+  static RunSpec in_this_engine(RunSpec run) {
+    run.engine = GetParam();
+    run.engine_version = find_engine(GetParam()).info.version;
+    return run;
+  }
+};
+CROSSGAIT_FOR_EVERY_BACKEND(Runs);
+
+TEST_P(Runs, RepeatWhatTheBehaviourDoes) {
+  for (const RunSpec& spec : {in_this_engine(walk_run()), in_this_engine(policy_run())}) {
+    const Behaviour behaviour = make_behaviour(spec.behaviour);
+    for (const Variation& variation : variations()) {
+      RunSpec varied = spec;
+      varied.variation = variation;
+      varied.start = 2;
+      const RunResult result = run(varied);
+      EXPECT_EQ(result.values, behaviour.run(find_engine(GetParam()), variation, 2)) << variation.name;
+      ASSERT_EQ(result.names.size(), behaviour.statistics.size());
+      for (std::size_t i = 0; i < result.names.size(); ++i)
+        EXPECT_EQ(result.names[i], behaviour.statistics[i].name);
+    }
+  }
+}
+
+TEST_P(Runs, StartAlikeAsWalksAndAsPolicies) {
+  // The same place, heading, push and ground: then a walk and the zero policy are one motion, in all numbers.
+  RunSpec walk = in_this_engine(walk_run());
+  walk_of(walk).timing.seconds = 1.2;  // the push comes within the first second
+  PolicyConfig policy;
+  policy.environment = walk_of(walk).environment();
+  policy.environment.ends = OutcomeSet::of_walks();
+  RunSpec episode = walk;
+  episode.behaviour.what = policy;
+  const Behaviour walks = make_behaviour(walk.behaviour), episodes = make_behaviour(episode.behaviour);
+  const Engine engine = find_engine(GetParam());
+  std::vector<double> last;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::vector<double> a = walks.run(engine, {}, k);
+    std::vector<double> b = episodes.run(engine, {}, k);
+    ASSERT_EQ(b.size(), a.size() + 1);  // and the reward
+    b.pop_back();
+    EXPECT_EQ(a, b) << "start " << k;
+    EXPECT_NE(a, last);
+    last = a;
+  }
+  // The push is part of it.
+  walk.behaviour.starts.push_mps = 0;
+  EXPECT_NE(make_behaviour(walk.behaviour).run(engine, {}, 2), last);
+}
+
+TEST_P(Runs, RefuseAnotherVersionOfTheEngine) {
+  RunSpec old = in_this_engine(walk_run());
+  old.engine_version = "0.1";
+  try {
+    (void)run(old);
+    FAIL() << "an engine that is not there was run";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("0.1"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,170 @@
+#include "crossgait/study/run_store.h"
+
+#include <atomic>
+#include <cmath>
+#include <sstream>
+
+#include "crossgait/env/worker_pool.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/tests/physics/scratch_folder.h"
+
+namespace crossgait {
+namespace {
+
+class StoredRuns : public ScratchFolder {
+ protected:
+  /// Made-up runs, counted. Their names are not in the order of the alphabet, their values hard to write
+  /// down.
+  Behaviour behaviour() {
+    Behaviour b;
+    b.name = "made up";
+    b.statistics = {{"distance", "m", 0, 0.1}, {"cost", "-", 0, 0.1}, {"a thing", "-", 0, 0.1}};
+    b.run = [this](const Engine& engine, const Variation& variation, std::size_t start) {
+      ++made_;
+      const double k = static_cast<double>(start);
+      return std::vector<double>{0.1 + 0.2 * k, variation.step / 3, engine.name() == "one" ? 1e-300 : -0.0};
+    };
+    return b;
+  }
+  static Engine engine(const std::string& name, const std::string& version = "1") {
+    Engine e;
+    e.info.name = name;
+    e.info.version = version;
+    return e;
+  }
+  static BehaviourSpec spec() { return {WalkConfig{}, {}, 0}; }
+  static RunSpec run_of(std::size_t start) { return {spec(), "one", "1", {}, start}; }
+
+  /// Six runs of a store of its own on the same file.
+  std::vector<std::vector<double>> six(std::size_t count = 6) {
+    const auto store = std::make_shared<RunStore>(file());
+    const Behaviour b = with_store(behaviour(), spec(), store);
+    std::vector<std::vector<double>> values;
+    for (std::size_t k = 0; k < count; ++k)
+      values.push_back(b.run(engine(k % 2 == 0 ? "one" : "two"), variations()[k / 3], k));
+    return values;
+  }
+  std::string file() const { return path("runs.jsonl"); }
+  std::vector<std::string> lines() const {
+    std::istringstream in(read(file()));
+    std::vector<std::string> all;
+    for (std::string line; std::getline(in, line);) all.push_back(line);
+    return all;
+  }
+
+  std::atomic<int> made_ = 0;
+};
+
+TEST_F(StoredRuns, AreNotMadeAgain) {
+  const auto first = six();
+  EXPECT_EQ(made_, 6);
+  const std::string bytes = read(file());
+  EXPECT_EQ(lines().size(), 6U);
+  const auto second = six();
+  EXPECT_EQ(made_, 6);
+  EXPECT_EQ(read(file()), bytes);
+  for (std::size_t k = 0; k < 6; ++k) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(second[k][i], first[k][i]);
+      EXPECT_EQ(std::signbit(second[k][i]), std::signbit(first[k][i]));
+    }
+  }
+  EXPECT_EQ(RunStore(file()).size(), 6U);
+}
+
+TEST_F(StoredRuns, GoOnWhereTheyWereStopped) {
+  six(4);
+  EXPECT_EQ(made_, 4);
+  six();
+  EXPECT_EQ(made_, 6);
+  EXPECT_EQ(lines().size(), 6U);
+}
+
+TEST_F(StoredRuns, AreFoundByWhatTheyAre) {
+  const auto store = std::make_shared<RunStore>(file());
+  const Behaviour b = with_store(behaviour(), spec(), store);
+  BehaviourSpec other_spec = spec();
+  other_spec.seed = 1;
+  const Behaviour other = with_store(behaviour(), other_spec, store);
+  b.run(engine("one"), {}, 0);
+  other.run(engine("one"), {}, 0);
+  b.run(engine("one", "2"), {}, 0);
+  b.run(engine("two"), {}, 0);
+  b.run(engine("one"), variations()[1], 0);
+  b.run(engine("one"), {}, 1);
+  EXPECT_EQ(made_, 6);
+  EXPECT_EQ(store->size(), 6U);
+  // Other numbers of the same run are other runs' business.
+  Behaviour more = behaviour();
+  more.statistics.push_back({"one more", "-", 0, 0.1});
+  with_store(more, spec(), store).run(engine("one"), {}, 0);
+  EXPECT_EQ(made_, 7);
+}
+
+TEST_F(StoredRuns, ALineThatWasCutOffIsMadeAgain) {
+  six();
+  const std::string whole = read(file());
+  const std::size_t last = whole.rfind('\n', whole.size() - 2) + 1;
+  for (const std::size_t kept : {last + 1, last + 30, whole.size() - 1}) {
+    std::filesystem::resize_file(file(), kept);
+    made_ = 0;
+    EXPECT_EQ(RunStore(file()).size(), 5U);
+    six();
+    EXPECT_EQ(made_, 1);
+    EXPECT_EQ(read(file()), whole);
+  }
+}
+
+TEST_F(StoredRuns, ALineThatIsNoRunIsAnErrorThatNamesIt) {
+  six(3);
+  const std::vector<std::string> sound = lines();
+  for (const std::string garbage : {"garbage", "{}", "[]", "7", "", R"({"hash": 3, "run": {}, "result": {}})",
+                                    R"({"hash": "00", "run": {}, "result": {"distance": "far"}})",
+                                    R"({"hash": "00", "run": {}, "result": {"distance": null}})"}) {
+    write("runs.jsonl", sound[0] + "\n" + garbage + "\n" + sound[1] + "\n");
+    try {
+      const RunStore store(file());
+      ADD_FAILURE() << garbage << " was taken for a run";
+    } catch (const ConfigError& error) {
+      const std::string message = error.what();
+      EXPECT_NE(message.find("runs.jsonl"), std::string::npos) << message;
+      EXPECT_NE(message.find("line 2"), std::string::npos) << message;
+    }
+  }
+}
+
+TEST_F(StoredRuns, MayBeAddedByManyThreads) {
+  {
+    const auto store = std::make_shared<RunStore>(file());
+    const Behaviour b = with_store(behaviour(), spec(), store);
+    WorkerPool pool(3);
+    pool.run(60, [&](std::size_t i) { b.run(engine("one"), {}, i % 40); });
+    EXPECT_EQ(store->size(), 40U);
+  }
+  const RunStore again(file());
+  EXPECT_EQ(again.size(), 40U);
+  for (std::size_t k = 0; k < 40; ++k) {
+    const auto stored = again.find(run_of(k));
+    ASSERT_TRUE(stored.has_value()) << k;
+    EXPECT_EQ(stored->names, (std::vector<std::string>{"distance", "cost", "a thing"}));
+    EXPECT_EQ(stored->values[0], 0.1 + 0.2 * static_cast<double>(k));
+  }
+}
+
+TEST_F(StoredRuns, SayWhatTheyAre) {
+  six(1);
+  const auto line = nlohmann::json::parse(lines().front());
+  EXPECT_EQ(line["hash"], run_hash(run_of(0)));
+  EXPECT_EQ(line["run"], to_json(run_of(0)));
+  EXPECT_EQ(line["result"]["distance"], 0.1);
+}
+
+TEST_F(StoredRuns, ThatCannotBeWrittenAreAnError) {
+  RunStore store(path("nowhere/runs.jsonl"));
+  EXPECT_EQ(store.size(), 0U);
+  EXPECT_THROW(store.add(run_of(0), {{"distance"}, {1}}), ConfigError);
+  EXPECT_EQ(store.size(), 0U);
+}
+
+}  // namespace
+}  // namespace crossgait

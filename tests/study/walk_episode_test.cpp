@@ -1,0 +1,113 @@
+// A walk and an episode of the zero policy are the same motion: one loop, one set of numbers.
+#include <nlohmann/json.hpp>
+
+#include "crossgait/parity/report.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/study/rollout.h"
+#include "crossgait/study/walk.h"
+#include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/motion_bits.h"
+
+namespace crossgait {
+namespace {
+
+WalkConfig short_walk(const std::string& gait, const std::optional<VelocityCommand>& command = {}) {
+  WalkConfig config;
+  config.gait = choose_gait(gait, {}, command);
+  config.timing = {.seconds = 1.5, .settle_seconds = 0.3};
+  return config;
+}
+
+std::vector<WalkConfig> walks() {
+  std::vector<WalkConfig> all{short_walk("trot"), short_walk("walk"),
+                              short_walk("trot", VelocityCommand{0.1, 0.03, 0.3})};
+  WalkConfig rough = short_walk("trot");
+  rough.terrain = "rough:size_x=4,size_y=4";
+  rough.terrain_seed = 3;
+  rough.friction = 0.9;
+  rough.physics_dt = 0.5e-3;
+  all.push_back(rough);
+  WalkConfig bound = short_walk("bound");
+  bound.robot = "scara_quadruped_long";
+  bound.timing.control_dt = 4e-3;
+  all.push_back(bound);
+  WalkConfig leaving = short_walk("gallop");
+  leaving.terrain = "slope:angle=0,size_x=.3,size_y=1";
+  all.push_back(leaving);
+  return all;
+}
+
+class WalkAndEpisode : public BackendTest {
+ protected:
+  static EnvConfig environment_of(const WalkConfig& config) {
+    EnvConfig environment = config.environment();
+    environment.engine = GetParam();
+    environment.ends = OutcomeSet::of_walks();
+    environment.adapt = {"step_length"};  // a cycle time may be shorter than those that adapt
+    return environment;
+  }
+};
+CROSSGAIT_FOR_EVERY_BACKEND(WalkAndEpisode);
+
+TEST_P(WalkAndEpisode, HaveTheSameNumbersToTheLastBit) {
+  for (const WalkConfig& config : walks()) {
+    SCOPED_TRACE(config.gait.name() + " of " + config.robot + " on " + config.terrain);
+    const MotionSummary walked = walk(config, GetParam()).summary;
+    const auto env = env_factory(environment_of(config))();
+    const auto zero = policy_factory("zero")(env->interface());
+    const EpisodeSummary episode = run_episode(*env, *zero, 5);
+    EXPECT_EQ(differences(walked, episode.motion), "");
+    EXPECT_EQ(to_json(walked), to_json(episode.motion));
+    EXPECT_GT(walked.path_m, 0.02);
+    EXPECT_TRUE(walked.drag.has_value());
+  }
+}
+
+TEST_P(WalkAndEpisode, LeaveTheSameTrace) {
+  for (const WalkConfig& config : walks()) {
+    SCOPED_TRACE(config.gait.name() + " of " + config.robot + " on " + config.terrain);
+    const Trace walked = walk(config, GetParam()).trace;
+    const Trace episode = trace_episode(environment_of(config), "zero", 5);
+    ASSERT_EQ(walked.size(), episode.size());
+    EXPECT_EQ(walked.size(), static_cast<std::size_t>(config.timing.control_steps()));
+    for (std::size_t i = 0; i < walked.size(); ++i)
+      ASSERT_TRUE(identical(walked[i], episode[i])) << "first in step " << i;
+  }
+}
+
+TEST_P(WalkAndEpisode, LongerPolicyStepsChangeNothingOfThem) {
+  const WalkConfig config = short_walk("trot");
+  EnvConfig environment = environment_of(config);
+  environment.policy_dt = 0.02;
+  const auto env = env_factory(environment)();
+  const auto zero = policy_factory("zero")(env->interface());
+  EXPECT_EQ(differences(walk(config, GetParam()).summary, run_episode(*env, *zero, 1).motion), "");
+}
+
+TEST(WalkConfig, IsNoEnvironmentWhereAnEnvironmentCannotDoIt) {
+  EXPECT_THROW((void)short_walk("auto", VelocityCommand{0.1, 0, 0}).environment(), ConfigError);
+  WalkConfig plain = short_walk("trot");
+  plain.compensation = false;
+  EXPECT_THROW((void)plain.environment(), ConfigError);
+}
+
+TEST(WalkConfig, MakesTheWorldThatItSays) {
+  WalkConfig config;
+  config.robot = "scara_quadruped_long";
+  config.terrain = "rough:size_x=2,size_y=2";
+  config.terrain_seed = 4;
+  config.friction = 0.3;
+  config.physics_dt = 5e-4;
+  const WorldSpec world = config.world(), other = EnvModel::make(config.environment())->world;
+  for (const WorldSpec& w : {world, other}) {
+    EXPECT_EQ(w.robot->name, "scara_quadruped_long");
+    EXPECT_EQ(w.contact.friction, 0.3);
+    EXPECT_EQ(w.physics_dt, 5e-4);
+    EXPECT_EQ(w.terrain.height(0.7, 0.4), make_terrain(config.terrain, 4).height(0.7, 0.4));
+  }
+  config.friction = -1;
+  EXPECT_THROW((void)config.world(), ConfigError);
+}
+
+}  // namespace
+}  // namespace crossgait
