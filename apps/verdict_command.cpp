@@ -1,4 +1,6 @@
 // crossgait verdict: does a behaviour depend on the engine it was tried in?
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -30,8 +32,16 @@ BehaviourSpec behaviour(const Options& options) {
 
 std::vector<std::string> two_engines(const std::vector<std::string>& asked) {
   std::vector<std::string> engines = asked;
-  if (engines.empty() && available_engines().size() >= 2)
-    engines = {available_engines().front(), available_engines().back()};
+  const std::vector<std::string> all = available_engines();
+  if (engines.empty() && !all.empty()) {
+    // The first one, and the first that solves other laws.
+    const Laws laws = find_engine(all.front()).info.laws;
+    const auto other = std::find_if(all.begin(), all.end(), [&laws](const std::string& name) {
+      return find_engine(name).info.laws != laws;
+    });
+    engines = {all.front()};
+    if (other != all.end()) engines.push_back(*other);
+  }
   if (engines.size() != 2 || engines[0] == engines[1])
     throw ConfigError("command line", "--engines", "two different engines",
                       fmt::format("{}", fmt::join(engines, ",")));
@@ -91,7 +101,7 @@ void add_verdict_command(CLI::App& program) {
   auto options = std::make_shared<Options>();
   command
       ->add_option("--engines", options->engines,
-                   "Two, comma-separated; the first and last that are built in")
+                   "Two, comma-separated; by default the first that there is, and the first of other laws")
       ->delimiter(',');
   options->walk.add_to(*command);
   options->judgement.verdict.workers = EpisodeOptions::default_workers();

@@ -223,7 +223,9 @@ ordered_json read_bench(const std::string& path) {
   if (!result.is_object() || result.value("schema", ordered_json()) != kSchema) {
     const bool has = result.is_object() && result.contains("schema");
     throw ConfigError(path, "schema", kSchema.dump(),
-                      result.is_discarded() ? "no JSON" : has ? result.at("schema").dump() : "none");
+                      result.is_discarded() ? "no JSON"
+                      : has                 ? result.at("schema").dump()
+                                            : "none");
   }
   try {  // whatever is made of a result later reads these keys
     if (result.at("backends").empty()) throw ConfigError(path, "backends", "at least one", "none");

@@ -20,7 +20,7 @@ struct ThreadSpeed {
   std::string backend;
   int threads = 1;
   double steps_per_second = 0;  ///< of all threads together, by the clock on the wall; median
-  Quartiles efficiency;            ///< per thread, over that of one thread in the same round
+  Quartiles efficiency;         ///< per thread, over that of one thread in the same round
 };
 
 /// Trot on the plane. @throws std::runtime_error if an engine diverges
@@ -36,7 +36,7 @@ struct OverheadSettings {
 /// it.
 struct Overhead {
   std::string backend, terrain;
-  Quartiles eta;           ///< physics steps per second of the walk over those of the engine alone
+  Quartiles eta;        ///< physics steps per second of the walk over those of the engine alone
   double walk_us = 0;   ///< per physics step, median
   double alone_us = 0;  ///< per physics step, median
 };

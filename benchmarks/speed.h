@@ -31,9 +31,9 @@ struct SpeedSettings {
 /// One scene in one engine.
 struct SceneSpeed {
   std::string scene, backend;
-  double contacts = 0;  ///< mean number per step
-  Quartiles us_per_step;   ///< CPU time of the thread, us
-  Quartiles ratio;         ///< to the first backend in the same round
+  double contacts = 0;    ///< mean number per step
+  Quartiles us_per_step;  ///< CPU time of the thread, us
+  Quartiles ratio;        ///< to the first backend in the same round
 };
 
 /// A world that stands where a scene begins, and can be put back there bit for bit.

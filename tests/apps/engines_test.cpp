@@ -68,7 +68,7 @@ TEST_F(Engines, AreChosenByEitherOption) {
   for (const char* option : {"--engine ", "--backend "}) {
     EXPECT_EQ(run_json("walk --seconds .1 " + (option + last))["backend"], last) << option;
     const ProgramResult env = run_program("env --yaml " + (option + last));
-    EXPECT_NE(env.out.find("backend: " + last), std::string::npos) << env.out;
+    EXPECT_NE(env.out.find("engine: " + last), std::string::npos) << env.out;
   }
   for (const char* option : {"--engines ", "--engine ", "--backend "}) {
     expect_bad_input(std::string("bench ") + option + "nonsense", {"nonsense", last});

@@ -114,8 +114,9 @@ TEST_P(Vectors, ADivergedEnvironmentIsCountedResetAndAlone) {
   EnvConfig config = short_episodes();
   config.randomisation[Randomised::kStartYaw] = {0, 0};
   VectorEnv calm = make_env(config, {.environments = 1});
-  const Engine explode =
-      with_change(find_engine(GetParam()), [](WorldSpec& world) { world.gravity = {0, 0, -1e9}; });
+  const Engine explode = with_change(find_engine(GetParam()), [](WorldSpec& world) {
+    world.gravity = {0, 0, -1e9};
+  });
   Arrays arrays(calm);
   VectorEnv wild(config, explode, {.environments = 3, .workers = 2});
   Arrays out(wild);

@@ -100,9 +100,8 @@ class MatchedPair : public ::testing::TestWithParam<Pair> {
   }
 };
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(MatchedPair);
-INSTANTIATE_TEST_SUITE_P(Engines, MatchedPair, ::testing::ValuesIn(pairs_of([](const auto& a, const auto& b) {
-                           return a == b;
-                         })),
+INSTANTIATE_TEST_SUITE_P(Engines, MatchedPair,
+                         ::testing::ValuesIn(pairs_of([](const auto& a, const auto& b) { return a == b; })),
                          pair_name);
 
 TEST_P(MatchedPair, HangingLegsSwingTheSame) {
@@ -344,9 +343,7 @@ class UnmatchedPair : public ::testing::TestWithParam<Pair> {
 };
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(UnmatchedPair);
 INSTANTIATE_TEST_SUITE_P(Engines, UnmatchedPair,
-                         ::testing::ValuesIn(pairs_of([](const auto& a, const auto& b) {
-                           return a != b;
-                         })),
+                         ::testing::ValuesIn(pairs_of([](const auto& a, const auto& b) { return a != b; })),
                          pair_name);
 
 TEST_P(UnmatchedPair, WalksAsFarOnThePlane) { compare("flat", 0.08, 1.0); }

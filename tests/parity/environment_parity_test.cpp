@@ -80,8 +80,7 @@ CROSSGAIT_FOR_EVERY_BACKEND(GoldenObservations);
 
 // Meant changes of physics, gait or layout: run with CROSSGAIT_WRITE_GOLDEN=1 and look at the difference.
 TEST_P(GoldenObservations, AreAsRecorded) {
-  const std::string path =
-      CROSSGAIT_SOURCE_DIR "/tests/parity/golden/" + test_name(GetParam()) + ".csv";
+  const std::string path = CROSSGAIT_SOURCE_DIR "/tests/parity/golden/" + test_name(GetParam()) + ".csv";
   const std::vector<std::vector<double>> lines = golden_run(GetParam());
   if (std::getenv("CROSSGAIT_WRITE_GOLDEN") != nullptr) {
     std::ofstream out(path);

@@ -43,7 +43,8 @@ TEST(RunSpec, HasOneTextThatStays) {
       "";  // of angles that another machine's sine may round otherwise
   EXPECT_EQ(
       json.dump(),
-      R"({"behaviour":{"command":null,"compensation":true,"control_dt":0.002,"friction":0.6,"gait":"trot",)"
+      R"({"behaviour":{"command":null,"compensation":true,"control_dt":0.002,)"
+      R"("ends":["diverged"],"friction":0.6,"gait":"trot",)"
       R"("kind":"walk","parameters":{"body_height":0.05,"cycle_time":0.8,"foot_clearance":0.0,)"
       R"("lateral_offset_fl":0.0,"lateral_offset_fr":0.0,"lateral_offset_rl":0.0,"lateral_offset_rr":0.0,)"
       R"("stance_width":0.08,"step_height":0.03,"step_length":0.06,"swing":"bezier","swing_shape":0.35},"physics_dt":0.001,)"
@@ -105,6 +106,7 @@ TEST(RunSpec, ChangesWithEveryFieldOfAWalk) {
   add("vy", [](WalkConfig& c) { c.gait.command = VelocityCommand{0, 0.1, 0}; });
   add("yaw rate", [](WalkConfig& c) { c.gait.command = VelocityCommand{0, 0, 0.1}; });
   add("compensation", [](WalkConfig& c) { c.compensation = false; });
+  add("ends", [](WalkConfig& c) { c.ends.add(Outcome::kFell); });
   add("seconds", [](WalkConfig& c) { c.timing.seconds = 0.4; });
   add("control_dt", [](WalkConfig& c) { c.timing.control_dt = 4e-3; });
   add("settle", [](WalkConfig& c) { c.timing.settle_seconds = 0.2; });

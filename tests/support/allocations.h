@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "crossgait/benchmarks/scenes.h"
+#include "crossgait/env/closed_loop.h"
+#include "crossgait/env/gait_source.h"
 #include "crossgait/env/vector_env.h"
 #include "crossgait/tests/support/allocation_counter.h"
 
@@ -40,6 +42,47 @@ inline std::size_t allocations_of_pushes_and_refused_targets(const Engine& engin
   EXPECT_EQ(backend->step(targets, 10), StepStatus::kOk);
   EXPECT_EQ(backend->step({}), StepStatus::kInvalidTargets);
   return scope.count();
+}
+
+/// In the closed loop with pushes, on rough ground.
+inline std::size_t allocations_of_a_loop(const Engine& engine, const WorldSpec& spec,
+                                         const TargetSource& source) {
+  const auto world = engine.make(spec);
+  ClosedLoop loop(*spec.robot, {});
+  Randomisation randomisation;
+  randomisation[Randomised::kPushImpulse] = {0.001, 0.005};
+  randomisation[Randomised::kPushInterval] = {0.1, 0.2};
+  Random random(1);
+  loop.start(*world, source, {{}, 0, Pushes(randomisation, draw(randomisation, random), random)});
+  loop.advance(*world, source, 750);  // every buffer has had its largest size
+  const AllocationScope scope;
+  EXPECT_TRUE(loop.advance(*world, source, 750));
+  EXPECT_GT(loop.statistics().summary(*world).physics_steps, 0);
+  return scope.count();
+}
+
+inline WorldSpec rough_world() {
+  WorldSpec spec = scenes::world_of(scenes::quadruped());
+  spec.terrain = make_terrain("rough", 2);
+  return spec;
+}
+
+inline std::size_t allocations_of_a_gait(const Engine& engine) {
+  const WorldSpec spec = rough_world();
+  return allocations_of_a_loop(engine, spec, make_gait_source(choose_gait("trot", {}), spec.robot));
+}
+
+inline std::size_t allocations_of_the_gait_by_speed(const Engine& engine) {
+  const WorldSpec spec = rough_world();
+  const GaitChoice choice = choose_gait("auto", {}, VelocityCommand{0.1, 0, 0.1});
+  return allocations_of_a_loop(engine, spec, make_gait_source(choice, spec.robot));
+}
+
+inline std::size_t allocations_of_standing_feet(const Engine& engine) {
+  const WorldSpec spec = rough_world();
+  LegArray<Vector3> feet;
+  feet.fill(Vector3(0, 0, -0.06));
+  return allocations_of_a_loop(engine, spec, make_feet_source([feet](double) { return feet; }, spec.robot));
 }
 
 /// Everything that an environment can observe and reward, on rough ground.

@@ -48,7 +48,7 @@ inline void measured(const std::string& what, double value) {
 }  // namespace crossgait
 
 /// Instantiates `suite`, derived from BackendTest, for every backend that is built in.
-#define CROSSGAIT_FOR_EVERY_BACKEND(suite)                                                              \
-  GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(suite);                                                 \
+#define CROSSGAIT_FOR_EVERY_BACKEND(suite)                                                             \
+  GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(suite);                                                \
   INSTANTIATE_TEST_SUITE_P(EveryBackend, suite, ::testing::ValuesIn(::crossgait::available_engines()), \
                            ::crossgait::backend_of_test)

@@ -34,6 +34,12 @@ TEST(NativeAllocation, NoneOfCrossgaitsOwnPerStepOfAnEnvironment) {
   EXPECT_EQ(allocations_of_a_batch(native_engine()), 0U);
 }
 
+TEST(NativeAllocation, NoneOfCrossgaitsOwnInTheClosedLoop) {
+  EXPECT_EQ(allocations_of_a_gait(native_engine()), 0U);
+  EXPECT_EQ(allocations_of_the_gait_by_speed(native_engine()), 0U);
+  EXPECT_EQ(allocations_of_standing_feet(native_engine()), 0U);
+}
+
 TEST(NativeAllocation, IsDeclaredForAllThatContainsBulletsOwnCode) {
   for (const char* name : {"bullet", "bullet-sweeps", "bullet:matched+narrowphase"}) {
     EXPECT_TRUE(find(name)->info.capabilities.allocates) << name;
