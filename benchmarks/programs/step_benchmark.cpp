@@ -1,7 +1,7 @@
 // Time of a physics step of the trot, as a ratio to a bare mj_step loop under the same recorded controls. The
 // engines are linked, not opened as plug-ins: the bare loop needs MuJoCo's own functions in this program.
 // Interleaved within one run, median of several repetitions, with the spread:
-//   build/release/benchmarks/step_benchmark [REPETITIONS] [FILE.json]
+//   build/release/benchmarks/programs/step_benchmark [REPETITIONS] [FILE.json]
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
