@@ -7,7 +7,10 @@ namespace crossgait {
 namespace {
 
 constexpr double kDegrees = 180 / M_PI;
-constexpr double kCornerTime = 0.5;     // s, of the straight pieces that make the path
+constexpr double kCornerTime = 0.5;  // s, of the straight pieces that make the path
+// s, between two looks at the loops: each costs three times all else here together, and a loop that opens
+// stays open.
+constexpr double kGapTime = 0.01;
 constexpr double kMoved = 0.1;          // leg lengths, below which a cost per distance means nothing
 constexpr double kDragLoad = 1.0 / 50;  // of the weight
 
@@ -92,7 +95,10 @@ void MotionStatistics::add_control_step(const PhysicsBackend& world, const Contr
   t_.limit_factor = std::min(t_.limit_factor, targets.limit_factor);
   t_.power = servo_power(world, servos_);
   t_.work += t_.power * dt;
-  t_.max_loop_gap = std::max(t_.max_loop_gap, loop_gaps_->largest(world.state().q));
+  if (lasts(++t_.gap_steps, dt, kGapTime)) {
+    t_.max_loop_gap = std::max(t_.max_loop_gap, loop_gaps_->largest(world.state().q));
+    t_.gap_steps = 0;
+  }
   add_attitude(world);
   add_way(world, targets, dt);
   find_outcomes(world, dt);

@@ -34,10 +34,10 @@ struct MotionSummary {
   Vector3 final_position_m = Vector3::Zero();
   double rms_roll_deg = 0, rms_pitch_deg = 0;
 
-  std::int64_t ik_clamped = 0;   ///< leg solutions that were not exact
-  double limit_factor = 1;       ///< smallest share of the velocity command that the steps could follow
-  double max_penetration_m = 0;  ///< of any contact
-  double max_loop_gap_m = 0;
+  std::int64_t ik_clamped = 0;     ///< leg solutions that were not exact
+  double limit_factor = 1;         ///< smallest share of the velocity command that the steps could follow
+  double max_penetration_m = 0;    ///< of any contact
+  double max_loop_gap_m = 0;       ///< looked at every 10 ms
   LegArray<double> duty_factor{};  ///< share of time each foot carried load
   double slip_m = 0;               ///< path length that loaded feet slid, all four together
   /// Share of planned swing time in which the foot carried more than a fiftieth of the weight, mean of legs;
@@ -59,8 +59,8 @@ struct MotionSummary {
 /// Sum of |servo torque x joint velocity| of the actuated joints, W. @param servos  their indices
 double servo_power(const PhysicsBackend& world, const std::vector<int>& servos) noexcept;
 
-/// Collects a MotionSummary: contacts at every physics step, all else at every control step. A value: copying
-/// one copies what it has seen. Adding to it allocates nothing.
+/// Collects a MotionSummary: contacts at every physics step, loops every 10 ms, all else at every control
+/// step. A value: copying one copies what it has seen. Adding to it allocates nothing.
 class MotionStatistics {
  public:
   /// Knows the robot; sees nothing yet.
@@ -111,7 +111,8 @@ class MotionStatistics {
     double weight = 0, standing_height = 0, begin_height = 0, start_yaw = 0;
     Vector3 start = Vector3::Zero(), corner = Vector3::Zero(), roll_pitch_yaw = Vector3::Zero();
     double time = 0, path = 0;
-    std::int64_t physics_steps = 0, control_steps = 0, corner_steps = 0, low_steps = 0, ik_clamped = 0;
+    std::int64_t physics_steps = 0, control_steps = 0, corner_steps = 0, low_steps = 0, gap_steps = 0,
+                 ik_clamped = 0;
     double roll2 = 0, pitch2 = 0, work = 0, power = 0, height = 0, slip = 0;
     double max_penetration = 0, max_loop_gap = 0, other_load = 0, limit_factor = 1;
     double stance_slip = 0, stance_way = 0, asked_path = 0, made_path = 0, asked_turn = 0, made_turn = 0;

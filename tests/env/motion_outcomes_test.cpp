@@ -115,6 +115,35 @@ TEST_P(Motion, CollapsesWhereServosAreTooWeakAfterHalfASecondDown) {
   EXPECT_DOUBLE_EQ(m.simulated_seconds, 2);
 }
 
+TEST_P(Motion, CollapsesOntoItsTrunkHoweverHighThatIs) {
+  // By the load alone: with the limit on height out of the way, on feet that are drawn up and hold nothing.
+  const scenes::RobotPtr weak = motions::weak_quadruped();
+  const double weight = weak->total_mass() * 9.81;
+  OutcomeLimits limits;
+  limits.low_height = 0.01;
+  const auto world = make(weak);
+  TargetSource source = motions::standing(weak, 0.04);
+  source.stand = [stand = source.stand](const Terrain& terrain, const Placement& placement) {
+    RobotState state = stand(terrain, placement);
+    state.p_WB.z() = 0.1;  // the trunk clear of the ground too
+    return state;
+  };
+  ClosedLoop loop(*weak, {.control_dt = 1e-3, .settle_seconds = 0, .limits = limits});
+  loop.start(*world, source, {{.roll = M_PI}, 0, {}});  // on its back, where no foot carries anything
+  double load = 0, expected = -1;
+  int low_steps = 0;
+  for (int i = 1; i <= 1500; ++i) {
+    loop.advance(*world, source, 1);
+    double other = 0;
+    for (const Contact& c : world->contacts()) other += c.leg < 0 ? c.force.z() : 0;
+    load += 1e-3 / (0.1 + 1e-3) * (other - load);
+    low_steps = load > 0.5 * weight ? low_steps + 1 : 0;
+    if (low_steps == 500 && expected < 0) expected = i * 1e-3;
+  }
+  ASSERT_GT(expected, 0.5);
+  EXPECT_DOUBLE_EQ(at(loop.statistics().summary(*world), Outcome::kCollapsed), expected);
+}
+
 TEST_P(Motion, LeavesASmallFieldWhenItsBaseDoes) {
   // Sliding so fast that it is over the edge before it tips over it.
   WorldSpec spec = motions::inclined(0.3, 0.03);

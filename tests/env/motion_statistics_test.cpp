@@ -90,7 +90,7 @@ Recomputed recompute(PhysicsBackend& world, const RobotState& start, const std::
     }
     std::vector<Pose> poses;
     forward_kinematics(robot, s, poses);
-    r.gap = std::max(r.gap, max_loop_gap(robot, poses));
+    if (control_steps % 5 == 0) r.gap = std::max(r.gap, max_loop_gap(robot, poses));  // every 10 ms
     const Matrix3 R = s.q_WB.toRotationMatrix();
     r.pitch2 += std::pow(std::asin(-R(2, 0)), 2);
     r.roll2 += std::pow(std::atan2(R(2, 1), R(2, 2)), 2);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "crossgait/benchmarks/scenes.h"
+#include "crossgait/env/closed_loop.h"
 #include "crossgait/env/motion_statistics.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/support/backend_test.h"
@@ -99,6 +100,47 @@ TEST(MotionStatistics, OfSeveralOutcomesTheFirstOfTheListIsTheOutcome) {
   }
   statistics.begin(*world, 0.07);
   EXPECT_FALSE(statistics.any(OutcomeSet::of_episodes()));
+}
+
+/// A world in which a motion is made up of states that a test puts the robot into.
+class MadeUpMotion : public ::testing::Test {
+ protected:
+  static constexpr double kStanding = 0.07, kDt = 2e-3;  // m, s
+
+  /// Control steps at that height of the base, m.
+  void hold(double height, int steps) {
+    RobotState state = world_->home_state();
+    state.p_WB.z() = height;
+    world_->reset(state);
+    for (int i = 0; i < steps; ++i) statistics_.add_control_step(*world_, {}, kDt);
+  }
+  bool collapsed() const { return statistics_.has(Outcome::kCollapsed); }
+
+  std::unique_ptr<PhysicsBackend> world_ =
+      make_backend(available_engines().front(), scenes::world_of(scenes::quadruped()));
+  MotionStatistics statistics_{world_->robot()};
+};
+
+TEST_F(MadeUpMotion, IsDownOnlyAfterHalfASecondWithoutABreak) {
+  statistics_.begin(*world_, kStanding);
+  hold(0.51 * kStanding, 1000);
+  hold(0.49 * kStanding, 249);
+  EXPECT_FALSE(collapsed());
+  hold(0.51 * kStanding, 1);
+  hold(0.49 * kStanding, 249);
+  EXPECT_FALSE(collapsed());
+  hold(0.49 * kStanding, 1);
+  EXPECT_TRUE(collapsed());
+  const MotionSummary m = statistics_.summary(*world_);
+  EXPECT_DOUBLE_EQ(*m.first_at_s[static_cast<std::size_t>(Outcome::kCollapsed)], 1500 * kDt);
+  EXPECT_DOUBLE_EQ(m.simulated_seconds, 1500 * kDt);
+}
+
+TEST_F(MadeUpMotion, CountsItsTimeInSteps) {
+  // A time that is a sum of ten thousand decimals would be off by 1e-11 s.
+  statistics_.begin(*world_, kStanding);
+  hold(kStanding, 10'000);
+  EXPECT_EQ(statistics_.summary(*world_).simulated_seconds, 10'000 * kDt);
 }
 
 TEST(MotionSummary, FailsByFallingDownOrComingApartAndNotByStayingBehind) {

@@ -6,6 +6,7 @@
 
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/verdict_report.h"
+#include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/physics/scratch_folder.h"
 
@@ -120,6 +121,27 @@ TEST_F(Judgements, LookAtTheWorldOfThePolicysConfiguration) {
   const Terrain expected = make_terrain("rough:size_x=2,size_y=2", 9);
   EXPECT_EQ(world.terrain.name(), expected.name());
   for (const double x : {-0.7, 0.4, 0.8}) EXPECT_EQ(world.terrain.height(x, 0.5), expected.height(x, 0.5));
+}
+
+TEST_F(Judgements, AuditThatWorldAndNoOther) {
+  // Where engines are known to hold the same differently: a steep slope, on which neither gets to friction's
+  // limit. The worlds of a walk's defaults have no finding.
+  PolicyConfig config;
+  config.environment.robot = "scara_quadruped_long";
+  config.environment.terrain = "slope:angle=40";
+  config.environment.friction = 0.3;
+  config.environment.episode_seconds = 0.02;
+  config.environment.settle_seconds = 0;
+  const Judgement judgement = judge_behaviour({config, {}, 0}, a(), b(), options());
+  WorldSpec world;
+  world.robot = std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped_long")));
+  world.terrain = make_terrain("slope:angle=40");
+  world.contact.friction = 0.3;
+  const auto world_a = make_backend(a(), world), world_b = make_backend(b(), world);
+  const std::vector<AuditFinding> expected = audit_models(*world_a, *world_b);
+  ASSERT_FALSE(expected.empty()) << "take another world to tell by";
+  EXPECT_EQ(to_json(judgement.models).dump(), to_json(expected).dump());
+  EXPECT_TRUE(judge_behaviour(short_trot(), a(), b(), options()).models.empty());
 }
 
 TEST_F(Judgements, StartWithNoRunWhereSomethingIsWrong) {
