@@ -103,7 +103,7 @@ class MotionStatistics {
 
   OutcomeLimits limits_;
   std::vector<int> servos_;
-  std::shared_ptr<const LoopGaps> loop_gaps_;  // shared, so that copies of a state cost no allocation
+  std::shared_ptr<const LoopGaps> loop_gaps_;  // the same for all copies
   double leg_length_, mass_;
 
   /// All that grows as the motion goes on.
