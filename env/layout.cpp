@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "crossgait/physics/hash.h"
+
 namespace crossgait {
 namespace {
 
@@ -12,24 +14,14 @@ namespace {
 constexpr std::array<std::string_view, kLayoutVersion> kVersions{"leg frames with z down",
                                                                  "leg frames with z up"};
 
-class Fnv1a {
- public:
-  void add(std::string_view text) {
-    for (const char c : text) add(static_cast<unsigned char>(c));
-    add(0);  // so that "ab" "c" and "a" "bc" differ
-  }
-  std::uint64_t value() const { return hash_; }
-
- private:
-  void add(unsigned char byte) { hash_ = (hash_ ^ byte) * 0x100000001b3ULL; }
-  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
-};
+// With an end, so that "ab" "c" and "a" "bc" differ.
+void add(Fnv1a& hash, std::string_view text) { hash.add(text).add(std::string_view("\0", 1)); }
 
 void add(Fnv1a& hash, const Layout& layout) {
-  hash.add(std::to_string(layout.size()));
+  add(hash, std::to_string(layout.size()));
   for (const LayoutEntry& entry : layout.entries) {
-    hash.add(entry.name);
-    hash.add(entry.unit);
+    add(hash, entry.name);
+    add(hash, entry.unit);
   }
 }
 
@@ -66,10 +58,10 @@ std::vector<std::string> Layout::names() const {
 
 std::string layout_hash(const Layout& observation, const Layout& action) {
   Fnv1a hash;
-  hash.add(std::to_string(kLayoutVersion));
+  add(hash, std::to_string(kLayoutVersion));
   add(hash, observation);
   add(hash, action);
-  return fmt::format("{:016x}", hash.value());
+  return hash.hex();
 }
 
 std::string layout_difference(const std::vector<std::string>& expected,

@@ -21,6 +21,10 @@ EngineFamily find_family(const Engine& a, const Engine& b) {
                     fmt::format("{} and {}", a.name(), b.name()));
 }
 
+Progress progress_of(const StageProgress& progress, const std::string& stage) {
+  return progress ? Progress([progress, stage](double share) { progress(stage, share); }) : Progress();
+}
+
 WorldSpec world_of(const BehaviourSpec& spec) {
   if (const auto* walk = std::get_if<WalkConfig>(&spec.what)) return walk->world();
   return EnvModel::make(std::get<PolicyConfig>(spec.what).environment)->world;
@@ -35,19 +39,17 @@ Judgement judge_behaviour(const BehaviourSpec& spec, const std::string& a, const
   Behaviour behaviour = make_behaviour(spec);
   if (!options.stored_runs.empty())
     behaviour = with_store(std::move(behaviour), spec, std::make_shared<RunStore>(options.stored_runs));
-  const auto stage = [&progress](const char* name) {
-    return progress ? Progress([&progress, name](double share) { progress(name, share); }) : Progress();
-  };
 
   Judgement result;
   const WorldSpec world = world_of(spec);
   const auto world_a = engine_a.make(world), world_b = engine_b.make(world);
   result.models = audit_models(*world_a, *world_b);
-  result.verdict = reach_verdict(behaviour, engine_a, engine_b, options.verdict, stage("judging"));
+  result.verdict =
+      reach_verdict(behaviour, engine_a, engine_b, options.verdict, progress_of(progress, "judging"));
   if (family) {
     const VerdictOptions& how = options.verdict;
-    result.attribution =
-        attribute(behaviour, *family, {how.starts, how.confidence, how.workers}, stage("explaining"));
+    result.attribution = attribute(behaviour, *family, {how.starts, how.confidence, how.workers},
+                                   progress_of(progress, "explaining"));
   }
   return result;
 }

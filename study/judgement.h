@@ -29,6 +29,9 @@ struct Judgement {
 /// What is being done, for a line of progress, and the share of it that is done.
 using StageProgress = std::function<void(const std::string& stage, double share)>;
 
+/// The part of `progress` that a stage of that name has; nothing if nobody listens.
+Progress progress_of(const StageProgress& progress, const std::string& stage);
+
 /// Audits the two worlds, runs the behaviour in both engines, judges, and explains if asked.
 /// @throws ConfigError before any long run for what is wrong with names, options or the world
 Judgement judge_behaviour(const BehaviourSpec& spec, const std::string& a, const std::string& b,

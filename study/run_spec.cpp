@@ -11,6 +11,7 @@
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/hash.h"
 #include "crossgait/physics/text.h"
+#include "crossgait/study/rollout.h"
 
 namespace crossgait {
 namespace {
@@ -179,9 +180,7 @@ Behaviour make_behaviour(const BehaviourSpec& spec) {
     return walk_behaviour(walk->world(), walk->setup(), terrain, spec.starts, spec.seed);
   }
   const auto& [environment, policy] = std::get<PolicyConfig>(spec.what);
-  const PolicyFactory factory = [policy = policy](const PolicyInterface& interface) {
-    return make_policy(policy, interface);
-  };
+  const PolicyFactory factory = policy_factory(policy);
   static_cast<void>(factory(EnvModel::make(environment)->interface));  // a bad one before long runs
   return policy_behaviour(environment, factory, std::filesystem::path(policy).filename(), spec.starts,
                           spec.seed);

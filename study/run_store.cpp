@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/hash.h"
 #include "crossgait/physics/text.h"
 
 namespace crossgait {
@@ -55,7 +56,10 @@ std::optional<RunResult> RunStore::find(const RunSpec& run) const {
 }
 
 void RunStore::add(const RunSpec& run, const RunResult& result) {
-  ordered_json line{{"hash", run_hash(run)}, {"run", to_json(run)}};
+  // Once: it reads robot, terrain and policy.
+  const nlohmann::json spec = to_json(run);
+  const std::string hash = fnv1a_hex(spec.dump());
+  ordered_json line{{"hash", hash}, {"run", spec}};
   for (std::size_t i = 0; i < result.names.size(); ++i) line["result"][result.names[i]] = result.values[i];
   const std::string bytes = line.dump() + "\n";
   const std::scoped_lock lock(mutex_);
@@ -65,7 +69,7 @@ void RunStore::add(const RunSpec& run, const RunResult& result) {
   file << bytes << std::flush;
   if (error || !file) throw ConfigError(path_, "file", "a file that can be written", "one that cannot");
   whole_bytes_ += bytes.size();
-  runs_[run_hash(run)] = result;
+  runs_[hash] = result;
 }
 
 Behaviour with_store(Behaviour behaviour, const BehaviourSpec& spec, std::shared_ptr<RunStore> store) {

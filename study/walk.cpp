@@ -36,18 +36,16 @@ WalkComparison compare_walks(const WalkConfig& config, const std::vector<std::st
   const WorldSpec spec = config.world();
   std::vector<std::unique_ptr<PhysicsBackend>> worlds;
   for (const std::string& engine : engines) worlds.push_back(find_engine(engine).make(spec));
-  const auto stage = [&progress](const std::string& name) {
-    return progress ? Progress([&progress, name](double share) { progress(name, share); }) : Progress();
-  };
   WalkComparison result;
-  result.comparison = compare_engines(worlds, config.setup(), options.tolerances, stage("comparing"));
+  result.comparison =
+      compare_engines(worlds, config.setup(), options.tolerances, progress_of(progress, "comparing"));
   if (!options.verdict) return result;
   const Behaviour behaviour = make_behaviour({config, {}, config.terrain_seed});
   for (const PairDifference& pair : result.comparison.pairs) {
     const Engine a = find_engine(pair.a), b = find_engine(pair.b);
     if (a.info.laws == b.info.laws) continue;
-    result.verdicts.push_back(reach_verdict(behaviour, a, b, options.judge,
-                                            stage(fmt::format("judging {} and {}", pair.a, pair.b))));
+    const std::string stage = fmt::format("judging {} and {}", pair.a, pair.b);
+    result.verdicts.push_back(reach_verdict(behaviour, a, b, options.judge, progress_of(progress, stage)));
   }
   return result;
 }
