@@ -4,8 +4,8 @@
 
 #include "crossgait/apps/command.h"
 #include "crossgait/backends/registry.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
-#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {

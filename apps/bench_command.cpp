@@ -16,21 +16,21 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct Options {
+struct BenchCommand {
   benchmarks::BenchOptions bench;
   std::string from, figures, compare;
   double worse_than = 1.25;
   JsonOption json;
 };
 
-ordered_json measure(const Options& options) {
+ordered_json measure(const BenchCommand& options) {
   benchmarks::BenchOptions bench = options.bench;
   if (bench.backends.empty()) bench.backends = available_engines();
   ProgressLine progress("measuring");
   return benchmarks::run_bench(bench, [&](double share) { progress.update(share); });
 }
 
-void run(const Options& options) {
+void run(const BenchCommand& options) {
   // Looked at before minutes of measuring.
   ordered_json stored;
   benchmarks::check_worse_than(options.worse_than);
@@ -70,7 +70,7 @@ void add_bench_command(CLI::App& program) {
       "  crossgait bench --json result.json --figures figures --compare "
       "benchmarks/results/amd-epyc-2-cores.json\n"
       "  crossgait bench --from result.json --figures figures");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchCommand>();
   CLI::Option* quick =
       command->add_flag("--quick", options->bench.quick, "Fewer repetitions: under a minute");
   CLI::Option* only =

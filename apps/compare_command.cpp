@@ -16,7 +16,7 @@
 namespace crossgait::apps {
 namespace {
 
-struct Options {
+struct CompareCommand {
   std::vector<std::string> engines;
   WalkOptions walk;
   CompareOptions compare;
@@ -35,7 +35,7 @@ constexpr const char* kHint =
     "\nPhysics or engine? --verdict weighs the gaps against the spread within an engine (60 more walks a "
     "pair).\n";
 
-void run(const Options& options) {
+void run(const CompareCommand& options) {
   const WalkConfig config = options.walk.make();
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
   Stages stages;
@@ -61,7 +61,7 @@ void add_compare_command(CLI::App& program) {
       "  crossgait compare\n"
       "  crossgait compare --terrain rough --seed 7 --seconds 10\n"
       "  crossgait compare --engines mujoco,bullet --friction .4 --json parity.json");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CompareCommand>();
   command->add_option("--engines", options->engines, "Comma-separated; all that are built in by default")
       ->delimiter(',');
   options->walk.add_to(*command);

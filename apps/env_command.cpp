@@ -5,15 +5,15 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/env_options.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
-#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
 
 using nlohmann::ordered_json;
 
-struct Options {
+struct EnvCommand {
   EnvOptions env;
   bool list = false, yaml = false, describe = false;
   JsonOption json;
@@ -43,7 +43,7 @@ ordered_json layout_json(const Layout& layout) {
   return list;
 }
 
-void list_tables(const Options& options) {
+void list_tables(const EnvCommand& options) {
   Table blocks({"observation block", "standard", "what"}),
       terms({"reward term", "unit", "guide's weight", "what"}),
       ranges({"randomisation", "unit", "neutral", "what"});
@@ -71,7 +71,7 @@ void list_tables(const Options& options) {
   options.json.emit(blocks.str() + "\n" + terms.str() + "\n" + ranges.str(), with_schema("env", json));
 }
 
-void describe(const Options& options, const EnvConfig& config) {
+void describe(const EnvCommand& options, const EnvConfig& config) {
   const PolicyInterface interface = EnvModel::make(config)->interface;
   const Layout &action = interface.action, &observation = interface.observation;
   const std::string hash = layout_hash(observation, action);
@@ -86,7 +86,7 @@ void describe(const Options& options, const EnvConfig& config) {
       with_schema("env", json));
 }
 
-void run(const Options& options) {
+void run(const EnvCommand& options) {
   if (options.list) return list_tables(options);
   const EnvConfig config = options.env.make();
   if (options.yaml) {
@@ -107,7 +107,7 @@ void add_env_command(CLI::App& program) {
       "  crossgait env --describe --adapt step_height,step_length --observe terrain,command --json -\n"
       "  crossgait env --list\n"
       "  crossgait env --yaml --terrain rough --gait walk > env.yaml");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EnvCommand>();
   auto* describe_flag =
       command->add_flag("--describe", options->describe, "Print action and observation layout (the default)");
   auto* list_flag =

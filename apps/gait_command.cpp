@@ -7,18 +7,18 @@
 
 #include "crossgait/apps/command.h"
 #include "crossgait/env/gait_source.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/atomic_file.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
-#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
 
 using nlohmann::ordered_json;
 
-struct Options {
+struct GaitCommand {
   std::string gait = "trot";
   std::string robot = "scara_quadruped";
   std::vector<std::string> settings;
@@ -54,7 +54,7 @@ void list_gaits(const JsonOption& json) {
   json.emit(table.str(), with_schema("gait", {{"gaits", std::move(entries)}}));
 }
 
-void list_parameters(const Options& options) {
+void list_parameters(const GaitCommand& options) {
   const GaitParameters chosen = choose_gait(options.gait, options.settings).parameters;
   Table table({"parameter", "unit", options.gait, "min", "max", "delta scale", "meaning"});
   ordered_json entries = ordered_json::array();
@@ -78,13 +78,13 @@ void list_parameters(const Options& options) {
                                                              {"swing", name(chosen.swing)}}));
 }
 
-GaitGenerator make_generator(const Options& options) {
+GaitGenerator make_generator(const GaitCommand& options) {
   const GaitChoice choice = choose_gait(options.gait, options.settings);
   return {*choice.gait, choice.parameters, leg_origins(load_robot(find_robot(options.robot)))};
 }
 
 // One row per sample from t = 0: positions in the leg frames.
-std::string targets_csv(const Options& options, GaitGenerator& generator, int rows) {
+std::string targets_csv(const GaitCommand& options, GaitGenerator& generator, int rows) {
   std::string text = "t";
   const auto out = std::back_inserter(text);
   for (const Leg leg : kLegs) fmt::format_to(out, ",{0}.x,{0}.y,{0}.z", name(leg));
@@ -101,7 +101,7 @@ std::string targets_csv(const Options& options, GaitGenerator& generator, int ro
   return text;
 }
 
-void print_targets(const Options& options, GaitGenerator& generator, int rows) {
+void print_targets(const GaitCommand& options, GaitGenerator& generator, int rows) {
   Table table({options.gait + ", t in s", "phase", "FL x, z mm", "FR x, z mm", "RL x, z mm", "RR x, z mm"});
   ordered_json samples = ordered_json::array();
   for (int i = 0; i <= rows; ++i) {
@@ -125,7 +125,7 @@ void print_targets(const Options& options, GaitGenerator& generator, int rows) {
                     with_schema("gait", {{"gait", options.gait}, {"samples", std::move(samples)}}));
 }
 
-void run(const Options& options) {
+void run(const GaitCommand& options) {
   if (options.list) return list_gaits(options.json);
   if (options.parameters) return list_parameters(options);
   GaitGenerator generator = make_generator(options);
@@ -160,7 +160,7 @@ void add_gait_command(CLI::App& program) {
       "  crossgait gait --parameters --gait walk\n"
       "  crossgait gait --gait gallop --dt .05\n"
       "  crossgait gait --seconds 2 --dt .002 --set step_length=.08 --csv targets.csv");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<GaitCommand>();
   command->add_flag("--list", options->list, "List the gaits");
   command->add_flag("--parameters", options->parameters, "List the tunable parameters and the gait's values");
   command->add_option("--gait", options->gait, "The gait to show")->capture_default_str();

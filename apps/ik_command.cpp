@@ -4,15 +4,15 @@
 
 #include "crossgait/apps/command.h"
 #include "crossgait/ik/leg_kinematics.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
-#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
 
-struct Options {
+struct IkCommand {
   std::string robot = "scara_quadruped";
   std::string leg = "FL";
   std::string target;
@@ -20,7 +20,7 @@ struct Options {
   JsonOption json;
 };
 
-void run(const Options& options) {
+void run(const IkCommand& options) {
   const auto leg = leg_from_name(options.leg);
   if (!leg) throw ConfigError("command line", "--leg", "FL, FR, RL or RR", "\"" + options.leg + "\"");
   const auto mode = working_mode(options.mode);
@@ -76,7 +76,7 @@ void add_ik_command(CLI::App& program) {
       "reach\n"
       "is moved to the edge of the workspace, and the status says so.\n"
       "\nExample:  crossgait ik --target 0.01,0.02,-0.07 --leg FR");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<IkCommand>();
   command->add_option("--target", options->target, "Foot centre in the leg frame, m")
       ->type_name("X,Y,Z")
       ->required();

@@ -8,14 +8,14 @@
 
 #include "crossgait/apps/command.h"
 #include "crossgait/apps/trace_figure.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
-#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
 
-struct Options {
+struct PlotCommandOptions {
   std::string trace, out;
   std::vector<std::string> what{"all"};
   std::string robot = "scara_quadruped";
@@ -50,7 +50,7 @@ void check_what(const std::vector<std::string>& what) {
   }
 }
 
-Figure make_figure(const Options& options, const TraceTable& trace) {
+Figure make_figure(const PlotCommandOptions& options, const TraceTable& trace) {
   const auto asked = [&options](const char* name) {
     return std::find(options.what.begin(), options.what.end(), name) != options.what.end();
   };
@@ -68,7 +68,7 @@ Figure make_figure(const Options& options, const TraceTable& trace) {
   return figure;
 }
 
-void run(const Options& options) {
+void run(const PlotCommandOptions& options) {
   check_plot_path(options.out, "--out");
   check_what(options.what);
   const TraceTable trace(options.trace);
@@ -97,7 +97,7 @@ void add_plot_command(CLI::App& program) {
       "\nExamples:\n"
       "  crossgait walk --seconds 3 --trace walk.csv && crossgait plot walk.csv --out walk.png\n"
       "  crossgait plot walk.csv --what gait,parameters --out walk.svg");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlotCommandOptions>();
   command->add_option("trace", options->trace, "A file that `crossgait walk --trace` wrote")
       ->type_name("TRACE.csv")
       ->required();

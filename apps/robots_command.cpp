@@ -3,17 +3,17 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/command.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/robot.h"
-#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
 
 using nlohmann::ordered_json;
 
-struct Options {
+struct RobotsCommand {
   std::string robot;
   JsonOption json;
 };
@@ -29,7 +29,7 @@ ordered_json summary(const RobotDescription& robot) {
           {"home_height_m", robot.home_height}};
 }
 
-void list(const JsonOption& json) {
+void list_robots(const JsonOption& json) {
   Table table({"robot", "mass, kg", "bodies", "joints", "servos", "loops", "home height, m"});
   ordered_json robots = ordered_json::array();
   for (const std::string& robot_name : robot_names()) {
@@ -42,7 +42,7 @@ void list(const JsonOption& json) {
   json.emit(table.str(), with_schema("robots", {{"robots", std::move(robots)}}));
 }
 
-void show(const Options& options) {
+void show(const RobotsCommand& options) {
   const RobotDescription robot = load_robot(find_robot(options.robot));
   ordered_json result = summary(robot);
   result["body_list"] = ordered_json::array();
@@ -78,10 +78,10 @@ void add_robots_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("robots", "List the bundled robots, or show one");
   command->footer(
       "\nExamples:\n  crossgait robots\n  crossgait robots scara_quadruped\n  crossgait robots my.urdf");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RobotsCommand>();
   command->add_option("robot", options->robot, "A bundled robot's name or a .yaml or .urdf file to show");
   options->json.add_to(*command);
-  command->callback([options] { options->robot.empty() ? list(options->json) : show(*options); });
+  command->callback([options] { options->robot.empty() ? list_robots(options->json) : show(*options); });
 }
 
 }  // namespace crossgait::apps

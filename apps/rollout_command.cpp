@@ -10,7 +10,7 @@
 namespace crossgait::apps {
 namespace {
 
-struct Options {
+struct RolloutCommand {
   EnvOptions env;
   std::vector<std::string> policies = {"zero"};
   bool baseline = false;
@@ -19,7 +19,7 @@ struct Options {
   JsonOption json;
 };
 
-void run(const Options& options) {
+void run(const RolloutCommand& options) {
   const EnvConfig config = options.env.make();
   std::vector<std::string> policies = options.policies;
   if (options.baseline && std::find(policies.begin(), policies.end(), "zero") == policies.end())
@@ -44,7 +44,7 @@ void add_rollout_command(CLI::App& program) {
       "  crossgait rollout\n"
       "  crossgait rollout --policy random --baseline --terrain rough --engine bullet\n"
       "  crossgait rollout --policy policy.safetensors --config env.yaml --episodes 10 --json -");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RolloutCommand>();
   command
       ->add_option("--policy", options->policies,
                    "zero (the plain gait), random, or a file (docs/policies.md); comma-separated for several")

@@ -5,17 +5,17 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/command.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/terrain.h"
-#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
 
 using nlohmann::ordered_json;
 
-struct Options {
+struct TerrainCommand {
   std::string terrain = "rough";
   std::uint64_t seed = 0;
   bool list = false;
@@ -24,7 +24,7 @@ struct Options {
   JsonOption json;
 };
 
-void list(const JsonOption& json) {
+void list_generators(const JsonOption& json) {
   Table table({"terrain", "parameter", "default", "range", "meaning"});
   ordered_json generators = ordered_json::array();
   for (const TerrainGenerator& generator : terrain_generators()) {
@@ -93,7 +93,8 @@ void describe_field(const HeightField& field, Table& table, ordered_json& result
                      {"steepest_deg", s.steepest_deg}};
 }
 
-void sample_points(const Options& options, const Terrain& terrain, std::string& text, ordered_json& result) {
+void sample_points(const TerrainCommand& options, const Terrain& terrain, std::string& text,
+                   ordered_json& result) {
   if (options.samples.empty()) return;
   Table table({"x, m", "y, m", "height, m", "normal", ""});
   result["samples"] = ordered_json::array();
@@ -114,7 +115,8 @@ void sample_points(const Options& options, const Terrain& terrain, std::string& 
   text += "\n" + table.str();
 }
 
-void sample_ring_of(const Options& options, const Terrain& terrain, std::string& text, ordered_json& result) {
+void sample_ring_of(const TerrainCommand& options, const Terrain& terrain, std::string& text,
+                    ordered_json& result) {
   if (options.ring.empty()) return;
   constexpr std::array<const char*, kRingSize> kNames{"front", "front-right", "right", "back-right",
                                                       "back",  "back-left",   "left",  "front-left"};
@@ -128,8 +130,8 @@ void sample_ring_of(const Options& options, const Terrain& terrain, std::string&
   text += "\n" + table.str();
 }
 
-void run(const Options& options) {
-  if (options.list) return list(options.json);
+void run(const TerrainCommand& options) {
+  if (options.list) return list_generators(options.json);
   const Terrain terrain = make_terrain(options.terrain, options.seed);
   const HeightField* field = terrain.field();
   if (field == nullptr && !(options.png.empty() && options.csv.empty())) {
@@ -157,7 +159,7 @@ void add_terrain_command(CLI::App& program) {
       "  crossgait terrain rough:amplitude=.02 --seed 3 --png rough.png\n"
       "  crossgait terrain stairs --sample 0.5,0 --sample 1,0\n"
       "  crossgait terrain waves --ring 0,0,1.57");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TerrainCommand>();
   command->add_option("terrain", options->terrain, "NAME[:key=value,...], FILE.png or FILE.csv")
       ->capture_default_str();
   command->add_flag("--list", options->list, "List the generators and their parameters");

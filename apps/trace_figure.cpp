@@ -12,7 +12,7 @@
 namespace crossgait::apps {
 namespace {
 
-constexpr double kDegrees = 180 / M_PI, kMillimetres = 1e3;
+constexpr double kToDegrees = 180 / M_PI, kToMillimetres = 1e3;
 constexpr const char* kTime = "time, s";
 constexpr std::string_view kParameter = "param.";
 constexpr std::size_t kParametersPerRow = 3;
@@ -71,8 +71,8 @@ BaseMotion base_motion(const TraceTable& trace) {
     const Quaternion q(trace.column("q_WB.w")[row], trace.column("q_WB.x")[row], trace.column("q_WB.y")[row],
                        trace.column("q_WB.z")[row]);
     const Vector3 rpy = roll_pitch_yaw(q);
-    motion.roll.push_back(kDegrees * rpy.x());
-    motion.pitch.push_back(kDegrees * rpy.y());
+    motion.roll.push_back(kToDegrees * rpy.x());
+    motion.pitch.push_back(kToDegrees * rpy.y());
     const Vector3 v = vector_at(trace, "v_WB", row);
     const double c = std::cos(rpy.z()), s = std::sin(rpy.z());
     motion.forward.push_back(c * v.x() + s * v.y());
@@ -119,7 +119,7 @@ std::vector<Figure::Row> gait_rows(const TraceTable& trace) {
 std::vector<Figure::Row> attitude_rows(const TraceTable& trace) {
   const BaseMotion motion = base_motion(trace);
   Panel height = time_panel("Height of the base", "p_WB.z, mm");
-  height.series.push_back(over_time(trace, "", scaled(trace.column("p_WB.z"), kMillimetres), 0));
+  height.series.push_back(over_time(trace, "", scaled(trace.column("p_WB.z"), kToMillimetres), 0));
   Panel tilt = time_panel("Attitude of the base", "angle, deg");
   tilt.series.push_back(over_time(trace, "roll", motion.roll, 0));
   tilt.series.push_back(over_time(trace, "pitch", motion.pitch, 1));
@@ -127,7 +127,7 @@ std::vector<Figure::Row> attitude_rows(const TraceTable& trace) {
   speed.series.push_back(over_time(trace, "forward", motion.forward, 0));
   speed.series.push_back(over_time(trace, "left", motion.left, 1));
   Panel turn = time_panel("Yaw rate of the base", "w_WB.z, deg/s");
-  turn.series.push_back(over_time(trace, "", scaled(trace.column("w_WB.z"), kDegrees), 0));
+  turn.series.push_back(over_time(trace, "", scaled(trace.column("w_WB.z"), kToDegrees), 0));
   return {{{std::move(height), std::move(tilt)}}, {{std::move(speed), std::move(turn)}}};
 }
 
@@ -143,8 +143,8 @@ std::vector<Figure::Row> joint_rows(const TraceTable& trace, const RobotDescript
     for (int i = 0; i < 3; ++i) {
       const auto& [label, joint] = servos[static_cast<std::size_t>(i)];
       const std::string& joint_name = robot.joint(joint).name;
-      panel.series.push_back(over_time(trace, label, scaled(trace.column("q." + joint_name), kDegrees), i));
-      panel.series.push_back(over_time(trace, "", scaled(trace.column("target." + joint_name), kDegrees), i,
+      panel.series.push_back(over_time(trace, label, scaled(trace.column("q." + joint_name), kToDegrees), i));
+      panel.series.push_back(over_time(trace, "", scaled(trace.column("target." + joint_name), kToDegrees), i,
                                        Series::Style::kDashed));
     }
     rows[is_front(leg) ? 0 : 1].panels.push_back(std::move(panel));
@@ -169,7 +169,7 @@ std::vector<Figure::Row> feet_rows(const TraceTable& trace, const RobotDescripti
     for (int i = 0; i < robot.joint_count(); ++i) state.q[i] = (*columns[static_cast<std::size_t>(i)])[row];
     forward_kinematics(robot, state, poses);
     for (const Leg leg : kLegs) {
-      const Vector3 p = kMillimetres * (foot_position(robot, leg, poses) - origins[leg]);
+      const Vector3 p = kToMillimetres * (foot_position(robot, leg, poses) - origins[leg]);
       paths[leg].points.push_back({p.x(), p.z()});
       if ((*contact[leg])[row] != 0) stances[leg].points.push_back({p.x(), p.z()});
     }

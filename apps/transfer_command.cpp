@@ -8,7 +8,7 @@
 namespace crossgait::apps {
 namespace {
 
-struct Options {
+struct TransferCommand {
   EnvOptions env;
   std::string policy = "zero";
   std::vector<std::string> engines, terrains = {"flat", "rough", "waves"};
@@ -16,7 +16,7 @@ struct Options {
   JsonOption json;
 };
 
-void run(const Options& options) {
+void run(const TransferCommand& options) {
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
   ProgressLine progress("transferring");
   const Transfer transfer = transfer_policy(options.env.make(), options.policy, engines, options.terrains,
@@ -34,7 +34,7 @@ void add_transfer_command(CLI::App& program) {
       "  crossgait transfer --policy policy.safetensors --config env.yaml\n"
       "  crossgait transfer --terrains flat rough stairs:rise=.005,run=.1 --engines mujoco,bullet --episodes "
       "5 --json -");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TransferCommand>();
   command->add_option("--policy", options->policy, "zero, random, or a file (docs/policies.md)")
       ->type_name("zero|random|FILE.safetensors|FILE.yaml")
       ->capture_default_str();

@@ -10,7 +10,7 @@
 namespace crossgait::apps {
 namespace {
 
-struct Options {
+struct TuneCommand {
   EnvOptions env;
   std::vector<std::string> engines;  // for the final table
   TuneOptions tune;
@@ -18,7 +18,7 @@ struct Options {
   JsonOption json;
 };
 
-void run(const Options& options) {
+void run(const TuneCommand& options) {
   EnvConfig start = options.env.make();
   if (!options.env.terrain && options.env.config.empty()) start.terrain = "rough";
   if (options.env.adapt.empty() && options.env.config.empty()) {
@@ -43,7 +43,7 @@ void add_tune_command(CLI::App& program) {
       "  crossgait tune\n"
       "  crossgait tune --engine bullet --adapt step_length,cycle_time --out fast.yaml\n"
       "  crossgait rollout --config fast.yaml");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TuneCommand>();
   command->add_option("--iterations", options->tune.iterations, "Generations")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();

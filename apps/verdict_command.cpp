@@ -14,7 +14,7 @@
 namespace crossgait::apps {
 namespace {
 
-struct Options {
+struct VerdictCommand {
   std::vector<std::string> engines;
   WalkOptions walk;
   StartRanges starts;
@@ -23,7 +23,7 @@ struct Options {
   JsonOption json;
 };
 
-BehaviourSpec behaviour(const Options& options) {
+BehaviourSpec behaviour(const VerdictCommand& options) {
   const WalkConfig walk = options.walk.make();
   if (options.policy.empty()) return {walk, options.starts, walk.terrain_seed};
   const EnvConfig environment = options.config.empty() ? walk.environment() : load_env_config(options.config);
@@ -48,7 +48,7 @@ std::vector<std::string> two_engines(const std::vector<std::string>& asked) {
   return engines;
 }
 
-void run(const Options& options) {
+void run(const VerdictCommand& options) {
   const std::vector<std::string> engines = two_engines(options.engines);
   Stages stages;
   const Judgement judgement =
@@ -56,7 +56,7 @@ void run(const Options& options) {
   options.json.emit(describe(judgement), to_json(judgement));
 }
 
-void add_judgement_options(CLI::App& command, Options& options) {
+void add_judgement_options(CLI::App& command, VerdictCommand& options) {
   VerdictOptions& verdict = options.judgement.verdict;
   StartRanges& starts = options.starts;
   command.add_option("--starts", verdict.starts, "Starts that both engines run from, at least 4")
@@ -98,7 +98,7 @@ void add_verdict_command(CLI::App& program) {
       "  crossgait verdict --gait gallop --terrain rough --starts 24 --json verdict.json\n"
       "  crossgait verdict --policy policy.safetensors --config env.yaml\n"
       "docs/verdict.md has the rule.");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<VerdictCommand>();
   command
       ->add_option("--engines", options->engines,
                    "Two, comma-separated; by default the first that there is, and the first of other laws")

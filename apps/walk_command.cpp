@@ -13,14 +13,14 @@ namespace {
 
 std::string first_available() { return available_engines().empty() ? "none" : available_engines().front(); }
 
-struct Options {
+struct WalkCommand {
   std::string engine = first_available();
   WalkOptions walk;
   std::string trace;
   JsonOption json;
 };
 
-void run(const Options& options) {
+void run(const WalkCommand& options) {
   const WalkConfig config = options.walk.make();
   ProgressLine progress(fmt::format("{} in {}", config.gait.name(), options.engine));
   const WalkRun run = walk(config, options.engine, [&](double share) { progress.update(share); });
@@ -37,7 +37,7 @@ void add_walk_command(CLI::App& program) {
       "  crossgait walk\n"
       "  crossgait walk --engine bullet --terrain rough --seed 3 --seconds 10\n"
       "  crossgait walk --set step_length=.08 --set cycle_time=1 --trace walk.csv --json -");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<WalkCommand>();
   command->add_option("--engine,--backend", options->engine, "Engine and mode (see `crossgait backends`)")
       ->capture_default_str();
   options->walk.add_to(*command);

@@ -10,10 +10,10 @@
 #include "crossgait/env/gait_source.h"
 #include "crossgait/gait/cycle_check.h"
 #include "crossgait/ik/workspace.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
-#include "crossgait/study/schema.h"
 
 namespace crossgait::apps {
 namespace {
@@ -25,7 +25,7 @@ constexpr std::array<int, 3> kGrid{61, 61, 61};  // of the reachable fraction
 constexpr int kShades = 201;                     // grid points along the longer side of a picture
 constexpr int kPathPoints = 400;
 
-struct Options {
+struct WorkspaceCommand {
   std::string robot = "scara_quadruped", leg = "FL", gait = "trot";
   int mode = static_cast<int>(kDefaultMode);
   std::vector<std::string> settings;
@@ -71,7 +71,7 @@ LegMargins smallest_margins(const FiveBarGeometry& geometry, const std::vector<V
   return smallest;
 }
 
-Report look(const Options& options) {
+Report look(const WorkspaceCommand& options) {
   const auto leg = leg_from_name(options.leg);
   if (!leg) throw ConfigError("command line", "--leg", "FL, FR, RL or RR", "\"" + options.leg + "\"");
   const auto mode = working_mode(options.mode);
@@ -238,7 +238,7 @@ Panel slice(const Report& r, int axis) {
   return panel;
 }
 
-void run(const Options& options) {
+void run(const WorkspaceCommand& options) {
   if (!options.out.empty()) check_plot_path(options.out, "--out");
   const Report report = look(options);
   if (!options.out.empty()) {
@@ -263,7 +263,7 @@ void add_workspace_command(CLI::App& program) {
       "\nExamples:\n"
       "  crossgait workspace --out workspace.png\n"
       "  crossgait workspace --leg RR --gait walk --set step_length=.1 --set body_height=.055");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<WorkspaceCommand>();
   command->add_option("--leg", options->leg, "FL, FR, RL or RR")->capture_default_str();
   command->add_option("--mode", options->mode, "Working mode, 1 to 4 (see `crossgait ik --help`)")
       ->capture_default_str();

@@ -18,14 +18,13 @@
 #include "crossgait/benchmarks/regression.h"
 #include "crossgait/benchmarks/scaling.h"
 #include "crossgait/benchmarks/speed.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait::benchmarks {
 namespace {
 
 using nlohmann::ordered_json;
-
-const ordered_json kSchema{{"name", "bench"}, {"version", 1}};  // docs/schemas/bench.json
 
 void set(ordered_json& record, const std::string& key, const Quartiles& value) {
   record[key] = value.median;
@@ -191,7 +190,7 @@ ordered_json run_bench(const BenchOptions& options, const Progress& progress) {
   check_list(options.sections, bench_sections(), "section");
   if (options.backends.empty()) throw ConfigError("benchmark", "backend", "at least one engine", "none");
 
-  ordered_json result{{"schema", kSchema}, {"quick", options.quick}};
+  ordered_json result = with_schema("bench", {{"quick", options.quick}});
   result["machine"] = describe_machine();
   result["robot"] = scenes::quadruped()->name;
   result["backends"] = ordered_json::array();
@@ -220,9 +219,10 @@ ordered_json read_bench(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw ConfigError(path, "file", "a result of `crossgait bench --json`", "no file to read");
   ordered_json result = ordered_json::parse(file, nullptr, false);
-  if (!result.is_object() || result.value("schema", ordered_json()) != kSchema) {
+  const ordered_json expected = schema("bench");
+  if (!result.is_object() || result.value("schema", ordered_json()) != expected) {
     const bool has = result.is_object() && result.contains("schema");
-    throw ConfigError(path, "schema", kSchema.dump(),
+    throw ConfigError(path, "schema", expected.dump(),
                       result.is_discarded() ? "no JSON"
                       : has                 ? result.at("schema").dump()
                                             : "none");

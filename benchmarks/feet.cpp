@@ -14,7 +14,7 @@
 namespace crossgait::benchmarks {
 namespace {
 
-constexpr double kSettle = 2;      // s
+constexpr double kStanding = 2;    // s
 constexpr int kFreeSteps = 20;     // without contact before a contact counts as a touch-down
 constexpr int kLandingSteps = 10;  // that belong to a touch-down
 
@@ -40,7 +40,7 @@ void stand(PhysicsBackend& world, double seconds, FootCard& card) {
   const JointTargets home = scenes::home_targets(world.robot());
   const double h = world.spec().physics_dt;
   world.reset();
-  step(world, home, static_cast<int>(std::lround(kSettle / h)));
+  step(world, home, static_cast<int>(std::lround(kStanding / h)));
   const LegArray<Vector3> before = foot_positions(world);
   const long steps = std::lround(seconds / h);
   double force = 0, depth = 0, touching = 0;

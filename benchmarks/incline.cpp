@@ -38,7 +38,7 @@ namespace crossgait::benchmarks {
 namespace {
 
 constexpr int kHeadings = 8;
-constexpr int kSettle = 200, kSteps = 300;  // of 1 ms
+constexpr int kSettleSteps = 200, kSlideSteps = 300;  // of 1 ms
 
 /// How the sled moved.
 struct Slide {
@@ -59,9 +59,9 @@ Slide let_go(const std::string& backend, scenes::MakeIncline make_incline, doubl
   start.q_WB = Quaternion::FromTwoVectors(Vector3::UnitZ(), incline.normal);
   start.p_WB = incline.normal * scenes::kSledRadius;
   world->reset(start);
-  const bool settled = world->step({}, kSettle) == StepStatus::kOk;
+  const bool settled = world->step({}, kSettleSteps) == StepStatus::kOk;
   const Vector3 from = world->state().p_WB;
-  if (!settled || world->step({}, kSteps) != StepStatus::kOk) {
+  if (!settled || world->step({}, kSlideSteps) != StepStatus::kOk) {
     throw std::runtime_error(fmt::format("the sled diverged in {}", backend));
   }
   const RobotState& s = world->state();
@@ -79,7 +79,7 @@ FrictionCone measure_friction_cone(const std::string& backend, scenes::MakeIncli
   FrictionCone result;
   const double angle = incline_angle(kJustOutside);
   const double a = scenes::kGravity * (std::sin(angle) - kInclineFriction * std::cos(angle));
-  const double t0 = kSettle * 1e-3, t1 = (kSettle + kSteps) * 1e-3;
+  const double t0 = kSettleSteps * 1e-3, t1 = (kSettleSteps + kSlideSteps) * 1e-3;
   const double expected = a / 2 * (t1 * t1 - t0 * t0);
   double least = HUGE_VAL, most = -HUGE_VAL;
   for (int heading = 0; heading < kHeadings; ++heading) {

@@ -22,7 +22,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Differences below these come from the rounding of sums and not from a change.
 constexpr double kLengthFloor = 1e-9, kRelativeFloor = 1e-6;
 
-double number(const ordered_json& record, const char* key) {
+double magnitude(const ordered_json& record, const char* key) {
   const ordered_json& value = record.at(key);
   return value.is_null() ? kInfinity : std::abs(value.get<double>());
 }
@@ -36,18 +36,18 @@ void add_speed(const ordered_json& speed, const std::string& base, Figures& figu
     if (r.at("backend") == base) continue;
     figures.push_back(
         {fmt::format("speed, {}: time of {} over {}", text(r, "scene"), text(r, "backend"), base),
-         number(r, "ratio"), 0});
+         magnitude(r, "ratio"), 0});
   }
   for (const ordered_json& r : speed.at("eta")) {
     figures.push_back(
         {fmt::format("speed, walk on {}: time over that of {} alone", text(r, "terrain"), text(r, "backend")),
-         1 / number(r, "eta"), 0});
+         1 / magnitude(r, "eta"), 0});
   }
   for (const ordered_json& r : speed.at("threads")) {
     const int threads = r.at("threads");
     if (threads == 1) continue;
     figures.push_back({fmt::format("speed, {} on {} threads: 1 / efficiency", text(r, "backend"), threads),
-                       1 / number(r, "efficiency"), 0});
+                       1 / magnitude(r, "efficiency"), 0});
   }
 }
 
@@ -57,17 +57,17 @@ void add_accuracy(const ordered_json& accuracy, const std::string& base, Figures
   };
   for (const ordered_json& p : accuracy.at("points")) {
     const std::string at = setting(p), backend = text(p, "backend");
-    figures.push_back({fmt::format("accuracy, {}: base of {}, m", at, backend), number(p, "position_error_m"),
-                       kLengthFloor});
+    figures.push_back({fmt::format("accuracy, {}: base of {}, m", at, backend),
+                       magnitude(p, "position_error_m"), kLengthFloor});
     figures.push_back({fmt::format("accuracy, {}: joints of {}, rad", at, backend),
-                       number(p, "joint_error_rad"), kRelativeFloor});
+                       magnitude(p, "joint_error_rad"), kRelativeFloor});
     if (backend != base) {
-      figures.push_back(
-          {fmt::format("accuracy, {}: time of {} over {}", at, backend, base), number(p, "cost_ratio"), 0});
+      figures.push_back({fmt::format("accuracy, {}: time of {} over {}", at, backend, base),
+                         magnitude(p, "cost_ratio"), 0});
     }
   }
   for (const ordered_json& s : accuracy.at("stable_steps")) {
-    const double largest = number(s, "largest_s");
+    const double largest = magnitude(s, "largest_s");
     figures.push_back({fmt::format("accuracy, {}: 1 / largest stable step of {}, 1/s", text(s, "terrain"),
                                    text(s, "backend")),
                        std::isinf(largest) ? kInfinity : 1 / largest, 0});
@@ -84,11 +84,12 @@ void add_analytic(const ordered_json& analytic, Figures& figures) {
   }
   for (const ordered_json& f : analytic.at("friction")) {
     const std::string where = fmt::format("friction on the {} in {}", text(f, "ground"), text(f, "backend"));
-    figures.push_back({"analytic, " + where + ": creep, m/s", number(f, "creep_inside_mps"), kLengthFloor});
     figures.push_back(
-        {"analytic, " + where + ": distance", number(f, "distance_error_outside"), kRelativeFloor});
+        {"analytic, " + where + ": creep, m/s", magnitude(f, "creep_inside_mps"), kLengthFloor});
     figures.push_back(
-        {"analytic, " + where + ": range over headings", number(f, "range_over_headings"), 1e-4});
+        {"analytic, " + where + ": distance", magnitude(f, "distance_error_outside"), kRelativeFloor});
+    figures.push_back(
+        {"analytic, " + where + ": range over headings", magnitude(f, "range_over_headings"), 1e-4});
   }
 }
 
@@ -113,7 +114,7 @@ void add_feet(const ordered_json& feet, Figures& figures) {
       figures.push_back({fmt::format("feet, {}, {:g} s, {} strides, {}: {}", text(c, "terrain"),
                                      c.at("stand_seconds").get<double>(), c.at("strides").get<int>(),
                                      text(c, "backend"), column.name),
-                         number(c, column.key), column.floor});
+                         magnitude(c, column.key), column.floor});
     }
   }
 }

@@ -20,13 +20,6 @@ Vector3 in_heading(const Vector3& v, double yaw) noexcept {
   return {c * v.x() + s * v.y(), c * v.y() - s * v.x(), v.z()};
 }
 
-Outcome worst_so_far(const MotionStatistics& statistics) noexcept {
-  for (const OutcomeRow& row : outcome_rows()) {
-    if (statistics.has(row.outcome)) return row.outcome;
-  }
-  return Outcome::kWalked;
-}
-
 }  // namespace
 
 AdaptiveGaitEnv::AdaptiveGaitEnv(std::shared_ptr<const EnvModel> model, Engine engine)
@@ -53,10 +46,7 @@ AdaptiveGaitEnv::Episode AdaptiveGaitEnv::make_episode() const {
 
 TargetSource AdaptiveGaitEnv::make_source() {
   const auto solve = [this](const LegArray<Vector3>& feet, double dt, ControlTargets& out) {
-    LegController& legs = episode_.legs;
-    const std::int64_t before = legs.clamped();
-    out.joints = legs.update(feet, dt);
-    out.ik_clamped = static_cast<int>(legs.clamped() - before);
+    solve_legs(episode_.legs, feet, dt, out);
     episode_.info.ik_clamped += out.ik_clamped;
   };
   return {[this](const Terrain& terrain, const Placement& placement) {
@@ -176,7 +166,7 @@ void AdaptiveGaitEnv::measure() {
   e.info.distance = moved.x();
   e.info.lateral = moved.y();
   e.info.power = servo_power(*backend_, model_->servos);
-  e.info.outcome = worst_so_far(statistics);
+  e.info.outcome = statistics.worst();
 }
 
 double AdaptiveGaitEnv::evaluate(const RobotState& before) {

@@ -112,13 +112,9 @@ void read_tables(const YamlValue& root, EnvConfig& config) {
 void read_ends(const YamlValue& root, EnvConfig& config) {
   const auto ends = root.find("ends");
   if (!ends) return;
-  config.ends = OutcomeSet().add(Outcome::kDiverged);
-  for (const YamlValue& item : ends->items()) {
-    const Outcome outcome = named(item, [](const std::string& name) { return find_outcome(name); });
-    if (!outcome_rows()[static_cast<std::size_t>(outcome)].at_once)
-      item.fail("an outcome that is known the moment it happens", item.text());
-    config.ends.add(outcome);
-  }
+  config.ends = OutcomeSet::that_end({});
+  for (const YamlValue& item : ends->items())
+    config.ends.add(named(item, [](const std::string& name) { return find_ending_outcome(name); }));
 }
 
 EnvConfig read_config(const YamlValue& root) {

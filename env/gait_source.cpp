@@ -15,13 +15,6 @@ void require(bool accepted) {
   if (!accepted) throw ConfigError("gait", "parameters or command", "valid values", "values that are not");
 }
 
-// Targets by kinematics, and how many legs could not follow.
-void solve_legs(LegController& legs, const LegArray<Vector3>& feet, double dt, ControlTargets& out) {
-  const std::int64_t before = legs.clamped();
-  out.joints = legs.update(feet, dt);
-  out.ik_clamped = static_cast<int>(legs.clamped() - before);
-}
-
 // A gait's targets on legs. @param update advances the gait @param generator the one that moves the feet
 template <typename Update, typename Generator>
 TargetSource walk_legs(LegController legs, const std::optional<VelocityCommand>& command, Update update,

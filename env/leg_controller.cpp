@@ -140,4 +140,10 @@ RobotState LegController::standing_state(const LegArray<Vector3>& feet, const Te
   return state;
 }
 
+void solve_legs(LegController& legs, const LegArray<Vector3>& feet, double dt, ControlTargets& out) noexcept {
+  const std::int64_t before = legs.clamped();
+  out.joints = legs.update(feet, dt);
+  out.ik_clamped = static_cast<int>(legs.clamped() - before);
+}
+
 }  // namespace crossgait

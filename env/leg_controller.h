@@ -69,4 +69,7 @@ class LegController {
   std::int64_t clamped_ = 0;
 };
 
+/// Joint targets for feet (in the leg frames, m) after `dt` more seconds, and how many legs could not follow.
+void solve_legs(LegController& legs, const LegArray<Vector3>& feet, double dt, ControlTargets& out) noexcept;
+
 }  // namespace crossgait

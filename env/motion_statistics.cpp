@@ -150,6 +150,13 @@ void MotionStatistics::note(Outcome outcome) noexcept {
   if (!first) first = t_.time;
 }
 
+Outcome MotionStatistics::worst() const noexcept {
+  for (const OutcomeRow& row : outcome_rows()) {
+    if (has(row.outcome)) return row.outcome;
+  }
+  return Outcome::kWalked;
+}
+
 bool MotionStatistics::any(const OutcomeSet& ends) const noexcept {
   for (const OutcomeRow& row : outcome_rows()) {
     if (ends.has(row.outcome) && has(row.outcome)) return true;
@@ -203,15 +210,12 @@ MotionSummary MotionStatistics::summary(const PhysicsBackend& world) const {
   if (planned > 0) m.drag = drag / planned;
   if (m.path_m > kMoved * leg_length_ && t_.weight > 0)
     m.cost_of_transport = t_.work / (t_.weight * m.path_m);
+  m.outcome = worst();
+  if (m.outcome != Outcome::kWalked) return m;
   if (slid(m.path_m)) {
     m.outcome = Outcome::kSlid;
   } else if (no_progress()) {
     m.outcome = Outcome::kNoProgress;
-  }
-  for (const OutcomeRow& row : outcome_rows()) {
-    if (!row.at_once || !m.has(row.outcome)) continue;
-    m.outcome = row.outcome;
-    break;
   }
   return m;
 }

@@ -78,6 +78,8 @@ class MotionStatistics {
   bool has(Outcome outcome) const noexcept {
     return t_.first_at_s[static_cast<std::size_t>(outcome)].has_value();
   }
+  /// The worst of them, or kWalked.
+  Outcome worst() const noexcept;
   /// Whether any of `ends` has come about.
   bool any(const OutcomeSet& ends) const noexcept;
   /// Roll, pitch, and yaw since the beginning, after the last control step, rad.

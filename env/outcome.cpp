@@ -45,14 +45,16 @@ std::vector<std::string> outcome_names(const OutcomeSet& set) {
   return names;
 }
 
+Outcome find_ending_outcome(std::string_view name) {
+  const Outcome outcome = find_outcome(name);
+  if (!kRows[static_cast<std::size_t>(outcome)].at_once)
+    throw ConfigError("outcome", "ends", "outcomes that are known the moment they happen", std::string(name));
+  return outcome;
+}
+
 OutcomeSet OutcomeSet::that_end(const std::vector<std::string>& names) {
   OutcomeSet set = of_walks();
-  for (const std::string& name : names) {
-    const Outcome outcome = find_outcome(name);
-    if (!kRows[static_cast<std::size_t>(outcome)].at_once)
-      throw ConfigError("outcome", "ends", "outcomes that are known the moment they happen", name);
-    set.add(outcome);
-  }
+  for (const std::string& name : names) set.add(find_ending_outcome(name));
   return set;
 }
 

@@ -40,6 +40,8 @@ struct OutcomeSet;
 std::vector<std::string> outcome_names(const OutcomeSet& set);
 /// @throws ConfigError listing the known names
 Outcome find_outcome(std::string_view name);
+/// One that may end a motion. @throws ConfigError also for an outcome that is known at the end alone
+Outcome find_ending_outcome(std::string_view name);
 
 /// Some of the outcomes.
 struct OutcomeSet {

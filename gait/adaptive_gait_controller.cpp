@@ -10,18 +10,18 @@
 namespace crossgait {
 namespace {
 
-constexpr std::string_view kSource = "adaptive gait options";
+constexpr std::string_view kController = "adaptive gait options";
 
 std::vector<const ParameterRow*> resolve(const AdaptiveGaitOptions& options) {
   std::vector<const ParameterRow*> rows;
   for (const std::string& name : options.parameters) {
     const ParameterRow& row = find_parameter(name);
     if (std::find(rows.begin(), rows.end(), &row) != rows.end()) {
-      throw ConfigError(kSource, "parameters", "every name once", fmt::format("{} twice", name));
+      throw ConfigError(kController, "parameters", "every name once", fmt::format("{} twice", name));
     }
     const double value = options.initial.*row.member;
     if (!(value >= row.min && value <= row.max)) {
-      throw ConfigError(kSource, fmt::format("initial {}", name),
+      throw ConfigError(kController, fmt::format("initial {}", name),
                         fmt::format("{:g} to {:g} {}", row.min, row.max, row.unit),
                         fmt::format("{:g}", value));
     }
@@ -32,7 +32,7 @@ std::vector<const ParameterRow*> resolve(const AdaptiveGaitOptions& options) {
 
 double validated_scale(double scale) {
   if (!(scale >= 0 && std::isfinite(scale))) {
-    throw ConfigError(kSource, "residual_scale", "a length of 0 m or more", fmt::format("{:g}", scale));
+    throw ConfigError(kController, "residual_scale", "a length of 0 m or more", fmt::format("{:g}", scale));
   }
   return scale;
 }

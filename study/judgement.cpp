@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/backends/registry.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/parity/verdict_report.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/study/run_store.h"
-#include "crossgait/study/schema.h"
 
 namespace crossgait {
 

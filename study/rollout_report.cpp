@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/parity/report.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/study/rollout.h"
-#include "crossgait/study/schema.h"
 
 namespace crossgait {
 namespace {

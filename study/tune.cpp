@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/env/worker_pool.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/error.h"
-#include "crossgait/study/schema.h"
 
 namespace crossgait {
 namespace {

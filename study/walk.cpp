@@ -7,9 +7,9 @@
 
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/report.h"
+#include "crossgait/parity/schema.h"
 #include "crossgait/parity/verdict_report.h"
 #include "crossgait/physics/error.h"
-#include "crossgait/study/schema.h"
 
 namespace crossgait {
 namespace {

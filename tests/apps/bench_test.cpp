@@ -16,15 +16,6 @@ namespace fs = std::filesystem;
 
 bool has_gnuplot() { return std::system("gnuplot --version > /dev/null 2>&1") == 0; }
 
-void expect_bad_input(const std::string& arguments, const std::vector<std::string>& words) {
-  const ProgramResult result = run_program(arguments);
-  EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.err;
-  EXPECT_EQ(result.out, "") << arguments;
-  for (const std::string& word : words) {
-    EXPECT_NE(result.err.find(word), std::string::npos) << arguments << ": " << result.err;
-  }
-}
-
 TEST(Bench, MeasuresStoresComparesAndDraws) {
   const std::string engine = available_engines().front();
   const ProgramResult first =

@@ -22,10 +22,6 @@ std::string read_file(const std::string& name) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-void write_file(const std::string& name, const std::string& text) {
-  std::ofstream(name, std::ios::binary) << text;
-}
-
 bool can_draw() {
   return std::system("gnuplot --version >/dev/null 2>&1") == 0;
 }  // NOLINT(concurrency-mt-unsafe)

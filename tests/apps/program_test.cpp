@@ -17,11 +17,6 @@ namespace {
 
 using nlohmann::json;
 
-std::string write_file(const std::string& name, const std::string& text) {
-  std::ofstream(name, std::ios::binary) << text;
-  return name;
-}
-
 TEST(Program, HelpTeachesEveryCommand) {
   const ProgramResult help = run_program("--help");
   EXPECT_EQ(help.exit_code, 0);

@@ -34,6 +34,11 @@ nlohmann::json run_json(const std::string& arguments) {
   return nlohmann::json::parse(result.out, nullptr, false);
 }
 
+std::string write_file(const std::string& name, const std::string& text) {
+  std::ofstream(name, std::ios::binary) << text;
+  return name;
+}
+
 void expect_bad_input(const std::string& arguments, const std::vector<std::string>& words) {
   const ProgramResult result = run_program(arguments);
   EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.out << result.err;

@@ -19,6 +19,9 @@ ProgramResult run_program(const std::string& arguments);
 /// The object that the program prints with `--json -`; expects exit code 0.
 nlohmann::json run_json(const std::string& arguments);
 
+/// Writes a file into the scratch folder that tests run in. @returns `name`
+std::string write_file(const std::string& name, const std::string& text);
+
 /// Expects exit code 2, nothing on standard output, and an error that contains all of `words`.
 void expect_bad_input(const std::string& arguments, const std::vector<std::string>& words);
 

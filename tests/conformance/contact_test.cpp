@@ -4,11 +4,12 @@
 
 #include "crossgait/physics/multibody.h"
 #include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kGravity = 9.81;
+using test::kGravity;
 
 /// How deep a soft contact with default softness sinks at rest under `force`, at most, m: MuJoCo's R f = K
 /// imp r with impedance at its least, w the inverse weight (1/kg).

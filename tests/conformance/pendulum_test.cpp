@@ -4,11 +4,12 @@
 
 #include "crossgait/benchmarks/analytic.h"
 #include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kGravity = 9.81;
+using test::kGravity;
 
 double frequency_of(const scenes::ArmLink& link) {
   return std::sqrt(link.mass * kGravity * link.length / link.joint_inertia());

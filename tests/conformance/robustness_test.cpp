@@ -1,18 +1,18 @@
 // Bad input and worlds that explode: reported at once, never carried on, and gone after a reset.
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include <Eigen/Eigenvalues>
 
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
+using test::kNaN;
 
 using scenes::identical;
 

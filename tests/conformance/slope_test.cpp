@@ -4,11 +4,12 @@
 
 #include "crossgait/benchmarks/incline.h"
 #include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kGravity = 9.81;
+using test::kGravity;
 
 class Slope : public BackendTest {
  protected:

@@ -6,7 +6,7 @@
 namespace crossgait {
 namespace {
 
-constexpr int kSteps = 10'000;
+constexpr int kPolicySteps = 10'000;
 
 EnvConfig rough_ground() {
   EnvConfig config;
@@ -28,19 +28,19 @@ TEST_P(EnvironmentDeterminism, AfterResetRestoreAndInAnotherInstance) {
     return Random(6);
   };
   Random random = begin(env);
-  std::vector<double> first = scenes::record(env, random, kSteps / 2);
+  std::vector<double> first = scenes::record(env, random, kPolicySteps / 2);
   const auto saved = env.save();
   const Random at_save = random;
-  const std::vector<double> second = scenes::record(env, random, kSteps / 2);
+  const std::vector<double> second = scenes::record(env, random, kPolicySteps / 2);
 
   env.restore(*saved);
   random = at_save;
-  EXPECT_EQ(scenes::record(env, random, kSteps / 2), second);
+  EXPECT_EQ(scenes::record(env, random, kPolicySteps / 2), second);
   first.insert(first.end(), second.begin(), second.end());
   random = begin(env);
-  EXPECT_EQ(scenes::record(env, random, kSteps), first);
+  EXPECT_EQ(scenes::record(env, random, kPolicySteps), first);
   random = begin(other);
-  EXPECT_EQ(scenes::record(other, random, kSteps), first);
+  EXPECT_EQ(scenes::record(other, random, kPolicySteps), first);
 }
 
 TEST_P(EnvironmentDeterminism, WithOneAndTwoWorkers) {
@@ -55,7 +55,7 @@ TEST_P(EnvironmentDeterminism, WithOneAndTwoWorkers) {
   one.reset(1, a);
   two.reset(1, b);
   Random random(2);
-  for (int i = 0; i < kSteps / static_cast<int>(rows); ++i) {
+  for (int i = 0; i < kPolicySteps / static_cast<int>(rows); ++i) {
     const std::vector<double> action = scenes::random_action(random, rows * one.action_size());
     one.step(action, {a, reward_a, terminated_a, truncated_a});
     two.step(action, {b, reward_b, terminated_b, truncated_b});

@@ -6,12 +6,13 @@
 #include "crossgait/env/walk.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/constants.h"
 #include "crossgait/tests/support/environments.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using test::kNaN;
 
 class Environment : public BackendTest {
  protected:

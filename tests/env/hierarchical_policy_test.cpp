@@ -48,7 +48,7 @@ HierarchicalPolicy counting(double planner_dt, bool hold_deltas) {
           {.hold_deltas = hold_deltas}};
 }
 
-std::vector<double> act(Policy& policy, const std::vector<double>& observation = {1, 9, -1, 9}) {
+std::vector<double> plan_and_act(Policy& policy, const std::vector<double>& observation = {1, 9, -1, 9}) {
   std::vector<double> action(4, 9);
   policy.act(observation, action);
   return action;
@@ -62,14 +62,14 @@ TEST(HierarchicalPolicy, PlansInStepZeroAndThenAtItsPace) {
     for (int i = 0; i < 120; ++i) {
       const double delta = i % 50 == 0 ? -(i / 50 + 1) * 0.01 : 0;  // of terrain.front, which is -1
       const double residual = std::min(1.0, (i + 1) * 0.01);        // of p_WB.x, which is 1
-      EXPECT_EQ(act(policy), (std::vector<double>{delta, delta, residual, residual})) << i;
+      EXPECT_EQ(plan_and_act(policy), (std::vector<double>{delta, delta, residual, residual})) << i;
     }
   }
 }
 
 TEST(HierarchicalPolicy, HoldsDeltasIfAsked) {
   HierarchicalPolicy policy = counting(6e-3, true);
-  for (int i = 0; i < 9; ++i) EXPECT_EQ(act(policy)[0], -(i / 3 + 1) * 0.01) << i;
+  for (int i = 0; i < 9; ++i) EXPECT_EQ(plan_and_act(policy)[0], -(i / 3 + 1) * 0.01) << i;
 }
 
 TEST(HierarchicalPolicy, HeldDeltasOfATenthOfASecondCrossTheWholeRange) {
@@ -86,16 +86,16 @@ TEST(HierarchicalPolicy, MembersDrawDifferentNumbersThatRepeat) {
   HierarchicalPolicy policy("test", small_interface(), member<RandomPolicy>({}, "delta.", 0.1),
                             member<RandomPolicy>({}, "residual.", 2e-3));
   policy.reset(5);
-  const std::vector<double> first = act(policy);
+  const std::vector<double> first = plan_and_act(policy);
   EXPECT_NE(first[0], first[2]);
-  EXPECT_NE(act(policy), first);
+  EXPECT_NE(plan_and_act(policy), first);
   policy.reset(5);
-  EXPECT_EQ(act(policy), first);
+  EXPECT_EQ(plan_and_act(policy), first);
 }
 
 TEST(HierarchicalPolicy, AWholeObservationThatIsNoNumberGivesZeros) {
   HierarchicalPolicy policy = counting(0.1, false);
-  EXPECT_EQ(act(policy, {std::nan(""), 0, std::nan(""), 0}), std::vector<double>(4, 0));
+  EXPECT_EQ(plan_and_act(policy, {std::nan(""), 0, std::nan(""), 0}), std::vector<double>(4, 0));
 }
 
 TEST(HierarchicalPolicy, RefusesMembersThatDoNotShareTheAction) {
@@ -157,7 +157,7 @@ TEST_F(HierarchicalPolicyFile, ReadsMembersBesideIt) {
   EXPECT_EQ(policy->name(), "h.yaml");
   const Eigen::VectorXd expected = network.evaluate(Eigen::Vector3d(0.3, 0.4, 0.1));
   for (int i = 0; i < 6; ++i) {
-    const std::vector<double> action = act(*policy, {0.1, 0.2, 0.3, 0.4});
+    const std::vector<double> action = plan_and_act(*policy, {0.1, 0.2, 0.3, 0.4});
     EXPECT_NEAR(action[0], i % 2 == 0 ? expected[0] : 0, 1e-6);  // single precision
     EXPECT_NEAR(action[1], i % 2 == 0 ? expected[1] : 0, 1e-6);
     EXPECT_EQ(action[2], 0);
@@ -169,8 +169,8 @@ TEST_F(HierarchicalPolicyFile, PlansAtTenHertzUnlessToldOtherwise) {
   const auto policy = make("planner: {policy: random}\nresidual: {policy: zero}\n");
   EXPECT_EQ(dynamic_cast<const HierarchicalPolicy&>(*policy).planner_period(), 50);
   const auto held = make("planner: {policy: random}\nresidual: {policy: zero}\nhold_deltas: true\n");
-  const std::vector<double> first = act(*held);
-  EXPECT_EQ(act(*held), first);
+  const std::vector<double> first = plan_and_act(*held);
+  EXPECT_EQ(plan_and_act(*held), first);
 }
 
 TEST_F(HierarchicalPolicyFile, RefusesWhatDoesNotFit) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -11,6 +10,7 @@
 #include "crossgait/tests/env/policy_interfaces.h"
 #include "crossgait/tests/physics/config_error.h"
 #include "crossgait/tests/physics/scratch_folder.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
@@ -22,7 +22,7 @@ using policy_tests::small_interface;
 
 constexpr double kSinglePrecision = 1e-6;  // some roundings of numbers around one
 
-std::vector<double> act(Policy& policy, const std::vector<double>& observation) {
+std::vector<double> act_on(Policy& policy, const std::vector<double>& observation) {
   std::vector<double> action(policy.interface().action.size(), 9);
   policy.act(observation, action);
   return action;
@@ -72,13 +72,13 @@ TEST_F(MlpPolicyTest, ComputesATinyNetworkAsByHand) {
   const std::vector<double> observation{0.2, 0.6};
   MlpNetwork network = tiny_network();
   network.activation = MlpActivation::kRelu;
-  EXPECT_NEAR(act(*make(network), observation)[0], 0.03, kSinglePrecision);
+  EXPECT_NEAR(act_on(*make(network), observation)[0], 0.03, kSinglePrecision);
   network.activation = MlpActivation::kTanh;  // -.71629787, .04995838
-  EXPECT_NEAR(act(*make(network), observation)[0], -0.18487271, kSinglePrecision);
+  EXPECT_NEAR(act_on(*make(network), observation)[0], -0.18487271, kSinglePrecision);
   network.activation = MlpActivation::kElu;  // exp(-.9) - 1 = -.59343034, .05
-  EXPECT_NEAR(act(*make(network), observation)[0], -0.14802910, kSinglePrecision);
+  EXPECT_NEAR(act_on(*make(network), observation)[0], -0.14802910, kSinglePrecision);
   network.output = MlpOutput::kTanh;
-  EXPECT_NEAR(act(*make(network), observation)[0], -0.14695739, kSinglePrecision);
+  EXPECT_NEAR(act_on(*make(network), observation)[0], -0.14695739, kSinglePrecision);
 }
 
 TEST_F(MlpPolicyTest, NormalisesAndThenClipsObservations) {
@@ -90,10 +90,10 @@ TEST_F(MlpPolicyTest, NormalisesAndThenClipsObservations) {
   network.observation_std = Eigen::Vector2d(2, 0.5);
   network.observation_clip = 1.5;
   const auto policy = make(network);
-  EXPECT_NEAR(act(*policy, {1.4, -0.7})[0], 0.03, kSinglePrecision);
-  EXPECT_EQ(act(*policy, {41, -11})[0], 1);
+  EXPECT_NEAR(act_on(*policy, {1.4, -0.7})[0], 0.03, kSinglePrecision);
+  EXPECT_EQ(act_on(*policy, {41, -11})[0], 1);
   network.layers[1].weight *= 0.5;  // .69 - .035 + .05
-  EXPECT_NEAR(act(*make(network), {41, -11})[0], 0.705, kSinglePrecision);
+  EXPECT_NEAR(act_on(*make(network), {41, -11})[0], 0.705, kSinglePrecision);
 }
 
 TEST_F(MlpPolicyTest, AgreesWithDoublePrecision) {
@@ -109,7 +109,7 @@ TEST_F(MlpPolicyTest, AgreesWithDoublePrecision) {
         for (double& value : observation) value = random.uniform(-3, 3);
         const Eigen::VectorXd expected =
             network.evaluate(Eigen::Map<Eigen::VectorXd>(observation.data(), 69));
-        const std::vector<double> action = act(*policy, observation);
+        const std::vector<double> action = act_on(*policy, observation);
         // Weights and 512 sums rounded to single precision.
         for (int k = 0; k < 16; ++k) EXPECT_NEAR(action[k], std::clamp(expected[k], -1.0, 1.0), 5e-6);
       }
@@ -122,30 +122,30 @@ TEST_F(MlpPolicyTest, HasNoMemory) {
   const MlpNetwork network = random_network(interface, {64, 32});
   const auto policy = make(network, interface), other = make(network, interface);
   const std::vector<double> a(69, 0.3), b(69, -0.7);
-  const std::vector<double> first = act(*policy, a);
-  (void)act(*policy, b);
+  const std::vector<double> first = act_on(*policy, a);
+  (void)act_on(*policy, b);
   policy->reset(5);
-  EXPECT_EQ(act(*policy, a), first);
-  EXPECT_EQ(act(*other, a), first);
+  EXPECT_EQ(act_on(*policy, a), first);
+  EXPECT_EQ(act_on(*other, a), first);
   EXPECT_EQ(policy->name(), "p.safetensors");
 }
 
 TEST_F(MlpPolicyTest, AnObservationThatIsNoNumberGivesZeros) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  using test::kInfinity;
   MlpNetwork network = tiny_network();
   for (const MlpActivation activation : {MlpActivation::kTanh, MlpActivation::kElu, MlpActivation::kRelu}) {
     network.activation = activation;
     const auto policy = make(network);
     for (const double bad : {std::nan(""), kInfinity, -kInfinity, 1e300}) {
-      EXPECT_EQ(act(*policy, {bad, 0})[0], 0) << bad;
-      EXPECT_EQ(act(*policy, {0, bad})[0], 0) << bad;
+      EXPECT_EQ(act_on(*policy, {bad, 0})[0], 0) << bad;
+      EXPECT_EQ(act_on(*policy, {0, bad})[0], 0) << bad;
     }
-    EXPECT_NE(act(*policy, {0, 0})[0], 0);  // and nothing of it stays
+    EXPECT_NE(act_on(*policy, {0, 0})[0], 0);  // and nothing of it stays
   }
   network.observation_clip = 2;
   const auto policy = make(network);
-  EXPECT_EQ(act(*policy, {kInfinity, 0}), act(*policy, {2, 0}));
-  EXPECT_EQ(act(*policy, {std::nan(""), 0})[0], 0);
+  EXPECT_EQ(act_on(*policy, {kInfinity, 0}), act_on(*policy, {2, 0}));
+  EXPECT_EQ(act_on(*policy, {std::nan(""), 0})[0], 0);
 }
 
 TEST_F(MlpPolicyTest, SaysWhatDiffersInAnotherLayout) {
@@ -338,7 +338,8 @@ TEST_F(MlpPolicyTest, DamagedFilesAreRefusedOrDoTheSame) {
       for (Eigen::Index row = 0; row < bundle.golden_observation.rows(); ++row) {
         const Eigen::VectorXd golden = bundle.golden_observation.row(row);
         const std::vector<double> observation(golden.begin(), golden.end());
-        const std::vector<double> expected = act(*policy, observation), action = act(*damaged, observation);
+        const std::vector<double> expected = act_on(*policy, observation),
+                                  action = act_on(*damaged, observation);
         // Flipped low bits of numbers: within twice the tolerance of golden pairs, they being flipped or not.
         for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(action[k], expected[k], 2e-5) << bit;
       }

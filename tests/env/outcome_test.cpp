@@ -1,7 +1,6 @@
 #include "crossgait/env/outcome.h"
 
 #include <functional>
-#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -10,6 +9,7 @@
 #include "crossgait/env/motion_statistics.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
@@ -43,7 +43,7 @@ TEST(Outcomes, WalksEndByDivergenceAloneAndEpisodesByAllThatIsKnownAtOnce) {
 
 TEST(OutcomeLimits, AreCheckedByName) {
   EXPECT_NO_THROW(OutcomeLimits{}.validate("limits"));
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  using test::kNaN;
   using L = OutcomeLimits;
   const std::vector<std::pair<const char*, double L::*>> limits{{"tilt_limit_deg", &L::tilt_deg},
                                                                 {"low_height", &L::low_height},

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -10,14 +9,15 @@
 #include "crossgait/tests/env/policy_interfaces.h"
 #include "crossgait/tests/physics/config_error.h"
 #include "crossgait/tests/physics/scratch_folder.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
 using policy_tests::small_interface;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
+using test::kNaN;
 
 /// Acts as told.
 class ConstantPolicy final : public Policy {
@@ -34,7 +34,7 @@ class ConstantPolicy final : public Policy {
   std::vector<double> action_;
 };
 
-std::vector<double> act(Policy& policy, std::vector<double> observation = std::vector<double>(4)) {
+std::vector<double> act_on_four(Policy& policy, std::vector<double> observation = std::vector<double>(4)) {
   std::vector<double> action(policy.interface().action.size(), 9);
   policy.act(observation, action);
   return action;
@@ -42,9 +42,9 @@ std::vector<double> act(Policy& policy, std::vector<double> observation = std::v
 
 TEST(Policy, ClipsActionsAndZeroesWhatIsNotFinite) {
   ConstantPolicy huge(small_interface(), {7, -1e300, 0.5, -1});
-  EXPECT_EQ(act(huge), (std::vector<double>{1, -1, 0.5, -1}));
-  ConstantPolicy broken(small_interface(), {kNan, kInfinity, -kInfinity, 0.25});
-  EXPECT_EQ(act(broken), (std::vector<double>{0, 0, 0, 0.25}));
+  EXPECT_EQ(act_on_four(huge), (std::vector<double>{1, -1, 0.5, -1}));
+  ConstantPolicy broken(small_interface(), {kNaN, kInfinity, -kInfinity, 0.25});
+  EXPECT_EQ(act_on_four(broken), (std::vector<double>{0, 0, 0, 0.25}));
 }
 
 TEST(Policy, WrongSizesGiveZeros) {
@@ -67,14 +67,14 @@ TEST(ZeroPolicy, DoesNothing) {
   const auto policy = make_policy("zero", small_interface());
   EXPECT_EQ(policy->name(), "zero");
   policy->reset(1);
-  EXPECT_EQ(act(*policy), std::vector<double>(4, 0));
-  EXPECT_EQ(act(*policy, {kNan, kInfinity, 0, 0}), std::vector<double>(4, 0));
+  EXPECT_EQ(act_on_four(*policy), std::vector<double>(4, 0));
+  EXPECT_EQ(act_on_four(*policy, {kNaN, kInfinity, 0, 0}), std::vector<double>(4, 0));
 }
 
 TEST(RandomPolicy, DrawsTheSameNumbersOnEveryMachine) {
   const auto policy = make_policy("random", small_interface());
   policy->reset(7);
-  const std::vector<double> action = act(*policy);
+  const std::vector<double> action = act_on_four(*policy);
   // From the published algorithms of SplitMix64 and MT19937-64, computed apart from any C++ library.
   EXPECT_EQ(action[0], 0.684309609628307);
   EXPECT_EQ(action[1], 0.3581761893003168);
@@ -85,15 +85,15 @@ TEST(RandomPolicy, RepeatsAfterResetWithTheSameSeedOnly) {
   const auto policy = make_policy("random", small_interface()),
              other = make_policy("random", small_interface());
   policy->reset(3);
-  const std::vector<double> first = act(*policy), second = act(*policy);
+  const std::vector<double> first = act_on_four(*policy), second = act_on_four(*policy);
   EXPECT_NE(first, second);
   policy->reset(4);
-  EXPECT_NE(act(*policy), first);
+  EXPECT_NE(act_on_four(*policy), first);
   policy->reset(3);
   other->reset(3);
-  EXPECT_EQ(act(*policy), first);
-  EXPECT_EQ(act(*policy), second);
-  EXPECT_EQ(act(*other), first);
+  EXPECT_EQ(act_on_four(*policy), first);
+  EXPECT_EQ(act_on_four(*policy), second);
+  EXPECT_EQ(act_on_four(*other), first);
 }
 
 TEST(RandomPolicy, IsUniform) {
@@ -102,7 +102,7 @@ TEST(RandomPolicy, IsUniform) {
   constexpr int kActs = 25000;
   double sum = 0, squares = 0;
   for (int i = 0; i < kActs; ++i) {
-    for (const double value : act(policy)) {
+    for (const double value : act_on_four(policy)) {
       EXPECT_LE(std::abs(value), 1);
       sum += value;
       squares += value * value;

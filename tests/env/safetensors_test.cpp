@@ -2,13 +2,13 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "crossgait/env/random.h"
 #include "crossgait/tests/physics/config_error.h"
 #include "crossgait/tests/physics/scratch_folder.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
@@ -54,7 +54,7 @@ TEST_F(SafetensorsFile, WritesTheSameBytesAsPython) {
 }
 
 TEST_F(SafetensorsFile, KeepsNumbersExactly) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  using test::kInfinity;
   const TensorFile file{{{"double", {kF64, {4}, {0.1, -0.0, 5e-324, -kInfinity}}},
                          {"empty", {kF64, {0, 3}, {}}},
                          {"float", {kF32, {1, 3}, {0.1F, 1e-45F, kInfinity}}}},

@@ -21,7 +21,7 @@ std::unique_ptr<Policy> parse(const std::string& steps,
                               interface);
 }
 
-std::vector<double> act(Policy& policy, double step_height = 0) {
+std::vector<double> act_at(Policy& policy, double step_height = 0) {
   const std::vector<double> observation{0, step_height, 0, 0};
   std::vector<double> action(4, 9);
   policy.act(observation, action);
@@ -36,10 +36,10 @@ TEST(ScriptedPolicy, HoldsEachStepUntilTheNext) {
   EXPECT_EQ(policy->name(), "script.yaml");
   for (const std::uint64_t seed : {1, 2}) {
     policy->reset(seed);
-    for (int i = 0; i < 2; ++i) EXPECT_EQ(act(*policy), (std::vector<double>{0, 0, 0, 0}));
-    for (int i = 0; i < 2; ++i) EXPECT_EQ(act(*policy), (std::vector<double>{0, 1, 0, -0.2}));
-    for (int i = 0; i < 2; ++i) EXPECT_EQ(act(*policy), (std::vector<double>{0, 0, 0.5, 0}));
-    for (int i = 0; i < 2; ++i) EXPECT_EQ(act(*policy), (std::vector<double>{0, 0, 0, 0}));
+    for (int i = 0; i < 2; ++i) EXPECT_EQ(act_at(*policy), (std::vector<double>{0, 0, 0, 0}));
+    for (int i = 0; i < 2; ++i) EXPECT_EQ(act_at(*policy), (std::vector<double>{0, 1, 0, -0.2}));
+    for (int i = 0; i < 2; ++i) EXPECT_EQ(act_at(*policy), (std::vector<double>{0, 0, 0.5, 0}));
+    for (int i = 0; i < 2; ++i) EXPECT_EQ(act_at(*policy), (std::vector<double>{0, 0, 0, 0}));
   }
 }
 
@@ -52,7 +52,7 @@ TEST(ScriptedPolicy, TimesThatAreNoBinaryFractionsBeginInTheirStep) {
       " {time: 1.15, action: {residual.FL.x: 1}}]",
       interface);
   const std::vector<double> expected{0, 0, 0, 0.3, 0.3, 0.3, 0.3, 0.7, 0.7, 0.7, 0.7, 0.7, 1, 1};
-  for (const double value : expected) EXPECT_EQ(act(*policy)[2], value);
+  for (const double value : expected) EXPECT_EQ(act_at(*policy)[2], value);
 }
 
 TEST(ScriptedPolicy, SteersAParameterToItsTarget) {
@@ -67,7 +67,7 @@ TEST(ScriptedPolicy, SteersAParameterToItsTarget) {
   for (const double height : expected) {
     std::vector<double> normalised(2);
     gait.normalised_parameters(normalised);
-    gait.apply_action(act(*policy, normalised[0]));
+    gait.apply_action(act_at(*policy, normalised[0]));
     EXPECT_NEAR(gait.parameters().step_height, height, 1e-15);  // rounding of the normalisation
     EXPECT_EQ(gait.parameters().step_length, GaitParameters{}.step_length);
   }
@@ -75,7 +75,7 @@ TEST(ScriptedPolicy, SteersAParameterToItsTarget) {
 
 TEST(ScriptedPolicy, AnObservationThatIsNoNumberSteersNowhere) {
   const auto policy = parse("[{time: 0, action: {residual.FL.x: .5}, parameters: {step_height: .06}}]");
-  EXPECT_EQ(act(*policy, std::nan("")), (std::vector<double>{0, 0, 0.5, 0}));
+  EXPECT_EQ(act_at(*policy, std::nan("")), (std::vector<double>{0, 0, 0.5, 0}));
 }
 
 struct BadScript {

@@ -7,14 +7,15 @@
 
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/gait/test_robot.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kDt = 0.002;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using test::kDt;
+using test::kNaN;
 
-AdaptiveGaitController controller(const AdaptiveGaitOptions& options = {}) {
+AdaptiveGaitController adaptive(const AdaptiveGaitOptions& options = {}) {
   return {find_gait("trot"), options, test::leg_origins()};
 }
 
@@ -24,16 +25,16 @@ std::vector<double> zeros(const AdaptiveGaitController& c) {
 
 TEST(AdaptiveGait, HasTheGuidesActionSizes) {
   AdaptiveGaitOptions options;
-  EXPECT_EQ(controller(options).action_size(), 16u);
+  EXPECT_EQ(adaptive(options).action_size(), 16u);
   options.parameters.emplace_back("stance_width");
-  EXPECT_EQ(controller(options).action_size(), 17u);
+  EXPECT_EQ(adaptive(options).action_size(), 17u);
   options.parameters.emplace_back("foot_clearance");
-  EXPECT_EQ(controller(options).action_size(), 18u);
-  EXPECT_EQ(controller(options).adapted()[5]->name, "foot_clearance");
+  EXPECT_EQ(adaptive(options).action_size(), 18u);
+  EXPECT_EQ(adaptive(options).adapted()[5]->name, "foot_clearance");
 }
 
 TEST(AdaptiveGait, ZeroActionsAreThePlainGait) {
-  AdaptiveGaitController c = controller();
+  AdaptiveGaitController c = adaptive();
   GaitGenerator plain(find_gait("trot"), {}, test::leg_origins());
   const std::vector<double> action = zeros(c);
   for (int i = 0; i < 1000; ++i) {
@@ -49,7 +50,7 @@ TEST(AdaptiveGait, ZeroActionsAreThePlainGait) {
 }
 
 TEST(AdaptiveGait, DeltasAddUpAndStopAtTheRange) {
-  AdaptiveGaitController c = controller();
+  AdaptiveGaitController c = adaptive();
   const std::vector<double> deltas{0.01, -0.005, 0.1, 0.002};
   c.add_deltas(deltas);
   EXPECT_EQ(c.parameters().step_height, 0.04 + 0.01);
@@ -65,7 +66,7 @@ TEST(AdaptiveGait, DeltasAddUpAndStopAtTheRange) {
 }
 
 TEST(AdaptiveGait, ActionsAreScaledByTheTable) {
-  AdaptiveGaitController c = controller();
+  AdaptiveGaitController c = adaptive();
   std::vector<double> action = zeros(c);
   action[0] = 1;    // step_height
   action[2] = 0.5;  // cycle_time
@@ -81,7 +82,7 @@ TEST(AdaptiveGait, ActionsAreScaledByTheTable) {
 }
 
 TEST(AdaptiveGait, ResidualsAreClippedAndActAtOnce) {
-  AdaptiveGaitController c = controller(), plain = controller();
+  AdaptiveGaitController c = adaptive(), plain = adaptive();
   LegArray<Vector3> residuals;
   residuals.fill({0.004, -1, kNaN});
   c.set_residuals(residuals);
@@ -93,7 +94,7 @@ TEST(AdaptiveGait, ResidualsAreClippedAndActAtOnce) {
 }
 
 TEST(AdaptiveGait, APositiveZResidualRaisesTheFoot) {
-  AdaptiveGaitController c = controller(), plain = controller();
+  AdaptiveGaitController c = adaptive(), plain = adaptive();
   std::vector<double> action = zeros(c);
   action[6] = 0.5;  // FL z
   c.apply_action(action);
@@ -110,7 +111,7 @@ TEST(AdaptiveGait, NormalisesParametersInTheOrderOfTheNames) {
   options.parameters = {"cycle_time", "step_height"};
   options.initial.cycle_time = 1.5;
   options.initial.step_height = 0.06;
-  const AdaptiveGaitController c = controller(options);
+  const AdaptiveGaitController c = adaptive(options);
   std::vector<double> out(2);
   c.normalised_parameters(out);
   EXPECT_EQ(out[0], 1);
@@ -118,7 +119,7 @@ TEST(AdaptiveGait, NormalisesParametersInTheOrderOfTheNames) {
 }
 
 TEST(AdaptiveGait, NonsenseActionsCountAsZero) {
-  AdaptiveGaitController c = controller();
+  AdaptiveGaitController c = adaptive();
   std::vector<double> action(c.action_size(), kNaN);
   action[5] = std::numeric_limits<double>::infinity();
   c.apply_action(action);
@@ -132,7 +133,7 @@ TEST(AdaptiveGait, NonsenseActionsCountAsZero) {
 }
 
 TEST(AdaptiveGait, CycleTimeKeepsThePhase) {
-  AdaptiveGaitController c = controller();
+  AdaptiveGaitController c = adaptive();
   for (int i = 0; i < 137; ++i) c.update(kDt);
   const double phase = c.phase();
   const LegArray<FootTarget> before = c.targets();
@@ -146,7 +147,7 @@ TEST(AdaptiveGait, CycleTimeKeepsThePhase) {
 }
 
 TEST(AdaptiveGait, ResetForgets) {
-  AdaptiveGaitController c = controller(), fresh = controller();
+  AdaptiveGaitController c = adaptive(), fresh = adaptive();
   c.apply_action(std::vector<double>(c.action_size(), 1.0));
   for (int i = 0; i < 100; ++i) c.update(kDt);
   c.reset();
@@ -162,31 +163,31 @@ TEST(AdaptiveGait, WrongNamesAreErrorsWhenConfigured) {
   AdaptiveGaitOptions options;
   options.parameters = {"step_height", "stance_widht"};
   try {
-    controller(options);
+    adaptive(options);
     FAIL() << "no error";
   } catch (const ConfigError& e) {
     EXPECT_EQ(e.element(), "stance_widht");
     EXPECT_NE(e.expected().find("stance_width"), std::string::npos);
   }
   options.parameters = {"step_height", "step_height"};
-  EXPECT_THROW(controller(options), ConfigError);
+  EXPECT_THROW(adaptive(options), ConfigError);
 }
 
 TEST(AdaptiveGait, InitialValuesMustLieInTheirRange) {
   AdaptiveGaitOptions options;
   options.initial = guide_parameters();
   try {
-    controller(options);
+    adaptive(options);
     FAIL() << "no error";
   } catch (const ConfigError& e) {
     EXPECT_EQ(e.element(), "initial step_height");
     EXPECT_EQ(e.expected(), "0.03 to 0.09 m");
   }
   options.parameters = {"step_length", "cycle_time"};  // the guide's are inside
-  EXPECT_NO_THROW(controller(options));
+  EXPECT_NO_THROW(adaptive(options));
   for (const double bad : {-0.01, kNaN}) {
     options.residual_scale = bad;
-    EXPECT_THROW(controller(options), ConfigError);
+    EXPECT_THROW(adaptive(options), ConfigError);
   }
 }
 

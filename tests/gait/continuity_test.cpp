@@ -14,7 +14,7 @@
 namespace crossgait {
 namespace {
 
-constexpr double kDt = 0.002;
+using test::kDt;
 constexpr int kUpdates = 10000;  // 20 s
 /// Sampling a curve's speed at 400 phases misses its peak by less than this share.
 constexpr double kSampling = 1e-3;

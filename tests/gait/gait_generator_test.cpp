@@ -9,12 +9,13 @@
 
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/gait/test_robot.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kDt = 0.002;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using test::kDt;
+using test::kNaN;
 
 GaitGenerator generator(const char* gait = "trot", const GaitParameters& p = {}) {
   return {find_gait(gait), p, test::leg_origins()};

@@ -11,11 +11,9 @@
 namespace crossgait {
 namespace {
 
-constexpr double kDt = 0.002;
+using test::kDt;
 
-MultiGaitController controller(const MultiGaitOptions& options = {}) {
-  return {options, test::leg_origins()};
-}
+MultiGaitController by_speed(const MultiGaitOptions& options = {}) { return {options, test::leg_origins()}; }
 
 void run(MultiGaitController& c, double seconds) {
   for (int i = 0; i < std::lround(seconds / kDt); ++i) c.update(kDt);
@@ -28,7 +26,7 @@ std::string_view gait_at(MultiGaitController& c, double speed) {
 }
 
 TEST(MultiGait, StandsUntilCommanded) {
-  MultiGaitController c = controller();
+  MultiGaitController c = by_speed();
   run(c, 2);
   EXPECT_TRUE(c.generator().is_standing());
   for (const FootTarget& foot : c.generator().targets()) {
@@ -40,17 +38,17 @@ TEST(MultiGait, StandsUntilCommanded) {
 TEST(MultiGait, HasTheGuidesThresholdsAndCycleTimes) {
   for (const auto& [speed, gait, cycle] :
        {std::tuple(0.05, "walk", 1.2), std::tuple(0.1, "trot", 0.8), std::tuple(0.2, "trot", 0.8)}) {
-    MultiGaitController c = controller();
+    MultiGaitController c = by_speed();
     EXPECT_EQ(gait_at(c, speed), gait);
     EXPECT_EQ(c.generator().parameters().cycle_time, cycle);
   }
-  MultiGaitController c = controller();
+  MultiGaitController c = by_speed();
   EXPECT_EQ(gait_at(c, 0.3), "gallop");
   EXPECT_LE(c.generator().parameters().cycle_time, 0.6);
 }
 
 TEST(MultiGait, ChangesBackOnlyPastTheHysteresis) {
-  MultiGaitController c = controller();
+  MultiGaitController c = by_speed();
   EXPECT_EQ(gait_at(c, 0.09), "walk");
   EXPECT_EQ(gait_at(c, 0.11), "trot");
   EXPECT_EQ(gait_at(c, 0.09), "trot");
@@ -65,7 +63,7 @@ TEST(MultiGait, ChangesBackOnlyPastTheHysteresis) {
 
 TEST(MultiGait, FollowsTheCommandedSpeedInEveryGait) {
   for (const double speed : {0.05, -0.05, 0.2, -0.2, 0.31}) {
-    MultiGaitController c = controller();
+    MultiGaitController c = by_speed();
     ASSERT_TRUE(c.set_speed(speed));
     run(c, 6);
     ASSERT_TRUE(c.generator().in_step());
@@ -89,7 +87,7 @@ TEST(MultiGait, FollowsTheCommandedSpeedInEveryGait) {
 }
 
 TEST(MultiGait, ShortensTheCycleBeforeItLimitsTheSpeed) {
-  MultiGaitController c = controller();
+  MultiGaitController c = by_speed();
   // Gallop stands .75 of .6 s: at .3 m/s steps of .135 m, over the limit of .1 m unless the cycle shrinks to
   // .444 s.
   ASSERT_TRUE(c.set_speed(0.3));
@@ -104,7 +102,7 @@ TEST(MultiGait, ShortensTheCycleBeforeItLimitsTheSpeed) {
 }
 
 TEST(MultiGait, TurnsInPlaceWithTheGaitForItsFeet) {
-  MultiGaitController c = controller();
+  MultiGaitController c = by_speed();
   ASSERT_TRUE(c.set_command({0, 0, 0.4}));
   // The feet stand (.075, .102) from the middle: .127 m at .4 rad/s are .05 m/s.
   EXPECT_EQ(c.generator().gait().name, "walk");
@@ -118,7 +116,7 @@ TEST(MultiGait, TurnsInPlaceWithTheGaitForItsFeet) {
 }
 
 TEST(MultiGait, StopsAndStands) {
-  MultiGaitController c = controller();
+  MultiGaitController c = by_speed();
   ASSERT_TRUE(c.set_speed(0.4));
   run(c, 3);
   ASSERT_TRUE(c.set_speed(0));
@@ -127,7 +125,7 @@ TEST(MultiGait, StopsAndStands) {
 }
 
 TEST(MultiGait, CanBeForced) {
-  MultiGaitController c = controller();
+  MultiGaitController c = by_speed();
   c.force_gait(find_gait("pace"));
   EXPECT_EQ(gait_at(c, 0.05), "pace");
   EXPECT_EQ(gait_at(c, 0.25), "pace");
@@ -143,7 +141,7 @@ TEST(MultiGait, UsesItsParametersButTheGaitsCycleTime) {
   MultiGaitOptions options;
   options.parameters = GaitParameters{};
   options.parameters->body_height = 0.045;
-  MultiGaitController c = controller(options);
+  MultiGaitController c = by_speed(options);
   ASSERT_TRUE(c.set_speed(0.05));
   EXPECT_EQ(c.generator().parameters().body_height, 0.045);
   EXPECT_EQ(c.generator().parameters().cycle_time, 1.2);
@@ -159,7 +157,7 @@ TEST(MultiGait, UsesItsParametersButTheGaitsCycleTime) {
 TEST(MultiGait, WithoutParametersUsesEveryGaitsPreferred) {
   MultiGaitOptions options;
   options.bands[1].gait.preferred.body_height = 0.042;
-  MultiGaitController c = controller(options);
+  MultiGaitController c = by_speed(options);
   ASSERT_TRUE(c.set_speed(0.2));
   EXPECT_EQ(c.generator().parameters().body_height, 0.042);
   ASSERT_TRUE(c.set_speed(0.05));
@@ -167,7 +165,7 @@ TEST(MultiGait, WithoutParametersUsesEveryGaitsPreferred) {
 }
 
 TEST(MultiGait, ResetStandsAgain) {
-  MultiGaitController c = controller();
+  MultiGaitController c = by_speed();
   ASSERT_TRUE(c.set_speed(0.4));
   c.force_gait(find_gait("bound"));
   run(c, 1);
@@ -179,7 +177,7 @@ TEST(MultiGait, ResetStandsAgain) {
 }
 
 TEST(MultiGait, RefusesNonsenseCommands) {
-  MultiGaitController c = controller();
+  MultiGaitController c = by_speed();
   ASSERT_TRUE(c.set_speed(0.2));
   EXPECT_FALSE(c.set_speed(std::nan("")));
   EXPECT_FALSE(c.set_command({0, std::numeric_limits<double>::infinity(), 0}));
@@ -191,7 +189,7 @@ TEST(MultiGait, BadOptionsAreErrors) {
   const auto with = [](const auto& change) {
     MultiGaitOptions options;
     change(options);
-    controller(options);
+    by_speed(options);
   };
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.bands.clear(); }), ConfigError);
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.bands[1].below = 0.05; }), ConfigError);

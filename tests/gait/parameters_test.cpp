@@ -7,11 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "crossgait/physics/error.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using test::kNaN;
 
 struct GuideRow {
   const char* name;

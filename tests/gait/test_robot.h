@@ -5,6 +5,8 @@
 
 namespace crossgait::test {
 
+inline constexpr double kDt = 0.002;  ///< control step, s
+
 /// Origins of the leg frames in the base frame, m.
 inline LegArray<Vector3> leg_origins() {
   LegArray<Vector3> p_BL;

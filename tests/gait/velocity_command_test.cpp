@@ -6,11 +6,12 @@
 #include <gtest/gtest.h>
 
 #include "crossgait/physics/error.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using test::kNaN;
 
 LegArray<Vector2> square() {
   LegArray<Vector2> feet;

@@ -1,28 +1,28 @@
 #include "crossgait/ik/five_bar.h"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "crossgait/tests/ik/test_leg.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
+using test::hand_made_leg;
+
 constexpr double kPi = std::numbers::pi;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
+using test::kNaN;
 constexpr double kUpper = 0.045, kLower = 0.060;
-constexpr WorkingMode kModes[] = {WorkingMode::kUpDown, WorkingMode::kDownUp, WorkingMode::kBothUp,
-                                  WorkingMode::kBothDown};
+using test::kModes;
 
 Vector2 link(double length, double angle) { return length * Vector2(std::cos(angle), std::sin(angle)); }
 Vector2 tip(const TwoLinkSolution& s) { return link(kUpper, s.upper) + link(kLower, s.upper + s.elbow); }
 
-FiveBarGeometry leg() { return test::hand_made_leg(Leg::FL); }
 Vector2 tip_a(const FiveBarSolution& s) { return Vector2(-0.010, 0) + tip(s.a); }
 Vector2 tip_b(const FiveBarSolution& s) { return Vector2(0.010, 0) + tip(s.b); }
 
@@ -78,7 +78,7 @@ TEST(TwoLink, NonsenseIsReportedAndFinite) {
 TEST(FiveBar, ModesBendTheKneesAsNamed) {
   // Straight below, knees measured forward (+x) of the line from each shoulder to the foot.
   const auto forward_knees = [](WorkingMode mode) {
-    const FiveBarSolution s = solve_five_bar(leg(), 0, 0.07, mode);
+    const FiveBarSolution s = solve_five_bar(hand_made_leg(), 0, 0.07, mode);
     const auto side = [](const TwoLinkSolution& chain, double shoulder_x) {
       return cross(link(kUpper, chain.upper), Vector2(-shoulder_x, 0.07)) > 0;
     };
@@ -97,7 +97,7 @@ TEST(FiveBar, BothTipsMeetAtTheTargetInEveryMode) {
   for (int i = 0; i < 20000; ++i) {
     const Vector2 target(x(random), depth(random));
     for (const WorkingMode mode : kModes) {
-      const FiveBarSolution s = solve_five_bar(leg(), target.x(), target.y(), mode);
+      const FiveBarSolution s = solve_five_bar(hand_made_leg(), target.x(), target.y(), mode);
       if (s.status != IkStatus::kOk) continue;
       ++reachable;
       // A dozen roundings of lengths of .1 m (1e-17 each); next to a straight chain the root magnifies them.
@@ -117,7 +117,7 @@ TEST(FiveBar, OutOfReachGoesToTheNearestReachablePoint) {
   for (double angle = 0.01; angle < kPi; angle += 0.05) {
     const Vector2 target = link(0.2, angle);
     Vector2 p = target;
-    ASSERT_EQ(clamp_to_workspace(leg(), p), IkStatus::kClampedTooFar);
+    ASSERT_EQ(clamp_to_workspace(hand_made_leg(), p), IkStatus::kClampedTooFar);
     double nearest = kInfinity;
     for (double t = 0; t <= kPi; t += 1e-4) {
       for (const double centre : {-0.010, 0.010}) {
@@ -136,12 +136,12 @@ TEST(FiveBar, OutOfReachGoesToTheNearestReachablePoint) {
 
 TEST(FiveBar, TooNearGoesDownToTheFold) {
   Vector2 p(0.002, 0.001);
-  EXPECT_EQ(clamp_to_workspace(leg(), p), IkStatus::kClampedTooNear);
+  EXPECT_EQ(clamp_to_workspace(hand_made_leg(), p), IkStatus::kClampedTooNear);
   const double fold = kLower - kUpper;
   EXPECT_EQ(p.x(), 0.002);
   EXPECT_NEAR(p.y(), std::sqrt(fold * fold - 0.008 * 0.008), 1e-15);  // the nearer shoulder is at .010
   Vector2 above(0.03, -0.02);
-  EXPECT_EQ(clamp_to_workspace(leg(), above), IkStatus::kClampedTooNear);
+  EXPECT_EQ(clamp_to_workspace(hand_made_leg(), above), IkStatus::kClampedTooNear);
   EXPECT_EQ(above, Vector2(0.03, 0));
 }
 
@@ -154,8 +154,8 @@ TEST(FiveBar, ClampingIsContinuous) {
   for (int i = 0; i < 50000; ++i) {
     Vector2 p(coordinate(random), coordinate(random));
     Vector2 q = p + link(1e-7, angle(random));
-    static_cast<void>(clamp_to_workspace(leg(), p));
-    static_cast<void>(clamp_to_workspace(leg(), q));
+    static_cast<void>(clamp_to_workspace(hand_made_leg(), p));
+    static_cast<void>(clamp_to_workspace(hand_made_leg(), q));
     ASSERT_LT((p - q).norm(), 1e-4) << p.transpose();
   }
 }
@@ -165,8 +165,8 @@ TEST(FiveBar, ClampedPointsAreReachable) {
   std::uniform_real_distribution<double> coordinate(-0.3, 0.3);
   for (int i = 0; i < 20000; ++i) {
     Vector2 p(coordinate(random), coordinate(random));
-    static_cast<void>(clamp_to_workspace(leg(), p));
-    const FiveBarSolution s = solve_five_bar(leg(), p.x(), p.y(), kDefaultMode);
+    static_cast<void>(clamp_to_workspace(hand_made_leg(), p));
+    const FiveBarSolution s = solve_five_bar(hand_made_leg(), p.x(), p.y(), kDefaultMode);
     ASSERT_LT((tip_a(s) - p).norm(), 1e-13);  // as for reachable targets
     ASSERT_LT((tip_b(s) - p).norm(), 1e-13);
   }
@@ -174,24 +174,24 @@ TEST(FiveBar, ClampedPointsAreReachable) {
 
 TEST(FiveBar, NonsenseIsReportedAndFinite) {
   for (const double bad : {kNaN, kInfinity, -kInfinity}) {
-    const FiveBarSolution s = solve_five_bar(leg(), 0, bad, kDefaultMode);
+    const FiveBarSolution s = solve_five_bar(hand_made_leg(), 0, bad, kDefaultMode);
     EXPECT_EQ(s.status, IkStatus::kInvalidTarget);
     EXPECT_TRUE(tip_a(s).allFinite() && tip_b(s).allFinite());
   }
 }
 
 TEST(FiveBar, ElbowsTooFarApartDoNotClose) {
-  FiveBarGeometry g = leg();
+  FiveBarGeometry g = hand_made_leg();
   g.a.lower = g.b.lower = 0.050;
   // Knees straight out: .110 apart, lower links .050 each.
   const FiveBarClosure open = close_five_bar(g, {-0.045, 0}, {0.045, 0}, kDefaultMode);
   EXPECT_FALSE(open.closed);
   EXPECT_TRUE(open.foot.allFinite());
-  const FiveBarClosure closed = close_five_bar(leg(), {-0.045, 0}, {0.045, 0}, kDefaultMode);
+  const FiveBarClosure closed = close_five_bar(hand_made_leg(), {-0.045, 0}, {0.045, 0}, kDefaultMode);
   EXPECT_TRUE(closed.closed);
   EXPECT_NEAR(closed.foot.y(), std::sqrt(0.060 * 0.060 - 0.055 * 0.055), 1e-16);  // Pythagoras
-  EXPECT_FALSE(
-      close_five_bar(leg(), {0.010, 0.03}, {-0.010, 0.03}, kDefaultMode).closed);  // elbows in one point
+  EXPECT_FALSE(close_five_bar(hand_made_leg(), {0.010, 0.03}, {-0.010, 0.03}, kDefaultMode)
+                   .closed);  // elbows in one point
 }
 
 TEST(WorkingModes, AreNumberedOneToFour) {

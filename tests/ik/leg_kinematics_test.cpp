@@ -10,13 +10,13 @@
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/multibody.h"
 #include "crossgait/tests/ik/test_leg.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
-constexpr WorkingMode kModes[] = {WorkingMode::kUpDown, WorkingMode::kDownUp, WorkingMode::kBothUp,
-                                  WorkingMode::kBothDown};
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using test::kModes;
+using test::kNaN;
 
 /// Random targets around and in the workspace of either side's leg.
 Vector3 random_target(std::mt19937& random) {

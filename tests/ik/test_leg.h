@@ -5,7 +5,10 @@
 
 namespace crossgait::test {
 
-inline FiveBarGeometry hand_made_leg(Leg leg) {
+inline constexpr WorkingMode kModes[] = {WorkingMode::kUpDown, WorkingMode::kDownUp, WorkingMode::kBothUp,
+                                         WorkingMode::kBothDown};
+
+inline FiveBarGeometry hand_made_leg(Leg leg = Leg::FL) {
   const double side = side_sign(leg);
   FiveBarGeometry g;
   g.p_BL = {is_front(leg) ? 0.075 : -0.075, side * (0.038 + 0.024), 0.0125 - 0.010};

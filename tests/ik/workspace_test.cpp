@@ -11,13 +11,13 @@
 namespace crossgait {
 namespace {
 
-constexpr RequiredMargins kNoMargins{-10, 0, 0};
+using test::hand_made_leg;
 
-FiveBarGeometry leg(Leg which = Leg::FL) { return test::hand_made_leg(which); }
+constexpr RequiredMargins kNoMargins{-10, 0, 0};
 
 TEST(Workspace, SamplesLieOnTheGridXFirst) {
   const TargetBox box{{-0.02, 0, -0.09}, {0.02, 0.01, -0.03}};
-  const WorkspaceMap map = sample_workspace(leg(), kDefaultMode, box, {3, 2, 4});
+  const WorkspaceMap map = sample_workspace(hand_made_leg(), kDefaultMode, box, {3, 2, 4});
   ASSERT_EQ(map.samples.size(), 24u);
   EXPECT_EQ(map.target(0, 0, 0), box.min);
   EXPECT_EQ(map.target(2, 1, 3), box.max);
@@ -25,14 +25,14 @@ TEST(Workspace, SamplesLieOnTheGridXFirst) {
   EXPECT_EQ(&map.at(0, 1, 0), &map.samples[3]);
   EXPECT_EQ(&map.at(0, 0, 1), &map.samples[6]);
   for (int iz = 0; iz < 4; ++iz) {
-    EXPECT_EQ(map.at(1, 1, iz).status, solve_leg(leg(), map.target(1, 1, iz)).status);
+    EXPECT_EQ(map.at(1, 1, iz).status, solve_leg(hand_made_leg(), map.target(1, 1, iz)).status);
   }
 }
 
 TEST(Workspace, ReachableFractionIsTheAreaOfTheLens) {
   // At y = 0 without tilt offsets the reachable set of the plane is two discs' lower common half minus the
   // folds.
-  FiveBarGeometry g = leg();
+  FiveBarGeometry g = hand_made_leg();
   const double R = 0.105, r = 0.015, c = 0.010;
   const WorkspaceMap map =
       sample_workspace(g, kDefaultMode, {{-0.1, 0, -0.11}, {0.1, 1e-9, 0}}, {801, 2, 441});
@@ -48,7 +48,7 @@ TEST(Workspace, ReachableFractionIsTheAreaOfTheLens) {
 
 TEST(Workspace, BoundsHoldEverythingReachable) {
   for (const Leg which : {Leg::FL, Leg::RR}) {
-    const FiveBarGeometry g = leg(which);
+    const FiveBarGeometry g = hand_made_leg(which);
     const TargetBox bounds = reach_bounds(g);
     const WorkspaceMap map =
         sample_workspace(g, kDefaultMode, {{-0.2, -0.2, -0.2}, {0.2, 0.2, 0}}, {41, 41, 41});
@@ -67,26 +67,28 @@ TEST(Workspace, BoundsHoldEverythingReachable) {
 
 TEST(Workspace, NonsenseGridsAreErrors) {
   const TargetBox box{{-0.02, 0, -0.09}, {0.02, 0.01, -0.03}};
-  EXPECT_THROW(sample_workspace(leg(), kDefaultMode, box, {3, 1, 4}), ConfigError);
-  EXPECT_THROW(sample_workspace(leg(), kDefaultMode, {box.max, box.min}, {3, 3, 4}), ConfigError);
+  EXPECT_THROW(sample_workspace(hand_made_leg(), kDefaultMode, box, {3, 1, 4}), ConfigError);
+  EXPECT_THROW(sample_workspace(hand_made_leg(), kDefaultMode, {box.max, box.min}, {3, 3, 4}), ConfigError);
   const TargetBox nan{{std::numeric_limits<double>::quiet_NaN(), 0, 0}, {1, 1, 1}};
-  EXPECT_THROW(sample_workspace(leg(), kDefaultMode, nan, {3, 3, 4}), ConfigError);
+  EXPECT_THROW(sample_workspace(hand_made_leg(), kDefaultMode, nan, {3, 3, 4}), ConfigError);
 }
 
 TEST(SafeDistance, IsPythagorasToTheReach) {
   // From (0, 0, -.05) forward, chain a stretches first: .050 below its shoulder and .010 + x in front of it.
   const double reach = std::sqrt(0.105 * 0.105 - 0.05 * 0.05) - 0.010;
   // Found to 1 um.
-  EXPECT_NEAR(safe_distance(leg(), {0, 0, -0.05}, {1, 0, 0}, kDefaultMode, kNoMargins), reach, 1.1e-6);
-  EXPECT_NEAR(safe_distance(leg(), {0, 0, -0.05}, {-1, 0, 0}, kDefaultMode, kNoMargins), reach, 1.1e-6);
-  EXPECT_EQ(safe_distance(leg(), {0, 0, -0.2}, {1, 0, 0}, kDefaultMode, kNoMargins), 0);
+  EXPECT_NEAR(safe_distance(hand_made_leg(), {0, 0, -0.05}, {1, 0, 0}, kDefaultMode, kNoMargins), reach,
+              1.1e-6);
+  EXPECT_NEAR(safe_distance(hand_made_leg(), {0, 0, -0.05}, {-1, 0, 0}, kDefaultMode, kNoMargins), reach,
+              1.1e-6);
+  EXPECT_EQ(safe_distance(hand_made_leg(), {0, 0, -0.2}, {1, 0, 0}, kDefaultMode, kNoMargins), 0);
 }
 
 TEST(SafeDistance, ShrinksWithTheMargins) {
-  const double reach = safe_distance(leg(), {0, 0, -0.05}, {1, 0, 0}, kDefaultMode, kNoMargins);
+  const double reach = safe_distance(hand_made_leg(), {0, 0, -0.05}, {1, 0, 0}, kDefaultMode, kNoMargins);
   RequiredMargins bend = kNoMargins;
   bend.serial = 0.5;
-  const double bent = safe_distance(leg(), {0, 0, -0.05}, {1, 0, 0}, kDefaultMode, bend);
+  const double bent = safe_distance(hand_made_leg(), {0, 0, -0.05}, {1, 0, 0}, kDefaultMode, bend);
   // Chain a may stretch to sqrt(L1^2 + L2^2 + 2 L1 L2 cos .5) only.
   const double r2 = 0.045 * 0.045 + 0.06 * 0.06 + 2 * 0.045 * 0.06 * std::cos(0.5);
   EXPECT_NEAR(bent, std::sqrt(r2 - 0.05 * 0.05) - 0.010, 1.1e-6);  // found to 1 um
@@ -96,15 +98,15 @@ TEST(SafeDistance, ShrinksWithTheMargins) {
 TEST(SafeBox, HoldsOnlySafeTargetsAndCannotGrow) {
   const RequiredMargins required;
   const Vector3 centre(0, 0.03, -0.05);
-  const TargetBox box = safe_box(leg(), centre);
+  const TargetBox box = safe_box(hand_made_leg(), centre);
   EXPECT_TRUE((box.min.array() < centre.array()).all() && (box.max.array() > centre.array()).all());
-  const WorkspaceMap map = sample_workspace(leg(), kDefaultMode, box, {23, 23, 23});
+  const WorkspaceMap map = sample_workspace(hand_made_leg(), kDefaultMode, box, {23, 23, 23});
   for (const WorkspaceSample& sample : map.samples) EXPECT_TRUE(is_safe(sample, required));
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {-1.0, 1.0}) {
       TargetBox face = box;
       face.min[axis] = face.max[axis] = (sign > 0 ? box.max : box.min)[axis] + sign * 1e-3;
-      const WorkspaceMap beyond = sample_workspace(leg(), kDefaultMode, face, {81, 81, 81});
+      const WorkspaceMap beyond = sample_workspace(hand_made_leg(), kDefaultMode, face, {81, 81, 81});
       EXPECT_TRUE(std::any_of(beyond.samples.begin(), beyond.samples.end(),
                               [&](const WorkspaceSample& s) { return !is_safe(s, required); }))
           << "axis " << axis << " sign " << sign;
@@ -113,8 +115,8 @@ TEST(SafeBox, HoldsOnlySafeTargetsAndCannotGrow) {
 }
 
 TEST(SafeBox, IsMirroredForTheOtherSide) {
-  const TargetBox left = safe_box(leg(Leg::FL), {0, 0.03, -0.05}),
-                  right = safe_box(leg(Leg::FR), {0, -0.03, -0.05});
+  const TargetBox left = safe_box(hand_made_leg(Leg::FL), {0, 0.03, -0.05}),
+                  right = safe_box(hand_made_leg(Leg::FR), {0, -0.03, -0.05});
   // Faces move by whole millimetres; the sums differ by rounding.
   EXPECT_NEAR(left.min.x(), right.min.x(), 1e-3 + 1e-12);
   EXPECT_NEAR(left.max.z(), right.max.z(), 1e-3 + 1e-12);
@@ -122,7 +124,7 @@ TEST(SafeBox, IsMirroredForTheOtherSide) {
 }
 
 TEST(SafeBox, OfAnUnsafeCentreIsEmpty) {
-  const TargetBox box = safe_box(leg(), {0, 0, -0.2});
+  const TargetBox box = safe_box(hand_made_leg(), {0, 0, -0.2});
   EXPECT_EQ(box.min, box.max);
 }
 

@@ -9,12 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "crossgait/tests/physics/config_error.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
+using test::kNaN;
 
 /// z = height(x, y) at the samples.
 template <typename Height>

@@ -264,8 +264,8 @@ const BadInput kBadUrdfs[] = {
      "<geometry><sphere radius=\"-0.005\"/></geometry>", "link 'FL_upper_left', collision 'FL_knee_left'",
      "size (m) > 0", "-0.005"},
 };
-const auto kName = [](const auto& info) { return info.param.name; };
-INSTANTIATE_TEST_SUITE_P(RobotLoader, BadUrdf, ::testing::ValuesIn(kBadUrdfs), kName);
+const auto kLoaderCase = [](const auto& info) { return info.param.name; };
+INSTANTIATE_TEST_SUITE_P(RobotLoader, BadUrdf, ::testing::ValuesIn(kBadUrdfs), kLoaderCase);
 
 class BadRobotYaml : public ::testing::TestWithParam<BadInput> {};
 TEST_P(BadRobotYaml, IsRejectedByName) { expect_error("robot.yaml", GetParam()); }
@@ -328,7 +328,7 @@ const BadInput kBadYamls[] = {
     {"GainOfAPassiveJoint", "servo:", "joints: {FL_elbow_left: {kp: 2}}\nservo:", "joints.FL_elbow_left.kp",
      "one of the keys armature", "unknown key 'kp'"},
 };
-INSTANTIATE_TEST_SUITE_P(RobotLoader, BadRobotYaml, ::testing::ValuesIn(kBadYamls), kName);
+INSTANTIATE_TEST_SUITE_P(RobotLoader, BadRobotYaml, ::testing::ValuesIn(kBadYamls), kLoaderCase);
 
 TEST(RobotLoader, NamesMissingFiles) {
   const ScratchRobot scratch;

@@ -1,17 +1,17 @@
 #include "crossgait/physics/robot.h"
 
 #include <functional>
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "crossgait/tests/physics/config_error.h"
 #include "crossgait/tests/physics/scratch_robot.h"
+#include "crossgait/tests/support/constants.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using test::kNaN;
 
 TEST(Robot, ActuatedJointsKeepTheOrderOfTheLegs) {
   const RobotDescription robot = load_robot(kRobotFolder + "robot.yaml");
@@ -164,10 +164,10 @@ std::vector<Corruption> whole_robot_corruptions() {
   };
 }
 
-const auto kName = [](const auto& info) { return info.param.name; };
-INSTANTIATE_TEST_SUITE_P(Body, CorruptRobot, ::testing::ValuesIn(body_corruptions()), kName);
-INSTANTIATE_TEST_SUITE_P(Joint, CorruptRobot, ::testing::ValuesIn(joint_corruptions()), kName);
-INSTANTIATE_TEST_SUITE_P(Whole, CorruptRobot, ::testing::ValuesIn(whole_robot_corruptions()), kName);
+const auto kCorruption = [](const auto& info) { return info.param.name; };
+INSTANTIATE_TEST_SUITE_P(Body, CorruptRobot, ::testing::ValuesIn(body_corruptions()), kCorruption);
+INSTANTIATE_TEST_SUITE_P(Joint, CorruptRobot, ::testing::ValuesIn(joint_corruptions()), kCorruption);
+INSTANTIATE_TEST_SUITE_P(Whole, CorruptRobot, ::testing::ValuesIn(whole_robot_corruptions()), kCorruption);
 
 }  // namespace
 }  // namespace crossgait

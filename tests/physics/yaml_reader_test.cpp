@@ -108,8 +108,8 @@ const BadYaml kBadYaml[] = {
     {"BadElement", "a: [1, 2, x]\n", [](const YamlValue& v) { v.at("a").vector3(); },
      "test.yaml: line 1, a[2]: expected a finite number, found 'x'"},
 };
-const auto kName = [](const auto& info) { return info.param.name; };
-INSTANTIATE_TEST_SUITE_P(All, YamlReaderError, ::testing::ValuesIn(kBadYaml), kName);
+const auto kYamlCase = [](const auto& info) { return info.param.name; };
+INSTANTIATE_TEST_SUITE_P(All, YamlReaderError, ::testing::ValuesIn(kBadYaml), kYamlCase);
 
 TEST(YamlReader, RejectsAValueInsideItself) {
   const ConfigError error = config_error([] { parse("a: &x [*x, *x]\n"); });

@@ -11,5 +11,7 @@ namespace crossgait {
 /// raised when a key goes, changes its meaning, unit or type; a key that is added leaves it as it is.
 /// @throws std::logic_error for a name that has no schema
 nlohmann::ordered_json with_schema(std::string_view name, const nlohmann::ordered_json& json);
+/// {"name", "version"} alone. @throws std::logic_error as above
+nlohmann::ordered_json schema(std::string_view name);
 
 }  // namespace crossgait
