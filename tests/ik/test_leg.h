@@ -1,6 +1,7 @@
 // The leg of design figures, written by hand: what the geometry derived from the robot file must equal.
 #pragma once
 
+#include "crossgait/ik/five_bar.h"
 #include "crossgait/ik/geometry.h"
 
 namespace crossgait::test {
