@@ -1,4 +1,5 @@
-# Headers, libraries, engines, models, the program and a package configuration for find_package(crossgait).
+# Headers, libraries, engines, models, the program, and package configurations for find_package(crossgait) and for
+# `pkg-config crossgait`.
 include(CMakePackageConfigHelpers)
 
 foreach(folder physics ik gait env parity study benchmarks)
@@ -18,3 +19,19 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/crossgait-config-version.
 install(FILES ${PROJECT_BINARY_DIR}/crossgait-config.cmake ${PROJECT_BINARY_DIR}/crossgait-config-version.cmake
               ${PROJECT_SOURCE_DIR}/cmake/CrossgaitEngine.cmake ${PROJECT_SOURCE_DIR}/cmake/crossgait_engine.map
         DESTINATION ${_package_dir})
+
+# For compilers without CMake. Libraries are static: each before those that it needs, which are defined before it.
+get_property(_libraries GLOBAL PROPERTY CROSSGAIT_LIBRARIES)
+list(REVERSE _libraries)
+list(TRANSFORM _libraries PREPEND "-l")
+list(JOIN _libraries " " CROSSGAIT_PKG_CONFIG_LIBRARIES)
+file(RELATIVE_PATH CROSSGAIT_PREFIX_FROM_PKG_CONFIG ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+string(REGEX REPLACE "/$" "" CROSSGAIT_PREFIX_FROM_PKG_CONFIG "${CROSSGAIT_PREFIX_FROM_PKG_CONFIG}")
+configure_file(${PROJECT_SOURCE_DIR}/cmake/crossgait.pc.in ${PROJECT_BINARY_DIR}/crossgait.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/crossgait.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+# Where the models are (physics/data_path.h): a flag with a text in quotes would not survive every shell and makefile.
+install(CODE "
+  get_filename_component(_prefix \"\${CMAKE_INSTALL_PREFIX}\" ABSOLUTE)
+  file(WRITE \"\$ENV{DESTDIR}\${_prefix}/${CMAKE_INSTALL_INCLUDEDIR}/crossgait/physics/installed_models.h\"
+    \"// Written by the installation: where it put the robots and terrains.\n#pragma once\n\"
+    \"#define CROSSGAIT_MODELS_DIR \\\"\${_prefix}/${CMAKE_INSTALL_DATADIR}/crossgait/models\\\"\n\")")

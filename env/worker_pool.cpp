@@ -17,10 +17,17 @@ void wait_while(const std::atomic<std::size_t>& value, std::size_t old) noexcept
 }  // namespace
 
 WorkerPool::WorkerPool(std::size_t workers) {
-  for (std::size_t i = 1; i < workers; ++i) threads_.emplace_back([this] { serve(); });
+  try {
+    for (std::size_t i = 1; i < workers; ++i) threads_.emplace_back([this] { serve(); });
+  } catch (...) {
+    stop();  // those that did start, or joining them would never end
+    throw;
+  }
 }
 
-WorkerPool::~WorkerPool() {
+WorkerPool::~WorkerPool() { stop(); }
+
+void WorkerPool::stop() noexcept {
   stop_ = true;
   round_.fetch_add(1, std::memory_order_release);
   round_.notify_all();

@@ -16,6 +16,7 @@ namespace crossgait {
 class WorkerPool {
  public:
   /// @param workers  at least 1; 1 starts no thread
+  /// @throws std::system_error if the system grants no more threads
   explicit WorkerPool(std::size_t workers);
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -38,6 +39,7 @@ class WorkerPool {
   void run(std::size_t count, Call call, const void* function);
   void work() noexcept;
   void serve() noexcept;
+  void stop() noexcept;
 
   // Written by the caller between rounds; a change of `round_` hands them to the workers.
   Call call_ = nullptr;

@@ -5,13 +5,19 @@
 #include <string_view>
 #include <vector>
 
+#ifndef CROSSGAIT_MODELS_DIR
+#include "crossgait/physics/installed_models.h"  // written by the installation
+#endif
+
 namespace crossgait {
 
 /// Folder of the models that come with Crossgait, the first of these that exists:
 ///  1. the environment variable CROSSGAIT_DATA, which must then name a folder;
 ///  2. the installed folder as seen from the running program: <prefix>/bin/../share/crossgait/models;
-///  3. `built_in`, which the CMake target crossgait::physics defines: models/ of the source tree within this
-///     project's build, the installed folder in a program that links an installed Crossgait.
+///  3. `built_in`: models/ of the source tree within this project's build, the installed folder in a program
+///  that
+///     was compiled against an installed Crossgait. CMake's target crossgait::physics defines it; without
+///     CMake the installed headers do.
 /// @throws ConfigError naming what was looked at
 std::string models_dir(std::string_view built_in = CROSSGAIT_MODELS_DIR);
 

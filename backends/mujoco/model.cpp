@@ -1,37 +1,40 @@
 #include "crossgait/backends/mujoco/model.h"
 
 #include <array>
-#include <mutex>
-#include <stdexcept>
+#include <memory>
+#include <string>
 
-#include <fmt/format.h>
-
+#include "crossgait/backends/mujoco/engine_call.h"
 #include "crossgait/backends/mujoco/model_xml.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait::mujoco {
 namespace {
 
-// MuJoCo's default handlers wait for a key press and write a log file into the working directory.
-void install_handlers() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    mju_user_error = [](const char* message) {
-      throw std::runtime_error(fmt::format("MuJoCo: {}", message));
-    };
-    mju_user_warning = [](const char*) {};  // counted in mjData::warning, which do_step reads
-  });
-}
+// Of MuJoCo, in memory. Megabytes large in 2.2.2: not for the stack.
+class FileSystem {
+ public:
+  FileSystem() { mj_defaultVFS(files_.get()); }
+  ~FileSystem() { mj_deleteVFS(files_.get()); }
+  FileSystem(const FileSystem&) = delete;
+  FileSystem& operator=(const FileSystem&) = delete;
+
+  void add(const char* name, const std::string& text) {
+    mj_makeEmptyFileVFS(files_.get(), name, static_cast<int>(text.size()));
+    text.copy(static_cast<char*>(files_->filedata[0]), text.size());
+  }
+  const mjVFS* get() const { return files_.get(); }
+
+ private:
+  std::unique_ptr<mjVFS> files_ = std::make_unique<mjVFS>();
+};
 
 ModelPtr compile(const WorldSpec& spec) {
-  const std::string xml = model_xml(spec);
-  const auto files = std::make_unique<mjVFS>();  // 2.2.2's file system is megabytes large: not for the stack
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "model.xml", static_cast<int>(xml.size()));
-  xml.copy(static_cast<char*>(files->filedata[0]), xml.size());
+  const ThrowMujocoErrors errors;
+  FileSystem files;
+  files.add("model.xml", model_xml(spec));
   std::array<char, 1000> error{};
   ModelPtr model(mj_loadXML("model.xml", files.get(), error.data(), static_cast<int>(error.size())));
-  mj_deleteVFS(files.get());
   if (!model) {
     throw ConfigError(spec.robot->source, spec.robot->name, "a robot that MuJoCo can compile", error.data());
   }
@@ -60,7 +63,6 @@ void fill_heights(mjModel& m, const HeightField& field) {
 }  // namespace
 
 ModelPtr compile_model(const WorldSpec& spec) {
-  install_handlers();
   ModelPtr model = compile(spec);
   set_loop_anchors(*model, *spec.robot);
   if (const HeightField* field = spec.terrain.field()) fill_heights(*model, *field);

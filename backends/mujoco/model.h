@@ -18,7 +18,7 @@ using DataPtr = std::unique_ptr<mjData, Deleter>;
 
 /// Compiles `model_xml(spec)` and fills in what MJCF text cannot say: both anchors of every loop, and
 /// heights.
-/// @throws ConfigError if MuJoCo refuses the model
+/// @throws ConfigError if MuJoCo refuses the model, std::runtime_error if it fails otherwise (memory)
 ModelPtr compile_model(const WorldSpec& spec);
 
 }  // namespace crossgait::mujoco

@@ -139,8 +139,8 @@ std::string model_xml(const WorldSpec& spec) {
       "jacobian='dense' iterations='{}' tolerance='{:.17g}' impratio='{:.17g}'/>",
       spec.physics_dt, numbers(spec.gravity), spec.solver.iterations, spec.solver.tolerance,
       spec.contact.impratio);
-  // Room for every shape of a fallen robot; userdata carries the terrain to the shared collision routine.
-  xml.add("<size nconmax='256' njmax='1024' nuserdata='1'/>");
+  // Room for every shape of a fallen robot.
+  xml.add("<size nconmax='256' njmax='1024'/>");
   if (const HeightField* field = spec.terrain.field()) {
     // Elevation scale 1 m (heights are metres); the second figure is the depth of the solid below the lowest
     // point.

@@ -6,6 +6,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "crossgait/backends/mujoco/engine_call.h"
 #include "crossgait/backends/mujoco/model.h"
 #include "crossgait/backends/mujoco/model_xml.h"
 #include "crossgait/backends/mujoco/sphere_collision.h"
@@ -26,10 +27,11 @@ class MujocoBackend final : public PhysicsBackend {
   explicit MujocoBackend(const WorldSpec& world) : PhysicsBackend(world) {
     install_sphere_collision();
     model_ = compile_model(spec());
-    data_.reset(mj_makeData(model_.get()));
-    query_.reset(mj_makeData(model_.get()));
-    set_terrain(model_.get(), query_.get(), &spec().terrain);
-    mj_forward(model_.get(), query_.get());
+    in_mujoco(who(), [this] {
+      data_.reset(mj_makeData(model_.get()));
+      query_.reset(mj_makeData(model_.get()));
+      mj_forward(model_.get(), query_.get());
+    });
     index_elements();
     reset();
   }
@@ -69,13 +71,14 @@ class MujocoBackend final : public PhysicsBackend {
     base_body_ = bodies_[0];
   }
 
+  CalledFor who() const noexcept { return {model_.get(), &spec().terrain}; }
+
   /// Where MuJoCo's base body sits in ours.
   const Vector3& base_origin() const noexcept { return robot().bodies[0].inertia.p_BC; }
 
   void do_reset(const RobotState& state) override {
     mjData& d = *data_;
-    mj_resetData(model_.get(), &d);
-    set_terrain(model_.get(), &d, &spec().terrain);
+    in_mujoco(who(), [this] { mj_resetData(model_.get(), data_.get()); });
     d.time = state.time;
     const Quaternion q = state.q_WB.normalized();
     const std::array<mjtNum, 4> wxyz{q.w(), q.x(), q.y(), q.z()};
@@ -104,7 +107,7 @@ class MujocoBackend final : public PhysicsBackend {
       d.qfrc_applied[v_address_[i]] = tau[static_cast<Eigen::Index>(i)];
     }
     mju_copy3(d.xfrc_applied + 6 * base_body_, push.data());
-    mj_step(model_.get(), &d);
+    if (!try_in_mujoco(who(), [this] { mj_step(model_.get(), data_.get()); })) return StepStatus::kDiverged;
     // On a bad state MuJoCo warns and silently resets itself.
     const bool bad = d.warning[mjWARN_BADQPOS].number > 0 || d.warning[mjWARN_BADQVEL].number > 0 ||
                      d.warning[mjWARN_BADQACC].number > 0;
@@ -159,17 +162,22 @@ class MujocoBackend final : public PhysicsBackend {
     const std::array<mjtNum, 3> from{x, y, top}, down{0, 0, -1};
     constexpr std::array<mjtByte, 6> kTerrainOnly{1, 0, 0, 0, 0, 0};
     int geom = -1;
-    const double distance =
-        mj_ray(model_.get(), query_.get(), from.data(), down.data(), kTerrainOnly.data(), 1, -1, &geom);
+    double distance = -1;
+    in_mujoco(who(), [&] {
+      distance =
+          mj_ray(model_.get(), query_.get(), from.data(), down.data(), kTerrainOnly.data(), 1, -1, &geom);
+    });
     return distance < 0 ? std::numeric_limits<double>::quiet_NaN() : top - distance;
   }
 
   // A copy of the configuration for questions between steps, so that asking never disturbs the simulation.
   const mjData& refreshed_query() const {
-    mju_copy(query_->qpos, data_->qpos, model_->nq);
-    mj_kinematics(model_.get(), query_.get());
-    mj_comPos(model_.get(), query_.get());
-    mj_crb(model_.get(), query_.get());
+    in_mujoco(who(), [this] {
+      mju_copy(query_->qpos, data_->qpos, model_->nq);
+      mj_kinematics(model_.get(), query_.get());
+      mj_comPos(model_.get(), query_.get());
+      mj_crb(model_.get(), query_.get());
+    });
     return *query_;
   }
 
@@ -222,8 +230,7 @@ class MujocoBackend final : public PhysicsBackend {
   void do_restore(const std::vector<double>& engine) override {
     const mjModel& m = *model_;
     mjData& d = *data_;
-    mj_resetData(&m, &d);
-    set_terrain(&m, &d, &spec().terrain);
+    in_mujoco(who(), [this] { mj_resetData(model_.get(), data_.get()); });
     const double* next = engine.data();
     const auto take = [&next](mjtNum* to, int count) {
       mju_copy(to, next, count);

@@ -1,25 +1,20 @@
 #include "crossgait/backends/mujoco/sphere_collision.h"
 
-#include <bit>
-#include <cstdint>
 #include <mutex>
+
+#include <mujoco/mujoco.h>
+
+#include "crossgait/backends/mujoco/engine_call.h"
 
 namespace crossgait::mujoco {
 namespace {
-
-// A pointer in mjData's array of numbers, marked so that another program's user data is not mistaken for
-// ours: bit patterns of user-space pointers are denormal doubles, which nobody stores by accident.
-const Terrain* terrain_of(const mjModel* m, const mjData* d) {
-  if (m->nuserdata != 1) return nullptr;
-  return std::bit_cast<const Terrain*>(d->userdata[0]);
-}
 
 mjfCollision& field_sphere_entry() { return mjCOLLISIONFUNC[mjGEOM_HFIELD][mjGEOM_SPHERE]; }
 
 mjfCollision original_routine = nullptr;
 
 int collide(const mjModel* m, const mjData* d, mjContact* contact, int field, int sphere, mjtNum margin) {
-  const Terrain* terrain = terrain_of(m, d);
+  const Terrain* terrain = terrain_of(m);
   if (terrain == nullptr) return original_routine(m, d, contact, field, sphere, margin);
 
   const mjtNum* p = d->geom_xpos + 3 * sphere;
@@ -40,11 +35,6 @@ void install_sphere_collision() {
     original_routine = field_sphere_entry();
     field_sphere_entry() = collide;
   });
-}
-
-void set_terrain(const mjModel* m, mjData* d, const Terrain* terrain) {
-  static_assert(sizeof(terrain) == sizeof(mjtNum));
-  if (m->nuserdata == 1) d->userdata[0] = std::bit_cast<mjtNum>(terrain);
 }
 
 }  // namespace crossgait::mujoco

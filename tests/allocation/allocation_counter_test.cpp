@@ -1,5 +1,6 @@
 #include "crossgait/tests/support/allocation_counter.h"
 
+#include <atomic>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -9,6 +10,8 @@
 
 #include <Eigen/Core>
 #include <gtest/gtest.h>
+
+#include "crossgait/env/worker_pool.h"
 
 namespace crossgait {
 namespace {
@@ -122,6 +125,21 @@ TEST(AllocationCounter, CountsThisThreadOnly) {
   }
   EXPECT_EQ(counted_there, 1000U);
   EXPECT_EQ(scope.count(), made_by_thread_start);
+}
+
+TEST(AllocationCounter, OfTheProcessCountsEveryThread) {
+  WorkerPool pool(2);
+  // Both workers have to be at it: each waits for the other.
+  std::atomic<int> waiting = 0;
+  const ProcessAllocationScope all;
+  const AllocationScope here;
+  pool.run(2, [&](std::size_t) {
+    ++waiting;
+    while (waiting < 2) std::this_thread::yield();
+    for (int i = 0; i < 100; ++i) keep(std::make_unique<int>(i).get());
+  });
+  EXPECT_EQ(here.count(), 100U);
+  EXPECT_EQ(all.count(), 200U);
 }
 
 }  // namespace

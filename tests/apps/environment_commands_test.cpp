@@ -55,6 +55,7 @@ TEST(EnvCommand, WritesAConfigurationThatRolloutReads) {
 }
 
 TEST(RolloutCommand, ShowsPoliciesAndTheBaselineInEveryEngine) {
+  ASSERT_FALSE(available_engines().empty());
   for (const std::string& engine : available_engines()) {
     const std::string arguments =
         "rollout --policy random --baseline --episodes 2 --episode-seconds 1 --terrain rough --backend " +
@@ -72,6 +73,7 @@ TEST(RolloutCommand, ShowsPoliciesAndTheBaselineInEveryEngine) {
 }
 
 TEST(RolloutCommand, OfTheZeroPolicyIsTheWalk) {
+  ASSERT_FALSE(available_engines().empty());
   for (const std::string& engine : available_engines()) {
     const json walk = run_json("walk --terrain rough --seed 2 --seconds 1 --engine " + engine);
     const json rollout = run_json(

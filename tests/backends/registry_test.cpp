@@ -1,11 +1,31 @@
 // Engines by name.
+#include <algorithm>
 #include <set>
+#include <sstream>
+#include <string>
 
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {
+
+// Everything that runs for "every backend that is available" would say nothing of one whose plug-in is
+// broken.
+TEST(Registry, WhatWasBuiltIsAvailable) {
+  std::istringstream built(CROSSGAIT_BUILT_ENGINES);
+  std::string engine;
+  int count = 0;
+  while (std::getline(built, engine, ',')) {
+    const auto& all = known_engines();
+    const auto entry =
+        std::find_if(all.begin(), all.end(), [&](const EngineListing& e) { return e.name == engine; });
+    ASSERT_NE(entry, all.end()) << engine;
+    EXPECT_TRUE(entry->available) << engine << ": " << entry->reason;
+    ++count;
+  }
+  EXPECT_GT(count, 0) << "no engine was built: " << CROSSGAIT_BUILT_ENGINES;
+}
 
 TEST(Registry, NamesAreUniqueAndTellWhyTheyAreMissing) {
   std::set<std::string> names;
@@ -66,7 +86,11 @@ TEST(Registry, AnUnknownNameListsTheKnownOnes) {
 
 TEST(Registry, FamiliesLeadFromOneEndToTheOther) {
   const WorldSpec spec = scenes::world_of(scenes::sled());
+  const std::vector<std::string> engines = available_engines();
+  const bool bullet = std::find(engines.begin(), engines.end(), "bullet") != engines.end();
+  EXPECT_EQ(engine_families().size(), bullet ? 1U : 0U);
   for (const EngineFamily& family : engine_families()) {
+    EXPECT_FALSE(family.factors.empty());
     std::string name = family.from;
     for (const ModelFactor& factor : family.factors) {
       EXPECT_FALSE(factor.summary.empty());

@@ -116,7 +116,9 @@ TEST_P(Feet, StandAndStep) {
   EXPECT_EQ(card.stand_seconds, 2);
   EXPECT_LT(std::abs(card.force_error), 1e-3);  // as the conformance test of standing
   EXPECT_LT(card.creep_mps, 1e-3);
-  EXPECT_GE(card.penetration_m, 0);
+  if (capabilities().soft_contact) {  // what carries has given way; hard contact may be met exactly
+    EXPECT_GT(card.penetration_m, 0);
+  }
   EXPECT_LT(card.penetration_m, 2e-3);
   EXPECT_GT(card.touchdowns, 0);
   EXPECT_LE(card.touchdowns, 2 * kLegCount + 2);  // one per leg and stride, give or take one at either end

@@ -182,6 +182,7 @@ TEST_P(Trotting, AFootHeldUpDoesNotTouch) {
 }
 
 TEST(NoContact, InTheAirNothingTouches) {
+  ASSERT_FALSE(available_engines().empty());
   for (const std::string& name : available_engines()) {
     const auto backend = make_backend(name, scenes::world_of(scenes::quadruped()));
     RobotState start = backend->home_state();
@@ -267,6 +268,7 @@ class OtherShapes : public BackendTest {
     const Vector3 tilt = roll_pitch_yaw(backend->state().q_WB);
     EXPECT_LT(tilt.head<2>().norm(), 1e-2);
     EXPECT_LT(backend->state().v_WB.norm(), 1e-3);
+    ASSERT_GT(backend->contacts().count, 0);
     for (const Contact& c : backend->contacts()) EXPECT_EQ(c.leg, -1);
   }
 };

@@ -1,6 +1,14 @@
 #include "crossgait/env/vector_env.h"
 
+#include <atomic>
+#include <fstream>
+#include <memory>
 #include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/support/backend_test.h"
@@ -75,6 +83,123 @@ TEST_P(Vectors, EachIsASingleEnvironmentWithItsOwnSeed) {
     single.reset(derived_seed(derived_seed(11, i), 0), seen);
     const auto row = std::span(arrays.observations).subspan(i * seen.size(), seen.size());
     EXPECT_TRUE(std::equal(seen.begin(), seen.end(), row.begin()));
+  }
+}
+
+/// One environment on its own, stepped by the contract of AutoReset and nothing of VectorEnv.
+class Single {
+ public:
+  Single(const EnvConfig& config, const Engine& engine, std::uint64_t seed, AutoReset mode)
+      : env_(config, engine), seed_(seed), mode_(mode), seen(env_.observation_size()), last(seen.size(), -1) {
+    begin();
+  }
+
+  void step(std::span<const double> action) {
+    result = {};
+    if (ended_) {
+      begin();
+      return;
+    }
+    result = env_.step(action, seen);
+    if (!result.done()) return;
+    (result.terminated ? terminated : truncated) += 1;
+    if (mode_ == AutoReset::kNextStep) {
+      ended_ = true;
+      return;
+    }
+    last = seen;
+    begin();
+  }
+
+  const AdaptiveGaitEnv& env() const { return env_; }
+
+ private:
+  void begin() {
+    env_.reset(derived_seed(seed_, episode_++), seen);
+    ended_ = false;
+  }
+
+  AdaptiveGaitEnv env_;
+  std::uint64_t seed_, episode_ = 0;
+  AutoReset mode_;
+  bool ended_ = false;
+
+ public:
+  std::vector<double> seen, last;
+  StepResult result;
+  int terminated = 0, truncated = 0;
+};
+
+void expect_same_info(const StepInfo& a, const StepInfo& b) {
+  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a.reward_terms, b.reward_terms);
+  EXPECT_EQ(a.swing, b.swing);
+  EXPECT_EQ(a.distance, b.distance);
+  EXPECT_EQ(a.lateral, b.lateral);
+  EXPECT_EQ(a.roll_pitch_yaw, b.roll_pitch_yaw);
+  EXPECT_EQ(a.power, b.power);
+  EXPECT_EQ(a.limit_factor, b.limit_factor);
+  EXPECT_EQ(a.ik_clamped, b.ik_clamped);
+  EXPECT_EQ(a.invalid_actions, b.invalid_actions);
+  EXPECT_EQ(a.outcome, b.outcome);
+  for (const ParameterRow& row : gait_parameters())
+    EXPECT_EQ(a.parameters.*row.member, b.parameters.*row.member) << row.name;
+  for (const Leg leg : kLegs) {
+    EXPECT_EQ(a.contacts[leg].touching, b.contacts[leg].touching);
+    EXPECT_EQ(a.contacts[leg].force, b.contacts[leg].force);
+  }
+}
+
+TEST_P(Vectors, AreSingleEnvironmentsBitForBitOverSeveralEpisodes) {
+  EnvConfig config = short_episodes();
+  config.tilt_limit_deg = 4;  // falls now and then before its time is over
+  config.episode_seconds = 0.16;
+  config.policy_dt = 0.01;
+  config.residual_scale = 0.03;
+  constexpr std::size_t kEnvironments = 4;
+  constexpr std::uint64_t kSeed = 11;
+  for (const AutoReset mode : {AutoReset::kNextStep, AutoReset::kSameStep}) {
+    VectorEnv env = make_env(config, {kEnvironments, 3, mode});
+    Arrays arrays(env);
+    env.reset(kSeed, arrays.observations);
+    std::vector<std::unique_ptr<Single>> singles;
+    for (std::size_t i = 0; i < kEnvironments; ++i)
+      singles.push_back(
+          std::make_unique<Single>(config, find_engine(GetParam()), derived_seed(kSeed, i), mode));
+    Random random(1);
+    const std::size_t n = env.observation_size(), m = env.action_size();
+    for (int step = 0; step < 100 && !HasFailure(); ++step) {
+      const std::vector<double> actions = scenes::random_action(random, kEnvironments * m);
+      env.step(actions, arrays.view());
+      for (std::size_t i = 0; i < kEnvironments; ++i) {
+        SCOPED_TRACE("environment " + std::to_string(i) + " in step " + std::to_string(step));
+        Single& single = *singles[i];
+        single.step(std::span(actions).subspan(i * m, m));
+        const auto row = [&](const std::vector<double>& matrix) {
+          return std::vector<double>(matrix.begin() + static_cast<std::ptrdiff_t>(i * n),
+                                     matrix.begin() + static_cast<std::ptrdiff_t>((i + 1) * n));
+        };
+        EXPECT_EQ(row(arrays.observations), single.seen);
+        EXPECT_EQ(row(arrays.finals), single.last);
+        EXPECT_EQ(arrays.rewards[i], single.result.reward);
+        EXPECT_EQ(arrays.terminated[i], single.result.terminated ? 1 : 0);
+        EXPECT_EQ(arrays.truncated[i], single.result.truncated ? 1 : 0);
+        expect_same_info(env.environment(i).info(), single.env().info());
+      }
+    }
+    int terminated = 0, truncated = 0;
+    for (const auto& single : singles) {
+      EXPECT_GE(single->terminated + single->truncated, 3);  // several episodes of each
+      terminated += single->terminated;
+      truncated += single->truncated;
+    }
+    EXPECT_GT(terminated, 0);
+    EXPECT_GT(truncated, 0);
+    // Nothing above would notice rows that are all alike.
+    for (std::size_t i = 1; i < kEnvironments; ++i) {
+      EXPECT_NE(singles[i]->seen, singles[0]->seen);
+      EXPECT_NE(singles[i]->last == singles[0]->last, mode == AutoReset::kSameStep);
+    }
   }
 }
 
@@ -167,6 +292,28 @@ TEST(WorkerPool, CallsEveryIndexOnceAndReportsTheFirstError) {
   }
   EXPECT_EQ(done, 100);
   pool.run(1, [](std::size_t) {});  // and goes on
+}
+
+TEST(WorkerPool, WithoutAllItsThreadsIsAnErrorAndDoesNotWaitForEver) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers take more address space than can be limited";
+#endif
+  // Address space for some more stacks of 8 MB, and not for a thousand.
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+  rlimit tight = before;
+  tight.rlim_cur = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + (rlim_t{100} << 20);
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &tight), 0);
+  bool refused = false;
+  try {
+    const WorkerPool pool(1000);
+  } catch (const std::system_error&) {
+    refused = true;
+  }
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &before), 0);
+  EXPECT_TRUE(refused);
 }
 
 }  // namespace

@@ -101,6 +101,7 @@ TEST(SafeBox, HoldsOnlySafeTargetsAndCannotGrow) {
   const TargetBox box = safe_box(hand_made_leg(), centre);
   EXPECT_TRUE((box.min.array() < centre.array()).all() && (box.max.array() > centre.array()).all());
   const WorkspaceMap map = sample_workspace(hand_made_leg(), kDefaultMode, box, {23, 23, 23});
+  ASSERT_EQ(map.samples.size(), 23U * 23U * 23U);
   for (const WorkspaceSample& sample : map.samples) EXPECT_TRUE(is_safe(sample, required));
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {-1.0, 1.0}) {

@@ -18,16 +18,23 @@ WorldSpec world_on(const std::string& terrain) {
   return spec;
 }
 
-/// The audited backend against the first there is.
-class PlantedFaults : public BackendTest {};
+/// The audited backend against the first there is; the first against the last.
+class PlantedFaults : public BackendTest {
+ protected:
+  static std::string reference() {
+    const std::vector<std::string> names = available_engines();
+    return GetParam() != names.front() ? names.front() : names.back();
+  }
+};
 CROSSGAIT_FOR_EVERY_BACKEND(PlantedFaults);
 
 TEST_P(PlantedFaults, SoundModelsRaiseNoAlarm) {
+  if (reference() == GetParam()) GTEST_SKIP() << "one engine alone, which can only agree with itself";
   for (const char* terrain : {"flat", "rough:seed=1,size_x=2,size_y=2", "slope:angle=10"}) {
     for (const scenes::RobotPtr& robot : {scenes::quadruped(), scenes::long_quadruped()}) {
       WorldSpec spec = world_on(terrain);
       spec.robot = robot;
-      const auto a = make_backend(available_engines().front(), spec), b = make(spec);
+      const auto a = make_backend(reference(), spec), b = make(spec);
       const std::vector<AuditFinding> findings = audit_models(*a, *b);
       EXPECT_TRUE(findings.empty()) << robot->name << " on " << terrain << ": " << describe(findings);
     }
@@ -40,7 +47,7 @@ TEST_P(PlantedFaults, AreNamed) {
     const WorldSpec sound = world_on(fault.terrain);
     WorldSpec faulty = sound;
     fault.plant(faulty);
-    const auto a = make_backend(available_engines().front(), sound), b = make(faulty);
+    const auto a = make_backend(reference(), sound), b = make(faulty);
     const std::vector<AuditFinding> findings = audit_models(*a, *b);
     EXPECT_FALSE(findings.empty());
     if (findings.empty()) continue;

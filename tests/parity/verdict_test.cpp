@@ -177,7 +177,12 @@ TEST(ReachVerdict, EnginesOfOneContactLawAgree) {
   if (matched.size() < 2) GTEST_SKIP() << "no two engines declare the same contact law";
   const Verdict verdict = short_trot(matched[0], matched[1], 1);
   EXPECT_EQ(verdict.conclusion(), Conclusion::kAgrees) << describe(verdict);
-  for (const StatisticVerdict& v : verdict.statistics) EXPECT_NEAR(v.score.estimate, 0, 1e-6);
+  ASSERT_FALSE(verdict.statistics.empty());
+  for (const StatisticVerdict& v : verdict.statistics) {
+    measured(v.statistic.name + ", score", v.score.estimate);
+    // Measured 2.2e-9 (RMS roll) at the solver tolerance of everyday use; a hundred times that, and up.
+    EXPECT_NEAR(v.score.estimate, 0, 1e-6) << v.statistic.name;
+  }
 }
 
 }  // namespace

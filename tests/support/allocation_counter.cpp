@@ -1,5 +1,6 @@
 #include "crossgait/tests/support/allocation_counter.h"
 
+#include <atomic>
 #include <cerrno>
 #include <cstdlib>
 
@@ -10,15 +11,21 @@ namespace {
 // itself.
 thread_local std::size_t allocations = 0;
 thread_local int pauses = 0;
+std::atomic<std::size_t> allocations_of_all{0};
 
 void count_allocation() noexcept {
-  if (pauses == 0) ++allocations;
+  if (pauses != 0) return;
+  ++allocations;
+  allocations_of_all.fetch_add(1, std::memory_order_relaxed);
 }
 
 }  // namespace
 
 AllocationScope::AllocationScope() noexcept : before_(allocations) {}
 std::size_t AllocationScope::count() const noexcept { return allocations - before_; }
+
+ProcessAllocationScope::ProcessAllocationScope() noexcept : before_(allocations_of_all) {}
+std::size_t ProcessAllocationScope::count() const noexcept { return allocations_of_all - before_; }
 
 AllocationPause::AllocationPause() noexcept { ++pauses; }
 AllocationPause::~AllocationPause() { --pauses; }

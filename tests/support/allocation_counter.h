@@ -1,4 +1,4 @@
-// Counts the allocations of the current thread, to prove that a step makes none.
+// Counts the allocations of a thread or of all, to prove that a step makes none.
 #pragma once
 
 #include <cstddef>
@@ -17,6 +17,20 @@ class AllocationScope {
   AllocationScope& operator=(const AllocationScope&) = delete;
 
   /// Allocations since construction; reallocations count as one each.
+  std::size_t count() const noexcept;
+
+ private:
+  std::size_t before_;
+};
+
+/// The same for every thread of the process: for what shares its work out to threads of its own.
+class ProcessAllocationScope {
+ public:
+  ProcessAllocationScope() noexcept;
+  ~ProcessAllocationScope() = default;
+  ProcessAllocationScope(const ProcessAllocationScope&) = delete;
+  ProcessAllocationScope& operator=(const ProcessAllocationScope&) = delete;
+
   std::size_t count() const noexcept;
 
  private:

@@ -113,6 +113,7 @@ inline std::size_t allocations_of_an_environment(const Engine& engine) {
   return scope.count();
 }
 
+/// Of all workers.
 inline std::size_t allocations_of_a_batch(const Engine& engine) {
   VectorEnv env(full_environment(), engine, {.environments = 3, .workers = 2});
   std::vector<double> seen(3 * env.observation_size()), rewards(3), actions(3 * env.action_size(), 0.1);
@@ -122,7 +123,7 @@ inline std::size_t allocations_of_a_batch(const Engine& engine) {
     for (int i = 0; i < count; ++i) env.step(actions, {seen, rewards, terminated, truncated});
   };
   steps(1000);
-  const AllocationScope scope;
+  const ProcessAllocationScope scope;
   steps(500);
   return scope.count();
 }

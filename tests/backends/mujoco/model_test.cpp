@@ -1,11 +1,9 @@
-// Inside the MuJoCo backend: the compiled model, and the collision routine that it installs for the whole
-// process.
+// Inside the MuJoCo backend: the compiled model, and its collision routine.
 #include "crossgait/backends/mujoco/model.h"
 
-#include <array>
-#include <cstring>
-#include <memory>
-#include <string>
+#include <cmath>
+#include <cstdio>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -17,19 +15,6 @@
 
 namespace crossgait::mujoco {
 namespace {
-
-/// A model that is not Crossgait's.
-ModelPtr compile(const std::string& xml) {
-  const auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "model.xml", static_cast<int>(xml.size()));
-  std::memcpy(files->filedata[0], xml.data(), xml.size());
-  std::array<char, 1000> error{};
-  ModelPtr model(mj_loadXML("model.xml", files.get(), error.data(), static_cast<int>(error.size())));
-  mj_deleteVFS(files.get());
-  EXPECT_NE(model, nullptr) << error.data();
-  return model;
-}
 
 int body_id(const mjModel& m, int body) { return mj_name2id(&m, mjOBJ_BODY, body_name(body).c_str()); }
 
@@ -91,40 +76,6 @@ TEST(MujocoModel, ShapesCollideWithTheTerrainAlone) {
   for (int a = 0; a < m->ngeom; ++a) {
     for (int b = 0; b < a; ++b) EXPECT_EQ(collide(a, b), a == terrain || b == terrain);
   }
-}
-
-/// A model of somebody else: a sphere sunk into a height field, with or without a place for user data.
-ModelPtr foreign_model(int nuserdata) {
-  ModelPtr m = compile("<mujoco><size nuserdata='" + std::to_string(nuserdata) +
-                       "'/><asset><hfield name='h' nrow='5' ncol='5' size='1 1 0.1 0.1'/></asset><worldbody>"
-                       "<geom type='hfield' hfield='h'/><body pos='0.13 0.07 0.05'><freejoint/><geom "
-                       "type='sphere' size='0.1'/></body>"
-                       "</worldbody></mujoco>");
-  for (int i = 0; i < 25; ++i) m->hfield_data[i] = static_cast<float>((i * 7) % 5) / 5;
-  return m;
-}
-
-std::vector<double> contacts_of(const mjModel& m) {
-  const DataPtr d(mj_makeData(&m));
-  mj_forward(&m, d.get());
-  std::vector<double> result;
-  for (int i = 0; i < d->ncon; ++i) {
-    result.push_back(d->contact[i].dist);
-    result.insert(result.end(), d->contact[i].pos, d->contact[i].pos + 3);
-    result.insert(result.end(), d->contact[i].frame, d->contact[i].frame + 9);
-  }
-  return result;
-}
-
-TEST(MujocoCollision, LeavesOtherModelsAlone) {
-  // Of the same name as in this process before any backend was made; later tests find it replaced already.
-  const ModelPtr plain = foreign_model(0), with_data = foreign_model(1);
-  const std::vector<double> before = contacts_of(*plain);
-  ASSERT_GT(before.size(), 12U);  // several contacts, where Crossgait's routine gives one
-  engine().make(scenes::world_of(scenes::sled()));
-  EXPECT_NE(mjCOLLISIONFUNC[mjGEOM_HFIELD][mjGEOM_SPHERE], nullptr);
-  EXPECT_EQ(contacts_of(*plain), before);
-  EXPECT_EQ(contacts_of(*with_data), before);  // user data that nobody set
 }
 
 TEST(MujocoCollision, GivesOneContactPerSphereOnLevelGround) {
