@@ -61,6 +61,7 @@ EnvConfig EnvOptions::make() const {
   if (policy_dt) c.policy_dt = *policy_dt;
   if (episode_seconds) c.episode_seconds = *episode_seconds;
   c.validate("command line");
+  print_notes(outside_ranges(c.parameters, find_gait(c.gait).preferred, c.adaptation));
   return c;
 }
 
