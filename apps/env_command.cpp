@@ -75,16 +75,10 @@ void describe(const EnvCommand& options, const EnvConfig& config) {
   const PolicyInterface interface = EnvModel::make(config)->interface;
   const Layout &action = interface.action, &observation = interface.observation;
   const std::string hash = layout_hash(observation, action);
-  const std::vector<std::string> notes =
-      outside_ranges(config.parameters, find_gait(config.gait).preferred, config.adaptation);
-  const ordered_json json{{"notes", notes},
-                          {"layout_version", kLayoutVersion},
-                          {"layout_hash", hash},
-                          {"policy_dt", config.policy_dt},
-                          {"action_size", action.size()},
-                          {"observation_size", observation.size()},
-                          {"action", layout_json(action)},
-                          {"observation", layout_json(observation)}};
+  const ordered_json json{{"notes", notes_on(config)},     {"layout_version", kLayoutVersion},
+                          {"layout_hash", hash},           {"policy_dt", config.policy_dt},
+                          {"action_size", action.size()},  {"observation_size", observation.size()},
+                          {"action", layout_json(action)}, {"observation", layout_json(observation)}};
   options.json.emit(
       fmt::format("{} actions and {} observations every {:g} ms, layout {} of version {}\n\n{}\n{}",
                   action.size(), observation.size(), 1e3 * config.policy_dt, hash, layout_version_in_words(),
