@@ -28,6 +28,10 @@ void JsonOption::emit(const std::string& text, const nlohmann::ordered_json& jso
   }
 }
 
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) fmt::print(stderr, "crossgait: note: {}\n", note);
+}
+
 void add_robot_option(CLI::App& command, std::string& robot) {
   command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file")
       ->type_name("NAME|FILE.yaml|FILE.urdf")

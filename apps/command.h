@@ -40,6 +40,9 @@ struct JsonOption {
   void emit(const std::string& text, const nlohmann::ordered_json& json) const;
 };
 
+/// Says on standard error what the user may want to know of what was asked for.
+void print_notes(const std::vector<std::string>& notes);
+
 /// A name with `--robot`'s meaning: a bundled robot's name or a file. Adds the option alone.
 void add_robot_option(CLI::App& command, std::string& robot);
 

@@ -75,10 +75,10 @@ void describe(const EnvCommand& options, const EnvConfig& config) {
   const PolicyInterface interface = EnvModel::make(config)->interface;
   const Layout &action = interface.action, &observation = interface.observation;
   const std::string hash = layout_hash(observation, action);
-  const ordered_json json{{"layout_version", kLayoutVersion},       {"layout_hash", hash},
-                          {"policy_dt", config.policy_dt},          {"action_size", action.size()},
-                          {"observation_size", observation.size()}, {"action", layout_json(action)},
-                          {"observation", layout_json(observation)}};
+  const ordered_json json{{"notes", notes_on(config)},     {"layout_version", kLayoutVersion},
+                          {"layout_hash", hash},           {"policy_dt", config.policy_dt},
+                          {"action_size", action.size()},  {"observation_size", observation.size()},
+                          {"action", layout_json(action)}, {"observation", layout_json(observation)}};
   options.json.emit(
       fmt::format("{} actions and {} observations every {:g} ms, layout {} of version {}\n\n{}\n{}",
                   action.size(), observation.size(), 1e3 * config.policy_dt, hash, layout_version_in_words(),
@@ -90,6 +90,7 @@ void run(const EnvCommand& options) {
   if (options.list) return list_tables(options);
   const EnvConfig config = options.env.make();
   if (options.yaml) {
+    static_cast<void>(EnvModel::make(config));  // what cannot be made is not written either
     const std::string text = to_yaml(config);
     return options.json.emit(text, with_schema("env", {{"yaml", text}}));
   }

@@ -1,5 +1,7 @@
 #include "crossgait/apps/env_options.h"
 
+#include <limits>
+
 #include "crossgait/backends/registry.h"
 
 namespace crossgait::apps {
@@ -61,7 +63,16 @@ EnvConfig EnvOptions::make() const {
   if (policy_dt) c.policy_dt = *policy_dt;
   if (episode_seconds) c.episode_seconds = *episode_seconds;
   c.validate("command line");
+  print_notes(notes_on(c));
   return c;
+}
+
+std::vector<std::string> notes_on(const EnvConfig& config) {
+  GaitParameters usual = find_gait(config.gait).preferred;
+  // Like nothing: of what adapts there is a note also where it is the gait's own.
+  for (const std::string& name : config.adapt)
+    usual.*find_parameter(name).member = std::numeric_limits<double>::quiet_NaN();
+  return outside_ranges(config.parameters, usual, config.adaptation);
 }
 
 void add_workers_option(CLI::App& command, std::size_t& workers) {

@@ -27,6 +27,10 @@ struct EnvOptions {
   EnvConfig make() const;
 };
 
+/// A sentence for every parameter that begins outside its range: one that adapts, or one that is not as the
+/// gait prefers it.
+std::vector<std::string> notes_on(const EnvConfig& config);
+
 /// `--episodes`, `--seed`, `--workers`.
 void add_episode_options(CLI::App& command, EpisodeOptions& options);
 

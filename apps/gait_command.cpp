@@ -127,6 +127,8 @@ void print_targets(const GaitCommand& options, GaitGenerator& generator, int row
 
 void run(const GaitCommand& options) {
   if (options.list) return list_gaits(options.json);
+  print_notes(outside_ranges(choose_gait(options.gait, options.settings).parameters,
+                             choose_gait(options.gait, {}).parameters));
   if (options.parameters) return list_parameters(options);
   GaitGenerator generator = make_generator(options);
   const double seconds = options.seconds > 0 ? options.seconds : generator.parameters().cycle_time;

@@ -141,7 +141,9 @@ void run(const TerrainCommand& options) {
   ordered_json result{{"terrain", terrain.name()}};
   Table table({terrain.name(), field != nullptr ? "height field" : "infinite plane, z = 0"});
   if (field != nullptr) describe_field(*field, table, result);
+  if (!terrain.scale().empty()) result["field"]["scale"] = terrain.scale();
   std::string text = table.str();
+  if (!terrain.scale().empty()) text += fmt::format("\nscale: {}\n", terrain.scale());
   sample_points(options, terrain, text, result);
   sample_ring_of(options, terrain, text, result);
   if (!options.png.empty()) write_png(*field, options.png);
@@ -154,11 +156,17 @@ void run(const TerrainCommand& options) {
 void add_terrain_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("terrain", "Make, look at and sample the ground");
   command->footer(
+      "\nFiles take settings behind a colon: size_x, size_y (extent in m; without them a sample every .025 "
+      "m)\n"
+      "and, of a picture, z_min, z_max (height of black and white in m; without them 0 and .05). A PNG's "
+      "own\n"
+      "sCAL and pCAL chunks stand for what is not given. Colours count by their luminance (Rec. 709).\n"
       "\nExamples:\n"
       "  crossgait terrain --list\n"
       "  crossgait terrain rough:amplitude=.02 --seed 3 --png rough.png\n"
       "  crossgait terrain stairs --sample 0.5,0 --sample 1,0\n"
-      "  crossgait terrain waves --ring 0,0,1.57");
+      "  crossgait terrain waves --ring 0,0,1.57\n"
+      "  crossgait terrain map.png:size_x=4,size_y=3,z_max=.08");
   auto options = std::make_shared<TerrainCommand>();
   command->add_option("terrain", options->terrain, "NAME[:key=value,...], FILE.png or FILE.csv")
       ->capture_default_str();

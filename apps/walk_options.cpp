@@ -33,7 +33,9 @@ void WalkOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command
       .add_option("--set", settings,
-                  "Change a gait parameter (see `crossgait gait --parameters`); may be repeated")
+                  "Change a gait parameter (see `crossgait gait --parameters`); may be repeated. Outside the "
+                  "range for "
+                  "adaptation there is a note")
       ->type_name("NAME=VALUE");
   CLI::Option* forward =
       command.add_option("--speed", speed, "Walk forward at this speed, m/s (negative reverses)");
@@ -63,6 +65,7 @@ void WalkOptions::add_to(CLI::App& command) {
 WalkConfig WalkOptions::make() const {
   WalkConfig made = config;
   made.gait = choose_gait(gait, settings, make_command(*this));
+  print_notes(outside_ranges(made.gait.parameters, choose_gait(gait, {}, make_command(*this)).parameters));
   made.compensation = !plain_servos;
   made.ends = OutcomeSet::that_end(ends);
   return made;

@@ -82,6 +82,7 @@ Report look(const WorkspaceCommand& options) {
   const FiveBarGeometry& geometry = legs[*leg];
   const Gait gait = find_gait(options.gait);
   const GaitParameters parameters = choose_gait(options.gait, options.settings).parameters;
+  print_notes(outside_ranges(parameters, choose_gait(options.gait, {}).parameters));
 
   Report report;
   report.robot = robot.name;

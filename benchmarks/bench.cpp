@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <thread>
 
 #include <fmt/format.h>
@@ -20,6 +19,7 @@
 #include "crossgait/benchmarks/speed.h"
 #include "crossgait/parity/schema.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/text.h"
 
 namespace crossgait::benchmarks {
 namespace {
@@ -216,9 +216,9 @@ ordered_json run_bench(const BenchOptions& options, const Progress& progress) {
 }
 
 ordered_json read_bench(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw ConfigError(path, "file", "a result of `crossgait bench --json`", "no file to read");
-  ordered_json result = ordered_json::parse(file, nullptr, false);
+  const std::string text = read_text_file(path, kJsonBudget);
+  check_json_budget(text, kJsonBudget, path);
+  ordered_json result = ordered_json::parse(text, nullptr, false);
   const ordered_json expected = schema("bench");
   if (!result.is_object() || result.value("schema", ordered_json()) != expected) {
     const bool has = result.is_object() && result.contains("schema");

@@ -158,7 +158,7 @@ void AdaptiveGaitEnv::measure() {
   for (const Leg leg : kLegs) e.info.swing[leg] = e.controller.is_swing(leg);
   e.info.parameters = e.controller.parameters();
   for (std::size_t i = 0; i < e.parameters.size(); ++i)
-    e.parameters[i] = e.info.parameters.*e.controller.adapted()[i]->member;
+    e.parameters[i] = e.info.parameters.*e.controller.adapted()[i].member;
   if (e.steps == 0) e.last_parameters = e.parameters;
   e.info.roll_pitch_yaw = roll_pitch_yaw(state.q_WB);
   e.info.roll_pitch_yaw.z() = std::remainder(e.info.roll_pitch_yaw.z() - statistics.start_yaw(), 2 * M_PI);

@@ -1,12 +1,15 @@
 #include "crossgait/env/env_config.h"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "crossgait/env/time_steps.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/world_spec.h"
 #include "crossgait/physics/yaml_reader.h"
 
 namespace crossgait {
@@ -16,6 +19,8 @@ void require(bool ok, std::string_view source, std::string_view element, std::st
              double found) {
   if (!ok) throw ConfigError(source, element, expected, fmt::format("{:g}", found));
 }
+
+constexpr double kMostSteps = 1e9;  // of one kind inside another: counts are int
 
 void require_multiple(std::string_view source, std::string_view element, double longer, double shorter) {
   require(is_whole_multiple(longer, shorter), source, element,
@@ -29,6 +34,17 @@ auto at_line(const YamlValue& value, Function&& function) {
     return function();
   } catch (const ConfigError& error) {
     value.fail(error.expected(), error.found());
+  }
+}
+
+// The same for an error that names one of a mapping's keys.
+template <typename Function>
+void at_key(const YamlValue& mapping, Function&& function) {
+  try {
+    function();
+  } catch (const ConfigError& error) {
+    if (const auto value = mapping.find(error.element())) value->fail(error.expected(), error.found());
+    throw ConfigError(mapping.source(), error.element(), error.expected(), error.found());
   }
 }
 
@@ -55,6 +71,32 @@ std::vector<std::string> read_names(const YamlValue& list) {
   return names;
 }
 
+Range read_range(const YamlValue& value) {
+  const std::vector<YamlValue> ends = value.items();
+  if (ends.size() != 2) value.fail("[min, max]", fmt::format("{} values", ends.size()));
+  return {ends[0].number(), ends[1].number()};
+}
+
+void read_ranges(const YamlValue& root, EnvConfig& config) {
+  // One by one, so that what is wrong is found where it stands.
+  const auto check = [](const YamlValue& value, const AdaptationRanges& one) {
+    at_line(value, [&] { one.validate(value.source()); });
+  };
+  if (const auto ranges = root.find("ranges")) {
+    for (const auto& [name, value] : ranges->entries()) {
+      const Range range = read_range(value);
+      config.adaptation.ranges[name] = {range.min, range.max};
+      check(value, {{{name, {range.min, range.max}}}, {}});
+    }
+  }
+  if (const auto scales = root.find("delta_scales")) {
+    for (const auto& [name, value] : scales->entries()) {
+      config.adaptation.delta_scales[name] = value.number();
+      check(value, {config.adaptation.ranges, {{name, value.number()}}});
+    }
+  }
+}
+
 void read_gait(const YamlValue& root, EnvConfig& config) {
   if (const auto gait = root.find("gait")) {
     config.gait = gait->text();
@@ -76,6 +118,7 @@ void read_gait(const YamlValue& root, EnvConfig& config) {
     for (const YamlValue& item : adapt->items())
       named(item, [](const std::string& name) { static_cast<void>(find_parameter(name)); });
   }
+  read_ranges(root, config);
   read(root, "residual_scale", config.residual_scale);
   if (const auto command = root.find("command")) {
     command->allow_keys({"vx", "vy", "yaw_rate"});
@@ -102,11 +145,37 @@ void read_tables(const YamlValue& root, EnvConfig& config) {
     for (const auto& [name, range] : randomisation->entries()) {
       const RandomisationRow& row =
           at_line(range, [&name = name]() -> const RandomisationRow& { return find_randomisation(name); });
-      const std::vector<YamlValue> ends = range.items();
-      if (ends.size() != 2) range.fail("[min, max]", fmt::format("{} values", ends.size()));
-      config.randomisation[row.what] = {ends[0].number(), ends[1].number()};
+      config.randomisation[row.what] = read_range(range);
     }
+    at_key(*randomisation, [&] { config.randomisation.validate(); });
   }
+}
+
+// A file from the folder of the file that names it; anything else as it is.
+std::string resolved(const std::string& text, const std::string& from, bool is_file) {
+  const std::filesystem::path path(text);
+  if (!is_file || path.is_absolute()) return text;
+  return (std::filesystem::path(from).parent_path() / path).lexically_normal().string();
+}
+
+bool is_robot_file(const std::string& text) {
+  const std::filesystem::path path(text);
+  return path.extension() == ".yaml" || path.extension() == ".urdf";
+}
+
+void read_world(const YamlValue& root, EnvConfig& config) {
+  read(root, "backend", config.engine);  // its name before plug-ins
+  read(root, "engine", config.engine);
+  if (const auto robot = root.find("robot")) {
+    config.robot = resolved(robot->text(), root.source(), is_robot_file(robot->text()));
+    config.places.push_back({config.robot, root.source(), robot->element()});
+  }
+  if (const auto terrain = root.find("terrain")) {
+    config.terrain = resolved(terrain->text(), root.source(), is_terrain_file(terrain->text()));
+    config.places.push_back({config.terrain, root.source(), terrain->element()});
+  }
+  if (const auto seed = root.find("terrain_seed")) config.terrain_seed = seed->seed();
+  read(root, "friction", config.friction);
 }
 
 void read_ends(const YamlValue& root, EnvConfig& config) {
@@ -118,21 +187,13 @@ void read_ends(const YamlValue& root, EnvConfig& config) {
 }
 
 EnvConfig read_config(const YamlValue& root) {
-  root.allow_keys(
-      {"engine",         "backend",    "robot",        "terrain",        "terrain_seed",    "friction",
-       "gait",           "parameters", "adapt",        "residual_scale", "command",         "observation",
-       "reward",         "physics_dt", "control_dt",   "policy_dt",      "episode_seconds", "settle_seconds",
-       "tilt_limit_deg", "ends",       "randomisation"});
+  root.allow_keys({"engine",         "backend",        "robot",        "terrain",         "terrain_seed",
+                   "friction",       "gait",           "parameters",   "adapt",           "ranges",
+                   "delta_scales",   "residual_scale", "command",      "observation",     "reward",
+                   "physics_dt",     "control_dt",     "policy_dt",    "episode_seconds", "settle_seconds",
+                   "tilt_limit_deg", "ends",           "randomisation"});
   EnvConfig config;
-  read(root, "backend", config.engine);  // its name before plug-ins
-  read(root, "engine", config.engine);
-  read(root, "robot", config.robot);
-  read(root, "terrain", config.terrain);
-  if (const auto seed = root.find("terrain_seed")) {
-    if (seed->integer() < 0) seed->fail("a whole number of 0 or more", fmt::format("{}", seed->integer()));
-    config.terrain_seed = static_cast<std::uint64_t>(seed->integer());
-  }
-  read(root, "friction", config.friction);
+  read_world(root, config);
   read_gait(root, config);
   read_tables(root, config);
   read(root, "physics_dt", config.physics_dt);
@@ -142,8 +203,23 @@ EnvConfig read_config(const YamlValue& root) {
   read(root, "settle_seconds", config.settle_seconds);
   read(root, "tilt_limit_deg", config.tilt_limit_deg);
   read_ends(root, config);
-  config.validate(root.source());
+  at_key(root, [&] { config.validate(root.source()); });
   return config;
+}
+
+// Names of engines need no quotes, and stored runs are found by this text.
+std::string plain_or_quoted(const std::string& text) {
+  const auto is_plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == ':' || c == '+' || c == '-' || c == '.';
+  };
+  const bool plain =
+      std::all_of(text.begin(), text.end(), is_plain) && !text.starts_with('-') && !text.ends_with(':');
+  return plain ? text : yaml_quoted(text);
+}
+
+std::string whole_path(const std::string& text, bool is_file) {
+  return is_file ? std::filesystem::absolute(text).lexically_normal().string() : text;
 }
 
 template <typename Rows, typename Value>
@@ -158,7 +234,9 @@ void write_map(std::string& out, std::string_view key, const Rows& rows, const V
 }  // namespace
 
 void EnvConfig::validate(std::string_view source) const {
-  require(physics_dt > 0 && physics_dt <= 0.1, source, "physics_dt", "a time step in (0, .1] s", physics_dt);
+  require(physics_dt >= kShortestPhysicsStep && physics_dt <= kLongestPhysicsStep, source, "physics_dt",
+          fmt::format("a time step in [{:g}, {:g}] s", kShortestPhysicsStep, kLongestPhysicsStep),
+          physics_dt);
   require_multiple(source, "control_dt", control_dt, physics_dt);
   require_multiple(source, "policy_dt", policy_dt, control_dt);
   require(episode_seconds >= policy_dt && episode_seconds <= 1e6, source, "episode_seconds",
@@ -167,9 +245,21 @@ void EnvConfig::validate(std::string_view source) const {
           settle_seconds);
   require(tilt_limit_deg > 0 && tilt_limit_deg <= 180, source, "tilt_limit_deg",
           "an angle in (0, 180] degrees", tilt_limit_deg);
-  require(std::isfinite(friction) && friction >= 0, source, "friction", "a coefficient of 0 or more",
-          friction);
+  require(friction >= 0 && friction <= 10, source, "friction", "a coefficient in [0, 10]", friction);
+  require(residual_scale >= 0 && residual_scale <= 1, source, "residual_scale", "a length in [0, 1] m",
+          residual_scale);
+  require(episode_seconds / policy_dt <= kMostSteps, source, "episode_seconds",
+          fmt::format("at most {:g} policy steps", kMostSteps), episode_seconds);
+  require(policy_dt / physics_dt <= kMostSteps, source, "policy_dt",
+          fmt::format("at most {:g} physics steps", kMostSteps), policy_dt);
   crossgait::validate(parameters, source);
+  adaptation.validate(source);
+  for (std::size_t i = 0; i < adapt.size(); ++i) {
+    static_cast<void>(adaptation.row(adapt[i]));
+    if (std::find(adapt.begin(), adapt.begin() + static_cast<std::ptrdiff_t>(i), adapt[i]) !=
+        adapt.begin() + static_cast<std::ptrdiff_t>(i))
+      throw ConfigError(source, "adapt", "every parameter once", fmt::format("{} twice", adapt[i]));
+  }
   static_cast<void>(find_gait(gait));
   if (command && !command->is_finite())
     throw ConfigError(source, "command", "finite velocities", "values that are not");
@@ -192,14 +282,30 @@ EnvConfig parse_env_config(const std::string& text, const std::string& source) {
   return read_config(YamlValue::parse(text, source));
 }
 
+void EnvConfig::fail_at_its_place(const std::string& value, const ConfigError& error) const {
+  for (const Place& place : places) {
+    if (place.value != value) continue;
+    throw ConfigError(place.source, fmt::format("{}: {}: {}", place.element, error.source(), error.element()),
+                      error.expected(), error.found());
+  }
+  throw error;
+}
+
 std::string to_yaml(const EnvConfig& c) {
-  std::string out =
-      fmt::format("engine: {}\nrobot: '{}'\nterrain: '{}'\nterrain_seed: {}\nfriction: {}\ngait: {}\n",
-                  c.engine, c.robot, c.terrain, c.terrain_seed, c.friction, c.gait);
+  std::string out = fmt::format(
+      "engine: {}\nrobot: {}\nterrain: {}\nterrain_seed: {}\nfriction: {}\ngait: {}\n",
+      plain_or_quoted(c.engine), yaml_quoted(whole_path(c.robot, is_robot_file(c.robot))),
+      yaml_quoted(whole_path(c.terrain, is_terrain_file(c.terrain))), c.terrain_seed, c.friction, c.gait);
   write_map(out, "parameters", gait_parameters(),
             [&](const ParameterRow& row) { return fmt::format("{}", c.parameters.*row.member); });
   out += fmt::format("  swing: {}\n", name(c.parameters.swing));
-  out += fmt::format("adapt: [{}]\nresidual_scale: {}\n", fmt::join(c.adapt, ", "), c.residual_scale);
+  out += fmt::format("adapt: [{}]\n", fmt::join(c.adapt, ", "));
+  if (!c.adaptation.ranges.empty()) out += "ranges:\n";
+  for (const auto& [name, range] : c.adaptation.ranges)
+    out += fmt::format("  {}: [{}, {}]\n", name, range.min, range.max);
+  if (!c.adaptation.delta_scales.empty()) out += "delta_scales:\n";
+  for (const auto& [name, scale] : c.adaptation.delta_scales) out += fmt::format("  {}: {}\n", name, scale);
+  out += fmt::format("residual_scale: {}\n", c.residual_scale);
   if (c.command) {
     out += fmt::format("command: {{vx: {}, vy: {}, yaw_rate: {}}}\n", c.command->vx, c.command->vy,
                        c.command->yaw_rate);

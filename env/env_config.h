@@ -10,6 +10,7 @@
 #include "crossgait/env/randomisation.h"
 #include "crossgait/env/reward.h"
 #include "crossgait/gait/gait.h"
+#include "crossgait/physics/error.h"
 
 namespace crossgait {
 
@@ -24,6 +25,7 @@ struct EnvConfig {
   std::string gait = "trot";
   GaitParameters parameters = find_gait("trot").preferred;            ///< at the start of an episode
   std::vector<std::string> adapt = AdaptiveGaitOptions{}.parameters;  ///< parameters that the action changes
+  AdaptationRanges adaptation;                                        ///< `ranges` and `delta_scales` of them
   double residual_scale = 0.01;                                       ///< m
   std::optional<VelocityCommand> command;  ///< empty: steps of step_length, as the guide's
 
@@ -39,16 +41,38 @@ struct EnvConfig {
   OutcomeSet ends = OutcomeSet::of_episodes();  ///< outcomes that end an episode; divergence always does
   Randomisation randomisation;
 
+  /// A value of a file that is only found to be wrong when it is used.
+  struct Place {
+    std::string value, source, element;  ///< the text; the file; its line and key
+  };
+  std::vector<Place> places;  ///< of robot and terrain, where `load_env_config` read them
+
   /// @throws ConfigError naming `source` and the field
   void validate(std::string_view source = "environment") const;
+
+  /// What `make` makes of `value`, a member of this. What it throws names the line of the file that said so,
+  /// if one did.
+  template <typename Make>
+  auto at_its_place(const std::string& value, const Make& make) const {
+    try {
+      return make();
+    } catch (const ConfigError& error) {
+      fail_at_its_place(value, error);
+    }
+  }
+
+ private:
+  [[noreturn]] void fail_at_its_place(const std::string& value, const ConfigError& error) const;
 };
 
 /// Reads a configuration; what the file does not mention keeps its default (parameters: the gait's
-/// preferred). Unknown keys and values are errors that name the line. @throws ConfigError
+/// preferred). Files that it names are found from its own folder. Unknown keys and values are errors that
+/// name the line. @throws ConfigError
 EnvConfig load_env_config(const std::string& path);
 /// The same from text; `source` stands for the file in messages.
 EnvConfig parse_env_config(const std::string& text, const std::string& source);
-/// The configuration as YAML that `parse_env_config` reads back unchanged.
+/// The configuration as YAML that `parse_env_config` reads back unchanged. Files are named by their whole
+/// path, so that it may be kept anywhere.
 std::string to_yaml(const EnvConfig& config);
 
 }  // namespace crossgait

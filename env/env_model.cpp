@@ -9,8 +9,11 @@ namespace {
 
 WorldSpec nominal_world(const EnvConfig& config) {
   WorldSpec world;
-  world.robot = std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot)));
-  world.terrain = make_terrain(config.terrain, config.terrain_seed);
+  world.robot = config.at_its_place(config.robot, [&] {
+    return std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot)));
+  });
+  world.terrain =
+      config.at_its_place(config.terrain, [&] { return make_terrain(config.terrain, config.terrain_seed); });
   world.physics_dt = config.physics_dt;
   world.contact.friction = config.friction;
   return world;
@@ -19,15 +22,16 @@ WorldSpec nominal_world(const EnvConfig& config) {
 AdaptiveGaitController controller_of(const EnvConfig& config, const RobotDescription& robot) {
   AdaptiveGaitOptions options;
   options.parameters = config.adapt;
+  options.ranges = config.adaptation;
   options.initial = config.parameters;
   options.residual_scale = config.residual_scale;
   return {find_gait(config.gait), options, leg_origins(robot)};
 }
 
 PolicyInterface make_interface(const EnvConfig& config, const RobotDescription& robot,
-                               std::span<const ParameterRow* const> parameters) {
-  PolicyInterface interface { {}, action_layout(parameters), config.policy_dt };
-  ObservationContext context{{}, parameters, interface.action};
+                               std::span<const ParameterRow> parameters) {
+  PolicyInterface interface { {}, action_layout(parameters), config.policy_dt, config.adaptation };
+  ObservationContext context{{}, parameters, interface.action, config.parameters};
   for (const int i : robot.actuated_joints()) context.actuated_joints.push_back(robot.joint(i).name);
   for (const std::string& name : config.observation)
     find_observation_block(name).describe(context, interface.observation);

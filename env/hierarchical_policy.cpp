@@ -51,9 +51,14 @@ std::unique_ptr<Policy> make_member(const YamlValue& yaml, const PolicyInterface
   }
   const std::string source = fmt::format("{}: {}", yaml.source(), yaml.element());
   const PolicyInterface interface = member_interface(whole, observation, part, policy_dt, source);
-  const std::string policy = yaml.at("policy").text();
+  const YamlValue value = yaml.at("policy");
+  const std::string policy = value.text();
   if (policy == "zero" || policy == "random") return make_policy(policy, interface);
-  return make_policy(std::filesystem::path(yaml.source()).parent_path() / policy, interface);
+  try {
+    return make_policy(std::filesystem::path(yaml.source()).parent_path() / policy, interface);
+  } catch (const ConfigError& error) {
+    value.fail(error);
+  }
 }
 
 }  // namespace
@@ -122,7 +127,9 @@ void HierarchicalPolicy::do_act(std::span<const double> observation, std::span<d
 
 PolicyInterface member_interface(const PolicyInterface& whole, const std::vector<std::string>& observation,
                                  std::string_view part, double policy_dt, const std::string& source) {
-  PolicyInterface interface { .observation = {}, .action = {}, .policy_dt = policy_dt };
+  PolicyInterface interface {
+    .observation = {}, .action = {}, .policy_dt = policy_dt, .adaptation = whole.adaptation
+  };
   if (observation.empty()) interface.observation = whole.observation;
   for (const std::string& name : observation) {
     bool found = false;

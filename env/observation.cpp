@@ -1,5 +1,6 @@
 #include "crossgait/env/observation.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -32,6 +33,17 @@ void add_joints(const Context& context, Layout& layout, std::string_view quantit
 }
 void add_feet(Layout& layout, std::string_view quantity, std::string_view unit) {
   for (const Leg leg : kLegs) add_vector(layout, fmt::format("{}.{}", quantity, name(leg)), unit);
+}
+
+// "-" as long as the table's row holds.
+std::string range_unit(const ParameterRow& row) {
+  const ParameterRow& table = find_parameter(row.name);
+  if (row.min == table.min && row.max == table.max) return "-";
+  return fmt::format("{} to {} {}", row.min, row.max, row.unit);
+}
+std::string delta_unit(const ParameterRow& row) {
+  if (row.delta_scale == find_parameter(row.name).delta_scale) return "-";
+  return fmt::format("{} {}", row.delta_scale, row.unit);
 }
 
 void put(double*& out, double value) { *out++ = value; }
@@ -113,8 +125,11 @@ constexpr std::array kBlocks{
                      }},
     ObservationBlock{"parameters", "adapted gait parameters, their ranges mapped to [-1, 1]", true,
                      [](const Context& c, Layout& l) {
-                       for (const ParameterRow* row : c.parameters)
-                         add(l, fmt::format("param.{}", row->name), "-", 1);
+                       for (const ParameterRow& row : c.parameters) {
+                         // Outside its range it can only come nearer.
+                         const double start = std::abs(row.normalise(c.initial.*row.member));
+                         add(l, fmt::format("param.{}", row.name), range_unit(row), std::max(1.0, start));
+                       }
                      },
                      [](const Source& s, double*& out) {
                        const std::size_t count = s.controller.adapted().size();
@@ -198,9 +213,10 @@ std::vector<std::string> standard_observation() {
   return names;
 }
 
-Layout action_layout(std::span<const ParameterRow* const> parameters) {
+Layout action_layout(std::span<const ParameterRow> parameters) {
   Layout layout;
-  for (const ParameterRow* row : parameters) add(layout, fmt::format("delta.{}", row->name), "-", 1);
+  for (const ParameterRow& row : parameters)
+    add(layout, fmt::format("delta.{}", row.name), delta_unit(row), 1);
   for (const Leg leg : kLegs) add_vector(layout, fmt::format("residual.{}", name(leg)), "-", 1);
   return layout;
 }

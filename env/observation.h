@@ -27,9 +27,10 @@ struct ObservationSource {
 
 /// What the layout of a block depends on.
 struct ObservationContext {
-  std::vector<std::string> actuated_joints;         ///< names
-  std::span<const ParameterRow* const> parameters;  ///< that adapt
+  std::vector<std::string> actuated_joints;  ///< names
+  std::span<const ParameterRow> parameters;  ///< that adapt
   Layout action;
+  GaitParameters initial = {};  ///< at the start of an episode
 };
 
 /// One row of the table of blocks.
@@ -50,8 +51,9 @@ const ObservationBlock& find_observation_block(std::string_view name);
 std::vector<std::string> standard_observation();
 
 /// Deltas of the adapted parameters ("delta.step_height", ...), then residuals ("residual.FL.x", ...), all in
-/// [-1, 1].
-Layout action_layout(std::span<const ParameterRow* const> parameters);
+/// [-1, 1]. Where a parameter's delta scale or range is not the table's, the units of its entries say so: the
+/// numbers mean something else, and so the layout's hash is another.
+Layout action_layout(std::span<const ParameterRow> parameters);
 
 /// Radius of the ring of terrain heights about the base, m.
 inline constexpr double kTerrainRingRadius = 0.15;

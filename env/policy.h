@@ -7,13 +7,15 @@
 #include <string>
 
 #include "crossgait/env/layout.h"
+#include "crossgait/gait/parameters.h"
 
 namespace crossgait {
 
 /// What a policy runs on: the layouts of an environment and its pace.
 struct PolicyInterface {
   Layout observation, action;
-  double policy_dt = 2e-3;  ///< s between two actions
+  double policy_dt = 2e-3;           ///< s between two actions
+  AdaptationRanges adaptation = {};  ///< what the numbers of parameters and deltas mean, beside the table
 };
 
 /// One instance serves one environment at a time: it may remember what happened since `reset`.

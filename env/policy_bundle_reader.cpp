@@ -89,6 +89,7 @@ class Reader {
 
   std::vector<std::string> names(const std::string& key) {
     const std::string found = text(key);
+    check_json_budget(found, kPolicyBudget, path_);
     const nlohmann::json list = nlohmann::json::parse(found, nullptr, false);
     const auto is_text = [](const nlohmann::json& item) { return item.is_string(); };
     if (!list.is_array() || list.empty() || !std::all_of(list.begin(), list.end(), is_text)) {
@@ -155,6 +156,9 @@ class Reader {
   void read_golden(PolicyBundle& bundle, std::size_t inputs, std::size_t outputs) {
     bundle.golden_observation = matrix("golden.observation", 0, inputs);
     const auto pairs = static_cast<std::size_t>(bundle.golden_observation.rows());
+    if (pairs > kMaxGoldenPairs) {
+      fail("golden.observation", fmt::format("at most {} rows", kMaxGoldenPairs), std::to_string(pairs));
+    }
     bundle.golden_action = matrix("golden.action", pairs, outputs);
   }
 

@@ -19,8 +19,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::size_t kLengthSize = 8;           // bytes in front of the header
-constexpr std::size_t kMaxHeader = 100'000'000;  // bytes; the format's own limit
+constexpr std::size_t kLengthSize = 8;  // bytes in front of the header
 constexpr std::string_view kMetadata = "__metadata__";
 
 constexpr std::size_t size_of(Tensor::Kind kind) { return kind == Tensor::Kind::kF32 ? 4 : 8; }
@@ -76,7 +75,7 @@ class Reader {
   Reader(std::string_view bytes, const std::string& source) : source_(source) {
     if (bytes.size() < kLengthSize) fail("file", "at least 8 bytes", std::to_string(bytes.size()));
     const auto length = read_little_endian<std::uint64_t>(bytes);
-    const std::size_t most = std::min(bytes.size() - kLengthSize, kMaxHeader);
+    const std::size_t most = std::min(bytes.size() - kLengthSize, kMaxPolicyHeader);
     if (length > most) fail("header length", fmt::format("at most {} bytes", most), std::to_string(length));
     header_ = bytes.substr(kLengthSize, length);
     data_ = bytes.substr(kLengthSize + length);
@@ -115,6 +114,7 @@ class Reader {
     };
     if (!header_.starts_with('{')) fail("header", "a JSON object", "something else");
     // To the parser a zero byte is the end of the text, whatever comes behind.
+    check_json_budget(header_, kPolicyBudget, source_);
     if (header_.find('\0') != std::string_view::npos) fail("header", "valid JSON", "a zero byte");
     try {
       return ordered_json::parse(header_, check);
@@ -204,7 +204,9 @@ std::string describe_shape(const std::vector<std::size_t>& shape) {
   return fmt::format("[{}]", fmt::join(shape, ", "));
 }
 
-TensorFile read_safetensors(const std::string& path) { return parse_safetensors(read_text_file(path), path); }
+TensorFile read_safetensors(const std::string& path) {
+  return parse_safetensors(read_text_file(path, kPolicyBudget), path);
+}
 
 TensorFile parse_safetensors(std::string_view bytes, const std::string& source) {
   return Reader(bytes, source).read();

@@ -28,12 +28,11 @@ ScriptedEntry read_constant(const PolicyInterface& interface, const std::string&
   return {.action = index, .constant = constant, .gain = 0, .observation = 0};
 }
 
-const ParameterRow& find_adapted(const PolicyInterface& interface, const std::string& name,
-                                 const YamlValue& value) {
+ParameterRow find_adapted(const PolicyInterface& interface, const std::string& name, const YamlValue& value) {
   std::vector<std::string_view> adapted;
   for (const ParameterRow& row : gait_parameters()) {
     if (!interface.action.find(fmt::format("delta.{}", row.name))) continue;
-    if (row.name == name) return row;
+    if (row.name == name) return interface.adaptation.row(name);
     adapted.push_back(row.name);
   }
   value.fail(fmt::format("one of the parameters that adapt: {}",
@@ -44,7 +43,7 @@ const ParameterRow& find_adapted(const PolicyInterface& interface, const std::st
 /// The delta that moves a parameter towards its target: (target - current) / delta_scale, limited by the clip
 /// of every action. The current value is observed normalised: min + (value + 1) / 2 (max - min).
 ScriptedEntry read_target(const PolicyInterface& interface, const std::string& name, const YamlValue& value) {
-  const ParameterRow& row = find_adapted(interface, name, value);
+  const ParameterRow row = find_adapted(interface, name, value);
   const std::string observed = fmt::format("param.{}", name);
   const auto observation = interface.observation.find(observed);
   if (!observation) value.fail(fmt::format("an observation with {}", observed), "one without");

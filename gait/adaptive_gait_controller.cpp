@@ -12,20 +12,16 @@ namespace {
 
 constexpr std::string_view kController = "adaptive gait options";
 
-std::vector<const ParameterRow*> resolve(const AdaptiveGaitOptions& options) {
-  std::vector<const ParameterRow*> rows;
+std::vector<ParameterRow> resolve(const AdaptiveGaitOptions& options) {
+  options.ranges.validate(kController);
+  std::vector<ParameterRow> rows;
   for (const std::string& name : options.parameters) {
-    const ParameterRow& row = find_parameter(name);
-    if (std::find(rows.begin(), rows.end(), &row) != rows.end()) {
+    const ParameterRow row = options.ranges.row(name);
+    const auto same = [&](const ParameterRow& other) { return other.name == row.name; };
+    if (std::any_of(rows.begin(), rows.end(), same)) {
       throw ConfigError(kController, "parameters", "every name once", fmt::format("{} twice", name));
     }
-    const double value = options.initial.*row.member;
-    if (!(value >= row.min && value <= row.max)) {
-      throw ConfigError(kController, fmt::format("initial {}", name),
-                        fmt::format("{:g} to {:g} {}", row.min, row.max, row.unit),
-                        fmt::format("{:g}", value));
-    }
-    rows.push_back(&row);
+    rows.push_back(row);
   }
   return rows;
 }
@@ -63,11 +59,11 @@ void AdaptiveGaitController::add_deltas(std::span<const double> deltas) noexcept
   GaitParameters parameters = generator_.parameters();
   const std::size_t n = std::min(deltas.size(), adapted_.size());
   for (std::size_t i = 0; i < n; ++i) {
-    const ParameterRow& row = *adapted_[i];
+    const ParameterRow& row = adapted_[i];
     double& value = parameters.*row.member;
-    if (std::isfinite(deltas[i])) value = row.clip(value + deltas[i]);
+    if (std::isfinite(deltas[i])) value = row.moved(value, deltas[i]);
   }
-  static_cast<void>(generator_.set_parameters(parameters));  // valid: inside the table's ranges
+  static_cast<void>(generator_.set_parameters(parameters));  // valid: between the ranges and the initial ones
 }
 
 void AdaptiveGaitController::set_residuals(const LegArray<Vector3>& residuals) noexcept {
@@ -81,11 +77,11 @@ void AdaptiveGaitController::apply_action(std::span<const double> action) noexce
   const auto at = [&](std::size_t i) { return i < action.size() ? clip_to(action[i], 1) : 0; };
   GaitParameters parameters = generator_.parameters();
   for (std::size_t i = 0; i < adapted_.size(); ++i) {
-    const ParameterRow& row = *adapted_[i];
+    const ParameterRow& row = adapted_[i];
     double& value = parameters.*row.member;
-    value = row.clip(value + at(i) * row.delta_scale);
+    value = row.moved(value, at(i) * row.delta_scale);
   }
-  static_cast<void>(generator_.set_parameters(parameters));  // valid: inside the table's ranges
+  static_cast<void>(generator_.set_parameters(parameters));  // valid: between the ranges and the initial ones
   std::size_t next = adapted_.size();
   for (Vector3& residual : residuals_) {
     for (int axis = 0; axis < 3; ++axis) residual[axis] = at(next++) * residual_scale_;
@@ -100,7 +96,7 @@ const LegArray<FootTarget>& AdaptiveGaitController::update(double dt) noexcept {
 
 void AdaptiveGaitController::normalised_parameters(std::span<double> out) const noexcept {
   const std::size_t n = std::min(out.size(), adapted_.size());
-  for (std::size_t i = 0; i < n; ++i) out[i] = adapted_[i]->normalise(parameters().*adapted_[i]->member);
+  for (std::size_t i = 0; i < n; ++i) out[i] = adapted_[i].normalise(parameters().*adapted_[i].member);
 }
 
 void AdaptiveGaitController::add_residuals() noexcept {

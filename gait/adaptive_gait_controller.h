@@ -12,7 +12,8 @@ namespace crossgait {
 struct AdaptiveGaitOptions {
   /// Which parameters adapt, by name; action and observation vectors keep this order.
   std::vector<std::string> parameters = {"step_height", "step_length", "cycle_time", "body_height"};
-  GaitParameters initial;        ///< those that adapt must lie in their range
+  AdaptationRanges ranges;       ///< in the place of the table's
+  GaitParameters initial;        ///< outside its range, a parameter can only come nearer to it
   double residual_scale = 0.01;  ///< largest residual per coordinate, m
   StepLimits limits;
 };
@@ -24,19 +25,19 @@ struct AdaptiveGaitOptions {
 class AdaptiveGaitController {
  public:
   /// @param p_BL  origins of the leg frames in the base frame, m
-  /// @throws ConfigError for an unknown or repeated name, an initial value out of range, or a bad
-  /// residual_scale
+  /// @throws ConfigError for an unknown or repeated name, a bad range, an initial value that is not valid, or
+  /// a bad residual_scale
   AdaptiveGaitController(const Gait& gait, const AdaptiveGaitOptions& options, const LegArray<Vector3>& p_BL);
 
   /// Back to the initial parameters, phase 0 and no residuals.
   void reset(GaitGenerator::Start start = GaitGenerator::Start::kWalking) noexcept;
 
-  /// Rows of the parameters that adapt.
-  std::span<const ParameterRow* const> adapted() const noexcept { return adapted_; }
+  /// Rows of the parameters that adapt, with the ranges and delta scales that hold here.
+  std::span<const ParameterRow> adapted() const noexcept { return adapted_; }
   /// Deltas of the parameters, then x, y, z residuals of FL, FR, RL, RR.
   std::size_t action_size() const noexcept { return adapted_.size() + 3 * kLegs.size(); }
 
-  /// Adds to the parameters, each result clipped to its row's range. What is not finite counts as zero, and
+  /// Adds to the parameters, each as its row's `moved` says. What is not finite counts as zero, and
   /// so does what is missing from a span that is too short. @param deltas  in the units of the rows
   void add_deltas(std::span<const double> deltas) noexcept;
   /// Offsets of the targets in their leg frames (z up: a positive z raises the foot), m, every coordinate
@@ -51,7 +52,9 @@ class AdaptiveGaitController {
   const LegArray<FootTarget>& targets() const noexcept { return targets_; }
   /// As adapted so far; `generator().effective()` is what is in effect.
   const GaitParameters& parameters() const noexcept { return generator_.parameters(); }
-  /// Writes the adapted parameters, each normalised from its range to [-1, 1]. @param out  of
+  /// Writes the adapted parameters, each normalised from its range to [-1, 1]; beyond, where one is outside
+  /// it.
+  /// @param out  of
   /// adapted().size()
   void normalised_parameters(std::span<double> out) const noexcept;
   double phase() const noexcept { return generator_.phase(); }
@@ -65,7 +68,7 @@ class AdaptiveGaitController {
  private:
   void add_residuals() noexcept;
 
-  std::vector<const ParameterRow*> adapted_;
+  std::vector<ParameterRow> adapted_;
   GaitParameters initial_;
   double residual_scale_;
   GaitGenerator generator_;

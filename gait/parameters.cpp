@@ -54,6 +54,16 @@ bool holds(const ParameterRow& row, double value) {
   return value >= valid_from(row.member) && value <= kValidTo;
 }
 
+std::string valid_range(const ParameterRow& row) {
+  return fmt::format("{:g} to {:g}", valid_from(row.member), kValidTo);
+}
+
+void require_valid(std::string_view source, const ParameterRow& row, double value) {
+  if (holds(row, value)) return;
+  throw ConfigError(source, row.name, fmt::format("{} {}", valid_range(row), row.unit),
+                    fmt::format("{:g}", value));
+}
+
 SwingCurve curve_from_name(std::string_view text) {
   for (const SwingCurve curve : kCurves) {
     if (name(curve) == text) return curve;
@@ -90,10 +100,7 @@ const ParameterRow& find_parameter(std::string_view name) {
 
 void set(GaitParameters& parameters, std::string_view name, double value) {
   const ParameterRow& row = find_parameter(name);
-  if (!(value >= row.min && value <= row.max)) {
-    throw ConfigError(kSource, name, fmt::format("{:g} to {:g} {}", row.min, row.max, row.unit),
-                      fmt::format("{:g}", value));
-  }
+  require_valid(kSource, row, value);
   parameters.*row.member = value;
 }
 
@@ -130,13 +137,53 @@ bool is_valid(const GaitParameters& parameters) noexcept {
 
 void validate(const GaitParameters& parameters, std::string_view source) {
   for (const ParameterRow& row : kTable) {
-    const double value = parameters.*row.member;
-    if (!holds(row, value)) {
-      throw ConfigError(source, row.name,
-                        fmt::format("{:g} to {:g} {}", valid_from(row.member), kValidTo, row.unit),
-                        fmt::format("{:g}", value));
+    require_valid(source, row, parameters.*row.member);
+  }
+}
+
+ParameterRow AdaptationRanges::row(std::string_view name) const {
+  ParameterRow row = find_parameter(name);
+  if (const auto range = ranges.find(std::string(name)); range != ranges.end()) {
+    row.min = range->second.min;
+    row.max = range->second.max;
+  }
+  if (const auto scale = delta_scales.find(std::string(name)); scale != delta_scales.end()) {
+    row.delta_scale = scale->second;
+  }
+  return row;
+}
+
+void AdaptationRanges::validate(std::string_view source) const {
+  for (const auto& [name, range] : ranges) {
+    const ParameterRow& row = find_parameter(name);
+    if (!(holds(row, range.min) && holds(row, range.max) && range.min < range.max)) {
+      throw ConfigError(source, fmt::format("ranges.{}", name),
+                        fmt::format("[min, max], min < max, within {} {}", valid_range(row), row.unit),
+                        fmt::format("[{:g}, {:g}]", range.min, range.max));
     }
   }
+  for (const auto& [name, scale] : delta_scales) {
+    const ParameterRow changed = row(name);
+    if (!(scale > 0 && scale <= changed.max - changed.min)) {
+      throw ConfigError(source, fmt::format("delta_scales.{}", name),
+                        fmt::format("a number above 0, at most {:g} {}, the width of the range",
+                                    changed.max - changed.min, changed.unit),
+                        fmt::format("{:g}", scale));
+    }
+  }
+}
+
+std::vector<std::string> outside_ranges(const GaitParameters& parameters, const GaitParameters& usual,
+                                        const AdaptationRanges& ranges) {
+  std::vector<std::string> notes;
+  for (const ParameterRow& known : kTable) {
+    const ParameterRow row = ranges.row(known.name);
+    const double value = parameters.*row.member;
+    if (value == usual.*row.member || (value >= row.min && value <= row.max)) continue;
+    notes.push_back(fmt::format("{} = {:g} {} lies outside the range for adaptation, {:g} to {:g} {}",
+                                row.name, value, row.unit, row.min, row.max, row.unit));
+  }
+  return notes;
 }
 
 }  // namespace crossgait

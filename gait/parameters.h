@@ -1,8 +1,11 @@
 // The numbers that shape a gait, and the one table that names them. SI units.
 #pragma once
 
+#include <map>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "crossgait/physics/leg.h"
 
@@ -39,8 +42,8 @@ struct GaitParameters {
 /// lie outside the ranges of the table, which are the guide's for adaptation.
 GaitParameters guide_parameters();
 
-/// One tunable parameter. Clipping, normalisation, `--set`, action and observation layouts, traces and plots
-/// follow from its row.
+/// One tunable parameter. Adaptation, normalisation, action and observation layouts, traces and plots follow
+/// from its row; `--set` goes by its name and takes every valid value (`is_valid`).
 struct ParameterRow {
   std::string_view name, unit, help;
   double GaitParameters::*member;
@@ -49,6 +52,12 @@ struct ParameterRow {
 
   constexpr double default_value() const { return GaitParameters{}.*member; }
   constexpr double clip(double value) const { return value < min ? min : value > max ? max : value; }
+  /// `value` + `delta`, clipped to the range. A value outside it stays where it is or comes nearer: only
+  /// deltas move it.
+  constexpr double moved(double value, double delta) const {
+    const double low = value < min ? value : min, high = value > max ? value : max, sum = value + delta;
+    return sum < low ? low : sum > high ? high : sum;
+  }
   /// [min, max] to [-1, 1].
   constexpr double normalise(double value) const { return 2 * ((value - min) / (max - min)) - 1; }
 };
@@ -59,7 +68,31 @@ std::span<const ParameterRow> gait_parameters();
 /// @throws ConfigError listing the known names
 const ParameterRow& find_parameter(std::string_view name);
 
-/// Sets one parameter by name. @throws ConfigError for an unknown name or a value outside the row's range
+/// What takes the place of the table's ranges and delta scales where parameters adapt or are tuned. What is
+/// not mentioned is the table's.
+struct AdaptationRanges {
+  struct Interval {
+    double min = 0, max = 0;
+
+    bool operator==(const Interval&) const = default;
+  };
+  std::map<std::string, Interval> ranges;      ///< by parameter
+  std::map<std::string, double> delta_scales;  ///< by parameter
+
+  bool operator==(const AdaptationRanges&) const = default;
+  /// The table's row with what is replaced. @throws ConfigError listing the known names
+  ParameterRow row(std::string_view name) const;
+  /// @throws ConfigError naming `source` and "ranges.<name>" or "delta_scales.<name>" for an unknown name, a
+  /// range that is empty or reaches beyond the valid values, or a scale outside (0, max - min]
+  void validate(std::string_view source) const;
+};
+
+/// A sentence for every parameter that is neither within its range nor as `usual` has it.
+std::vector<std::string> outside_ranges(const GaitParameters& parameters, const GaitParameters& usual,
+                                        const AdaptationRanges& ranges = {});
+
+/// Sets one parameter by name. @throws ConfigError for an unknown name or a value that is not valid
+/// (`is_valid`)
 void set(GaitParameters& parameters, std::string_view name, double value);
 
 /// Sets one parameter from text "name=value", including "swing=bezier" and "swing=matched".

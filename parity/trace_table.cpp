@@ -1,5 +1,7 @@
 #include "crossgait/parity/trace_table.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "crossgait/physics/error.h"
@@ -25,13 +27,19 @@ std::size_t count_cells(std::string_view line) {
 }  // namespace
 
 TraceTable::TraceTable(const std::string& path) : path_(path) {
-  const std::string text = read_text_file(path);
+  const std::string text = read_text_file(path, kTraceBudget);
+  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;
   std::string_view rest = text;
   for (std::size_t number = 1; !rest.empty(); ++number) {
     std::string_view line = take(rest, '\n');
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (number == 1) {
       read_header(line);
+      if (lines * names_.size() > kTraceBudget.values) {
+        throw ConfigError(path, "file", fmt::format("at most {} cells", kTraceBudget.values),
+                          fmt::format("{} lines of {}", lines, names_.size()));
+      }
+      for (std::vector<double>& column : values_) column.reserve(lines - 1);
     } else {
       read_row(line, number);
     }
@@ -43,7 +51,16 @@ TraceTable::TraceTable(const std::string& path) : path_(path) {
 }
 
 void TraceTable::read_header(std::string_view line) {
+  constexpr std::size_t kMost = kMebibyte;  // names are kept more than once
+  if (line.size() > kMost) {
+    throw ConfigError(path_, "line 1", fmt::format("at most {}", size_in_words(kMost)),
+                      size_in_words(line.size()));
+  }
   const std::size_t count = count_cells(line);
+  if (count > kMaxTraceColumns) {
+    throw ConfigError(path_, "line 1", fmt::format("at most {} columns", kMaxTraceColumns),
+                      std::to_string(count));
+  }
   for (std::size_t i = 0; i < count; ++i) {
     const std::string name(take(line, ','));
     if (!index_.emplace(name, i).second) {

@@ -8,7 +8,8 @@
 namespace crossgait {
 
 /// Thrown by everything that loads or validates input (files, names, specifications). Never thrown by a step.
-/// `what()` reads "<source>: <element>: expected <expected>, found <found>"; programs exit with code 2.
+/// `what()` reads "<source>: <element>: expected <expected>, found <found>"; programs exit with code 2. Of
+/// text that is long it keeps the beginning, and control characters stand as \xNN.
 class ConfigError : public std::runtime_error {
  public:
   /// @param source   file path, option name or specification the input came from

@@ -1,6 +1,7 @@
 #include "crossgait/physics/grey_png.h"
 
 #include <array>
+#include <cmath>
 #include <csetjmp>
 #include <cstring>
 #include <new>
@@ -97,25 +98,7 @@ void write_bytes(png_structp png, png_bytep data, std::size_t count) {
 
 void flush_nothing(png_structp /*png*/) {}
 
-std::string describe(int colour_type, int depth) {
-  const char* kind = "colour";
-  if (colour_type == PNG_COLOR_TYPE_GRAY) kind = "grey";
-  if (colour_type == PNG_COLOR_TYPE_GRAY_ALPHA) kind = "grey with alpha";
-  if (colour_type == PNG_COLOR_TYPE_PALETTE) kind = "palette";
-  if (colour_type == PNG_COLOR_TYPE_RGB_ALPHA) kind = "colour with alpha";
-  return fmt::format("{}, {} bit", kind, depth);
-}
-
-void check_format(const Reader& reader, const std::string& path) {
-  const int colour_type = png_get_color_type(reader.png, reader.info);
-  const int depth = png_get_bit_depth(reader.png, reader.info);
-  if (colour_type != PNG_COLOR_TYPE_GRAY || depth < 8) {
-    throw ConfigError(path, "pixel format", "grey without alpha, 8 or 16 bit", describe(colour_type, depth));
-  }
-  if (png_get_valid(reader.png, reader.info, PNG_INFO_tRNS) != 0) {
-    throw ConfigError(path, "pixel format", "grey without alpha, 8 or 16 bit",
-                      "grey with a transparent shade");
-  }
+void check_size(const Reader& reader, const std::string& path) {
   const std::int64_t columns = png_get_image_width(reader.png, reader.info);
   const std::int64_t rows = png_get_image_height(reader.png, reader.info);
   if (columns > kMaxHeightSamples / rows) {
@@ -124,8 +107,44 @@ void check_format(const Reader& reader, const std::string& path) {
   }
 }
 
+/// Every kind of pixel as one or three samples of 8 or 16 bits, without alpha.
+void unify_pixels(const Reader& reader) {
+  const int depth = png_get_bit_depth(reader.png, reader.info);
+  const int colour_type = png_get_color_type(reader.png, reader.info);
+  if (colour_type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(reader.png);
+  if (colour_type == PNG_COLOR_TYPE_GRAY && depth < 8) png_set_expand_gray_1_2_4_to_8(reader.png);
+  png_set_strip_alpha(reader.png);
+  png_set_interlace_handling(reader.png);
+  png_read_update_info(reader.png, reader.info);
+}
+
+/// Samples of `pixels` (row-major, of one or three channels of 8 or 16 bits, big-endian), grey of the given
+/// white. Colours by their luminance, weighted as Recommendation ITU-R BT.709-6 (section 3.2) says, on the
+/// stored values: gamma is not applied to grey either.
+std::vector<std::uint16_t> to_grey(const std::vector<png_byte>& pixels, std::size_t channels, bool wide,
+                                   int white) {
+  const auto sample = [&](std::size_t index) {
+    return wide ? pixels[2 * index] << 8U | pixels[2 * index + 1] : pixels[index];
+  };
+  const std::size_t count = pixels.size() / channels / (wide ? 2 : 1);
+  const double scale = static_cast<double>(white) / (wide ? 65535 : 255);
+  std::vector<std::uint16_t> grey;
+  grey.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (channels == 1) {
+      grey.push_back(static_cast<std::uint16_t>(sample(i)));
+    } else {
+      const double luminance =
+          0.2126 * sample(3 * i) + 0.7152 * sample(3 * i + 1) + 0.0722 * sample(3 * i + 2);
+      grey.push_back(static_cast<std::uint16_t>(std::lround(scale * luminance)));
+    }
+  }
+  return grey;
+}
+
 /// Chunks of other units or equations say nothing about heights in m and are passed over.
-void read_scales(const Reader& reader, GreyImage& image) {
+/// @param largest  what a sample of the file can be at most
+void read_scales(const Reader& reader, int largest, GreyImage& image) {
   int unit = 0;
   png_charp width = nullptr;
   png_charp height = nullptr;
@@ -143,7 +162,7 @@ void read_scales(const Reader& reader, GreyImage& image) {
   int count = 0;
   if (png_get_pCAL(reader.png, reader.info, &purpose, &first, &last, &equation, &count, &units,
                    &parameters) != 0 &&
-      equation == PNG_EQUATION_LINEAR && count == 2 && first == 0 && last == image.white &&
+      equation == PNG_EQUATION_LINEAR && count == 2 && first == 0 && last == largest &&
       std::strcmp(units, "m") == 0) {
     const auto black = parse_number(parameters[0]);
     const auto span = parse_number(parameters[1]);
@@ -178,6 +197,7 @@ GreyImage decode_grey_png(std::string_view bytes, const std::string& path) {
   }
   Reader reader(bytes);
   if (!reader.info) throw std::bad_alloc();
+  const auto* scale_chunks = reinterpret_cast<png_const_bytep>("sCAL\0pCAL");
   const auto fail = [&] { throw ConfigError(path, "file", "a whole and valid PNG picture", reader.message); };
   if (!has_whole_chunks(bytes)) {
     reader.message = kEndsEarly;
@@ -185,22 +205,28 @@ GreyImage decode_grey_png(std::string_view bytes, const std::string& path) {
   }
   if (!attempt(reader.png, [&] {
         png_set_read_fn(reader.png, &reader.rest, read_bytes);
+        // Of what may stand beside the pixels only the scales are looked at: texts and profiles are
+        // compressed, and a thousand of them may unfold to gigabytes.
+        png_set_keep_unknown_chunks(reader.png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
+        png_set_keep_unknown_chunks(reader.png, PNG_HANDLE_CHUNK_AS_DEFAULT, scale_chunks, 2);
         // A damaged scale must not pass for a missing one.
         png_set_crc_action(reader.png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
         png_read_info(reader.png, reader.info);
       })) {
     fail();
   }
-  check_format(reader, path);
+  check_size(reader, path);
 
   GreyImage image;
+  const int largest = (1 << png_get_bit_depth(reader.png, reader.info)) - 1;
+  const bool palette = png_get_color_type(reader.png, reader.info) == PNG_COLOR_TYPE_PALETTE;
   image.columns = static_cast<int>(png_get_image_width(reader.png, reader.info));
   image.rows = static_cast<int>(png_get_image_height(reader.png, reader.info));
-  const bool wide = png_get_bit_depth(reader.png, reader.info) == 16;
-  image.white = wide ? 65535 : 255;
-  const std::size_t row_bytes = png_get_rowbytes(reader.png, reader.info);
-  std::vector<png_byte> pixels(row_bytes * static_cast<std::size_t>(image.rows));
+  std::vector<png_byte> pixels;
   std::vector<png_bytep> rows;
+  if (!attempt(reader.png, [&] { unify_pixels(reader); })) fail();
+  const std::size_t row_bytes = png_get_rowbytes(reader.png, reader.info);
+  pixels.resize(row_bytes * static_cast<std::size_t>(image.rows));
   for (std::size_t at = 0; at < pixels.size(); at += row_bytes) rows.push_back(&pixels[at]);
   if (!attempt(reader.png, [&] {
         png_read_image(reader.png, rows.data());
@@ -208,13 +234,12 @@ GreyImage decode_grey_png(std::string_view bytes, const std::string& path) {
       })) {
     fail();
   }
-  read_scales(reader, image);
-  const std::size_t width = wide ? 2 : 1;
-  image.samples.reserve(pixels.size() / width);
-  for (std::size_t at = 0; at < pixels.size(); at += width) {  // 16-bit samples are big-endian
-    image.samples.push_back(wide ? static_cast<std::uint16_t>(pixels[at] << 8U | pixels[at + 1])
-                                 : pixels[at]);
-  }
+  read_scales(reader, palette ? 0 : largest, image);  // what pCAL says of a palette is of its indices
+  const std::size_t channels = png_get_channels(reader.png, reader.info);
+  const bool wide = png_get_bit_depth(reader.png, reader.info) == 16;
+  // The luminance of three samples of 8 bits lies between two of them.
+  image.white = wide || channels == 3 ? 65535 : 255;
+  image.samples = to_grey(pixels, channels, wide, image.white);
   return image;
 }
 

@@ -25,7 +25,8 @@ struct GreyImage {
   std::optional<ValueRange> value_range;  ///< chunk pCAL, linear, in m
 };
 
-/// Grey of 8 or 16 bit, without alpha; interlaced or not. Gamma is not applied.
+/// Every kind of PNG, interlaced or not. Colours become grey by their luminance (Rec. 709); alpha is ignored
+/// and gamma is not applied. Within `kPictureBudget` and kMaxHeightSamples pixels.
 /// @param path  for messages
 /// @throws ConfigError naming `path` and what was found
 GreyImage decode_grey_png(std::string_view bytes, const std::string& path);

@@ -25,14 +25,20 @@ class Reporter {
   void require(bool ok, std::string_view expected, std::string_view found) const {
     if (!ok) throw ConfigError(source_, element_, expected, found);
   }
-  void positive(double value, std::string_view what) const {
+  void positive(double value, std::string_view what, double most) const {
     require(std::isfinite(value) && value > 0, fmt::format("{} > 0", what), fmt::format("{}", value));
+    at_most(value, what, most);
   }
-  void not_negative(double value, std::string_view what) const {
+  void not_negative(double value, std::string_view what, double most) const {
     require(std::isfinite(value) && value >= 0, fmt::format("{} >= 0", what), fmt::format("{}", value));
+    at_most(value, what, most);
+  }
+  void at_most(double value, std::string_view what, double most) const {
+    require(std::abs(value) <= most, fmt::format("{} of at most {:g}", what, most), fmt::format("{}", value));
   }
   void finite(const Vector3& value, std::string_view what) const {
     require(value.allFinite(), fmt::format("finite {}", what), to_text(value));
+    for (const double coordinate : value) at_most(coordinate, what, kLargestLength);
   }
   void proper(const Pose& pose, std::string_view what) const {
     finite(pose.translation(), what);
@@ -91,9 +97,9 @@ void check_loops(const RobotDescription& robot) {
   // MuJoCo manual: time constant and damping ratio positive, impedances inside (0, 1).
   const Softness& soft = robot.loop_softness;
   const Reporter report(source_of(robot), "loop_softness");
-  report.positive(soft.time_constant, "time_constant (s)");
-  report.positive(soft.damping_ratio, "damping_ratio");
-  report.positive(soft.impedance_width, "impedance_width (m)");
+  report.positive(soft.time_constant, "time_constant (s)", 10);  // as of contacts (world_spec.cpp)
+  report.positive(soft.damping_ratio, "damping_ratio", 100);
+  report.positive(soft.impedance_width, "impedance_width (m)", 1);
   report.require(soft.impedance_min > 0 && soft.impedance_min <= soft.impedance_max && soft.impedance_max < 1,
                  "0 < impedance_min <= impedance_max < 1",
                  fmt::format("{} and {}", soft.impedance_min, soft.impedance_max));
@@ -127,7 +133,7 @@ void check_leg(const RobotDescription& robot, Leg leg, std::set<int>& used) {
   foot.require(model.foot_body == left || model.foot_body == right, "a foot on a lower link of its leg",
                fmt::format("one on {}", body_name(robot, model.foot_body)));
   foot.finite(model.p_BF, "foot centre (m)");
-  foot.positive(model.foot_radius, "foot radius (m)");
+  foot.positive(model.foot_radius, "foot radius (m)", kLargestLength);
   bool closed = false;
   for (const LoopClosure& loop : robot.loops) {
     closed |= (loop.body_a == left && loop.body_b == right) || (loop.body_a == right && loop.body_b == left);
@@ -140,10 +146,13 @@ void check_leg(const RobotDescription& robot, Leg leg, std::set<int>& used) {
 
 void check_inertia(const SpatialInertia& inertia, std::string_view source, std::string_view element) {
   const Reporter report(source, std::string(element));
-  report.positive(inertia.mass, "mass (kg)");
+  report.positive(inertia.mass, "mass (kg)", kHeaviestBody);
+  report.require(inertia.mass >= kLightestBody, fmt::format("mass (kg) of at least {:g}", kLightestBody),
+                 fmt::format("{}", inertia.mass));
   report.finite(inertia.p_BC, "centre of mass (m)");
   const Matrix3& I = inertia.I_C;
   report.require(I.allFinite(), "finite inertia (kg m^2)", "a value that is not");
+  report.at_most(I.cwiseAbs().maxCoeff(), "inertia (kg m^2)", kLargestInertia);
   report.require((I - I.transpose()).cwiseAbs().maxCoeff() <= kRounding * I.cwiseAbs().maxCoeff(),
                  "symmetric inertia", "ixy, ixz or iyz that differ across the diagonal");
   const Vector3 moments = Eigen::SelfAdjointEigenSolver<Matrix3>(I, Eigen::EigenvaluesOnly).eigenvalues();
@@ -161,19 +170,21 @@ void check_joint(const Joint& joint, std::string_view source) {
   report.require(std::isfinite(joint.lower) && std::isfinite(joint.upper) && joint.lower < joint.upper,
                  "finite limits with lower < upper (rad)",
                  fmt::format("{} and {}", joint.lower, joint.upper));
-  report.not_negative(joint.damping, "damping (N m s/rad)");
-  report.not_negative(joint.armature, "armature (kg m^2)");
+  report.at_most(joint.lower, "limits (rad)", kLargestAngle);
+  report.at_most(joint.upper, "limits (rad)", kLargestAngle);
+  report.not_negative(joint.damping, "damping (N m s/rad)", kLargestGain);
+  report.not_negative(joint.armature, "armature (kg m^2)", kLargestInertia);
   if (!joint.actuated) return;
-  report.not_negative(joint.kp, "kp (N m/rad)");
-  report.not_negative(joint.kd, "kd (N m s/rad)");
-  report.positive(joint.effort_limit, "effort limit (N m) of a servo");
+  report.not_negative(joint.kp, "kp (N m/rad)", kLargestGain);
+  report.not_negative(joint.kd, "kd (N m s/rad)", kLargestGain);
+  report.positive(joint.effort_limit, "effort limit (N m) of a servo", kLargestGain);
 }
 
 void check_shape(const CollisionShape& shape, std::string_view source, std::string_view element) {
   const Reporter report(source, std::string(element));
   report.proper(shape.X_BG, "the pose on the body");
   const int sizes = shape.type == ShapeType::kSphere ? 1 : shape.type == ShapeType::kCylinder ? 2 : 3;
-  for (int i = 0; i < sizes; ++i) report.positive(shape.size[i], "size (m)");
+  for (int i = 0; i < sizes; ++i) report.positive(shape.size[i], "size (m)", kLargestLength);
 }
 
 void check_structure(const RobotDescription& robot) {

@@ -13,6 +13,14 @@ namespace crossgait {
 /// Loops count as closed at home when no gap exceeds this, m.
 inline constexpr double kHomeLoopTolerance = 1e-9;
 
+/// What a robot may be made of; beyond, engines' arithmetic breaks down long before anything walks, and a
+/// wrong unit or exponent is the likelier meaning.
+inline constexpr double kLightestBody = 1e-9, kHeaviestBody = 1e6;  ///< kg
+inline constexpr double kLargestInertia = 1e9;                      ///< kg m^2, also of armatures
+inline constexpr double kLargestLength = 1e3;                       ///< m, of shapes and of every offset
+inline constexpr double kLargestGain = 1e9;   ///< N m/rad, N m s/rad and N m: servo gains, damping, torques
+inline constexpr double kLargestAngle = 1e6;  ///< rad, of joint limits
+
 /// A joint of a leg: its member of LegModel, and that of the joint it hangs on (null: on the base).
 struct LegRole {
   const char* name;
@@ -28,10 +36,10 @@ inline constexpr std::array<LegRole, 5> kLegRoles{
      {"elbow_left", &LegModel::elbow_left, &LegModel::shoulder_left, false},
      {"elbow_right", &LegModel::elbow_right, &LegModel::shoulder_right, false}}};
 
-/// Positive mass; inertia finite, symmetric, positive definite and that of some real body: none of its
-/// principal moments exceeds the sum of the other two.
+/// Mass, offset and inertia within the limits above; inertia finite, symmetric, positive definite and that of
+/// some real body: none of its principal moments exceeds the sum of the other two.
 void check_inertia(const SpatialInertia& inertia, std::string_view source, std::string_view element);
-/// Finite, positive sizes and a proper pose.
+/// Positive sizes and a proper pose, within the limits above.
 void check_shape(const CollisionShape& shape, std::string_view source, std::string_view element);
 /// Unit axis, ordered limits, and damping, armature and servo gains that are not negative.
 void check_joint(const Joint& joint, std::string_view source);

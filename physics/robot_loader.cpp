@@ -221,7 +221,10 @@ RobotDescription load_robot(const std::string& path) {
   const YamlValue root = YamlValue::load(yaml.string());
   const YamlValue urdf = root.at("urdf");
   std::error_code missing;  // of the file that the YAML names: then it is another one
-  if (!fs::equivalent(yaml.parent_path() / urdf.text(), path, missing)) {
+  const fs::path named = yaml.parent_path() / urdf.text();
+  // By name too: what is no regular file is equivalent to nothing, and the reader says so.
+  if (named.lexically_normal() != fs::path(path).lexically_normal() &&
+      !fs::equivalent(named, path, missing)) {
     urdf.fail(fmt::format("'{}'", fs::path(path).filename().string()), fmt::format("'{}'", urdf.text()));
   }
   return RobotLoader(root).load();

@@ -22,6 +22,18 @@ bool has_suffix(std::string_view text, std::string_view suffix) {
 
 bool is_file(std::string_view name) { return has_suffix(name, ".png") || has_suffix(name, ".csv"); }
 
+struct NameAndList {
+  std::string_view name;
+  std::optional<std::string_view> list;
+};
+
+NameAndList split(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  // A file's own name may contain colons.
+  if (colon == std::string_view::npos || is_file(text)) return {text, std::nullopt};
+  return {text.substr(0, colon), text.substr(colon + 1)};
+}
+
 }  // namespace
 
 bool Terrain::touch_sphere(const Vector3& centre, double radius, SphereContact& contact) const noexcept {
@@ -44,23 +56,15 @@ std::array<double, kRingSize> sample_ring(const Terrain& terrain, double x, doub
   return heights;
 }
 
+bool is_terrain_file(std::string_view text) { return is_file(split(text).name); }
+
 Terrain make_terrain(std::string_view text, std::uint64_t seed) {
-  std::string_view name = text;
-  std::optional<std::string_view> list;
-  const std::size_t colon = text.rfind(':');
-  if (colon != std::string_view::npos && !is_file(text)) {  // a file's own name may contain colons
-    name = text.substr(0, colon);
-    list = text.substr(colon + 1);
-  }
-  std::shared_ptr<const HeightField> field;
+  const auto [name, list] = split(text);
   if (is_file(name)) {
-    const std::string path(name);
-    field =
-        std::make_shared<HeightField>(has_suffix(name, ".png") ? read_png(path, list) : read_csv(path, list));
-  } else {
-    field = generate_terrain(name, list, fmt::format("terrain {}", quoted(text)), seed);
+    const auto read = has_suffix(name, ".png") ? read_png : read_csv;
+    return read(std::string(name), list, std::string(text));
   }
-  return {std::string(text), std::move(field)};
+  return {std::string(text), generate_terrain(name, list, fmt::format("terrain {}", quoted(text)), seed)};
 }
 
 }  // namespace crossgait

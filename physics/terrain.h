@@ -18,11 +18,14 @@ class Terrain {
  public:
   /// The infinite plane z = 0.
   Terrain() = default;
-  Terrain(std::string name, std::shared_ptr<const HeightField> field)
-      : name_(std::move(name)), field_(std::move(field)) {}
+  Terrain(std::string name, std::shared_ptr<const HeightField> field, std::string scale = {})
+      : name_(std::move(name)), field_(std::move(field)), scale_(std::move(scale)) {}
 
   /// The text it was made from.
   const std::string& name() const { return name_; }
+  /// Of a file: what its samples were taken to measure, in words, and which of it was given, came from the
+  /// file or was assumed. Empty for anything else.
+  const std::string& scale() const { return scale_; }
   /// Null for the plane.
   const HeightField* field() const { return field_.get(); }
 
@@ -38,6 +41,7 @@ class Terrain {
  private:
   std::string name_ = "flat";
   std::shared_ptr<const HeightField> field_;
+  std::string scale_;
 };
 
 inline constexpr int kRingSize = 8;
@@ -70,16 +74,21 @@ const std::vector<TerrainGenerator>& terrain_generators();
 /// has `seed=N`; the same text and seed give the same heights on every machine.
 ///
 /// Files also take `:key=value,...`: size_x, size_y (m) and, for PNG, z_min, z_max (m).
-/// - PNG: grey, 8 or 16 bit; a sample is a height, linearly from z_min (black) to z_max (white), whatever
-/// gamma the
-///   file declares. The top row of pixels has the largest y, so that the picture is the map seen from above.
-///   Without keys the scale comes from the file's own sCAL and pCAL chunks, which `write_png` writes; without
-///   those a pixel is .025 m wide, z_min = 0, z_max = .05 m.
+/// - PNG of every kind: a sample is a height, linearly from z_min (black) to z_max (white), whatever gamma
+/// the
+///   file declares; of colours their luminance (Rec. 709) is, and transparency is ignored. The top row of
+///   pixels has the largest y, so that the picture is the map seen from above. Without keys the scale comes
+///   from the file's own sCAL and pCAL chunks, which `write_png` writes; without those a pixel is .025 m
+///   wide, z_min = 0, z_max = .05 m.
 /// - CSV: comma-separated heights in m, no header; the first line has the largest y, as in the picture.
 /// Samples stand
 ///   .025 m apart unless size_x, size_y are given: CSV carries no scale.
+/// `Terrain::scale` says which it was.
 /// @throws ConfigError naming the text, key, file, line or column
 Terrain make_terrain(std::string_view text, std::uint64_t seed = 0);
+
+/// Whether `make_terrain` takes `text` for a file's name, with or without settings behind a colon.
+bool is_terrain_file(std::string_view text);
 
 /// Writes 16-bit grey PNG, white = highest, with its scale (pixel size, heights of black and white), so that
 /// `make_terrain(path)` gives back the field to half a grey level; the file appears whole or not at all.

@@ -37,9 +37,28 @@ const std::vector<TerrainParameter>& png_parameters() {
   return table;
 }
 
+/// One of the numbers that say what a file's samples measure.
+struct Measure {
+  double value;        ///< m
+  const char* origin;  ///< "given", "from the file" or "assumed"
+};
+
+/// As given, else as the file says, else as assumed.
+Measure measure(const TerrainValues& values, std::string_view name, const std::optional<double>& file,
+                double assumed) {
+  if (values.given(name)) return {values[name], "given"};
+  return file ? Measure{*file, "from the file"} : Measure{assumed, "assumed"};
+}
+
 /// Extent along one direction: as given, or from the number of samples and their distance.
-double extent(const TerrainValues& values, std::string_view name, int samples, double cell) {
-  return values.given(name) ? values[name] : (samples - 1) * cell;
+Measure extent(const TerrainValues& values, std::string_view name, int samples,
+               const std::optional<double>& file_cell) {
+  const auto whole = [samples](double cell) { return (samples - 1) * cell; };
+  return measure(values, name, file_cell ? std::optional(whole(*file_cell)) : std::nullopt, whole(kCell));
+}
+
+std::string in_words(std::string_view what, const Measure& m) {
+  return fmt::format("{} {:.6g} m ({})", what, m.value, m.origin);
 }
 
 /// Index of the field's sample in a table whose first line has the largest y.
@@ -55,12 +74,25 @@ class CsvReader {
     constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // spreadsheets write one
     if (rest_.starts_with(kByteOrderMark)) rest_.remove_prefix(kByteOrderMark.size());
     if (rest_.empty()) throw ConfigError(path_, "line 1", "comma-separated heights in m", "an empty file");
+    // As many values as there can be: growing by doubling would need twice the memory.
+    const auto commas = std::count(rest_.begin(), rest_.end(), ',');
+    const auto lines = std::count(rest_.begin(), rest_.end(), '\n');
+    if (commas >= kMaxHeightSamples) {
+      throw ConfigError(path_, "file", fmt::format("at most {} values", kMaxHeightSamples), "more");
+    }
+    heights_.reserve(
+        static_cast<std::size_t>(std::min<std::int64_t>(commas + lines + 1, kMaxHeightSamples + 1)));
     while (!rest_.empty()) read_line();
   }
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  const std::vector<float>& heights() const { return heights_; }
+  /// Row-major, the first line last, as a height field has them. Leaves nothing behind.
+  std::vector<float> take_heights() {
+    const auto row = [this](int index) { return heights_.begin() + std::ptrdiff_t{index} * columns_; };
+    for (int r = 0; r < rows_ / 2; ++r) std::swap_ranges(row(r), row(r + 1), row(rows_ - 1 - r));
+    return std::move(heights_);
+  }
 
  private:
   void read_line() {
@@ -109,13 +141,20 @@ class CsvReader {
 
 }  // namespace
 
-HeightField read_png(const std::string& path, const std::optional<std::string_view>& list) {
+Terrain read_png(const std::string& path, const std::optional<std::string_view>& list,
+                 const std::string& name) {
   const TerrainValues values(png_parameters(), list, path);
-  const GreyImage image = decode_grey_png(read_text_file(path), path);
-  const GreyImage::PixelSize pixel = image.pixel_size.value_or(GreyImage::PixelSize{kCell, kCell});
-  const GreyImage::ValueRange range = image.value_range.value_or(GreyImage::ValueRange{kZMin, kZMax});
-  const double z_min = values.given("z_min") ? values["z_min"] : range.black;
-  const double z_max = values.given("z_max") ? values["z_max"] : range.white;
+  const GreyImage image = decode_grey_png(read_text_file(path, kPictureBudget), path);
+  const auto& pixel = image.pixel_size;
+  const auto& range = image.value_range;
+  const auto of = [](const auto& whole, auto member) {
+    return whole ? std::optional<double>((*whole).*member) : std::nullopt;
+  };
+  const Measure size_x = extent(values, "size_x", image.columns, of(pixel, &GreyImage::PixelSize::x));
+  const Measure size_y = extent(values, "size_y", image.rows, of(pixel, &GreyImage::PixelSize::y));
+  const Measure black = measure(values, "z_min", of(range, &GreyImage::ValueRange::black), kZMin);
+  const Measure white = measure(values, "z_max", of(range, &GreyImage::ValueRange::white), kZMax);
+  const double z_min = black.value, z_max = white.value;
   if (std::max(std::abs(z_min), std::abs(z_max)) >
       kHighest) {  // the file's own scale: keys have been checked
     throw ConfigError(path, "pCAL", fmt::format("heights in [{}, {}] m", -kHighest, kHighest),
@@ -129,28 +168,24 @@ HeightField read_png(const std::string& path, const std::optional<std::string_vi
     heights[flipped(i, image.columns, image.rows)] =
         static_cast<float>(z_min + (z_max - z_min) * image.samples[i] / image.white);
   }
-  return {image.columns,
-          image.rows,
-          extent(values, "size_x", image.columns, pixel.x),
-          extent(values, "size_y", image.rows, pixel.y),
-          std::move(heights),
-          path};
+  auto field = std::make_shared<const HeightField>(image.columns, image.rows, size_x.value, size_y.value,
+                                                   std::move(heights), path);
+  return {name, std::move(field),
+          fmt::format("{}, {}, {}, {}", in_words("size_x", size_x), in_words("size_y", size_y),
+                      in_words("z_min (black)", black), in_words("z_max (white)", white))};
 }
 
-HeightField read_csv(const std::string& path, const std::optional<std::string_view>& list) {
+Terrain read_csv(const std::string& path, const std::optional<std::string_view>& list,
+                 const std::string& name) {
   const TerrainValues values(csv_parameters(), list, path);
-  const std::string text = read_text_file(path);
-  const CsvReader table(path, text);
-  std::vector<float> heights(table.heights().size());
-  for (std::size_t i = 0; i < heights.size(); ++i) {
-    heights[flipped(i, table.columns(), table.rows())] = table.heights()[i];
-  }
-  return {table.columns(),
-          table.rows(),
-          extent(values, "size_x", table.columns(), kCell),
-          extent(values, "size_y", table.rows(), kCell),
-          std::move(heights),
-          path};
+  const std::string text = read_text_file(path, kTerrainTableBudget);
+  CsvReader table(path, text);
+  const Measure size_x = extent(values, "size_x", table.columns(), {});
+  const Measure size_y = extent(values, "size_y", table.rows(), {});
+  auto field = std::make_shared<const HeightField>(table.columns(), table.rows(), size_x.value, size_y.value,
+                                                   table.take_heights(), path);
+  return {name, std::move(field),
+          fmt::format("{}, {}", in_words("size_x", size_x), in_words("size_y", size_y))};
 }
 
 void write_png(const HeightField& field, const std::string& path) {

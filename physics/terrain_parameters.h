@@ -44,7 +44,10 @@ std::shared_ptr<const HeightField> generate_terrain(std::string_view name,
                                                     const std::string& source, std::uint64_t seed);
 
 /// Reads FILE.png or FILE.csv with the keys that `make_terrain` describes. @throws ConfigError
-HeightField read_png(const std::string& path, const std::optional<std::string_view>& list);
-HeightField read_csv(const std::string& path, const std::optional<std::string_view>& list);
+/// @returns the terrain, called `name`, with its scale in words
+Terrain read_png(const std::string& path, const std::optional<std::string_view>& list,
+                 const std::string& name);
+Terrain read_csv(const std::string& path, const std::optional<std::string_view>& list,
+                 const std::string& name);
 
 }  // namespace crossgait

@@ -5,10 +5,13 @@
 #include <string>
 #include <string_view>
 
+#include "crossgait/physics/read_budget.h"
+
 namespace crossgait {
 
-/// Contents of a text file. @throws ConfigError if it cannot be read
-std::string read_text_file(const std::string& path);
+/// Contents of a regular file. Folders, devices and pipes, which may never end, are refused unread.
+/// @throws ConfigError naming the file if it cannot be read, is no regular file, or is larger than the budget
+std::string read_text_file(const std::string& path, const ReadBudget& budget);
 
 /// The finite number that the whole of `text` spells, with a decimal point in any locale; empty for anything
 /// else.

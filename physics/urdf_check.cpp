@@ -12,6 +12,7 @@
 #include <tinyxml.h>
 
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/read_budget.h"
 #include "crossgait/physics/text.h"
 
 namespace crossgait {
@@ -62,6 +63,7 @@ class UrdfCheck {
     std::set<std::string> joints;
     for_each("link", [&](const TiXmlElement& link) {
       if (!links_.insert(name_of(link)).second) fail(link, "a unique name", "a second link of this name");
+      if (links_.size() > kMaxUrdfLinks) fail(link, fmt::format("at most {} links", kMaxUrdfLinks), "more");
       check_element(link, label(link));
     });
     if (links_.empty()) fail(robot_, "at least one link", "none");
@@ -157,14 +159,17 @@ class UrdfCheck {
 
   void check_tree() const {
     std::vector<std::string> roots;
+    std::map<std::string, std::string> from;  // links that a way to the root came past, by where it began
     for (const std::string& link : links_) {
       if (parents_.count(link) == 0) roots.push_back(link);
-      // More steps towards the root than there are links: the way goes round in circles.
-      auto parent = parents_.find(link);
-      for (std::size_t steps = 0; parent != parents_.end(); parent = parents_.find(parent->second)) {
-        if (++steps > links_.size()) {
+      // Up to the root, or to a link from where the way is known. Coming past a link twice: in circles.
+      for (auto at = parents_.find(link); at != parents_.end(); at = parents_.find(at->second)) {
+        const auto [known, is_new] = from.emplace(at->first, link);
+        if (is_new) continue;
+        if (known->second == link) {
           fail(robot_, fmt::format("link '{}'", link), "a tree of links", "a cycle of joints");
         }
+        break;
       }
     }
     if (roots.size() != 1) {
@@ -181,6 +186,7 @@ class UrdfCheck {
 }  // namespace
 
 void check_urdf(const std::string& text, const std::string& source) {
+  check_xml_budget(text, kUrdfBudget, source);  // TinyXML calls itself for elements inside elements
   TiXmlDocument document;
   document.Parse(text.c_str(), nullptr, TIXML_ENCODING_UTF8);
   if (document.Error()) {

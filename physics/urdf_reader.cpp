@@ -193,7 +193,7 @@ class TreeBuilder {
 }  // namespace
 
 UrdfRobot read_urdf(const std::string& path) {
-  const std::string text = read_text_file(path);
+  const std::string text = read_text_file(path, kUrdfBudget);
   check_urdf(text, path);
   return TreeBuilder(path).build(*parse(text, path)->getRoot());
 }

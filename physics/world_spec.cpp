@@ -16,7 +16,9 @@ void require(bool ok, std::string_view element, std::string_view expected, doubl
 void WorldSpec::validate() const {
   if (!robot) throw ConfigError("world specification", "robot", "a robot description", "none");
   robot->validate();
-  require(physics_dt > 0 && physics_dt <= 0.1, "physics_dt", "a time step in (0, 0.1] s", physics_dt);
+  require(physics_dt >= kShortestPhysicsStep && physics_dt <= kLongestPhysicsStep, "physics_dt",
+          fmt::format("a time step in [{:g}, {:g}] s", kShortestPhysicsStep, kLongestPhysicsStep),
+          physics_dt);
   if (!gravity.allFinite()) {
     throw ConfigError("world specification", "gravity", "three finite numbers, m/s^2",
                       "a value that is not finite");

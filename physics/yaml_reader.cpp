@@ -10,50 +10,41 @@
 
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/text.h"
+#include "crossgait/physics/yaml_tree.h"
 
 namespace crossgait {
 namespace {
 
-std::string describe(const YAML::Node& node) {
-  if (node.IsMap()) return "a mapping";
-  if (node.IsSequence()) return fmt::format("a sequence of {}", node.size());
-  if (node.IsScalar()) return fmt::format("'{}'", node.Scalar());
+using Kind = YamlNode::Kind;
+
+std::string describe(const YamlNode& node) {
+  if (node.kind == Kind::kMap) return "a mapping";
+  if (node.kind == Kind::kSequence) return fmt::format("a sequence of {}", node.items.size());
+  if (node.kind == Kind::kScalar) return fmt::format("'{}'", node.scalar);
   return "nothing";
 }
 
 }  // namespace
 
-YamlValue::YamlValue(std::shared_ptr<const YAML::Node> node, std::string source, std::string path, int line)
+YamlValue::YamlValue(std::shared_ptr<const YamlNode> node, std::string source, std::string path, int line)
     : node_(std::move(node)), source_(std::move(source)), path_(std::move(path)), line_(line) {}
 
-YamlValue YamlValue::load(const std::string& path) { return parse(read_text_file(path), path); }
+YamlValue YamlValue::load(const std::string& path) { return parse(read_text_file(path, kYamlBudget), path); }
 
 YamlValue YamlValue::parse(const std::string& text, const std::string& source) {
-  std::vector<YAML::Node> documents;
-  try {
-    documents = YAML::LoadAll(text);
-  } catch (const YAML::Exception& error) {
-    throw ConfigError(source, fmt::format("line {}", error.mark.line + 1), "valid YAML", error.msg);
-  }
-  if (documents.size() != 1) {
-    throw ConfigError(source, "file", "one YAML document", std::to_string(documents.size()));
-  }
-  YamlValue root(std::make_shared<const YAML::Node>(documents.front()), source, "", 1);
-  root.check_keys(0);
+  YamlValue root(read_yaml(text, source), source, "", 1);
+  root.check_keys();
   return root;
 }
 
-void YamlValue::check_keys(int depth) const {
-  // An alias inside its own anchor makes a value that contains itself.
-  constexpr int kMaxDepth = 32;
-  if (depth > kMaxDepth) fail(fmt::format("at most {} levels", kMaxDepth), "more");
-  if (node_->IsSequence()) {
-    for (const YamlValue& item : items()) item.check_keys(depth + 1);
-  } else if (node_->IsMap()) {
+void YamlValue::check_keys() const {
+  if (node_->kind == Kind::kSequence) {
+    for (const YamlValue& item : items()) item.check_keys();
+  } else if (node_->kind == Kind::kMap) {
     std::set<std::string> seen;
     for (const auto& [key, value] : entries()) {
       if (!seen.insert(key).second) value.fail("each key once", "a duplicate key");
-      value.check_keys(depth + 1);
+      value.check_keys();
     }
   }
 }
@@ -80,29 +71,28 @@ std::optional<YamlValue> YamlValue::find(std::string_view key) const {
 }
 
 std::vector<std::pair<std::string, YamlValue>> YamlValue::entries() const {
-  if (!node_->IsMap()) fail("a mapping", describe(*node_));
+  if (node_->kind != Kind::kMap) fail("a mapping", describe(*node_));
   std::vector<std::pair<std::string, YamlValue>> result;
-  for (const auto& entry : *node_) {
-    if (!entry.first.IsScalar()) fail("keys that are plain names", describe(entry.first));
-    const std::string& key = entry.first.Scalar();
-    result.emplace_back(key, child(entry.second, key, entry.first.Mark().line + 1));
+  for (std::size_t i = 0; i < node_->items.size(); ++i) {
+    const YamlNode& key = *node_->keys[i];
+    if (key.kind != Kind::kScalar) fail("keys that are plain names", describe(key));
+    result.emplace_back(key.scalar, child(node_->items[i], key.scalar, key.line));
   }
   return result;
 }
 
 std::vector<YamlValue> YamlValue::items() const {
-  if (!node_->IsSequence()) fail("a sequence", describe(*node_));
+  if (node_->kind != Kind::kSequence) fail("a sequence", describe(*node_));
   std::vector<YamlValue> result;
-  for (std::size_t i = 0; i < node_->size(); ++i) {
-    const YAML::Node item = (*node_)[i];
-    result.push_back(child(item, fmt::format("[{}]", i), item.Mark().line + 1));
+  for (std::size_t i = 0; i < node_->items.size(); ++i) {
+    result.push_back(child(node_->items[i], fmt::format("[{}]", i), node_->items[i]->line));
   }
   return result;
 }
 
 const std::string& YamlValue::scalar(std::string_view expected) const {
-  if (!node_->IsScalar() || node_->Scalar().empty()) fail(expected, describe(*node_));
-  return node_->Scalar();
+  if (node_->kind != Kind::kScalar || node_->scalar.empty()) fail(expected, describe(*node_));
+  return node_->scalar;
 }
 
 double YamlValue::number() const {
@@ -121,6 +111,15 @@ int YamlValue::integer() const {
   return value;
 }
 
+std::uint64_t YamlValue::seed() const {
+  constexpr std::string_view expected = "a whole number of 0 or more, below 2^64";
+  const std::string& text = scalar(expected);
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) fail(expected, describe(*node_));
+  return value;
+}
+
 bool YamlValue::boolean() const {
   constexpr std::string_view expected = "true or false";
   const std::string& text = scalar(expected);
@@ -131,7 +130,8 @@ bool YamlValue::boolean() const {
 std::string YamlValue::text() const { return scalar("text"); }
 
 Vector3 YamlValue::vector3() const {
-  if (!node_->IsSequence() || node_->size() != 3) fail("a sequence of 3 numbers", describe(*node_));
+  if (node_->kind != Kind::kSequence || node_->items.size() != 3)
+    fail("a sequence of 3 numbers", describe(*node_));
   const std::vector<YamlValue> elements = items();
   return {elements[0].number(), elements[1].number(), elements[2].number()};
 }
@@ -144,10 +144,26 @@ void YamlValue::fail(std::string_view expected, std::string_view found) const {
   throw ConfigError(source_, element(), expected, found);
 }
 
-YamlValue YamlValue::child(const YAML::Node& node, std::string_view key, int line) const {
+void YamlValue::fail(const ConfigError& error) const {
+  throw ConfigError(source_, fmt::format("{}: {}: {}", element(), error.source(), error.element()),
+                    error.expected(), error.found());
+}
+
+YamlValue YamlValue::child(std::shared_ptr<const YamlNode> node, std::string_view key, int line) const {
   const std::string_view separator = path_.empty() || key.starts_with('[') ? "" : ".";
-  return {std::make_shared<const YAML::Node>(node), source_, fmt::format("{}{}{}", path_, separator, key),
-          line};
+  return {std::move(node), source_, fmt::format("{}{}{}", path_, separator, key), line};
+}
+
+std::string yaml_quoted(std::string_view text) {
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  if (std::any_of(text.begin(), text.end(), is_control)) {
+    YAML::Emitter emitter;
+    emitter << YAML::DoubleQuoted << std::string(text);
+    return emitter.c_str();
+  }
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? "''" : std::string(1, c);
+  return result + "'";
 }
 
 }  // namespace crossgait

@@ -1,6 +1,7 @@
 // Strict reading of YAML: every value knows its file, line and key, and nothing unexpected passes silently.
 #pragma once
 
+#include <cstdint>
 #include <initializer_list>
 #include <memory>
 #include <optional>
@@ -11,11 +12,10 @@
 
 #include "crossgait/physics/math.h"
 
-namespace YAML {
-class Node;
-}
-
 namespace crossgait {
+
+class ConfigError;
+struct YamlNode;
 
 /// One value of a YAML file. Every function throws ConfigError naming the file, the line and the path of
 /// keys, as in "trot.yaml: line 4, swing.shape: expected a finite number, found 'fast'".
@@ -26,7 +26,7 @@ namespace crossgait {
 ///     if (const auto swing = root.find("swing")) parameters.shape = swing->at("shape").number();
 class YamlValue {
  public:
-  /// Reads a file of exactly one document. Duplicate keys anywhere in it are an error.
+  /// Reads a file of exactly one document within `kYamlBudget`. Duplicate keys anywhere in it are an error.
   static YamlValue load(const std::string& path);
   /// The same from text; `source` stands for the file in messages.
   static YamlValue parse(const std::string& text, const std::string& source);
@@ -44,25 +44,31 @@ class YamlValue {
 
   double number() const;  ///< finite, in any locale
   int integer() const;
-  bool boolean() const;      ///< true or false
-  std::string text() const;  ///< not empty
-  Vector3 vector3() const;   ///< a sequence of three numbers
+  std::uint64_t seed() const;  ///< a whole number of 0 or more, up to 2^64 - 1
+  bool boolean() const;        ///< true or false
+  std::string text() const;    ///< not empty
+  Vector3 vector3() const;     ///< a sequence of three numbers
 
   const std::string& source() const noexcept { return source_; }
   /// "line 4, swing.shape": the line of the key (of the value, in a sequence) and the path; what errors name.
   std::string element() const;
   /// Reports this value as wrong in the reader's own terms.
   [[noreturn]] void fail(std::string_view expected, std::string_view found) const;
+  /// Reports what is wrong in what this value names (a file, say) at this value.
+  [[noreturn]] void fail(const ConfigError& error) const;
 
  private:
-  YamlValue(std::shared_ptr<const YAML::Node> node, std::string source, std::string path, int line);
-  YamlValue child(const YAML::Node& node, std::string_view key, int line) const;
+  YamlValue(std::shared_ptr<const YamlNode> node, std::string source, std::string path, int line);
+  YamlValue child(std::shared_ptr<const YamlNode> node, std::string_view key, int line) const;
   const std::string& scalar(std::string_view expected) const;
-  void check_keys(int depth) const;
+  void check_keys() const;
 
-  std::shared_ptr<const YAML::Node> node_;
+  std::shared_ptr<const YamlNode> node_;
   std::string source_, path_;
   int line_ = 0;
 };
+
+/// `text` as a YAML scalar that reads back as the same text, in quotes whatever it holds.
+std::string yaml_quoted(std::string_view text);
 
 }  // namespace crossgait

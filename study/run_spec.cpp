@@ -27,7 +27,7 @@ bool is_file(const std::string& path) {
 // @param seen files that are in already: files may name each other
 void add_file(Fnv1a& hash, const std::string& path, std::set<std::string>& seen) {
   if (!seen.insert(std::filesystem::weakly_canonical(path).string()).second) return;
-  const std::string text = read_text_file(path);
+  const std::string text = read_text_file(path, kTerrainTableBudget);  // the largest that a run reads
   hash.add(text);
   if (!path.ends_with(".yaml")) return;
   constexpr std::string_view kBetween = " \t\r\n\"',:{}[]";

@@ -28,12 +28,15 @@ RunResult result_of(const ordered_json& line) {
 RunStore::RunStore(std::string path) : path_(std::move(path)) {
   std::error_code error;
   if (!std::filesystem::exists(path_, error)) return;
-  const std::string text = read_text_file(path_);
+  const std::string text = read_text_file(path_, kRunStoreBudget);
   std::size_t begin = 0, number = 0;
+  check_json_budget(text, kRunStoreBudget, path_);
   for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', begin)) {
     ++number;
     try {
-      const auto line = ordered_json::parse(text.substr(begin, end - begin));
+      const std::string_view run = std::string_view(text).substr(begin, end - begin);
+      check_json_budget(run, kRunBudget, path_, static_cast<int>(number));
+      const auto line = ordered_json::parse(run);
       runs_[line.at("hash").get<std::string>()] = result_of(line);
     } catch (const ordered_json::exception& problem) {
       throw ConfigError(path_, fmt::format("line {}", number), "a stored run", problem.what());

@@ -19,17 +19,16 @@ namespace {
 using Point = std::vector<double>;
 
 // The rows that are tuned.
-std::vector<const ParameterRow*> rows_of(const EnvConfig& config) {
-  std::vector<const ParameterRow*> rows;
-  for (const std::string& name : config.adapt) rows.push_back(&find_parameter(name));
+std::vector<ParameterRow> rows_of(const EnvConfig& config) {
+  std::vector<ParameterRow> rows;
+  for (const std::string& name : config.adapt) rows.push_back(config.adaptation.row(name));
   if (rows.empty()) throw ConfigError("tune", "adapt", "at least one parameter to tune", "none");
   return rows;
 }
 
-EnvConfig with_parameters(EnvConfig config, const std::vector<const ParameterRow*>& rows,
-                          const Point& point) {
+EnvConfig with_parameters(EnvConfig config, const std::vector<ParameterRow>& rows, const Point& point) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const ParameterRow& row = *rows[i];
+    const ParameterRow& row = rows[i];
     config.parameters.*row.member = row.clip(row.min + (point[i] + 1) / 2 * (row.max - row.min));
   }
   return config;
@@ -82,10 +81,11 @@ struct Distribution {
 
 void search(const TuneOptions& options, const Progress& progress, Tuning& result) {
   const EnvConfig& start = result.start;
-  const std::vector<const ParameterRow*> rows = rows_of(start);
+  const std::vector<ParameterRow> rows = rows_of(start);
   Distribution distribution;
-  for (const ParameterRow* row : rows)
-    distribution.mean.push_back(row->normalise(start.parameters.*row->member));
+  // Within the ranges, also where the start is not.
+  for (const ParameterRow& row : rows)
+    distribution.mean.push_back(row.normalise(row.clip(start.parameters.*row.member)));
   distribution.deviation.assign(rows.size(), 0.5);
   Point best = distribution.mean;
   Random random(options.seed);
@@ -146,8 +146,8 @@ Tuning tune_gait(const EnvConfig& start, const std::vector<std::string>& engines
 nlohmann::ordered_json to_json(const Tuning& t) {
   nlohmann::ordered_json json{
       {"backend", t.start.engine}, {"terrain", t.start.terrain}, {"history", t.history}};
-  for (const ParameterRow* row : rows_of(t.start))
-    json["parameters"][std::string(row->name)] = t.tuned.parameters.*row->member;
+  for (const ParameterRow& row : rows_of(t.start))
+    json["parameters"][std::string(row.name)] = t.tuned.parameters.*row.member;
   for (const TuneCheck& line : t.checks) {
     for (std::size_t k = 0; k < t.engines.size(); ++k) {
       json["checks"].push_back({{"ground", line.ground},
@@ -161,9 +161,9 @@ nlohmann::ordered_json to_json(const Tuning& t) {
 
 std::string describe(const Tuning& t) {
   Table parameters({"parameter", "default", "tuned", "unit"});
-  for (const ParameterRow* row : rows_of(t.start)) {
-    parameters.add_row({std::string(row->name), fmt::format("{:.4f}", t.start.parameters.*row->member),
-                        fmt::format("{:.4f}", t.tuned.parameters.*row->member), std::string(row->unit)});
+  for (const ParameterRow& row : rows_of(t.start)) {
+    parameters.add_row({std::string(row.name), fmt::format("{:.4f}", t.start.parameters.*row.member),
+                        fmt::format("{:.4f}", t.tuned.parameters.*row.member), std::string(row.unit)});
   }
   std::vector<std::string> header{fmt::format("mean speed on {}, m/s", t.start.terrain), "parameters"};
   header.insert(header.end(), t.engines.begin(), t.engines.end());

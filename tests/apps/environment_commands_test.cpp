@@ -54,6 +54,49 @@ TEST(EnvCommand, WritesAConfigurationThatRolloutReads) {
   std::filesystem::remove("commands_env.yaml");
 }
 
+TEST(EnvCommand, WritesNothingThatCannotBeRead) {
+  expect_bad_input("env --yaml --adapt nope", {"nope", "step_height"});
+  expect_bad_input("env --yaml --terrain rogh", {"rogh", "rough"});
+  expect_bad_input("env --yaml --robot skara", {"skara", "scara_quadruped"});
+}
+
+TEST(EnvCommand, TakesParametersOutsideTheirRangeWithANote) {
+  const ProgramResult result = run_program("env --describe --set cycle_time=.5 --json -");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err,
+            "crossgait: note: cycle_time = 0.5 s lies outside the range for adaptation, 0.8 to 1.5 s\n");
+  EXPECT_EQ(json::parse(result.out)["notes"].size(), 1U);
+  write_file("commands_ranges.yaml", "ranges: {cycle_time: [.15, .8]}\nparameters: {cycle_time: .5}\n");
+  const ProgramResult ranged = run_program("env --config commands_ranges.yaml --json -");
+  EXPECT_EQ(ranged.err, "");
+  EXPECT_EQ(json::parse(ranged.out)["notes"].size(), 0U);
+  std::filesystem::remove("commands_ranges.yaml");
+  const ProgramResult pace = run_program("env --gait pace --adapt cycle_time");
+  EXPECT_EQ(pace.exit_code, 0);
+  EXPECT_NE(pace.err.find("cycle_time = 0.4 s"), std::string::npos) << "the gait's own, but it adapts";
+  EXPECT_EQ(run_program("env --gait pace --adapt step_length").err, "");
+  const ProgramResult gait = run_program("gait --parameters --set cycle_time=.5");
+  EXPECT_EQ(gait.exit_code, 0);
+  EXPECT_NE(gait.err.find("cycle_time = 0.5 s"), std::string::npos);
+}
+
+// From any folder, and with the names that `env --yaml` was given.
+TEST(EnvCommand, WritesFilesThatAreFoundFromAnywhere) {
+  std::filesystem::create_directories("commands_folder");
+  std::filesystem::copy_file(std::string(CROSSGAIT_SOURCE_DIR) + "/models/terrains/blocks.csv",
+                             "commands it's.csv", std::filesystem::copy_options::overwrite_existing);
+  const ProgramResult yaml = run_program("env --yaml --terrain \"commands it's.csv\"");
+  ASSERT_EQ(yaml.exit_code, 0) << yaml.err;
+  std::ofstream("commands_folder/env.yaml") << yaml.out;
+  EXPECT_EQ(run_program("env --config commands_folder/env.yaml").exit_code, 0);
+  write_file("commands_folder/near.yaml", "terrain: ../commands it's.csv\n");
+  EXPECT_EQ(run_program("env --config commands_folder/near.yaml").exit_code, 0);
+  write_file("commands_folder/far.yaml", "gait: trot\nterrain: commands it's.csv\n");
+  expect_bad_input("env --config commands_folder/far.yaml", {"far.yaml: line 2, terrain"});
+  std::filesystem::remove_all("commands_folder");
+  std::filesystem::remove("commands it's.csv");
+}
+
 TEST(RolloutCommand, ShowsPoliciesAndTheBaselineInEveryEngine) {
   ASSERT_FALSE(available_engines().empty());
   for (const std::string& engine : available_engines()) {
@@ -147,7 +190,6 @@ TEST(EnvironmentCommandsBadInput, NamesWhatWasWrong) {
   expect_bad_input("rollout --backend none", {"none", backend()});
   expect_bad_input("transfer --terrains moon", {"moon"});
   expect_bad_input("tune --population 1", {"--population"});
-  expect_bad_input("env --gait pace --adapt cycle_time", {"cycle_time", "0.8"});
   std::ofstream("commands_bad.yaml") << "gait: trot\nreward: {fun: 1}\n";
   expect_bad_input("rollout --config commands_bad.yaml", {"commands_bad.yaml", "line 2", "fun"});
   std::filesystem::remove("commands_bad.yaml");

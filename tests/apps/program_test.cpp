@@ -200,7 +200,7 @@ TEST(ProgramBadInput, NamesWhatWasWrong) {
   expect_bad_input("walk --friction -1", {"friction", "-1"});
   expect_bad_input("walk --gait hop", {"hop", "trot"});
   expect_bad_input("walk --set step_len=.06", {"step_len", "step_length"});
-  expect_bad_input("walk --set step_length=9", {"step_length", "9"});
+  expect_bad_input("walk --set step_length=9999", {"step_length", "-1000 to 1000 m", "9999"});
   expect_bad_input("walk --set step_length=nan", {"step_length"});
   expect_bad_input("walk --robot nobody", {"nobody", "scara_quadruped"});
   expect_bad_input("walk --robot missing.yaml", {"missing.yaml"});

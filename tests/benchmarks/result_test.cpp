@@ -150,6 +150,12 @@ void expect_refused(const std::string& text, const std::string& word) {
 
 TEST(StoredResult, RefusesAnythingElse) {
   EXPECT_THROW(read_bench("bench_missing.json"), ConfigError);
+  EXPECT_THROW(read_bench("."), ConfigError);
+  expect_refused(std::string(100000, '['), "at most 32 levels");
+  expect_refused(std::string(2 << 20, ' '), "at most 1 MiB");
+  std::string keys = "{";
+  for (int i = 0; i < 20000; ++i) keys += "\"" + std::to_string(i) + "\":0,";
+  expect_refused(keys + "\"a\":0}", "at most 10000 values");
   expect_refused("no json", "schema");
   expect_refused("[1, 2]", "schema");
   expect_refused(R"({"schema": "something-else"})", "schema");

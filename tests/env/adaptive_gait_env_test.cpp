@@ -294,11 +294,24 @@ TEST_P(Environment, ConfigurationErrorsSurface) {
   config.terrain = "moon";
   EXPECT_THROW(make_env(config), ConfigError);
   config = {};
+  config.adapt = {"step_length", "girth"};
+  EXPECT_THROW(make_env(config), ConfigError);
+}
+
+TEST_P(Environment, KeepsWhatBeginsOutsideItsRange) {
+  EnvConfig config;
   config.gait = "pace";
   config.parameters = find_gait("pace").preferred;  // its cycle time is below the range that adapts
-  EXPECT_THROW(make_env(config), ConfigError);
-  config.adapt = {"step_length"};
-  EXPECT_NO_THROW(make_env(config));
+  auto env = make_env(config);
+  std::vector<double> seen(env.observation_size());
+  env.reset(0, seen);
+  for (int i = 0; i < 10; ++i) env.step(zeros(env), seen);
+  EXPECT_EQ(env.info().parameters.cycle_time, config.parameters.cycle_time);
+  const auto& entries = env.interface().observation.entries;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    EXPECT_GE(seen[i], entries[i].min) << entries[i].name;
+    EXPECT_LE(seen[i], entries[i].max) << entries[i].name;
+  }
 }
 
 }  // namespace

@@ -1,7 +1,11 @@
 #include "crossgait/env/env_config.h"
 
+#include <filesystem>
+#include <functional>
+
 #include <gtest/gtest.h>
 
+#include "crossgait/env/env_model.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait {
@@ -77,23 +81,36 @@ TEST(EnvConfig, ErrorsNameTheLineTheExpectedAndTheFound) {
       {"gait: trot\ngiat: walk\n", {"env.yaml", "line 2", "giat"}},
       {"\ngait: amble\n", {"line 2, gait", "trot", "amble"}},
       {"parameters: {step_size: 1}\n", {"line 1", "step_height", "step_size"}},
-      {"parameters: {step_height: 1}\n", {"parameters.step_height", "0.03", "1"}},
+      {"parameters: {step_height: -1}\n", {"parameters.step_height", "0 to 1000 m", "-1"}},
+      {"adapt: [step_height, step_height]\n", {"line 1, adapt", "step_height twice"}},
+      {"ranges: {cycle_time: [.8, .15]}\n", {"line 1, ranges.cycle_time", "min < max", "[0.8, 0.15]"}},
+      {"ranges: {girth: [0, 1]}\n", {"line 1, ranges.girth", "cycle_time"}},
+      {"ranges: {cycle_time: .5}\n", {"line 1, ranges.cycle_time", "sequence"}},
+      {"delta_scales: {cycle_time: 0}\n", {"line 1, delta_scales.cycle_time", "above 0"}},
+      {"physics_dt: 1e-12\n", {"env.yaml: line 1, physics_dt", "[1e-06, 0.1] s"}},
+      {"residual_scale: 1e6\n", {"line 1, residual_scale", "[0, 1] m"}},
+      {"friction: 1e9\n", {"line 1, friction", "[0, 10]"}},
+      {"policy_dt: 1e-5\ncontrol_dt: 1e-5\nphysics_dt: 1e-5\nepisode_seconds: 1e5\n",
+       {"line 4, episode_seconds", "1e+09 policy steps"}},
       {"adapt: [step_height, girth]\n", {"adapt", "girth"}},
       {"observation: [smell]\n", {"base_position", "smell"}},
       {"observation: [phase, phase]\n", {"every block once", "phase twice"}},
       {"observation: []\n", {"observation"}},
       {"reward: {fun: 1}\n", {"reward.fun", "forward_velocity"}},
       {"reward: {alive: .nan}\n", {"reward.alive", "finite"}},
-      {"physics_dt: 0\n", {"physics_dt", "(0, .1]"}},
+      {"physics_dt: 0\n", {"physics_dt", "0.1] s"}},
       {"control_dt: .0015\n", {"control_dt", "multiple of 0.001 s"}},
       {"policy_dt: .003\n", {"policy_dt", "multiple of 0.002 s"}},
       {"episode_seconds: -1\n", {"episode_seconds"}},
       {"friction: -1\n", {"friction"}},
       {"terrain_seed: -1\n", {"terrain_seed"}},
       {"randomisation: {wind: [0, 1]}\n", {"randomisation.wind", "friction"}},
-      {"randomisation: {friction: [2, 1]}\n", {"friction", "[2, 1]"}},
+      {"randomisation: {friction: [2, 1]}\n", {"env.yaml: line 1, randomisation.friction", "[2, 1]"}},
+      {"randomisation:\n  mass: [.9, 1.1]\n  friction: [0, 11]\n",
+       {"env.yaml: line 3, randomisation.friction", "[0, 10] x"}},
       {"randomisation: {friction: 1}\n", {"randomisation.friction"}},
       {"randomisation: {push_impulse: [0, 1]}\n", {"push_interval"}},
+      {"randomisation: {push_interval: [1, 2]}\n", {"env.yaml: push_impulse"}},
       {"command: {vz: 1}\n", {"command", "vz"}},
       {"ends: [fell, stumbled]\n", {"ends", "came_apart", "stumbled"}},
       {"ends: [slid]\n", {"ends", "the moment", "slid"}},
@@ -104,6 +121,82 @@ TEST(EnvConfig, ErrorsNameTheLineTheExpectedAndTheFound) {
     for (const std::string& word : words)
       EXPECT_NE(message.find(word), std::string::npos) << text << " said: " << message;
   }
+}
+
+TEST(EnvConfig, ReadsBackSeedsAndNamesOfEveryKind) {
+  EnvConfig c;
+  c.terrain_seed = 18446744073709551615U;
+  for (const std::string name : {"it's", "a\"b\"", "back\\slash", "two\nlines", "# a: [b", " c ", "\x01"}) {
+    c.robot = "/models/" + name + ".yaml";
+    c.terrain = "/models/" + name + ".png:z_max=1";
+    c.engine = name;
+    const EnvConfig back = parse_env_config(to_yaml(c), "round trip");
+    EXPECT_EQ(back.robot, c.robot);
+    EXPECT_EQ(back.terrain, c.terrain);
+    EXPECT_EQ(back.engine, c.engine);
+    EXPECT_EQ(back.terrain_seed, c.terrain_seed);
+  }
+}
+
+TEST(EnvConfig, ReadsBackItsRanges) {
+  EnvConfig c;
+  c.adaptation.ranges["cycle_time"] = {0.15, 0.8};
+  c.adaptation.ranges["step_length"] = {0.01, 0.1 / 3};
+  c.adaptation.delta_scales["cycle_time"] = 0.02;
+  EXPECT_EQ(parse_env_config(to_yaml(c), "round trip").adaptation, c.adaptation);
+  EXPECT_EQ(to_yaml(EnvConfig{}).find("ranges"), std::string::npos);
+}
+
+TEST(EnvConfig, FindsFilesFromItsOwnFolder) {
+  const EnvConfig c =
+      parse_env_config("robot: my/robot.yaml\nterrain: ../maps/hill.png:z_max=1\n", "lab/env/e.yaml");
+  EXPECT_EQ(c.robot, "lab/env/my/robot.yaml");
+  EXPECT_EQ(c.terrain, "lab/maps/hill.png:z_max=1");
+  const EnvConfig named =
+      parse_env_config("robot: scara_quadruped_long\nterrain: rough:seed=3\n", "lab/e.yaml");
+  EXPECT_EQ(named.robot, "scara_quadruped_long");
+  EXPECT_EQ(named.terrain, "rough:seed=3");
+  EXPECT_EQ(parse_env_config("terrain: /maps/hill.csv\n", "lab/e.yaml").terrain, "/maps/hill.csv");
+  // Written with the whole path, it may be kept anywhere.
+  const std::filesystem::path whole = parse_env_config(to_yaml(c), "elsewhere/e.yaml").robot;
+  EXPECT_EQ(whole, std::filesystem::current_path() / "lab/env/my/robot.yaml");
+}
+
+TEST(EnvConfig, WhatIsWrongWithAFileThatItNamesIsSaidAtItsLine) {
+  const auto element = [](const std::string& text, const std::function<void(EnvConfig&)>& change = {}) {
+    EnvConfig c = parse_env_config(text, "lab/e.yaml");
+    if (change) change(c);
+    try {
+      static_cast<void>(EnvModel::make(c));
+    } catch (const ConfigError& error) {
+      return error.source() + ": " + error.element();
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(element("gait: trot\nterrain: rogh\n"), "lab/e.yaml: line 2, terrain: terrain 'rogh': name");
+  EXPECT_EQ(element("terrain: hill.png\n"), "lab/e.yaml: line 1, terrain: lab/hill.png: file");
+  EXPECT_EQ(element("robot: no.yaml\n"), "lab/e.yaml: line 1, robot: lab/no.yaml: file");
+  EXPECT_EQ(element("robot: skara\n"), "lab/e.yaml: line 1, robot: robot: name");
+  EXPECT_EQ(element("terrain: rough\n", [](EnvConfig& c) { c.terrain = "rogh"; }), "terrain 'rogh': name")
+      << "the file did not say so";
+}
+
+TEST(EnvConfig, RangesShowInTheLayoutAndItsHash) {
+  EnvConfig plain, ranged;
+  ranged.adaptation.ranges["cycle_time"] = {0.15, 0.8};
+  ranged.adaptation.delta_scales["cycle_time"] = 0.02;
+  ranged.parameters.cycle_time = 0.5;
+  const auto a = EnvModel::make(plain), b = EnvModel::make(ranged);
+  EXPECT_NE(a->layout, b->layout);
+  EXPECT_EQ(b->interface.action.entries[2].unit, "0.02 s");
+  EXPECT_EQ(b->interface.observation.entries[*b->interface.observation.find("param.cycle_time")].unit,
+            "0.15 to 0.8 s");
+  EnvConfig outside;
+  outside.parameters.cycle_time = 0.5;
+  const auto c = EnvModel::make(outside);
+  EXPECT_EQ(a->layout, c->layout) << "the numbers mean the same";
+  const auto entry = c->interface.observation.entries[*c->interface.observation.find("param.cycle_time")];
+  EXPECT_NEAR(entry.max, 13.0 / 7, 1e-12);  // (.5 - .8) / .35 - 1; rounding
 }
 
 }  // namespace

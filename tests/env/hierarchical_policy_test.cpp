@@ -199,7 +199,7 @@ TEST_F(HierarchicalPolicyFile, RefusesMembersOfAnotherLayoutVersion) {
   const std::string member = write("residual.yaml", scripted);
   const std::string yaml = "planner: {policy: zero}\nresidual: {policy: residual.yaml}\n";
   EXPECT_EQ(std::string(config_error([&] { (void)make(yaml); }).what()),
-            member +
+            path("h.yaml") + ": line 4, residual.policy: " + member +
                 ": layout_version: expected 2 (leg frames with z up), found none, which means 1: written "
                 "for leg frames with z down");
 }

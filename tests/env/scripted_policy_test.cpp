@@ -73,6 +73,23 @@ TEST(ScriptedPolicy, SteersAParameterToItsTarget) {
   }
 }
 
+TEST(ScriptedPolicy, SteersInTheEnvironmentsRanges) {
+  PolicyInterface interface = small_interface();
+  interface.adaptation.ranges["step_height"] = {0.01, 0.2};
+  interface.adaptation.delta_scales["step_height"] = 0.02;
+  const auto policy = parse("[{time: 0, parameters: {step_height: .15}}]", interface);
+  AdaptiveGaitOptions options;
+  options.parameters = {"step_height", "step_length"};
+  options.ranges = interface.adaptation;
+  AdaptiveGaitController gait(find_gait("trot"), options, {});
+  for (int i = 0; i < 6; ++i) {  // .11 m in steps of .02
+    std::vector<double> normalised(2);
+    gait.normalised_parameters(normalised);
+    gait.apply_action(act_at(*policy, normalised[0]));
+  }
+  EXPECT_NEAR(gait.parameters().step_height, 0.15, 1e-15);  // rounding of the normalisation
+}
+
 TEST(ScriptedPolicy, AnObservationThatIsNoNumberSteersNowhere) {
   const auto policy = parse("[{time: 0, action: {residual.FL.x: .5}, parameters: {step_height: .06}}]");
   EXPECT_EQ(act_at(*policy, std::nan("")), (std::vector<double>{0, 0, 0.5, 0}));

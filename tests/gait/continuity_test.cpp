@@ -200,8 +200,8 @@ TEST_P(Continuity, HoldsForTheAdaptiveControllerUnderARandomPolicy) {
     meter.look();
     // And no target moves further than the gait moves it, plus the changes of parameters and of its residual.
     double change = 0;
-    for (const ParameterRow* row : controller.adapted()) {
-      change += std::abs(controller.parameters().*row->member - parameters.*row->member);
+    for (const ParameterRow& row : controller.adapted()) {
+      change += std::abs(controller.parameters().*row.member - parameters.*row.member);
     }
     for (const Leg leg : kLegs) {
       const double jump = (controller.targets()[leg].position - before[leg].position).norm();

@@ -93,15 +93,71 @@ TEST(SetParameter, AnUnknownNameIsAnErrorThatListsTheKnown) {
   }
 }
 
-TEST(SetParameter, AValueOutOfRangeIsAnErrorWithRangeAndUnit) {
-  for (const double bad : {0.029, 0.11, kNaN, std::numeric_limits<double>::infinity()}) {
+TEST(SetParameter, TakesWhateverIsValidAlsoOutsideTheRange) {
+  GaitParameters p;
+  set(p, "cycle_time", 0.5);
+  set(p, "step_length", 0.11);
+  assign(p, "body_height=.07");
+  EXPECT_EQ(p.cycle_time, 0.5);
+  EXPECT_TRUE(is_valid(p));
+  const std::vector<std::string> notes = outside_ranges(p, GaitParameters{});
+  ASSERT_EQ(notes.size(), 3U);  // in the order of the table
+  EXPECT_EQ(notes[0], "step_length = 0.11 m lies outside the range for adaptation, 0.03 to 0.1 m");
+  EXPECT_EQ(outside_ranges(p, p).size(), 0U) << "as usual";
+  AdaptationRanges ranges;
+  ranges.ranges["cycle_time"] = {0.15, 0.8};
+  EXPECT_EQ(outside_ranges(p, GaitParameters{}, ranges).size(), 2U);
+}
+
+TEST(AdaptationRanges, ReplaceWhatTheyMention) {
+  AdaptationRanges ranges;
+  ranges.ranges["cycle_time"] = {0.15, 0.8};
+  ranges.delta_scales["step_height"] = 0.001;
+  EXPECT_NO_THROW(ranges.validate("here"));
+  EXPECT_EQ(ranges.row("cycle_time").min, 0.15);
+  EXPECT_EQ(ranges.row("cycle_time").delta_scale, 0.05);
+  EXPECT_EQ(ranges.row("step_height").max, 0.09);
+  EXPECT_EQ(ranges.row("step_height").delta_scale, 0.001);
+  EXPECT_THROW((void)ranges.row("girth"), ConfigError);
+}
+
+TEST(AdaptationRanges, MustBeValidAndWideEnough) {
+  const auto element = [](const AdaptationRanges& ranges) {
+    try {
+      ranges.validate("here");
+    } catch (const ConfigError& error) {
+      EXPECT_EQ(error.source(), "here");
+      return error.element();
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(element({{{"cycle_time", {0.8, 0.15}}}, {}}), "ranges.cycle_time");
+  EXPECT_EQ(element({{{"cycle_time", {0.01, 0.8}}}, {}}), "ranges.cycle_time");  // valid from .05 s on
+  EXPECT_EQ(element({{{"cycle_time", {kNaN, 0.8}}}, {}}), "ranges.cycle_time");
+  EXPECT_EQ(element({{}, {{"cycle_time", 0}}}), "delta_scales.cycle_time");
+  EXPECT_EQ(element({{{"cycle_time", {0.15, 0.2}}}, {{"cycle_time", 0.06}}}), "delta_scales.cycle_time");
+}
+
+TEST(ParameterRow, MovesAValueFromOutsideOnlyNearer) {
+  const ParameterRow& row = find_parameter("cycle_time");  // .8 to 1.5
+  EXPECT_EQ(row.moved(1, 0.25), 1.25);
+  EXPECT_EQ(row.moved(1, 9), 1.5);
+  EXPECT_EQ(row.moved(0.5, 0), 0.5);
+  EXPECT_EQ(row.moved(0.5, -0.1), 0.5);
+  EXPECT_EQ(row.moved(0.5, 0.125), 0.625);
+  EXPECT_EQ(row.moved(2, 1), 2);
+  EXPECT_EQ(row.moved(2, -9), 0.8);
+}
+
+TEST(SetParameter, AnInvalidValueIsAnErrorWithLimitsAndUnit) {
+  for (const double bad : {-1e4, 1e4, kNaN, std::numeric_limits<double>::infinity()}) {
     GaitParameters p;
     try {
       set(p, "step_length", bad);
       FAIL() << "no error";
     } catch (const ConfigError& e) {
       EXPECT_EQ(e.element(), "step_length");
-      EXPECT_EQ(e.expected(), "0.03 to 0.1 m");
+      EXPECT_EQ(e.expected(), "-1000 to 1000 m");
     }
     EXPECT_EQ(p.step_length, 0.06);  // untouched
   }

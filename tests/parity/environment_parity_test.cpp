@@ -92,7 +92,7 @@ TEST_P(GoldenObservations, AreAsRecorded) {
     }
     return;
   }
-  std::istringstream in(read_text_file(path));
+  std::istringstream in(read_text_file(path, kTraceBudget));
   std::string text;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     ASSERT_TRUE(std::getline(in, text)) << path << " ends at line " << i;

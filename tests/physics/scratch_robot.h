@@ -25,7 +25,8 @@ class ScratchRobot {
     folder_ =
         std::filesystem::temp_directory_path() / ("crossgait-" + name + "-" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder_);
-    for (const char* file : {"robot.urdf", "robot.yaml"}) write(file, read_text_file(kRobotFolder + file));
+    for (const char* file : {"robot.urdf", "robot.yaml"})
+      write(file, read_text_file(kRobotFolder + file, kUrdfBudget));
   }
   ~ScratchRobot() { std::filesystem::remove_all(folder_); }
   ScratchRobot(const ScratchRobot&) = delete;
@@ -37,7 +38,7 @@ class ScratchRobot {
   }
   /// Replaces the first occurrence of `from`, which has to be there.
   void replace(const std::string& file, const std::string& from, const std::string& to) const {
-    std::string text = read_text_file(path(file));
+    std::string text = read_text_file(path(file), kUrdfBudget);
     const std::size_t at = text.find(from);
     ASSERT_NE(at, std::string::npos) << "'" << from << "' is not in " << file;
     write(file, text.replace(at, from.size(), to));

@@ -170,23 +170,63 @@ TEST_F(TerrainPng, GivesBackALevelField) {
   EXPECT_EQ(heights(make_terrain(path("out.png"))), std::vector<float>(9, -0.5F));
 }
 
-TEST_F(TerrainPng, RefusesOtherPixels) {
-  const std::string expected = "pixel format: expected grey without alpha, 8 or 16 bit, found ";
-  const std::string zeros(100, '\0');
-  const auto picture = [&](PngColour colour, int depth, std::size_t line, const std::string& chunks = "") {
+TEST_F(TerrainPng, TakesColoursByTheirLuminance) {
+  // The lower line, white and black, then the upper, red and green; :z_max=1 makes the luminance the height.
+  const std::vector<float> expected{1, 0, 0.2126F, 0.7152F};
+  const auto picture = [&](PngColour colour, int depth, const std::string& pixels,
+                           const std::string& chunks = "") {
     PngHeader header{2, 2};
     header.colour = colour;
     header.depth = depth;
-    return png_file(header, zeros.substr(0, 2 * (1 + line)), chunks);
+    return heights(load(png_file(header, pixels, chunks), ":z_max=1"));
   };
-  EXPECT_EQ(error(picture(kColour, 8, 6)), expected + "colour, 8 bit");
-  EXPECT_EQ(error(picture(kColour, 16, 12)), expected + "colour, 16 bit");
-  EXPECT_EQ(error(picture(kColourAlpha, 8, 8)), expected + "colour with alpha, 8 bit");
-  EXPECT_EQ(error(picture(kGreyAlpha, 8, 4)), expected + "grey with alpha, 8 bit");
-  EXPECT_EQ(error(picture(kPalette, 8, 2, png_chunk("PLTE", "rgb"))), expected + "palette, 8 bit");
-  EXPECT_EQ(error(picture(kGrey, 4, 1)), expected + "grey, 4 bit");
-  EXPECT_EQ(error(picture(kGrey, 8, 2, png_chunk("tRNS", std::string(2, '\0')))),
-            expected + "grey with a transparent shade");
+  const auto expect = [](const std::vector<float>& found, const std::vector<float>& wanted) {
+    ASSERT_EQ(found.size(), wanted.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      EXPECT_NEAR(found[i], wanted[i], 0.51 / 65535) << i;  // a sample
+  };
+  const auto bytes = [](std::initializer_list<int> values) {
+    std::string text;
+    for (const int value : values) text += static_cast<char>(value);
+    return text;
+  };
+  const auto doubled = [](const std::string& lines,
+                          std::size_t line) {  // 8 bits to 16, filter bytes as they are
+    std::string text;
+    for (std::size_t i = 0; i < lines.size(); ++i) text += std::string(i % line == 0 ? 1 : 2, lines[i]);
+    return text;
+  };
+  const std::string rgb = bytes({0, 255, 0, 0, 0, 255, 0, 0, 255, 255, 255, 0, 0, 0});
+  expect(picture(kColour, 8, rgb), expected);
+  expect(picture(kColour, 16, doubled(rgb, 7)), expected);
+  const std::string rgba = bytes({0, 255, 0, 0, 7, 0, 255, 0, 8, 0, 255, 255, 255, 0, 0, 0, 0, 255});
+  expect(picture(kColourAlpha, 8, rgba), expected);
+  expect(picture(kColourAlpha, 16, doubled(rgba, 9)), expected);
+  const std::string palette = png_chunk("PLTE", bytes({255, 255, 255, 0, 0, 0, 255, 0, 0, 0, 255, 0}));
+  expect(picture(kPalette, 8, bytes({0, 2, 3, 0, 0, 1}), palette), expected);
+  expect(picture(kPalette, 2, bytes({0, 0xb0, 0, 0x10}), palette), expected);
+  // Grey with alpha, and with fewer bits.
+  expect(picture(kGreyAlpha, 8, bytes({0, 51, 0, 102, 9, 0, 255, 1, 0, 2})), {1, 0, 0.2F, 0.4F});
+  expect(picture(kGrey, 4, bytes({0, 0x36, 0, 0xf0})), {1, 0, 0.2F, 0.4F});
+}
+
+TEST_F(TerrainPng, SaysWhichScaleItTook) {
+  EXPECT_EQ(
+      load(small_picture()).scale(),
+      "size_x 0.05 m (assumed), size_y 0.025 m (assumed), z_min (black) 0 m (assumed), z_max (white) 0.05 m "
+      "(assumed)");
+  write_png(noise(3, 3), path("own.png"));
+  EXPECT_EQ(make_terrain(path("own.png") + ":size_x=4").scale().substr(0, 52),
+            "size_x 4 m (given), size_y 0.9 m (from the file), z_");
+  EXPECT_EQ(make_terrain("rough").scale(), "");
+}
+
+// A text chunk of a few kilobytes unfolds to megabytes, and there may be a thousand.
+TEST_F(TerrainPng, PassesOverWhatStandsBesideThePixels) {
+  const std::string broken =
+      png_chunk("zTXt", std::string("a\0\0no zlib stream", 18)) + png_chunk("iCCP", "damaged");
+  EXPECT_EQ(heights(load(png_file({3, 2}, std::string("\0\xff\0\x33\0\x66\x99\xcc", 8), broken))),
+            heights(load(small_picture())));
 }
 
 TEST_F(TerrainPng, RefusesTooFewAndTooManyPixels) {

@@ -120,6 +120,46 @@ TEST(UrdfReader, RejectsOtherFormats) {
   EXPECT_EQ(config_error([] { read("<robot name='r'/>"); }).expected(), "at least one link");
 }
 
+/// A chain of links, each fixed to the one before.
+std::string chain(int links) {
+  std::string text = "<robot name='r'>";
+  for (int i = 0; i < links; ++i) {
+    const std::string own = std::to_string(i), before = std::to_string(i - 1);
+    text += "<link name='" + own +
+            "'><inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' " +
+            "izz='1'/></inertial></link>";
+    if (i == 0) continue;
+    text += "<joint name='j" + own + "' type='fixed'><parent link='" + before + "'/><child link='" + own +
+            "'/></joint>";
+  }
+  return text + "</robot>";
+}
+
+TEST(UrdfReader, ReadsLongChains) {
+  const UrdfRobot robot = read(chain(1000));
+  EXPECT_EQ(robot.bodies.size(), 1U);
+  EXPECT_DOUBLE_EQ(robot.bodies[0].inertia.mass, 1000);
+}
+
+// Both are followed by recursion, TinyXML's and urdfdom's.
+TEST(UrdfReader, RefusesMoreLinksAndLevelsThanItsBudget) {
+  EXPECT_EQ(config_error([] { read(chain(1001)); }).expected(), "at most 1000 links");
+  EXPECT_EQ(config_error([] { read(chain(5000)); }).expected(), "at most 20000 elements");
+  std::string nested = "<robot name='r'>";
+  for (int i = 0; i < 100000; ++i) nested += "<link name='a'>";
+  EXPECT_EQ(config_error([&] { read(nested); }).expected(), "at most 32 levels");
+}
+
+TEST(UrdfReader, RefusesLinksInACircle) {
+  std::string text = "<robot name='r'>";
+  for (const char* link : {"a", "b", "c", "d", "root"}) text += std::string("<link name='") + link + "'/>";
+  for (const auto& [parent, child] : {std::pair{"b", "a"}, {"c", "b"}, {"d", "c"}, {"b", "d"}}) {
+    text += std::string("<joint name='j") + child + "' type='fixed'><parent link='" + parent +
+            "'/><child link='" + child + "'/></joint>";
+  }
+  EXPECT_EQ(config_error([&] { read(text + "</robot>"); }).found(), "a cycle of joints");
+}
+
 TEST(UrdfReader, PrintsNothing) {
   const ScratchRobot scratch;
   scratch.write("test.urdf",

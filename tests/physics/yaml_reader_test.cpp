@@ -116,6 +116,68 @@ TEST(YamlReader, RejectsAValueInsideItself) {
   EXPECT_EQ(error.expected(), "at most 32 levels");
 }
 
+std::string repeated(std::string_view text, int count) {
+  std::string result;
+  for (int i = 0; i < count; ++i) result += text;
+  return result;
+}
+
+// All of them by the parser's own events: it calls itself for every level.
+TEST(YamlReader, RejectsTooManyLevels) {
+  for (const char* level : {"[", "{a: ", "- ", "? ", "[a: "}) {
+    const ConfigError error = config_error([&] { parse(repeated(level, 100000)); });
+    EXPECT_EQ(error.expected(), "at most 32 levels") << level;
+    EXPECT_EQ(error.element(), "line 1") << level;
+  }
+  EXPECT_NO_THROW(parse(repeated("[", 32) + repeated("]", 32)));
+  EXPECT_EQ(config_error([] { parse(repeated("[", 33) + repeated("]", 33)); }).expected(),
+            "at most 32 levels");
+}
+
+TEST(YamlReader, CountsAliasesAsWhatTheyStandFor) {
+  std::string bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 12; ++i) {
+    const std::string before = "*a" + std::to_string(i - 1);
+    bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before;
+    for (int k = 0; k < 8; ++k) bomb += ", " + before;
+    bomb += "]\n";
+  }
+  const ConfigError error = config_error([&] { parse(bomb); });
+  EXPECT_EQ(config_error([] { parse(repeated("[", 200000)); }).expected(), "at most 100000 values");
+  EXPECT_EQ(error.expected(), "at most 100000 values");
+  EXPECT_EQ(error.element(), "line 6");  // 9^5 and what came before make 75,000
+  std::string chain = "a0: &a0 [x]\n";
+  for (int i = 1; i < 1000; ++i) {
+    chain += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [*a" + std::to_string(i - 1) + "]\n";
+  }
+  EXPECT_EQ(config_error([&] { parse(chain); }).expected(), "at most 32 levels");
+  EXPECT_EQ(parse("a: &x {b: 1}\nc: *x\n").at("c").at("b").number(), 1);
+}
+
+TEST(YamlReader, ShortensWhatItQuotes) {
+  const ConfigError error = config_error([] { parse("a: " + std::string(100000, 'x')).at("a").number(); });
+  EXPECT_LT(std::string(error.what()).size(), 700U);
+  EXPECT_TRUE(error.found().ends_with("... (100002 bytes in all)")) << error.found();
+}
+
+TEST(YamlReader, ReadsSeedsUpToTheLargest) {
+  EXPECT_EQ(parse("s: 18446744073709551615").at("s").seed(), 18446744073709551615U);
+  EXPECT_EQ(parse("s: 0").at("s").seed(), 0U);
+  for (const char* bad : {"s: -1", "s: 18446744073709551616", "s: 1.5", "s: 1e3"}) {
+    EXPECT_EQ(config_error([&] { parse(bad).at("s").seed(); }).expected(),
+              "a whole number of 0 or more, below 2^64");
+  }
+}
+
+TEST(YamlReader, ReadsBackWhatItQuotes) {
+  using std::string_literals::operator""s;
+  for (const std::string& text :
+       {"plain"s, "it's"s, "'"s, "\"quoted\""s, "back\\slash"s, "two\nlines"s, "tab\tq'"s, "# no comment: x"s,
+        " spaces "s, "- a"s, "\x01\x7f"s, "\xc3\xa9t\xc3\xa9"s}) {
+    EXPECT_EQ(parse("k: " + yaml_quoted(text)).at("k").text(), text) << yaml_quoted(text);
+  }
+}
+
 TEST(YamlReader, RejectsMissingFilesAndFolders) {
   EXPECT_EQ(config_error([] { YamlValue::load("no/such.yaml"); }).source(), "no/such.yaml");
   EXPECT_EQ(config_error([] { YamlValue::load(CROSSGAIT_SOURCE_DIR); }).expected(), "a readable file");

@@ -136,6 +136,8 @@ TEST(RunSpec, ChangesWithEveryFieldOfAnEnvironment) {
   for (const ParameterRow& row : gait_parameters())
     add(row.name, [&row](EnvConfig& c) { c.parameters.*row.member += 1e-9; });
   add("adapt", [](EnvConfig& c) { c.adapt.pop_back(); });
+  add("range", [](EnvConfig& c) { c.adaptation.ranges["cycle_time"] = {0.5, 1}; });
+  add("delta scale", [](EnvConfig& c) { c.adaptation.delta_scales["cycle_time"] = 0.01; });
   add("residual_scale", [](EnvConfig& c) { c.residual_scale = 0.02; });
   add("vx", [](EnvConfig& c) { c.command = VelocityCommand{0.1, 0, 0}; });
   add("vy", [](EnvConfig& c) { c.command = VelocityCommand{0, 0.1, 0}; });

