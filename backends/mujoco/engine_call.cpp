@@ -36,7 +36,7 @@ void leave_call(const char* message) {
     std::strncpy(call.error->data(), message, call.error->size() - 1);
     call.error->back() = '\0';
   }
-  std::longjmp(call.way_out, 1);  // NOLINT(cert-err52-cpp): over C alone
+  std::longjmp(call.way_out, 1);  // over C alone
 }
 
 void throw_error(const char* message) { throw std::runtime_error(fmt::format("MuJoCo: {}", message)); }
@@ -52,7 +52,7 @@ bool run_in_mujoco(const CalledFor& who, void (*call)(void* data), void* data, E
   _mjPRIVATE__set_tls_error_fn(leave_call);
   _mjPRIVATE__set_tls_warning_fn(ignore_warning);
   volatile bool finished = false;
-  if (setjmp(here.way_out) == 0) {  // NOLINT(cert-err52-cpp)
+  if (setjmp(here.way_out) == 0) {
     call(data);
     finished = true;
   }

@@ -168,7 +168,7 @@ TEST_P(Vectors, AreSingleEnvironmentsBitForBitOverSeveralEpisodes) {
           std::make_unique<Single>(config, find_engine(GetParam()), derived_seed(kSeed, i), mode));
     Random random(1);
     const std::size_t n = env.observation_size(), m = env.action_size();
-    for (int step = 0; step < 100 && !HasFailure(); ++step) {
+    for (int step = 0; step < 60 && !HasFailure(); ++step) {
       const std::vector<double> actions = scenes::random_action(random, kEnvironments * m);
       env.step(actions, arrays.view());
       for (std::size_t i = 0; i < kEnvironments; ++i) {
