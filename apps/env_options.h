@@ -27,6 +27,10 @@ struct EnvOptions {
   EnvConfig make() const;
 };
 
+/// What policies are looked at in, for their provenance. @param seed  of the episodes
+nlohmann::json policy_subject(const EnvConfig& config, const std::vector<std::string>& policies,
+                              std::uint64_t seed);
+
 /// `--episodes`, `--seed`, `--workers`.
 void add_episode_options(CLI::App& command, EpisodeOptions& options);
 
