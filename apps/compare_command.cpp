@@ -57,11 +57,18 @@ class Traces {
   std::vector<std::unique_ptr<TraceWriter>> writers_;
 };
 
-// Pairs of engines that solve the same equations and do not agree.
+std::int64_t steps_of(const Comparison& comparison, const std::string& engine) {
+  const auto run = std::find_if(comparison.runs.begin(), comparison.runs.end(),
+                                [&engine](const WalkRun& r) { return r.engine.name == engine; });
+  return run == comparison.runs.end() ? 0 : run->summary.physics_steps;
+}
+
+// Pairs of engines that solve the same equations and do not agree, or do not walk for the same time.
 std::vector<std::string> missed_parity(const Comparison& comparison) {
   std::vector<std::string> missed;
   for (const PairDifference& pair : comparison.pairs) {
-    if (pair.same_laws && pair.first_divergence) missed.push_back(pair.a + " and " + pair.b);
+    const bool same_time = steps_of(comparison, pair.a) == steps_of(comparison, pair.b);
+    if (pair.same_laws && (pair.first_divergence || !same_time)) missed.push_back(pair.a + " and " + pair.b);
   }
   return missed;
 }

@@ -158,10 +158,10 @@ std::vector<Figure::Row> joint_rows(const TraceTable& trace, const RobotDescript
   five_bar_geometry(robot);  // or says that there are no such legs
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
-    Panel panel = time_panel(fmt::format("Servos of {}", name(leg)), "angle, deg");
-    const std::array<std::pair<const char*, int>, 3> servos{{{"tilt", model.tilt},
-                                                             {"shoulder left", model.shoulder_left},
-                                                             {"shoulder right", model.shoulder_right}}};
+    Panel panel =
+        time_panel(fmt::format("Servos of {}: tilt, left and right shoulder", name(leg)), "angle, deg");
+    const std::array<std::pair<const char*, int>, 3> servos{
+        {{"tilt", model.tilt}, {"left", model.shoulder_left}, {"right", model.shoulder_right}}};
     for (int i = 0; i < 3; ++i) {
       const auto& [label, joint] = servos[static_cast<std::size_t>(i)];
       const std::string& joint_name = robot.joint(joint).name;

@@ -234,7 +234,7 @@ Panel slice(const Report& r, int axis) {
   Series path{"path, " + r.gait, {}, 1, Series::Style::kLine};
   for (const Vector3& p : r.path) path.points.push_back(flat(p));
   panel.series.push_back(std::move(path));
-  panel.series.push_back({"standing foot", {flat(r.standing)}, 6, Series::Style::kPoints});
+  panel.series.push_back({"standing foot", {flat(r.standing)}, 6, Series::Style::kPoints, 3});
   return panel;
 }
 
