@@ -69,7 +69,7 @@ void add_backends_command(CLI::App& program) {
       "variable CROSSGAIT_ENGINE_PATH lists, separated by colons, come before the ones of the installation.");
   auto json = std::make_shared<JsonOption>();
   json->add_to(*command);
-  command->callback([json] { run(*json); });
+  on_run(*command, [json] { run(*json); });
 }
 
 }  // namespace crossgait::apps

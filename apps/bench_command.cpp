@@ -6,9 +6,11 @@
 
 #include "crossgait/apps/bench_figures.h"
 #include "crossgait/apps/command.h"
+#include "crossgait/apps/interruption.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/benchmarks/bench.h"
 #include "crossgait/benchmarks/regression.h"
+#include "crossgait/parity/table.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait::apps {
@@ -19,6 +21,7 @@ using nlohmann::ordered_json;
 struct BenchCommand {
   benchmarks::BenchOptions bench;
   std::string from, figures, compare;
+  std::string format = "svg";
   double worse_than = 1.25;
   JsonOption json;
 };
@@ -30,11 +33,23 @@ ordered_json measure(const BenchCommand& options) {
   return benchmarks::run_bench(bench, [&](double share) { progress.update(share); });
 }
 
+Provenance provenance_of(const BenchCommand& options) {
+  if (!options.from.empty()) return options.json.provenance();  // it says itself what it was measured with
+  const std::vector<std::string> engines =
+      options.bench.backends.empty() ? available_engines() : options.bench.backends;
+  Ingredients ingredients = of_robot("scara_quadruped");
+  ingredients.engines = engines;
+  ingredients.chosen["--engines"] = engines;
+  return options.json.provenance(ingredients);
+}
+
 void run(const BenchCommand& options) {
   // Looked at before minutes of measuring.
   ordered_json stored;
   benchmarks::check_worse_than(options.worse_than);
   if (!options.compare.empty()) stored = benchmarks::read_bench(options.compare);
+  const Provenance provenance = provenance_of(options);
+  if (!options.figures.empty()) check_bench_figures(options.figures);
   ordered_json result = options.from.empty() ? measure(options) : benchmarks::read_bench(options.from);
 
   std::string text = benchmarks::describe_bench(result);
@@ -46,12 +61,14 @@ void run(const BenchCommand& options) {
     worse = regression.worse.size();
   }
   if (!options.figures.empty()) {
-    for (const std::string& file : draw_bench_figures(result, options.figures)) text += file + "\n";
+    for (const std::string& file : draw_bench_figures(result, options.figures, options.format))
+      text += file + "\n";
   }
-  options.json.emit(text, result);
-  if (worse > 0) {
-    throw std::runtime_error(fmt::format("{} figures are worse than in {}", worse, options.compare));
-  }
+  options.json.emit(text, result, provenance);
+  if (result.contains("interrupted") && options.from.empty())
+    throw EndedEarly("the sections that are finished are written as asked");
+  if (worse > 0)
+    throw std::runtime_error(fmt::format("{} worse than in {}", counted(worse, "figure"), options.compare));
 }
 
 }  // namespace
@@ -89,8 +106,14 @@ void add_bench_command(CLI::App& program) {
       ->excludes(quick)
       ->excludes(only)
       ->excludes(backend);
-  command->add_option("--figures", options->figures, "Draw speed.svg, accuracy.svg, analytic.svg, feet.svg")
+  add_output_option(*command, "--figures", options->figures,
+                    "Draw the sections: speed, accuracy, analytic, feet; the folder is made if there is none")
       ->type_name("FOLDER");
+  command->add_option("--format", options->format, "Of the figures: svg or png")
+      ->check(CLI::IsMember({"svg", "png"}))
+      ->group(kOutputs)
+      ->type_name("svg|png")
+      ->capture_default_str();
   command
       ->add_option("--compare", options->compare,
                    "Compare with a stored result: times as ratios to the first engine, errors as they are; "
@@ -99,7 +122,7 @@ void add_bench_command(CLI::App& program) {
   command->add_option("--worse-than", options->worse_than, "Factor beyond which a figure counts as worse")
       ->capture_default_str();
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

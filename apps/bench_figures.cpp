@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "crossgait/apps/gnuplot.h"
 #include "crossgait/apps/plotting.h"
+#include "crossgait/physics/atomic_file.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait::apps {
@@ -44,17 +46,17 @@ class Engines {
   std::vector<std::string> names_;
 };
 
-/// Horizontal bars, one group per label from top to bottom, one bar per engine in it. The axis is logarithmic
-/// and bars begin at its left end.
-class BarChart {
+/// Dots on a logarithmic axis, one group per label from top to bottom, one line per engine in it. (A bar
+/// would have a length that depends on where the axis happens to begin.)
+class DotChart {
  public:
-  BarChart(std::string title, std::string x_label, const Engines& engines) : engines_(engines) {
+  DotChart(std::string title, std::string x_label, const Engines& engines) : engines_(engines) {
     panel_.title = std::move(title);
     panel_.x_label = std::move(x_label);
     panel_.x_log = true;
     panel_.y_down = true;
     for (std::size_t i = 0; i < engines.names().size(); ++i) {
-      panel_.bars.push_back({engines.names()[i], {}, static_cast<int>(i), true});
+      panel_.series.push_back({engines.names()[i], {}, static_cast<int>(i), Series::Style::kPoints, kDot});
     }
   }
 
@@ -63,20 +65,16 @@ class BarChart {
     if (group == labels_.end()) group = labels_.insert(group, label);
     const auto y = static_cast<double>(group - labels_.begin());
     if (!(value > 0)) return;
-    const double count = static_cast<double>(engines_.names().size()), width = 0.8 / count;
-    const double top = y - 0.4 + width * static_cast<double>(engines_.index(record));
-    panel_.bars[engines_.index(record)].bars.push_back({{value, top}, {value, top + 0.85 * width}});
+    const double count = static_cast<double>(engines_.names().size());
+    const double place = (static_cast<double>(engines_.index(record)) + 0.5) / count - 0.5;
+    panel_.series[engines_.index(record)].points.push_back({value, y + 0.6 * place});
     low_ = std::min(low_, value);
     high_ = std::max(high_, value);
   }
 
   Panel finish() {
-    // The shortest bar still has a length: decades below and above.
-    const double left = std::pow(10, std::floor(std::log10(low_ / 1.5))), right = high_ * 1.6;
-    for (Bars& bars : panel_.bars) {
-      for (Bars::Bar& bar : bars.bars) bar.min[0] = left;
-    }
-    panel_.x_range = {left, right};
+    constexpr double kRoom = 1.6;  // beyond the outermost dots
+    if (low_ <= high_) panel_.x_range = {low_ / kRoom, high_ * kRoom};
     panel_.y_range = {-0.6, static_cast<double>(labels_.size()) - 0.4};
     for (std::size_t i = 0; i < labels_.size(); ++i) {
       panel_.y_names.emplace_back(static_cast<double>(i), labels_[i]);
@@ -85,6 +83,8 @@ class BarChart {
   }
 
  private:
+  static constexpr double kDot = 5;
+
   const Engines& engines_;
   Panel panel_;
   std::vector<std::string> labels_;
@@ -106,7 +106,7 @@ Panel curves(std::string title, std::string x_label, std::string y_label, const 
 }
 
 Figure speed_figure(const ordered_json& speed, const Engines& engines) {
-  BarChart time("CPU time of a physics step of 1 ms", "us", engines);
+  DotChart time("CPU time of a physics step of 1 ms", "us", engines);
   for (const ordered_json& r : speed.at("scenes"))
     time.add(spaced(text(r, "scene")), r, number(r, "us_per_step"));
   Panel threads =
@@ -201,8 +201,8 @@ Figure analytic_figure(const ordered_json& analytic, const Engines& engines) {
     for (std::size_t k = i; k < std::min(i + 2, panels.size()); ++k) row.panels.push_back(panels[k]);
     figure.rows.push_back(std::move(row));
   }
-  BarChart creep("sled just inside the friction cone", "creep, m/s", engines);
-  BarChart slide("sled just outside the friction cone", "error of its distance, %", engines);
+  DotChart creep("sled just inside the friction cone", "creep, m/s", engines);
+  DotChart slide("sled just outside the friction cone", "error of its distance, %", engines);
   for (const ordered_json& f : analytic.at("friction")) {
     creep.add(text(f, "ground"), f, number(f, "creep_inside_mps"));
     slide.add(text(f, "ground"), f, 100 * number(f, "distance_error_outside"));
@@ -232,7 +232,7 @@ Figure feet_figure(const ordered_json& feet, const Engines& engines) {
     Figure::Row row;
     row.height = 230;
     for (std::size_t k = i; k < i + 2; ++k) {
-      BarChart chart(kCharts[k].title, kCharts[k].unit, engines);
+      DotChart chart(kCharts[k].title, kCharts[k].unit, engines);
       for (const ordered_json& c : feet) {
         chart.add(terrain_of(c), c, kCharts[k].factor * number(c, kCharts[k].key));
       }
@@ -245,7 +245,16 @@ Figure feet_figure(const ordered_json& feet, const Engines& engines) {
 
 }  // namespace
 
-std::vector<std::string> draw_bench_figures(const ordered_json& result, const std::string& folder) {
+void check_bench_figures(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw ConfigError("command line", "--figures", "a folder to write to", error.message());
+  check_writable((std::filesystem::path(folder) / "probe").string());
+  static_cast<void>(run_gnuplot("set print '-'\nprint 1\n"));
+}
+
+std::vector<std::string> draw_bench_figures(const ordered_json& result, const std::string& folder,
+                                            const std::string& format) {
   struct Section {
     const char* name;
     Figure (*make)(const ordered_json& section, const Engines& engines);
@@ -254,14 +263,12 @@ std::vector<std::string> draw_bench_figures(const ordered_json& result, const st
                                               {"accuracy", accuracy_figure},
                                               {"analytic", analytic_figure},
                                               {"feet", feet_figure}}};
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw ConfigError("command line", "--figures", "a folder to write to", error.message());
+  check_bench_figures(folder);
   const Engines engines(result);
   std::vector<std::string> files;
   for (const Section& section : kSections) {
     if (!result.contains(section.name)) continue;
-    files.push_back((std::filesystem::path(folder) / (std::string(section.name) + ".svg")).string());
+    files.push_back((std::filesystem::path(folder) / (std::string(section.name) + "." + format)).string());
     draw(section.make(result.at(section.name), engines), files.back());
   }
   return files;

@@ -8,9 +8,13 @@
 
 namespace crossgait::apps {
 
-/// Draws what there is of speed.svg, accuracy.svg, analytic.svg and feet.svg into `folder`, which is made if
-/// need be. @returns the files written
+/// Before minutes of measuring: makes `folder` if need be.
 /// @throws ConfigError if there is no gnuplot or the folder cannot be written
-std::vector<std::string> draw_bench_figures(const nlohmann::ordered_json& result, const std::string& folder);
+void check_bench_figures(const std::string& folder);
+
+/// Draws what there is of speed, accuracy, analytic and feet into `folder`, which is made if need be.
+/// @param format  svg or png  @returns the files written  @throws ConfigError as check_bench_figures
+std::vector<std::string> draw_bench_figures(const nlohmann::ordered_json& result, const std::string& folder,
+                                            const std::string& format = "svg");
 
 }  // namespace crossgait::apps

@@ -1,32 +1,16 @@
 #include "crossgait/apps/command.h"
 
+#include <charconv>
 #include <cstdio>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "crossgait/physics/atomic_file.h"
+#include "crossgait/apps/interruption.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/text.h"
 
 namespace crossgait::apps {
-
-void JsonOption::add_to(CLI::App& command) {
-  command.add_option("--json", path, "Write the result as JSON to FILE, or to standard output with -")
-      ->type_name("FILE|-");
-}
-
-void JsonOption::emit(const std::string& text, const nlohmann::ordered_json& json) const {
-  if (!to_stdout()) fmt::print("{}", text);
-  if (path.empty()) return;
-  const std::string bytes = json.dump(2) + "\n";
-  if (to_stdout()) {
-    fmt::print("{}", bytes);
-  } else {
-    write_file_atomically(path, bytes);
-  }
-}
 
 void print_notes(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) fmt::print(stderr, "crossgait: note: {}\n", note);
@@ -36,6 +20,13 @@ void add_robot_option(CLI::App& command, std::string& robot) {
   command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file")
       ->type_name("NAME|FILE.yaml|FILE.urdf")
       ->capture_default_str();
+}
+
+std::string problem_with_seed(const std::string& text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool ok = error == std::errc() && end == text.data() + text.size();
+  return ok ? std::string() : "expected a whole number from 0 to 18446744073709551615, found " + text;
 }
 
 std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& option,
@@ -58,13 +49,16 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count, co
 ProgressLine::ProgressLine(std::string label)
     : label_(std::move(label)),
       terminal_(isatty(STDERR_FILENO) == 1),
-      begin_(std::chrono::steady_clock::now()) {}
+      begin_(std::chrono::steady_clock::now()) {
+  listen_for_interruption();
+}
 
 ProgressLine::~ProgressLine() {
   if (shown_) std::fputs("\r\033[K", stderr);
 }
 
 void ProgressLine::update(double share) {
+  check_interruption();
   using std::chrono::steady_clock;
   if (!terminal_ || steady_clock::now() - begin_ < std::chrono::seconds(2)) return;
   const double elapsed = std::chrono::duration<double>(steady_clock::now() - begin_).count();

@@ -1,14 +1,16 @@
-// What the commands of `crossgait` share: where results go, progress, common options.
+// What the commands of `crossgait` share: progress and common options; results.h has where results go.
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json_fwd.hpp>
+
+#include "crossgait/apps/results.h"
 
 namespace crossgait::apps {
 
@@ -28,30 +30,30 @@ void add_env_command(CLI::App& program);
 void add_rollout_command(CLI::App& program);
 void add_transfer_command(CLI::App& program);
 void add_tune_command(CLI::App& program);
-
-/// `--json FILE|-`. With "-" the JSON is all that is written to standard output.
-struct JsonOption {
-  std::string path;
-
-  void add_to(CLI::App& command);
-  bool to_stdout() const { return path == "-"; }
-  /// Prints `text` unless JSON goes to standard output, and writes `json` where it was asked for.
-  /// @throws ConfigError if the file cannot be written
-  void emit(const std::string& text, const nlohmann::ordered_json& json) const;
-};
+/// @param again  set to the command line that is to be run next, by a callback
+void add_rerun_command(CLI::App& program, std::vector<std::string>& again);
 
 /// Says on standard error what the user may want to know of what was asked for.
 void print_notes(const std::vector<std::string>& notes);
 
 /// A name with `--robot`'s meaning: a bundled robot's name or a file. Adds the option alone.
 void add_robot_option(CLI::App& command, std::string& robot);
+/// What is wrong with a seed, empty if nothing is.
+std::string problem_with_seed(const std::string& text);
+/// A whole number from 0 to 2^64 - 1; anything else is refused, instead of wrapping around.
+/// @param seed  of type std::uint64_t, or an optional one
+template <typename Seed>
+CLI::Option* add_seed_option(CLI::App& command, const std::string& name, Seed& seed,
+                             const std::string& help) {
+  return command.add_option(name, seed, help)->check(problem_with_seed)->type_name("UINT64");
+}
 
 /// `X,Y,Z` as exactly `count` finite numbers. @throws ConfigError naming `option`
 std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& option,
                                   const std::string& expected);
 
 /// One line on standard error that says how far a long job is. Silent unless that is a terminal, and for the
-/// first two seconds.
+/// first two seconds. From its making on, a signal ends the job: `update` throws Interrupted then.
 class ProgressLine {
  public:
   explicit ProgressLine(std::string label);

@@ -1,15 +1,19 @@
 // crossgait compare: the same walk in several engines, side by side.
 #include <algorithm>
 #include <filesystem>
+#include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "crossgait/apps/interruption.h"
 #include "crossgait/apps/walk_options.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/report.h"
 #include "crossgait/parity/verdict_report.h"
 #include "crossgait/physics/data_path.h"
+#include "crossgait/physics/error.h"
 #include "crossgait/study/rollout.h"
 #include "crossgait/study/walk.h"
 
@@ -20,6 +24,7 @@ struct CompareCommand {
   std::vector<std::string> engines;
   WalkOptions walk;
   CompareOptions compare;
+  bool require = false;
   std::string trace;
   JsonOption json;
 };
@@ -31,6 +36,67 @@ std::string trace_path(const std::string& path, std::string backend) {
   return (p.parent_path() / (p.stem().string() + "." + backend + p.extension().string())).string();
 }
 
+// One trace per engine, where they are asked for.
+class Traces {
+ public:
+  Traces(const CompareCommand& options, const std::string& robot, const std::vector<std::string>& engines) {
+    if (options.trace.empty()) return;
+    const auto description = std::make_shared<const RobotDescription>(load_robot(find_robot(robot)));
+    for (const std::string& engine : engines)
+      writers_.push_back(std::make_unique<TraceWriter>(description, trace_path(options.trace, engine)));
+  }
+  SampleObserver observer() const {
+    if (writers_.empty()) return {};
+    return [this](std::size_t run, const TraceSample& sample) { writers_[run]->add(sample); };
+  }
+  void finish() {
+    for (const auto& writer : writers_) writer->finish();
+  }
+
+ private:
+  std::vector<std::unique_ptr<TraceWriter>> writers_;
+};
+
+std::int64_t steps_of(const Comparison& comparison, const std::string& engine) {
+  const auto run = std::find_if(comparison.runs.begin(), comparison.runs.end(),
+                                [&engine](const WalkRun& r) { return r.engine.name == engine; });
+  return run == comparison.runs.end() ? 0 : run->summary.physics_steps;
+}
+
+// Pairs of engines that solve the same equations and do not agree, or do not walk for the same time.
+std::vector<std::string> missed_parity(const Comparison& comparison) {
+  std::vector<std::string> missed;
+  for (const PairDifference& pair : comparison.pairs) {
+    const bool same_time = steps_of(comparison, pair.a) == steps_of(comparison, pair.b);
+    if (pair.same_laws && (pair.first_divergence || !same_time)) missed.push_back(pair.a + " and " + pair.b);
+  }
+  return missed;
+}
+
+void check_required(const CompareCommand& options, const std::vector<std::string>& engines) {
+  if (!options.require) return;
+  for (std::size_t i = 0; i < engines.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (find_engine(engines[i]).info.laws == find_engine(engines[k]).info.laws) return;
+    }
+  }
+  throw ConfigError("command line", "--require", "two engines that follow the same laws",
+                    fmt::format("{}", fmt::join(engines, ",")));
+}
+
+std::string describe_verdicts(const WalkComparison& result) {
+  std::string text;
+  for (const Verdict& verdict : result.verdicts) text += "\n" + describe(verdict);
+  for (const PairDifference& pair : result.comparison.pairs) {
+    if (!pair.same_laws) continue;
+    text += fmt::format(
+        "\n{} and {} follow the same laws: whether they are the same is the question of parity above, and no "
+        "verdict's.\n",
+        pair.a, pair.b);
+  }
+  return text;
+}
+
 constexpr const char* kHint =
     "\nPhysics or engine? --verdict weighs the gaps against the spread within an engine (60 more walks a "
     "pair).\n";
@@ -38,17 +104,24 @@ constexpr const char* kHint =
 void run(const CompareCommand& options) {
   const WalkConfig config = options.walk.make();
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
+  check_required(options, engines);
+  const Provenance provenance =
+      options.json.provenance({WalkOptions::subject(config), engines, {{"--engines", engines}}});
+  Traces traces(options, config.robot, engines);
   Stages stages;
-  const WalkComparison result = compare_walks(config, engines, options.compare, stages.progress());
-  if (!options.trace.empty()) {
-    const RobotDescription robot = load_robot(find_robot(config.robot));
-    for (const WalkRun& walk : result.comparison.runs)
-      write_trace_csv(robot, walk.trace, trace_path(options.trace, walk.engine.name));
+  const WalkComparison result =
+      compare_walks(config, engines, options.compare, stages.progress(), traces.observer());
+  traces.finish();
+  options.json.emit(
+      describe(result.comparison) + (options.compare.verdict ? describe_verdicts(result) : kHint),
+      report(result), provenance);
+  if (result.interrupted) {
+    throw EndedEarly(
+        how_far(result.comparison.runs.front().summary.simulated_seconds, config.timing.seconds));
   }
-  std::string text = describe(result.comparison);
-  for (const Verdict& verdict : result.verdicts) text += "\n" + describe(verdict);
-  if (!options.compare.verdict) text += kHint;
-  options.json.emit(text, report(result));
+  const std::vector<std::string> missed = missed_parity(result.comparison);
+  if (options.require && !missed.empty())
+    throw std::runtime_error(fmt::format("parity is required, and missed by {}", fmt::join(missed, ", ")));
 }
 
 }  // namespace
@@ -60,7 +133,8 @@ void add_compare_command(CLI::App& program) {
       "\nExamples:\n"
       "  crossgait compare\n"
       "  crossgait compare --terrain rough --seed 7 --seconds 10\n"
-      "  crossgait compare --engines mujoco,bullet --friction .4 --json parity.json");
+      "  crossgait compare --engines mujoco,bullet --friction .4 --json parity.json\n"
+      "  crossgait compare --engines mujoco,bullet:matched --require");
   auto options = std::make_shared<CompareCommand>();
   command->add_option("--engines", options->engines, "Comma-separated; all that are built in by default")
       ->delimiter(',');
@@ -79,16 +153,17 @@ void add_compare_command(CLI::App& program) {
                    "The same for orientation, rad")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--trace", options->trace, "Write one CSV per engine: FILE.csv becomes FILE.<engine>.csv")
-      ->type_name("FILE.csv");
+  add_output_option(*command, "--trace", options->trace,
+                    "Write one CSV per engine: FILE.csv becomes FILE.<engine>.csv");
+  command->add_flag("--require", options->require,
+                    "Exit code 1 if engines of the same laws are not the same within 1e-6 m and rad");
   command->add_flag(
       "--verdict", options->compare.verdict,
-      "Also judge whether the difference is the engine's (60 more runs per pair; see `crossgait "
-      "verdict`)");
+      "Also judge whether the difference is the engine's (60 more runs per pair of different laws; see "
+      "`crossgait verdict`)");
   options->compare.judge.workers = EpisodeOptions::default_workers();
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

@@ -71,6 +71,12 @@ void list_tables(const EnvCommand& options) {
   options.json.emit(blocks.str() + "\n" + terms.str() + "\n" + ranges.str(), with_schema("env", json));
 }
 
+Provenance provenance_of(const EnvCommand& options, const EnvConfig& config) {
+  return options.json.provenance({{{"behaviour", policy_subject(config, {"zero"}, 0).at("behaviour")}},
+                                  {},
+                                  {{"--engine", {config.engine}}}});
+}
+
 void describe(const EnvCommand& options, const EnvConfig& config) {
   const PolicyInterface interface = EnvModel::make(config)->interface;
   const Layout &action = interface.action, &observation = interface.observation;
@@ -79,11 +85,11 @@ void describe(const EnvCommand& options, const EnvConfig& config) {
                           {"layout_hash", hash},           {"policy_dt", config.policy_dt},
                           {"action_size", action.size()},  {"observation_size", observation.size()},
                           {"action", layout_json(action)}, {"observation", layout_json(observation)}};
-  options.json.emit(
-      fmt::format("{} actions and {} observations every {:g} ms, layout {} of version {}\n\n{}\n{}",
-                  action.size(), observation.size(), 1e3 * config.policy_dt, hash, layout_version_in_words(),
-                  layout_table("action", action), layout_table("observation", observation)),
-      with_schema("env", json));
+  options.json.emit(fmt::format("{} and {} every {:g} ms, layout {} of version {}\n\n{}\n{}",
+                                counted(action.size(), "action"), counted(observation.size(), "observation"),
+                                1e3 * config.policy_dt, hash, layout_version_in_words(),
+                                layout_table("action", action), layout_table("observation", observation)),
+                    with_schema("env", json), provenance_of(options, config));
 }
 
 void run(const EnvCommand& options) {
@@ -92,7 +98,7 @@ void run(const EnvCommand& options) {
   if (options.yaml) {
     static_cast<void>(EnvModel::make(config));  // what cannot be made is not written either
     const std::string text = to_yaml(config);
-    return options.json.emit(text, with_schema("env", {{"yaml", text}}));
+    return options.json.emit(text, with_schema("env", {{"yaml", text}}), provenance_of(options, config));
   }
   describe(options, config);
 }
@@ -121,7 +127,7 @@ void add_env_command(CLI::App& program) {
       ->excludes(list_flag);
   options->env.add_to(*command);
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "crossgait/backends/registry.h"
+#include "crossgait/study/run_spec.h"
 
 namespace crossgait::apps {
 void EnvOptions::add_to(CLI::App& command, bool world) {
@@ -14,7 +15,7 @@ void EnvOptions::add_to(CLI::App& command, bool world) {
     command.add_option("--engine,--backend", engine, "Engine and mode (see `crossgait backends`)");
     command.add_option("--terrain", terrain, "The ground (see `crossgait terrain --list`)")
         ->type_name("NAME[:k=v,...]|FILE.png|FILE.csv");
-    command.add_option("--terrain-seed", terrain_seed, "Seed of a random terrain");
+    add_seed_option(command, "--terrain-seed", terrain_seed, "Seed of a random terrain");
   }
   command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file");
   command.add_option("--friction", friction, "Coefficient of friction between feet and ground");
@@ -75,9 +76,22 @@ std::vector<std::string> notes_on(const EnvConfig& config) {
   return outside_ranges(config.parameters, usual, config.adaptation);
 }
 
+nlohmann::json policy_subject(const EnvConfig& config, const std::vector<std::string>& policies,
+                              std::uint64_t seed) {
+  nlohmann::json subject{{"seed", seed}, {"policies", nlohmann::json::array()}};
+  for (const std::string& policy : policies) {
+    nlohmann::json behaviour = to_json(BehaviourSpec{PolicyConfig{config, policy}, {}, 0}).at("behaviour");
+    subject["policies"].push_back(behaviour.at("policy"));
+    behaviour.erase("policy");
+    subject["behaviour"] = std::move(behaviour);
+  }
+  return subject;
+}
+
 void add_workers_option(CLI::App& command, std::size_t& workers) {
   command.add_option("--workers", workers, "Threads; results do not depend on them")
       ->check(CLI::Range(1, 1024))
+      ->group(kExecution)
       ->capture_default_str();
 }
 
@@ -85,7 +99,7 @@ void add_episode_options(CLI::App& command, EpisodeOptions& options) {
   command.add_option("--episodes", options.episodes, "Episodes of each policy, on the same worlds")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "Seed of the episodes")->capture_default_str();
+  add_seed_option(command, "--seed", options.seed, "Seed of the episodes")->capture_default_str();
   add_workers_option(command, options.workers);
 }
 

@@ -31,6 +31,10 @@ struct EnvOptions {
 /// gait prefers it.
 std::vector<std::string> notes_on(const EnvConfig& config);
 
+/// What policies are looked at in, for their provenance. @param seed  of the episodes
+nlohmann::json policy_subject(const EnvConfig& config, const std::vector<std::string>& policies,
+                              std::uint64_t seed);
+
 /// `--episodes`, `--seed`, `--workers`.
 void add_episode_options(CLI::App& command, EpisodeOptions& options);
 

@@ -121,8 +121,24 @@ void print_targets(const GaitCommand& options, GaitGenerator& generator, int row
   }
   const std::string legend =
       "\n^ swing, _ stance; positions in the leg frames: x forward, z up from the shoulders\n";
-  options.json.emit(table.str() + legend,
-                    with_schema("gait", {{"gait", options.gait}, {"samples", std::move(samples)}}));
+  options.json.emit(
+      table.str() + legend, with_schema("gait", {{"gait", options.gait}, {"samples", std::move(samples)}}),
+      options.json.provenance(of_gait(options.robot, choose_gait(options.gait, options.settings))));
+}
+
+// @param cycle  how long where no time is given, s
+int row_count(const GaitCommand& options, double cycle) {
+  constexpr double kMostRows = 1e6;
+  const auto require = [](bool ok, const char* option, const std::string& expected, double found) {
+    if (!ok) throw ConfigError("command line", option, expected, fmt::format("{}", found));
+  };
+  require(std::isfinite(options.seconds) && options.seconds >= 0, "--seconds", "a time in s",
+          options.seconds);
+  const double seconds = options.seconds > 0 ? options.seconds : cycle;
+  require(options.dt > 0 && options.dt <= seconds && seconds / options.dt <= kMostRows, "--dt",
+          fmt::format("a time step in ({:g}, {:g}] s, for {:g} s", seconds / kMostRows, seconds, seconds),
+          options.dt);
+  return static_cast<int>(std::lround(seconds / options.dt));
 }
 
 void run(const GaitCommand& options) {
@@ -131,24 +147,10 @@ void run(const GaitCommand& options) {
                              choose_gait(options.gait, {}).parameters));
   if (options.parameters) return list_parameters(options);
   GaitGenerator generator = make_generator(options);
-  const double seconds = options.seconds > 0 ? options.seconds : generator.parameters().cycle_time;
-  const auto require = [](bool ok, const char* option, double found) {
-    if (!ok)
-      throw ConfigError("command line", option, "a time in s, at least one --dt long and at most 1e6 of them",
-                        fmt::format("{}", found));
-  };
-  require(std::isfinite(options.dt) && options.dt > 0, "--dt", options.dt);
-  require(std::isfinite(options.seconds) && options.seconds >= 0 && seconds / options.dt <= 1e6 &&
-              seconds >= options.dt,
-          "--seconds", options.seconds);
-  const int rows = static_cast<int>(std::lround(seconds / options.dt));
+  const int rows = row_count(options, generator.parameters().cycle_time);
   if (options.csv.empty()) return print_targets(options, generator, rows);
   const std::string text = targets_csv(options, generator, rows);
-  if (options.csv == "-") {
-    fmt::print("{}", text);
-  } else {
-    write_file_atomically(options.csv, text);
-  }
+  options.csv == "-" ? print(text) : write_file_atomically(options.csv, text);
 }
 
 }  // namespace
@@ -170,10 +172,11 @@ void add_gait_command(CLI::App& program) {
       ->type_name("NAME=VALUE");
   command->add_option("--seconds", options->seconds, "How long; one cycle by default");
   command->add_option("--dt", options->dt, "Time between rows, s")->capture_default_str();
-  command->add_option("--csv", options->csv, "Write t and foot positions (m) as CSV")->type_name("FILE|-");
+  add_output_option(*command, "--csv", options->csv, "Write t and foot positions (m) as CSV")
+      ->type_name("FILE|-");
   add_robot_option(*command, options->robot);
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

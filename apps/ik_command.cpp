@@ -52,17 +52,19 @@ void run(const IkCommand& options) {
   if (solution.status != IkStatus::kOk && xyz[2] > 0) {
     text += "hint: z points up, so the target lies above the shoulders; a foot below them has negative z\n";
   }
-  options.json.emit(table.str() + text, with_schema("ik", {{"status", name(solution.status)},
-                                                           {"tilt", q.tilt},
-                                                           {"shoulder_left", q.shoulder_left},
-                                                           {"shoulder_right", q.shoulder_right},
-                                                           {"elbow_left", q.elbow_left},
-                                                           {"elbow_right", q.elbow_right},
-                                                           {"foot_m", {foot.x(), foot.y(), foot.z()}},
-                                                           {"margins_rad",
-                                                            {{"joint_limit", margins.joint_limit},
-                                                             {"serial", margins.serial},
-                                                             {"parallel", margins.parallel}}}}));
+  options.json.emit(table.str() + text,
+                    with_schema("ik", {{"status", name(solution.status)},
+                                       {"tilt", q.tilt},
+                                       {"shoulder_left", q.shoulder_left},
+                                       {"shoulder_right", q.shoulder_right},
+                                       {"elbow_left", q.elbow_left},
+                                       {"elbow_right", q.elbow_right},
+                                       {"foot_m", {foot.x(), foot.y(), foot.z()}},
+                                       {"margins_rad",
+                                        {{"joint_limit", margins.joint_limit},
+                                         {"serial", margins.serial},
+                                         {"parallel", margins.parallel}}}}),
+                    options.json.provenance(of_robot(options.robot)));
 }
 
 }  // namespace
@@ -84,7 +86,7 @@ void add_ik_command(CLI::App& program) {
   command->add_option("--leg", options->leg, "FL, FR, RL or RR")->capture_default_str();
   add_robot_option(*command, options->robot);
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

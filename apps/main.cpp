@@ -1,62 +1,102 @@
 // crossgait: one quadruped gait stack over several physics engines, on the command line.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
 #include "crossgait/apps/command.h"
+#include "crossgait/apps/interruption.h"
+#include "crossgait/apps/suggestion.h"
+#include "crossgait/env/progress.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/study/version.h"
 
+namespace crossgait::apps {
 namespace {
 
 constexpr int kFailure = 1;
 constexpr int kBadInput = 2;
+
+// Not through fmt: standard error may be closed, and there is nowhere left to say so.
+int complain(const std::string& what, int code) {
+  std::fputs(("crossgait: " + what + "\n").c_str(), stderr);
+  return code;
+}
 
 constexpr const char* kDescription =
     "Runs the same quadruped gait in several physics engines and says how far they agree.\n"
     "Start with:  crossgait compare --terrain rough\n";
 constexpr const char* kFooter =
     "\nUnits are SI, angles radians unless a name says otherwise. Exit codes: 0 done, 1 failed, 2 bad "
-    "input.\n"
+    "input,\n130 interrupted.\n"
     "`crossgait COMMAND --help` explains each command.";
 
-}  // namespace
+void add_commands(CLI::App& program, std::vector<std::string>& again) {
+  add_walk_command(program);
+  add_compare_command(program);
+  add_bench_command(program);
+  add_verdict_command(program);
+  add_backends_command(program);
+  add_robots_command(program);
+  add_terrain_command(program);
+  add_ik_command(program);
+  add_gait_command(program);
+  add_workspace_command(program);
+  add_plot_command(program);
+  add_env_command(program);
+  add_rollout_command(program);
+  add_transfer_command(program);
+  add_tune_command(program);
+  add_rerun_command(program, again);
+}
 
-int main(int argc, char** argv) {
+/// Does what the arguments say. @param again  the arguments of a command that is to be run after it, if any
+/// @returns the exit code
+int run(std::vector<std::string> arguments, std::vector<std::string>& again) {
   CLI::App program(kDescription, "crossgait");
   program.footer(kFooter);
-  program.set_version_flag("--version", CROSSGAIT_VERSION);
+  program.set_version_flag("--version", std::string(crossgait_version()));
   program.require_subcommand(1);
+  add_commands(program, again);
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
   try {
-    using namespace crossgait::apps;
-    add_walk_command(program);
-    add_compare_command(program);
-    add_bench_command(program);
-    add_verdict_command(program);
-    add_backends_command(program);
-    add_robots_command(program);
-    add_terrain_command(program);
-    add_ik_command(program);
-    add_gait_command(program);
-    add_workspace_command(program);
-    add_plot_command(program);
-    add_env_command(program);
-    add_rollout_command(program);
-    add_transfer_command(program);
-    add_tune_command(program);
-    program.parse(argc, argv);
+    program.parse(std::move(arguments));
   } catch (const CLI::Success& help) {
     return program.exit(help);
   } catch (const CLI::ParseError& error) {
     program.exit(error);
-    return kBadInput;
-  } catch (const crossgait::ConfigError& error) {
-    fmt::print(stderr, "crossgait: {}\n", error.what());
-    return kBadInput;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "crossgait: {}\n", error.what());
-    return kFailure;
+    const std::string hint = suggestion(program);
+    return hint.empty() ? kBadInput : complain(hint, kBadInput);
   }
   return 0;
 }
+
+int main_of(const std::vector<std::string>& arguments) {
+  try {
+    keep_standard_streams();
+    std::vector<std::string> again;
+    int code = run(arguments, again);
+    if (!again.empty()) {
+      std::vector<std::string> no_more;
+      code = run(again, no_more);
+    }
+    flush_standard_output();
+    return code;
+  } catch (const ConfigError& error) {
+    return complain(error.what(), kBadInput);
+  } catch (const EndedEarly& error) {
+    return complain(error.what(), kInterruptedExit);
+  } catch (const Interrupted&) {
+    return complain("interrupted: nothing is kept", kInterruptedExit);
+  } catch (const std::exception& error) {
+    return complain(error.what(), kFailure);
+  }
+}
+
+}  // namespace
+}  // namespace crossgait::apps
+
+int main(int argc, char** argv) { return crossgait::apps::main_of({argv + 1, argv + argc}); }

@@ -4,11 +4,13 @@
 #include <iterator>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/command.h"
 #include "crossgait/apps/trace_figure.h"
 #include "crossgait/parity/schema.h"
+#include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 
@@ -19,6 +21,8 @@ struct PlotCommandOptions {
   std::string trace, out;
   std::vector<std::string> what{"all"};
   std::string robot = "scara_quadruped";
+  double shortest = 0.02;  // contact in the gait diagram, s
+  bool constant = false;   // also parameters that never change
   JsonOption json;
 };
 
@@ -26,18 +30,22 @@ using Rows = std::vector<Figure::Row>;
 
 struct Kind {
   const char* name;
-  Rows (*make)(const TraceTable& trace, const std::string& robot);
+  Rows (*make)(const TraceTable& trace, const PlotCommandOptions& options);
 };
+
+RobotDescription robot_of(const PlotCommandOptions& options) { return load_robot(find_robot(options.robot)); }
 
 // In the order in which they stand in a picture.
 constexpr std::array<Kind, 5> kKinds{{
-    {"gait", [](const TraceTable& trace, const std::string&) { return gait_rows(trace); }},
-    {"attitude", [](const TraceTable& trace, const std::string&) { return attitude_rows(trace); }},
+    {"gait", [](const TraceTable& trace,
+                const PlotCommandOptions& options) { return gait_rows(trace, options.shortest); }},
+    {"attitude", [](const TraceTable& trace, const PlotCommandOptions&) { return attitude_rows(trace); }},
     {"joints", [](const TraceTable& trace,
-                  const std::string& robot) { return joint_rows(trace, load_robot(find_robot(robot))); }},
+                  const PlotCommandOptions& options) { return joint_rows(trace, robot_of(options)); }},
     {"feet", [](const TraceTable& trace,
-                const std::string& robot) { return feet_rows(trace, load_robot(find_robot(robot))); }},
-    {"parameters", [](const TraceTable& trace, const std::string&) { return parameter_rows(trace); }},
+                const PlotCommandOptions& options) { return feet_rows(trace, robot_of(options)); }},
+    {"parameters", [](const TraceTable& trace,
+                      const PlotCommandOptions& options) { return parameter_rows(trace, options.constant); }},
 }};
 
 void check_what(const std::vector<std::string>& what) {
@@ -50,18 +58,26 @@ void check_what(const std::vector<std::string>& what) {
   }
 }
 
+// By its name or with all others.
+bool asked(const PlotCommandOptions& options, const char* kind) {
+  return std::any_of(options.what.begin(), options.what.end(),
+                     [kind](const std::string& word) { return word == kind || word == "all"; });
+}
+
 Figure make_figure(const PlotCommandOptions& options, const TraceTable& trace) {
-  const auto asked = [&options](const char* name) {
+  const auto named = [&options](const char* name) {
     return std::find(options.what.begin(), options.what.end(), name) != options.what.end();
   };
   Figure figure;
   figure.title = std::filesystem::path(options.trace).filename().string();
   for (const Kind& kind : kKinds) {
-    if (!asked(kind.name) && !asked("all")) continue;
-    Rows rows = kind.make(trace, options.robot);
+    if (!asked(options, kind.name)) continue;
+    Rows rows = kind.make(trace, options);
     // A walk without a gait has no parameters to show: left out of "all", an error if asked for.
-    if (rows.empty() && asked(kind.name)) {
-      throw ConfigError(options.trace, "line 1", "columns \"param.<name>\"", "none");
+    if (rows.empty() && named(kind.name)) {
+      const bool none = constant_parameters(trace).empty();
+      throw ConfigError(options.trace, "columns \"param.<name>\"",
+                        none ? "at least one" : "one that changes (--constant draws the others too)", "none");
     }
     std::move(rows.begin(), rows.end(), std::back_inserter(figure.rows));
   }
@@ -75,13 +91,19 @@ void run(const PlotCommandOptions& options) {
   const Figure figure = make_figure(options, trace);
   draw(figure, options.out);
   const double from = trace.time().front(), to = trace.time().back();
-  options.json.emit(fmt::format("{}: {} panels of {} rows, {:.3f} to {:.3f} s\n", options.out,
-                                figure.panel_count(), trace.rows(), from, to),
-                    with_schema("plot", {{"file", options.out},
-                                         {"panels", figure.panel_count()},
-                                         {"rows", trace.rows()},
-                                         {"from_s", from},
-                                         {"to_s", to}}));
+  std::string text =
+      fmt::format("{}: {} of {}, {:.3f} to {:.3f} s\n", options.out, counted(figure.panel_count(), "panel"),
+                  counted(trace.rows(), "row"), from, to);
+  std::vector<std::string> hidden;
+  if (!options.constant && asked(options, "parameters")) hidden = constant_parameters(trace);
+  if (!hidden.empty())
+    text += fmt::format("not drawn, since they never change (--constant): {}\n", fmt::join(hidden, ", "));
+  options.json.emit(text, with_schema("plot", {{"file", options.out},
+                                               {"panels", figure.panel_count()},
+                                               {"rows", trace.rows()},
+                                               {"from_s", from},
+                                               {"to_s", to},
+                                               {"constant_parameters", hidden}}));
 }
 
 }  // namespace
@@ -89,11 +111,11 @@ void run(const PlotCommandOptions& options) {
 void add_plot_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("plot", "Pictures of a walk from its trace");
   command->footer(
-      "\n  gait        which feet were on the ground when\n"
+      "\n  gait        which feet were on the ground when, and were meant to be\n"
       "  attitude    height, roll, pitch, speed and yaw rate of the base\n"
       "  joints      angles of the servos and their targets\n"
       "  feet        paths of the feet in the leg frames\n"
-      "  parameters  parameters of the gait\n"
+      "  parameters  parameters of the gait that change\n"
       "\nExamples:\n"
       "  crossgait walk --seconds 3 --trace walk.csv && crossgait plot walk.csv --out walk.png\n"
       "  crossgait plot walk.csv --what gait,parameters --out walk.svg");
@@ -101,14 +123,22 @@ void add_plot_command(CLI::App& program) {
   command->add_option("trace", options->trace, "A file that `crossgait walk --trace` wrote")
       ->type_name("TRACE.csv")
       ->required();
-  command->add_option("--out", options->out, "The picture")->type_name("FILE.svg|FILE.png")->required();
+  add_output_option(*command, "--out", options->out, "The picture")
+      ->type_name("FILE.svg|FILE.png")
+      ->required();
   command
       ->add_option("--what", options->what, "Comma-separated: all, gait, attitude, joints, feet, parameters")
       ->delimiter(',')
       ->capture_default_str();
+  command
+      ->add_option("--shortest-contact", options->shortest,
+                   "Touches, and gaps between them, that the gait diagram leaves out if they are shorter, s")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_flag("--constant", options->constant, "Also a panel for every parameter that never changes");
   add_robot_option(*command, options->robot);
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

@@ -18,7 +18,7 @@ constexpr std::array<const char*, kColours> kPalette{"#0072b2", "#d55e00", "#009
                                                      "#56b4e9", "#e69f00", "#333333"};
 constexpr int kTitleHeight = 40;  // px
 // Around the axes of a panel, px: room for tick marks and labels, legend and title.
-constexpr int kLeft = 80, kRight = 20, kColourBar = 90, kTop = 54, kBottom = 56;
+constexpr int kLeft = 100, kRight = 20, kColourBar = 90, kTop = 54, kBottom = 56;
 
 const char* colour_code(int colour) { return kPalette[static_cast<std::size_t>(colour % kColours)]; }
 
@@ -85,7 +85,7 @@ std::string style_of(const Series& series) {
     case Series::Style::kPoints:
       break;
   }
-  return "points pointtype 7 pointsize .45";
+  return fmt::format("points pointtype 7 pointsize {:g}", 0.28 * series.width);
 }
 
 /// The curves of one panel: data blocks, and a plot command that refers to them.

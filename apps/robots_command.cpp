@@ -67,9 +67,10 @@ void show(const RobotsCommand& options) {
     result["body_list"].push_back(std::move(entry));
   }
   const std::string total =
-      fmt::format("\n{:.4f} kg in all, {} loops, base {:.4f} m above ground at home; from {}\n",
-                  robot.total_mass(), robot.loops.size(), robot.home_height, robot.source);
-  options.json.emit(table.str() + total, with_schema("robots", result));
+      fmt::format("\n{:.4f} kg in all, {}, base {:.4f} m above ground at home; from {}\n", robot.total_mass(),
+                  counted(robot.loops.size(), "loop"), robot.home_height, robot.source);
+  options.json.emit(table.str() + total, with_schema("robots", result),
+                    options.json.provenance(of_robot(options.robot)));
 }
 
 }  // namespace
@@ -79,9 +80,10 @@ void add_robots_command(CLI::App& program) {
   command->footer(
       "\nExamples:\n  crossgait robots\n  crossgait robots scara_quadruped\n  crossgait robots my.urdf");
   auto options = std::make_shared<RobotsCommand>();
-  command->add_option("robot", options->robot, "A bundled robot's name or a .yaml or .urdf file to show");
+  command->add_option("robot,--robot", options->robot,
+                      "A bundled robot's name or a .yaml or .urdf file to show");
   options->json.add_to(*command);
-  command->callback([options] { options->robot.empty() ? list_robots(options->json) : show(*options); });
+  on_run(*command, [options] { options->robot.empty() ? list_robots(options->json) : show(*options); });
 }
 
 }  // namespace crossgait::apps

@@ -1,9 +1,12 @@
 // crossgait rollout: whole episodes of a policy in one engine.
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/env_options.h"
+#include "crossgait/apps/interruption.h"
+#include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/study/rollout.h"
 
@@ -19,19 +22,32 @@ struct RolloutCommand {
   JsonOption json;
 };
 
+std::string how_far(const Rollout& rollout, std::size_t asked) {
+  std::size_t done = 0;
+  for (const PolicyEpisodes& run : rollout.policies) done += run.episodes.size();
+  return fmt::format("{} of {} are finished, and written as asked", done, counted(asked, "episode"));
+}
+
 void run(const RolloutCommand& options) {
   const EnvConfig config = options.env.make();
   std::vector<std::string> policies = options.policies;
   if (options.baseline && std::find(policies.begin(), policies.end(), "zero") == policies.end())
     policies.emplace_back("zero");
+  const Provenance provenance = options.json.provenance({policy_subject(config, policies, options.runs.seed),
+                                                         {config.engine},
+                                                         {{"--engine", {config.engine}}}});
   ProgressLine progress("rolling out");
   const Rollout rollout =
       roll_out(config, policies, options.runs, [&](double share) { progress.update(share); });
-  if (!options.trace.empty()) {
-    write_trace_csv(load_robot(find_robot(config.robot)),
-                    trace_episode(config, options.policies.front(), options.runs.seed), options.trace);
+  if (!options.trace.empty() && !rollout.interrupted) {
+    TraceWriter trace(std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot))),
+                      options.trace);
+    watch_episode(config, options.policies.front(), options.runs.seed,
+                  [&trace](const TraceSample& sample) { trace.add(sample); });
+    trace.finish();
   }
-  options.json.emit(describe(rollout), to_json(rollout));
+  options.json.emit(describe(rollout), to_json(rollout), provenance);
+  if (rollout.interrupted) throw EndedEarly(how_far(rollout, policies.size() * options.runs.episodes));
 }
 
 }  // namespace
@@ -53,13 +69,12 @@ void add_rollout_command(CLI::App& program) {
       ->capture_default_str();
   command->add_flag("--baseline", options->baseline, "Show the zero policy beside it");
   add_episode_options(*command, options->runs);
-  command
-      ->add_option("--trace", options->trace,
-                   "Write state, targets, contacts and parameters of the first policy's first episode as CSV")
-      ->type_name("FILE.csv");
+  add_output_option(
+      *command, "--trace", options->trace,
+      "Write state, targets, contacts and parameters of the first policy's first episode as CSV");
   options->env.add_to(*command);
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

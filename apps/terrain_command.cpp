@@ -148,7 +148,9 @@ void run(const TerrainCommand& options) {
   sample_ring_of(options, terrain, text, result);
   if (!options.png.empty()) write_png(*field, options.png);
   if (!options.csv.empty()) write_csv(*field, options.csv);
-  options.json.emit(text, with_schema("terrain", result));
+  Ingredients ingredients;
+  ingredients.subject = {{"terrains", {terrain.name()}}, {"seed", options.seed}};
+  options.json.emit(text, with_schema("terrain", result), options.json.provenance(ingredients));
 }
 
 }  // namespace
@@ -171,16 +173,15 @@ void add_terrain_command(CLI::App& program) {
   command->add_option("terrain", options->terrain, "NAME[:key=value,...], FILE.png or FILE.csv")
       ->capture_default_str();
   command->add_flag("--list", options->list, "List the generators and their parameters");
-  command->add_option("--seed", options->seed, "Seed of a random terrain")->capture_default_str();
+  add_seed_option(*command, "--seed", options->seed, "Seed of a random terrain")->capture_default_str();
   command->add_option("--sample", options->samples, "Height and normal at a point; may be repeated")
       ->type_name("X,Y");
   command->add_option("--ring", options->ring, "Eight heights around a robot that stands there")
       ->type_name("X,Y,YAW");
-  command->add_option("--png", options->png, "Write the height field as a 16-bit grey picture")
-      ->type_name("FILE");
-  command->add_option("--csv", options->csv, "Write the height field as rows of metres")->type_name("FILE");
+  add_output_option(*command, "--png", options->png, "Write the height field as a 16-bit grey picture");
+  add_output_option(*command, "--csv", options->csv, "Write the height field as rows of metres");
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

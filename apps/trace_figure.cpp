@@ -90,29 +90,51 @@ std::vector<const std::vector<double>*> joint_columns(const TraceTable& trace,
   return columns;
 }
 
+/// A time in which a foot is on the ground.
+struct Stance {
+  double begin = 0, end = 0;  // s
+};
+
+/// @param contact  1 where there is contact  @param shortest  gaps, then stances, below it are left out, s
+std::vector<Stance> stances(const std::vector<double>& time, const std::vector<double>& contact,
+                            double shortest) {
+  std::vector<Stance> all;
+  for (std::size_t i = 0; i < contact.size(); ++i) {
+    if (contact[i] == 0) continue;
+    // A foot that bounces off for less than `shortest` has not left.
+    const bool touches_down = i == 0 || contact[i - 1] == 0;
+    if (touches_down && (all.empty() || time[i] - all.back().end >= shortest))
+      all.push_back({time[i], time[i]});
+    all.back().end = row_end(time, i);
+  }
+  std::erase_if(all, [shortest](const Stance& s) { return s.end - s.begin < shortest; });
+  return all;
+}
+
 }  // namespace
 
-std::vector<Figure::Row> gait_rows(const TraceTable& trace) {
-  Panel panel = time_panel("Gait diagram: feet on the ground", "");
+std::vector<Figure::Row> gait_rows(const TraceTable& trace, double shortest) {
+  const std::string left_out =
+      shortest > 0 ? fmt::format(" (touches and gaps under {:g} ms left out)", 1e3 * shortest) : "";
+  Panel panel = time_panel("Gait diagram: feet on the ground" + left_out, "");
   panel.y_range = {-0.6, kLegCount - 0.4};
   const std::vector<double>& time = trace.time();
+  Bars actual{"on the ground", {}, 4, true}, planned{"planned stance", {}, 6, false};
   for (const Leg leg : kLegs) {
     const double y = kLegCount - 1 - static_cast<int>(leg);
     panel.y_names.emplace_back(y, name(leg));
-    const std::vector<double>& contact = trace.column(fmt::format("contact.{}", name(leg)));
-    Bars stances{"", {}, static_cast<int>(leg), true};
-    for (std::size_t i = 0; i < contact.size(); ++i) {
-      if (contact[i] == 0) continue;
-      if (i == 0 || contact[i - 1] == 0) stances.bars.push_back({{time[i], y - 0.35}, {time[i], y + 0.35}});
-      stances.bars.back().max[0] = row_end(time, i);
-    }
-    panel.bars.push_back(std::move(stances));
+    const auto add = [&](Bars& bars, const std::string& column, double half_width, double least) {
+      for (const Stance& s : stances(time, trace.column(column), least))
+        bars.bars.push_back({{s.begin, y - half_width}, {s.end, y + half_width}});
+    };
+    add(actual, fmt::format("contact.{}", name(leg)), 0.28, shortest);
+    const std::string plan = fmt::format("planned.{}", name(leg));
+    if (trace.has(plan)) add(planned, plan, 0.38, 0);
     // The whole time belongs to the axis, also where every foot is in the air.
-    panel.series.push_back({"",
-                            {{time.front(), y}, {row_end(time, time.size() - 1), y}},
-                            static_cast<int>(leg),
-                            Series::Style::kLine});
+    panel.series.push_back(
+        {"", {{time.front(), y}, {row_end(time, time.size() - 1), y}}, 6, Series::Style::kLine, 0.6});
   }
+  panel.bars = {std::move(actual), std::move(planned)};
   return {{{std::move(panel)}, 260, 1}};
 }
 
@@ -136,10 +158,10 @@ std::vector<Figure::Row> joint_rows(const TraceTable& trace, const RobotDescript
   five_bar_geometry(robot);  // or says that there are no such legs
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
-    Panel panel = time_panel(fmt::format("Servos of {}, targets dashed", name(leg)), "angle, deg");
-    const std::array<std::pair<const char*, int>, 3> servos{{{"tilt", model.tilt},
-                                                             {"shoulder left", model.shoulder_left},
-                                                             {"shoulder right", model.shoulder_right}}};
+    Panel panel =
+        time_panel(fmt::format("Servos of {}: tilt, left and right shoulder", name(leg)), "angle, deg");
+    const std::array<std::pair<const char*, int>, 3> servos{
+        {{"tilt", model.tilt}, {"left", model.shoulder_left}, {"right", model.shoulder_right}}};
     for (int i = 0; i < 3; ++i) {
       const auto& [label, joint] = servos[static_cast<std::size_t>(i)];
       const std::string& joint_name = robot.joint(joint).name;
@@ -147,6 +169,8 @@ std::vector<Figure::Row> joint_rows(const TraceTable& trace, const RobotDescript
       panel.series.push_back(over_time(trace, "", scaled(trace.column("target." + joint_name), kToDegrees), i,
                                        Series::Style::kDashed));
     }
+    // One entry of the legend for all three: a curve of a single point.
+    panel.series.push_back({"targets", {panel.series.back().points.front()}, 6, Series::Style::kDashed});
     rows[is_front(leg) ? 0 : 1].panels.push_back(std::move(panel));
   }
   return rows;
@@ -189,10 +213,24 @@ std::vector<Figure::Row> feet_rows(const TraceTable& trace, const RobotDescripti
   return rows;
 }
 
-std::vector<Figure::Row> parameter_rows(const TraceTable& trace) {
+std::vector<std::string> constant_parameters(const TraceTable& trace) {
+  std::vector<std::string> names;
+  for (const std::string& column : trace.names()) {
+    if (!column.starts_with(kParameter)) continue;
+    const auto [low, high] = std::minmax_element(trace.column(column).begin(), trace.column(column).end());
+    if (*low == *high) names.push_back(column.substr(kParameter.size()));
+  }
+  return names;
+}
+
+std::vector<Figure::Row> parameter_rows(const TraceTable& trace, bool constant_too) {
+  const std::vector<std::string> constant = constant_parameters(trace);
   std::vector<Figure::Row> rows;
   for (const std::string& column : trace.names()) {
     if (!column.starts_with(kParameter)) continue;
+    const bool changes =
+        std::find(constant.begin(), constant.end(), column.substr(kParameter.size())) == constant.end();
+    if (!changes && !constant_too) continue;
     const std::string parameter = column.substr(kParameter.size());
     std::string unit;
     for (const ParameterRow& known : gait_parameters()) {

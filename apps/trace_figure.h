@@ -10,8 +10,9 @@
 
 namespace crossgait::apps {
 
-/// Which feet were on the ground when: one bar per stance.
-std::vector<Figure::Row> gait_rows(const TraceTable& trace);
+/// Which feet were on the ground when, and when the gait meant them to be: one bar per stance.
+/// @param shortest  touches, and gaps between them, that are shorter are left out, s
+std::vector<Figure::Row> gait_rows(const TraceTable& trace, double shortest);
 /// Height, roll and pitch, speed forward and to the left, yaw rate of the base.
 std::vector<Figure::Row> attitude_rows(const TraceTable& trace);
 /// Angles of the servos and their targets, a panel per leg.
@@ -19,7 +20,10 @@ std::vector<Figure::Row> joint_rows(const TraceTable& trace, const RobotDescript
 /// Paths of the feet in the leg frames, seen from the side, a panel per leg. Positions are those of the foot
 /// bodies at the traced joint angles.
 std::vector<Figure::Row> feet_rows(const TraceTable& trace, const RobotDescription& robot);
-/// Every column "param.<name>", a panel each; empty if there is none.
-std::vector<Figure::Row> parameter_rows(const TraceTable& trace);
+/// Names of the columns "param.<name>" that hold one value throughout.
+std::vector<std::string> constant_parameters(const TraceTable& trace);
+/// The columns "param.<name>", a panel each; empty if there is none. @param constant_too  also those that
+/// never change
+std::vector<Figure::Row> parameter_rows(const TraceTable& trace, bool constant_too);
 
 }  // namespace crossgait::apps

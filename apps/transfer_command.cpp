@@ -1,8 +1,11 @@
 // crossgait transfer: one policy in every engine on every ground.
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/env_options.h"
+#include "crossgait/apps/interruption.h"
 #include "crossgait/backends/registry.h"
+#include "crossgait/parity/table.h"
 #include "crossgait/study/rollout.h"
 
 namespace crossgait::apps {
@@ -18,10 +21,18 @@ struct TransferCommand {
 
 void run(const TransferCommand& options) {
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
+  const EnvConfig config = options.env.make();
+  nlohmann::json subject = policy_subject(config, {options.policy}, options.runs.seed);
+  subject["terrains"] = options.terrains;
+  const Provenance provenance = options.json.provenance({subject, engines, {{"--engines", engines}}});
   ProgressLine progress("transferring");
-  const Transfer transfer = transfer_policy(options.env.make(), options.policy, engines, options.terrains,
-                                            options.runs, [&](double share) { progress.update(share); });
-  options.json.emit(describe(transfer), to_json(transfer));
+  const Transfer transfer = transfer_policy(config, options.policy, engines, options.terrains, options.runs,
+                                            [&](double share) { progress.update(share); });
+  options.json.emit(describe(transfer), to_json(transfer), provenance);
+  if (transfer.interrupted) {
+    throw EndedEarly(fmt::format("{} of {} are finished, and written as asked", transfer.cells.size(),
+                                 counted(options.terrains.size() * engines.size(), "cell")));
+  }
 }
 
 }  // namespace
@@ -48,7 +59,7 @@ void add_transfer_command(CLI::App& program) {
   add_episode_options(*command, options->runs);
   options->env.add_to(*command, false);
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

@@ -3,7 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/env_options.h"
+#include "crossgait/apps/interruption.h"
 #include "crossgait/backends/registry.h"
+#include "crossgait/parity/table.h"
 #include "crossgait/physics/atomic_file.h"
 #include "crossgait/study/tune.h"
 
@@ -26,11 +28,20 @@ void run(const TuneCommand& options) {
                    "body_height", "stance_width", "foot_clearance"};
   }
   if (!options.env.episode_seconds && options.env.config.empty()) start.episode_seconds = 6;
+  const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
+  const Provenance provenance =
+      options.json.provenance({policy_subject(start, {"zero"}, options.tune.seed),
+                               engines,
+                               {{"--engine", {start.engine}}, {"--engines", engines}}});
   ProgressLine progress("tuning");
-  const Tuning tuning = tune_gait(start, options.engines.empty() ? available_engines() : options.engines,
-                                  options.tune, [&](double share) { progress.update(share); });
+  const Tuning tuning =
+      tune_gait(start, engines, options.tune, [&](double share) { progress.update(share); });
   if (!options.out.empty()) write_file_atomically(options.out, to_yaml(tuning.tuned));
-  options.json.emit(describe(tuning), to_json(tuning));
+  options.json.emit(describe(tuning), to_json(tuning), provenance);
+  if (tuning.interrupted) {
+    throw EndedEarly(fmt::format("{} of {} are finished; the best so far is written as asked",
+                                 tuning.history.size(), counted(options.tune.iterations, "generation")));
+  }
 }
 
 }  // namespace
@@ -60,14 +71,15 @@ void add_tune_command(CLI::App& program) {
       ->add_option("--engines", options->engines,
                    "Engines of the final table, comma-separated; all by default")
       ->delimiter(',');
-  command->add_option("--seed", options->tune.seed, "Seed of the search and first terrain seed")
+  add_seed_option(*command, "--seed", options->tune.seed, "Seed of the search and first terrain seed")
       ->capture_default_str();
   add_workers_option(*command, options->tune.workers);
-  command->add_option("--out", options->out, "Write the tuned environment as YAML, for `rollout --config`")
+  add_output_option(*command, "--out", options->out,
+                    "Write the tuned environment as YAML, for `rollout --config`")
       ->type_name("FILE.yaml");
   options->env.add_to(*command);
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

@@ -1,15 +1,19 @@
 // crossgait verdict: does a behaviour depend on the engine it was tried in?
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/env_options.h"
+#include "crossgait/apps/interruption.h"
 #include "crossgait/apps/walk_options.h"
 #include "crossgait/backends/registry.h"
+#include "crossgait/parity/table.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/study/judgement.h"
+#include "crossgait/study/run_store.h"
 
 namespace crossgait::apps {
 namespace {
@@ -48,12 +52,25 @@ std::vector<std::string> two_engines(const std::vector<std::string>& asked) {
   return engines;
 }
 
+// After an interruption.
+std::string what_is_kept(const std::string& stored_runs) {
+  if (stored_runs.empty()) return "nothing is kept; with --runs FILE.jsonl it would go on from here";
+  return fmt::format("{} in {}; the same command goes on from here",
+                     counted(RunStore(stored_runs).size(), "run"), stored_runs);
+}
+
 void run(const VerdictCommand& options) {
   const std::vector<std::string> engines = two_engines(options.engines);
+  const BehaviourSpec spec = behaviour(options);
+  const Provenance provenance = options.json.provenance({to_json(spec), engines, {{"--engines", engines}}});
   Stages stages;
-  const Judgement judgement =
-      judge_behaviour(behaviour(options), engines[0], engines[1], options.judgement, stages.progress());
-  options.json.emit(describe(judgement), to_json(judgement));
+  std::optional<Judgement> judgement;
+  try {
+    judgement = judge_behaviour(spec, engines[0], engines[1], options.judgement, stages.progress());
+  } catch (const Interrupted&) {
+    throw EndedEarly(what_is_kept(options.judgement.stored_runs));
+  }
+  options.json.emit(describe(*judgement), to_json(*judgement), provenance);
 }
 
 void add_judgement_options(CLI::App& command, VerdictCommand& options) {
@@ -78,11 +95,10 @@ void add_judgement_options(CLI::App& command, VerdictCommand& options) {
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   add_workers_option(command, verdict.workers);
-  command
-      .add_option(
-          "--runs", options.judgement.stored_runs,
-          "Take runs that this file holds, and add those that it does not: a verdict that was stopped "
-          "goes on, one that is repeated costs nothing")
+  add_output_option(
+      command, "--runs", options.judgement.stored_runs,
+      "Take runs that this file holds, and add those that it does not: a verdict that was stopped "
+      "goes on, one that is repeated costs nothing")
       ->type_name("FILE.jsonl");
 }
 
@@ -120,7 +136,7 @@ void add_verdict_command(CLI::App& program) {
   command->add_flag("--explain", options->judgement.explain,
                     "Also say what the gap comes from, one modelling factor at a time");
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "crossgait/apps/interruption.h"
 #include "crossgait/apps/walk_options.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/report.h"
@@ -22,10 +23,20 @@ struct WalkCommand {
 
 void run(const WalkCommand& options) {
   const WalkConfig config = options.walk.make();
+  const Provenance provenance = options.json.provenance(
+      {options.walk.subject(config), {options.engine}, {{"--engine", {options.engine}}}});
+  const auto robot = std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot)));
+  std::optional<TraceWriter> trace;
+  if (!options.trace.empty()) trace.emplace(robot, options.trace);
+  const SampleObserver observer = [&trace](std::size_t, const TraceSample& sample) { trace->add(sample); };
+
   ProgressLine progress(fmt::format("{} in {}", config.gait.name(), options.engine));
-  const WalkRun run = walk(config, options.engine, [&](double share) { progress.update(share); });
-  if (!options.trace.empty()) write_trace_csv(load_robot(find_robot(config.robot)), run.trace, options.trace);
-  options.json.emit(describe(run), report(run));
+  const WalkRun run = walk(
+      config, options.engine, [&](double share) { progress.update(share); },
+      trace ? observer : SampleObserver());
+  if (trace) trace->finish();
+  options.json.emit(describe(run), report(run), provenance);
+  if (run.interrupted) throw EndedEarly(how_far(run.summary.simulated_seconds, config.timing.seconds));
 }
 
 }  // namespace
@@ -41,12 +52,10 @@ void add_walk_command(CLI::App& program) {
   command->add_option("--engine,--backend", options->engine, "Engine and mode (see `crossgait backends`)")
       ->capture_default_str();
   options->walk.add_to(*command);
-  command
-      ->add_option("--trace", options->trace,
-                   "Write state, targets and contacts of every control step as CSV")
-      ->type_name("FILE");
+  add_output_option(*command, "--trace", options->trace,
+                    "Write state, targets and contacts of every control step as CSV");
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

@@ -1,5 +1,10 @@
 #include "crossgait/apps/walk_options.h"
 
+#include <fmt/format.h>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/study/run_spec.h"
+
 namespace crossgait::apps {
 namespace {
 
@@ -10,7 +15,7 @@ void add_world(CLI::App& command, WalkConfig& config) {
                   "The ground (see `crossgait terrain --list`), e.g. rough or stairs:rise=.01,run=.1")
       ->type_name("NAME[:k=v,...]|FILE.png|FILE.csv")
       ->capture_default_str();
-  command.add_option("--seed", config.terrain_seed, "Seed of a random terrain")->capture_default_str();
+  add_seed_option(command, "--seed", config.terrain_seed, "Seed of a random terrain")->capture_default_str();
   command.add_option("--physics-dt", config.physics_dt, "Physics time step, s")->capture_default_str();
   command.add_option("--friction", config.friction, "Coefficient of friction between feet and ground")
       ->capture_default_str();
@@ -43,14 +48,15 @@ void WalkOptions::add_to(CLI::App& command) {
       .add_option("--command", velocity, "Walk at a velocity: forward and left in m/s, turning left in rad/s")
       ->type_name("VX,VY,YAWRATE")
       ->excludes(forward);
-  command.add_option("--seconds", config.timing.seconds, "Simulated time to walk, s")->capture_default_str();
+  command.add_option("--seconds", config.timing.seconds, "Simulated time to walk, s, at most 1e6")
+      ->capture_default_str();
   command
       .add_option("--control-dt", config.timing.control_dt,
                   "Time step of gait, kinematics and servo targets, s")
       ->capture_default_str();
   command
       .add_option("--settle", config.timing.settle_seconds,
-                  "Simulated time to stand before the first step, s")
+                  "Simulated time to stand before the first step, s, at most 1e3")
       ->capture_default_str();
   command
       .add_option("--ends", ends,
@@ -64,11 +70,25 @@ void WalkOptions::add_to(CLI::App& command) {
 
 WalkConfig WalkOptions::make() const {
   WalkConfig made = config;
+  try {
+    if (gait != kAutomaticGait) static_cast<void>(find_gait(gait));
+  } catch (const ConfigError& error) {
+    throw ConfigError(error.source(), error.element(),
+                      fmt::format("{}, {}", error.expected(), kAutomaticGait), error.found());
+  }
   made.gait = choose_gait(gait, settings, make_command(*this));
   print_notes(outside_ranges(made.gait.parameters, choose_gait(gait, {}, make_command(*this)).parameters));
   made.compensation = !plain_servos;
   made.ends = OutcomeSet::that_end(ends);
   return made;
+}
+
+nlohmann::json WalkOptions::subject(const WalkConfig& config) {
+  return {{"behaviour", to_json(BehaviourSpec{config, {}, 0}).at("behaviour")}};
+}
+
+std::string how_far(double walked, double asked) {
+  return fmt::format("{:.1f} of {:g} s are walked; what was asked for is written up to there", walked, asked);
 }
 
 }  // namespace crossgait::apps

@@ -20,6 +20,11 @@ struct WalkOptions {
   void add_to(CLI::App& command);
   /// @throws ConfigError for an unknown gait or parameter
   WalkConfig make() const;
+  /// What a walk looks at, for its provenance.
+  static nlohmann::json subject(const WalkConfig& config);
 };
+
+/// "12.3 of 300 s are walked": of a walk that was interrupted.
+std::string how_far(double walked, double asked);
 
 }  // namespace crossgait::apps

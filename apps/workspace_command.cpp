@@ -235,7 +235,7 @@ Panel slice(const Report& r, int axis) {
   Series path{"path, " + r.gait, {}, 1, Series::Style::kLine};
   for (const Vector3& p : r.path) path.points.push_back(flat(p));
   panel.series.push_back(std::move(path));
-  panel.series.push_back({"standing foot", {flat(r.standing)}, 6, Series::Style::kPoints});
+  panel.series.push_back({"standing foot", {flat(r.standing)}, 6, Series::Style::kPoints, 3});
   return panel;
 }
 
@@ -249,7 +249,9 @@ void run(const WorkspaceCommand& options) {
     figure.rows.push_back({{slice(report, 0), slice(report, 1)}, 380, 2});
     draw(figure, options.out);
   }
-  options.json.emit(describe(report), with_schema("workspace", to_json(report)));
+  options.json.emit(
+      describe(report), with_schema("workspace", to_json(report)),
+      options.json.provenance(of_gait(options.robot, choose_gait(options.gait, options.settings))));
 }
 
 }  // namespace
@@ -271,10 +273,10 @@ void add_workspace_command(CLI::App& program) {
   command->add_option("--gait", options->gait, "The gait to check")->capture_default_str();
   command->add_option("--set", options->settings, "Change a gait parameter; may be repeated")
       ->type_name("NAME=VALUE");
-  command->add_option("--out", options->out, "Draw a picture")->type_name("FILE.svg|FILE.png");
+  add_output_option(*command, "--out", options->out, "Draw a picture")->type_name("FILE.svg|FILE.png");
   add_robot_option(*command, options->robot);
   options->json.add_to(*command);
-  command->callback([options] { run(*options); });
+  on_run(*command, [options] { run(*options); });
 }
 
 }  // namespace crossgait::apps

@@ -37,11 +37,6 @@ ordered_json number_or_null(const std::optional<double>& value) {
   return value ? ordered_json(*value) : nullptr;
 }
 
-/// A share of the whole as a job of its own.
-Progress part(const Progress& progress, double from, double to) {
-  return [&progress, from, to](double share) { progress(from + share * (to - from)); };
-}
-
 ordered_json speed(const BenchOptions& options, const Progress& progress) {
   ordered_json result{
       {"scenes", ordered_json::array()}, {"eta", ordered_json::array()}, {"threads", ordered_json::array()}};
@@ -49,7 +44,7 @@ ordered_json speed(const BenchOptions& options, const Progress& progress) {
   constexpr double kStep = 1e-3;  // of WorldSpec
   SpeedSettings settings{.backends = options.backends};
   if (options.quick) settings.rounds = 5;
-  for (const SceneSpeed& s : measure_speed(settings, part(progress, 0, 0.5))) {
+  for (const SceneSpeed& s : measure_speed(settings, part_of(progress, 0, 0.5))) {
     ordered_json record{{"scene", s.scene}, {"backend", s.backend}, {"contacts", s.contacts}};
     set(record, "us_per_step", s.us_per_step);
     set(record, "ratio", s.ratio);
@@ -59,7 +54,7 @@ ordered_json speed(const BenchOptions& options, const Progress& progress) {
   }
   OverheadSettings overhead{.backends = options.backends};
   if (options.quick) overhead.rounds = 3;
-  for (const Overhead& o : measure_overhead(overhead, part(progress, 0.5, 0.7))) {
+  for (const Overhead& o : measure_overhead(overhead, part_of(progress, 0.5, 0.7))) {
     ordered_json record{{"terrain", o.terrain}, {"backend", o.backend}};
     set(record, "eta", o.eta);
     record["walk_us_per_step"] = o.walk_us;
@@ -69,7 +64,7 @@ ordered_json speed(const BenchOptions& options, const Progress& progress) {
   ScalingSettings scaling{.backends = options.backends};
   scaling.max_threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   if (options.quick) scaling.rounds = 3, scaling.repeats = 2;
-  for (const ThreadSpeed& t : measure_scaling(scaling, part(progress, 0.7, 1))) {
+  for (const ThreadSpeed& t : measure_scaling(scaling, part_of(progress, 0.7, 1))) {
     ordered_json record{{"backend", t.backend}, {"threads", t.threads}};
     record["steps_per_second"] = t.steps_per_second;
     set(record, "efficiency", t.efficiency);
@@ -105,7 +100,7 @@ ordered_json accuracy(const BenchOptions& options, const Progress& progress) {
 
 ordered_json analytic(const BenchOptions& options, const Progress& progress) {
   ordered_json result{{"convergence", ordered_json::array()}, {"friction", ordered_json::array()}};
-  for (const Convergence& c : measure_convergence(options.backends, part(progress, 0, 0.5))) {
+  for (const Convergence& c : measure_convergence(options.backends, part_of(progress, 0, 0.5))) {
     result["convergence"].push_back({{"quantity", c.quantity},
                                      {"unit", c.unit},
                                      {"backend", c.backend},
@@ -208,7 +203,12 @@ ordered_json run_bench(const BenchOptions& options, const Progress& progress) {
   for (const Section& section : kSections) {
     if (!wanted(section.name)) continue;
     const double after = done + section.effort;
-    result[section.name] = section.measure(options, part(progress, done / all, after / all));
+    try {
+      result[section.name] = section.measure(options, part_of(progress, done / all, after / all));
+    } catch (const Interrupted&) {
+      result["interrupted"] = true;
+      break;
+    }
     done = after;
   }
   result["machine"]["load_at_end"] = describe_machine().value("load", 0.0);

@@ -23,6 +23,7 @@ struct BenchOptions {
   bool quick = false;                 ///< fewer repetitions and shorter standing
 };
 
+/// If `progress` throws Interrupted, the sections that are finished, and "interrupted": true.
 /// @throws ConfigError for an unknown or repeated section or backend, or none
 /// @throws std::runtime_error if an engine diverges where it must not
 nlohmann::ordered_json run_bench(const BenchOptions& options, const Progress& progress);

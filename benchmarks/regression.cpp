@@ -187,9 +187,9 @@ std::string describe(const Regression& regression) {
     return rows.str() + "\n";
   };
   std::string text = table("worse", regression.worse) + table("better", regression.better);
-  text += fmt::format(
-      "{} figures compared with the stored result: {} worse by more than a factor of {:g}, {} better",
-      regression.compared, regression.worse.size(), regression.worse_than, regression.better.size());
+  text += fmt::format("{} compared with the stored result: {} worse by more than a factor of {:g}, {} better",
+                      counted(regression.compared, "figure"), regression.worse.size(), regression.worse_than,
+                      regression.better.size());
   if (!regression.missing.empty()) {
     text +=
         fmt::format("; {} of the stored ones were not measured now (other settings or engines), e.g. \"{}\"",

@@ -1,7 +1,6 @@
 #include "crossgait/env/evaluation.h"
 
 #include <cmath>
-#include <mutex>
 
 #include "crossgait/env/worker_pool.h"
 #include "crossgait/physics/error.h"
@@ -76,18 +75,20 @@ std::vector<EpisodeSummary> evaluate_policy(const EnvFactory& make_env, const Po
     envs.push_back(make_env());
     policies.push_back(make_policy(envs.back()->interface()));
   }
-  std::vector<EpisodeSummary> summaries(episodes);
-  std::mutex progress_mutex;
-  std::size_t done = 0;
+  std::vector<std::optional<EpisodeSummary>> finished(episodes);
+  SharedProgress shared(progress, episodes);
   WorkerPool pool(envs.size());
   pool.run(envs.size(), [&](std::size_t w) {
-    for (std::size_t k = w; k < episodes; k += envs.size()) {
-      summaries[k] = run_episode(*envs[w], *policies[w], derived_seed(seed, k));
-      const std::scoped_lock lock(progress_mutex);
-      ++done;
-      if (progress) progress(static_cast<double>(done) / static_cast<double>(episodes));
+    for (std::size_t k = w; k < episodes && !shared.interrupted(); k += envs.size()) {
+      finished[k] = run_episode(*envs[w], *policies[w], derived_seed(seed, k));
+      shared.part_done();
     }
   });
+  std::vector<EpisodeSummary> summaries;
+  summaries.reserve(episodes);
+  for (std::optional<EpisodeSummary>& one : finished) {
+    if (one) summaries.push_back(std::move(*one));
+  }
   return summaries;
 }
 

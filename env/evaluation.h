@@ -34,7 +34,8 @@ using EnvFactory = std::function<std::unique_ptr<AdaptiveGaitEnv>()>;
 using PolicyFactory = std::function<std::unique_ptr<Policy>(const PolicyInterface&)>;
 
 /// Episode k runs with derived_seed(seed, k) for environment and policy, so that two policies meet the same
-/// worlds; results are in that order and the same for any number of workers.
+/// worlds; results are in that order and the same for any number of workers. If `progress` throws
+/// Interrupted, the episodes that are finished are returned.
 std::vector<EpisodeSummary> evaluate_policy(const EnvFactory& make_env, const PolicyFactory& make_policy,
                                             std::size_t episodes, std::uint64_t seed, std::size_t workers = 1,
                                             const Progress& progress = {});

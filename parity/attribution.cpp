@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <mutex>
 
 #include <fmt/format.h>
 
@@ -103,17 +102,16 @@ Runs run_all(const Behaviour& behaviour, const EngineFamily& family, const Order
     runs[mask].resize(options.starts);
     engines.push_back(family.with(names_of(family, mask)));
   }
-  std::mutex mutex;
-  std::size_t done = 0;
   const std::size_t count = masks.size() * options.starts;
+  SharedProgress shared(progress, count);
   WorkerPool pool(std::min(options.workers, count));
   pool.run(count, [&](std::size_t i) {
+    if (shared.interrupted()) return;
     const std::size_t m = i / options.starts, k = i % options.starts;
     runs.at(masks[m])[k] = behaviour.run(engines[m], variations().front(), k);
-    const std::scoped_lock lock(mutex);
-    ++done;
-    if (progress) progress(static_cast<double>(done) / static_cast<double>(count));
+    shared.part_done();
   });
+  if (shared.interrupted()) throw Interrupted();
   return runs;
 }
 

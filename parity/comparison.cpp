@@ -1,51 +1,102 @@
 #include "crossgait/parity/comparison.h"
 
-namespace crossgait {
+#include <optional>
 
-WalkRun record_walk(PhysicsBackend& backend, const WalkSetup& setup, const Progress& progress) {
-  WalkRun run{backend.info(), backend.spec().terrain.name(), setup.gait, {}, {}};
-  setup.timing.validate(backend.spec().physics_dt);
-  const auto steps = static_cast<std::size_t>(setup.timing.control_steps());
-  run.trace.reserve(steps);
-  const TargetSource source = setup.make_source(backend.spec().robot);
-  run.summary = run_walk(
-      backend, source, setup.timing,
-      [&](const WalkSample& sample) {
-        run.trace.emplace_back(sample.world, sample.targets);
-        constexpr std::size_t kStepsPerReport = 100;
-        if (progress && run.trace.size() % kStepsPerReport == 0) {
-          progress(static_cast<double>(run.trace.size()) / static_cast<double>(steps));
-        }
-        return true;
-      },
-      {}, setup.ends);
-  return run;
+namespace crossgait {
+namespace {
+
+struct Runner {
+  PhysicsBackend& backend;
+  Walk walk;
+  std::optional<TraceSample> sample;  ///< of the step that all are in; none once its walk is over
+};
+
+void advance(std::vector<Runner>& runners, const SampleObserver& observer) {
+  for (std::size_t i = 0; i < runners.size(); ++i) {
+    Runner& r = runners[i];
+    r.sample.reset();
+    if (!r.walk.advance()) continue;
+    const WalkSample now = r.walk.sample();
+    r.sample.emplace(now.world, now.targets);
+    if (observer) observer(i, *r.sample);
+  }
 }
+
+void compare(const std::vector<Runner>& runners, std::vector<PairDifference>& pairs) {
+  std::size_t pair = 0;
+  for (std::size_t i = 0; i < runners.size(); ++i) {
+    for (std::size_t k = i + 1; k < runners.size(); ++k, ++pair) {
+      if (runners[i].sample && runners[k].sample)
+        compare_samples(*runners[i].sample, *runners[k].sample, pairs[pair]);
+    }
+  }
+}
+
+std::vector<PairDifference> pairs_of(const std::vector<Runner>& runners,
+                                     const DivergenceTolerances& tolerances) {
+  std::vector<PairDifference> pairs;
+  for (std::size_t i = 0; i < runners.size(); ++i) {
+    for (std::size_t k = i + 1; k < runners.size(); ++k) {
+      const EngineInfo &a = runners[i].backend.info(), &b = runners[k].backend.info();
+      PairDifference pair;
+      pair.a = a.name;
+      pair.b = b.name;
+      pair.same_laws = a.laws == b.laws;
+      pair.tolerances = pair.same_laws ? DivergenceTolerances::exact() : tolerances;
+      pairs.push_back(std::move(pair));
+    }
+  }
+  return pairs;
+}
+
+}  // namespace
 
 Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& backends,
                            const WalkSetup& setup, const DivergenceTolerances& tolerances,
-                           const Progress& progress) {
-  Comparison result;
-  const double count = static_cast<double>(backends.size());
+                           const Progress& progress, const SampleObserver& observer) {
+  std::vector<Runner> runners;
+  runners.reserve(backends.size());
   for (const auto& backend : backends) {
-    const double done = static_cast<double>(result.runs.size());
-    const Progress part =
-        progress ? Progress([&](double share) { progress((done + share) / count); }) : Progress{};
-    result.runs.push_back(record_walk(*backend, setup, part));
+    runners.push_back({*backend,
+                       Walk(*backend, setup.make_source(backend->spec().robot), setup.timing, {}, setup.ends),
+                       {}});
   }
-  for (std::size_t i = 0; i < result.runs.size(); ++i) {
-    for (std::size_t k = i + 1; k < result.runs.size(); ++k) {
-      const WalkRun& a = result.runs[i];
-      const WalkRun& b = result.runs[k];
-      const bool same_laws = a.engine.laws == b.engine.laws;
-      PairDifference pair =
-          compare_traces(a.trace, b.trace, same_laws ? DivergenceTolerances::exact() : tolerances);
-      pair.a = a.engine.name;
-      pair.b = b.engine.name;
-      result.pairs.push_back(std::move(pair));
+  Comparison result;
+  result.pairs = pairs_of(runners, tolerances);
+  const int steps = setup.timing.control_steps();
+  try {
+    for (int done = 1; done <= steps; ++done) {
+      advance(runners, observer);
+      compare(runners, result.pairs);
+      constexpr int kStepsPerReport = 100;
+      if (progress && done % kStepsPerReport == 0) progress(static_cast<double>(done) / steps);
     }
+  } catch (const Interrupted&) {
+    result.interrupted = true;
+  }
+  for (const Runner& r : runners) {
+    result.runs.push_back({r.backend.info(), r.backend.spec().terrain.name(), setup.gait, r.walk.summary(),
+                           result.interrupted});
   }
   return result;
+}
+
+WalkRun record_walk(PhysicsBackend& backend, const WalkSetup& setup, const Progress& progress,
+                    const SampleObserver& observer) {
+  WalkRun run{backend.info(), backend.spec().terrain.name(), setup.gait, {}, false};
+  Walk walk(backend, setup.make_source(backend.spec().robot), setup.timing, {}, setup.ends);
+  const int steps = setup.timing.control_steps();
+  try {
+    for (int done = 1; walk.advance(); ++done) {
+      if (observer) observer(0, TraceSample(backend, walk.sample().targets));
+      constexpr int kStepsPerReport = 100;
+      if (progress && done % kStepsPerReport == 0) progress(static_cast<double>(done) / steps);
+    }
+  } catch (const Interrupted&) {
+    run.interrupted = true;
+  }
+  run.summary = walk.summary();
+  return run;
 }
 
 }  // namespace crossgait

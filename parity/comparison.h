@@ -17,12 +17,13 @@ struct WalkRun {
   EngineInfo engine;
   std::string terrain, gait;
   MotionSummary summary;
-  Trace trace;
+  bool interrupted = false;  ///< before its time, by a Progress that threw Interrupted
 };
 
 struct Comparison {
   std::vector<WalkRun> runs;
   std::vector<PairDifference> pairs;  ///< every two runs, in order
+  bool interrupted = false;           ///< all runs in the same step, as WalkRun
 };
 
 /// The controller's side of a walk, the same for every engine.
@@ -34,13 +35,19 @@ struct WalkSetup {
   OutcomeSet ends = OutcomeSet::of_walks();  ///< outcomes that end the walk before its time
 };
 
-/// Walks once on `backend`, keeping the whole trace.
-WalkRun record_walk(PhysicsBackend& backend, const WalkSetup& setup, const Progress& progress = {});
+/// Sees every control step of every run, which nothing keeps. @param run its number among the engines
+using SampleObserver = std::function<void(std::size_t run, const TraceSample& sample)>;
 
+/// Walks once on `backend`. If `progress` throws Interrupted, what was walked until then is returned.
+WalkRun record_walk(PhysicsBackend& backend, const WalkSetup& setup, const Progress& progress = {},
+                    const SampleObserver& observer = {});
+
+/// All walks in step, compared as they go: memory does not grow with their length. Interrupted as
+/// `record_walk`.
 /// @param tolerances for pairs of which one is an independent opinion; two engines of the same laws
 ///                   are held to `DivergenceTolerances::exact()`
 Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& backends,
                            const WalkSetup& setup, const DivergenceTolerances& tolerances = {},
-                           const Progress& progress = {});
+                           const Progress& progress = {}, const SampleObserver& observer = {});
 
 }  // namespace crossgait

@@ -26,37 +26,40 @@ double torque_difference(const TraceSample& a, const TraceSample& b) {
 
 }  // namespace
 
+void compare_samples(const TraceSample& a, const TraceSample& b, PairDifference& result) {
+  const DivergenceTolerances& tolerances = result.tolerances;
+  const RobotState& sa = a.state;
+  const RobotState& sb = b.state;
+  const double position = (sa.p_WB - sb.p_WB).norm();
+  const double joint = sa.q.size() > 0 ? (sa.q - sb.q).lpNorm<Eigen::Infinity>() : 0.0;
+  const double attitude = attitude_difference(sa.q_WB, sb.q_WB);
+  result.max_position_difference_m = std::max(result.max_position_difference_m, position);
+  result.max_joint_difference_rad = std::max(result.max_joint_difference_rad, joint);
+  result.max_attitude_difference_rad = std::max(result.max_attitude_difference_rad, attitude);
+  if (result.first_divergence) return;
+
+  struct Check {
+    const char* quantity;
+    double difference, tolerance;
+  };
+  const std::array<Check, 5> checks{{{"joint", joint, tolerances.joint},
+                                     {"attitude", attitude, tolerances.attitude},
+                                     {"position", position, tolerances.position},
+                                     {"load", load_difference(a, b), tolerances.load},
+                                     {"torque", torque_difference(a, b), tolerances.torque}}};
+  // Where several leave in the same step, the one that overshoots its tolerance most is named.
+  const auto worst = std::max_element(checks.begin(), checks.end(), [](const Check& x, const Check& y) {
+    return x.difference / x.tolerance < y.difference / y.tolerance;
+  });
+  if (worst->difference > worst->tolerance) {
+    result.first_divergence = FirstDivergence{worst->quantity, sa.time, worst->tolerance};
+  }
+}
+
 PairDifference compare_traces(const Trace& a, const Trace& b, const DivergenceTolerances& tolerances) {
   PairDifference result;
   result.tolerances = tolerances;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-    const RobotState& sa = a[i].state;
-    const RobotState& sb = b[i].state;
-    const double position = (sa.p_WB - sb.p_WB).norm();
-    const double joint = sa.q.size() > 0 ? (sa.q - sb.q).lpNorm<Eigen::Infinity>() : 0.0;
-    const double attitude = attitude_difference(sa.q_WB, sb.q_WB);
-    result.max_position_difference_m = std::max(result.max_position_difference_m, position);
-    result.max_joint_difference_rad = std::max(result.max_joint_difference_rad, joint);
-    result.max_attitude_difference_rad = std::max(result.max_attitude_difference_rad, attitude);
-    if (result.first_divergence) continue;
-
-    struct Check {
-      const char* quantity;
-      double difference, tolerance;
-    };
-    const std::array<Check, 5> checks{{{"joint", joint, tolerances.joint},
-                                       {"attitude", attitude, tolerances.attitude},
-                                       {"position", position, tolerances.position},
-                                       {"load", load_difference(a[i], b[i]), tolerances.load},
-                                       {"torque", torque_difference(a[i], b[i]), tolerances.torque}}};
-    // Where several leave in the same step, the one that overshoots its tolerance most is named.
-    const auto worst = std::max_element(checks.begin(), checks.end(), [](const Check& x, const Check& y) {
-      return x.difference / x.tolerance < y.difference / y.tolerance;
-    });
-    if (worst->difference > worst->tolerance) {
-      result.first_divergence = FirstDivergence{worst->quantity, sa.time, worst->tolerance};
-    }
-  }
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) compare_samples(a[i], b[i], result);
   return result;
 }
 

@@ -37,7 +37,8 @@ struct FirstDivergence {
 };
 
 struct PairDifference {
-  std::string a, b;  ///< backend names
+  std::string a, b;        ///< backend names
+  bool same_laws = false;  ///< both engines solve the same equations, so that they are held to `exact()`
   double max_position_difference_m = 0;
   double max_joint_difference_rad = 0;
   double max_attitude_difference_rad = 0;
@@ -47,6 +48,9 @@ struct PairDifference {
 
 /// Angle of the rotation between two orientations, in [0, pi], rad. Accurate near zero.
 double attitude_difference(const Quaternion& a, const Quaternion& b) noexcept;
+
+/// Takes one more step of both runs into `result`, which has its tolerances.
+void compare_samples(const TraceSample& a, const TraceSample& b, PairDifference& result);
 
 /// Compares sample by sample over the time both runs cover.
 PairDifference compare_traces(const Trace& a, const Trace& b, const DivergenceTolerances& tolerances);

@@ -23,6 +23,7 @@ ordered_json per_leg(const LegArray<T>& values) {
 ordered_json to_json(const PairDifference& pair) {
   ordered_json result{{"a", pair.a},
                       {"b", pair.b},
+                      {"same_laws", pair.same_laws},
                       {"max_position_difference_m", pair.max_position_difference_m},
                       {"max_joint_difference_rad", pair.max_joint_difference_rad},
                       {"max_attitude_difference_rad", pair.max_attitude_difference_rad},
@@ -151,6 +152,7 @@ nlohmann::ordered_json to_json(const WalkRun& run) {
                       {"gait", run.gait}};
   result.update(to_json(run.summary));
   result["wall_seconds"] = run.summary.wall_seconds;
+  if (run.interrupted) result["interrupted"] = true;
   return result;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include <fmt/format.h>
+
 namespace crossgait {
 namespace {
 
@@ -17,6 +19,10 @@ bool is_number(const std::string& cell) {
 }
 
 }  // namespace
+
+std::string counted(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
 
 Table::Table(std::vector<std::string> header) { rows_.push_back(std::move(header)); }
 

@@ -2,10 +2,15 @@
 // left-aligned.
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace crossgait {
+
+/// "1 episode", "3 episodes". @param noun  whose plural ends in s
+std::string counted(std::size_t count, std::string_view noun);
 
 class Table {
  public:

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "crossgait/parity/table.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/text.h"
 
@@ -77,7 +78,7 @@ void TraceTable::read_row(std::string_view line, std::size_t number) {
   const std::size_t found = count_cells(line);
   if (found != names_.size()) {
     throw ConfigError(path_, fmt::format("line {}", number),
-                      fmt::format("{} cells, as the header has", names_.size()), std::to_string(found));
+                      counted(names_.size(), "cell") + ", as the header has", std::to_string(found));
   }
   for (std::size_t i = 0; i < names_.size(); ++i) {
     const std::string_view cell = take(line, ',');

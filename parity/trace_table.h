@@ -18,6 +18,7 @@ class TraceTable {
   const std::string& path() const { return path_; }
   std::size_t rows() const { return time().size(); }
   const std::vector<double>& time() const { return column("time"); }  ///< s
+  bool has(std::string_view name) const { return index_.contains(name); }
   /// @throws ConfigError if there is none of that name
   const std::vector<double>& column(std::string_view name) const;
   /// All names, in the order of the file.

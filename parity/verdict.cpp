@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mutex>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -105,16 +104,15 @@ class Campaign {
     const std::size_t starts = options_.starts, per_engine = variations_.size() * starts;
     for (RunTable& table : tables_)
       table.assign(variations_.size(), std::vector<std::vector<double>>(starts));
-    std::mutex mutex;
-    std::size_t done = 0;
+    SharedProgress shared(progress, 2 * per_engine);
     WorkerPool pool(std::min(options_.workers, 2 * per_engine));
     pool.run(2 * per_engine, [&](std::size_t i) {
+      if (shared.interrupted()) return;
       const std::size_t engine = i / per_engine, v = i % per_engine / starts, k = i % starts;
       tables_[engine][v][k] = behaviour_.run(*engines_[engine], variations_[v], k);
-      const std::scoped_lock lock(mutex);
-      ++done;
-      if (progress) progress(static_cast<double>(done) / static_cast<double>(2 * per_engine));
+      shared.part_done();
     });
+    if (shared.interrupted()) throw Interrupted();
   }
 
   // Not what the spread is to be made of: a time step at which an engine no longer works says nothing about

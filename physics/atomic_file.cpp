@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -13,52 +14,73 @@
 #include "crossgait/physics/error.h"
 
 namespace crossgait {
-namespace {
+
+AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
+  struct stat existing {};
+  special_ = ::stat(path_.c_str(), &existing) == 0 && !S_ISREG(existing.st_mode);
+  // Unique among processes and threads, so that two writers of one file do not meet in the temporary.
+  static std::atomic<unsigned> counter{0};
+  target_ = special_ ? path_ : fmt::format("{}.{}-{}.tmp", path_, ::getpid(), counter++);
+  const int flags = special_ ? O_WRONLY : O_WRONLY | O_CREAT | O_EXCL;
+  constexpr mode_t kMode = 0666;  // less the umask, like any other file
+  file_ = ::open(target_.c_str(), flags | O_CLOEXEC, kMode);
+  if (file_ < 0) {
+    target_.clear();
+    fail(errno);
+  }
+}
+
+AtomicFile::~AtomicFile() {
+  if (file_ < 0) return;
+  ::close(file_);
+  if (!special_) ::unlink(target_.c_str());
+}
 
 /// @param code  an errno value
-[[noreturn]] void fail(const std::string& path, int code) {
-  throw ConfigError(path, "output file", "a place that can be written",
+void AtomicFile::fail(int code) {
+  if (file_ >= 0) ::close(std::exchange(file_, -1));
+  if (!special_ && !target_.empty()) ::unlink(target_.c_str());
+  throw ConfigError(path_, "output file", "a place that can be written",
                     std::generic_category().message(code));
 }
 
-/// Writes everything to an open file and closes it. @returns 0 or an errno value
-int write_and_close(int file, std::string_view bytes, bool sync) {
-  int code = 0;
-  while (code == 0 && !bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written >= 0) {
-      bytes.remove_prefix(static_cast<std::size_t>(written));
-    } else if (errno != EINTR) {
-      code = errno;
-    }
-  }
-  if (code == 0 && sync && ::fsync(file) != 0) code = errno;
-  if (::close(file) != 0 && code == 0) code = errno;
-  return code;
+void AtomicFile::write(std::string_view bytes) {
+  constexpr std::size_t kBuffer = 1 << 16;
+  buffer_ += bytes;
+  if (buffer_.size() >= kBuffer) flush();
 }
 
-}  // namespace
+void AtomicFile::flush() {
+  std::string_view rest = buffer_;
+  while (!rest.empty()) {
+    const ssize_t written = ::write(file_, rest.data(), rest.size());
+    if (written >= 0) {
+      rest.remove_prefix(static_cast<std::size_t>(written));
+    } else if (errno != EINTR) {
+      fail(errno);
+    }
+  }
+  buffer_.clear();
+}
+
+void AtomicFile::commit() {
+  flush();
+  if (!special_ && ::fsync(file_) != 0) fail(errno);
+  if (::close(std::exchange(file_, -1)) != 0) fail(errno);
+  if (!special_ && std::rename(target_.c_str(), path_.c_str()) != 0) fail(errno);
+}
 
 void write_file_atomically(const std::string& path, std::string_view bytes) {
+  AtomicFile file(path);
+  file.write(bytes);
+  file.commit();
+}
+
+void check_writable(const std::string& path) {
   struct stat existing {};
-  const bool special = ::stat(path.c_str(), &existing) == 0 && !S_ISREG(existing.st_mode);
-  // Unique among processes and threads, so that two writers of one file do not meet in the temporary.
-  static std::atomic<unsigned> counter{0};
-  const std::string target = special ? path : fmt::format("{}.{}-{}.tmp", path, ::getpid(), counter++);
-  const int flags = special ? O_WRONLY : O_WRONLY | O_CREAT | O_EXCL;
-  constexpr mode_t kMode = 0666;  // less the umask, like any other file
-  const int file = ::open(target.c_str(), flags | O_CLOEXEC, kMode);
-  if (file < 0) fail(path, errno);
-  int code = write_and_close(file, bytes, !special);
-  if (special) {
-    if (code != 0) fail(path, code);
-    return;
-  }
-  if (code == 0 && std::rename(target.c_str(), path.c_str()) != 0) code = errno;
-  if (code != 0) {
-    ::unlink(target.c_str());
-    fail(path, code);
-  }
+  // Opening a pipe would wait for its reader.
+  if (::stat(path.c_str(), &existing) == 0 && S_ISFIFO(existing.st_mode)) return;
+  const AtomicFile probe(path);
 }
 
 }  // namespace crossgait

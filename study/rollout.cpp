@@ -6,6 +6,20 @@
 
 namespace crossgait {
 
+namespace {
+
+// Whether whoever listens wants no more: asked between evaluations, since one that is finished says nothing.
+bool interrupted_at(const Progress& progress, double share) {
+  try {
+    if (progress) progress(share);
+    return false;
+  } catch (const Interrupted&) {
+    return true;
+  }
+}
+
+}  // namespace
+
 std::size_t EpisodeOptions::default_workers() { return std::max(1U, std::thread::hardware_concurrency()); }
 
 EnvFactory env_factory(const EnvConfig& config) {
@@ -25,27 +39,36 @@ Rollout roll_out(const EnvConfig& config, const std::vector<std::string>& polici
   const double count = static_cast<double>(policies.size());
   for (const std::string& policy : policies) {
     const double done = static_cast<double>(rollout.policies.size());
-    const Progress part =
-        progress ? Progress([&](double share) { progress((done + share) / count); }) : Progress();
+    rollout.interrupted = interrupted_at(progress, done / count);
+    if (rollout.interrupted) break;
     PolicyEpisodes run{policy,
                        evaluate_policy(environments, policy_factory(policy), options.episodes, options.seed,
-                                       options.workers, part),
+                                       options.workers, part_of(progress, done / count, (done + 1) / count)),
                        {}};
+    rollout.interrupted = run.episodes.size() < options.episodes;
+    if (run.episodes.empty()) break;
     run.all = sum_up(run.episodes);
     rollout.policies.push_back(std::move(run));
+    if (rollout.interrupted) break;
   }
   return rollout;
 }
 
-Trace trace_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed) {
+void watch_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed,
+                   const std::function<void(const TraceSample&)>& observer) {
   const auto env = env_factory(config)();
   const auto own = policy_factory(policy)(env->interface());
-  Trace trace;
-  run_episode(*env, *own, derived_seed(seed, 0), [&trace](const AdaptiveGaitEnv& e) {
-    trace.emplace_back(e.backend(), e.targets());
-    trace.back().parameters = e.info().parameters;
+  run_episode(*env, *own, derived_seed(seed, 0), [&observer](const AdaptiveGaitEnv& e) {
+    TraceSample sample(e.backend(), e.targets());
+    sample.parameters = e.info().parameters;
+    observer(sample);
     return true;
   });
+}
+
+Trace trace_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed) {
+  Trace trace;
+  watch_episode(config, policy, seed, [&trace](const TraceSample& sample) { trace.push_back(sample); });
   return trace;
 }
 
@@ -60,14 +83,22 @@ Transfer transfer_policy(const EnvConfig& config, const std::string& policy,
       here.terrain = terrain;
       here.engine = engine;
       const EnvFactory environments = env_factory(here);
-      const auto evaluate = [&](const std::string& which) {
-        return sum_up(evaluate_policy(environments, policy_factory(which), options.episodes, options.seed,
-                                      options.workers));
+      const auto done = static_cast<double>(transfer.cells.size());
+      transfer.interrupted = interrupted_at(progress, done / all);
+      if (transfer.interrupted) return transfer;
+      const auto evaluate = [&](const std::string& which, double from, double to) {
+        const auto episodes =
+            evaluate_policy(environments, policy_factory(which), options.episodes, options.seed,
+                            options.workers, part_of(progress, (done + from) / all, (done + to) / all));
+        transfer.interrupted = episodes.size() < options.episodes;
+        return sum_up(episodes);
       };
-      TransferCell cell{terrain, engine, evaluate(policy), {}};
-      cell.baseline = policy == "zero" ? cell.policy : evaluate("zero");
+      const bool alone = policy == "zero";  // then it is its own baseline
+      TransferCell cell{terrain, engine, evaluate(policy, 0, alone ? 1 : 0.5), {}};
+      if (transfer.interrupted) return transfer;
+      cell.baseline = alone ? cell.policy : evaluate("zero", 0.5, 1);
+      if (transfer.interrupted) return transfer;
       transfer.cells.push_back(std::move(cell));
-      if (progress) progress(static_cast<double>(transfer.cells.size()) / all);
     }
   }
   return transfer;

@@ -31,13 +31,18 @@ struct Rollout {
   EnvConfig config;
   std::uint64_t seed = 0;
   std::vector<PolicyEpisodes> policies;
+  bool interrupted = false;  ///< before its end, by a Progress that threw Interrupted
 };
 
-/// Every policy on the same worlds. @throws ConfigError
+/// Every policy on the same worlds. An interruption leaves the episodes that are finished. @throws
+/// ConfigError
 Rollout roll_out(const EnvConfig& config, const std::vector<std::string>& policies,
                  const EpisodeOptions& options, const Progress& progress = {});
 
-/// The first episode of a policy once more, as a trace.
+/// The first episode of a policy once more, control step by control step.
+void watch_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed,
+                   const std::function<void(const TraceSample&)>& observer);
+/// The same as a trace.
 Trace trace_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed);
 
 /// One policy, and none, in one engine on one ground.
@@ -51,9 +56,10 @@ struct Transfer {
   std::uint64_t seed = 0;
   std::vector<std::string> engines, terrains;
   std::vector<TransferCell> cells;  ///< terrain by terrain, engine by engine
+  bool interrupted = false;         ///< before its end, by a Progress that threw Interrupted
 };
 
-/// @throws ConfigError
+/// An interruption leaves the cells that are finished. @throws ConfigError
 Transfer transfer_policy(const EnvConfig& config, const std::string& policy,
                          const std::vector<std::string>& engines, const std::vector<std::string>& terrains,
                          const EpisodeOptions& options, const Progress& progress = {});

@@ -109,6 +109,7 @@ nlohmann::ordered_json to_json(const Rollout& r) {
     for (const EpisodeSummary& episode : run.episodes) entry["episodes"].push_back(to_json(episode));
     json["policies"].push_back(entry);
   }
+  if (r.interrupted) json["interrupted"] = true;
   return with_schema("rollout", json);
 }
 
@@ -120,13 +121,14 @@ nlohmann::ordered_json to_json(const Transfer& t) {
                              {"policy", to_json(cell.policy)},
                              {"baseline", to_json(cell.baseline)}});
   }
+  if (t.interrupted) json["interrupted"] = true;
   return with_schema("transfer", json);
 }
 
 std::string describe(const Rollout& r) {
   const std::size_t episodes = r.policies.empty() ? 0 : r.policies.front().all.episodes;
-  std::vector<std::string> header{fmt::format("{} on {} in {}, {} episode{}", r.config.gait, r.config.terrain,
-                                              r.config.engine, episodes, episodes == 1 ? "" : "s")};
+  std::vector<std::string> header{fmt::format("{} on {} in {}, {}", r.config.gait, r.config.terrain,
+                                              r.config.engine, counted(episodes, "episode"))};
   for (const PolicyEpisodes& run : r.policies) header.push_back(short_name(run.policy));
   Table table(header);
   const auto add = [&](const std::string& label, auto&& value) {
@@ -170,6 +172,7 @@ std::string describe(const Transfer& t) {
       speeds.push_back((cell.*which).mean_speed_mps.mean);
       row.push_back(speed(cell.*which));
     }
+    row.resize(2 + t.engines.size(), "-");  // where it was interrupted
     const auto [low, high] = std::minmax_element(speeds.begin(), speeds.end());
     row.push_back(!speeds.empty() && *low > 0 ? fmt::format("{:.3f}", *high / *low) : "-");
     table.add_row(row);

@@ -16,7 +16,7 @@
 namespace crossgait {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
 bool is_file(const std::string& path) {
   std::error_code error;
@@ -41,25 +41,79 @@ void add_file(Fnv1a& hash, const std::string& path, std::set<std::string>& seen)
   }
 }
 
-json content_of(const std::string& name_or_file) {
+Json content_of(const std::string& name_or_file) {
   if (!is_file(name_or_file)) return name_or_file;
-  Fnv1a hash;
-  std::set<std::string> seen;
-  add_file(hash, name_or_file, seen);
-  return {{"file", hash.hex()}};
+  return {{"file", file_hash(name_or_file)}};
 }
 
 // As `make_terrain` takes it: FILE.png may have settings behind a colon.
-json terrain_json(const std::string& text) {
+Json terrain_json(const std::string& text) {
   const std::size_t colon = text.rfind(':');
   if (is_file(text) || colon == std::string::npos || !is_file(text.substr(0, colon))) return content_of(text);
-  json terrain = content_of(text.substr(0, colon));
+  Json terrain = content_of(text.substr(0, colon));
   terrain["settings"] = text.substr(colon + 1);
   return terrain;
 }
 
-// What engines are told of a robot, whatever the files look like that say it.
-json robot_json(const std::string& name_or_file) {
+Json to_json(const GaitParameters& p) {
+  Json parameters{{"swing", name(p.swing)}};
+  for (const ParameterRow& row : gait_parameters()) parameters[std::string(row.name)] = p.*row.member;
+  return parameters;
+}
+
+Json to_json(const std::optional<VelocityCommand>& c) {
+  if (!c) return nullptr;
+  return {{"vx", c->vx}, {"vy", c->vy}, {"yaw_rate", c->yaw_rate}};
+}
+
+Json to_json(const WalkConfig& c) {
+  return {{"kind", "walk"},
+          {"robot", identity_of_robot(c.robot)},
+          {"terrain", terrain_json(c.terrain)},
+          {"terrain_seed", c.terrain_seed},
+          {"friction", c.friction},
+          {"physics_dt", c.physics_dt},
+          {"gait", c.gait.name()},
+          {"parameters", to_json(c.gait.parameters)},
+          {"command", to_json(c.gait.command)},
+          {"compensation", c.compensation},
+          {"ends", outcome_names(c.ends)},
+          {"seconds", c.timing.seconds},
+          {"control_dt", c.timing.control_dt},
+          {"settle_seconds", c.timing.settle_seconds}};
+}
+
+Json to_json(const PolicyConfig& c) {
+  EnvConfig config = c.environment;
+  // The run says which engine; robot and terrain stand beside it by their contents.
+  config.engine.clear();
+  config.robot.clear();
+  config.terrain.clear();
+  return {{"kind", "policy"},
+          {"robot", identity_of_robot(c.environment.robot)},
+          {"terrain", terrain_json(c.environment.terrain)},
+          {"environment", to_yaml(config)},
+          {"policy", content_of(c.policy)}};
+}
+
+Json to_json(const StartRanges& r) {
+  return {{"position_m", r.position_m},
+          {"heading_rad", r.heading_rad},
+          {"tilt_rad", r.tilt_rad},
+          {"push_mps", r.push_mps}};
+}
+
+}  // namespace
+
+std::string file_hash(const std::string& path) {
+  Fnv1a hash;
+  std::set<std::string> seen;
+  add_file(hash, path, seen);
+  return hash.hex();
+}
+
+// What engines are told of it, whatever the files look like that say it.
+Json identity_of_robot(const std::string& name_or_file) {
   const RobotDescription robot = load_robot(find_robot(name_or_file));
   Fnv1a hash;
   const auto add = [&hash](const auto& values) {
@@ -106,66 +160,22 @@ json robot_json(const std::string& name_or_file) {
   return {{"name", robot.name}, {"description", hash.hex()}};
 }
 
-json to_json(const GaitParameters& p) {
-  json parameters{{"swing", name(p.swing)}};
-  for (const ParameterRow& row : gait_parameters()) parameters[std::string(row.name)] = p.*row.member;
-  return parameters;
+Json to_json(const BehaviourSpec& spec) {
+  return {{"behaviour", std::visit([](const auto& what) { return to_json(what); }, spec.what)},
+          {"starts", to_json(spec.starts)},
+          {"seed", spec.seed}};
 }
 
-json to_json(const std::optional<VelocityCommand>& c) {
-  if (!c) return nullptr;
-  return {{"vx", c->vx}, {"vy", c->vy}, {"yaw_rate", c->yaw_rate}};
-}
-
-json to_json(const WalkConfig& c) {
-  return {{"kind", "walk"},
-          {"robot", robot_json(c.robot)},
-          {"terrain", terrain_json(c.terrain)},
-          {"terrain_seed", c.terrain_seed},
-          {"friction", c.friction},
-          {"physics_dt", c.physics_dt},
-          {"gait", c.gait.name()},
-          {"parameters", to_json(c.gait.parameters)},
-          {"command", to_json(c.gait.command)},
-          {"compensation", c.compensation},
-          {"ends", outcome_names(c.ends)},
-          {"seconds", c.timing.seconds},
-          {"control_dt", c.timing.control_dt},
-          {"settle_seconds", c.timing.settle_seconds}};
-}
-
-json to_json(const PolicyConfig& c) {
-  EnvConfig config = c.environment;
-  // The run says which engine; robot and terrain stand beside it by their contents.
-  config.engine.clear();
-  config.robot.clear();
-  config.terrain.clear();
-  return {{"kind", "policy"},
-          {"robot", robot_json(c.environment.robot)},
-          {"terrain", terrain_json(c.environment.terrain)},
-          {"environment", to_yaml(config)},
-          {"policy", content_of(c.policy)}};
-}
-
-json to_json(const StartRanges& r) {
-  return {{"position_m", r.position_m},
-          {"heading_rad", r.heading_rad},
-          {"tilt_rad", r.tilt_rad},
-          {"push_mps", r.push_mps}};
-}
-
-}  // namespace
-
-json to_json(const RunSpec& spec) {
+Json to_json(const RunSpec& spec) {
   const Variation& v = spec.variation;
-  return {{"schema", {{"name", "run"}, {"version", 1}}},
-          {"behaviour", std::visit([](const auto& what) { return to_json(what); }, spec.behaviour.what)},
-          {"starts", to_json(spec.behaviour.starts)},
-          {"seed", spec.behaviour.seed},
-          {"engine", spec.engine},
-          {"engine_version", spec.engine_version},
-          {"variation", {{"step", v.step}, {"tolerance", v.tolerance}, {"iterations", v.iterations}}},
-          {"start", spec.start}};
+  Json run = to_json(spec.behaviour);
+  run["schema"] = {{"name", "run"}, {"version", 1}};
+  run["crossgait"] = spec.crossgait;
+  run["engine"] = spec.engine;
+  run["engine_version"] = spec.engine_version;
+  run["variation"] = {{"step", v.step}, {"tolerance", v.tolerance}, {"iterations", v.iterations}};
+  run["start"] = spec.start;
+  return run;
 }
 
 std::string canonical_json(const RunSpec& run) { return to_json(run).dump(); }
@@ -187,6 +197,8 @@ Behaviour make_behaviour(const BehaviourSpec& spec) {
 }
 
 RunResult run(const RunSpec& spec) {
+  if (spec.crossgait != crossgait_version())
+    throw ConfigError("run", "crossgait", "version " + spec.crossgait, std::string(crossgait_version()));
   const Engine engine = find_engine(spec.engine);
   if (engine.info.version != spec.engine_version) {
     throw ConfigError("run", spec.engine, "version " + spec.engine_version, engine.info.version);

@@ -11,6 +11,7 @@
 
 #include "crossgait/parity/behaviour.h"
 #include "crossgait/physics/engine.h"
+#include "crossgait/study/version.h"
 #include "crossgait/study/walk_config.h"
 
 namespace crossgait {
@@ -34,6 +35,7 @@ struct RunSpec {
   std::string engine, engine_version;  ///< EngineInfo::name and ::version
   Variation variation;
   std::size_t start = 0;
+  std::string crossgait = std::string(crossgait_version());
 };
 
 /// The numbers of a run, by the names of the behaviour's statistics.
@@ -49,10 +51,17 @@ std::string canonical_json(const RunSpec& run);
 /// 64-bit FNV-1a of the canonical JSON, as 16 hexadecimal digits.
 std::string run_hash(const RunSpec& run);
 
+/// What moves, as it stands in a run: `behaviour`, `starts` and `seed`.
+nlohmann::json to_json(const BehaviourSpec& behaviour);
+/// The robot by its name and the hash of what engines are told of it. @throws ConfigError
+nlohmann::json identity_of_robot(const std::string& name_or_file);
+/// Hash of what is in a file, and in the files that it names beside itself. @throws ConfigError
+std::string file_hash(const std::string& path);
+
 /// The behaviour that a specification describes. @throws ConfigError for what cannot be read or made
 Behaviour make_behaviour(const BehaviourSpec& spec);
 
-/// Makes the run. @throws ConfigError
+/// Makes the run. @throws ConfigError, also where Crossgait or the engine is of another version
 RunResult run(const RunSpec& spec);
 
 }  // namespace crossgait

@@ -96,9 +96,15 @@ void search(const TuneOptions& options, const Progress& progress, Tuning& result
     for (std::size_t k = 0; k < options.population; ++k) points.push_back(distribution.sample(random));
     points.front() = best;  // the best so far stays in the race
     std::vector<double> scores(points.size());
+    const auto done = static_cast<double>(iteration), all = static_cast<double>(options.iterations);
+    const Progress generation = part_of(progress, done / all, (done + 1) / all);
+    SharedProgress shared(generation, points.size());
     pool.run(points.size(), [&](std::size_t k) {
+      if (shared.interrupted()) return;
       scores[k] = score(walk(with_parameters(start, rows, points[k]), options.seed, options.terrains));
+      shared.part_done();
     });
+    if (shared.interrupted()) throw Interrupted();
     std::vector<std::size_t> order(points.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(),
@@ -112,11 +118,10 @@ void search(const TuneOptions& options, const Progress& progress, Tuning& result
       result.tuned = with_parameters(start, rows, best);
     }
     result.history.push_back(result.score);
-    if (progress) progress(static_cast<double>(iteration + 1) / static_cast<double>(options.iterations));
   }
 }
 
-void add_checks(const TuneOptions& options, Tuning& result) {
+void add_checks(const TuneOptions& options, const Progress& progress, Tuning& result) {
   const auto add = [&](const std::string& ground, std::uint64_t first, std::size_t terrains) {
     for (const auto& [name, config] :
          {std::pair{"default", &result.start}, std::pair{"tuned", &result.tuned}}) {
@@ -125,6 +130,7 @@ void add_checks(const TuneOptions& options, Tuning& result) {
         EnvConfig c = *config;
         c.engine = engine;
         line.per_engine.push_back(walk(c, first, terrains));
+        if (progress) progress(1);
       }
       result.checks.push_back(std::move(line));
     }
@@ -138,14 +144,21 @@ void add_checks(const TuneOptions& options, Tuning& result) {
 Tuning tune_gait(const EnvConfig& start, const std::vector<std::string>& engines, const TuneOptions& options,
                  const Progress& progress) {
   Tuning result{start, start, score(walk(start, options.seed, options.terrains)), {}, engines, {}};
-  search(options, progress, result);
-  add_checks(options, result);
+  try {
+    search(options, progress, result);
+    add_checks(options, progress, result);
+  } catch (const Interrupted&) {
+    result.interrupted = true;
+  }
   return result;
 }
 
 nlohmann::ordered_json to_json(const Tuning& t) {
-  nlohmann::ordered_json json{
-      {"backend", t.start.engine}, {"terrain", t.start.terrain}, {"history", t.history}};
+  nlohmann::ordered_json json{{"backend", t.start.engine},
+                              {"terrain", t.start.terrain},
+                              {"history", t.history},
+                              {"checks", nlohmann::ordered_json::array()}};
+  if (t.interrupted) json["interrupted"] = true;
   for (const ParameterRow& row : rows_of(t.start))
     json["parameters"][std::string(row.name)] = t.tuned.parameters.*row.member;
   for (const TuneCheck& line : t.checks) {

@@ -33,10 +33,11 @@ struct Tuning {
   std::vector<double> history;  ///< best score so far, per generation
   std::vector<std::string> engines;
   std::vector<TuneCheck> checks;  ///< default and tuned in turns
+  bool interrupted = false;       ///< before its end, by a Progress that threw Interrupted
 };
 
 /// Tunes the parameters that `start.adapt` names in the engine that it names, and checks the result in all of
-/// `engines`. @throws ConfigError
+/// `engines`. An interruption leaves the best so far, and the checks that are finished. @throws ConfigError
 Tuning tune_gait(const EnvConfig& start, const std::vector<std::string>& engines, const TuneOptions& options,
                  const Progress& progress = {});
 

@@ -25,27 +25,35 @@ void check_engines(const std::vector<std::string>& engines) {
 
 }  // namespace
 
-WalkRun walk(const WalkConfig& config, const std::string& engine, const Progress& progress) {
+WalkRun walk(const WalkConfig& config, const std::string& engine, const Progress& progress,
+             const SampleObserver& observer) {
   const auto world = find_engine(engine).make(config.world());
-  return record_walk(*world, config.setup(), progress);
+  return record_walk(*world, config.setup(), progress, observer);
 }
 
 WalkComparison compare_walks(const WalkConfig& config, const std::vector<std::string>& engines,
-                             const CompareOptions& options, const StageProgress& progress) {
+                             const CompareOptions& options, const StageProgress& progress,
+                             const SampleObserver& observer) {
   check_engines(engines);
   const WorldSpec spec = config.world();
   std::vector<std::unique_ptr<PhysicsBackend>> worlds;
   for (const std::string& engine : engines) worlds.push_back(find_engine(engine).make(spec));
   WalkComparison result;
-  result.comparison =
-      compare_engines(worlds, config.setup(), options.tolerances, progress_of(progress, "comparing"));
-  if (!options.verdict) return result;
+  result.comparison = compare_engines(worlds, config.setup(), options.tolerances,
+                                      progress_of(progress, "comparing"), observer);
+  result.interrupted = result.comparison.interrupted;
+  if (!options.verdict || result.interrupted) return result;
   const Behaviour behaviour = make_behaviour({config, {}, config.terrain_seed});
   for (const PairDifference& pair : result.comparison.pairs) {
+    if (pair.same_laws) continue;
     const Engine a = find_engine(pair.a), b = find_engine(pair.b);
-    if (a.info.laws == b.info.laws) continue;
     const std::string stage = fmt::format("judging {} and {}", pair.a, pair.b);
-    result.verdicts.push_back(reach_verdict(behaviour, a, b, options.judge, progress_of(progress, stage)));
+    try {
+      result.verdicts.push_back(reach_verdict(behaviour, a, b, options.judge, progress_of(progress, stage)));
+    } catch (const Interrupted&) {
+      result.interrupted = true;
+      break;
+    }
   }
   return result;
 }
@@ -54,6 +62,7 @@ nlohmann::ordered_json report(const WalkRun& run) { return with_schema("walk", t
 
 nlohmann::ordered_json report(const WalkComparison& result) {
   nlohmann::ordered_json json = with_schema("compare", to_json(result.comparison));
+  if (result.interrupted) json["interrupted"] = true;
   for (const Verdict& verdict : result.verdicts) json["verdicts"].push_back(to_json(verdict));
   return json;
 }

@@ -11,8 +11,9 @@
 
 namespace crossgait {
 
-/// One walk in one engine, with its trace. @throws ConfigError
-WalkRun walk(const WalkConfig& config, const std::string& engine, const Progress& progress = {});
+/// One walk in one engine; `record_walk` says what an interruption leaves. @throws ConfigError
+WalkRun walk(const WalkConfig& config, const std::string& engine, const Progress& progress = {},
+             const SampleObserver& observer = {});
 
 struct CompareOptions {
   DivergenceTolerances tolerances;  ///< for engines of different laws
@@ -23,11 +24,14 @@ struct CompareOptions {
 struct WalkComparison {
   Comparison comparison;
   std::vector<Verdict> verdicts;  ///< empty unless asked for
+  bool interrupted = false;       ///< before its end, by a progress that threw Interrupted
 };
 
-/// The same walk in every engine. @throws ConfigError for fewer than two engines, or one twice
+/// The same walk in every engine. An interruption leaves the walks up to the same step, or the verdicts that
+/// were reached. @throws ConfigError for fewer than two engines, or one twice
 WalkComparison compare_walks(const WalkConfig& config, const std::vector<std::string>& engines,
-                             const CompareOptions& options = {}, const StageProgress& progress = {});
+                             const CompareOptions& options = {}, const StageProgress& progress = {},
+                             const SampleObserver& observer = {});
 
 /// With their schemas: docs/schemas/walk.json and compare.json.
 nlohmann::ordered_json report(const WalkRun& run);

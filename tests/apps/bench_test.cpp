@@ -37,6 +37,8 @@ TEST(Bench, MeasuresStoresComparesAndDraws) {
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
   EXPECT_TRUE(fs::exists("bench_app_figures/analytic.svg"));
   EXPECT_FALSE(fs::exists("bench_app_figures/speed.svg"));
+  EXPECT_EQ(run_program("bench --from bench_app.json --figures bench_app_figures --format png").exit_code, 0);
+  EXPECT_EQ(read_file("bench_app_figures/analytic.png").substr(0, 4), "\x89PNG");
   fs::remove_all("bench_app_figures");
   fs::remove("bench_app.json");
 }
@@ -91,6 +93,7 @@ TEST(Bench, NamesWhatWasWrong) {
   expect_bad_input("bench --compare bench_nowhere.json", {"bench_nowhere.json"});
   expect_bad_input("bench --from bench_nowhere.json", {"bench_nowhere.json"});
   expect_bad_input("bench --from x.json --quick", {"--quick"});
+  expect_bad_input("bench --from x.json --format bmp", {"--format", "bmp", "png"});
   expect_bad_input("bench --worse-than .5", {"--worse-than", "0.5"});
   expect_bad_input("bench --worse-than soon", {"--worse-than"});
   std::ofstream("bench_broken.json") << "{\"schema\": \"crossgait-bench\", \"version\": 1, \"backends\": 3}";

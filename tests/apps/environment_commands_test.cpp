@@ -122,7 +122,8 @@ TEST(RolloutCommand, OfTheZeroPolicyIsTheWalk) {
     const json rollout = run_json(
         "rollout --terrain rough --terrain-seed 2 --episode-seconds 1 --episodes 1 --engine " + engine);
     const json& episode = rollout["policies"][0]["episodes"][0];
-    const std::set<std::string> of_the_run{"schema", "backend", "engine", "terrain", "gait", "wall_seconds"};
+    const std::set<std::string> of_the_run{"schema", "backend",      "engine",    "terrain",
+                                           "gait",   "wall_seconds", "provenance"};
     int numbers = 0;
     for (const auto& [key, value] : walk.items()) {
       if (of_the_run.contains(key)) continue;

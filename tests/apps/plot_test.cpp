@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -16,11 +17,6 @@ namespace crossgait {
 namespace {
 
 using nlohmann::json;
-
-std::string read_file(const std::string& name) {
-  std::ifstream file(name, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 bool can_draw() {
   return std::system("gnuplot --version >/dev/null 2>&1") == 0;
@@ -108,21 +104,75 @@ TEST(Workspace, DrawsPictures) {
 
 TEST_F(PlotTest, DrawsEveryKind) {
   if (!can_draw()) GTEST_SKIP() << "gnuplot is not installed";
-  // Panels as documented: one gait diagram, four of the base, one per leg, one per parameter.
+  // Panels as documented: one gait diagram, four of the base, one per leg, one per parameter that changes,
+  // and of a walk none does.
   const int parameters = static_cast<int>(run_json("gait --parameters")["parameters"].size());
   const std::vector<std::pair<std::string, int>> kinds{{"gait", 1},
                                                        {"attitude", 4},
                                                        {"joints", 4},
                                                        {"feet", 4},
-                                                       {"parameters", parameters},
-                                                       {"all", 13 + parameters}};
+                                                       {"parameters --constant", parameters},
+                                                       {"all", 13},
+                                                       {"all --constant", 13 + parameters}};
   for (const auto& [what, panels] : kinds) {
-    const std::string out = "plot_kind_" + what + ".svg";
+    const std::string out = "plot_kind_" + std::to_string(panels) + ".svg";
     const json result = run_json("plot " + trace_ + " --what " + what + " --out " + out);
     EXPECT_EQ(result["panels"], panels) << what;
     EXPECT_EQ(result["rows"], 250) << what;
     expect_picture(out);
   }
+}
+
+TEST_F(PlotTest, HidesParametersThatNeverChangeAndSaysSo) {
+  if (!can_draw()) GTEST_SKIP() << "gnuplot is not installed";
+  expect_bad_input("plot " + trace_ + " --what parameters --out plot_hidden.svg", {trace_, "--constant"});
+  ASSERT_EQ(
+      run_program("rollout --policy random --adapt step_length --episodes 1 --episode-seconds .2 --trace " +
+                  trace_)
+          .exit_code,
+      0);
+  const std::string plot = "plot " + trace_ + " --what parameters --out plot_hidden.svg";
+  const json result = run_json(plot);
+  const std::size_t parameters = run_json("gait --parameters")["parameters"].size();
+  EXPECT_EQ(result["panels"], 1);
+  EXPECT_EQ(result["constant_parameters"].size(), parameters - 1);
+  EXPECT_NE(run_program(plot).out.find("body_height"), std::string::npos);
+  EXPECT_EQ(run_json(plot + " --constant")["panels"], parameters);
+  std::filesystem::remove("plot_hidden.svg");
+}
+
+// Boxes of one colour in a picture.
+std::size_t boxes(const std::string& picture, const std::string& colour) {
+  const std::string text = read_file(picture);
+  std::size_t count = 0;
+  for (std::size_t at = text.find("<polygon"); at != std::string::npos; at = text.find("<polygon", at + 1)) {
+    if (text.substr(at, text.find('>', at) - at).find(colour) != std::string::npos) ++count;
+  }
+  return count;
+}
+
+TEST(GaitDiagram, LeavesOutTouchesAndGapsThatNoFootMeant) {
+  if (!can_draw()) GTEST_SKIP() << "gnuplot is not installed";
+  // Steps of 10 ms. FL: a touch of 10 ms, then a stance with a gap of 10 ms in it. The others stand
+  // throughout.
+  std::string trace =
+      "time,contact.FL,contact.FR,contact.RL,contact.RR,planned.FL,planned.FR,planned.RL,planned.RR\n";
+  const std::string touches = "0010000111101111";
+  for (std::size_t i = 0; i < touches.size(); ++i)
+    trace += fmt::format("{},{},1,1,1,{},1,1,1\n", 0.01 * static_cast<double>(i), touches[i], i < 7 ? 0 : 1);
+  write_file("plot_chatter.csv", trace);
+  const std::string plot = "plot plot_chatter.csv --what gait --out plot_chatter.svg";
+  const std::string actual = "rgb( 86, 180, 233)";
+  ASSERT_EQ(run_program(plot).exit_code, 0);
+  const std::size_t legend = 1;
+  EXPECT_EQ(boxes("plot_chatter.svg", actual), 4 + legend);
+  EXPECT_NE(read_file("plot_chatter.svg").find("under 20 ms left out"), std::string::npos);
+  EXPECT_NE(read_file("plot_chatter.svg").find("planned stance"), std::string::npos);
+  ASSERT_EQ(run_program(plot + " --shortest-contact 0").exit_code, 0);
+  EXPECT_EQ(boxes("plot_chatter.svg", actual), 6 + legend);
+  EXPECT_EQ(read_file("plot_chatter.svg").find("left out"), std::string::npos);
+  std::filesystem::remove("plot_chatter.csv");
+  std::filesystem::remove("plot_chatter.svg");
 }
 
 TEST_F(PlotTest, DrawsPng) {

@@ -17,6 +17,11 @@ namespace {
 
 using nlohmann::json;
 
+json without_provenance(json result) {
+  result.erase("provenance");
+  return result;
+}
+
 TEST(Program, HelpTeachesEveryCommand) {
   const ProgramResult help = run_program("--help");
   EXPECT_EQ(help.exit_code, 0);
@@ -44,6 +49,7 @@ TEST(Program, RobotsShowsTheBundledOnesAndOne) {
   const json list = run_json("robots")["robots"];
   ASSERT_GE(list.size(), 2U);
   const json one = run_json("robots scara_quadruped");
+  EXPECT_EQ(without_provenance(run_json("robots --robot scara_quadruped")), without_provenance(one));
   EXPECT_EQ(one["joints"], 20);
   EXPECT_EQ(one["servos"], 12);
   EXPECT_NEAR(one["mass_kg"], 0.7367, 1e-9);  // sum of the figures of design and URDF
@@ -123,7 +129,7 @@ TEST(Program, TraceHasOneRowPerControlStep) {
   std::getline(file, line);
   EXPECT_EQ(line.rfind("time,p_WB.x,p_WB.y,p_WB.z,q_WB.w", 0), 0U);
   const auto columns = std::count(line.begin(), line.end(), ',');
-  EXPECT_EQ(columns + 1, 14 + 20 + 12 + 4 + 4 + static_cast<int>(gait_parameters().size()));
+  EXPECT_EQ(columns + 1, 14 + 20 + 12 + 4 + 4 + 4 + static_cast<int>(gait_parameters().size()));
   int rows = 0;
   while (std::getline(file, line)) {
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), columns);
@@ -213,10 +219,55 @@ TEST(ProgramBadInput, NamesWhatWasWrong) {
   expect_bad_input("ik --target 1,2,x", {"--target", "x"});
   expect_bad_input("ik --target 0,0,-.07 --mode 5", {"--mode", "5"});
   expect_bad_input("ik --target 0,0,-.07 --leg XX", {"--leg", "XX"});
-  expect_bad_input("gait --dt 0", {"--dt"});
-  expect_bad_input("gait --seconds -2", {"--seconds"});
+  expect_bad_input("gait --dt 0", {"--dt: expected", "0.8 s", "found 0"});
+  expect_bad_input("gait --dt 5", {"--dt: expected", "found 5"});
+  expect_bad_input("gait --dt nan", {"--dt: expected"});
+  expect_bad_input("gait --seconds -2", {"--seconds: expected"});
   expect_bad_input("terrain flat --png flat.png", {"--png", "plane"});
   expect_bad_input("terrain --sample here", {"--sample", "here"});
+}
+
+TEST(ProgramBadInput, TimesHaveBoundsAndSaySo) {
+  expect_bad_input("walk --settle 1e300", {"settle_seconds", "1e3", "1e+300"});
+  expect_bad_input("walk --settle 1001", {"settle_seconds", "1e3", "1001"});
+  expect_bad_input("walk --seconds 1e300", {"seconds", "1e6"});
+  expect_bad_input("walk --seconds 1e6 --control-dt 1e-5 --physics-dt 1e-5", {"control_dt", "2147483647"});
+  expect_bad_input("rollout --episode-seconds 1e300", {"episode_seconds", "1e6"});
+}
+
+TEST(ProgramBadInput, SeedsDoNotWrapAround) {
+  for (const std::string seed :
+       {"-1", "18446744073709551616", "1e3", "0x10", "1.5", "99999999999999999999999"}) {
+    for (const char* command : {"walk --seed ", "rollout --seed ", "rollout --terrain-seed ", "tune --seed ",
+                                "terrain --seed ", "transfer --seed "}) {
+      expect_bad_input(command + seed, {"18446744073709551615", seed});
+    }
+  }
+  EXPECT_EQ(run_program("terrain rough --seed 18446744073709551615").exit_code, 0);
+  EXPECT_NE(run_program("terrain rough --seed 18446744073709551615").out,
+            run_program("terrain rough --seed 0").out);
+}
+
+TEST(ProgramBadInput, SuggestsWhatMayHaveBeenMeant) {
+  expect_bad_input("wlak", {"Did you mean walk?"});
+  expect_bad_input("wlak --seconds 3", {"Did you mean walk?"});
+  expect_bad_input("verdit", {"Did you mean verdict?"});
+  expect_bad_input("walk --terain rough", {"Did you mean --terrain?"});
+  expect_bad_input("compare --position-tolerence=1", {"Did you mean --position-tolerance?"});
+  EXPECT_EQ(run_program("xyzzy").err.find("Did you mean"), std::string::npos);
+  EXPECT_EQ(run_program("walk --xyzzy").err.find("Did you mean"), std::string::npos);
+}
+
+TEST(ProgramBadInput, NamesAutoWhereItMayStand) {
+  expect_bad_input("walk --gait nope", {"trot", "auto"});
+  EXPECT_EQ(run_program("gait --gait nope").err.find("auto"), std::string::npos);
+}
+
+TEST(Program, CountsInWords) {
+  EXPECT_NE(run_program("rollout --episodes 1 --episode-seconds .05").out.find(" 1 episode "),
+            std::string::npos);
+  EXPECT_NE(run_program("rollout --episodes 2 --episode-seconds .05").out.find(" 2 episodes "),
+            std::string::npos);
 }
 
 TEST(ProgramBadInput, FilesAreNamedWithTheElement) {

@@ -1,11 +1,15 @@
 #include "crossgait/tests/apps/run_program.h"
 
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -25,6 +29,63 @@ ProgramResult run_program(const std::string& arguments) {
   std::ifstream file(errors);
   result.err.assign(std::istreambuf_iterator<char>(file), {});
   std::remove(errors.c_str());
+  return result;
+}
+
+namespace {
+
+// Whether the process has a handler for the signal.
+bool listens(pid_t process, int signal) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("SigCgt:"))
+      return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1)) % 2 == 1;
+  }
+  return false;
+}
+
+}  // namespace
+
+ProgramResult run_watched(const std::string& arguments, int signal, double after) {
+  using namespace std::chrono_literals;
+  const std::string out = "watched_out." + std::to_string(getpid()),
+                    err = "watched_err." + std::to_string(getpid());
+  const std::string command =
+      std::string("exec ") + CROSSGAIT_PROGRAM + " " + arguments + " >" + out + " 2>" + err;
+  const pid_t child = fork();
+  if (child == 0) {
+    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    _exit(127);
+  }
+  ProgramResult result;
+  int status = 0;
+  struct rusage usage {};
+  if (signal != 0) {
+    while (!listens(child, signal) && waitpid(child, &status, WNOHANG) == 0) std::this_thread::sleep_for(5ms);
+    std::this_thread::sleep_for(std::chrono::duration<double>(after));
+    kill(child, signal);
+  }
+  if (wait4(child, &status, 0, &usage) == child) {
+    result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    result.peak_kb = usage.ru_maxrss;
+  }
+  result.out = read_file(out);
+  result.err = read_file(err);
+  std::remove(out.c_str());
+  std::remove(err.c_str());
+  return result;
+}
+
+std::string read_file(const std::string& name) {
+  std::ifstream file(name, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+nlohmann::json without_times(nlohmann::json result) {
+  if (result.is_object()) result.erase("wall_seconds");
+  if (result.is_structured()) {
+    for (nlohmann::json& inner : result) inner = without_times(std::move(inner));
+  }
   return result;
 }
 

@@ -11,10 +11,21 @@ namespace crossgait {
 struct ProgramResult {
   int exit_code = -1;
   std::string out, err;
+  long peak_kb = 0;  ///< largest resident memory, where `run_watched` ran it
 };
 
 /// @param arguments as typed behind `crossgait`, through the shell
 ProgramResult run_program(const std::string& arguments);
+
+/// The same, watched: `signal`, if any, is sent `after` seconds of work behind the moment in which the
+/// program begins to listen for it.
+ProgramResult run_watched(const std::string& arguments, int signal = 0, double after = 0);
+
+/// The contents of a file, "" if there is none.
+std::string read_file(const std::string& name);
+
+/// A result without what differs from run to run: times of the clock.
+nlohmann::json without_times(nlohmann::json result);
 
 /// The object that the program prints with `--json -`; expects exit code 0.
 nlohmann::json run_json(const std::string& arguments);

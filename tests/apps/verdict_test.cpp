@@ -3,7 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <optional>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -19,9 +19,15 @@ using nlohmann::json;
 // Short runs of few starts: what is looked at is the contract, not the word.
 const std::string kShort = " --seconds .2 --settle .1 --starts 4";
 
-std::string contents(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+// Two, comma-separated.
+std::optional<std::string> engines_of_one_law() {
+  const std::vector<std::string> all = available_engines();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (find_engine(all[i]).info.laws == find_engine(all[k]).info.laws) return all[k] + "," + all[i];
+    }
+  }
+  return std::nullopt;
 }
 
 bool two_engines() { return available_engines().size() >= 2; }
@@ -55,21 +61,29 @@ TEST(VerdictCommand, JudgesPolicies) {
   EXPECT_EQ(verdict["behaviour"], "policy zero on flat, 0.2 s");
 }
 
+TEST(VerdictCommand, PushesPoliciesAsItPushesWalks) {
+  if (!two_engines()) GTEST_SKIP() << "one engine alone";
+  const json soft = run_json("verdict --policy zero --push 0" + kShort);
+  const json hard = run_json("verdict --policy zero --push .5" + kShort);
+  EXPECT_EQ(soft["provenance"]["starts"]["push_mps"], 0);
+  EXPECT_NE(soft["statistics"][0]["mean_a"], hard["statistics"][0]["mean_a"]);
+}
+
 TEST(VerdictCommand, FromStoredRunsGivesTheSameAndMakesNoRun) {
   if (!two_engines()) GTEST_SKIP() << "one engine alone";
   const std::string file = "verdict_stored_runs.jsonl";
   std::filesystem::remove(file);
   const std::string arguments = std::string("verdict --workers 2 --runs ") + file + kShort;
   const json first = run_json(arguments);
-  const std::string runs = contents(file);
+  const std::string runs = read_file(file);
   EXPECT_GT(std::count(runs.begin(), runs.end(), '\n'), 8);
   const json second = run_json(arguments);
   EXPECT_EQ(second, first);
-  EXPECT_EQ(contents(file), runs);  // what is made is added, so nothing was
+  EXPECT_EQ(read_file(file), runs);  // what is made is added, so nothing was
   // Stopped halfway through a line.
   std::filesystem::resize_file(file, runs.size() / 2);
   EXPECT_EQ(run_json(arguments), first);
-  EXPECT_EQ(contents(file).size(), runs.size());
+  EXPECT_EQ(read_file(file).size(), runs.size());
   std::ofstream(file) << "garbage\n";
   expect_bad_input(arguments, {file, "line 1"});
   std::filesystem::remove(file);
@@ -103,7 +117,8 @@ TEST(VerdictCommand, RefusesWhatItCannotJudge) {
        {"--engines " + one, "--engines " + one + "," + one, "--engines " + one + ",nonsense",
         std::string("--starts 2"), std::string("--confidence 1"), std::string("--limit 0"),
         std::string("--config env.yaml"), std::string("--policy zero --config env.yaml --terrain rough"),
-        std::string("--policy nonsense")}) {
+        std::string("--policy nonsense"), std::string("--policy zero --no-compensation"),
+        std::string("--runs nowhere/at/all.jsonl")}) {
     EXPECT_EQ(run_program("verdict --seconds .1 " + arguments).exit_code, 2) << arguments;
   }
 }
@@ -116,6 +131,39 @@ TEST(CompareCommand, JudgesPairsOfDifferentContactLaws) {
                                "," + available_engines().back());
   ASSERT_EQ(judged["verdicts"].size(), 1U);
   EXPECT_EQ(judged["verdicts"][0]["starts"], 6);
+}
+
+TEST(CompareCommand, AsksForParityWhereLawsAreTheSame) {
+  const auto same = engines_of_one_law();
+  if (!same) GTEST_SKIP() << "no two engines of one law";
+  const std::string compare = "compare --seconds .3 --engines " + *same;
+  const ProgramResult judged = run_program(compare + " --verdict --require");
+  EXPECT_EQ(judged.exit_code, 0) << judged.err;
+  EXPECT_NE(judged.out.find("follow the same laws"), std::string::npos) << judged.out;
+  const json result = run_json(compare + " --verdict");
+  EXPECT_TRUE(result["pairs"][0]["same_laws"]);
+  EXPECT_FALSE(result.contains("verdicts"));
+}
+
+TEST(CompareCommand, FailsWhereRequiredParityIsMissed) {
+  const auto same = engines_of_one_law();
+  if (!same) GTEST_SKIP() << "no two engines of one law";
+  // Tumbling over high bumps, rounding grows from 1e-15 m to beyond 1e-6 m within some seconds.
+  const std::string compare =
+      "compare --terrain rough:amplitude=.05 --gait bound --seconds 8 --engines " + *same;
+  const json result = run_json(compare);
+  ASSERT_TRUE(result["pairs"][0]["first_divergence"].is_object()) << result["pairs"];
+  const ProgramResult required = run_program(compare + " --require");
+  EXPECT_EQ(required.exit_code, 1);
+  EXPECT_NE(required.err.find("parity"), std::string::npos) << required.err;
+}
+
+TEST(CompareCommand, RequiresParityOfEnginesOfOneLawAlone) {
+  if (!two_engines()) GTEST_SKIP() << "one engine alone";
+  const std::string engines = available_engines().front() + "," + available_engines().back();
+  if (find_engine(available_engines().front()).info.laws == find_engine(available_engines().back()).info.laws)
+    GTEST_SKIP() << "all of one law";
+  expect_bad_input("compare --require --engines " + engines, {"--require", "same laws"});
 }
 
 }  // namespace

@@ -75,8 +75,8 @@ std::map<std::string, double> expected_terms(const AdaptiveGaitEnv& env, const S
     power += std::abs((world.torques()[i] + robot.joint(i).damping * after.qd[i]) * after.qd[i]);
   }
   double adaptation = 0;
-  for (const ParameterRow* row : env.controller().adapted())
-    adaptation += std::pow(seen.parameters.*row->member - seen.last_parameters.*row->member, 2);
+  for (const ParameterRow& row : env.controller().adapted())
+    adaptation += std::pow(seen.parameters.*row.member - seen.last_parameters.*row.member, 2);
   const Vector3 rpy = roll_pitch_yaw(after.q_WB);
   const double yaw = std::remainder(std::atan2(now.y(), now.x()) - seen.start_yaw, 2 * M_PI);
   const Vector3 gravity_in_base = after.q_WB.toRotationMatrix().transpose() * Vector3(0, 0, -1);

@@ -104,5 +104,41 @@ TEST_F(AtomicFile, WritersOfOneFileDoNotMix) {
   EXPECT_EQ(entries(), 1);
 }
 
+class GrowingFile : public ScratchFolder {
+ protected:
+  bool is_empty() const { return std::filesystem::is_empty(folder_); }
+};
+
+TEST_F(GrowingFile, AppearsWholeOrNotAtAll) {
+  write("file", "old");
+  {
+    crossgait::AtomicFile file(path("file"));
+    file.write("a");
+    file.write(std::string(200000, 'b'));
+    EXPECT_EQ(read(path("file")), "old");
+  }
+  EXPECT_EQ(read(path("file")), "old") << "never committed";
+  std::filesystem::remove(path("file"));
+  EXPECT_TRUE(is_empty());
+  crossgait::AtomicFile file(path("file"));
+  file.write("a");
+  file.write(std::string(200000, 'b'));
+  file.commit();
+  EXPECT_EQ(read(path("file")), "a" + std::string(200000, 'b'));
+}
+
+TEST_F(GrowingFile, IsTriedWithoutATrace) {
+  check_writable(path("file"));
+  check_writable("/dev/null");
+  EXPECT_TRUE(is_empty());
+  write("file", "old");
+  check_writable(path("file"));
+  EXPECT_EQ(read(path("file")), "old");
+  const ConfigError error = config_error([&] { check_writable(path("no/such/folder")); });
+  EXPECT_EQ(error.source(), path("no/such/folder"));
+  EXPECT_EQ(error.found(), "No such file or directory");
+  EXPECT_EQ(config_error([&] { check_writable(folder_); }).found(), "Is a directory");
+}
+
 }  // namespace
 }  // namespace crossgait

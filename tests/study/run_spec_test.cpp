@@ -39,6 +39,8 @@ TEST(RunSpec, HasOneTextThatStays) {
   // Results of years hang on this text. Where it changes on purpose, `schema` has to say so.
   Json json = Json::parse(canonical_json(walk_run()));
   EXPECT_EQ(json["behaviour"]["robot"]["description"].get<std::string>().size(), 16U);
+  EXPECT_EQ(json["crossgait"], crossgait_version());
+  json["crossgait"] = "";
   json["behaviour"]["robot"]["description"] =
       "";  // of angles that another machine's sine may round otherwise
   EXPECT_EQ(
@@ -49,7 +51,7 @@ TEST(RunSpec, HasOneTextThatStays) {
       R"("lateral_offset_fl":0.0,"lateral_offset_fr":0.0,"lateral_offset_rl":0.0,"lateral_offset_rr":0.0,)"
       R"("stance_width":0.08,"step_height":0.03,"step_length":0.06,"swing":"bezier","swing_shape":0.35},"physics_dt":0.001,)"
       R"("robot":{"description":"","name":"scara_quadruped"},"seconds":0.3,"settle_seconds":0.1,)"
-      R"("terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"engine":"mujoco","engine_version":"2.2.2",)"
+      R"("terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"crossgait":"","engine":"mujoco","engine_version":"2.2.2",)"
       R"("schema":{"name":"run","version":1},"seed":3,"start":1,)"
       R"("starts":{"heading_rad":0.2,"position_m":0.1,"push_mps":0.02,"tilt_rad":0.02},)"
       R"("variation":{"iterations":1.0,"step":1.0,"tolerance":1.0}})");
@@ -75,6 +77,7 @@ std::map<std::string, Change> changes_of_any_run() {
   std::map<std::string, Change> all{
       {"engine", [](RunSpec& r) { r.engine = "bullet"; }},
       {"engine version", [](RunSpec& r) { r.engine_version = "2.2.3"; }},
+      {"Crossgait's version", [](RunSpec& r) { r.crossgait = "0.0.1"; }},
       {"start", [](RunSpec& r) { r.start = 2; }},
       {"seed", [](RunSpec& r) { r.behaviour.seed = 4; }},
       {"step", [](RunSpec& r) { r.variation.step = 0.5; }},
@@ -326,6 +329,12 @@ TEST_P(Runs, RefuseAnotherVersionOfTheEngine) {
   } catch (const ConfigError& error) {
     EXPECT_NE(std::string(error.what()).find("0.1"), std::string::npos) << error.what();
   }
+}
+
+TEST_P(Runs, RefuseAnotherVersionOfCrossgait) {
+  RunSpec old = in_this_engine(walk_run());
+  old.crossgait = "0.0.1";
+  EXPECT_THROW((void)run(old), ConfigError);
 }
 
 }  // namespace

@@ -1,0 +1,33 @@
+#include "crossgait/apps/interruption.h"
+
+#include <array>
+#include <csignal>
+
+#include "crossgait/env/progress.h"
+
+namespace crossgait::apps {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+extern "C" void remember_interruption(int) { interrupted = 1; }
+
+}  // namespace
+
+void listen_for_interruption() {
+  for (const int signal : std::array{SIGINT, SIGTERM}) {
+    struct sigaction before {};
+    if (::sigaction(signal, nullptr, &before) != 0 || before.sa_handler != SIG_DFL) continue;
+    struct sigaction action {};
+    action.sa_handler = remember_interruption;
+    action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
+    ::sigemptyset(&action.sa_mask);
+    ::sigaction(signal, &action, nullptr);
+  }
+}
+
+void check_interruption() {
+  if (interrupted != 0) throw Interrupted();
+}
+
+}  // namespace crossgait::apps

@@ -1,0 +1,24 @@
+// Ctrl-C and `kill` end a long command early, with what is done up to then written.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace crossgait::apps {
+
+inline constexpr int kInterruptedExit = 130;  // 128 + SIGINT, as shells have it
+
+/// From now on the first SIGINT or SIGTERM is remembered; the second ends the program as usual. A signal that
+/// the program was started to ignore stays ignored.
+void listen_for_interruption();
+/// @throws Interrupted (env/progress.h) if there was one
+void check_interruption();
+
+/// Thrown by a command whose job was interrupted, after what is done was written.
+class EndedEarly : public std::runtime_error {
+ public:
+  /// @param what  how far it came, and what is kept
+  explicit EndedEarly(const std::string& what) : std::runtime_error("interrupted: " + what) {}
+};
+
+}  // namespace crossgait::apps

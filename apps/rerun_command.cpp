@@ -1,0 +1,49 @@
+// crossgait rerun: a stored result once more.
+#include <nlohmann/json.hpp>
+
+#include "crossgait/apps/command.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/text.h"
+
+namespace crossgait::apps {
+namespace {
+
+Recorded read_result(const std::string& file) {
+  const std::string text = read_text_file(file, kResultBudget);
+  check_json_budget(text, kResultBudget, file);
+  nlohmann::json result = nlohmann::json::parse(text, nullptr, false);
+  if (!result.is_object())
+    throw ConfigError(file, "file", "a result as `--json` writes it", "no JSON object");
+  return {file, std::move(result)};
+}
+
+}  // namespace
+
+void add_rerun_command(CLI::App& program, std::vector<std::string>& again) {
+  CLI::App* command =
+      program.add_subcommand("rerun", "Make a stored result again, and say whether it is the same");
+  command->footer(
+      "\nThe file's `provenance` says how it was made. What it was made with has to be there: this version "
+      "of\n"
+      "Crossgait and its engines, and files with the same contents. Options behind the file say where the "
+      "new\n"
+      "result goes; without any, it is printed as the command prints it. Exit code 1 if it came out "
+      "otherwise\n"
+      "(times aside).\n"
+      "\nExamples:\n"
+      "  crossgait walk --terrain rough --json walk.json && crossgait rerun walk.json\n"
+      "  crossgait rerun verdict.json --json again.json");
+  auto file = std::make_shared<std::string>();
+  command->add_option("result", *file, "What a command's --json wrote")->type_name("FILE.json")->required();
+  command->allow_extras();
+  command->callback([command, file, &again] {
+    Recorded recorded = read_result(*file);
+    again = command_of(recorded.result, *file);
+    if (again.front() == command->get_name())
+      throw ConfigError(*file, "provenance.command", "another command", again.front());
+    for (const std::string& word : command->remaining()) again.push_back(word);
+    make_again(std::move(recorded));
+  });
+}
+
+}  // namespace crossgait::apps

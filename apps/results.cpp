@@ -1,0 +1,199 @@
+#include "crossgait/apps/results.h"
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/physics/atomic_file.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/study/run_spec.h"
+
+namespace crossgait::apps {
+namespace {
+
+using Json = nlohmann::json;
+using nlohmann::ordered_json;
+
+// Type names of outputs that are files; others are folders or say how they are written.
+bool names_file(const CLI::Option& option) { return option.get_type_name().starts_with("FILE"); }
+
+std::optional<Recorded> recorded_result;
+
+[[noreturn]] void fail_on_standard_output(int code) {
+  throw std::runtime_error(fmt::format("standard output: {}; the result is not complete there",
+                                       std::generic_category().message(code)));
+}
+
+bool is_file(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+std::string long_name(const CLI::Option& option) {
+  return option.nonpositional() ? option.get_name() : option.get_name(true);
+}
+
+bool makes_the_result(const CLI::Option& option) {
+  return option.count() > 0 && option.get_group() != kOutputs && option.get_group() != kExecution;
+}
+
+// As they can be typed again: "--name=value" for each value, since values may begin with a dash.
+std::vector<std::string> arguments_of(const CLI::App& command, const Ingredients& ingredients) {
+  std::vector<std::string> arguments;
+  for (const CLI::Option* option : command.get_options()) {
+    const auto chosen = ingredients.chosen.find(option->get_name());
+    if (option->count() == 0 && chosen != ingredients.chosen.end()) {
+      for (const std::string& value : chosen->second)
+        arguments.push_back(fmt::format("{}={}", long_name(*option), value));
+    }
+    if (!makes_the_result(*option)) continue;
+    const bool flag = option->get_items_expected_max() == 0;
+    for (const std::string& value : option->results()) {
+      arguments.push_back(flag                      ? long_name(*option)
+                          : option->nonpositional() ? fmt::format("{}={}", long_name(*option), value)
+                                                    : value);
+    }
+  }
+  return arguments;
+}
+
+std::map<std::string, std::string> files_of(const CLI::App& command) {
+  std::map<std::string, std::string> files;
+  for (const CLI::Option* option : command.get_options()) {
+    if (!makes_the_result(*option)) continue;
+    for (const std::string& value : option->results()) {
+      // FILE.png may have settings behind a colon.
+      for (const std::string& path : {value, value.substr(0, value.rfind(':'))}) {
+        if (is_file(path)) files[path] = file_hash(path);
+      }
+    }
+  }
+  return files;
+}
+
+// What differs from run to run, and what says how a result was made.
+void drop_times(Json& value) {
+  if (value.is_object()) {
+    value.erase("wall_seconds");
+    value.erase("provenance");
+  }
+  if (value.is_structured()) {
+    for (Json& inner : value) drop_times(inner);
+  }
+}
+
+void compare_with_recorded(const ordered_json& now) {
+  Json before = recorded_result->result, after = Json::parse(now.dump());
+  drop_times(before);
+  drop_times(after);
+  if (before == after) {
+    std::fputs(fmt::format("crossgait: the same result as in {}\n", recorded_result->file).c_str(), stderr);
+    return;
+  }
+  const Json difference = Json::diff(before, after);
+  throw std::runtime_error(fmt::format("another result than in {}: {} differ, the first is {}",
+                                       recorded_result->file, difference.size(),
+                                       difference.front().at("path").get<std::string>()));
+}
+
+}  // namespace
+
+CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::string& value,
+                               const std::string& help) {
+  return command.add_option(name, value, help)->type_name("FILE")->group(kOutputs);
+}
+
+void check_outputs(const CLI::App& command) {
+  std::set<std::string> seen;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group() != kOutputs || !names_file(*option)) continue;
+    for (const std::string& path : option->results()) {
+      if (path == "-") continue;
+      if (!seen.insert(path).second)
+        throw ConfigError("command line", option->get_name(), "a file of its own", "\"" + path + "\" again");
+      check_writable(path);
+    }
+  }
+}
+
+Ingredients of_robot(const std::string& name_or_file) {
+  Ingredients ingredients;
+  ingredients.subject["robot"] = identity_of_robot(name_or_file);
+  return ingredients;
+}
+
+Ingredients of_gait(const std::string& robot, const GaitChoice& gait) {
+  WalkConfig walk;
+  walk.robot = robot;
+  walk.gait = gait;
+  const Json behaviour = to_json(BehaviourSpec{walk, {}, 0}).at("behaviour");
+  Ingredients ingredients;
+  ingredients.subject["robot"] = behaviour.at("robot");
+  ingredients.subject["behaviour"] = {{"gait", behaviour.at("gait")},
+                                      {"parameters", behaviour.at("parameters")}};
+  return ingredients;
+}
+
+void JsonOption::add_to(CLI::App& command) {
+  command_ = &command;
+  add_output_option(command, "--json", path, "Write the result as JSON to FILE, or to standard output with -")
+      ->type_name("FILE|-");
+}
+
+Provenance JsonOption::provenance(const Ingredients& ingredients) const {
+  Provenance p;
+  p.command = command_->get_name();
+  p.arguments = arguments_of(*command_, ingredients);
+  p.files = files_of(*command_);
+  for (const std::string& engine : ingredients.engines) p.engines.push_back(find_engine(engine).info);
+  p.subject = ingredients.subject;
+  if (recorded_result) check_same(recorded_result->result.at("provenance"), p, recorded_result->file);
+  return p;
+}
+
+void JsonOption::emit(const std::string& text, ordered_json json, const Provenance& provenance) const {
+  json["provenance"] = to_json(provenance);
+  const std::string bytes = json.dump(2) + "\n";
+  if (!path.empty() && !to_stdout()) write_file_atomically(path, bytes);
+  print(to_stdout() ? bytes : text);
+  if (recorded_result) {
+    flush_standard_output();
+    compare_with_recorded(json);
+  }
+}
+
+void JsonOption::emit(const std::string& text, ordered_json json) const {
+  emit(text, std::move(json), provenance());
+}
+
+void make_again(Recorded recorded) { recorded_result = std::move(recorded); }
+
+void print(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) fail_on_standard_output(errno);
+}
+
+void keep_standard_streams() {
+  // The lowest free number is the one that is closed. Opened the wrong way round, it takes and gives nothing.
+  const std::array<int, 3> modes{O_WRONLY, O_RDONLY, O_RDONLY};
+  for (int stream = 0; stream < 3; ++stream) {
+    if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF)
+      static_cast<void>(::open("/dev/null", modes[static_cast<std::size_t>(stream)]));
+  }
+}
+
+void flush_standard_output() {
+  if (std::fflush(stdout) != 0) fail_on_standard_output(errno);
+  if (std::ferror(stdout) != 0) fail_on_standard_output(EIO);
+}
+
+}  // namespace crossgait::apps

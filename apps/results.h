@@ -1,0 +1,87 @@
+// Where the results of a command go, what they are made of, and that none is lost in silence.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/env/gait_source.h"
+#include "crossgait/study/provenance.h"
+
+namespace crossgait::apps {
+
+/// An option that names a file to write, or "-" for standard output. It is no part of how a result is made.
+/// @param value  of type std::string
+CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::string& value,
+                               const std::string& help);
+
+/// Whatever an option changes about how a command runs, but not about its result.
+inline constexpr const char* kOutputs = "Outputs";
+inline constexpr const char* kExecution = "Execution";
+
+/// Before a command does anything: every file that it is to write can be written, and each is another.
+/// @throws ConfigError naming the option
+void check_outputs(const CLI::App& command);
+
+/// What a command is to do, once its options are read and its outputs are known to be writable.
+template <typename Run>
+void on_run(CLI::App& command, Run run) {
+  command.callback([&command, run] {
+    check_outputs(command);
+    run();
+  });
+}
+
+/// What a command knows of its result beside what its options say.
+struct Ingredients {
+  nlohmann::json subject;            ///< Provenance::subject
+  std::vector<std::string> engines;  ///< by name
+  /// Values that the command chose for options that were not given.
+  std::map<std::string, std::vector<std::string>> chosen;
+};
+
+/// Of a result that is of a robot alone. @throws ConfigError
+Ingredients of_robot(const std::string& name_or_file);
+
+/// Of a robot and a gait with all its parameters. @throws ConfigError
+Ingredients of_gait(const std::string& robot, const GaitChoice& gait);
+
+/// `--json FILE|-`. With "-" the JSON is all that is written to standard output.
+struct JsonOption {
+  std::string path;
+
+  void add_to(CLI::App& command);
+  bool to_stdout() const { return path == "-"; }
+  /// To be called before anything long, and before files change. @throws ConfigError if the result that is to
+  /// be made again (`crossgait rerun`) was made of something else, or an engine is not there
+  Provenance provenance(const Ingredients& ingredients = {}) const;
+  /// Writes `json` with its provenance where it was asked for, then prints `text` unless JSON goes to
+  /// standard output.
+  /// @throws ConfigError if the file cannot be written
+  void emit(const std::string& text, nlohmann::ordered_json json, const Provenance& provenance) const;
+  void emit(const std::string& text, nlohmann::ordered_json json) const;
+
+ private:
+  const CLI::App* command_ = nullptr;
+};
+
+/// The result that is being made again. Its provenance has to be that of what is made.
+struct Recorded {
+  std::string file;
+  nlohmann::json result;
+};
+void make_again(Recorded recorded);
+
+/// @throws std::runtime_error if standard output does not take it
+void print(const std::string& text);
+
+/// At the very beginning: standard streams that are closed are opened such that using them fails, so that no
+/// other file takes their place.
+void keep_standard_streams();
+/// At the very end. @throws std::runtime_error if standard output did not take all that was printed
+void flush_standard_output();
+
+}  // namespace crossgait::apps

@@ -1,0 +1,84 @@
+#include "crossgait/study/provenance.h"
+
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/hash.h"
+
+namespace crossgait {
+namespace {
+
+using Json = nlohmann::json;
+
+Json without_hash(const Provenance& p) {
+  Json result{{"crossgait", p.crossgait}, {"command", p.command}, {"arguments", p.arguments}};
+  result["files"] = Json::object();
+  for (const auto& [name, hash] : p.files) result["files"][name] = hash;
+  result["engines"] = Json::array();
+  for (const EngineInfo& e : p.engines)
+    result["engines"].push_back({{"name", e.name}, {"engine", e.engine}, {"version", e.version}});
+  if (p.subject.is_object()) result.update(p.subject);
+  return result;
+}
+
+// The innermost place in which two values differ, and what stands there.
+struct Difference {
+  std::string place, recorded, now;
+};
+
+Difference first_difference(const Json& recorded, const Json& now, const std::string& place) {
+  if (recorded.is_object() && now.is_object()) {
+    for (const auto& [key, value] : recorded.items()) {
+      const Json other = now.value(key, Json());
+      if (other != value) return first_difference(value, other, place + "." + key);
+    }
+    for (const auto& [key, value] : now.items()) {
+      if (!recorded.contains(key)) return {place + "." + key, "nothing", value.dump()};
+    }
+  }
+  if (recorded.is_array() && now.is_array() && recorded.size() == now.size()) {
+    for (std::size_t i = 0; i < recorded.size(); ++i) {
+      if (recorded[i] != now[i])
+        return first_difference(recorded[i], now[i], place + "." + std::to_string(i));
+    }
+  }
+  return {place, recorded.dump(), now.dump()};
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const Provenance& p) {
+  const Json all = without_hash(p);
+  nlohmann::ordered_json result{{"crossgait", p.crossgait}, {"command", p.command}};
+  for (const auto& [key, value] : all.items()) result[key] = value;
+  result["hash"] = fnv1a_hex(all.dump());
+  return result;
+}
+
+std::vector<std::string> command_of(const Json& result, const std::string& file) {
+  try {
+    const Json& provenance = result.at("provenance");
+    std::vector<std::string> words{provenance.at("command").get<std::string>()};
+    for (const Json& word : provenance.at("arguments")) words.push_back(word.get<std::string>());
+    return words;
+  } catch (const Json::exception& problem) {
+    throw ConfigError(file, "provenance", "the command that a result was made with, as `--json` writes it",
+                      problem.what());
+  }
+}
+
+void check_same(const Json& recorded, const Provenance& now, const std::string& file) {
+  Json before = recorded;
+  before.erase("hash");
+  const Json after = without_hash(now);
+  if (before == after) return;
+  // What a person can do something about comes first.
+  for (const char* key : {"crossgait", "engines", "files", "command", "arguments"}) {
+    const Json one = before.value(key, Json()), other = after.at(key);
+    if (one == other) continue;
+    const Difference d = first_difference(one, other, std::string("provenance.") + key);
+    throw ConfigError(file, d.place, d.recorded, d.now);
+  }
+  const Difference d = first_difference(before, after, "provenance");
+  throw ConfigError(file, d.place, d.recorded, d.now);
+}
+
+}  // namespace crossgait

@@ -1,0 +1,35 @@
+// Where a result comes from: all that it takes to make it again, bit for bit.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "crossgait/physics/engine.h"
+#include "crossgait/study/version.h"
+
+namespace crossgait {
+
+struct Provenance {
+  std::string crossgait = std::string(crossgait_version());
+  std::string command;                       ///< of the program, such as "walk"
+  std::vector<std::string> arguments;        ///< of that command, but for where results go
+  std::map<std::string, std::string> files;  ///< `file_hash` of every file that an argument names
+  std::vector<EngineInfo> engines;
+  nlohmann::json subject;  ///< what was looked at: `to_json(BehaviourSpec)`, `identity_of_robot`; or null
+};
+
+/// Keys as in docs/schemas/README.md; `hash` is that of all others.
+nlohmann::ordered_json to_json(const Provenance& provenance);
+
+/// The command and its arguments that a result names. @param result  as a command wrote it
+/// @throws ConfigError naming `file` if it names none
+std::vector<std::string> command_of(const nlohmann::json& result, const std::string& file);
+
+/// @param recorded  the `provenance` of a result  @throws ConfigError naming `file` and the first key in
+/// which the two differ: then what is made now would be another result
+void check_same(const nlohmann::json& recorded, const Provenance& now, const std::string& file);
+
+}  // namespace crossgait

@@ -1,0 +1,11 @@
+// Which Crossgait this is.
+#pragma once
+
+#include <string_view>
+
+namespace crossgait {
+
+/// Of this build, as `crossgait --version` prints it.
+std::string_view crossgait_version() noexcept;
+
+}  // namespace crossgait

@@ -1,0 +1,161 @@
+// Results say how they were made, and can be made again from that alone.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/study/version.h"
+#include "crossgait/tests/apps/run_program.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+std::string two_engines() { return available_engines().front() + "," + available_engines().back(); }
+
+struct Command {
+  std::string name, arguments;
+};
+
+std::vector<Command> commands() {
+  std::vector<Command> all{
+      {"walk", "walk --terrain rough --seed 7 --seconds .3 --set step_length=.07 --command .1,-.01,.2"},
+      {"walk_automatic", "walk --seconds .3 --gait auto --speed -.05 --ends fell,collapsed"},
+      {"rollout",
+       "rollout --policy random --baseline --episodes 2 --episode-seconds .2 --seed 5 --workers 2"},
+      {"transfer", "transfer --episodes 1 --episode-seconds .1 --terrains 'flat;stairs:rise=.005,run=.1'"},
+      {"tune", "tune --iterations 1 --population 4 --terrains 1 --unseen 0 --episode-seconds .1"},
+      {"gait", "gait --seconds .1"},
+      {"ik", "ik --target -.01,.02,-.07"},
+      {"robots", "robots scara_quadruped"},
+      {"terrain", "terrain rough --seed 3 --sample -.1,.2"},
+      {"env", "env --adapt step_length,step_height"},
+  };
+  if (available_engines().size() > 1) {
+    all.push_back({"compare", "compare --seconds .3 --terrain waves --friction .4"});
+    all.push_back({"verdict", "verdict --seconds .2 --settle .1 --starts 4 --engines " + two_engines()});
+    all.push_back({"verdict_policy", "verdict --policy zero --seconds .2 --settle .1 --starts 4"});
+  }
+  return all;
+}
+
+class Rerun : public testing::TestWithParam<Command> {};
+
+TEST_P(Rerun, GivesTheSameBits) {
+  const std::string first = "rerun_" + GetParam().name + ".json",
+                    second = "rerun_again_" + GetParam().name + ".json";
+  ASSERT_EQ(run_program(GetParam().arguments + " --json " + first).exit_code, 0);
+  const ProgramResult again = run_program("rerun " + first + " --json " + second);
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.err.find("the same result"), std::string::npos) << again.err;
+  const json one = json::parse(read_file(first)), two = json::parse(read_file(second));
+  EXPECT_EQ(without_times(one), without_times(two));
+  EXPECT_EQ(one["provenance"]["crossgait"], crossgait_version());
+  EXPECT_EQ(one["provenance"]["hash"].get<std::string>().size(), 16U);
+  fs::remove(first);
+  fs::remove(second);
+}
+
+INSTANTIATE_TEST_SUITE_P(Commands, Rerun, testing::ValuesIn(commands()),
+                         [](const auto& test) { return test.param.name; });
+
+// A walk, and what it says of itself.
+class Provenances : public testing::Test {
+ protected:
+  void SetUp() override {
+    file_ =
+        std::string("provenance_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".json";
+    write_file(kTerrain, "0,0\n0,.001\n");
+    ASSERT_EQ(run_program("walk --seconds .1 --terrain " + kTerrain + " --json " + file_).exit_code, 0);
+    result_ = json::parse(read_file(file_));
+  }
+  void TearDown() override {
+    fs::remove(file_);
+    fs::remove(kTerrain);
+  }
+  void expect_refused(const json& changed, const std::vector<std::string>& words) {
+    write_file(file_, changed.dump());
+    expect_bad_input("rerun " + file_, words);
+  }
+
+  const std::string kTerrain =
+      std::string("provenance_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
+  std::string file_;
+  json result_;
+};
+
+TEST_F(Provenances, HoldWhatTheWalkWasMadeOf) {
+  const json& p = result_["provenance"];
+  EXPECT_EQ(p["command"], "walk");
+  EXPECT_EQ(p["engines"][0]["name"], available_engines().front());
+  EXPECT_EQ(p["engines"][0]["version"], find_engine(available_engines().front()).info.version);
+  EXPECT_TRUE(p["files"].contains(kTerrain));
+  const json& walk = p["behaviour"];
+  EXPECT_EQ(walk["robot"]["name"], "scara_quadruped");
+  for (const char* key : {"terrain", "terrain_seed", "friction", "physics_dt", "control_dt", "gait",
+                          "parameters", "seconds", "settle_seconds", "ends", "compensation"}) {
+    EXPECT_TRUE(walk.contains(key)) << key;
+  }
+}
+
+TEST_F(Provenances, OfGroundsAndGaitsHoldSeedsAndParameters) {
+  const json ground = run_json("terrain rough")["provenance"];
+  EXPECT_EQ(ground["seed"], 0);
+  EXPECT_EQ(ground["terrains"], json::array({"rough"}));
+  for (const char* command : {"gait --gait walk", "workspace --gait walk"}) {
+    const json walk = run_json(command)["provenance"];
+    EXPECT_EQ(walk["behaviour"]["gait"], "walk") << command;
+    EXPECT_TRUE(walk["behaviour"]["parameters"].contains("step_length")) << command;
+    EXPECT_EQ(walk["robot"]["name"], "scara_quadruped") << command;
+  }
+}
+
+TEST_F(Provenances, DoNotHangOnWhereResultsGoOrOnThreads) {
+  const std::string arguments = "rollout --episodes 2 --episode-seconds .1";
+  EXPECT_EQ(run_json(arguments + " --workers 1 --trace provenance_trace.csv")["provenance"],
+            run_json(arguments + " --workers 2")["provenance"]);
+  fs::remove("provenance_trace.csv");
+}
+
+TEST_F(Provenances, RefuseWhatIsNoLongerThere) {
+  json changed = result_;
+  changed["provenance"]["crossgait"] = "0.0.1";
+  expect_refused(changed, {file_, "provenance.crossgait", "0.0.1", std::string(crossgait_version())});
+  changed = result_;
+  changed["provenance"]["engines"][0]["version"] = "0.1";
+  expect_refused(changed, {"provenance.engines.0.version", "0.1"});
+  changed = result_;
+  changed["provenance"]["behaviour"]["parameters"]["step_length"] = 1;
+  expect_refused(changed, {"provenance.behaviour.parameters.step_length"});
+  changed.erase("provenance");
+  expect_refused(changed, {file_, "provenance"});
+  expect_refused(json(3), {file_});
+  write_file(file_, result_.dump());
+  EXPECT_EQ(run_program("rerun " + file_).exit_code, 0);
+  write_file(kTerrain, "0,0\n0,.002\n");
+  expect_bad_input("rerun " + file_, {"provenance.", kTerrain});
+}
+
+TEST_F(Provenances, SayWhereAResultCameOutOtherwise) {
+  json changed = result_;
+  changed["distance_m"] = 3.0;
+  write_file(file_, changed.dump());
+  const ProgramResult again = run_program("rerun " + file_);
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_NE(again.err.find("distance_m"), std::string::npos) << again.err;
+}
+
+TEST(RerunBadInput, NamesTheFile) {
+  expect_bad_input("rerun", {"result"});
+  expect_bad_input("rerun rerun_nowhere.json", {"rerun_nowhere.json"});
+  write_file("rerun_of_rerun.json",
+             R"({"provenance": {"command": "rerun", "arguments": ["rerun_of_rerun.json"]}})");
+  expect_bad_input("rerun rerun_of_rerun.json", {"rerun_of_rerun.json", "another command"});
+  fs::remove("rerun_of_rerun.json");
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,95 @@
+// Walks in step are the walks alone, and comparing them as they go is comparing their traces.
+#include "crossgait/parity/comparison.h"
+
+#include <bit>
+
+#include <gtest/gtest.h>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/env/gait_source.h"
+#include "crossgait/physics/data_path.h"
+#include "crossgait/tests/support/motion_bits.h"
+
+namespace crossgait {
+namespace {
+
+WorldSpec rough() {
+  WorldSpec spec;
+  spec.robot = std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped")));
+  spec.terrain = make_terrain("rough", 3);
+  return spec;
+}
+
+WalkSetup trot(double seconds) {
+  WalkSetup setup;
+  setup.gait = "trot";
+  setup.make_source = [](std::shared_ptr<const RobotDescription> robot) {
+    return make_gait_source(choose_gait("trot", {}), std::move(robot));
+  };
+  setup.timing.seconds = seconds;
+  return setup;
+}
+
+std::vector<std::unique_ptr<PhysicsBackend>> worlds(const WorldSpec& spec) {
+  std::vector<std::unique_ptr<PhysicsBackend>> all;
+  for (const std::string& engine : available_engines()) all.push_back(find_engine(engine).make(spec));
+  return all;
+}
+
+void expect_same_bits(double a, double b) {
+  EXPECT_EQ(std::bit_cast<std::uint64_t>(a), std::bit_cast<std::uint64_t>(b)) << a << " and " << b;
+}
+
+TEST(WalksInStep, AreTheWalksAloneAndComparedLikeTheirTraces) {
+  const WalkSetup setup = trot(0.6);
+  std::vector<Trace> alone(available_engines().size()), together = alone;
+  std::vector<WalkRun> runs;
+  const auto single = worlds(rough());
+  for (std::size_t i = 0; i < single.size(); ++i) {
+    runs.push_back(record_walk(*single[i], setup, {}, [&alone, i](std::size_t, const TraceSample& sample) {
+      alone[i].push_back(sample);
+    }));
+  }
+  const Comparison comparison =
+      compare_engines(worlds(rough()), setup, {}, {},
+                      [&](std::size_t run, const TraceSample& sample) { together[run].push_back(sample); });
+  ASSERT_EQ(comparison.runs.size(), alone.size());
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    EXPECT_EQ(differences(comparison.runs[i].summary, runs[i].summary), "");
+    ASSERT_EQ(alone[i].size(), 300U);
+    ASSERT_EQ(together[i].size(), alone[i].size());
+    for (std::size_t k = 0; k < alone[i].size(); ++k)
+      EXPECT_TRUE(identical(alone[i][k], together[i][k])) << k;
+  }
+  std::size_t pair = 0;
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    for (std::size_t k = i + 1; k < alone.size(); ++k, ++pair) {
+      const PairDifference& p = comparison.pairs.at(pair);
+      const PairDifference whole = compare_traces(alone[i], alone[k], p.tolerances);
+      expect_same_bits(p.max_position_difference_m, whole.max_position_difference_m);
+      expect_same_bits(p.max_joint_difference_rad, whole.max_joint_difference_rad);
+      expect_same_bits(p.max_attitude_difference_rad, whole.max_attitude_difference_rad);
+      ASSERT_EQ(p.first_divergence.has_value(), whole.first_divergence.has_value());
+      if (whole.first_divergence)
+        expect_same_bits(p.first_divergence->time_s, whole.first_divergence->time_s);
+      EXPECT_EQ(p.same_laws, runs[i].engine.laws == runs[k].engine.laws);
+    }
+  }
+}
+
+TEST(InterruptedWalks, AreWhatWasWalked) {
+  const WalkSetup setup = trot(10);
+  const Progress stop = [](double share) {
+    if (share >= 0.02) throw Interrupted();  // 100 of 5000 control steps
+  };
+  const auto all = worlds(rough());
+  const WalkRun run = record_walk(*all.front(), setup, stop);
+  EXPECT_TRUE(run.interrupted);
+  EXPECT_NEAR(run.summary.simulated_seconds, 0.2, 1e-9);
+  const Comparison comparison = compare_engines(worlds(rough()), setup, {}, stop);
+  EXPECT_TRUE(comparison.interrupted);
+  for (const WalkRun& one : comparison.runs) EXPECT_NEAR(one.summary.simulated_seconds, 0.2, 1e-9);
+}
+
+}  // namespace
+}  // namespace crossgait

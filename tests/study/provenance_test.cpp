@@ -1,0 +1,71 @@
+// Provenances are compared key by key.
+#include "crossgait/study/provenance.h"
+
+#include <gtest/gtest.h>
+
+#include "crossgait/physics/error.h"
+
+namespace crossgait {
+namespace {
+
+Provenance walk_of_bullet() {
+  Provenance p;
+  p.command = "walk";
+  p.arguments = {"--seed=3"};
+  p.files = {{"ground.csv", "0011"}};
+  EngineInfo engine;
+  engine.name = "bullet";
+  engine.engine = "Bullet";
+  engine.version = "3.24";
+  p.engines = {engine};
+  p.subject = {{"seed", 3}};
+  return p;
+}
+
+nlohmann::json stored(const Provenance& p) { return nlohmann::json::parse(to_json(p).dump()); }
+
+TEST(Provenances, AreTheSameAsThemselves) {
+  check_same(stored(walk_of_bullet()), walk_of_bullet(), "r.json");
+  const nlohmann::json result{{"provenance", stored(walk_of_bullet())}};
+  EXPECT_EQ(command_of(result, "r.json"), (std::vector<std::string>{"walk", "--seed=3"}));
+}
+
+TEST(Provenances, NameWhatDiffers) {
+  const nlohmann::json before = stored(walk_of_bullet());
+  const auto expect_named = [&before](const Provenance& now, const std::string& place) {
+    EXPECT_NE(stored(now)["hash"], before["hash"]) << place;
+    try {
+      check_same(before, now, "r.json");
+      FAIL() << place;
+    } catch (const ConfigError& error) {
+      EXPECT_EQ(error.source(), "r.json");
+      EXPECT_EQ(error.element(), place);
+    }
+  };
+  Provenance p = walk_of_bullet();
+  p.engines[0].version = "3.25";
+  expect_named(p, "provenance.engines.0.version");
+  p = walk_of_bullet();
+  p.files["ground.csv"] = "0012";
+  expect_named(p, "provenance.files.ground.csv");
+  p = walk_of_bullet();
+  p.files["other.csv"] = "0012";
+  expect_named(p, "provenance.files.other.csv");
+  p = walk_of_bullet();
+  p.arguments.clear();
+  expect_named(p, "provenance.arguments");
+  p = walk_of_bullet();
+  p.crossgait = "9";
+  expect_named(p, "provenance.crossgait");
+  p = walk_of_bullet();
+  p.subject["seed"] = 4;
+  expect_named(p, "provenance.seed");
+}
+
+TEST(Provenances, AreMissedWhereThereIsNone) {
+  EXPECT_THROW((void)command_of({{"distance_m", 1}}, "r.json"), ConfigError);
+  EXPECT_THROW((void)command_of(3, "r.json"), ConfigError);
+}
+
+}  // namespace
+}  // namespace crossgait
