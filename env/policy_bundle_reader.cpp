@@ -89,7 +89,7 @@ class Reader {
 
   std::vector<std::string> names(const std::string& key) {
     const std::string found = text(key);
-    check_json_budget(found, kPolicyBudget, path_);
+    check_json_budget(found, kPolicyBudget, fmt::format("{}: {}", path_, key));
     const nlohmann::json list = nlohmann::json::parse(found, nullptr, false);
     const auto is_text = [](const nlohmann::json& item) { return item.is_string(); };
     if (!list.is_array() || list.empty() || !std::all_of(list.begin(), list.end(), is_text)) {

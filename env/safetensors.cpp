@@ -114,7 +114,7 @@ class Reader {
     };
     if (!header_.starts_with('{')) fail("header", "a JSON object", "something else");
     // To the parser a zero byte is the end of the text, whatever comes behind.
-    check_json_budget(header_, kPolicyBudget, source_);
+    check_json_budget(header_, kPolicyBudget, source_ + ": header");
     if (header_.find('\0') != std::string_view::npos) fail("header", "valid JSON", "a zero byte");
     try {
       return ordered_json::parse(header_, check);

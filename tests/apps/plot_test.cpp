@@ -214,6 +214,13 @@ TEST(PlotBadInput, NamesTheOption) {
   expect_bad_input("workspace --robot nobody", {"nobody"});
   expect_bad_input("plot", {"trace"});
   expect_bad_input("plot missing.csv --out plot.svg", {"missing.csv"});
+  write_file("plot_wide.csv", std::string(5000, ','));
+  expect_bad_input("plot plot_wide.csv --out plot.svg", {"plot_wide.csv", "at most 4096 columns"});
+  write_file("plot_long.csv", "time,a\n" + std::string(4000001, '\n'));
+  expect_bad_input("plot plot_long.csv --out plot.svg", {"plot_long.csv", "at most 8000000 cells"});
+  write_file("plot_name.csv", "time," + std::string(2 << 20, 'a') + "\n");
+  expect_bad_input("plot plot_name.csv --out plot.svg", {"plot_name.csv", "line 1", "at most 1 MiB"});
+  for (const char* file : {"plot_wide.csv", "plot_long.csv", "plot_name.csv"}) std::filesystem::remove(file);
   expect_bad_input("plot missing.csv --out plot.bmp", {"--out", "plot.bmp"});
   expect_bad_input("plot missing.csv --out plot.svg --what wings", {"--what", "wings", "feet"});
 }

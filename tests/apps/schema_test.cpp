@@ -61,6 +61,7 @@ std::vector<Case> cases() {
       {"terrain", "terrain --list"},
       {"terrain", "terrain rough --sample .1,.2 --ring 0,0,1"},
       {"terrain", "terrain flat"},
+      {"terrain", "terrain " CROSSGAIT_SOURCE_DIR "/models/terrains/bumps.png:z_max=.1"},
       {"ik", "ik --target .01,.02,-.07"},
       {"ik", "ik --target .01,.02,-.7"},
       {"gait", "gait --list"},

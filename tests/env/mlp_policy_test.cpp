@@ -246,6 +246,9 @@ TEST_F(MlpPolicyTest, RefusesWrongShapesAndNumbers) {
             "layer.2.weight: expected shape [4, 4], found [3, 4]");
   EXPECT_EQ(error_after(shaped("golden.observation", {0, 4})),
             "golden.observation: expected shape [n, 4], found [0, 4]");
+  // Every row runs the network when the bundle is read.
+  EXPECT_EQ(error_after(shaped("golden.observation", {257, 4})),
+            "golden.observation: expected at most 256 rows, found 257");
   EXPECT_EQ(error_after(shaped("golden.action", {7, 4})),
             "golden.action: expected shape [8, 4], found [7, 4]");
   EXPECT_EQ(error_after([](TensorFile& file) {
