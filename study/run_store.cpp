@@ -59,6 +59,10 @@ std::optional<RunResult> RunStore::find(const RunSpec& run) const {
 }
 
 void RunStore::add(const RunSpec& run, const RunResult& result) {
+  if (result.names.size() != result.values.size()) {
+    throw ConfigError(path_, "result", fmt::format("{} numbers, one per name", result.names.size()),
+                      fmt::format("{}", result.values.size()));
+  }
   // Once: it reads robot, terrain and policy.
   const nlohmann::json spec = to_json(run);
   const std::string hash = fnv1a_hex(spec.dump());

@@ -22,7 +22,8 @@ class RunStore {
 
   std::size_t size() const;
   std::optional<RunResult> find(const RunSpec& run) const;
-  /// Appends it. May be called from several threads. @throws ConfigError if it cannot be written
+  /// Appends it. May be called from several threads. @throws ConfigError if it cannot be written, or
+  /// names and values differ in number
   void add(const RunSpec& run, const RunResult& result);
 
  private:

@@ -97,8 +97,20 @@ TEST_F(StoredRuns, AreFoundByWhatTheyAre) {
   // Other numbers of the same run are other runs' business.
   Behaviour more = behaviour();
   more.statistics.push_back({"one more", "-", 0, 0.1});
+  more.run = [run = more.run](const Engine& e, const Variation& variation, std::size_t start) {
+    std::vector<double> values = run(e, variation, start);
+    values.push_back(1);
+    return values;
+  };
   with_store(more, spec(), store).run(engine("one"), {}, 0);
   EXPECT_EQ(made_, 7);
+}
+
+TEST_F(StoredRuns, HaveOneNumberPerName) {
+  RunStore store(file());
+  EXPECT_THROW(store.add(run_of(0), {{"distance", "cost"}, {1}}), ConfigError);
+  EXPECT_THROW(store.add(run_of(0), {{"distance"}, {1, 2}}), ConfigError);
+  EXPECT_EQ(store.size(), 0U);
 }
 
 TEST_F(StoredRuns, ALineThatWasCutOffIsMadeAgain) {
