@@ -242,8 +242,6 @@ void EnvConfig::validate(std::string_view source) const {
   require_multiple(source, "policy_dt", policy_dt, control_dt);
   require(episode_seconds >= policy_dt && episode_seconds <= 1e6, source, "episode_seconds",
           "at least one policy step and at most 1e6 s", episode_seconds);
-  require(episode_seconds / physics_dt < std::numeric_limits<int>::max(), source, "physics_dt",
-          "a time step of which fewer than 2^31 make an episode", physics_dt);
   require(settle_seconds >= 0 && settle_seconds <= 1e3, source, "settle_seconds", "0 to 1e3 s",
           settle_seconds);
   require(tilt_limit_deg > 0 && tilt_limit_deg <= 180, source, "tilt_limit_deg",
@@ -253,6 +251,8 @@ void EnvConfig::validate(std::string_view source) const {
           residual_scale);
   require(episode_seconds / policy_dt <= kMostSteps, source, "episode_seconds",
           fmt::format("at most {:g} policy steps", kMostSteps), episode_seconds);
+  require(episode_seconds / physics_dt < std::numeric_limits<int>::max(), source, "physics_dt",
+          "a time step of which fewer than 2^31 make an episode", physics_dt);
   require(policy_dt / physics_dt <= kMostSteps, source, "policy_dt",
           fmt::format("at most {:g} physics steps", kMostSteps), policy_dt);
   crossgait::validate(parameters, source);

@@ -92,6 +92,7 @@ TEST(EnvConfig, ErrorsNameTheLineTheExpectedAndTheFound) {
       {"friction: 1e9\n", {"line 1, friction", "[0, 10]"}},
       {"policy_dt: 1e-5\ncontrol_dt: 1e-5\nphysics_dt: 1e-5\nepisode_seconds: 1e5\n",
        {"line 4, episode_seconds", "1e+09 policy steps"}},
+      {"episode_seconds: 1e6\nphysics_dt: 1e-4\n", {"line 2, physics_dt", "2^31"}},
       {"adapt: [step_height, girth]\n", {"adapt", "girth"}},
       {"observation: [smell]\n", {"base_position", "smell"}},
       {"observation: [phase, phase]\n", {"every block once", "phase twice"}},
