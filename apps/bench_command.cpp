@@ -37,10 +37,10 @@ Provenance provenance_of(const BenchCommand& options) {
   if (!options.from.empty()) return options.json.provenance();  // it says itself what it was measured with
   const std::vector<std::string> engines =
       options.bench.backends.empty() ? available_engines() : options.bench.backends;
-  Ingredients ingredients = of_robot("scara_quadruped");
-  ingredients.engines = engines;
-  ingredients.chosen["--engines"] = engines;
-  return options.json.provenance(ingredients);
+  ResultInputs inputs = of_robot("scara_quadruped");
+  inputs.engines = engines;
+  inputs.chosen["--engines"] = engines;
+  return options.json.provenance(inputs);
 }
 
 void run(const BenchCommand& options) {

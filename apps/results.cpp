@@ -48,11 +48,11 @@ bool makes_the_result(const CLI::Option& option) {
 }
 
 // As they can be typed again: "--name=value" for each value, since values may begin with a dash.
-std::vector<std::string> arguments_of(const CLI::App& command, const Ingredients& ingredients) {
+std::vector<std::string> arguments_of(const CLI::App& command, const ResultInputs& inputs) {
   std::vector<std::string> arguments;
   for (const CLI::Option* option : command.get_options()) {
-    const auto chosen = ingredients.chosen.find(option->get_name());
-    if (option->count() == 0 && chosen != ingredients.chosen.end()) {
+    const auto chosen = inputs.chosen.find(option->get_name());
+    if (option->count() == 0 && chosen != inputs.chosen.end()) {
       for (const std::string& value : chosen->second)
         arguments.push_back(fmt::format("{}={}", long_name(*option), value));
     }
@@ -126,22 +126,21 @@ void check_outputs(const CLI::App& command) {
   }
 }
 
-Ingredients of_robot(const std::string& name_or_file) {
-  Ingredients ingredients;
-  ingredients.subject["robot"] = identity_of_robot(name_or_file);
-  return ingredients;
+ResultInputs of_robot(const std::string& name_or_file) {
+  ResultInputs inputs;
+  inputs.subject["robot"] = identity_of_robot(name_or_file);
+  return inputs;
 }
 
-Ingredients of_gait(const std::string& robot, const GaitChoice& gait) {
+ResultInputs of_gait(const std::string& robot, const GaitChoice& gait) {
   WalkConfig walk;
   walk.robot = robot;
   walk.gait = gait;
   const Json behaviour = to_json(BehaviourSpec{walk, {}, 0}).at("behaviour");
-  Ingredients ingredients;
-  ingredients.subject["robot"] = behaviour.at("robot");
-  ingredients.subject["behaviour"] = {{"gait", behaviour.at("gait")},
-                                      {"parameters", behaviour.at("parameters")}};
-  return ingredients;
+  ResultInputs inputs;
+  inputs.subject["robot"] = behaviour.at("robot");
+  inputs.subject["behaviour"] = {{"gait", behaviour.at("gait")}, {"parameters", behaviour.at("parameters")}};
+  return inputs;
 }
 
 void JsonOption::add_to(CLI::App& command) {
@@ -150,13 +149,13 @@ void JsonOption::add_to(CLI::App& command) {
       ->type_name("FILE|-");
 }
 
-Provenance JsonOption::provenance(const Ingredients& ingredients) const {
+Provenance JsonOption::provenance(const ResultInputs& inputs) const {
   Provenance p;
   p.command = command_->get_name();
-  p.arguments = arguments_of(*command_, ingredients);
+  p.arguments = arguments_of(*command_, inputs);
   p.files = files_of(*command_);
-  for (const std::string& engine : ingredients.engines) p.engines.push_back(find_engine(engine).info);
-  p.subject = ingredients.subject;
+  for (const std::string& engine : inputs.engines) p.engines.push_back(find_engine(engine).info);
+  p.subject = inputs.subject;
   if (recorded_result) check_same(recorded_result->result.at("provenance"), p, recorded_result->file);
   return p;
 }

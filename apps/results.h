@@ -36,7 +36,7 @@ void on_run(CLI::App& command, Run run) {
 }
 
 /// What a command knows of its result beside what its options say.
-struct Ingredients {
+struct ResultInputs {
   nlohmann::json subject;            ///< Provenance::subject
   std::vector<std::string> engines;  ///< by name
   /// Values that the command chose for options that were not given.
@@ -44,10 +44,10 @@ struct Ingredients {
 };
 
 /// Of a result that is of a robot alone. @throws ConfigError
-Ingredients of_robot(const std::string& name_or_file);
+ResultInputs of_robot(const std::string& name_or_file);
 
 /// Of a robot and a gait with all its parameters. @throws ConfigError
-Ingredients of_gait(const std::string& robot, const GaitChoice& gait);
+ResultInputs of_gait(const std::string& robot, const GaitChoice& gait);
 
 /// `--json FILE|-`. With "-" the JSON is all that is written to standard output.
 struct JsonOption {
@@ -57,7 +57,7 @@ struct JsonOption {
   bool to_stdout() const { return path == "-"; }
   /// To be called before anything long, and before files change. @throws ConfigError if the result that is to
   /// be made again (`crossgait rerun`) was made of something else, or an engine is not there
-  Provenance provenance(const Ingredients& ingredients = {}) const;
+  Provenance provenance(const ResultInputs& inputs = {}) const;
   /// Writes `json` with its provenance where it was asked for, then prints `text` unless JSON goes to
   /// standard output.
   /// @throws ConfigError if the file cannot be written

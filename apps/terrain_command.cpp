@@ -148,9 +148,9 @@ void run(const TerrainCommand& options) {
   sample_ring_of(options, terrain, text, result);
   if (!options.png.empty()) write_png(*field, options.png);
   if (!options.csv.empty()) write_csv(*field, options.csv);
-  Ingredients ingredients;
-  ingredients.subject = {{"terrains", {terrain.name()}}, {"seed", options.seed}};
-  options.json.emit(text, with_schema("terrain", result), options.json.provenance(ingredients));
+  ResultInputs inputs;
+  inputs.subject = {{"terrains", {terrain.name()}}, {"seed", options.seed}};
+  options.json.emit(text, with_schema("terrain", result), options.json.provenance(inputs));
 }
 
 }  // namespace
