@@ -87,7 +87,7 @@ class TreeBuilder {
     if (link.parent_joint) body.joint = read_joint(*link.parent_joint);
     robot_.bodies.push_back(std::move(body));
     std::vector<PendingChild> children;
-    merge_link(link, index, Pose::Identity(), children);
+    merge_links(link, index, children);
     if (robot_.bodies[static_cast<std::size_t>(index)].inertia.mass == 0) {
       throw ConfigError(path_, fmt::format("link '{}'", link.name), "an <inertial> element on a moving link",
                         "none");
@@ -98,21 +98,30 @@ class TreeBuilder {
   struct PendingChild {
     const urdf::Link* link;
     Pose X_PB;
+    bool moves;  ///< against its parent
   };
 
   /// Adds a link and what is fixed to it to a body; links that move against it are appended to `children`.
-  void merge_link(const urdf::Link& link, int index, const Pose& X_BL, std::vector<PendingChild>& children) {
+  /// Depth first, in the file's order, but not by recursion: a thousand links in a chain are a deep stack.
+  void merge_links(const urdf::Link& first, int index, std::vector<PendingChild>& children) {
     Body& body = robot_.bodies[static_cast<std::size_t>(index)];
-    if (link.inertial) body.inertia = combine(body.inertia, read_inertia(link, X_BL));
-    robot_.links[link.name] = {index, X_BL, add_shapes(link, X_BL, body)};
-    for (const urdf::JointSharedPtr& joint : link.child_joints) {
-      const auto child = std::find_if(link.child_links.begin(), link.child_links.end(),
-                                      [&](const auto& l) { return l->name == joint->child_link_name; });
-      const Pose X_BC = X_BL * to_pose(joint->parent_to_joint_origin_transform);
-      if (joint->type == urdf::Joint::FIXED) {
-        merge_link(**child, index, X_BC, children);
-      } else {
-        children.push_back({child->get(), X_BC});
+    std::vector<PendingChild> waiting{{&first, Pose::Identity(), false}};
+    while (!waiting.empty()) {
+      const PendingChild next = waiting.back();
+      waiting.pop_back();
+      if (next.moves) {
+        children.push_back(next);
+        continue;
+      }
+      const urdf::Link& link = *next.link;
+      if (link.inertial) body.inertia = combine(body.inertia, read_inertia(link, next.X_PB));
+      robot_.links[link.name] = {index, next.X_PB, add_shapes(link, next.X_PB, body)};
+      for (auto joint = link.child_joints.rbegin(); joint != link.child_joints.rend(); ++joint) {
+        const urdf::Joint& j = **joint;
+        const auto child = std::find_if(link.child_links.begin(), link.child_links.end(),
+                                        [&](const auto& l) { return l->name == j.child_link_name; });
+        waiting.push_back({child->get(), next.X_PB * to_pose(j.parent_to_joint_origin_transform),
+                           j.type != urdf::Joint::FIXED});
       }
     }
   }

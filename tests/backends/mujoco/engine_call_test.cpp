@@ -87,8 +87,9 @@ TEST(MujocoErrors, AtConstructionAreExceptionsInMujocosWords) {
 TEST(MujocoErrors, LongOnesAreCut) {
   ErrorText text{};
   const CalledFor nobody{nullptr, nullptr};
+  const std::string long_words(1000, 'x');  // out here: what an error jumps over is not destroyed
   EXPECT_FALSE(try_in_mujoco(
-      nobody, [] { mju_error(std::string(1000, 'x').c_str()); }, &text));
+      nobody, [words = long_words.c_str()] { mju_error(words); }, &text));
   EXPECT_EQ(std::string(text.data()), std::string(text.size() - 1, 'x'));
   EXPECT_TRUE(try_in_mujoco(nobody, [] {}));
 }
