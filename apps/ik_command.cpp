@@ -8,6 +8,7 @@
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/math.h"
 
 namespace crossgait::apps {
 namespace {
@@ -37,7 +38,7 @@ void run(const IkCommand& options) {
 
   Table table({fmt::format("{} of {}, mode {}", options.leg, robot.name, options.mode), "rad", "deg"});
   const auto angle = [&table](const char* label, double value) {
-    table.add_row({label, fmt::format("{:.9f}", value), fmt::format("{:.4f}", value * 180 / M_PI)});
+    table.add_row({label, fmt::format("{:.9f}", value), fmt::format("{:.4f}", value * kDegreesPerRadian)});
   };
   angle("tilt", q.tilt);
   angle("shoulder_left", q.shoulder_left);

@@ -22,7 +22,7 @@ struct RolloutCommand {
   JsonOption json;
 };
 
-std::string how_far(const Rollout& rollout, std::size_t asked) {
+std::string episodes_done(const Rollout& rollout, std::size_t asked) {
   std::size_t done = 0;
   for (const PolicyEpisodes& run : rollout.policies) done += run.episodes.size();
   return fmt::format("{} of {} are finished, and written as asked", done, counted(asked, "episode"));
@@ -47,7 +47,7 @@ void run(const RolloutCommand& options) {
     trace.finish();
   }
   options.json.emit(describe(rollout), to_json(rollout), provenance);
-  if (rollout.interrupted) throw EndedEarly(how_far(rollout, policies.size() * options.runs.episodes));
+  if (rollout.interrupted) throw EndedEarly(episodes_done(rollout, policies.size() * options.runs.episodes));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/math.h"
 #include "crossgait/physics/terrain.h"
 
 namespace crossgait::apps {
@@ -69,7 +70,8 @@ Statistics statistics(const HeightField& field) {
     }
   }
   const double mean = sum / count;
-  return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean)), std::acos(flattest) * 180 / M_PI};
+  return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean)),
+          std::acos(flattest) * kDegreesPerRadian};
 }
 
 void describe_field(const HeightField& field, Table& table, ordered_json& result) {

@@ -7,12 +7,13 @@
 
 #include "crossgait/gait/parameters.h"
 #include "crossgait/ik/geometry.h"
+#include "crossgait/physics/math.h"
 #include "crossgait/physics/multibody.h"
 
 namespace crossgait::apps {
 namespace {
 
-constexpr double kToDegrees = 180 / M_PI, kToMillimetres = 1e3;
+constexpr double kToMillimetres = 1e3;
 constexpr const char* kTime = "time, s";
 constexpr std::string_view kParameter = "param.";
 constexpr std::size_t kParametersPerRow = 3;
@@ -71,8 +72,8 @@ BaseMotion base_motion(const TraceTable& trace) {
     const Quaternion q(trace.column("q_WB.w")[row], trace.column("q_WB.x")[row], trace.column("q_WB.y")[row],
                        trace.column("q_WB.z")[row]);
     const Vector3 rpy = roll_pitch_yaw(q);
-    motion.roll.push_back(kToDegrees * rpy.x());
-    motion.pitch.push_back(kToDegrees * rpy.y());
+    motion.roll.push_back(kDegreesPerRadian * rpy.x());
+    motion.pitch.push_back(kDegreesPerRadian * rpy.y());
     const Vector3 v = vector_at(trace, "v_WB", row);
     const double c = std::cos(rpy.z()), s = std::sin(rpy.z());
     motion.forward.push_back(c * v.x() + s * v.y());
@@ -149,7 +150,7 @@ std::vector<Figure::Row> attitude_rows(const TraceTable& trace) {
   speed.series.push_back(over_time(trace, "forward", motion.forward, 0));
   speed.series.push_back(over_time(trace, "left", motion.left, 1));
   Panel turn = time_panel("Yaw rate of the base", "w_WB.z, deg/s");
-  turn.series.push_back(over_time(trace, "", scaled(trace.column("w_WB.z"), kToDegrees), 0));
+  turn.series.push_back(over_time(trace, "", scaled(trace.column("w_WB.z"), kDegreesPerRadian), 0));
   return {{{std::move(height), std::move(tilt)}}, {{std::move(speed), std::move(turn)}}};
 }
 
@@ -165,8 +166,10 @@ std::vector<Figure::Row> joint_rows(const TraceTable& trace, const RobotDescript
     for (int i = 0; i < 3; ++i) {
       const auto& [label, joint] = servos[static_cast<std::size_t>(i)];
       const std::string& joint_name = robot.joint(joint).name;
-      panel.series.push_back(over_time(trace, label, scaled(trace.column("q." + joint_name), kToDegrees), i));
-      panel.series.push_back(over_time(trace, "", scaled(trace.column("target." + joint_name), kToDegrees), i,
+      panel.series.push_back(
+          over_time(trace, label, scaled(trace.column("q." + joint_name), kDegreesPerRadian), i));
+      panel.series.push_back(over_time(trace, "",
+                                       scaled(trace.column("target." + joint_name), kDegreesPerRadian), i,
                                        Series::Style::kDashed));
     }
     // One entry of the legend for all three: a curve of a single point.

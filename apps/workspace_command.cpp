@@ -14,13 +14,14 @@
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/math.h"
 
 namespace crossgait::apps {
 namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kDegrees = 180 / M_PI, kMillimetres = 1e3;
+constexpr double kMillimetres = 1e3;
 constexpr std::array<int, 3> kGrid{61, 61, 61};  // of the reachable fraction
 constexpr int kShades = 201;                     // grid points along the longer side of a picture
 constexpr int kPathPoints = 400;
@@ -151,8 +152,9 @@ std::string describe(const Report& r) {
   const RequiredMargins required;
   const bool stands = r.standing_sample.status == IkStatus::kOk;
   const auto add_margin = [&](const char* label, double standing, double cycle, double wanted) {
-    margins.add_row({label, stands ? fmt::format("{:.2f}", kDegrees * standing) : "out of reach",
-                     fmt::format("{:.2f}", kDegrees * cycle), fmt::format("{:.2f}", kDegrees * wanted)});
+    margins.add_row({label, stands ? fmt::format("{:.2f}", kDegreesPerRadian * standing) : "out of reach",
+                     fmt::format("{:.2f}", kDegreesPerRadian * cycle),
+                     fmt::format("{:.2f}", kDegreesPerRadian * wanted)});
   };
   const LegMargins& at = r.standing_sample.margins;
   add_margin("to joint limits", at.joint_limit, r.smallest_in_cycle.joint_limit, required.joint_limit);
@@ -227,7 +229,8 @@ Panel slice(const Report& r, int axis) {
       const WorkspaceSample& sample = axis == 0 ? map.at(i, 0, iz) : map.at(0, i, iz);
       const LegMargins& m = sample.margins;
       std::optional<double> shade;
-      if (sample.status == IkStatus::kOk) shade = kDegrees * std::min({m.joint_limit, m.serial, m.parallel});
+      if (sample.status == IkStatus::kOk)
+        shade = kDegreesPerRadian * std::min({m.joint_limit, m.serial, m.parallel});
       panel.shades->values.push_back(shade);
     }
   }

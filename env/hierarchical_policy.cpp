@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "crossgait/env/observation.h"
 #include "crossgait/env/random.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/yaml_reader.h"
@@ -14,8 +15,7 @@
 namespace crossgait {
 namespace {
 
-constexpr std::string_view kDelta = "delta.", kResidual = "residual.";
-constexpr double kRounding = 1e-9;  // relative, of times written as decimals
+constexpr double kTimeRounding = 1e-9;  // relative, of times written as decimals
 
 std::vector<std::size_t> places(const std::string& source, std::string_view element, const Layout& whole,
                                 const Layout& part) {
@@ -34,8 +34,8 @@ std::vector<std::size_t> places(const std::string& source, std::string_view elem
 std::int64_t whole_steps(const std::string& source, double planner_dt, double policy_dt) {
   const double steps = planner_dt / policy_dt;
   constexpr double kMost = 1e9;  // policy steps between plans
-  if (!(steps >= 1 - kRounding && steps <= kMost &&
-        std::abs(steps - std::round(steps)) <= kRounding * steps)) {
+  if (!(steps >= 1 - kTimeRounding && steps <= kMost &&
+        std::abs(steps - std::round(steps)) <= kTimeRounding * steps)) {
     throw ConfigError(source, "planner.dt", fmt::format("a multiple of the policy step, {:g} s", policy_dt),
                       fmt::format("{:g} s", planner_dt));
   }
@@ -97,8 +97,8 @@ HierarchicalPolicy::HierarchicalPolicy(std::string name, const PolicyInterface& 
       return std::count(member.action_at.begin(), member.action_at.end(), i);
     };
     const std::string& entry = interface.action.entries[i].name;
-    const std::int64_t planned = entry.starts_with(kDelta) ? 1 : 0,
-                       fast = entry.starts_with(kResidual) ? 1 : 0;
+    const std::int64_t planned = entry.starts_with(kDeltaPrefix) ? 1 : 0,
+                       fast = entry.starts_with(kResidualPrefix) ? 1 : 0;
     if (planned + fast != 1 || writes(planner_) != planned || writes(residual_) != fast) {
       throw ConfigError(
           this->name(), fmt::format("action {}", entry),
@@ -171,8 +171,8 @@ std::unique_ptr<Policy> make_hierarchical_policy(const YamlValue& root, const Po
   if (const auto hold = root.find("hold_deltas")) options.hold_deltas = hold->boolean();
   return std::make_unique<HierarchicalPolicy>(
       std::filesystem::path(root.source()).filename(), interface,
-      make_member(planner, interface, kDelta, planner_dt),
-      make_member(residual, interface, kResidual, interface.policy_dt), options);
+      make_member(planner, interface, kDeltaPrefix, planner_dt),
+      make_member(residual, interface, kResidualPrefix, interface.policy_dt), options);
 }
 
 }  // namespace crossgait

@@ -6,7 +6,6 @@
 namespace crossgait {
 namespace {
 
-constexpr double kDegrees = 180 / M_PI;
 constexpr double kCornerTime = 0.5;  // s, of the straight pieces that make the path
 // s, between two looks at the loops: each costs three times all else here together, and a loop that opens
 // stays open.
@@ -134,7 +133,7 @@ void MotionStatistics::add_way(const PhysicsBackend& world, const ControlTargets
 }
 
 void MotionStatistics::find_outcomes(const PhysicsBackend& world, double dt) noexcept {
-  const double tilt = t_.roll_pitch_yaw.head<2>().cwiseAbs().maxCoeff() * kDegrees;
+  const double tilt = t_.roll_pitch_yaw.head<2>().cwiseAbs().maxCoeff() * kDegreesPerRadian;
   if (tilt > limits_.tilt_deg) note(Outcome::kFell);
   const bool low =
       t_.height < limits_.low_height * t_.standing_height || t_.other_load > limits_.other_load * t_.weight;
@@ -195,8 +194,8 @@ MotionSummary MotionStatistics::summary(const PhysicsBackend& world) const {
   if (t_.control_steps > 0) {
     const auto n = static_cast<double>(t_.control_steps);
     m.mean_speed_mps = m.distance_m / m.simulated_seconds;
-    m.rms_roll_deg = std::sqrt(t_.roll2 / n) * kDegrees;
-    m.rms_pitch_deg = std::sqrt(t_.pitch2 / n) * kDegrees;
+    m.rms_roll_deg = std::sqrt(t_.roll2 / n) * kDegreesPerRadian;
+    m.rms_pitch_deg = std::sqrt(t_.pitch2 / n) * kDegreesPerRadian;
   }
   double drag = 0;
   int planned = 0;

@@ -216,8 +216,8 @@ std::vector<std::string> standard_observation() {
 Layout action_layout(std::span<const ParameterRow> parameters) {
   Layout layout;
   for (const ParameterRow& row : parameters)
-    add(layout, fmt::format("delta.{}", row.name), delta_unit(row), 1);
-  for (const Leg leg : kLegs) add_vector(layout, fmt::format("residual.{}", name(leg)), "-", 1);
+    add(layout, fmt::format("{}{}", kDeltaPrefix, row.name), delta_unit(row), 1);
+  for (const Leg leg : kLegs) add_vector(layout, fmt::format("{}{}", kResidualPrefix, name(leg)), "-", 1);
   return layout;
 }
 

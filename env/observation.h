@@ -50,6 +50,9 @@ const ObservationBlock& find_observation_block(std::string_view name);
 /// Names of the standard blocks.
 std::vector<std::string> standard_observation();
 
+/// What the names of an action's entries begin with.
+inline constexpr std::string_view kDeltaPrefix = "delta.", kResidualPrefix = "residual.";
+
 /// Deltas of the adapted parameters ("delta.step_height", ...), then residuals ("residual.FL.x", ...), all in
 /// [-1, 1]. Where a parameter's delta scale or range is not the table's, the units of its entries say so: the
 /// numbers mean something else, and so the layout's hash is another.

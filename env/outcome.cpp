@@ -10,7 +10,7 @@
 namespace crossgait {
 namespace {
 
-constexpr std::array<OutcomeRow, kOutcomes> kRows{{
+constexpr std::array<OutcomeRow, kOutcomes> kOutcomeRows{{
     {Outcome::kDiverged, "diverged", "diverged", true},
     {Outcome::kCameApart, "came_apart", "came apart", true},
     {Outcome::kFell, "fell", "fell", true},
@@ -23,13 +23,15 @@ constexpr std::array<OutcomeRow, kOutcomes> kRows{{
 
 }  // namespace
 
-std::span<const OutcomeRow> outcome_rows() { return kRows; }
+std::span<const OutcomeRow> outcome_rows() { return kOutcomeRows; }
 
-std::string_view name(Outcome outcome) noexcept { return kRows[static_cast<std::size_t>(outcome)].name; }
+std::string_view name(Outcome outcome) noexcept {
+  return kOutcomeRows[static_cast<std::size_t>(outcome)].name;
+}
 
 Outcome find_outcome(std::string_view name) {
   std::vector<std::string_view> known;
-  for (const OutcomeRow& row : kRows) {
+  for (const OutcomeRow& row : kOutcomeRows) {
     if (row.name == name) return row.outcome;
     known.push_back(row.name);
   }
@@ -39,7 +41,7 @@ Outcome find_outcome(std::string_view name) {
 
 std::vector<std::string> outcome_names(const OutcomeSet& set) {
   std::vector<std::string> names;
-  for (const OutcomeRow& row : kRows) {
+  for (const OutcomeRow& row : kOutcomeRows) {
     if (set.has(row.outcome)) names.emplace_back(row.name);
   }
   return names;
@@ -47,7 +49,7 @@ std::vector<std::string> outcome_names(const OutcomeSet& set) {
 
 Outcome find_ending_outcome(std::string_view name) {
   const Outcome outcome = find_outcome(name);
-  if (!kRows[static_cast<std::size_t>(outcome)].at_once)
+  if (!kOutcomeRows[static_cast<std::size_t>(outcome)].at_once)
     throw ConfigError("outcome", "ends", "outcomes that are known the moment they happen", std::string(name));
   return outcome;
 }
@@ -60,7 +62,7 @@ OutcomeSet OutcomeSet::that_end(const std::vector<std::string>& names) {
 
 OutcomeSet OutcomeSet::of_episodes() noexcept {
   OutcomeSet set;
-  for (const OutcomeRow& row : kRows) {
+  for (const OutcomeRow& row : kOutcomeRows) {
     if (row.at_once) set.add(row.outcome);
   }
   return set;

@@ -19,9 +19,9 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 Eigen::Index to_index(std::size_t size) { return static_cast<Eigen::Index>(size); }
 
 /// Takes entries out of the file one by one, so that what is left over was not expected.
-class Reader {
+class BundleReader {
  public:
-  explicit Reader(const std::string& path) : path_(path), file_(read_safetensors(path)) {}
+  explicit BundleReader(const std::string& path) : path_(path), file_(read_safetensors(path)) {}
 
   PolicyBundle read() {
     PolicyBundle bundle;
@@ -177,7 +177,7 @@ void check_names(const std::string& path, std::string_view element, const std::v
 
 }  // namespace
 
-PolicyBundle read_policy_bundle(const std::string& path) { return Reader(path).read(); }
+PolicyBundle read_policy_bundle(const std::string& path) { return BundleReader(path).read(); }
 
 void check_interface(const PolicyBundle& bundle, const PolicyInterface& interface, const std::string& path) {
   check_names(path, "observation", interface.observation.names(), bundle.observation_names);

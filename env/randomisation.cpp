@@ -15,7 +15,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 using enum Randomised;
 
-constexpr std::array kRows{
+constexpr std::array kRandomisationRows{
     RandomisationRow{kStartX, "start_x", "m", "start, forward of the origin", 0, -100, 100},
     RandomisationRow{kStartY, "start_y", "m", "start, to the left of the origin", 0, -100, 100},
     RandomisationRow{kStartYaw, "start_yaw", "rad", "heading at the start", 0, -kPi, kPi},
@@ -38,7 +38,7 @@ constexpr std::array kRows{
     RandomisationRow{kPushCount, "push_count", "-", "pushes at most, whole numbers; 0 for no limit", 0, 0,
                      1e6},
 };
-static_assert(kRows.size() == kRandomisations);
+static_assert(kRandomisationRows.size() == kRandomisations);
 
 void scale_mass(Body& body, double factor) {
   body.inertia.mass *= factor;
@@ -47,11 +47,11 @@ void scale_mass(Body& body, double factor) {
 
 }  // namespace
 
-std::span<const RandomisationRow> randomisation_rows() { return kRows; }
+std::span<const RandomisationRow> randomisation_rows() { return kRandomisationRows; }
 
 const RandomisationRow& find_randomisation(std::string_view name) {
   std::vector<std::string_view> known;
-  for (const RandomisationRow& row : kRows) {
+  for (const RandomisationRow& row : kRandomisationRows) {
     if (row.name == name) return row;
     known.push_back(row.name);
   }
@@ -60,11 +60,12 @@ const RandomisationRow& find_randomisation(std::string_view name) {
 }
 
 Randomisation::Randomisation() {
-  for (std::size_t i = 0; i < kRows.size(); ++i) ranges[i] = {kRows[i].neutral, kRows[i].neutral};
+  for (std::size_t i = 0; i < kRandomisationRows.size(); ++i)
+    ranges[i] = {kRandomisationRows[i].neutral, kRandomisationRows[i].neutral};
 }
 
 bool Randomisation::is_on(Randomised what) const {
-  const double neutral = kRows[static_cast<std::size_t>(what)].neutral;
+  const double neutral = kRandomisationRows[static_cast<std::size_t>(what)].neutral;
   return (*this)[what] != Range{neutral, neutral};
 }
 
@@ -77,7 +78,7 @@ bool Randomisation::changes_world() const {
 }
 
 void Randomisation::validate() const {
-  for (const RandomisationRow& row : kRows) {
+  for (const RandomisationRow& row : kRandomisationRows) {
     if (!is_on(row.what)) continue;
     const Range& range = (*this)[row.what];
     if (!(range.min >= row.min && range.max <= row.max && range.min <= range.max)) {
@@ -94,10 +95,10 @@ void Randomisation::validate() const {
 
 RandomDraw draw(const Randomisation& randomisation, Random& random) noexcept {
   RandomDraw result{};
-  for (std::size_t i = 0; i < kRows.size(); ++i) {
+  for (std::size_t i = 0; i < kRandomisationRows.size(); ++i) {
     const Range& range = randomisation.ranges[i];
     const double u = random.uniform();
-    result.values[i] = kRows[i].what == kTerrainSeed && range.max >= 0
+    result.values[i] = kRandomisationRows[i].what == kTerrainSeed && range.max >= 0
                            ? std::floor(range.min + (range.max + 1 - range.min) * u)
                            : range.min + (range.max - range.min) * u;
   }

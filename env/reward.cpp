@@ -13,7 +13,6 @@ namespace {
 
 using Record = StepRecord;
 
-constexpr double kDegrees = 180 / M_PI;
 // Widths of the tracking terms: an error of this size is worth 1/e.
 constexpr double kVelocityWidth = 0.1;  // m/s, half of the speed of a trot
 constexpr double kYawRateWidth = 0.5;   // rad/s
@@ -53,7 +52,7 @@ constexpr std::array kTerms{
     RewardTerm{"contact_pattern", "-", "for every leg .2 if it touches or not as the gait says, else -.5", 1,
                contact_pattern},
     RewardTerm{"stability", "deg^2", "roll^2 + pitch^2 + yaw^2, yaw since the start", -2,
-               [](const Record& r) { return (kDegrees * r.roll_pitch_yaw).squaredNorm(); }},
+               [](const Record& r) { return (kDegreesPerRadian * r.roll_pitch_yaw).squaredNorm(); }},
     RewardTerm{"energy_efficiency", "rad^2/s^4", "sum of squared servo accelerations", -0.1,
                joint_acceleration},
     RewardTerm{"smooth_adaptation", "mixed", "sum of squared changes of the adapted parameters", -5,

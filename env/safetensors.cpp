@@ -70,9 +70,9 @@ struct Span {
   auto operator<=>(const Span&) const = default;
 };
 
-class Reader {
+class HeaderReader {
  public:
-  Reader(std::string_view bytes, const std::string& source) : source_(source) {
+  HeaderReader(std::string_view bytes, const std::string& source) : source_(source) {
     if (bytes.size() < kLengthSize) fail("file", "at least 8 bytes", std::to_string(bytes.size()));
     const auto length = read_little_endian<std::uint64_t>(bytes);
     const std::size_t most = std::min(bytes.size() - kLengthSize, kMaxPolicyHeader);
@@ -209,7 +209,7 @@ TensorFile read_safetensors(const std::string& path) {
 }
 
 TensorFile parse_safetensors(std::string_view bytes, const std::string& source) {
-  return Reader(bytes, source).read();
+  return HeaderReader(bytes, source).read();
 }
 
 void write_safetensors(const std::string& path, const TensorFile& file) {

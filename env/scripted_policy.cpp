@@ -7,13 +7,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "crossgait/env/observation.h"
 #include "crossgait/gait/parameters.h"
 #include "crossgait/physics/yaml_reader.h"
 
 namespace crossgait {
 namespace {
-
-constexpr std::string_view kDelta = "delta.";
 
 std::size_t find_entry(const Layout& layout, const std::string& name, const YamlValue& value) {
   if (const auto index = layout.find(name)) return *index;
@@ -31,7 +30,7 @@ ScriptedEntry read_constant(const PolicyInterface& interface, const std::string&
 ParameterRow find_adapted(const PolicyInterface& interface, const std::string& name, const YamlValue& value) {
   std::vector<std::string_view> adapted;
   for (const ParameterRow& row : gait_parameters()) {
-    if (!interface.action.find(fmt::format("delta.{}", row.name))) continue;
+    if (!interface.action.find(fmt::format("{}{}", kDeltaPrefix, row.name))) continue;
     if (row.name == name) return interface.adaptation.row(name);
     adapted.push_back(row.name);
   }
@@ -52,7 +51,7 @@ ScriptedEntry read_target(const PolicyInterface& interface, const std::string& n
     value.fail(fmt::format("{:g} to {:g} {}", row.min, row.max, row.unit), fmt::format("{:g}", target));
   }
   const double half_range = (row.max - row.min) / 2;
-  return {.action = *interface.action.find(fmt::format("{}{}", kDelta, name)),
+  return {.action = *interface.action.find(fmt::format("{}{}", kDeltaPrefix, name)),
           .constant = (target - row.min - half_range) / row.delta_scale,
           .gain = -half_range / row.delta_scale,
           .observation = *observation};

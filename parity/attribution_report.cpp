@@ -12,14 +12,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json to_json(const Interval& i) {
-  return {{"estimate", i.estimate}, {"low", i.low}, {"high", i.high}};
-}
-
-std::string label(const Statistic& s) {
-  return s.unit == "-" ? s.name : fmt::format("{}, {}", s.name, s.unit);
-}
-
 std::string when(const std::optional<FirstDivergence>& first) {
   return first ? fmt::format("{} at {:.3f} s", first->quantity, first->time_s) : "nothing";
 }

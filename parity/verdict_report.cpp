@@ -13,10 +13,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json to_json(const Interval& i) {
-  return {{"estimate", i.estimate}, {"low", i.low}, {"high", i.high}};
-}
-
 ordered_json to_json(const WithinSpread& s) {
   return {{"starts", s.starts}, {"time_step", s.time_step}, {"solver", s.solver}, {"total", s.total()}};
 }
@@ -35,9 +31,15 @@ ordered_json to_json(const StatisticVerdict& v) {
           {"word", name(v.conclusion)}};
 }
 
-std::string label(const Statistic& s) { return s.unit == "-" ? s.name : s.name + ", " + s.unit; }
-
 }  // namespace
+
+nlohmann::ordered_json to_json(const Interval& i) {
+  return {{"estimate", i.estimate}, {"low", i.low}, {"high", i.high}};
+}
+
+std::string label(const Statistic& s) {
+  return s.unit == "-" ? s.name : fmt::format("{}, {}", s.name, s.unit);
+}
 
 nlohmann::ordered_json to_json(const Verdict& verdict) {
   ordered_json json{{"behaviour", verdict.behaviour},

@@ -11,6 +11,10 @@
 
 namespace crossgait {
 
+nlohmann::ordered_json to_json(const Interval& interval);
+/// "slip, m"; the name alone where there is no unit.
+std::string label(const Statistic& statistic);
+
 /// Keys as documented in docs/command-line.md.
 nlohmann::ordered_json to_json(const Verdict& verdict);
 /// A table with one line per statistic, and the rule in words.

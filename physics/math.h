@@ -1,6 +1,8 @@
 // Linear-algebra names used on every public surface. SI units, radians, double precision.
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -18,6 +20,9 @@ using Pose = Eigen::Isometry3d;
 inline constexpr int kMaxJoints = 32;
 /// One value per joint, in the order of `RobotDescription::joint_count()`. Inline storage.
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxJoints, 1>;
+
+/// What an angle in rad is multiplied by for people to read it.
+inline constexpr double kDegreesPerRadian = 180 / M_PI;
 
 inline Pose make_pose(const Quaternion& q, const Vector3& p) {
   Pose X = Pose::Identity();

@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-std::string two_engines() { return available_engines().front() + "," + available_engines().back(); }
+std::string first_and_last_engine() { return available_engines().front() + "," + available_engines().back(); }
 
 struct Command {
   std::string name, arguments;
@@ -36,7 +36,8 @@ std::vector<Command> commands() {
   };
   if (available_engines().size() > 1) {
     all.push_back({"compare", "compare --seconds .3 --terrain waves --friction .4"});
-    all.push_back({"verdict", "verdict --seconds .2 --settle .1 --starts 4 --engines " + two_engines()});
+    all.push_back(
+        {"verdict", "verdict --seconds .2 --settle .1 --starts 4 --engines " + first_and_last_engine()});
     all.push_back({"verdict_policy", "verdict --policy zero --seconds .2 --settle .1 --starts 4"});
   }
   return all;

@@ -30,10 +30,10 @@ std::optional<std::string> engines_of_one_law() {
   return std::nullopt;
 }
 
-bool two_engines() { return available_engines().size() >= 2; }
+bool has_two_engines() { return available_engines().size() >= 2; }
 
 TEST(VerdictCommand, KeepsItsContract) {
-  if (!two_engines()) GTEST_SKIP() << "one engine alone";
+  if (!has_two_engines()) GTEST_SKIP() << "one engine alone";
   const json verdict = run_json("verdict" + kShort);
   for (const char* key : {"behaviour", "a", "b", "word", "starts", "limit", "confidence", "variations",
                           "left_out", "statistics", "models"}) {
@@ -54,7 +54,7 @@ TEST(VerdictCommand, KeepsItsContract) {
 }
 
 TEST(VerdictCommand, JudgesPolicies) {
-  if (!two_engines()) GTEST_SKIP() << "one engine alone";
+  if (!has_two_engines()) GTEST_SKIP() << "one engine alone";
   const json verdict = run_json("verdict --policy zero" + kShort);
   ASSERT_EQ(verdict["statistics"].size(), 9U);
   EXPECT_EQ(verdict["statistics"][8]["name"], "total reward");
@@ -62,7 +62,7 @@ TEST(VerdictCommand, JudgesPolicies) {
 }
 
 TEST(VerdictCommand, PushesPoliciesAsItPushesWalks) {
-  if (!two_engines()) GTEST_SKIP() << "one engine alone";
+  if (!has_two_engines()) GTEST_SKIP() << "one engine alone";
   const json soft = run_json("verdict --policy zero --push 0" + kShort);
   const json hard = run_json("verdict --policy zero --push .5" + kShort);
   EXPECT_EQ(soft["provenance"]["starts"]["push_mps"], 0);
@@ -70,7 +70,7 @@ TEST(VerdictCommand, PushesPoliciesAsItPushesWalks) {
 }
 
 TEST(VerdictCommand, FromStoredRunsGivesTheSameAndMakesNoRun) {
-  if (!two_engines()) GTEST_SKIP() << "one engine alone";
+  if (!has_two_engines()) GTEST_SKIP() << "one engine alone";
   const std::string file = "verdict_stored_runs.jsonl";
   std::filesystem::remove(file);
   const std::string arguments = std::string("verdict --workers 2 --runs ") + file + kShort;
@@ -124,7 +124,7 @@ TEST(VerdictCommand, RefusesWhatItCannotJudge) {
 }
 
 TEST(CompareCommand, JudgesPairsOfDifferentContactLaws) {
-  if (!two_engines()) GTEST_SKIP() << "one engine alone";
+  if (!has_two_engines()) GTEST_SKIP() << "one engine alone";
   const json plain = run_json("compare --seconds .2");
   EXPECT_FALSE(plain.contains("verdicts"));
   const json judged = run_json("compare --seconds .2 --verdict --engines " + available_engines().front() +
@@ -159,7 +159,7 @@ TEST(CompareCommand, FailsWhereRequiredParityIsMissed) {
 }
 
 TEST(CompareCommand, RequiresParityOfEnginesOfOneLawAlone) {
-  if (!two_engines()) GTEST_SKIP() << "one engine alone";
+  if (!has_two_engines()) GTEST_SKIP() << "one engine alone";
   const std::string engines = available_engines().front() + "," + available_engines().back();
   if (find_engine(available_engines().front()).info.laws == find_engine(available_engines().back()).info.laws)
     GTEST_SKIP() << "all of one law";

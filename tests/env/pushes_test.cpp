@@ -8,7 +8,7 @@
 namespace crossgait {
 namespace {
 
-constexpr double kDt = 2e-3;  // of a control step, s
+constexpr double kControlDt = 2e-3;  // of a control step, s
 
 struct Push {
   double time;
@@ -35,7 +35,7 @@ Pushes drawn(const Randomisation& randomisation, std::uint64_t seed, RandomDraw*
 std::vector<Push> due(Pushes& pushes, int begin = 0, int end = 5000) {
   std::vector<Push> all;
   for (int i = begin; i < end; ++i) {
-    if (const auto impulse = pushes.due(i * kDt)) all.push_back({i * kDt, *impulse});
+    if (const auto impulse = pushes.due(i * kControlDt)) all.push_back({i * kControlDt, *impulse});
   }
   return all;
 }
@@ -75,7 +75,7 @@ TEST(Pushes, AreDueInTheFirstStepThatIsNotBeforeThem) {
   ASSERT_GT(all.size(), 3U);
   for (const Push& push : all) {
     EXPECT_GE(push.time, expected);
-    EXPECT_LT(push.time, expected + kDt);
+    EXPECT_LT(push.time, expected + kControlDt);
     const double impulse = random.uniform(0.01, 0.01), angle = random.uniform(-M_PI, M_PI);
     EXPECT_EQ(push.impulse, Vector3(impulse * std::cos(angle), impulse * std::sin(angle), 0));
     expected += random.uniform(0.1, 0.9);
