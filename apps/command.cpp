@@ -1,6 +1,5 @@
 #include "crossgait/apps/command.h"
 
-#include <charconv>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -23,10 +22,7 @@ void add_robot_option(CLI::App& command, std::string& robot) {
 }
 
 std::string problem_with_seed(const std::string& text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool ok = error == std::errc() && end == text.data() + text.size();
-  return ok ? std::string() : "expected a whole number from 0 to 18446744073709551615, found " + text;
+  return parse_seed(text) ? std::string() : fmt::format("expected {}, found {}", kSeedInWords, text);
 }
 
 std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& option,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "crossgait/apps/command.h"
 #include "crossgait/apps/interruption.h"
@@ -67,8 +68,11 @@ int run(std::vector<std::string> arguments, std::vector<std::string>& again) {
   } catch (const CLI::Success& help) {
     return program.exit(help);
   } catch (const CLI::ParseError& error) {
+    const std::string hint = suggestion(program), unknown = unknown_command(program);
+    if (!unknown.empty())
+      return complain(fmt::format("{} {}", unknown, hint.empty() ? "`crossgait --help` lists them." : hint),
+                      kBadInput);
     program.exit(error);
-    const std::string hint = suggestion(program);
     return hint.empty() ? kBadInput : complain(hint, kBadInput);
   }
   return 0;

@@ -65,4 +65,12 @@ std::string suggestion(const CLI::App& program) {
   return "";
 }
 
+std::string unknown_command(const CLI::App& program) {
+  if (!program.get_subcommands().empty()) return "";
+  for (const std::string& word : program.remaining()) {
+    if (!word.starts_with("-")) return fmt::format("There is no command \"{}\".", word);
+  }
+  return "";
+}
+
 }  // namespace crossgait::apps

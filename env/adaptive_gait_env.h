@@ -45,6 +45,7 @@ class AdaptiveGaitEnv {
   AdaptiveGaitEnv(std::shared_ptr<const EnvModel> model, Engine engine);
   /// With a model of its own. @throws ConfigError for a bad configuration besides
   AdaptiveGaitEnv(const EnvConfig& config, Engine engine);
+  ~AdaptiveGaitEnv() = default;
   AdaptiveGaitEnv(const AdaptiveGaitEnv&) = delete;
   AdaptiveGaitEnv& operator=(const AdaptiveGaitEnv&) = delete;
 

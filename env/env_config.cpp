@@ -239,6 +239,8 @@ void EnvConfig::validate(std::string_view source) const {
           fmt::format("a time step in [{:g}, {:g}] s", kShortestPhysicsStep, kLongestPhysicsStep),
           physics_dt);
   require_multiple(source, "control_dt", control_dt, physics_dt);
+  require(policy_dt / physics_dt <= kMostSteps, source, "policy_dt",
+          fmt::format("at most {:g} physics steps", kMostSteps), policy_dt);
   require_multiple(source, "policy_dt", policy_dt, control_dt);
   require(episode_seconds >= policy_dt && episode_seconds <= 1e6, source, "episode_seconds",
           "at least one policy step and at most 1e6 s", episode_seconds);
@@ -253,8 +255,6 @@ void EnvConfig::validate(std::string_view source) const {
           fmt::format("at most {:g} policy steps", kMostSteps), episode_seconds);
   require(episode_seconds / physics_dt < std::numeric_limits<int>::max(), source, "physics_dt",
           "a time step of which fewer than 2^31 make an episode", physics_dt);
-  require(policy_dt / physics_dt <= kMostSteps, source, "policy_dt",
-          fmt::format("at most {:g} physics steps", kMostSteps), policy_dt);
   crossgait::validate(parameters, source);
   adaptation.validate(source);
   for (std::size_t i = 0; i < adapt.size(); ++i) {

@@ -112,12 +112,9 @@ int YamlValue::integer() const {
 }
 
 std::uint64_t YamlValue::seed() const {
-  constexpr std::string_view expected = "a whole number of 0 or more, below 2^64";
-  const std::string& text = scalar(expected);
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) fail(expected, describe(*node_));
-  return value;
+  const auto value = parse_seed(scalar(kSeedInWords));
+  if (!value) fail(kSeedInWords, describe(*node_));
+  return *value;
 }
 
 bool YamlValue::boolean() const {

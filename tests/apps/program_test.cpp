@@ -249,11 +249,12 @@ TEST(ProgramBadInput, SeedsDoNotWrapAround) {
 }
 
 TEST(ProgramBadInput, SuggestsWhatMayHaveBeenMeant) {
-  expect_bad_input("wlak", {"Did you mean walk?"});
+  expect_bad_input("wlak", {"crossgait: There is no command \"wlak\". Did you mean walk?"});
   expect_bad_input("wlak --seconds 3", {"Did you mean walk?"});
   expect_bad_input("verdit", {"Did you mean verdict?"});
   expect_bad_input("walk --terain rough", {"Did you mean --terrain?"});
   expect_bad_input("compare --position-tolerence=1", {"Did you mean --position-tolerance?"});
+  expect_bad_input("xyzzy", {"There is no command \"xyzzy\". `crossgait --help` lists them."});
   EXPECT_EQ(run_program("xyzzy").err.find("Did you mean"), std::string::npos);
   EXPECT_EQ(run_program("walk --xyzzy").err.find("Did you mean"), std::string::npos);
 }

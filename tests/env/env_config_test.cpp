@@ -102,6 +102,7 @@ TEST(EnvConfig, ErrorsNameTheLineTheExpectedAndTheFound) {
       {"physics_dt: 0\n", {"physics_dt", "0.1] s"}},
       {"control_dt: .0015\n", {"control_dt", "multiple of 0.001 s"}},
       {"policy_dt: .003\n", {"policy_dt", "multiple of 0.002 s"}},
+      {"policy_dt: 1e300\n", {"policy_dt", "at most 1e+09 physics steps"}},
       {"episode_seconds: -1\n", {"episode_seconds"}},
       {"friction: -1\n", {"friction"}},
       {"terrain_seed: -1\n", {"terrain_seed"}},
