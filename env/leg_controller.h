@@ -18,7 +18,7 @@ namespace crossgait {
 class LegController {
  public:
   /// @throws ConfigError if the robot has no legs or they are not five-bars
-  explicit LegController(std::shared_ptr<const RobotDescription> robot,
+  explicit LegController(std::shared_ptr<const RobotDescription> description,
                          const ServoCompensation& compensation = {}, WorkingMode mode = kDefaultMode);
 
   /// @param feet targets in each leg's frame (x forward, y left, z up), m
