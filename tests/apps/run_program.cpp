@@ -54,6 +54,8 @@ ProgramResult run_watched(const std::string& arguments, int signal, double after
       std::string("exec ") + CROSSGAIT_PROGRAM + " " + arguments + " >" + out + " 2>" + err;
   const pid_t child = fork();
   if (child == 0) {
+    // Tests run in the background, where SIGINT is ignored, and children would ignore it too.
+    for (const int each : {SIGINT, SIGTERM}) std::signal(each, SIG_DFL);
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
   }
