@@ -114,6 +114,9 @@ Evaluation sum_up(const std::vector<EpisodeSummary>& episodes) {
       *over(episodes, [](const EpisodeSummary& e) { return std::optional(e.motion.mean_duty_factor()); });
   all.cost_of_transport = over(episodes, [](const EpisodeSummary& e) { return e.motion.cost_of_transport; });
   all.drag = over(episodes, [](const EpisodeSummary& e) { return e.motion.drag; });
+  all.drag_inner = over(episodes, [](const EpisodeSummary& e) { return e.motion.drag_inner; });
+  all.slip_per_path = over(episodes, [](const EpisodeSummary& e) { return e.motion.slip_per_path; });
+  all.heading_error_deg = over(episodes, [](const EpisodeSummary& e) { return e.motion.heading_error_deg; });
   for (const EpisodeSummary& e : episodes) {
     for (std::size_t i = 0; i < all.reward_terms.size(); ++i)
       all.reward_terms[i] += e.reward_terms[i] / static_cast<double>(episodes.size());

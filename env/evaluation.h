@@ -50,7 +50,8 @@ struct Evaluation {
   std::size_t episodes = 0;
   MeanAndDeviation total_reward, mean_speed_mps, distance_m, path_m, rms_roll_deg, rms_pitch_deg, slip_m,
       duty_factor;
-  std::optional<MeanAndDeviation> cost_of_transport, drag;      ///< over the episodes that have one
+  std::optional<MeanAndDeviation> cost_of_transport, drag, drag_inner, slip_per_path,
+      heading_error_deg;                                        ///< over the episodes that have one
   RewardTerms reward_terms{};                                   ///< means of the sums
   double simulated_seconds = 0;                                 ///< sum
   std::int64_t steps = 0, ik_clamped = 0, invalid_actions = 0;  ///< sums

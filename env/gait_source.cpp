@@ -37,8 +37,8 @@ TargetSource walk_legs(LegController legs, const std::optional<VelocityCommand>&
 
 void describe_plan(const GaitGenerator& generator, const LegArray<FootTarget>& feet,
                    const std::optional<VelocityCommand>& command, ControlTargets& out) noexcept {
-  out.swing.emplace();
-  for (const Leg leg : kLegs) (*out.swing)[leg] = feet[leg].swing;
+  out.plan.emplace();
+  for (const Leg leg : kLegs) (*out.plan)[leg] = {feet[leg].swing, feet[leg].progress};
   out.parameters = generator.parameters();
   out.limit_factor = generator.limit_factor();
   out.velocity = command ? *command : nominal_velocity(generator);

@@ -12,6 +12,7 @@ constexpr double kCornerTime = 0.5;  // s, of the straight pieces that make the 
 constexpr double kGapTime = 0.01;
 constexpr double kMoved = 0.1;          // leg lengths, below which a cost per distance means nothing
 constexpr double kDragLoad = 1.0 / 50;  // of the weight
+constexpr double kSwingEdge = 0.1;      // of a swing, at either end: not its inner part
 
 // Whether so many steps of `dt` make `seconds`, whatever the rounding of times written as decimals.
 bool lasts(std::int64_t steps, double dt, double seconds) {
@@ -72,15 +73,19 @@ void MotionStatistics::add_physics_step(const PhysicsBackend& world, const Contr
   const LegArray<FootContact> feet = world.foot_contacts();
   const double speed = world.state().v_WB.norm();
   for (const Leg leg : kLegs) {
-    if (targets.swing) {
-      const bool swings = (*targets.swing)[leg];
-      t_.swinging[leg] += swings ? 1 : 0;
-      t_.dragging[leg] += swings && feet[leg].force.norm() > kDragLoad * t_.weight ? 1 : 0;
+    const LegPlan plan = targets.plan ? (*targets.plan)[leg] : LegPlan{};
+    if (plan.swing) {
+      const int loaded = feet[leg].force.norm() > kDragLoad * t_.weight ? 1 : 0;
+      const bool inner = plan.progress >= kSwingEdge && plan.progress <= 1 - kSwingEdge;
+      ++t_.swings[leg].steps;
+      t_.swings[leg].loaded += loaded;
+      t_.inner[leg].steps += inner ? 1 : 0;
+      t_.inner[leg].loaded += inner ? loaded : 0;
     }
     if (!feet[leg].touching) continue;
     ++t_.touching[leg];
     t_.slip += feet[leg].slip_speed * h;
-    if (targets.swing && (*targets.swing)[leg]) continue;  // dragged, not stood upon
+    if (plan.swing) continue;  // dragged, not stood upon
     t_.stance_slip += feet[leg].slip_speed * h;
     t_.stance_way += speed * h;
   }
@@ -130,6 +135,12 @@ void MotionStatistics::add_way(const PhysicsBackend& world, const ControlTargets
     t_.made_path += (forward * asked.vx + left * asked.vy) / speed * dt;
   }
   t_.made_turn += std::copysign(1.0, asked.yaw_rate) * s.w_WB.z() * dt;
+  t_.asked_yaw += asked.yaw_rate * targets.limit_factor * dt;
+  t_.heading_error =
+      std::max(t_.heading_error.value_or(0), std::abs(wrap(t_.roll_pitch_yaw.z() - t_.asked_yaw)));
+  if (!targets.plan) return;
+  for (const LegPlan& leg : *targets.plan)
+    t_.planned_sweep += leg.swing ? 0 : speed * targets.limit_factor * dt;
 }
 
 void MotionStatistics::find_outcomes(const PhysicsBackend& world, double dt) noexcept {
@@ -173,6 +184,17 @@ bool MotionStatistics::no_progress() const noexcept {
   return t_.asked_turn > limits_.asked_turn && t_.made_turn < limits_.progress * t_.asked_turn;
 }
 
+std::optional<double> MotionStatistics::share_loaded(const LegArray<Swing>& legs) noexcept {
+  double sum = 0;
+  int planned = 0;
+  for (const Swing& leg : legs) {
+    if (leg.steps == 0) continue;
+    ++planned;
+    sum += static_cast<double>(leg.loaded) / static_cast<double>(leg.steps);
+  }
+  return planned > 0 ? std::optional(sum / planned) : std::nullopt;
+}
+
 MotionSummary MotionStatistics::summary(const PhysicsBackend& world) const {
   MotionSummary m;
   const RobotState& s = world.state();
@@ -197,16 +219,14 @@ MotionSummary MotionStatistics::summary(const PhysicsBackend& world) const {
     m.rms_roll_deg = std::sqrt(t_.roll2 / n) * kDegreesPerRadian;
     m.rms_pitch_deg = std::sqrt(t_.pitch2 / n) * kDegreesPerRadian;
   }
-  double drag = 0;
-  int planned = 0;
   for (const Leg leg : kLegs) {
     if (t_.physics_steps > 0)
       m.duty_factor[leg] = static_cast<double>(t_.touching[leg]) / static_cast<double>(t_.physics_steps);
-    if (t_.swinging[leg] == 0) continue;
-    ++planned;
-    drag += static_cast<double>(t_.dragging[leg]) / static_cast<double>(t_.swinging[leg]);
   }
-  if (planned > 0) m.drag = drag / planned;
+  m.drag = share_loaded(t_.swings);
+  m.drag_inner = share_loaded(t_.inner);
+  if (t_.planned_sweep > 0) m.slip_per_path = t_.slip / t_.planned_sweep;
+  if (t_.heading_error) m.heading_error_deg = *t_.heading_error * kDegreesPerRadian;
   if (m.path_m > kMoved * leg_length_ && t_.weight > 0)
     m.cost_of_transport = t_.work / (t_.weight * m.path_m);
   m.outcome = worst();

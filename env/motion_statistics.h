@@ -43,6 +43,14 @@ struct MotionSummary {
   /// Share of planned swing time in which the foot carried more than a fiftieth of the weight, mean of legs;
   /// empty where no swing was planned.
   std::optional<double> drag;
+  /// The same without the first and last tenth of each swing, where a foot may touch and do no harm.
+  std::optional<double> drag_inner;
+  /// `slip_m` over the way that planned stance feet were to sweep, all four together; empty where no plan or
+  /// no way was asked for.
+  std::optional<double> slip_per_path;
+  /// Largest difference of the heading from where the command's yaw rate leads, deg; empty where nothing says
+  /// what was asked for.
+  std::optional<double> heading_error_deg;
   /// Mechanical work of the servos, the integral of |servo torque x joint velocity| (what joints lose to
   /// passive damping is in the torque that overcomes it), over weight times `path_m`; empty if the base moved
   /// less than a tenth of a leg length. Source: Tucker, The energetic cost of moving about, 1975.
@@ -108,6 +116,12 @@ class MotionStatistics {
   std::shared_ptr<const LoopGaps> loop_gaps_;  // the same for all copies
   double leg_length_, mass_;
 
+  /// Physics steps of planned swing, and those of them in which the foot carried load.
+  struct Swing {
+    std::int64_t steps = 0, loaded = 0;
+  };
+  static std::optional<double> share_loaded(const LegArray<Swing>& legs) noexcept;
+
   /// All that grows as the motion goes on.
   struct Totals {
     double weight = 0, standing_height = 0, begin_height = 0, start_yaw = 0;
@@ -118,7 +132,10 @@ class MotionStatistics {
     double roll2 = 0, pitch2 = 0, work = 0, power = 0, height = 0, slip = 0;
     double max_penetration = 0, max_loop_gap = 0, other_load = 0, limit_factor = 1;
     double stance_slip = 0, stance_way = 0, asked_path = 0, made_path = 0, asked_turn = 0, made_turn = 0;
-    LegArray<std::int64_t> touching{}, swinging{}, dragging{};
+    double planned_sweep = 0, asked_yaw = 0;
+    std::optional<double> heading_error;
+    LegArray<std::int64_t> touching{};
+    LegArray<Swing> swings{}, inner{};
     std::array<std::optional<double>, kOutcomes> first_at_s;
   };
   Totals t_;

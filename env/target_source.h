@@ -17,10 +17,16 @@ struct Placement {
   double x = 0, y = 0, roll = 0, pitch = 0, yaw = 0;
 };
 
+/// What a leg is meant to do in a control step.
+struct LegPlan {
+  bool swing = false;   ///< to be in the air
+  double progress = 0;  ///< of that swing or stance, 0 to 1
+};
+
 /// One control step's targets, and what the source means by them as far as it knows.
 struct ControlTargets {
   JointTargets joints;
-  std::optional<LegArray<bool>> swing;      ///< legs that are meant to be in the air
+  std::optional<LegArray<LegPlan>> plan;    ///< where there is a gait
   std::optional<VelocityCommand> velocity;  ///< of the body, that the motion is meant to have
   std::optional<GaitParameters> parameters;
   double limit_factor = 1;  ///< share of a velocity command that the steps can follow

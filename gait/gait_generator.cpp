@@ -245,7 +245,7 @@ void GaitGenerator::place_feet() noexcept {
     if (!phase.swing) curve_[leg] = wanted_.swing;
     leg_phase_[leg] = phase;
     targets_[leg] = {foot_position(effective_.parameters, leg, phase, foot_stride(effective_, leg)),
-                     phase.swing && lifts, phase.phase};
+                     phase.swing && lifts, phase.phase, phase.progress};
   }
 }
 

@@ -15,6 +15,7 @@ struct FootTarget {
   Vector3 position = Vector3::Zero();  ///< foot centre in the leg frame (x forward, y left, z up), m
   bool swing = false;                  ///< in the air
   double phase = 0;                    ///< of the leg, since its lift-off, in [0, 1)
+  double progress = 0;                 ///< of its swing or stance, 0 to 1
 };
 
 /// Runs one gait. Steps are step_length forward, or those of a velocity command once there is one.

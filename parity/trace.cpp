@@ -27,7 +27,7 @@ std::string header(const RobotDescription& robot, bool planned, bool parameters)
 }  // namespace
 
 TraceSample::TraceSample(const PhysicsBackend& world, const ControlTargets& control)
-    : state(world.state()), targets(control.joints), swing(control.swing), parameters(control.parameters) {
+    : state(world.state()), targets(control.joints), plan(control.plan), parameters(control.parameters) {
   const LegArray<FootContact> feet = world.foot_contacts();
   for (const Leg leg : kLegs) {
     contact[leg] = feet[leg].touching;
@@ -46,7 +46,7 @@ void TraceWriter::begin(bool planned, bool parameters) {
 }
 
 void TraceWriter::add(const TraceSample& sample) {
-  if (!begun_) begin(sample.swing.has_value(), sample.parameters.has_value());
+  if (!begun_) begin(sample.plan.has_value(), sample.parameters.has_value());
   row_.clear();
   const auto out = std::back_inserter(row_);
   const auto put = [&out](double value) { fmt::format_to(out, ",{:.17g}", value); };
@@ -64,7 +64,7 @@ void TraceWriter::add(const TraceSample& sample) {
   for (const Leg leg : kLegs) fmt::format_to(out, ",{}", sample.contact[leg] ? 1 : 0);
   for (const Leg leg : kLegs) put(sample.load[leg]);
   for (const Leg leg : kLegs) {
-    if (planned_) fmt::format_to(out, ",{}", sample.swing && (*sample.swing)[leg] ? 0 : 1);
+    if (planned_) fmt::format_to(out, ",{}", sample.plan && (*sample.plan)[leg].swing ? 0 : 1);
   }
   for (const ParameterRow& row : gait_parameters()) {
     if (parameters_) put(sample.parameters.value_or(GaitParameters{}).*row.member);

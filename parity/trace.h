@@ -20,7 +20,7 @@ struct TraceSample {
   LegArray<double> load{};  ///< magnitude of the force on each foot, N
   JointVector torques;      ///< of the last physics step, N m; empty where the recorder did not ask for them
 
-  std::optional<LegArray<bool>> swing;       ///< legs that were meant to be in the air, where that is known
+  std::optional<LegArray<LegPlan>> plan;     ///< what the legs were meant to do, where that is known
   std::optional<GaitParameters> parameters;  ///< of the gait, where there is one
 
   TraceSample() = default;

@@ -76,6 +76,9 @@ nlohmann::ordered_json to_json(const Evaluation& e) {
           {"rms_pitch_deg", to_json(e.rms_pitch_deg)},
           {"duty_factor", to_json(e.duty_factor)},
           {"drag", to_json(e.drag)},
+          {"drag_inner", to_json(e.drag_inner)},
+          {"slip_per_path", to_json(e.slip_per_path)},
+          {"heading_error_deg", to_json(e.heading_error_deg)},
           {"slip_m", to_json(e.slip_m)},
           {"cost_of_transport", to_json(e.cost_of_transport)},
           {"simulated_seconds", e.simulated_seconds},
@@ -152,6 +155,9 @@ std::string describe(const Rollout& r) {
   add("RMS pitch, deg", [](const E& e) { return fmt::format("{:.2f}", e.rms_pitch_deg.mean); });
   add("duty factor, mean of legs", [](const E& e) { return fmt::format("{:.3f}", e.duty_factor.mean); });
   add("drag, share of swing", [](const E& e) { return with_deviation(e.drag, 3); });
+  add("drag, inner 80 % of swing", [](const E& e) { return with_deviation(e.drag_inner, 3); });
+  add("slip over planned stance path", [](const E& e) { return with_deviation(e.slip_per_path, 3); });
+  add("heading error, deg", [](const E& e) { return with_deviation(e.heading_error_deg, 2); });
   add("slip of loaded feet, m", [](const E& e) { return fmt::format("{:.2f}", e.slip_m.mean); });
   add("cost of transport", [](const E& e) { return with_deviation(e.cost_of_transport, 2); });
   add("IK targets clamped", [](const E& e) { return fmt::format("{}", e.ik_clamped); });

@@ -67,7 +67,8 @@ TEST(Program, WalkKeepsItsContract) {
                             "max_penetration_m", "max_loop_gap_m", "wall_seconds",   "physics_steps",
                             "outcome",           "outcome_at_s",   "path_m",         "collapsed",
                             "came_apart",        "left_terrain",   "drag",           "cost_of_transport",
-                            "duty_factor",       "slip_m"}) {
+                            "duty_factor",       "slip_m",         "drag_inner",     "slip_per_path",
+                            "heading_error_deg"}) {
       EXPECT_TRUE(walk.contains(key)) << backend << ": " << key;
     }
     EXPECT_EQ(walk["backend"], backend);

@@ -25,8 +25,8 @@ TargetSource clocked_trot(const scenes::RobotPtr& robot, double& clock) {
           [trot, &clock](double dt, ControlTargets& out) {
             clock += dt;
             out.joints = trot.targets(scenes::Trot::kStand + clock);
-            out.swing.emplace();
-            for (const Leg leg : kLegs) (*out.swing)[leg] = scenes::Trot::swings(leg, clock);
+            out.plan.emplace();
+            for (const Leg leg : kLegs) (*out.plan)[leg] = {scenes::Trot::swings(leg, clock), 0.5};
             out.velocity = VelocityCommand{0.1, 0, 0};
           }};
 }

@@ -81,6 +81,10 @@ TEST(SumUp, IsMeansAndSampleDeviations) {
   }
   episodes[0].motion.cost_of_transport = 2;
   episodes[2].motion.cost_of_transport = 4;
+  episodes[0].motion.slip_per_path = 0.2;
+  episodes[1].motion.slip_per_path = 0.3;
+  episodes[1].motion.heading_error_deg = 4;
+  episodes[2].motion.heading_error_deg = 6;
   episodes[1].motion.outcome = Outcome::kFell;
   episodes[2].motion.outcome = Outcome::kSlid;
   for (EpisodeSummary& e : episodes) e.motion.duty_factor.fill(0.25);
@@ -98,6 +102,11 @@ TEST(SumUp, IsMeansAndSampleDeviations) {
   EXPECT_DOUBLE_EQ(all.cost_of_transport->mean, 3);
   EXPECT_DOUBLE_EQ(all.cost_of_transport->deviation, std::sqrt(2.0));
   EXPECT_FALSE(all.drag.has_value());
+  EXPECT_FALSE(all.drag_inner.has_value());
+  ASSERT_TRUE(all.slip_per_path.has_value());
+  EXPECT_DOUBLE_EQ(all.slip_per_path->mean, 0.25);
+  ASSERT_TRUE(all.heading_error_deg.has_value());
+  EXPECT_DOUBLE_EQ(all.heading_error_deg->mean, 5);
   EXPECT_DOUBLE_EQ(all.duty_factor.mean, 0.3);
   EXPECT_EQ(sum_up({}).episodes, 0U);
   episodes.resize(1);

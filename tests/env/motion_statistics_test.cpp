@@ -32,7 +32,8 @@ TargetSource recorded(const TargetSource& source, std::vector<ControlStep>& step
 
 /// The definitions of MotionSummary, straight from states and contacts.
 struct Recomputed {
-  LegArray<double> duty{}, swing{}, drag{};
+  LegArray<double> duty{}, swing{}, drag{}, inner{}, inner_drag{};
+  double sweep = 0, asked_yaw = 0, heading_error = 0;
   double slip = 0, penetration = 0, gap = 0, work = 0, path = 0, roll2 = 0, pitch2 = 0, time = 0;
   Vector3 first = Vector3::Zero(), last = Vector3::Zero();
   double first_yaw = 0;
@@ -54,9 +55,13 @@ void add_physics_step(const PhysicsBackend& world, const ControlTargets& targets
       ++r.duty[leg];
       r.slip += feet[leg].slip_speed * world.spec().physics_dt;
     }
-    if (!targets.swing || !(*targets.swing)[leg]) continue;
+    if (!targets.plan || !(*targets.plan)[leg].swing) continue;
+    const double dragged = feet[leg].force.norm() > 0.02 * weight ? 1 : 0;
     ++r.swing[leg];
-    if (feet[leg].force.norm() > 0.02 * weight) ++r.drag[leg];
+    r.drag[leg] += dragged;
+    if (std::abs((*targets.plan)[leg].progress - 0.5) > 0.4) continue;
+    ++r.inner[leg];
+    r.inner_drag[leg] += dragged;
   }
 }
 
@@ -84,6 +89,17 @@ Recomputed recompute(PhysicsBackend& world, const RobotState& start, const std::
     ++control_steps;
     r.time += dt;
     r.clamped += step.targets.ik_clamped;
+    if (const auto& asked = step.targets.velocity) {
+      const double followed = step.targets.limit_factor * dt;
+      r.asked_yaw += asked->yaw_rate * followed;
+      r.heading_error =
+          std::max(r.heading_error,
+                   std::abs(std::remainder(yaw_of(world.state()) - r.first_yaw - r.asked_yaw, 2 * M_PI)));
+      for (const Leg leg : kLegs) {
+        if (step.targets.plan && !(*step.targets.plan)[leg].swing)
+          r.sweep += std::hypot(asked->vx, asked->vy) * followed;
+      }
+    }
     for (const int i : robot.actuated_joints()) {
       // What the servo gave: the torque on the joint is that less the joint's damping.
       r.work += std::abs((world.torques()[i] + robot.joint(i).damping * s.qd[i]) * s.qd[i]) * dt;
@@ -102,6 +118,17 @@ Recomputed recompute(PhysicsBackend& world, const RobotState& start, const std::
   r.roll2 /= control_steps;
   r.pitch2 /= control_steps;
   return r;
+}
+
+/// The same motion, said to be meant for a turn to the left that the steps follow by half.
+TargetSource said_to_turn(const TargetSource& source) {
+  TargetSource turning = source;
+  turning.advance = [advance = source.advance](double dt, ControlTargets& out) {
+    advance(dt, out);
+    out.velocity = VelocityCommand{0.1, 0.05, 0.4};
+    out.limit_factor = 0.5;
+  };
+  return turning;
 }
 
 class MotionNumbers : public BackendTest {
@@ -130,7 +157,9 @@ TEST_P(MotionNumbers, AreThoseOfARecordingAtEveryPhysicsStep) {
     WorldSpec spec = scenes::world_of(scenes::quadruped());
     spec.terrain = make_terrain(terrain);
     const WalkTiming timing{.seconds = 2.7, .settle_seconds = 0.3};
-    const auto [m, r] = run(spec, motions::trot(spec.robot), timing);
+    const TargetSource trot = motions::trot(spec.robot);
+    const bool straight = std::string_view(terrain) == "flat";
+    const auto [m, r] = run(spec, straight ? trot : said_to_turn(trot), timing);
     EXPECT_EQ(m.outcome, Outcome::kWalked);
     EXPECT_EQ(m.physics_steps, r.physics_steps);
     EXPECT_EQ(m.physics_steps, 2700);
@@ -140,12 +169,20 @@ TEST_P(MotionNumbers, AreThoseOfARecordingAtEveryPhysicsStep) {
     EXPECT_NEAR(m.max_loop_gap_m, r.gap, 1e-15);  // see loop_gap_test
     EXPECT_NEAR(m.slip_m, r.slip, kRounding);
     EXPECT_NEAR(m.path_m, r.path, kRounding);
-    double drag = 0;
+    double drag = 0, inner = 0;
     for (const Leg leg : kLegs) {
       EXPECT_EQ(m.duty_factor[leg], r.duty[leg] / r.physics_steps);
       EXPECT_GT(r.swing[leg], 1000);
       drag += r.drag[leg] / r.swing[leg] / kLegCount;
+      EXPECT_NEAR(r.inner[leg] / r.swing[leg], 0.8, 0.02);  // a control step at either edge of a swing
+      inner += r.inner_drag[leg] / r.inner[leg] / kLegCount;
     }
+    EXPECT_NEAR(m.drag_inner.value(), inner, kRounding);
+    EXPECT_LT(inner, drag);  // feet touch at the ends of a swing above all
+    EXPECT_NEAR(m.slip_per_path.value(), r.slip / r.sweep, kRounding);
+    EXPECT_NEAR(m.heading_error_deg.value(), r.heading_error * 180 / M_PI, kRounding);
+    EXPECT_GT(r.heading_error,
+              straight ? 0 : 0.4);  // .2 rad/s for 2.7 s are missing where a turn was asked for
     EXPECT_NEAR(m.drag.value(), drag, kRounding);
     EXPECT_GT(drag, 0);
     EXPECT_LT(drag, 0.5);  // it does lift its feet
@@ -174,6 +211,9 @@ TEST_P(MotionNumbers, AStandingRobotHasNoCostOfTransportAndNoDrag) {
   EXPECT_LT(m.path_m, 0.1 * spec.robot->home_height);
   EXPECT_FALSE(m.cost_of_transport.has_value());
   EXPECT_FALSE(m.drag.has_value());
+  EXPECT_FALSE(m.drag_inner.has_value());
+  EXPECT_FALSE(m.slip_per_path.has_value());
+  EXPECT_FALSE(m.heading_error_deg.has_value());
   for (const Leg leg : kLegs) EXPECT_EQ(m.duty_factor[leg], 1);
 }
 

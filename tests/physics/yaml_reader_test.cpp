@@ -164,8 +164,7 @@ TEST(YamlReader, ReadsSeedsUpToTheLargest) {
   EXPECT_EQ(parse("s: 18446744073709551615").at("s").seed(), 18446744073709551615U);
   EXPECT_EQ(parse("s: 0").at("s").seed(), 0U);
   for (const char* bad : {"s: -1", "s: 18446744073709551616", "s: 1.5", "s: 1e3"}) {
-    EXPECT_EQ(config_error([&] { parse(bad).at("s").seed(); }).expected(),
-              kSeedInWords);
+    EXPECT_EQ(config_error([&] { parse(bad).at("s").seed(); }).expected(), kSeedInWords);
   }
 }
 

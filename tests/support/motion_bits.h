@@ -40,6 +40,9 @@ inline std::string differences(const MotionSummary& a, const MotionSummary& b) {
   note(a.physics_steps == b.physics_steps, "physics_steps");
   note(a.ik_clamped == b.ik_clamped, "ik_clamped");
   note(same(a.drag, b.drag), "drag");
+  note(same(a.drag_inner, b.drag_inner), "drag_inner");
+  note(same(a.slip_per_path, b.slip_per_path), "slip_per_path");
+  note(same(a.heading_error_deg, b.heading_error_deg), "heading_error_deg");
   note(same(a.cost_of_transport, b.cost_of_transport), "cost_of_transport");
   return names;
 }
