@@ -34,7 +34,9 @@ class Columns {
     }
     if (row == nullptr) row = &rows_.emplace_back(label, std::vector<std::string>(backends_.size())).second;
     for (std::size_t i = 0; i < backends_.size(); ++i) {
-      if (backends_[i] == backend) (*row)[i] = std::move(cell);
+      if (backends_[i] != backend) continue;
+      (*row)[i] = std::move(cell);
+      return;
     }
   }
 
@@ -116,7 +118,8 @@ std::string analytic_tables(const ordered_json& analytic, const std::vector<std:
     const std::string quantity = c.at("quantity"), backend = c.at("backend"), unit = c.at("unit");
     for (std::size_t i = 0; i < c.at("step_s").size(); ++i) {
       if (std::abs(c.at("step_s").at(i).get<double>() - 1e-3) > 1e-9) continue;
-      errors.set(quantity + ", " + unit, backend, fmt::format("{:.3e}", c.at("error").at(i).get<double>()));
+      errors.set(fmt::format("{}, {}", quantity, unit), backend,
+                 fmt::format("{:.3e}", c.at("error").at(i).get<double>()));
     }
     const ordered_json& order = c.at("order");
     orders.set(quantity, backend,

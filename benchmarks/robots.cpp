@@ -120,11 +120,12 @@ RobotPtr millipede() {
   robot.name = "millipede";
   robot.bodies.push_back(free_body("trunk", solid_box(0.34, {0.2, 0.05, 0.02})));
   for (int i = 0; i < kMaxJoints; ++i) {
-    const double side = i % 2 == 0 ? 1 : -1, ahead = i / 2 % 2 == 0 ? 1 : -1;
+    const int row = i / 2;
+    const double side = i % 2 == 0 ? 1 : -1, ahead = row % 2 == 0 ? 1 : -1;
     const Vector3 tip(ahead * kLink, 0, -kLink);
     Body leg = free_body("leg" + std::to_string(i), solid_box(0.02, {0.005, 0.005, 0.03}, tip / 2));
     leg.parent = 0;
-    leg.X_PB.translation() = Vector3(0.025 * (i / 2 - 7.5), side * 0.06, 0);
+    leg.X_PB.translation() = Vector3(0.025 * (row - 7.5), side * 0.06, 0);
     leg.joint.name = "hip" + std::to_string(i);
     leg.joint.axis = Vector3::UnitY();
     leg.joint.damping = 0.02;
@@ -138,19 +139,18 @@ RobotPtr millipede() {
   return finished(robot);
 }
 
-RobotPtr awkward_robot() {
-  RobotDescription robot;
-  robot.name = "awkward";
-  robot.bodies.push_back(free_body("base", turned_inertia(0.9, {0.02, -0.03, 0.04}, {2e-3, 3e-3, 4e-3},
-                                                          from_roll_pitch_yaw(0.3, 0.5, -0.2))));
-  struct Link {
-    int parent;
-    Vector3 p_PB, roll_pitch_yaw, axis, p_BC, moments;
-    double mass, armature, damping;
-    bool servo;
-  };
-  // Two branches: base - 1 - 2 - 3 and base - 4 - 5.
-  const std::vector<Link> links{
+namespace {
+
+struct AwkwardLink {
+  int parent;
+  Vector3 p_PB, roll_pitch_yaw, axis, p_BC, moments;
+  double mass, armature, damping;
+  bool servo;
+};
+
+// Two branches: base - 1 - 2 - 3 and base - 4 - 5.
+std::vector<AwkwardLink> awkward_links() {
+  return {
       {0,
        {0.1, 0.05, 0.02},
        {0.2, -0.4, 0.6},
@@ -202,8 +202,18 @@ RobotPtr awkward_robot() {
        0,
        false},
   };
+}
+
+}  // namespace
+
+RobotPtr awkward_robot() {
+  RobotDescription robot;
+  robot.name = "awkward";
+  robot.bodies.push_back(free_body("base", turned_inertia(0.9, {0.02, -0.03, 0.04}, {2e-3, 3e-3, 4e-3},
+                                                          from_roll_pitch_yaw(0.3, 0.5, -0.2))));
+  const std::vector<AwkwardLink> links = awkward_links();
   for (std::size_t i = 0; i < links.size(); ++i) {
-    const Link& link = links[i];
+    const AwkwardLink& link = links[i];
     const Vector3& a = link.roll_pitch_yaw;
     Body body = free_body(
         "link" + std::to_string(i),

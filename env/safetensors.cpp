@@ -67,7 +67,7 @@ struct Span {
   std::size_t begin, end;
   std::string name;
 
-  auto operator<=>(const Span&) const = default;
+  auto operator<=>(const Span&) const = default;  // NOLINT(modernize-use-nullptr): there is none
 };
 
 class HeaderReader {
