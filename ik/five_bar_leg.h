@@ -1,10 +1,4 @@
-// Inverse, forward and differential kinematics of a five-bar leg on a tilt joint.
-//
-// With the foot at lateral distance Y = side y + a (outward) and depth Z = b - z (down) from the tilt axis,
-// a = axis_to_plane_out and b = axis_to_shoulder_down:
-//   D = sqrt(Y^2 + Z^2 - a^2),  outward tilt = atan2(Y, Z) - atan2(a, D),  depth in the leg's plane d = D -
-//   b.
-// With a = b = 0 that is the guide's tilt = atan2(y, |z|).
+// Inverse, forward and differential kinematics of a five-bar leg on a tilt joint (ik/tilt_mount.h).
 #pragma once
 
 #include "crossgait/ik/five_bar.h"
@@ -61,15 +55,7 @@ struct LegPosition {
 /// (`LegMargins::parallel` is zero).
 Matrix3 leg_jacobian(const FiveBarGeometry& geometry, const LegAngles& q) noexcept;
 
-/// How far a posture is from trouble. All rad, zero at the edge.
-struct LegMargins {
-  double joint_limit = 0;  ///< smallest distance of the five joints to a limit; negative beyond it
-  double serial =
-      0;  ///< smallest bend of an elbow from straight or folded: there the foot cannot move radially
-  double parallel =
-      0;  ///< angle between the lines of the lower links: at zero the foot can move with locked servos
-};
-
+/// Of all five joints.
 LegMargins leg_margins(const FiveBarGeometry& geometry, const LegAngles& q) noexcept;
 
 }  // namespace crossgait

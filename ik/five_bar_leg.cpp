@@ -1,45 +1,10 @@
-#include "crossgait/ik/leg_kinematics.h"
+#include "crossgait/ik/five_bar_leg.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace crossgait {
 namespace {
-
-/// Coordinates are clamped to this before they are squared, m: no leg reaches so far, and no square
-/// overflows.
-constexpr double kFar = 1e3;
-
-Vector2 rotate(const Vector2& v, double c, double s) {
-  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
-}
-
-double angle_between(const Vector2& from, const Vector2& to) {
-  return std::atan2(cross(from, to), from.dot(to));
-}
-
-double shoulder_angle(const FiveBarChain& c, const ChainLinks& links) {
-  return c.shoulder_sign * angle_between(c.upper_zero, links.upper);
-}
-
-double elbow_angle(const FiveBarChain& c, const ChainLinks& links) {
-  return c.elbow_sign * angle_between(rotate(links.upper, c.lower_zero.x(), c.lower_zero.y()), links.lower);
-}
-
-Vector2 upper_link(const FiveBarChain& c, double shoulder) {
-  return c.upper * rotate(c.upper_zero, std::cos(shoulder), c.shoulder_sign * std::sin(shoulder));
-}
-
-Vector2 lower_link(const FiveBarChain& c, const Vector2& upper, double elbow) {
-  const Vector2 zero = rotate(upper, c.lower_zero.x(), c.lower_zero.y()) / c.upper;
-  return c.lower * rotate(zero, std::cos(elbow), c.elbow_sign * std::sin(elbow));
-}
-
-bool clamp_angle(double& angle, const JointLimits& limits) {
-  const double wanted = angle;
-  angle = std::min(std::max(angle, limits.lower), limits.upper);
-  return angle != wanted;
-}
 
 /// @returns whether anything changed.
 bool clamp_to_limits(const FiveBarGeometry& g, ServoAngles& q) {
@@ -64,13 +29,10 @@ PlacedLeg place_leg(const FiveBarGeometry& g, const Vector3& target, WorkingMode
     p = {0, 0, -(g.a.upper + g.a.lower + g.b.upper + g.b.lower) / 3};
   }
   p = p.cwiseMax(-kFar).cwiseMin(kFar);
-  const double a = g.axis_to_plane_out, b = g.axis_to_shoulder_down;
-  const double Y = g.side * p.y() + a, Z = b - p.z();
-  const double D2 = Y * Y + Z * Z - a * a, D_min = std::max(b, 0.0);
-  const bool too_near = D2 < D_min * D_min;
-  const double D = too_near ? D_min : std::sqrt(D2);
-  // The difference of the two angles of the tilt equation, as one.
-  leg.tilt = g.tilt_sign * std::atan2(Y * D - Z * a, Z * D + Y * a);
+  // Not above the shoulders.
+  const double b = g.axis_to_shoulder_down;
+  const auto [tilt, D, too_near] = plane_through(g, p.y(), p.z(), std::max(b, 0.0));
+  leg.tilt = tilt;
 
   Vector2 foot(p.x(), D - b);
   IkStatus clamped = clamp_to_workspace(g, foot);
@@ -88,20 +50,6 @@ ServoSolution servo_solution(const FiveBarGeometry& g, const PlacedLeg& leg, boo
   limited = clamp_to_limits(g, solution.angles);
   if (limited && leg.status == IkStatus::kOk) solution.status = IkStatus::kClampedJointLimit;
   return solution;
-}
-
-/// Foot in the leg frame from its place in the leg's plane and the outward tilt (cos, sin).
-Vector3 tilted(const FiveBarGeometry& g, const Vector2& p, double c, double s) {
-  const double a = g.axis_to_plane_out, b = g.axis_to_shoulder_down, D = p.y() + b;
-  return {p.x(), g.side * (a * c + D * s - a), b - (D * c - a * s)};
-}
-
-double elbow_margin(const ChainLinks& links) {
-  return std::atan2(std::abs(cross(links.upper, links.lower)), std::abs(links.upper.dot(links.lower)));
-}
-
-double limit_margin(double angle, const JointLimits& limits) {
-  return std::min(angle - limits.lower, limits.upper - angle);
 }
 
 }  // namespace
@@ -151,11 +99,10 @@ Matrix3 leg_jacobian(const FiveBarGeometry& g, const LegAngles& q) noexcept {
   const Vector2 column_b = Vector2(-lower_a.y(), lower_a.x()) * (along_b / det);
 
   const double c = std::cos(q.tilt), s = g.tilt_sign * std::sin(q.tilt);
-  const double D = foot.y() + g.axis_to_shoulder_down, a = g.axis_to_plane_out;
   Matrix3 J;
-  J.col(0) = g.tilt_sign * Vector3(0, g.side * (D * c - a * s), D * s + a * c);
-  J.col(1) = Vector3(column_a.x(), g.side * s * column_a.y(), -c * column_a.y());
-  J.col(2) = Vector3(column_b.x(), g.side * s * column_b.y(), -c * column_b.y());
+  J.col(0) = tilt_column(g, foot.y(), c, s);
+  J.col(1) = tilted_velocity(g, column_a, c, s);
+  J.col(2) = tilted_velocity(g, column_b, c, s);
   return J;
 }
 

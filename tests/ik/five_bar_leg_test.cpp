@@ -1,4 +1,4 @@
-#include "crossgait/ik/leg_kinematics.h"
+#include "crossgait/ik/five_bar_leg.h"
 
 #include <cmath>
 #include <limits>
