@@ -11,7 +11,8 @@ namespace crossgait {
 namespace {
 
 constexpr int kMaxIterations = 60;
-constexpr double kStraight = 0.05;  // rad, of a knee that has to be bent before a search
+constexpr double kStraight = 0.05;  // rad, bend of a knee that does not tell its side
+constexpr double kBent = 0.3;       // rad, smallest bend from straight or folded that a search starts with
 
 std::size_t slot(int i) { return static_cast<std::size_t>(i); }
 
@@ -62,14 +63,38 @@ double bend_about_axis(const LeastSquaresLegGeometry& g, const PlacedChain& chai
 
 using Limits = std::array<JointLimits, 3>;
 
+constexpr JointLimits kUnlimited{-1e9, 1e9};  // rad; finite, so that nothing becomes a NaN
+
+/// Limits as a search sees them: those of a joint that can turn all the way round are none.
 Limits limits_of(const LeastSquaresLegGeometry& g) {
+  constexpr double kWholeTurn = 2 * M_PI - 1e-9;
   Limits limits;
-  for (int i = 0; i < g.count; ++i) limits[slot(i)] = g.links[slot(i)].limits;
+  for (int i = 0; i < g.count; ++i) {
+    const JointLimits& own = g.links[slot(i)].limits;
+    limits[slot(i)] = own.upper - own.lower >= kWholeTurn ? kUnlimited : own;
+  }
   return limits;
 }
 
-LegJointAngles within(const LeastSquaresLegGeometry& g, const Limits& limits, LegJointAngles q) {
+LegJointAngles clamped(const LeastSquaresLegGeometry& g, const Limits& limits, LegJointAngles q) {
   for (int i = 0; i < g.count; ++i) clamp_angle(q[i], limits[slot(i)]);
+  return q;
+}
+
+/// `limits` with the knee kept on the side of `q`'s: its bend is its angle less a constant, and from straight
+/// to folded.
+Limits on_side(const LeastSquaresLegGeometry& g, Limits limits, const LegJointAngles& q, double side) {
+  const int knee = g.count - 1;
+  const double straight = q[knee] - bend_about_axis(g, place_chain(g, q)), folded = straight + side * M_PI;
+  JointLimits& own = limits[slot(knee)];
+  own = {std::clamp(std::min(straight, folded), own.lower, own.upper),
+         std::clamp(std::max(straight, folded), own.lower, own.upper)};
+  return limits;
+}
+
+/// Within the joints' limits, by whole turns where that does it; the third angle of two is zero.
+LegJointAngles fitted(const LeastSquaresLegGeometry& g, LegJointAngles q) {
+  for (int i = 0; i < g.count; ++i) fit_angle(q[i], g.links[slot(i)].limits);
   if (g.count == 2) q[2] = 0;
   return q;
 }
@@ -129,7 +154,7 @@ Found search(const LeastSquaresLegGeometry& g, const Limits& limits, const Vecto
   double lambda = 1e-3 * scale;
   for (int i = 1; i < kMaxIterations && best.error > kConverged / 10 && lambda < 1e9 * scale; ++i) {
     const Vector3 step = damped_step(g, limits, target, best, lambda);
-    const Found next = look(g, target, within(g, limits, best.q + step), iterations);
+    const Found next = look(g, target, clamped(g, limits, best.q + step), iterations);
     if (next.error < best.error) {
       // What is gained has become rounding.
       const bool arrived = best.error - next.error < 1e-15;
@@ -149,12 +174,25 @@ LegJointAngles with_bend(const LeastSquaresLegGeometry& g, LegJointAngles q, dou
   return q;
 }
 
+/// Where the knee of `q` bends to about its axis, +1 or -1. One that is next to straight or folded goes where
+/// its limits leave more room.
+double side_of(const LeastSquaresLegGeometry& g, const LegJointAngles& q) {
+  const double bend = bend_about_axis(g, place_chain(g, q));
+  if (std::abs(bend) >= kStraight && std::abs(bend) <= M_PI - kStraight) return std::copysign(1.0, bend);
+  const auto room = [&](double side) {
+    const Limits limits = on_side(g, limits_of(g), q, side);
+    return limits[slot(g.count - 1)].upper - limits[slot(g.count - 1)].lower;
+  };
+  const double least = room(1.0) - room(-1.0);
+  return std::abs(least) > kStraight ? std::copysign(1.0, least) : std::copysign(1.0, bend);
+}
+
 /// Why the joints cannot get nearer; see solve_least_squares.
-IkStatus shortfall(const LeastSquaresLegGeometry& g, const Vector3& target, const Found& best,
+IkStatus shortfall(const LeastSquaresLegGeometry& g, const Vector3& target, const Found& best, double side,
                    int& iterations) {
   Limits none;
-  none.fill({-1e9, 1e9});
-  const Found unlimited = search(g, none, target, best.q, iterations);
+  none.fill(kUnlimited);
+  const Found unlimited = search(g, on_side(g, none, best.q, side), target, best.q, iterations);
   if (unlimited.error <= kConverged) return IkStatus::kClampedJointLimit;
   const PlacedChain& chain = unlimited.chain;
   const Vector3 leg = chain.foot - chain.origins[slot(g.count - 2)];
@@ -199,47 +237,43 @@ LeastSquaresLegGeometry least_squares_leg_geometry(const RobotDescription& robot
   if (!home.allFinite() || std::abs(bend) < kStraight || std::abs(bend) > M_PI - kStraight) {
     frames.fail("home", "a knee bent by .05 rad or more", fmt::format("{:g} rad", bend));
   }
-  int iterations = 0;
-  const LegJointAngles mirrored = with_bend(g, home, -bend);
-  const Found other = search(g, limits_of(g), at_home.foot, within(g, limits_of(g), mirrored), iterations);
-  const bool is_other = other.error <= kConverged && bend_about_axis(g, other.chain) * bend < 0;
   const bool forward = knee_axis_sign(g) * bend > 0;
   g.starts[forward ? 0 : 1] = home;
-  g.starts[forward ? 1 : 0] = is_other ? other.q : mirrored;
+  const LegJointAngles mirrored = with_bend(g, home, -bend);
+  const LeastSquaresSolution other = solve_least_squares(g, at_home.foot, mirrored);
+  g.starts[forward ? 1 : 0] = other.status == IkStatus::kOk ? other.angles : fitted(g, mirrored);
   return g;
 }
 
 LeastSquaresSolution solve_least_squares(const LeastSquaresLegGeometry& g, const Vector3& target,
                                          const LegJointAngles& start) noexcept {
-  const Limits limits = limits_of(g);
   LegJointAngles from = start;
   for (int i = 0; i < g.count; ++i) {
-    if (!std::isfinite(from[i])) from[i] = (limits[slot(i)].lower + limits[slot(i)].upper) / 2;
+    const JointLimits& own = g.links[slot(i)].limits;
+    if (!std::isfinite(from[i])) from[i] = (own.lower + own.upper) / 2;
   }
-  from = within(g, limits, from);
+  from = fitted(g, from);
   LeastSquaresSolution solution{IkStatus::kInvalidTarget, from, 0};
   if (!target.allFinite()) return solution;
   const Vector3 p = target.cwiseMax(-kFar).cwiseMin(kFar);
 
-  const double bend = bend_about_axis(g, place_chain(g, from));
-  const double side = std::copysign(1.0, bend);
-  LegJointAngles first = from;
-  if (std::abs(bend) < kStraight || std::abs(bend) > M_PI - kStraight) {
-    const double off = std::abs(bend) < kStraight ? 0.3 : M_PI - 0.3;
-    first = within(g, limits, with_bend(g, from, side * off));
-    // A limit may be in the way of this side.
-    if (first == from) first = within(g, limits, with_bend(g, from, -side * off));
-  }
-  Found best = search(g, limits, p, first, solution.iterations);
+  const double side = side_of(g, from);
+  const auto search_from = [&](const LegJointAngles& q) {
+    const Limits limits = on_side(g, limits_of(g), q, side);
+    return search(g, limits, p, clamped(g, limits, q), solution.iterations);
+  };
+  const double bend = side * bend_about_axis(g, place_chain(g, from));
+  Found best = search_from(fitted(g, with_bend(g, from, side * std::clamp(bend, kBent, M_PI - kBent))));
   for (const double turn : {0.0, 1.5, -1.5}) {
     if (best.error <= kConverged) break;
     LegJointAngles other = with_bend(g, from, side * M_PI_2);
     other[g.count - 2] += turn;
-    const Found found = search(g, limits, p, within(g, limits, other), solution.iterations);
+    const Found found = search_from(fitted(g, other));
     if (found.error < best.error) best = found;
   }
-  solution.angles = best.q;
-  solution.status = best.error <= kConverged ? IkStatus::kOk : shortfall(g, p, best, solution.iterations);
+  solution.angles = fitted(g, best.q);
+  solution.status =
+      best.error <= kConverged ? IkStatus::kOk : shortfall(g, p, best, side, solution.iterations);
   return solution;
 }
 

@@ -26,7 +26,8 @@ struct LeastSquaresLegGeometry {
   int count = 3;  ///< joints, 2 or 3
   std::array<LegLink, 3> links;
   Vector3 p_foot = Vector3::Zero();  ///< foot centre in the last joint's frame, m
-  /// A posture with its knee forward and one with its knee backward, from which solutions are sought.
+  /// A posture with its knee forward and one with its knee backward, from which solutions are sought; a side
+  /// that the knee's limits forbid has a posture at its limit.
   std::array<LegJointAngles, 2> starts{LegJointAngles::Zero(), LegJointAngles::Zero()};
 
   const LegJointAngles& start(KneeBranch branch) const {
@@ -54,10 +55,9 @@ inline constexpr double kConverged = 1e-10;
 
 /// Joint angles that put the foot's centre on `target` to `kConverged`, sought from `start` (moved into the
 /// joint limits) by Levenberg and Marquardt's method in the variables' box: joints at a limit that the step
-/// would pass are held. A knee that starts straight or folded is bent first, and where a search ends away
-/// from the target others start from other postures, at most four in all of at most 60 iterations each; the
-/// nearest posture is the answer. Usually the knee bends as it does in `start`, which is not promised next to
-/// a straight knee.
+/// would pass are held. The knee stays on the side to which it is bent in `start`; one that starts straight,
+/// folded or nearly so is bent first. Where a search ends away from the target others start from other
+/// postures, at most four in all of at most 60 iterations each; the nearest posture is the answer.
 ///
 /// Short of the target, the status is kClampedJointLimit if the joints without limits would get there from
 /// the same posture, else kClampedTooNear or kClampedTooFar: whether the target is nearer to the hip than the

@@ -17,8 +17,8 @@ enum class LegKind { kFiveBar, kSerial, kLeastSquares };
 /// "five_bar", "serial", "least_squares".
 std::string_view name(LegKind kind) noexcept;
 
-/// Angles of the driven joints, in the order tilt, shoulder_left, shoulder_right or abduction (if any), hip, knee, and
-/// of the passive ones, elbow_left and elbow_right or none; rad. Inline storage.
+/// Angles of the driven joints, in the order tilt, shoulder_left, shoulder_right or abduction (if any), hip,
+/// knee, and of the passive ones, elbow_left and elbow_right or none; rad. Inline storage.
 using ServoVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
 using PassiveVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1>;
 
@@ -27,8 +27,8 @@ struct LegPosture {
   PassiveVector passive;
 };
 
-/// Which of the postures that put the foot on a target. A leg goes by what it has: a five-bar by `mode`, others by
-/// `knee`.
+/// Which of the postures that put the foot on a target. A leg goes by what it has: a five-bar by `mode`,
+/// others by `knee`.
 struct LegBranch {
   WorkingMode mode = kDefaultMode;
   KneeBranch knee = KneeBranch::kBackward;
@@ -40,7 +40,7 @@ struct LegInverse {
 };
 
 struct LegForward {
-  bool closed = true;  ///< false: a five-bar's chains cannot meet at these angles
+  bool closed = true;              ///< false: a five-bar's chains cannot meet at these angles
   Vector3 foot = Vector3::Zero();  ///< foot centre in the leg frame, m
   PassiveVector passive;           ///< rad
 };
@@ -48,9 +48,9 @@ struct LegForward {
 /// d foot / d servos, m/rad, rows x, y, z of the leg frame, a column for each servo.
 using LegJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3>;
 
-/// A value over the kinds of legs. Its functions are those of the kind (solve_leg, solve_serial, solve_least_squares
-/// and so on), which say what they promise; `noexcept` and without allocation. Vectors that are given have
-/// `servo_count` and `passive_count` numbers.
+/// A value over the kinds of legs. Its functions are those of the kind (solve_leg, solve_serial,
+/// solve_least_squares and so on), which say what they promise; `noexcept` and without allocation. Vectors
+/// that are given have `servo_count` and `passive_count` numbers.
 class LegKinematics {
  public:
   LegKinematics(const FiveBarGeometry& geometry, const LegModel& joints)
@@ -110,11 +110,12 @@ class LegKinematics {
   int servo_count_ = 0, passive_count_ = 0;
 };
 
-/// Kinematics of a leg of `robot` as its file describes it: a five-bar. @throws ConfigError as `five_bar_geometry`
+/// Kinematics of a leg of `robot` as its file describes it: a five-bar. @throws ConfigError as
+/// `five_bar_geometry`
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg);
 
-/// Kinematics of a serial leg: in closed form if its axes allow (`is_serial_leg`), else by least squares from the
-/// robot's home posture. @throws ConfigError as `serial_leg_geometry` and `least_squares_leg_geometry`
+/// Kinematics of a serial leg: in closed form if its axes allow (`is_serial_leg`), else by least squares from
+/// the robot's home posture. @throws ConfigError as `serial_leg_geometry` and `least_squares_leg_geometry`
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);
 
 inline const Vector3& LegKinematics::origin() const noexcept {
@@ -166,8 +167,7 @@ inline LegForward LegKinematics::forward(const ServoVector& servos, LegBranch br
   result.passive.resize(passive_count_);
   switch (kind()) {
     case LegKind::kFiveBar: {
-      const LegPosition p =
-          forward_leg(*as<FiveBarGeometry>(), servos[0], servos[1], servos[2], branch.mode);
+      const LegPosition p = forward_leg(*as<FiveBarGeometry>(), servos[0], servos[1], servos[2], branch.mode);
       result.closed = p.closed;
       result.foot = p.foot;
       result.passive << p.elbow_left, p.elbow_right;

@@ -10,21 +10,7 @@ namespace crossgait {
 namespace {
 
 constexpr double kOffPlane = 1e-9;  // m, see solve_serial
-constexpr double kTurn = 6.283185307179586477;
-
-/// `angle` by whole turns nearest to the middle of `limits`; of limits wider than a turn, to the angle
-/// nearest to zero that has half a turn on either side.
-double nearest_turn(double angle, const JointLimits& limits) {
-  double middle = (limits.lower + limits.upper) / 2;
-  const double spare = (limits.upper - limits.lower - kTurn) / 2;
-  if (spare > 0) middle = std::clamp(0.0, middle - spare, middle + spare);
-  return angle + kTurn * std::nearbyint((middle - angle) / kTurn);
-}
-
-bool fit(double& angle, const JointLimits& limits) {
-  angle = nearest_turn(angle, limits);
-  return clamp_angle(angle, limits);
-}
+constexpr double kAtHip = 1e-12;    // m, what rounding makes of a target on the hip axis
 
 /// A standing posture's depth, for requests that make no sense.
 double neutral_depth(const TwoLinkChain& chain) {
@@ -117,15 +103,16 @@ SerialSolution solve_serial(const SerialLegGeometry& g, const Vector3& target, K
   } else if (std::abs(p.y()) > kOffPlane) {
     aside = IkStatus::kClampedTooFar;
   }
+  if (foot.squaredNorm() < kAtHip * kAtHip) foot.setZero();
   solution.status = clamp_to_reach(g.chain, foot);
   if (solution.status == IkStatus::kOk) solution.status = aside;
   const ChainLinks links = place_links(g.chain, foot, knee_sign(branch));
   solution.angles.hip = shoulder_angle(g.chain, links);
   solution.angles.knee = elbow_angle(g.chain, links);
 
-  bool limited = g.has_abduction && fit(solution.angles.abduction, g.tilt_limits);
-  limited |= fit(solution.angles.hip, g.chain.shoulder_limits);
-  limited |= fit(solution.angles.knee, g.chain.elbow_limits);
+  bool limited = g.has_abduction && fit_angle(solution.angles.abduction, g.tilt_limits);
+  limited |= fit_angle(solution.angles.hip, g.chain.shoulder_limits);
+  limited |= fit_angle(solution.angles.knee, g.chain.elbow_limits);
   if (limited && solution.status == IkStatus::kOk) solution.status = IkStatus::kClampedJointLimit;
   if (!finite) solution.status = IkStatus::kInvalidTarget;
   return solution;

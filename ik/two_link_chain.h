@@ -125,4 +125,20 @@ inline bool clamp_angle(double& angle, const JointLimits& limits) {
   return angle != wanted;
 }
 
+/// `angle` by whole turns nearest to the middle of `limits`; of limits wider than a turn, to the angle
+/// nearest to zero that has half a turn on either side.
+inline double nearest_turn(double angle, const JointLimits& limits) {
+  constexpr double kTurn = 6.283185307179586477;
+  double middle = (limits.lower + limits.upper) / 2;
+  const double spare = (limits.upper - limits.lower - kTurn) / 2;
+  if (spare > 0) middle = std::clamp(0.0, middle - spare, middle + spare);
+  return angle + kTurn * std::nearbyint((middle - angle) / kTurn);
+}
+
+/// `nearest_turn`, then `clamp_angle`. @returns whether a limit binds.
+inline bool fit_angle(double& angle, const JointLimits& limits) {
+  angle = nearest_turn(angle, limits);
+  return clamp_angle(angle, limits);
+}
+
 }  // namespace crossgait
