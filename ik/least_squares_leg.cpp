@@ -12,7 +12,6 @@ namespace {
 
 constexpr int kMaxIterations = 60;
 constexpr double kStraight = 0.05;  // rad, bend of a knee that does not tell its side
-constexpr double kBent = 0.3;       // rad, smallest bend from straight or folded that a search starts with
 
 std::size_t slot(int i) { return static_cast<std::size_t>(i); }
 
@@ -262,9 +261,9 @@ LeastSquaresSolution solve_least_squares(const LeastSquaresLegGeometry& g, const
     const Limits limits = on_side(g, limits_of(g), q, side);
     return search(g, limits, p, clamped(g, limits, q), solution.iterations);
   };
-  const double bend = side * bend_about_axis(g, place_chain(g, from));
-  Found best = search_from(fitted(g, with_bend(g, from, side * std::clamp(bend, kBent, M_PI - kBent))));
-  for (const double turn : {0.0, 1.5, -1.5}) {
+  Found best = search_from(from);
+  // The knee bent by a right angle, the hip where it was, to either side of that and opposite to it.
+  for (const double turn : {0.0, 1.5, -1.5, 3.0}) {
     if (best.error <= kConverged) break;
     LegJointAngles other = with_bend(g, from, side * M_PI_2);
     other[g.count - 2] += turn;

@@ -120,7 +120,6 @@ SerialSolution solve_serial(const SerialLegGeometry& g, const Vector3& target, K
 
 Vector3 forward_serial(const SerialLegGeometry& g, const SerialAngles& q) noexcept {
   const SerialPosture p = posture(g, q);
-  if (!g.has_abduction) return {p.foot.x(), 0, -p.foot.y()};
   return tilted(g, p.foot, p.c, p.s);
 }
 
