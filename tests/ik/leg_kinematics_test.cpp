@@ -133,6 +133,13 @@ TEST(MakeLegKinematics, TheGeometryIsAtHand) {
   EXPECT_NEAR(serial.as<SerialLegGeometry>()->chain.upper, 0.21, 1e-15);  // rounding of a difference
 }
 
+TEST(MakeLegKinematics, LeastSquaresBeginAtHome) {
+  const Made robot(true, true);
+  const LegKinematics kinematics = robot.kinematics();
+  EXPECT_EQ(kinematics.as<LeastSquaresLegGeometry>()->start(KneeBranch::kBackward),
+            LegJointAngles(0, 0.7, -1.4));
+}
+
 TEST(MakeLegKinematics, LeastSquaresNeedAHome) {
   Made robot(true, true);
   robot.made.robot.home.resize(0);
