@@ -12,19 +12,11 @@ namespace crossgait {
 namespace {
 
 using test::LegAtZero;
+using test::make_oblique;
 using test::SerialRobot;
 using test::uniform;
 
 constexpr KneeBranch kBothBranches[] = {KneeBranch::kForward, KneeBranch::kBackward};
-
-/// The joints' axes turned by `angle` about random directions across them, and the leg no longer in planes y
-/// = const.
-void make_oblique(LegAtZero& leg, double angle, std::mt19937& random) {
-  for (Vector3* axis : {&leg.abduction_axis, &leg.hip_axis, &leg.knee_axis}) {
-    const Vector3 across = axis->cross(test::random_direction(random)).normalized();
-    *axis = Eigen::AngleAxisd(angle, across) * *axis;
-  }
-}
 
 /// Angles of a posture with its foot well below the hip and its knee well bent, from the closed form of the
 /// leg with straight axes.

@@ -53,6 +53,15 @@ inline LegAtZero random_leg(std::mt19937& random, bool has_abduction) {
   return leg;
 }
 
+/// The joints' axes turned by `angle` about random directions across them, and the leg no longer in planes y
+/// = const.
+inline void make_oblique(LegAtZero& leg, double angle, std::mt19937& random) {
+  for (Vector3* axis : {&leg.abduction_axis, &leg.hip_axis, &leg.knee_axis}) {
+    const Vector3 across = axis->cross(random_direction(random)).normalized();
+    *axis = Eigen::AngleAxisd(angle, across) * *axis;
+  }
+}
+
 struct SerialRobot {
   RobotDescription robot;
   SerialLegJoints joints;
@@ -107,6 +116,10 @@ inline SerialRobot serial_robot(const LegAtZero& leg, std::mt19937* random = nul
   made.joints.foot_body = made.joints.knee + 1;
   made.joints.p_BF = X_parent.inverse() * leg.foot;
   return made;
+}
+
+inline SerialLegGeometry geometry(const LegAtZero& leg, const SerialRobot& made) {
+  return serial_leg_geometry(made.robot, leg.leg, made.joints);
 }
 
 /// A foot in the base frame that the leg reaches: (x, depth) from the hip in the plane of the leg turned by
