@@ -35,12 +35,10 @@ struct LeastSquaresLegGeometry {
   }
 };
 
-/// @param home  a posture of the leg with its knee bent; the other branch's start is its mirror image in the
-/// line from
-///   hip to foot
+/// @param home  a posture of the leg with its knee bent; the other branch's start has it bent the other
+///   way and, if it can, its foot where it is in `home`
 /// @throws ConfigError naming file, leg and joint if the joints do not hang on each other or on the base, the
-/// foot does
-///   not move with the knee, or the knee of `home` is straight to .05 rad, which tells no branch
+///   foot does not move with the knee, or the knee of `home` is straight to .05 rad, which tells no branch
 LeastSquaresLegGeometry least_squares_leg_geometry(const RobotDescription& robot, Leg leg,
                                                    const SerialLegJoints& joints, const LegJointAngles& home);
 

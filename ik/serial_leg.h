@@ -23,9 +23,8 @@ struct SerialLegJoints {
   Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m
 };
 
-/// @throws ConfigError naming file, leg and joint unless the joints are `robot`'s, hang on each other and the
-/// first on the
-///   base, and the foot is on the knee's body
+/// @throws ConfigError naming file, leg and joint unless the joints are `robot`'s, hang on each other, the
+///   first on the base, and the foot is on the knee's body
 void validate(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);
 
 /// Without an abduction joint the leg's plane is y = 0 of the leg frame, and nothing but p_BL and `side` is
@@ -51,8 +50,7 @@ bool is_serial_leg(const RobotDescription& robot, Leg leg, const SerialLegJoints
 /// Derives the geometry of one leg from the joint frames of `robot`, which may be turned anyhow at zero
 /// angles.
 /// @throws ConfigError naming file, leg and joint if the joints do not hang on each other or on the base,
-/// their axes
-///   are none of a serial leg (`is_serial_leg`), or thigh or shin have no length
+///   their axes are none of a serial leg (`is_serial_leg`), or thigh or shin have no length
 SerialLegGeometry serial_leg_geometry(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints,
                                       double tolerance = kSerialAlignment);
 
