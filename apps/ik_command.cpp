@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/command.h"
-#include "crossgait/ik/leg_kinematics.h"
+#include "crossgait/ik/five_bar_leg.h"
 #include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "crossgait/ik/leg_kinematics.h"
+#include "crossgait/ik/five_bar_leg.h"
 #include "crossgait/physics/multibody.h"
 
 namespace crossgait::scenes {

@@ -1,7 +1,7 @@
 // What a soft servo has to be asked for so that a moving joint is where it should be.
 #pragma once
 
-#include "crossgait/ik/leg_kinematics.h"
+#include "crossgait/ik/five_bar_leg.h"
 #include "crossgait/physics/leg.h"
 
 namespace crossgait {

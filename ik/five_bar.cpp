@@ -1,31 +1,24 @@
 #include "crossgait/ik/five_bar.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace crossgait {
 namespace {
 
-/// A chain of equal links could fold to a point, where its direction is undefined: keep this far away, m.
-constexpr double kSmallestFold = 1e-6;
-
-double largest_reach(const FiveBarChain& c) { return c.upper + c.lower; }
-double smallest_reach(const FiveBarChain& c) { return std::max(std::abs(c.upper - c.lower), kSmallestFold); }
-
 /// Depth above which the chain cannot fold, at x.
-double fold_depth(const FiveBarChain& c, double x) {
+double fold_depth(const TwoLinkChain& c, double x) {
   const double r = smallest_reach(c), dx = x - c.shoulder_x;
   return std::sqrt(std::max(0.0, r * r - dx * dx));
 }
 
-bool within_reach(const FiveBarChain& c, const Vector2& p) {
+bool within_reach(const TwoLinkChain& c, const Vector2& p) {
   const double dx = p.x() - c.shoulder_x, r = largest_reach(c);
   return dx * dx + p.y() * p.y() <= r * r;
 }
 
 /// Nearest point of the disc around the shoulder.
-Vector2 project_to_reach(const FiveBarChain& c, const Vector2& p) {
+Vector2 project_to_reach(const TwoLinkChain& c, const Vector2& p) {
   const Vector2 shoulder(c.shoulder_x, 0), d = p - shoulder;
   return shoulder + d * (largest_reach(c) / d.norm());
 }
@@ -52,29 +45,7 @@ double neutral_depth(const FiveBarGeometry& g) {
   return kFraction * std::min(largest_reach(g.a), largest_reach(g.b));
 }
 
-TwoLinkSolution angles(const ChainLinks& links, double elbow_sign) {
-  // A straight chain's tiny cross product may have either sign: give the elbow the one asked for.
-  const double bend = std::atan2(std::abs(cross(links.upper, links.lower)), links.upper.dot(links.lower));
-  return {IkStatus::kOk, std::atan2(links.upper.y(), links.upper.x()), elbow_sign * bend};
-}
-
 }  // namespace
-
-std::string_view name(IkStatus status) noexcept {
-  constexpr std::array<std::string_view, 5> kNames{"ok", "clamped_too_far", "clamped_too_near",
-                                                   "clamped_joint_limit", "invalid_target"};
-  return kNames[static_cast<std::size_t>(status)];
-}
-
-ChainLinks place_links(const FiveBarChain& chain, const Vector2& p, double elbow_sign) noexcept {
-  const Vector2 d(p.x() - chain.shoulder_x, p.y());
-  const double r2 = d.squaredNorm(), upper2 = chain.upper * chain.upper;
-  // The elbow in units of d: `along` it, and `across` it towards smaller plane angles.
-  const double along = (r2 + upper2 - chain.lower * chain.lower) / (2 * r2);
-  const double across = std::sqrt(std::max(0.0, upper2 / r2 - along * along));
-  const Vector2 upper = along * d + elbow_sign * across * Vector2(d.y(), -d.x());
-  return {upper, d - upper};
-}
 
 IkStatus clamp_to_workspace(const FiveBarGeometry& g, Vector2& p) noexcept {
   IkStatus status = IkStatus::kOk;
@@ -92,34 +63,13 @@ IkStatus clamp_to_workspace(const FiveBarGeometry& g, Vector2& p) noexcept {
   return status;
 }
 
-TwoLinkSolution solve_two_link(double upper, double lower, double x, double depth,
-                               double elbow_sign) noexcept {
-  FiveBarChain chain;
-  chain.upper = upper;
-  chain.lower = lower;
-  const double far = largest_reach(chain), near = smallest_reach(chain);
-  if (!std::isfinite(x) || !std::isfinite(depth)) {
-    TwoLinkSolution neutral = angles(place_links(chain, {0, (near + far) / 2}, elbow_sign), elbow_sign);
-    neutral.status = IkStatus::kInvalidTarget;
-    return neutral;
-  }
-  const double r = std::hypot(x, depth);
-  const double reach = std::clamp(r, near, far);
-  // The ray of the origin itself is undefined: straight down.
-  const Vector2 p = r > 0 ? Vector2(x / r * reach, depth / r * reach) : Vector2(0, reach);
-  TwoLinkSolution solution = angles(place_links(chain, p, elbow_sign), elbow_sign);
-  if (r > far) solution.status = IkStatus::kClampedTooFar;
-  if (r < near) solution.status = IkStatus::kClampedTooNear;
-  return solution;
-}
-
 FiveBarSolution solve_five_bar(const FiveBarGeometry& g, double x, double depth, WorkingMode mode) noexcept {
   const bool finite = std::isfinite(x) && std::isfinite(depth);
   Vector2 p = finite ? Vector2(x, depth) : Vector2(0, neutral_depth(g));
   const IkStatus clamped = clamp_to_workspace(g, p);
   const ElbowSigns signs = elbow_signs(mode);
-  return {finite ? clamped : IkStatus::kInvalidTarget, angles(place_links(g.a, p, signs.a), signs.a),
-          angles(place_links(g.b, p, signs.b), signs.b)};
+  return {finite ? clamped : IkStatus::kInvalidTarget, plane_angles(place_links(g.a, p, signs.a), signs.a),
+          plane_angles(place_links(g.b, p, signs.b), signs.b)};
 }
 
 FiveBarClosure close_five_bar(const FiveBarGeometry& g, const Vector2& upper_a, const Vector2& upper_b,

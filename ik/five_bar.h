@@ -1,29 +1,15 @@
-// Planar kinematics of a two-link chain and of a five-bar in the leg's plane, whose points are written
-// (x, depth): forward, and below the shoulders. At zero tilt depth is -z of the leg frame. Angles are
-// measured from +x towards the depth, which is right-handed about +y; a link hanging straight down has angle
-// pi/2.
+// Planar kinematics of a five-bar: two two-link chains (ik/two_link_chain.h) whose tips are one point. Points
+// of the leg's plane are (x, depth) and angles plane angles, as there.
 #pragma once
 
 #include <optional>
 
 #include "crossgait/ik/geometry.h"
+#include "crossgait/ik/two_link_chain.h"
 
 namespace crossgait {
 
-/// What became of an inverse-kinematics request. Whatever the status, the angles are finite.
-enum class IkStatus {
-  kOk,
-  kClampedTooFar,   ///< beyond the links' reach: moved to the nearest reachable point of the leg's plane
-  kClampedTooNear,  ///< inside what the links can fold to, or above the shoulders: moved down to the boundary
-  kClampedJointLimit,  ///< reachable, but a joint angle was clamped to its limit
-  kInvalidTarget,      ///< not finite: the angles are those of a safe neutral point
-};
-
-/// "ok", "clamped_too_far", "clamped_too_near", "clamped_joint_limit", "invalid_target".
-std::string_view name(IkStatus status) noexcept;
-
-/// On which side the elbows bend. "Up" is a positive angle from upper to lower link, +acos(...): with the
-/// foot below the shoulders that elbow lies towards +x of the line from shoulder to foot; "down" towards -x.
+/// On which side the elbows bend; up and down as in `place_links`.
 enum class WorkingMode {
   kUpDown = 1,    ///< a up, b down: knees crossed inward
   kDownUp = 2,    ///< a down, b up: knees outward; the default
@@ -48,20 +34,6 @@ constexpr ElbowSigns elbow_signs(WorkingMode mode) {
           mode == WorkingMode::kDownUp || mode == WorkingMode::kBothUp ? 1.0 : -1.0};
 }
 
-/// Angles of a two-link chain, rad.
-struct TwoLinkSolution {
-  IkStatus status = IkStatus::kOk;
-  double upper = 0;  ///< plane angle of the upper link, in (-pi, pi]
-  double elbow = 0;  ///< from upper to lower link, in [-pi, pi]; its sign is that of `elbow_sign`
-};
-
-/// Places the tip of a chain that starts at the origin on (x, depth): the law of cosines,
-/// elbow = +-acos((x^2 + depth^2 - L1^2 - L2^2) / (2 L1 L2)). An unreachable point is moved along its ray.
-/// @param upper,lower  link lengths L1, L2, m, positive
-/// @param elbow_sign   +1 up, -1 down
-[[nodiscard]] TwoLinkSolution solve_two_link(double upper, double lower, double x, double depth,
-                                             double elbow_sign) noexcept;
-
 /// Both chains of a five-bar.
 struct FiveBarSolution {
   IkStatus status = IkStatus::kOk;
@@ -78,15 +50,6 @@ struct FiveBarSolution {
 /// within reach of both shoulders. Continuous in p.
 [[nodiscard]] IkStatus clamp_to_workspace(const FiveBarGeometry& geometry, Vector2& p) noexcept;
 
-/// Upper and lower link of one chain as vectors (x, depth), m.
-struct ChainLinks {
-  Vector2 upper = Vector2::Zero(), lower = Vector2::Zero();
-};
-
-/// Links of `chain` with its tip on the reachable point `p` of the leg's plane. @param elbow_sign +1 up, -1
-/// down
-ChainLinks place_links(const FiveBarChain& chain, const Vector2& p, double elbow_sign) noexcept;
-
 /// Forward kinematics of the plane.
 struct FiveBarClosure {
   bool closed = false;             ///< false if the elbows are too far apart, or coincide: `foot` lies midway
@@ -99,8 +62,5 @@ struct FiveBarClosure {
 /// @param upper_a,upper_b  upper links as vectors (x, depth) of their lengths, m
 [[nodiscard]] FiveBarClosure close_five_bar(const FiveBarGeometry& geometry, const Vector2& upper_a,
                                             const Vector2& upper_b, WorkingMode mode) noexcept;
-
-/// The cross product in the plane: positive if v lies at a larger plane angle than u.
-inline double cross(const Vector2& u, const Vector2& v) { return u.x() * v.y() - u.y() * v.x(); }
 
 }  // namespace crossgait

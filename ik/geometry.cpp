@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "crossgait/ik/leg_frames.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait {
@@ -13,58 +14,6 @@ namespace {
 /// the foot by the 1e-9 m to which the kinematics agree with the engines only if files give angles to full
 /// precision, so a frame written as rpy="1.57 0 0" is refused rather than silently wrong.
 constexpr double kAligned = 1e-9;
-
-/// Names an element of one leg in messages, and finds its frames at zero joint angles.
-class LegFrames {
- public:
-  LegFrames(const RobotDescription& robot, Leg leg) : robot_(robot), leg_(leg) {}
-
-  [[noreturn]] void fail(std::string_view what, const std::string& expected, const std::string& found) const {
-    throw ConfigError(robot_.source, fmt::format("leg {} {}", name(leg_), what), expected, found);
-  }
-
-  /// Pose of the body that joint `joint` moves, in the base frame, at zero joint angles.
-  Pose pose(int joint) const {
-    Pose X = Pose::Identity();
-    for (int body = joint + 1; body > 0; body = at(body).parent) X = at(body).X_PB * X;
-    return X;
-  }
-
-  /// Sign of a joint axis along `direction` of the base frame.
-  double axis_sign(int joint, const Vector3& direction, std::string_view along) const {
-    const Vector3 axis = pose(joint).linear() * robot_.joint(joint).axis;
-    const double cosine = axis.dot(direction);
-    if ((axis - std::copysign(1.0, cosine) * direction).norm() > kAligned) {
-      fail("axis of joint " + robot_.joint(joint).name,
-           fmt::format("parallel to {} of the base at zero angles", along),
-           fmt::format("({:g}, {:g}, {:g})", axis.x(), axis.y(), axis.z()));
-    }
-    return std::copysign(1.0, cosine);
-  }
-
-  void require_parent(int joint, int parent_body) const {
-    if (at(joint + 1).parent != parent_body) {
-      fail("joint " + robot_.joint(joint).name, "child of " + at(parent_body).name,
-           "child of " + at(at(joint + 1).parent).name);
-    }
-  }
-
-  JointLimits limits(int joint) const { return {robot_.joint(joint).lower, robot_.joint(joint).upper}; }
-
-  const Body& at(int body) const { return robot_.bodies[static_cast<std::size_t>(body)]; }
-
- private:
-  const RobotDescription& robot_;
-  Leg leg_;
-};
-
-/// (x, depth) of a vector of the base frame at zero tilt.
-Vector2 in_plane(const Vector3& v) { return {v.x(), -v.z()}; }
-
-/// (cos, sin) of the angle from `from` to `to`.
-Vector2 rotation_between(const Vector2& from, const Vector2& to) {
-  return Vector2(from.dot(to), from.x() * to.y() - from.y() * to.x()).normalized();
-}
 
 /// The point where the lower links of joints `elbow_a` and `elbow_b` are joined, in either link's frame.
 struct Tips {
@@ -81,25 +30,10 @@ Tips joined_tips(const RobotDescription& robot, const LegFrames& frames, int elb
               "none");
 }
 
-/// Fills everything but `shoulder_x`.
-FiveBarChain chain(const LegFrames& frames, int tilt, int shoulder, int elbow, const Vector3& tip) {
+TwoLinkChain chain(const LegFrames& frames, int tilt, int shoulder, int elbow, const Vector3& tip) {
   frames.require_parent(shoulder, tilt + 1);
   frames.require_parent(elbow, shoulder + 1);
-  const Vector3 y = Vector3::UnitY();
-  FiveBarChain c;
-  // A rotation about +y carries x towards -z, that is down: it increases plane angles.
-  c.shoulder_sign = frames.axis_sign(shoulder, y, "y");
-  c.elbow_sign = frames.axis_sign(elbow, y, "y");
-  c.shoulder_limits = frames.limits(shoulder);
-  c.elbow_limits = frames.limits(elbow);
-  const Pose X_elbow = frames.pose(elbow);
-  const Vector2 upper = in_plane(X_elbow.translation() - frames.pose(shoulder).translation());
-  const Vector2 lower = in_plane(X_elbow.linear() * tip);
-  c.upper = upper.norm();
-  c.lower = lower.norm();
-  if (c.upper > 0) c.upper_zero = upper / c.upper;
-  if (c.upper > 0 && c.lower > 0) c.lower_zero = rotation_between(upper, lower);
-  return c;
+  return two_link_chain(frames, shoulder, elbow, tip);
 }
 
 }  // namespace
@@ -110,7 +44,7 @@ void validate(const FiveBarGeometry& g, const std::string& source) {
     throw ConfigError(source, element, expected, fmt::format("{:g} m", found));
   };
   if (!(base > 0)) fail("shoulders", "shoulder_left behind shoulder_right", base);
-  for (const FiveBarChain* c : {&g.a, &g.b}) {
+  for (const TwoLinkChain* c : {&g.a, &g.b}) {
     if (!(c->upper > 0)) fail("upper link", "a positive length", c->upper);
     if (!(c->lower > 0)) fail("lower link", "a positive length", c->lower);
   }
@@ -124,7 +58,7 @@ void validate(const FiveBarGeometry& g, const std::string& source) {
 FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg) {
   if (!robot.legs) throw ConfigError(robot.source, "legs", "a robot with legs", "none");
   const LegModel& model = (*robot.legs)[leg];
-  const LegFrames frames(robot, leg);
+  const LegFrames frames(robot, leg, kAligned);
   frames.require_parent(model.tilt, 0);
   const Tips tips = joined_tips(robot, frames, model.elbow_left, model.elbow_right);
   if (model.foot_body != model.elbow_left + 1 && model.foot_body != model.elbow_right + 1) {

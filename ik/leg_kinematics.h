@@ -1,75 +1,210 @@
-// Inverse, forward and differential kinematics of a five-bar leg on a tilt joint.
-//
-// With the foot at lateral distance Y = side y + a (outward) and depth Z = b - z (down) from the tilt axis,
-// a = axis_to_plane_out and b = axis_to_shoulder_down:
-//   D = sqrt(Y^2 + Z^2 - a^2),  outward tilt = atan2(Y, Z) - atan2(a, D),  depth in the leg's plane d = D -
-//   b.
-// With a = b = 0 that is the guide's tilt = atan2(y, |z|).
+// The kinematics of one leg, whichever kind of leg it is, in one vocabulary.
 #pragma once
 
-#include "crossgait/ik/five_bar.h"
+#include <array>
+#include <span>
+#include <string_view>
+#include <variant>
+
+#include "crossgait/ik/five_bar_leg.h"
+#include "crossgait/ik/least_squares_leg.h"
+#include "crossgait/ik/serial_leg.h"
 
 namespace crossgait {
 
-/// Joint angles of one leg in the robot's sign convention, rad.
-struct LegAngles {
-  double tilt = 0, shoulder_left = 0, shoulder_right = 0, elbow_left = 0, elbow_right = 0;
+enum class LegKind { kFiveBar, kSerial, kLeastSquares };
+
+/// "five_bar", "serial", "least_squares".
+std::string_view name(LegKind kind) noexcept;
+
+/// Angles of the driven joints, in the order tilt, shoulder_left, shoulder_right or abduction (if any), hip,
+/// knee, and of the passive ones, elbow_left and elbow_right or none; rad. Inline storage.
+using ServoVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
+using PassiveVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1>;
+
+struct LegPosture {
+  ServoVector servos;
+  PassiveVector passive;
 };
 
-struct LegSolution {
+/// Which of the postures that put the foot on a target. A leg goes by what it has: a five-bar by `mode`,
+/// others by `knee`.
+struct LegBranch {
+  WorkingMode mode = kDefaultMode;
+  KneeBranch knee = KneeBranch::kBackward;
+};
+
+struct LegInverse {
   IkStatus status = IkStatus::kOk;
-  LegAngles angles;
+  LegPosture posture;
 };
 
-/// Joint angles that put the foot's centre on `target`, or on the workspace's boundary if it is out of reach;
-/// see IkStatus. Never NaN, continuous in the target (except on the tilt axis, where "outward" has no
-/// direction).
-/// @param target  foot centre in the leg frame (x forward, y left, z up: negative below the shoulders), m
-[[nodiscard]] LegSolution solve_leg(const FiveBarGeometry& geometry, const Vector3& target,
-                                    WorkingMode mode = kDefaultMode) noexcept;
-
-/// The angles that are driven, rad.
-struct ServoAngles {
-  double tilt = 0, shoulder_left = 0, shoulder_right = 0;
+struct LegForward {
+  bool closed = true;              ///< false: a five-bar's chains cannot meet at these angles
+  Vector3 foot = Vector3::Zero();  ///< foot centre in the leg frame, m
+  PassiveVector passive;           ///< rad
 };
 
-struct ServoSolution {
-  IkStatus status = IkStatus::kOk;
-  ServoAngles angles;
+/// d foot / d servos, m/rad, rows x, y, z of the leg frame, a column for each servo.
+using LegJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3>;
+
+/// A value over the kinds of legs. Its functions are those of the kind (solve_leg, solve_serial,
+/// solve_least_squares and so on), which say what they promise; `noexcept` and without allocation. Vectors
+/// that are given have `servo_count` and `passive_count` numbers.
+class LegKinematics {
+ public:
+  LegKinematics(const FiveBarGeometry& geometry, const LegModel& joints)
+      : leg_(geometry),
+        joints_{joints.tilt, joints.shoulder_left, joints.shoulder_right, joints.elbow_left,
+                joints.elbow_right},
+        servo_count_(3),
+        passive_count_(2) {}
+  LegKinematics(const SerialLegGeometry& geometry, const SerialLegJoints& joints)
+      : LegKinematics(Kind(geometry), joints) {}
+  LegKinematics(const LeastSquaresLegGeometry& geometry, const SerialLegJoints& joints)
+      : LegKinematics(Kind(geometry), joints) {}
+
+  LegKind kind() const noexcept { return static_cast<LegKind>(leg_.index()); }
+  /// The geometry of its kind, or nullptr: `as<FiveBarGeometry>()`.
+  template <typename Geometry>
+  const Geometry* as() const noexcept {
+    return std::get_if<Geometry>(&leg_);
+  }
+
+  /// p_BL: origin of the leg frame in the base frame, m.
+  const Vector3& origin() const noexcept;
+
+  int servo_count() const noexcept { return servo_count_; }
+  int passive_count() const noexcept { return passive_count_; }
+  /// Indices into joint vectors, in the order of ServoVector and PassiveVector.
+  std::span<const int> servo_joints() const noexcept {
+    return {joints_.data(), static_cast<std::size_t>(servo_count_)};
+  }
+  std::span<const int> passive_joints() const noexcept {
+    return {joints_.data() + servo_count_, static_cast<std::size_t>(passive_count_)};
+  }
+
+  /// @param target  foot centre in the leg frame (x forward, y left, z up: negative below the hip), m
+  [[nodiscard]] LegInverse inverse(const Vector3& target, LegBranch branch = {}) const noexcept;
+  /// @param branch  only a five-bar's `mode` counts: which way its linkage closes
+  [[nodiscard]] LegForward forward(const ServoVector& servos, LegBranch branch = {}) const noexcept;
+  LegJacobian jacobian(const LegPosture& posture) const noexcept;
+  LegMargins margins(const LegPosture& posture) const noexcept;
+
+ private:
+  using Kind = std::variant<FiveBarGeometry, SerialLegGeometry, LeastSquaresLegGeometry>;  // as LegKind
+
+  LegKinematics(const Kind& kind, const SerialLegJoints& joints);
+
+  // Of a serial leg: without an abduction joint its angle is zero and has no place in ServoVector.
+  SerialAngles serial_angles(const ServoVector& servos) const noexcept {
+    return servo_count_ == 3 ? SerialAngles{servos[0], servos[1], servos[2]}
+                             : SerialAngles{0, servos[0], servos[1]};
+  }
+  LegJointAngles joint_angles(const ServoVector& servos) const noexcept {
+    return {servos[0], servos[1], servo_count_ == 3 ? servos[2] : 0};
+  }
+
+  Kind leg_;
+  std::array<int, 5> joints_{};  // servos, then passive joints
+  int servo_count_ = 0, passive_count_ = 0;
 };
 
-/// `solve_leg` without the passive elbows, for control loops: the same angles in two thirds of the time.
-[[nodiscard]] ServoSolution solve_servos(const FiveBarGeometry& geometry, const Vector3& target,
-                                         WorkingMode mode = kDefaultMode) noexcept;
+/// Kinematics of a leg of `robot` as its file describes it: a five-bar. @throws ConfigError as
+/// `five_bar_geometry`
+LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg);
 
-struct LegPosition {
-  bool closed = false;  ///< false: the chains cannot meet at these angles, `foot` is between the elbows
-  Vector3 foot = Vector3::Zero();          ///< foot centre in the leg frame, m
-  double elbow_left = 0, elbow_right = 0;  ///< passive joint angles, rad
-};
+/// Kinematics of a serial leg: in closed form if its axes allow (`is_serial_leg`), else by least squares from
+/// the robot's home posture. @throws ConfigError as `serial_leg_geometry` and `least_squares_leg_geometry`
+LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);
 
-/// Foot and passive elbows from the three actuated angles (rad). Of the two ways to close the linkage, the
-/// one in which the elbows bend as `mode` says: the inverse of `solve_leg` in mode 2, and in every mode if
-/// both chains are alike. With unlike chains both ways can bend so in the other modes; then the foot is the
-/// lower of the two.
-[[nodiscard]] LegPosition forward_leg(const FiveBarGeometry& geometry, double tilt, double shoulder_left,
-                                      double shoulder_right, WorkingMode mode = kDefaultMode) noexcept;
+inline const Vector3& LegKinematics::origin() const noexcept {
+  switch (kind()) {
+    case LegKind::kFiveBar:
+      return as<FiveBarGeometry>()->p_BL;
+    case LegKind::kSerial:
+      return as<SerialLegGeometry>()->p_BL;
+    default:
+      return as<LeastSquaresLegGeometry>()->p_BL;
+  }
+}
 
-/// d foot / d (tilt, shoulder_left, shoulder_right), m/rad, rows x, y, z of the leg frame: velocity of the
-/// foot per joint velocity. Differentiates |foot - elbow| = lower link for either chain. Not finite where the
-/// lower links are parallel
-/// (`LegMargins::parallel` is zero).
-Matrix3 leg_jacobian(const FiveBarGeometry& geometry, const LegAngles& q) noexcept;
+inline LegInverse LegKinematics::inverse(const Vector3& target, LegBranch branch) const noexcept {
+  LegInverse result;
+  result.posture.servos.resize(servo_count_);
+  result.posture.passive.resize(passive_count_);
+  ServoVector& servos = result.posture.servos;
+  switch (kind()) {
+    case LegKind::kFiveBar: {
+      const auto [status, q] = solve_leg(*as<FiveBarGeometry>(), target, branch.mode);
+      result.status = status;
+      servos << q.tilt, q.shoulder_left, q.shoulder_right;
+      result.posture.passive << q.elbow_left, q.elbow_right;
+      break;
+    }
+    case LegKind::kSerial: {
+      const auto [status, q] = solve_serial(*as<SerialLegGeometry>(), target, branch.knee);
+      result.status = status;
+      if (servo_count_ == 3) {
+        servos << q.abduction, q.hip, q.knee;
+      } else {
+        servos << q.hip, q.knee;
+      }
+      break;
+    }
+    case LegKind::kLeastSquares: {
+      const LeastSquaresSolution s = solve_least_squares(*as<LeastSquaresLegGeometry>(), target, branch.knee);
+      result.status = s.status;
+      servos = s.angles.head(servo_count_);
+      break;
+    }
+  }
+  return result;
+}
 
-/// How far a posture is from trouble. All rad, zero at the edge.
-struct LegMargins {
-  double joint_limit = 0;  ///< smallest distance of the five joints to a limit; negative beyond it
-  double serial =
-      0;  ///< smallest bend of an elbow from straight or folded: there the foot cannot move radially
-  double parallel =
-      0;  ///< angle between the lines of the lower links: at zero the foot can move with locked servos
-};
+inline LegForward LegKinematics::forward(const ServoVector& servos, LegBranch branch) const noexcept {
+  LegForward result;
+  result.passive.resize(passive_count_);
+  switch (kind()) {
+    case LegKind::kFiveBar: {
+      const LegPosition p = forward_leg(*as<FiveBarGeometry>(), servos[0], servos[1], servos[2], branch.mode);
+      result.closed = p.closed;
+      result.foot = p.foot;
+      result.passive << p.elbow_left, p.elbow_right;
+      break;
+    }
+    case LegKind::kSerial:
+      result.foot = forward_serial(*as<SerialLegGeometry>(), serial_angles(servos));
+      break;
+    case LegKind::kLeastSquares:
+      result.foot = forward_least_squares(*as<LeastSquaresLegGeometry>(), joint_angles(servos));
+      break;
+  }
+  return result;
+}
 
-LegMargins leg_margins(const FiveBarGeometry& geometry, const LegAngles& q) noexcept;
+inline LegJacobian LegKinematics::jacobian(const LegPosture& posture) const noexcept {
+  const ServoVector& q = posture.servos;
+  switch (kind()) {
+    case LegKind::kFiveBar:
+      return leg_jacobian(*as<FiveBarGeometry>(), {q[0], q[1], q[2], posture.passive[0], posture.passive[1]});
+    case LegKind::kSerial:
+      return serial_jacobian(*as<SerialLegGeometry>(), serial_angles(q)).rightCols(servo_count_);
+    default:
+      return least_squares_jacobian(*as<LeastSquaresLegGeometry>(), joint_angles(q)).leftCols(servo_count_);
+  }
+}
+
+inline LegMargins LegKinematics::margins(const LegPosture& posture) const noexcept {
+  const ServoVector& q = posture.servos;
+  switch (kind()) {
+    case LegKind::kFiveBar:
+      return leg_margins(*as<FiveBarGeometry>(), {q[0], q[1], q[2], posture.passive[0], posture.passive[1]});
+    case LegKind::kSerial:
+      return serial_margins(*as<SerialLegGeometry>(), serial_angles(q));
+    default:
+      return least_squares_margins(*as<LeastSquaresLegGeometry>(), joint_angles(q));
+  }
+}
 
 }  // namespace crossgait

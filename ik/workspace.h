@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "crossgait/ik/leg_kinematics.h"
+#include "crossgait/ik/five_bar_leg.h"
 
 namespace crossgait {
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "crossgait/gait/multi_gait_controller.h"
-#include "crossgait/ik/leg_kinematics.h"
+#include "crossgait/ik/five_bar_leg.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 

@@ -14,7 +14,7 @@ constexpr double kRounding = 1e-15;
 
 RobotDescription robot() { return load_robot(find_robot("scara_quadruped")); }
 
-void expect_equal(const FiveBarChain& chain, const FiveBarChain& expected) {
+void expect_equal(const TwoLinkChain& chain, const TwoLinkChain& expected) {
   EXPECT_NEAR(chain.shoulder_x, expected.shoulder_x, kRounding);
   EXPECT_NEAR(chain.upper, expected.upper, kRounding);
   EXPECT_NEAR(chain.lower, expected.lower, kRounding);

@@ -19,7 +19,7 @@ inline FiveBarGeometry hand_made_leg(Leg leg = Leg::FL) {
   g.tilt_sign = side;  // tilt about +x: positive is towards +y
   g.a.shoulder_x = -0.010;
   g.b.shoulder_x = 0.010;
-  for (FiveBarChain* chain : {&g.a, &g.b}) {
+  for (TwoLinkChain* chain : {&g.a, &g.b}) {
     chain->upper = 0.045;
     chain->lower = 0.060;
   }

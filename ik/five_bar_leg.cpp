@@ -1,0 +1,123 @@
+#include "crossgait/ik/five_bar_leg.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace crossgait {
+namespace {
+
+/// @returns whether anything changed.
+bool clamp_to_limits(const FiveBarGeometry& g, ServoAngles& q) {
+  bool changed = clamp_angle(q.tilt, g.tilt_limits);
+  changed |= clamp_angle(q.shoulder_left, g.a.shoulder_limits);
+  changed |= clamp_angle(q.shoulder_right, g.b.shoulder_limits);
+  return changed;
+}
+
+/// A leg with its foot on the target or as near as the links allow: joint limits do not enter.
+struct PlacedLeg {
+  IkStatus status = IkStatus::kOk;
+  double tilt = 0;  ///< of the joint, rad
+  ChainLinks a, b;
+};
+
+PlacedLeg place_leg(const FiveBarGeometry& g, const Vector3& target, WorkingMode mode) {
+  PlacedLeg leg;
+  Vector3 p = target;
+  if (!target.allFinite()) {
+    leg.status = IkStatus::kInvalidTarget;
+    p = {0, 0, -(g.a.upper + g.a.lower + g.b.upper + g.b.lower) / 3};
+  }
+  p = p.cwiseMax(-kFar).cwiseMin(kFar);
+  // Not above the shoulders.
+  const double b = g.axis_to_shoulder_down;
+  const auto [tilt, D, too_near] = plane_through(g, p.y(), p.z(), std::max(b, 0.0));
+  leg.tilt = tilt;
+
+  Vector2 foot(p.x(), D - b);
+  IkStatus clamped = clamp_to_workspace(g, foot);
+  if (too_near && clamped == IkStatus::kOk) clamped = IkStatus::kClampedTooNear;
+  if (leg.status == IkStatus::kOk) leg.status = clamped;
+  const ElbowSigns signs = elbow_signs(mode);
+  leg.a = place_links(g.a, foot, signs.a);
+  leg.b = place_links(g.b, foot, signs.b);
+  return leg;
+}
+
+/// @param limited  set if a joint limit binds
+ServoSolution servo_solution(const FiveBarGeometry& g, const PlacedLeg& leg, bool& limited) {
+  ServoSolution solution{leg.status, {leg.tilt, shoulder_angle(g.a, leg.a), shoulder_angle(g.b, leg.b)}};
+  limited = clamp_to_limits(g, solution.angles);
+  if (limited && leg.status == IkStatus::kOk) solution.status = IkStatus::kClampedJointLimit;
+  return solution;
+}
+
+}  // namespace
+
+ServoSolution solve_servos(const FiveBarGeometry& g, const Vector3& target, WorkingMode mode) noexcept {
+  bool limited = false;
+  return servo_solution(g, place_leg(g, target, mode), limited);
+}
+
+LegSolution solve_leg(const FiveBarGeometry& g, const Vector3& target, WorkingMode mode) noexcept {
+  const PlacedLeg leg = place_leg(g, target, mode);
+  bool limited = false;
+  const auto [status, servos] = servo_solution(g, leg, limited);
+  LegSolution solution{status,
+                       {servos.tilt, servos.shoulder_left, servos.shoulder_right, elbow_angle(g.a, leg.a),
+                        elbow_angle(g.b, leg.b)}};
+  if (limited) {
+    // The elbows follow the clamped servos, if the linkage can.
+    const LegPosition p = forward_leg(g, servos.tilt, servos.shoulder_left, servos.shoulder_right, mode);
+    if (p.closed) {
+      solution.angles.elbow_left = p.elbow_left;
+      solution.angles.elbow_right = p.elbow_right;
+    }
+  }
+  return solution;
+}
+
+LegPosition forward_leg(const FiveBarGeometry& g, double tilt, double shoulder_left, double shoulder_right,
+                        WorkingMode mode) noexcept {
+  const FiveBarClosure closure =
+      close_five_bar(g, upper_link(g.a, shoulder_left), upper_link(g.b, shoulder_right), mode);
+  return {closure.closed, tilted(g, closure.foot, std::cos(tilt), g.tilt_sign * std::sin(tilt)),
+          elbow_angle(g.a, closure.a), elbow_angle(g.b, closure.b)};
+}
+
+Matrix3 leg_jacobian(const FiveBarGeometry& g, const LegAngles& q) noexcept {
+  const Vector2 upper_a = upper_link(g.a, q.shoulder_left), upper_b = upper_link(g.b, q.shoulder_right);
+  const Vector2 lower_a = lower_link(g.a, upper_a, q.elbow_left),
+                lower_b = lower_link(g.b, upper_b, q.elbow_right);
+  const Vector2 foot = Vector2(g.a.shoulder_x, 0) + upper_a + lower_a;
+  // lower_i . foot' = lower_i . elbow_i', with elbow_i' = (upper_i turned by a right angle) times the plane
+  // angle's rate.
+  const double along_a = g.a.shoulder_sign * cross(upper_a, lower_a);
+  const double along_b = g.b.shoulder_sign * cross(upper_b, lower_b);
+  const double det = cross(lower_a, lower_b);
+  const Vector2 column_a = Vector2(lower_b.y(), -lower_b.x()) * (along_a / det);
+  const Vector2 column_b = Vector2(-lower_a.y(), lower_a.x()) * (along_b / det);
+
+  const double c = std::cos(q.tilt), s = g.tilt_sign * std::sin(q.tilt);
+  Matrix3 J;
+  J.col(0) = tilt_column(g, foot.y(), c, s);
+  J.col(1) = tilted_velocity(g, column_a, c, s);
+  J.col(2) = tilted_velocity(g, column_b, c, s);
+  return J;
+}
+
+LegMargins leg_margins(const FiveBarGeometry& g, const LegAngles& q) noexcept {
+  ChainLinks a, b;
+  a.upper = upper_link(g.a, q.shoulder_left);
+  b.upper = upper_link(g.b, q.shoulder_right);
+  a.lower = lower_link(g.a, a.upper, q.elbow_left);
+  b.lower = lower_link(g.b, b.upper, q.elbow_right);
+  return {
+      std::min({limit_margin(q.tilt, g.tilt_limits), limit_margin(q.shoulder_left, g.a.shoulder_limits),
+                limit_margin(q.shoulder_right, g.b.shoulder_limits),
+                limit_margin(q.elbow_left, g.a.elbow_limits), limit_margin(q.elbow_right, g.b.elbow_limits)}),
+      std::min(elbow_margin(a), elbow_margin(b)),
+      std::atan2(std::abs(cross(a.lower, b.lower)), std::abs(a.lower.dot(b.lower)))};
+}
+
+}  // namespace crossgait

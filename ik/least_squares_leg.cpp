@@ -1,0 +1,301 @@
+#include "crossgait/ik/least_squares_leg.h"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "crossgait/ik/leg_frames.h"
+
+namespace crossgait {
+namespace {
+
+constexpr int kMaxIterations = 60;
+constexpr double kStraight = 0.05;  // rad, bend of a knee that does not tell its side
+
+std::size_t slot(int i) { return static_cast<std::size_t>(i); }
+
+/// Where the joints and the foot of a posture are, in the leg frame.
+struct PlacedChain {
+  std::array<Vector3, 3> origins, axes;
+  Vector3 foot;
+};
+
+PlacedChain place_chain(const LeastSquaresLegGeometry& g, const LegJointAngles& q) {
+  PlacedChain chain;
+  Matrix3 R = Matrix3::Identity();
+  Vector3 p = Vector3::Zero();
+  for (int i = 0; i < g.count; ++i) {
+    const LegLink& link = g.links[slot(i)];
+    p += R * link.p;
+    R = R * link.R;
+    chain.origins[slot(i)] = p;
+    chain.axes[slot(i)] = R * link.axis;
+    R = R * Eigen::AngleAxisd(q[i], link.axis).toRotationMatrix();
+  }
+  chain.foot = p + R * g.p_foot;
+  return chain;
+}
+
+Matrix3 jacobian(const LeastSquaresLegGeometry& g, const PlacedChain& chain) {
+  Matrix3 J = Matrix3::Zero();
+  for (int i = 0; i < g.count; ++i) J.col(i) = chain.axes[slot(i)].cross(chain.foot - chain.origins[slot(i)]);
+  return J;
+}
+
+/// +1 if the knee's axis points towards +y at zero angles, else -1.
+double knee_axis_sign(const LeastSquaresLegGeometry& g) {
+  Matrix3 R = Matrix3::Identity();
+  for (int i = 0; i < g.count; ++i) R = R * g.links[slot(i)].R;
+  return std::copysign(1.0, (R * g.links[slot(g.count - 1)].axis).y());
+}
+
+/// Angle from thigh to shin about the knee's axis, rad.
+double bend_about_axis(const LeastSquaresLegGeometry& g, const PlacedChain& chain) {
+  const auto knee = slot(g.count - 1);
+  const Vector3& axis = chain.axes[knee];
+  const Vector3 thigh = chain.origins[knee] - chain.origins[knee - 1],
+                shin = chain.foot - chain.origins[knee];
+  const Vector3 across = axis.cross(thigh);  // thigh's part across the axis, turned by a right angle
+  return std::atan2(across.dot(shin), across.cross(axis).dot(shin));
+}
+
+using Limits = std::array<JointLimits, 3>;
+
+constexpr JointLimits kUnlimited{-1e9, 1e9};  // rad; finite, so that nothing becomes a NaN
+
+/// Limits as a search sees them: those of a joint that can turn all the way round are none.
+Limits limits_of(const LeastSquaresLegGeometry& g) {
+  constexpr double kWholeTurn = 2 * M_PI - 1e-9;
+  Limits limits;
+  for (int i = 0; i < g.count; ++i) {
+    const JointLimits& own = g.links[slot(i)].limits;
+    limits[slot(i)] = own.upper - own.lower >= kWholeTurn ? kUnlimited : own;
+  }
+  return limits;
+}
+
+LegJointAngles clamped(const LeastSquaresLegGeometry& g, const Limits& limits, LegJointAngles q) {
+  for (int i = 0; i < g.count; ++i) clamp_angle(q[i], limits[slot(i)]);
+  return q;
+}
+
+/// `limits` with the knee kept on the side of `q`'s: its bend is its angle less a constant, and from straight
+/// to folded.
+Limits on_side(const LeastSquaresLegGeometry& g, Limits limits, const LegJointAngles& q, double side) {
+  const int knee = g.count - 1;
+  const double straight = q[knee] - bend_about_axis(g, place_chain(g, q)), folded = straight + side * M_PI;
+  JointLimits& own = limits[slot(knee)];
+  own = {std::clamp(std::min(straight, folded), own.lower, own.upper),
+         std::clamp(std::max(straight, folded), own.lower, own.upper)};
+  return limits;
+}
+
+/// Within the joints' limits, by whole turns where that does it; the third angle of two is zero.
+LegJointAngles fitted(const LeastSquaresLegGeometry& g, LegJointAngles q) {
+  for (int i = 0; i < g.count; ++i) fit_angle(q[i], g.links[slot(i)].limits);
+  if (g.count == 2) q[2] = 0;
+  return q;
+}
+
+/// A posture of a search and how far its foot is from the target.
+struct Found {
+  LegJointAngles q;
+  PlacedChain chain;
+  double error;  // m
+};
+
+Found look(const LeastSquaresLegGeometry& g, const Vector3& target, const LegJointAngles& q,
+           int& iterations) {
+  ++iterations;
+  Found found{q, place_chain(g, q), 0};
+  found.error = (target - found.chain.foot).norm();
+  return found;
+}
+
+/// Step of the joints that are free. The matrix is half the second derivative of |error|^2, J'J less what the
+/// curvature of the foot's way makes of the error (d2 foot / dqi dqj = axis_i x J_j, i before j), so that a
+/// target out of reach is approached as fast as one within; where that is not positive definite, J'J alone.
+/// Damped by `lambda`.
+Vector3 damped_step(const LeastSquaresLegGeometry& g, const Limits& limits, const Vector3& target,
+                    const Found& at, double lambda) {
+  const Matrix3 J = jacobian(g, at.chain);
+  const Vector3 error = target - at.chain.foot;
+  Vector3 downhill = J.transpose() * error;
+  Matrix3 gauss = J.transpose() * J, curvature = Matrix3::Zero();
+  for (int i = 0; i < g.count; ++i) {
+    for (int j = i; j < g.count; ++j) {
+      curvature(i, j) = curvature(j, i) = at.chain.axes[slot(i)].cross(J.col(j)).dot(error);
+    }
+  }
+  for (int i = 0; i < 3; ++i) {
+    const bool held = i >= g.count || (downhill[i] < 0 && at.q[i] <= limits[slot(i)].lower) ||
+                      (downhill[i] > 0 && at.q[i] >= limits[slot(i)].upper);
+    if (!held) continue;
+    downhill[i] = 0;
+    for (Matrix3* m : {&gauss, &curvature}) {
+      m->row(i).setZero();
+      m->col(i).setZero();
+    }
+    gauss(i, i) = 1;
+  }
+  gauss.diagonal().array() += lambda;
+  const Eigen::LLT<Matrix3> newton(gauss - curvature);
+  if (newton.info() == Eigen::Success) return newton.solve(downhill);
+  return gauss.llt().solve(downhill);
+}
+
+/// From `q`, which is within `limits`, to the nearest posture downhill.
+Found search(const LeastSquaresLegGeometry& g, const Limits& limits, const Vector3& target,
+             const LegJointAngles& q, int& iterations) {
+  Found best = look(g, target, q, iterations);
+  const double scale = jacobian(g, best.chain).squaredNorm() + 1e-12;  // m^2; a foot on all axes cannot move
+  double lambda = 1e-3 * scale;
+  for (int i = 1; i < kMaxIterations && best.error > kConverged / 10 && lambda < 1e9 * scale; ++i) {
+    const Vector3 step = damped_step(g, limits, target, best, lambda);
+    const Found next = look(g, target, clamped(g, limits, best.q + step), iterations);
+    if (next.error < best.error) {
+      // What is gained has become rounding.
+      const bool arrived = best.error - next.error < 1e-15;
+      best = next;
+      lambda = std::max(lambda / 10, 1e-15 * scale);
+      if (arrived) break;
+    } else {
+      lambda *= 10;
+    }
+  }
+  return best;
+}
+
+/// `q` with its knee bent by `bend` about its axis.
+LegJointAngles with_bend(const LeastSquaresLegGeometry& g, LegJointAngles q, double bend) {
+  q[g.count - 1] += bend - bend_about_axis(g, place_chain(g, q));
+  return q;
+}
+
+/// Where the knee of `q` bends to about its axis, +1 or -1. One that is next to straight or folded goes where
+/// its limits leave more room.
+double side_of(const LeastSquaresLegGeometry& g, const LegJointAngles& q) {
+  const double bend = bend_about_axis(g, place_chain(g, q));
+  if (std::abs(bend) >= kStraight && std::abs(bend) <= M_PI - kStraight) return std::copysign(1.0, bend);
+  const auto room = [&](double side) {
+    const Limits limits = on_side(g, limits_of(g), q, side);
+    return limits[slot(g.count - 1)].upper - limits[slot(g.count - 1)].lower;
+  };
+  const double least = room(1.0) - room(-1.0);
+  return std::abs(least) > kStraight ? std::copysign(1.0, least) : std::copysign(1.0, bend);
+}
+
+/// Why the joints cannot get nearer; see solve_least_squares.
+IkStatus shortfall(const LeastSquaresLegGeometry& g, const Vector3& target, const Found& best, double side,
+                   int& iterations) {
+  Limits none;
+  none.fill(kUnlimited);
+  const Found unlimited = search(g, on_side(g, none, best.q, side), target, best.q, iterations);
+  if (unlimited.error <= kConverged) return IkStatus::kClampedJointLimit;
+  const PlacedChain& chain = unlimited.chain;
+  const Vector3 leg = chain.foot - chain.origins[slot(g.count - 2)];
+  const double along = (target - chain.foot).dot(leg) / (unlimited.error * leg.norm());
+  if (std::abs(along) > 0.5) return along > 0 ? IkStatus::kClampedTooFar : IkStatus::kClampedTooNear;
+  if (g.count == 2) return IkStatus::kClampedTooFar;  // beside the surface that the foot moves on
+  const auto from_axis = [&](const Vector3& p) { return chain.axes[0].cross(p - chain.origins[0]).norm(); };
+  return from_axis(target) < from_axis(chain.foot) ? IkStatus::kClampedTooNear : IkStatus::kClampedTooFar;
+}
+
+}  // namespace
+
+LeastSquaresLegGeometry least_squares_leg_geometry(const RobotDescription& robot, Leg leg,
+                                                   const SerialLegJoints& joints,
+                                                   const LegJointAngles& home) {
+  validate(robot, leg, joints);
+  const LegFrames frames(robot, leg, 0);
+  LeastSquaresLegGeometry g;
+  const bool has_abduction = joints.abduction != -1;
+  const std::array<int, 3> chain = has_abduction
+                                       ? std::array<int, 3>{joints.abduction, joints.hip, joints.knee}
+                                       : std::array<int, 3>{joints.hip, joints.knee, -1};
+  g.count = has_abduction ? 3 : 2;
+  g.p_foot = joints.p_BF;
+  for (int i = 0; i < g.count; ++i) {
+    const Body& body = frames.at(chain[slot(i)] + 1);
+    g.links[slot(i)] = {body.X_PB.linear(), body.X_PB.translation(), body.joint.axis,
+                        frames.limits(chain[slot(i)])};
+  }
+  // The links are still placed in the base frame.
+  const PlacedChain zero = place_chain(g, LegJointAngles::Zero());
+  const auto hip = slot(g.count - 2);
+  g.p_BL = zero.origins[hip] + zero.axes[hip] * zero.axes[hip].dot(zero.foot - zero.origins[hip]);
+  g.links[0].p -= g.p_BL;
+
+  const PlacedChain at_home = place_chain(g, home);
+  const auto knee = slot(g.count - 1);
+  if (!(zero.axes[knee].cross(zero.foot - zero.origins[knee]).norm() > 0)) {
+    frames.fail("shin", "a foot off the axis of the knee", "a foot on it");
+  }
+  const double bend = bend_about_axis(g, at_home);
+  if (!home.allFinite() || std::abs(bend) < kStraight || std::abs(bend) > M_PI - kStraight) {
+    frames.fail("home", "a knee bent by .05 rad or more", fmt::format("{:g} rad", bend));
+  }
+  const bool forward = knee_axis_sign(g) * bend > 0;
+  g.starts[forward ? 0 : 1] = home;
+  const LegJointAngles mirrored = with_bend(g, home, -bend);
+  const LeastSquaresSolution other = solve_least_squares(g, at_home.foot, mirrored);
+  g.starts[forward ? 1 : 0] = other.status == IkStatus::kOk ? other.angles : fitted(g, mirrored);
+  return g;
+}
+
+LeastSquaresSolution solve_least_squares(const LeastSquaresLegGeometry& g, const Vector3& target,
+                                         const LegJointAngles& start) noexcept {
+  LegJointAngles from = start;
+  for (int i = 0; i < g.count; ++i) {
+    const JointLimits& own = g.links[slot(i)].limits;
+    if (!std::isfinite(from[i])) from[i] = (own.lower + own.upper) / 2;
+  }
+  from = fitted(g, from);
+  LeastSquaresSolution solution{IkStatus::kInvalidTarget, from, 0};
+  if (!target.allFinite()) return solution;
+  const Vector3 p = target.cwiseMax(-kFar).cwiseMin(kFar);
+
+  const double side = side_of(g, from);
+  const auto search_from = [&](const LegJointAngles& q) {
+    const Limits limits = on_side(g, limits_of(g), q, side);
+    return search(g, limits, p, clamped(g, limits, q), solution.iterations);
+  };
+  Found best = search_from(from);
+  // The knee bent by a right angle, the hip where it was, to either side of that and opposite to it.
+  for (const double turn : {0.0, 1.5, -1.5, 3.0}) {
+    if (best.error <= kConverged) break;
+    LegJointAngles other = with_bend(g, from, side * M_PI_2);
+    other[g.count - 2] += turn;
+    const Found found = search_from(fitted(g, other));
+    if (found.error < best.error) best = found;
+  }
+  solution.angles = fitted(g, best.q);
+  solution.status =
+      best.error <= kConverged ? IkStatus::kOk : shortfall(g, p, best, side, solution.iterations);
+  return solution;
+}
+
+Vector3 forward_least_squares(const LeastSquaresLegGeometry& g, const LegJointAngles& q) noexcept {
+  return place_chain(g, q).foot;
+}
+
+Matrix3 least_squares_jacobian(const LeastSquaresLegGeometry& g, const LegJointAngles& q) noexcept {
+  return jacobian(g, place_chain(g, q));
+}
+
+LegMargins least_squares_margins(const LeastSquaresLegGeometry& g, const LegJointAngles& q) noexcept {
+  LegMargins margins{limit_margin(q[0], g.links[0].limits), 0, M_PI_2};
+  for (int i = 1; i < g.count; ++i) {
+    margins.joint_limit = std::min(margins.joint_limit, limit_margin(q[i], g.links[slot(i)].limits));
+  }
+  const double bend = std::abs(bend_about_axis(g, place_chain(g, q)));
+  margins.serial = std::min(bend, M_PI - bend);
+  return margins;
+}
+
+double knee_bend(const LeastSquaresLegGeometry& g, const LegJointAngles& q) noexcept {
+  return knee_axis_sign(g) * bend_about_axis(g, place_chain(g, q));
+}
+
+}  // namespace crossgait

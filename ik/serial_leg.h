@@ -1,0 +1,95 @@
+// Kinematics in closed form of a serial leg: hip and knee about y, on an abduction joint about x or on the
+// base. The plane of the leg, its tilt (here the abduction) and the two links in it are those of
+// ik/tilt_mount.h and ik/two_link_chain.h, hip and knee being shoulder and elbow.
+#pragma once
+
+#include "crossgait/ik/tilt_mount.h"
+#include "crossgait/physics/leg.h"
+#include "crossgait/physics/robot.h"
+
+namespace crossgait {
+
+/// Where a leg with its foot below the hip has its knee: towards +x or -x of the line from hip to foot. The
+/// angle from thigh to shin, in the leg's plane, is positive or negative.
+enum class KneeBranch { kForward = 1, kBackward = -1 };
+
+constexpr double knee_sign(KneeBranch branch) { return branch == KneeBranch::kForward ? 1.0 : -1.0; }
+
+/// Which joints of a robot make a serial leg (indices into joint vectors), and where its foot is.
+struct SerialLegJoints {
+  int abduction = -1;  ///< -1: none, the hip is on the base
+  int hip = -1, knee = -1;
+  int foot_body = -1;              ///< index of the body that carries the foot: the knee's
+  Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m
+};
+
+/// @throws ConfigError naming file, leg and joint unless the joints are `robot`'s, hang on each other, the
+///   first on the base, and the foot is on the knee's body
+void validate(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);
+
+/// Without an abduction joint the leg's plane is y = 0 of the leg frame, and nothing but p_BL and `side` is
+/// used of the mount.
+struct SerialLegGeometry : TiltMount {
+  bool has_abduction = true;
+  TwoLinkChain chain;  ///< hip, thigh, knee, shin; shoulder_x is 0
+};
+
+/// Largest misalignment of a joint axis that counts as none, rad. Files written by programs with six decimals
+/// are within 1e-5; frames turned on purpose are off by 1e-3 and more. The foot is then wrong by at most 2e-4
+/// (r1 + r2 + r3), r being its distances from the three joints (an axis off by e turns a point at distance r
+/// along a circle that is nowhere farther than 2 e r from the right one): .2 mm for a leg of .5 m at the very
+/// worst.
+inline constexpr double kSerialAlignment = 1e-4;
+
+/// Whether the axes of the joints are those of a serial leg, each within `tolerance` (rad): abduction along
+/// +-x, hip and knee along +-y of the base, at zero angles. @throws ConfigError if they do not hang on each
+/// other
+bool is_serial_leg(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints,
+                   double tolerance = kSerialAlignment);
+
+/// Derives the geometry of one leg from the joint frames of `robot`, which may be turned anyhow at zero
+/// angles.
+/// @throws ConfigError naming file, leg and joint if the joints do not hang on each other or on the base,
+///   their axes are none of a serial leg (`is_serial_leg`), or thigh or shin have no length
+SerialLegGeometry serial_leg_geometry(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints,
+                                      double tolerance = kSerialAlignment);
+
+/// Joint angles in the robot's sign convention, rad; `abduction` is 0 without such a joint.
+struct SerialAngles {
+  double abduction = 0, hip = 0, knee = 0;
+};
+
+struct SerialSolution {
+  IkStatus status = IkStatus::kOk;
+  SerialAngles angles;
+};
+
+/// Joint angles that put the foot's centre on `target`, or on the nearest point that the links reach in the
+/// leg's plane. That plane goes through the target, and what counts is the foot below the abduction axis, D
+/// >= 0: a target nearer to the axis than the plane is too near. Without abduction a target off the plane by
+/// more than 1e-9 m (to which kinematics and engines agree) is too far. Angles are whole turns away from what
+/// atan2 gives where that brings them inside their limits, and then clamped one by one.
+///
+/// Never NaN. The foot is continuous in the target except where the nearest point is not unique: at the hip
+/// axis (straight down is taken) and on the abduction axis; and while no joint limit is passed on the far
+/// side, where the two limits are equally near.
+/// @param target  foot centre in the leg frame (x forward, y left, z up: negative below the hip), m
+[[nodiscard]] SerialSolution solve_serial(const SerialLegGeometry& geometry, const Vector3& target,
+                                          KneeBranch branch) noexcept;
+
+/// Foot centre in the leg frame, m.
+[[nodiscard]] Vector3 forward_serial(const SerialLegGeometry& geometry, const SerialAngles& q) noexcept;
+
+/// d foot / d (abduction, hip, knee), m/rad, rows x, y, z of the leg frame. The first column is zero without
+/// abduction.
+Matrix3 serial_jacobian(const SerialLegGeometry& geometry, const SerialAngles& q) noexcept;
+
+/// `joint_limit` is that of the leg's joints. `serial` is the smaller of the knee's bend from straight or
+/// folded and the angle whose tangent is D over the leg's length: at D = 0 the abduction cannot move the foot
+/// out of what hip and knee do. A serial leg has no parallel singularity: pi/2, the largest there is.
+LegMargins serial_margins(const SerialLegGeometry& geometry, const SerialAngles& q) noexcept;
+
+/// Angle from thigh to shin in the leg's plane, in (-pi, pi], rad: zero if the knee is straight.
+double knee_bend(const SerialLegGeometry& geometry, double knee) noexcept;
+
+}  // namespace crossgait
