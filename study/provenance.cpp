@@ -72,7 +72,8 @@ void check_same(const Json& recorded, const Provenance& now, const std::string& 
   if (before == after) return;
   // What a person can do something about comes first.
   for (const char* key : {"crossgait", "engines", "files", "command", "arguments"}) {
-    const Json one = before.value(key, Json()), other = after.at(key);
+    const Json one = before.value(key, Json());
+    const Json& other = after.at(key);
     if (one == other) continue;
     const Difference d = first_difference(one, other, std::string("provenance.") + key);
     throw ConfigError(file, d.place, d.recorded, d.now);

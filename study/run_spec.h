@@ -46,13 +46,13 @@ struct RunResult {
 
 /// Everything that the result of a run depends on, and nothing else: keys sorted, no spaces, numbers with as
 /// many digits as bring them back. A policy file stands with the hash of its bytes. `schema` is run/1.
-nlohmann::json to_json(const RunSpec& run);
+nlohmann::json to_json(const RunSpec& spec);
 std::string canonical_json(const RunSpec& run);
 /// 64-bit FNV-1a of the canonical JSON, as 16 hexadecimal digits.
 std::string run_hash(const RunSpec& run);
 
 /// What moves, as it stands in a run: `behaviour`, `starts` and `seed`.
-nlohmann::json to_json(const BehaviourSpec& behaviour);
+nlohmann::json to_json(const BehaviourSpec& spec);
 /// The robot by its name and the hash of what engines are told of it. @throws ConfigError
 nlohmann::json identity_of_robot(const std::string& name_or_file);
 /// Hash of what is in a file, and in the files that it names beside itself. @throws ConfigError

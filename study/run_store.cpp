@@ -86,7 +86,7 @@ Behaviour with_store(Behaviour behaviour, const BehaviourSpec& spec, std::shared
                       const Engine& engine, const Variation& variation, std::size_t start) {
     const RunSpec run{spec, engine.info.name, engine.info.version, variation, start};
     if (const auto stored = store->find(run); stored && stored->names == names) return stored->values;
-    const std::vector<double> values = make(engine, variation, start);
+    std::vector<double> values = make(engine, variation, start);
     store->add(run, {names, values});
     return values;
   };

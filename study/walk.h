@@ -35,6 +35,6 @@ WalkComparison compare_walks(const WalkConfig& config, const std::vector<std::st
 
 /// With their schemas: docs/schemas/walk.json and compare.json.
 nlohmann::ordered_json report(const WalkRun& run);
-nlohmann::ordered_json report(const WalkComparison& comparison);
+nlohmann::ordered_json report(const WalkComparison& result);
 
 }  // namespace crossgait

@@ -44,6 +44,26 @@ TEST_P(Environment, AZeroPolicyIsThePlainGait) {
   EXPECT_EQ(env.info().ik_clamped, 0);
 }
 
+TEST_P(Environment, ClipsActionsBeforeAnythingSeesThem) {
+  EnvConfig config;
+  config.observation.emplace_back("last_action");
+  config.reward.fill(1);
+  AdaptiveGaitEnv clipped = make_env(config), beyond = make_env(config);
+  std::vector<double> a(clipped.observation_size()), b(a), within(clipped.action_size()), outside(within);
+  clipped.reset(0, a);
+  beyond.reset(0, b);
+  for (int step = 0; step < 3; ++step) {
+    for (std::size_t i = 0; i < within.size(); ++i) {
+      within[i] = (i + static_cast<std::size_t>(step)) % 2 == 0 ? 1 : -1;
+      outside[i] = within[i] * (1.5 + static_cast<double>(i));
+    }
+    EXPECT_EQ(clipped.step(within, a).reward, beyond.step(outside, b).reward);
+    EXPECT_EQ(a, b);
+  }
+  const std::size_t first = *clipped.observation_layout().find("last.delta.step_height");
+  EXPECT_EQ(std::abs(b[first]), 1);
+}
+
 TEST_P(Environment, EndsByTimeAsTruncated) {
   EnvConfig config;
   config.episode_seconds = 0.1;
