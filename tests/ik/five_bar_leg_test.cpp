@@ -271,9 +271,10 @@ TEST(LegJacobian, IsTheDerivativeOfTheForwardKinematics) {
     for (const WorkingMode mode : kModes) {
       if (mode != WorkingMode::kDownUp && !chains_alike(g)) continue;  // may close in two ways
       for (int i = 0; i < 300; ++i) {
-        const auto [status, q] = solve_leg(g, random_target(random), mode);
+        const LegSolution solution = solve_leg(g, random_target(random), mode);
+        const LegAngles& q = solution.angles;
         const LegMargins margins = leg_margins(g, q);
-        if (status != IkStatus::kOk || margins.parallel < 0.1 || margins.serial < 0.1) continue;
+        if (solution.status != IkStatus::kOk || margins.parallel < 0.1 || margins.serial < 0.1) continue;
         const auto foot = [&](int joint, double step) {
           return forward_leg(g, q.tilt + (joint == 0 ? step : 0), q.shoulder_left + (joint == 1 ? step : 0),
                              q.shoulder_right + (joint == 2 ? step : 0), mode)

@@ -207,7 +207,8 @@ double nearest_by_sampling(const LeastSquaresLegGeometry& g, const Vector3& targ
   LegJointAngles from = low, width = high - low;
   for (int round = 0; round < 5; ++round) {
     for (int n = 0; n < kSamples * kSamples * kSamples; ++n) {
-      const Vector3 u(n % kSamples, n / kSamples % kSamples, n / kSamples / kSamples);
+      const int row = n / kSamples, layer = row / kSamples;
+      const Vector3 u(n % kSamples, row % kSamples, layer);
       const LegJointAngles q = (from + u.cwiseProduct(width) / (kSamples - 1)).cwiseMax(low).cwiseMin(high);
       const double distance = (forward_least_squares(g, q) - target).norm();
       if (distance < least && knee_sign(branch) * knee_bend(g, q) >= 0) {

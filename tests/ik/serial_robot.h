@@ -125,7 +125,7 @@ inline SerialLegGeometry geometry(const LegAtZero& leg, const SerialRobot& made)
 /// A foot in the base frame that the leg reaches: (x, depth) from the hip in the plane of the leg turned by
 /// `tilt` about +x, from the leg's own figures.
 inline Vector3 foot_in_plane(const LegAtZero& leg, double x, double depth, double tilt) {
-  const Vector3 at_zero(leg.hip.x() + x, leg.foot.y(), leg.hip.z() - depth);
+  Vector3 at_zero(leg.hip.x() + x, leg.foot.y(), leg.hip.z() - depth);
   if (!leg.has_abduction) return at_zero;
   return leg.abduction + Eigen::AngleAxisd(tilt, Vector3::UnitX()) * (at_zero - leg.abduction);
 }
