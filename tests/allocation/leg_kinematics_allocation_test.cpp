@@ -29,8 +29,8 @@ TEST(LegKinematicsAllocation, NoneOfAnyKind) {
   double sum = 0;
   const AllocationScope scope;
   for (const LegKinematics& original : legs) {
-    const LegKinematics leg =
-        original;  // NOLINT(performance-unnecessary-copy-initialization): a copy is free, too
+    // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): a copy is free, too
+    const LegKinematics leg = original;
     for (const Vector3& target : {Vector3(0.01, 0.01, -0.07), Vector3(0.05, 0, -0.3), Vector3(1, 1, -1)}) {
       for (const KneeBranch knee : {KneeBranch::kForward, KneeBranch::kBackward}) {
         const LegInverse inverse = leg.inverse(target, {.knee = knee});
