@@ -40,6 +40,11 @@ MeanAndDeviation over(const std::vector<EpisodeSummary>& episodes, double Motion
   return *over(episodes, [member](const EpisodeSummary& e) { return std::optional(e.motion.*member); });
 }
 
+std::optional<MeanAndDeviation> over(const std::vector<EpisodeSummary>& episodes,
+                                     std::optional<double> MotionSummary::*member) {
+  return over(episodes, [member](const EpisodeSummary& e) { return e.motion.*member; });
+}
+
 }  // namespace
 
 EpisodeSummary run_episode(AdaptiveGaitEnv& env, Policy& policy, std::uint64_t seed,
@@ -112,11 +117,11 @@ Evaluation sum_up(const std::vector<EpisodeSummary>& episodes) {
   all.slip_m = over(episodes, &M::slip_m);
   all.duty_factor =
       *over(episodes, [](const EpisodeSummary& e) { return std::optional(e.motion.mean_duty_factor()); });
-  all.cost_of_transport = over(episodes, [](const EpisodeSummary& e) { return e.motion.cost_of_transport; });
-  all.drag = over(episodes, [](const EpisodeSummary& e) { return e.motion.drag; });
-  all.drag_inner = over(episodes, [](const EpisodeSummary& e) { return e.motion.drag_inner; });
-  all.slip_per_path = over(episodes, [](const EpisodeSummary& e) { return e.motion.slip_per_path; });
-  all.heading_error_deg = over(episodes, [](const EpisodeSummary& e) { return e.motion.heading_error_deg; });
+  all.cost_of_transport = over(episodes, &M::cost_of_transport);
+  all.drag = over(episodes, &M::drag);
+  all.drag_inner = over(episodes, &M::drag_inner);
+  all.slip_per_path = over(episodes, &M::slip_per_path);
+  all.heading_error_deg = over(episodes, &M::heading_error_deg);
   for (const EpisodeSummary& e : episodes) {
     for (std::size_t i = 0; i < all.reward_terms.size(); ++i)
       all.reward_terms[i] += e.reward_terms[i] / static_cast<double>(episodes.size());
