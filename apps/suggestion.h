@@ -19,7 +19,7 @@ std::string nearest(const std::string& word, const std::vector<std::string>& kno
 /// "Did you mean walk?" for a command line that was refused; empty if nothing comes near.
 std::string suggestion(const CLI::App& program);
 
-/// "There is no command wlak." if that is what was refused; otherwise empty.
+/// `There is no command "wlak".` if that is what was refused; otherwise empty.
 std::string unknown_command(const CLI::App& program);
 
 }  // namespace crossgait::apps

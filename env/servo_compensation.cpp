@@ -34,7 +34,7 @@ LegArray<double> load_shares(const LegArray<Vector3>& feet, double depth) noexce
 
 Vector3 elbow_drag_force(const FiveBarGeometry& g, const Vector3& foot, WorkingMode mode,
                          const Vector3& velocity, double elbow_damping) noexcept {
-  // Depth in the leg's plane and its gradient along y and down: D^2 = Y^2 + Z^2 - a^2 (ik/five_bar_leg.h).
+  // Depth in the leg's plane and its gradient along y and down: D^2 = Y^2 + Z^2 - a^2 (ik/tilt_mount.h).
   const double a = g.axis_to_plane_out, b = g.axis_to_shoulder_down;
   const double Y = g.side * foot.y() + a, Z = b - foot.z();
   const double D = std::sqrt(std::max(Y * Y + Z * Z - a * a, 1e-8));
