@@ -179,6 +179,20 @@ TEST_P(Motion, SlidesDownASlipperySlope) {
   EXPECT_FALSE(at(m, Outcome::kSlid) >= 0);                      // known at the end alone
 }
 
+TEST_P(Motion, FeetThatAreMeantToSwingAreDraggedAndDoNotSlide) {
+  const WorldSpec spec = motions::inclined(0.3, 0.03);
+  TargetSource swinging = motions::standing(spec.robot);
+  swinging.advance = [stand = swinging.advance](double dt, ControlTargets& out) {
+    stand(dt, out);
+    out.plan.emplace();
+    out.plan->fill({.swing = true, .progress = 0.5});
+  };
+  const MotionSummary m = run(spec, swinging, {.seconds = 1, .settle_seconds = 0});
+  EXPECT_EQ(m.outcome, Outcome::kWalked);
+  EXPECT_GT(m.path_m, 1);
+  EXPECT_GT(m.drag.value(), 0.9);
+}
+
 TEST_P(Motion, SlidingIsWorseThanMakingNoWay) {
   // Towards +x, on feet that are meant to go back.
   const WorldSpec spec = motions::inclined(0.3, 0.03);
