@@ -51,6 +51,31 @@ class Slope : public BackendTest {
 };
 CROSSGAIT_FOR_EVERY_BACKEND(Slope);
 
+TEST_P(Slope, CreepsInInverseProportionToTheStiffnessOfFriction) {
+  // The same load on the same runners, R / impratio instead of R: at rest R f = B v.
+  const auto creep_speed = [](double impratio) {
+    scenes::Incline incline =
+        scenes::tilted_gravity(benchmarks::incline_angle(2 * benchmarks::kJustInside), 0);
+    incline.spec.contact.friction = benchmarks::kInclineFriction;
+    incline.spec.contact.impratio = impratio;
+    incline.spec.solver.tolerance = 1e-10;
+    const auto world = make(incline.spec);
+    EXPECT_EQ(world->step({}, 1000), StepStatus::kOk);
+    return world->state().v_WB.dot(incline.downhill);
+  };
+  const double soft = creep_speed(1), stiff = creep_speed(10);
+  measured("speed of creep, m/s", soft);
+  measured("the same with impratio 10, m/s", stiff);
+  if (capabilities().soft_contact) {
+    EXPECT_GT(soft, 1e-4);
+    // Loads shift a little between the runners uphill and downhill, as they creep at one speed.
+    EXPECT_NEAR(soft / stiff, 10, 0.2);
+  } else {  // hard friction has no stiffness: what is left is the tolerance that its solver stops at
+    EXPECT_LT(std::abs(soft), 1e-5);
+    EXPECT_LT(std::abs(stiff), 1e-5);
+  }
+}
+
 TEST_P(Slope, SticksJustInsideTheFrictionConeOnThePlane) { sticks(scenes::tilted_gravity); }
 TEST_P(Slope, SticksJustInsideTheFrictionConeOnAField) { sticks(scenes::inclined_field); }
 TEST_P(Slope, SlidesJustOutsideTheFrictionConeOnThePlane) { slides(scenes::tilted_gravity); }

@@ -53,6 +53,19 @@ TEST(CompareTraces, NamesWhatLeftItsToleranceFirst) {
   EXPECT_DOUBLE_EQ(pair.first_divergence->tolerance, DivergenceTolerances{}.joint);
 }
 
+TEST(CompareTraces, WhatStaysWithinItsToleranceIsNoDivergence) {
+  const Trace a = straight(100, 2e-3);
+  Trace b = a;
+  const double each = DivergenceTolerances{}.position / 50;
+  for (std::size_t i = 0; i < b.size(); ++i) b[i].state.p_WB.y() += each * static_cast<double>(i);
+  const PairDifference pair = compare_traces(a, b, {});
+  ASSERT_TRUE(pair.first_divergence);
+  EXPECT_EQ(pair.first_divergence->quantity, "position");
+  EXPECT_NEAR(pair.first_divergence->time_s, 52 * 2e-3, 2e-3 + 1e-12);  // 50 of them are the tolerance itself
+  b.resize(50);
+  EXPECT_FALSE(compare_traces(a, b, {}).first_divergence);
+}
+
 TEST(CompareTraces, OfSeveralInOneStepTheWorstIsNamed) {
   const Trace a = straight(10, 2e-3);
   Trace b = a;
