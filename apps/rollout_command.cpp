@@ -39,7 +39,8 @@ void run(const RolloutCommand& options) {
   ProgressLine progress("rolling out");
   const Rollout rollout =
       roll_out(config, policies, options.runs, [&](double share) { progress.update(share); });
-  if (!options.trace.empty() && !rollout.interrupted) {
+  // Made anew, and that of an interrupted rollout too, if its first episode is among those that are done.
+  if (!options.trace.empty() && !rollout.policies.empty()) {
     TraceWriter trace(std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot))),
                       options.trace);
     watch_episode(config, options.policies.front(), options.runs.seed,

@@ -10,20 +10,30 @@ namespace {
 // An error says where to look; it does not print the file. Lists of known names are the longest that help.
 constexpr std::size_t kMostQuoted = 500, kMostPath = 4096, kMostExpected = 8192;
 
-/// Foreign text for a terminal: its beginning, on a whole character of UTF-8, control characters as \xNN.
+/// Bytes of the character of UTF-8 that `text` begins with; 0 if it begins with none, or with a control
+/// character.
+std::size_t printable(std::string_view text) {
+  const auto lead = static_cast<unsigned char>(text.front());
+  if (lead < 0x80) return (lead < 0x20 && lead != '\n' && lead != '\t') || lead == 0x7f ? 0 : 1;
+  if (lead < 0xC2 || lead > 0xF4) return 0;
+  const std::size_t length = lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
+  const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+  const std::string_view rest = text.substr(1, length - 1);
+  return rest.size() == length - 1 && std::all_of(rest.begin(), rest.end(), continues) ? length : 0;
+}
+
+/// Foreign text for a terminal: its beginning, on a whole character of UTF-8, what is none as \xNN.
 std::string shown(std::string_view text, std::size_t most) {
-  std::size_t end = std::min(text.size(), most);
-  const auto continues = [&](std::size_t at) {
-    return at > 0 && at < text.size() && (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80U;
-  };
-  while (continues(end)) --end;
   std::string result;
-  for (const char c : text.substr(0, end)) {
-    const auto byte = static_cast<unsigned char>(c);
-    const bool control = (byte < 0x20 && c != '\n' && c != '\t') || byte == 0x7f;
-    result += control ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t length = printable(text.substr(at));
+    if (at + std::max<std::size_t>(length, 1) > most) break;
+    result += length == 0 ? fmt::format("\\x{:02x}", static_cast<unsigned char>(text[at]))
+                          : std::string(text.substr(at, length));
+    at += std::max<std::size_t>(length, 1);
   }
-  if (end < text.size()) result += fmt::format("... ({} bytes in all)", text.size());
+  if (at < text.size()) result += fmt::format("... ({} bytes in all)", text.size());
   return result;
 }
 

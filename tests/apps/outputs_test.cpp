@@ -121,7 +121,8 @@ TEST(Interrupted, AComparisonKeepsAllWalksUpToTheSameStep) {
 
 TEST(Interrupted, ARolloutKeepsTheEpisodesThatAreFinished) {
   const ProgramResult result = run_watched(
-      "rollout --episodes 100000 --episode-seconds .1 --workers 2 --json outputs_r.json", SIGINT, 1);
+      "rollout --episodes 100000 --episode-seconds .1 --workers 2 --json outputs_r.json --trace outputs_r.csv",
+      SIGINT, 1);
   EXPECT_EQ(result.exit_code, 130) << result.err;
   EXPECT_NE(result.err.find("of 100000 episodes"), std::string::npos) << result.err;
   const json rollout = json::parse(read_file("outputs_r.json"));
@@ -133,7 +134,8 @@ TEST(Interrupted, ARolloutKeepsTheEpisodesThatAreFinished) {
   // They are those of a rollout that was not interrupted.
   const json one = run_json("rollout --episodes 1 --episode-seconds .1");
   EXPECT_EQ(policy["episodes"][0], one["policies"][0]["episodes"][0]);
-  fs::remove("outputs_r.json");
+  EXPECT_GT(lines("outputs_r.csv"), 1);
+  remove_all_of("outputs_r.");
 }
 
 TEST(Interrupted, AVerdictGoesOnFromItsRuns) {

@@ -93,5 +93,17 @@ TEST(ConfigErrors, QuoteABeginningFitForATerminal) {
   EXPECT_EQ(error.found().find('\xc3'), std::string::npos) << "half a character";
 }
 
+TEST(ConfigErrors, QuoteWhatIsNoTextByItsBytes) {
+  const auto quoted = [](const std::string& found) { return ConfigError("f", "e", "x", found).found(); };
+  for (const char* text : {"gr\xc3\xbc\xc3\x9f", "\xe2\x82\xac", "\xf0\x9f\x90\x95", "two\n\tlines"}) {
+    EXPECT_EQ(quoted(text), text);
+  }
+  EXPECT_EQ(quoted("\xff\xfe!"), "\\xff\\xfe!");
+  EXPECT_EQ(quoted("\xc0\xaf"), "\\xc0\\xaf") << "a slash in two bytes";
+  EXPECT_EQ(quoted("\xc3("), "\\xc3(") << "not continued";
+  EXPECT_EQ(quoted("half \xe2\x82"), "half \\xe2\\x82") << "cut off";
+  EXPECT_EQ(quoted("\x80"), "\\x80") << "nothing to continue";
+}
+
 }  // namespace
 }  // namespace crossgait
