@@ -228,11 +228,12 @@ TEST_F(Plugin, FoldersAreThoseOfTheVariableAndTheRunPath) {
   unsetenv("CROSSGAIT_ENGINE_PATH");
   const std::vector<std::string> own = plugin_folders();
   EXPECT_FALSE(own.empty());
-  setenv("CROSSGAIT_ENGINE_PATH", (":" + folder_.string() + "::" + CROSSGAIT_TEST_PLUGINS).c_str(), 1);
+  setenv("CROSSGAIT_ENGINE_PATH", (":" + folder_.string() + "::.:" + CROSSGAIT_TEST_PLUGINS).c_str(), 1);
   const std::vector<std::string> all = plugin_folders();
-  ASSERT_EQ(all.size(), own.size() + 2);
+  ASSERT_EQ(all.size(), own.size() + 3);
   EXPECT_EQ(all[0], folder_.string());
-  EXPECT_EQ(all[1], CROSSGAIT_TEST_PLUGINS);
+  EXPECT_EQ(all[1], ".");
+  EXPECT_EQ(all[2], CROSSGAIT_TEST_PLUGINS);
   setenv("CROSSGAIT_ENGINE_PATH", (folder_.string() + ":" + path("nowhere")).c_str(), 1);
   try {
     plugin_folders();

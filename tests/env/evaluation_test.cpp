@@ -78,6 +78,15 @@ TEST(SumUp, IsMeansAndSampleDeviations) {
     episodes[i].total_reward = static_cast<double>(i);  // 0, 1, 2
     episodes[i].reward_terms[0] = 3;
     episodes[i].steps = 10;
+    episodes[i].invalid_actions = 2;
+    episodes[i].motion.ik_clamped = 5;
+    episodes[i].motion.simulated_seconds = 1.5;
+    episodes[i].motion.distance_m = 0.5;
+    episodes[i].motion.mean_speed_mps = 0.25;
+    episodes[i].motion.path_m = 0.75;
+    episodes[i].motion.rms_roll_deg = 1.25;
+    episodes[i].motion.rms_pitch_deg = 2.25;
+    episodes[i].motion.slip_m = 0.125;
   }
   episodes[0].motion.cost_of_transport = 2;
   episodes[2].motion.cost_of_transport = 4;
@@ -94,6 +103,15 @@ TEST(SumUp, IsMeansAndSampleDeviations) {
   EXPECT_DOUBLE_EQ(all.total_reward.deviation, 1);
   EXPECT_DOUBLE_EQ(all.reward_terms[0], 3);
   EXPECT_EQ(all.steps, 30);
+  EXPECT_EQ(all.invalid_actions, 6);
+  EXPECT_EQ(all.ik_clamped, 15);
+  EXPECT_EQ(all.simulated_seconds, 4.5);
+  EXPECT_EQ(all.distance_m.mean, 0.5);
+  EXPECT_EQ(all.mean_speed_mps.mean, 0.25);
+  EXPECT_EQ(all.path_m.mean, 0.75);
+  EXPECT_EQ(all.rms_roll_deg.mean, 1.25);
+  EXPECT_EQ(all.rms_pitch_deg.mean, 2.25);
+  EXPECT_EQ(all.slip_m.mean, 0.125);
   EXPECT_EQ(all.count(Outcome::kFell), 1U);
   EXPECT_EQ(all.count(Outcome::kSlid), 1U);
   EXPECT_EQ(all.count(Outcome::kWalked), 1U);

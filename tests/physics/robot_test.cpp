@@ -77,6 +77,13 @@ std::vector<Corruption> body_corruptions() {
       {"DuplicateShape", [](auto& r) { r.bodies[2].shapes[0].name = "trunk_front_left"; },
        "collision shape 'trunk_front_left'", "a unique name"},
       {"ParentOfBase", [](auto& r) { r.bodies[0].parent = 0; }, "body 'trunk'", "no parent"},
+      {"StrangeParentOfBase", [](auto& r) { r.bodies[0].parent = -2; }, "body 'trunk'", "no parent"},
+      {"NoParent",
+       [](auto& r) {
+         r.legs.reset();
+         r.bodies[2].parent = -1;
+       },
+       "body 'FL_upper_left'", "a parent in 0..1"},
       {"LaterParent",
        [](auto& r) {
          r.legs.reset();

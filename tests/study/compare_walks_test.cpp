@@ -1,0 +1,73 @@
+// Which engines can be compared, and what the comparison is told as.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/study/walk.h"
+
+namespace crossgait {
+namespace {
+
+std::string refusal(const std::vector<std::string>& engines) {
+  try {
+    static_cast<void>(compare_walks({}, engines));
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(error.element(), "--engines");
+    return error.found();
+  }
+  return "none";
+}
+
+TEST(CompareWalks, TakesTwoEnginesOrMoreAndEachOnce) {
+  EXPECT_EQ(refusal({}), "0");
+  EXPECT_EQ(refusal({"mujoco"}), "1");
+  EXPECT_EQ(refusal({"mujoco", "mujoco"}), "mujoco again");
+  EXPECT_EQ(refusal({"mujoco", "bullet", "mujoco"}), "mujoco again");
+  EXPECT_EQ(refusal({"mujoco", "bullet", "bullet"}), "bullet again");
+}
+
+TEST(CompareWalks, WalksInTheEnginesThatAreAskedFor) {
+  if (available_engines().size() < 2) GTEST_SKIP() << "one engine alone";
+  const std::vector<std::string> engines{available_engines().back(), available_engines().front()};
+  WalkConfig config;
+  config.gait = choose_gait("trot", {});
+  config.timing = {.seconds = 0.1, .settle_seconds = 0.1};
+  const WalkComparison result = compare_walks(config, engines);
+  ASSERT_EQ(result.comparison.runs.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(result.comparison.runs[i].engine.name, engines[i]);
+    EXPECT_NEAR(result.comparison.runs[i].summary.simulated_seconds, 0.1, 1e-12);  // rounding of 50 steps
+  }
+  EXPECT_TRUE(result.verdicts.empty());  // not asked for
+  EXPECT_FALSE(result.interrupted);
+}
+
+TEST(CompareWalks, AreReportedWithTheirVerdicts) {
+  WalkComparison result;
+  result.comparison.runs.resize(2);
+  result.comparison.runs[1].engine.name = "other";
+  nlohmann::ordered_json json = report(result);
+  EXPECT_EQ(json["schema"]["name"], "compare");
+  EXPECT_EQ(json["runs"][1]["backend"], "other");
+  EXPECT_FALSE(json.contains("verdicts"));
+  EXPECT_FALSE(json.contains("interrupted"));
+  result.verdicts.resize(2);
+  result.verdicts[1].b = "third";
+  result.interrupted = true;
+  json = report(result);
+  ASSERT_EQ(json["verdicts"].size(), 2U);
+  EXPECT_EQ(json["verdicts"][1]["b"], "third");
+  EXPECT_EQ(json["interrupted"], true);
+}
+
+TEST(Walk, IsReportedWithItsSchema) {
+  WalkRun run;
+  run.engine.name = "some";
+  const nlohmann::ordered_json json = report(run);
+  EXPECT_EQ(json["schema"]["name"], "walk");
+  EXPECT_EQ(json["backend"], "some");
+}
+
+}  // namespace
+}  // namespace crossgait

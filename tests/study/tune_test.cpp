@@ -1,0 +1,131 @@
+// Where the search begins, and what is told of its end.
+#include "crossgait/study/tune.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/env/random.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/tests/support/table_rows.h"
+
+namespace crossgait {
+namespace {
+
+EnvConfig steps_of(double length) {
+  EnvConfig config;
+  config.engine = available_engines().front();
+  config.episode_seconds = 0.1;
+  config.settle_seconds = 0.05;
+  config.adapt = {"step_length"};
+  config.parameters.step_length = length;
+  return config;
+}
+
+// Draws of the first generation, worked out again: a standard normal distribution by Box and Muller, of half
+// the range's half, about the start, within the range.
+std::vector<double> first_draws(const EnvConfig& start, std::uint64_t seed, std::size_t count) {
+  const ParameterRow row = start.adaptation.row("step_length");
+  const double middle = (row.min + row.max) / 2, half = (row.max - row.min) / 2;
+  Random random(seed);
+  std::vector<double> lengths;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double u = random.uniform(), v = random.uniform();
+    const double normal = std::sqrt(-2 * std::log(1 - u)) * std::cos(2 * M_PI * v);
+    lengths.push_back(
+        std::clamp(start.parameters.step_length + 0.5 * normal * half, middle - half, middle + half));
+  }
+  return lengths;
+}
+
+TEST(Tuning, BeginsWithNormalDrawsAboutTheStart) {
+  const EnvConfig start = steps_of(0.065);  // the middle of the range
+  const TuneOptions options{
+      .iterations = 1, .population = 4, .terrains = 1, .unseen = 0, .workers = 1, .seed = 2};
+  const Tuning tuning = tune_gait(start, {start.engine}, options);
+  std::vector<double> lengths = first_draws(start, options.seed, options.population);
+  lengths.erase(lengths.begin());  // the start walks in place of the first
+  double nearest = 1;
+  for (const double length : lengths)
+    nearest = std::min(nearest, std::abs(tuning.tuned.parameters.step_length - length));
+  EXPECT_LT(nearest, 1e-12);  // rounding of a map to [-1, 1] and back
+  EXPECT_NE(tuning.tuned.parameters.step_length, start.parameters.step_length);
+  ASSERT_EQ(tuning.checks.size(), 2U);  // on no unseen seeds
+  EXPECT_EQ(tuning.checks[1].per_engine[0].mean_speed_mps.mean, tuning.score);
+}
+
+TEST(Tuning, NeedsSomethingToTune) {
+  EnvConfig nothing = steps_of(0.05);
+  nothing.adapt.clear();
+  const TuneOptions options{.iterations = 1, .population = 4, .terrains = 1, .workers = 1};
+  try {
+    static_cast<void>(tune_gait(nothing, {nothing.engine}, options));
+    FAIL() << "tuned nothing";
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(error.element(), "adapt");
+  }
+}
+
+Evaluation tuned_walk(double speed, Outcome outcome = Outcome::kWalked) {
+  Evaluation e;
+  e.episodes = 1;
+  e.mean_speed_mps.mean = speed;
+  e.outcomes[static_cast<std::size_t>(outcome)] = 1;
+  return e;
+}
+
+Tuning some_tuning() {
+  Tuning t;
+  t.start = steps_of(0.05);
+  t.start.engine = "mujoco";
+  t.start.terrain = "waves";
+  t.start.adapt = {"cycle_time", "step_length"};
+  t.start.parameters.cycle_time = 1;
+  t.tuned = t.start;
+  t.tuned.parameters.step_length = 0.0625;
+  t.tuned.parameters.cycle_time = 0.875;
+  t.engines = {"mujoco", "bullet"};
+  t.history = {0.125, 0.25};
+  t.checks = {{"seeds tuned on", "default", {tuned_walk(0.1), tuned_walk(0.2)}},
+              {"seeds tuned on", "tuned", {tuned_walk(0.25), tuned_walk(0.3, Outcome::kFell)}},
+              {"unseen seeds", "default", {tuned_walk(0.16), tuned_walk(0.2, Outcome::kCollapsed)}},
+              {"unseen seeds", "tuned", {tuned_walk(0.2), tuned_walk(0.1)}}};
+  return t;
+}
+
+TEST(TuneReport, HasEveryParameterAndEverySpeedWithItsFactor) {
+  EXPECT_EQ(table_rows(describe(some_tuning())),
+            (std::vector<Cells>{{"parameter", "default", "tuned", "unit"},
+                                {"cycle_time", "1.0000", "0.8750", "s"},
+                                {"step_length", "0.0500", "0.0625", "m"},
+                                {"Tuned in mujoco"},
+                                {"mean speed on waves, m/s", "parameters", "mujoco", "bullet"},
+                                {"seeds tuned on", "default", "0.1000", "0.2000"},
+                                {"seeds tuned on", "tuned", "0.2500 (2.50 x)", "0.3000 (1.50 x), 1 fell"},
+                                {"unseen seeds", "default", "0.1600", "0.2000, 1 collapsed"},
+                                {"unseen seeds", "tuned", "0.2000 (1.25 x)", "0.1000 (0.50 x)"}}));
+}
+
+TEST(TuneReport, AsJsonHasTheTunedParametersAndEveryCheck) {
+  Tuning t = some_tuning();
+  const nlohmann::ordered_json json = to_json(t);
+  EXPECT_EQ(json["schema"]["name"], "tune");
+  EXPECT_EQ(json["backend"], "mujoco");
+  EXPECT_EQ(json["terrain"], "waves");
+  EXPECT_EQ(json["history"], (nlohmann::ordered_json{0.125, 0.25}));
+  EXPECT_EQ(json["parameters"], (nlohmann::ordered_json{{"cycle_time", 0.875}, {"step_length", 0.0625}}));
+  EXPECT_FALSE(json.contains("interrupted"));
+  ASSERT_EQ(json["checks"].size(), 8U);
+  EXPECT_EQ(json["checks"][3], (nlohmann::ordered_json{{"ground", "seeds tuned on"},
+                                                       {"parameters", "tuned"},
+                                                       {"backend", "bullet"},
+                                                       {"all", to_json(t.checks[1].per_engine[1])}}));
+  t.interrupted = true;
+  EXPECT_EQ(to_json(t)["interrupted"], true);
+}
+
+}  // namespace
+}  // namespace crossgait
