@@ -95,6 +95,18 @@ TEST(AuditReport, AsJsonIsAList) {
             R"([{"quantity":"mass","element":"body trunk","a":0.5,"b":0.25,"unit":"kg"}])");
 }
 
+TEST(AuditReport, InWordsHasEveryFindingOrWhatWasLookedAt) {
+  EXPECT_EQ(describe(std::vector<AuditFinding>{{"mass", "body trunk", 0.5, 0.25, "kg"},
+                                               {"joint axis", "joint hip", 1, 0, "-"},
+                                               {"time step", "", 1e-3, 2e-3, "s"}}),
+            "mass, body trunk: 0.5 against 0.25 kg; joint axis, joint hip: 1 against 0; "
+            "time step: 0.001 against 0.002 s");
+  const std::string same = describe(std::vector<AuditFinding>{});
+  EXPECT_TRUE(same.starts_with("the same in time step, mass, ")) << same;
+  for (const std::string& quantity : audited_quantities())
+    EXPECT_NE(same.find(quantity), std::string::npos) << quantity;
+}
+
 // From one to two by two factors: the distance shrinks by .5, the duty factor hardly changes.
 Attribution some_attribution() {
   Attribution a;

@@ -159,5 +159,33 @@ TEST_F(Judgements, StartWithNoRunWhereSomethingIsWrong) {
   EXPECT_FALSE(std::filesystem::exists(path("runs.jsonl")));
 }
 
+TEST(JudgementReport, IsAVerdictTheModelsAndWhyIfAsked) {
+  Judgement j;
+  j.verdict.a = "one";
+  j.verdict.b = "two";
+  j.models = {{"mass", "body trunk", 0.5, 0.25, "kg"}};
+  const std::string verdict = describe(j.verdict) + "\nModels: mass, body trunk: 0.5 against 0.25 kg.\n";
+  EXPECT_EQ(describe(j), verdict);
+  nlohmann::ordered_json json = to_json(j);
+  EXPECT_EQ(json["schema"]["name"], "verdict");
+  EXPECT_EQ(json["b"], "two");
+  EXPECT_EQ(json["models"][0]["quantity"], "mass");
+  EXPECT_FALSE(json.contains("attribution"));
+  j.attribution.emplace();
+  j.attribution->from = "one";
+  EXPECT_EQ(describe(j), verdict + "\n" + describe(*j.attribution));
+  EXPECT_EQ(to_json(j)["attribution"]["from"], "one");
+}
+
+TEST(JudgementStages, AreToldWithTheirNames) {
+  EXPECT_FALSE(progress_of({}, "judging"));
+  std::vector<std::pair<std::string, double>> told;
+  const Progress progress = progress_of(
+      [&told](const std::string& stage, double share) { told.emplace_back(stage, share); }, "judging");
+  progress(0.25);
+  progress(1);
+  EXPECT_EQ(told, (std::vector<std::pair<std::string, double>>{{"judging", 0.25}, {"judging", 1}}));
+}
+
 }  // namespace
 }  // namespace crossgait

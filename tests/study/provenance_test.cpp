@@ -62,6 +62,37 @@ TEST(Provenances, NameWhatDiffers) {
   expect_named(p, "provenance.seed");
 }
 
+TEST(Provenances, SayWhatWasRecordedAndWhatIsFirst) {
+  const auto difference = [](const nlohmann::json& before, const Provenance& now) -> std::string {
+    try {
+      check_same(before, now, "r.json");
+    } catch (const ConfigError& error) {
+      return error.element() + ": " + error.expected() + ", " + error.found();
+    }
+    return "none";
+  };
+  const nlohmann::json before = stored(walk_of_bullet());
+  Provenance now = walk_of_bullet();
+  now.subject["engine_seed"] = 4;  // comes before "seed" and after nothing
+  EXPECT_EQ(difference(before, now), "provenance.engine_seed: nothing, 4");
+  now.arguments = {"--seed=3", "--fast"};  // another number of them: as a whole
+  EXPECT_EQ(difference(before, now), R"(provenance.arguments: ["--seed=3"], ["--seed=3","--fast"])");
+  now.arguments = {"--seed=4"};
+  EXPECT_EQ(difference(before, now), R"(provenance.arguments.0: "--seed=3", "--seed=4")");
+  now.command = "compare";
+  EXPECT_EQ(difference(before, now), R"(provenance.command: "walk", "compare")");
+  now.files.clear();
+  EXPECT_EQ(difference(before, now), R"(provenance.files.ground.csv: "0011", null)");
+  now.engines[0].name = "bullet:matched";
+  EXPECT_EQ(difference(before, now), R"(provenance.engines.0.name: "bullet", "bullet:matched")");
+  nlohmann::json changed = before;
+  changed["crossgait"] = "0";
+  EXPECT_TRUE(difference(changed, now).starts_with(R"(provenance.crossgait: "0", )"));
+  changed = before;
+  changed.erase("hash");  // which is not compared
+  EXPECT_EQ(difference(changed, walk_of_bullet()), "none");
+}
+
 TEST(Provenances, AreMissedWhereThereIsNone) {
   EXPECT_THROW((void)command_of({{"distance_m", 1}}, "r.json"), ConfigError);
   EXPECT_THROW((void)command_of(3, "r.json"), ConfigError);
