@@ -121,7 +121,8 @@ TEST(Interrupted, AComparisonKeepsAllWalksUpToTheSameStep) {
 
 TEST(Interrupted, ARolloutKeepsTheEpisodesThatAreFinished) {
   const ProgramResult result = run_watched(
-      "rollout --episodes 100000 --episode-seconds .1 --workers 2 --json outputs_r.json --trace outputs_r.csv",
+      "rollout --episodes 100000 --episode-seconds .1 --workers 2 --json outputs_r.json --trace "
+      "outputs_r.csv",
       SIGINT, 1);
   EXPECT_EQ(result.exit_code, 130) << result.err;
   EXPECT_NE(result.err.find("of 100000 episodes"), std::string::npos) << result.err;
