@@ -63,6 +63,29 @@ TEST_P(Evaluations, AreTheSameForAnyNumberOfWorkersAndWorldsForAnyPolicy) {
   EXPECT_NE(one[0].total_reward, one[1].total_reward);
 }
 
+TEST_P(Evaluations, NeedOneWorkerAtLeast) {
+  EnvConfig brief = config();
+  brief.episode_seconds = 0.02;
+  int made = 0;
+  const auto episodes_of = [&](std::size_t episodes, std::size_t workers) {
+    made = 0;
+    const EnvFactory factory = [&] {
+      ++made;
+      return std::make_unique<AdaptiveGaitEnv>(brief, find_engine(GetParam()));
+    };
+    const PolicyFactory zero = [](const PolicyInterface& interface) {
+      return make_policy("zero", interface);
+    };
+    return evaluate_policy(factory, zero, episodes, 5, workers).size();
+  };
+  EXPECT_EQ(episodes_of(1, 0), 1U);
+  EXPECT_EQ(made, 1);
+  EXPECT_EQ(episodes_of(2, 5), 2U);
+  EXPECT_EQ(made, 2);  // no more than there are episodes
+  EXPECT_EQ(episodes_of(0, 5), 0U);
+  EXPECT_EQ(made, 1);  // which says whether environment and policy can be made at all
+}
+
 TEST_P(Evaluations, RefuseAPolicyOfAnotherLayout) {
   AdaptiveGaitEnv env(config(), find_engine(GetParam()));
   EnvConfig other = config();

@@ -18,8 +18,8 @@ using test::kNaN;
 
 class Puppet : public PhysicsBackend {
  public:
-  explicit Puppet(WorldSpec world, const std::string& name = "puppet", std::size_t memory = 2)
-      : PhysicsBackend(std::move(world)), memory(memory, 0.0) {
+  explicit Puppet(WorldSpec world, const std::string& name = "puppet", std::size_t remembered = 2)
+      : PhysicsBackend(std::move(world)), memory(remembered, 0.0) {
     info_.name = name;
   }
   const EngineInfo& info() const override { return info_; }

@@ -97,6 +97,23 @@ TEST(ContactFactors, EachChangesSomethingOrIsRounding) {
   EXPECT_GT(difference("bullet:matched+hard_normal", "bullet:matched+hard_normal+speculative"), 1e-4);
 }
 
+TEST(ContactFactors, PointsJustAboveTheGroundAreAsFarAwayAsTheyAre) {
+  for (const char* name :
+       {"bullet:matched+hard_normal+speculative", "bullet:matched+narrowphase+hard_normal+speculative"}) {
+    const auto world = make(name, scenes::world_of(scenes::quadruped()));
+    RobotState state = world->home_state();  // feet a tenth of a millimetre over the ground
+    state.p_WB.z() += 2e-4;
+    world->reset(state);
+    ASSERT_EQ(world->step(scenes::home_targets(world->robot())), StepStatus::kOk);
+    ASSERT_EQ(world->contacts().count, 4) << name;
+    for (const Contact& c : world->contacts()) {
+      EXPECT_GE(c.leg, 0);
+      EXPECT_NEAR(c.distance, 3e-4, 1e-9) << name;    // home is known to a nanometre
+      EXPECT_NEAR(c.p_WP.z(), 1.5e-4, 1e-9) << name;  // midway
+    }
+  }
+}
+
 TEST(ContactFactors, AnyCanBeSavedAndRestored) {
   for (const char* name :
        {"bullet:matched+narrowphase", "bullet:matched+hard_normal+speculative", "bullet-sweeps"}) {
