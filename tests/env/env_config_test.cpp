@@ -40,11 +40,32 @@ TEST(EnvConfig, ReadsBackWhatItWrites) {
   c.observation = {"joint_positions", "terrain"};
   c.reward.fill(0);
   c.reward[find_reward_term("alive")] = 0.25;
+  c.robot = "scara_quadruped_long";
+  c.friction = 0.375;
+  c.physics_dt = 5e-4;
+  c.control_dt = 4e-3;
   c.policy_dt = 0.02;
+  c.episode_seconds = 7;
+  c.settle_seconds = 0.25;
+  c.tilt_limit_deg = 45;
   c.ends = OutcomeSet().add(Outcome::kDiverged).add(Outcome::kCollapsed);
   c.randomisation[Randomised::kFriction] = {0.5, 1.5};
   const EnvConfig back = parse_env_config(to_yaml(c), "round trip");
   EXPECT_EQ(to_yaml(back), to_yaml(c));
+  for (double EnvConfig::*number :
+       {&EnvConfig::friction, &EnvConfig::residual_scale, &EnvConfig::physics_dt, &EnvConfig::control_dt,
+        &EnvConfig::policy_dt, &EnvConfig::episode_seconds, &EnvConfig::settle_seconds,
+        &EnvConfig::tilt_limit_deg})
+    EXPECT_EQ(back.*number, c.*number);
+  EXPECT_EQ(back.engine, c.engine);
+  EXPECT_EQ(back.robot, c.robot);
+  EXPECT_EQ(back.terrain, c.terrain);
+  EXPECT_EQ(back.terrain_seed, c.terrain_seed);
+  EXPECT_EQ(back.gait, c.gait);
+  EXPECT_EQ(back.parameters.swing, c.parameters.swing);
+  EXPECT_EQ(back.adapt, c.adapt);
+  EXPECT_EQ(back.command->yaw_rate, c.command->yaw_rate);
+  EXPECT_EQ(back.observation, c.observation);
   EXPECT_EQ(back.parameters.step_length, c.parameters.step_length);  // every digit
   EXPECT_EQ(back.reward, c.reward);
   EXPECT_EQ(back.ends, c.ends);

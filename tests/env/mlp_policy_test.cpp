@@ -96,6 +96,18 @@ TEST_F(MlpPolicyTest, NormalisesAndThenClipsObservations) {
   EXPECT_NEAR(act_on(*make(network), {41, -11})[0], 0.705, kSinglePrecision);
 }
 
+TEST_F(MlpPolicyTest, GoldenActionsAreWithinTheirLimits) {
+  MlpNetwork network = tiny_network();
+  network.layers[1].weight *= 100;
+  EXPECT_EQ(std::abs(act_on(*make(network), {0, 0})[0]), 1);  // and loads
+  int at_limit = 0;
+  for (const double action : read_safetensors(path("p.safetensors")).tensors.at("golden.action").values) {
+    EXPECT_LE(std::abs(action), 1);
+    at_limit += std::abs(action) == 1 ? 1 : 0;
+  }
+  EXPECT_GT(at_limit, 0);
+}
+
 TEST_F(MlpPolicyTest, AgreesWithDoublePrecision) {
   for (const MlpActivation activation : {MlpActivation::kTanh, MlpActivation::kElu, MlpActivation::kRelu}) {
     for (const std::vector<int>& hidden : {std::vector<int>{}, {1}, {17, 3}, {512, 256, 128}}) {
