@@ -101,7 +101,8 @@ TEST_F(MlpPolicyTest, GoldenActionsAreWithinTheirLimits) {
   network.layers[1].weight *= 100;
   EXPECT_EQ(std::abs(act_on(*make(network), {0, 0})[0]), 1);  // and loads
   int at_limit = 0;
-  for (const double action : read_safetensors(path("p.safetensors")).tensors.at("golden.action").values) {
+  const TensorFile file = read_safetensors(path("p.safetensors"));
+  for (const double action : file.tensors.at("golden.action").values) {
     EXPECT_LE(std::abs(action), 1);
     at_limit += std::abs(action) == 1 ? 1 : 0;
   }
