@@ -190,6 +190,13 @@ TEST_F(Plugin, OneFileIsOpenedOnce) {
   EXPECT_EQ(plugin_name(files.front()), "test_1");
 }
 
+TEST_F(Plugin, ALinkToNothingIsAFileThatSaysSo) {
+  const std::string link = path("libcrossgait_engine_dangling.so");
+  fs::create_symlink(path("nothing.so"), link);
+  EXPECT_EQ(plugin_files({folder_.string()}), std::vector<std::string>{link});
+  EXPECT_EQ(load_plugin(link).reason, "No such file or directory");
+}
+
 TEST_F(Plugin, RefusedOnesAreListedAndSayWhy) {
   write("libcrossgait_engine_broken.so", "");
   write("libcrossgait_engine_bullet.so", "");  // the name of one that comes with Crossgait

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/parity/table.h"
-
 namespace crossgait {
 namespace {
 
@@ -90,16 +88,21 @@ TEST(CompareTraces, WatchesLoadsAndTorquesWhenAsked) {
   EXPECT_EQ(compare_traces(a, b, DivergenceTolerances::fine()).first_divergence->quantity, "load");
 }
 
+TEST(CompareTraces, TorquesOfOtherJointsOrOfNoneDoNotDiffer) {
+  Trace a = straight(10, 2e-3);
+  for (TraceSample& sample : a) sample.torques = JointVector::Constant(3, 5);
+  Trace shorter = a, none = a;
+  for (TraceSample& sample : shorter) sample.torques = JointVector::Constant(2, 7);
+  for (TraceSample& sample : none) sample.torques = JointVector();
+  for (const Trace* b : {&shorter, &none}) {
+    EXPECT_FALSE(compare_traces(a, *b, DivergenceTolerances::fine()).first_divergence);
+    EXPECT_FALSE(compare_traces(*b, a, DivergenceTolerances::fine()).first_divergence);
+  }
+}
+
 TEST(CompareTraces, CoversTheTimeBothRan) {
   const Trace a = straight(100, 2e-3), b = straight(50, 2e-3);
   EXPECT_FALSE(compare_traces(a, b, {}).first_divergence);
-}
-
-TEST(Table, AlignsByCharactersNotBytes) {
-  Table table({"a", "value"});
-  table.add_row({"µm", "1"});
-  table.add_row({"long label"});
-  EXPECT_EQ(table.str(), "a           value\n-----------------\nµm              1\nlong label\n");
 }
 
 }  // namespace

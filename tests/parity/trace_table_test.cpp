@@ -52,6 +52,7 @@ TEST_F(TraceFiles, ThatAreNoneAreRefusedByLineAndColumn) {
       "trace";
   EXPECT_EQ(refusal(""), empty);
   EXPECT_EQ(refusal("time,a\n"), empty);
+  EXPECT_EQ(refusal("time,a"), empty);
   EXPECT_EQ(
       refusal("t,a\n1,2\n"),
       "line 1: expected a column \"time\", as `crossgait walk --trace` writes it, found none of that name");

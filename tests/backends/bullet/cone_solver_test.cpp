@@ -138,6 +138,7 @@ TEST(ConeProblem, TheSameContactTwiceSharesItsForce) {
 TEST(ConeProblem, NoContactsAreNoWork) {
   ConeProblem problem;
   EXPECT_EQ(problem.solve(1e-12, 100), 1);
+  EXPECT_EQ(problem.solve_coulomb(1e-12, 100), 1);
 }
 
 // Coulomb's law, row by row, for random contacts that see each other.

@@ -1,6 +1,7 @@
 // Names of settings between MuJoCo's contact law and Bullet's, and that the list of factors is complete.
 #include "crossgait/backends/bullet/contact_factors.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -21,6 +22,18 @@ TEST(ContactFactors, TheTwoNamedSettingsAreTheEnds) {
   EXPECT_EQ(all, ContactFactors::native());
   EXPECT_EQ(name_of(ContactFactors::matched()), "bullet:matched");
   EXPECT_EQ(name_of(ContactFactors::native()), "bullet");
+}
+
+TEST(ContactFactors, NeedOthersThatComeBeforeThemInTheTablesOrder) {
+  std::vector<std::string> before;
+  for (const FactorRow& row : factor_rows()) {
+    auto next = before.begin();
+    for (const std::string& need : row.factor.needs) {
+      next = std::find(next, before.end(), need);
+      EXPECT_NE(next, before.end()) << row.factor.name << " needs " << need;
+    }
+    before.push_back(row.factor.name);
+  }
 }
 
 TEST(ContactFactors, NamesComeBack) {
