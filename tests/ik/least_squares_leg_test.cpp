@@ -383,6 +383,11 @@ TEST(LeastSquaresLegGeometry, NeedsAHomeWithABentKneeAndAFootOffItsAxis) {
       EXPECT_NE(e.element().find("leg FL home"), std::string::npos) << e.what();
     }
   }
+  for (const double bend : {0.06, -0.06, M_PI - 0.06}) {  // just enough
+    PlainLeg plain;
+    plain.home = LegJointAngles(0, 0.5, bend);
+    EXPECT_NO_THROW((void)plain.geometry()) << bend;
+  }
   PlainLeg on_axis;
   on_axis.made.joints.p_BF = Vector3(0, 0.1, 0);
   EXPECT_THROW((void)on_axis.geometry(), ConfigError);
