@@ -42,11 +42,11 @@ void list_gaits(const JsonOption& json) {
     for (const Leg leg : kLegs) {
       offsets += fmt::format("{}{:.2f}", offsets.empty() ? "" : " ", gait.offset[leg]);
       entry["offset"][std::string(name(leg))] = gait.offset[leg];
-      entry["duty"][std::string(name(leg))] = gait.duty[leg];
     }
-    const double speed = nominal_speed(gait.preferred, gait.duty[Leg::FL]);
+    const double speed = nominal_speed(gait.preferred);
+    entry["duty_factor"] = gait.preferred.duty_factor;
     entry["nominal_speed_mps"] = speed;
-    table.add_row({std::string(gait.name), offsets, fmt::format("{:.2f}", gait.duty[Leg::FL]),
+    table.add_row({std::string(gait.name), offsets, fmt::format("{:.2f}", gait.preferred.duty_factor),
                    fmt::format("{:.2f}", gait.preferred.cycle_time), fmt::format("{:.3f}", speed), phases,
                    std::string(gait.summary)});
     entries.push_back(std::move(entry));

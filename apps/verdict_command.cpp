@@ -131,7 +131,7 @@ void add_verdict_command(CLI::App& program) {
       command->add_option("--config", options->config, "The policy's environment as YAML")->needs(policy);
   for (const char* other :
        {"--robot", "--terrain", "--friction", "--physics-dt", "--gait", "--set", "--speed", "--command",
-        "--seconds", "--control-dt", "--settle", "--ends", "--no-compensation"})
+        "--seconds", "--control-dt", "--settle", "--ends", "--no-compensation", "--no-heading-hold"})
     config->excludes(command->get_option(other));
   command->add_flag("--explain", options->judgement.explain,
                     "Also say what the gap comes from, one modelling factor at a time");

@@ -66,19 +66,23 @@ void WalkOptions::add_to(CLI::App& command) {
   command.add_flag(
       "--no-compensation", plain_servos,
       "Send the wanted joint angles as they are, without making up for the servos' lag and give");
+  command.add_flag("--no-heading-hold", open_loop,
+                   "Do not steer: walk in open loop, and turn wherever the feet happened to slip");
 }
 
 WalkConfig WalkOptions::make() const {
   WalkConfig made = config;
   try {
-    if (gait != kAutomaticGait) static_cast<void>(find_gait(gait));
+    if (gait != kAutomaticGait && gait != kGuidesAutomaticGait) static_cast<void>(find_gait(gait));
   } catch (const ConfigError& error) {
     throw ConfigError(error.source(), error.element(),
-                      fmt::format("{}, {}", error.expected(), kAutomaticGait), error.found());
+                      fmt::format("{}, {}, {}", error.expected(), kAutomaticGait, kGuidesAutomaticGait),
+                      error.found());
   }
   made.gait = choose_gait(gait, settings, make_command(*this));
   print_notes(outside_ranges(made.gait.parameters, choose_gait(gait, {}, make_command(*this)).parameters));
   made.compensation = !plain_servos;
+  made.heading_hold = !open_loop;
   made.ends = OutcomeSet::that_end(ends);
   return made;
 }

@@ -15,7 +15,7 @@ struct WalkOptions {
   std::optional<double> speed;
   std::string velocity;
   std::vector<std::string> ends;  // outcomes
-  bool plain_servos = false;
+  bool plain_servos = false, open_loop = false;
 
   void add_to(CLI::App& command);
   /// @throws ConfigError for an unknown gait or parameter

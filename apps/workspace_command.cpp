@@ -49,12 +49,12 @@ struct Report {
 };
 
 std::vector<Vector3> foot_path(const Gait& gait, const GaitParameters& parameters, Leg leg) {
-  const FootStride stride{{parameters.step_length, 0}, gait.duty[leg], 1, parameters.swing};
+  const FootStride stride{{parameters.step_length, 0}, 1, parameters.swing};
   std::vector<Vector3> path;
   for (int i = 0; i <= kPathPoints; ++i) {
     const double clock = static_cast<double>(i % kPathPoints) / kPathPoints;
     path.push_back(
-        foot_position(parameters, leg, leg_phase(clock, gait.offset[leg], gait.duty[leg]), stride));
+        foot_position(parameters, leg, leg_phase(clock, gait.offset[leg], parameters.duty_factor), stride));
   }
   return path;
 }
@@ -93,7 +93,7 @@ Report look(const WorkspaceCommand& options) {
   report.geometry = geometry;
   report.reach = reach_bounds(geometry);
   report.reachable_fraction = sample_workspace(geometry, *mode, report.reach, kGrid).reachable_fraction();
-  report.standing = foot_position(parameters, *leg, {}, {{0, 0}, gait.duty[*leg], 0, parameters.swing});
+  report.standing = foot_position(parameters, *leg, {}, {{0, 0}, 0, parameters.swing});
   report.standing_sample = sample_target(geometry, report.standing, *mode);
   report.safe = safe_box(geometry, report.standing, *mode);
   report.path = foot_path(gait, parameters, *leg);

@@ -49,16 +49,25 @@ TargetSource AdaptiveGaitEnv::make_source() {
     solve_legs(episode_.legs, feet, dt, out);
     episode_.info.ik_clamped += out.ik_clamped;
   };
-  return {[this](const Terrain& terrain, const Placement& placement) {
-            return episode_.legs.standing_state(episode_.standing, terrain, placement);
-          },
-          [this, solve](double dt, ControlTargets& out) { solve(episode_.standing, dt, out); },
-          [this, solve](double dt, ControlTargets& out) {
-            const LegArray<FootTarget>& feet = episode_.controller.update(dt);
-            solve(target_positions(feet), dt, out);
-            describe_plan(episode_.controller.generator(), feet,
-                          config().command ? std::optional(episode_.command) : std::nullopt, out);
-          }};
+  const auto advance = [this, solve](double dt, ControlTargets& out) {
+    const LegArray<FootTarget>& feet = episode_.controller.update(dt);
+    const GaitGenerator& generator = episode_.controller.generator();
+    episode_.legs.set_load_share(generator.effective().parameters.load_share);
+    solve(target_positions(feet), dt, out);
+    describe_plan(generator, feet, config().command ? std::optional(episode_.command) : std::nullopt, out);
+  };
+  const auto look = [this](const RobotState& state, double dt) {
+    const HeadingHold hold = config().heading_hold ? HeadingHold() : HeadingHold::none();
+    const double turning = episode_.command.yaw_rate;  // also of a command that came later
+    episode_.controller.generator().set_steering(episode_.heading.look(hold, state, turning, dt));
+  };
+  return {.stand =
+              [this](const Terrain& terrain, const Placement& placement) {
+                return episode_.legs.standing_state(episode_.standing, terrain, placement);
+              },
+          .hold = [this, solve](double dt, ControlTargets& out) { solve(episode_.standing, dt, out); },
+          .advance = advance,
+          .look = look};
 }
 
 WorldSpec AdaptiveGaitEnv::draw_world() {
@@ -91,8 +100,10 @@ void AdaptiveGaitEnv::reset(std::uint64_t seed, std::span<double> observation) {
     e.controller.generator().clear_command();
   }
   e.command = config().command.value_or(VelocityCommand{});
+  e.controller.generator().set_steering(0);
   e.controller.reset(GaitGenerator::Start::kStanding);
   e.legs.restart();
+  e.heading.restart();
   e.steps = 0;
   e.result = {};
   e.info = {};
@@ -100,6 +111,7 @@ void AdaptiveGaitEnv::reset(std::uint64_t seed, std::span<double> observation) {
 
   // Standing is the gait's first target held; walking begins after it, part of a cycle if so drawn.
   e.standing = target_positions(e.controller.targets());
+  e.controller.generator().set_sweep(e.legs.foot_sweep(e.standing, e.controller.parameters()));
   e.loop.start(*backend_, source_, draw_start());
   e.result.terminated = e.loop.ended();
   e.begun = true;

@@ -6,6 +6,7 @@
 
 #include "crossgait/env/closed_loop.h"
 #include "crossgait/env/env_model.h"
+#include "crossgait/env/heading_hold.h"
 #include "crossgait/env/leg_controller.h"
 #include "crossgait/env/random.h"
 #include "crossgait/physics/engine.h"
@@ -95,6 +96,7 @@ class AdaptiveGaitEnv {
     AdaptiveGaitController controller;
     LegController legs;
     ClosedLoop loop;
+    HeadingHoldState heading = {};
     LegArray<Vector3> standing = {};  // feet before the first step
     Random random{0};
     VelocityCommand command = {};

@@ -37,7 +37,7 @@ void ClosedLoop::start(PhysicsBackend& world, const TargetSource& source, const 
     status = control_step(world, false);
   }
   for (int i = 0; i < leading && status == StepStatus::kOk; ++i) {
-    source.advance(dt, targets_);
+    next_targets(world, source);
     status = control_step(world, false);
   }
   const Vector3& p = standing.p_WB;
@@ -56,10 +56,15 @@ StepStatus ClosedLoop::control_step(PhysicsBackend& world, bool watched) {
   return StepStatus::kOk;
 }
 
+void ClosedLoop::next_targets(const PhysicsBackend& world, const TargetSource& source) {
+  if (source.look) source.look(world.state(), options_.control_dt);
+  source.advance(options_.control_dt, targets_);
+}
+
 bool ClosedLoop::advance(PhysicsBackend& world, const TargetSource& source, int steps) {
   for (int i = 0; i < steps && !ended_; ++i) {
     if (const auto push = pushes_.due(time())) world.apply_push(*push);
-    source.advance(options_.control_dt, targets_);
+    next_targets(world, source);
     if (control_step(world, true) != StepStatus::kOk) {
       statistics_.note(Outcome::kDiverged);
       ended_ = true;

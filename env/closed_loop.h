@@ -46,6 +46,7 @@ class ClosedLoop {
   double time() const noexcept { return static_cast<double>(steps_) * options_.control_dt; }
 
  private:
+  void next_targets(const PhysicsBackend& world, const TargetSource& source);
   StepStatus control_step(PhysicsBackend& world, bool watched);
 
   Options options_;

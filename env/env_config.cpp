@@ -62,6 +62,9 @@ auto named(const YamlValue& value, Function&& find) {
 void read(const YamlValue& root, std::string_view key, double& value) {
   if (const auto found = root.find(key)) value = found->number();
 }
+void read(const YamlValue& root, std::string_view key, bool& value) {
+  if (const auto found = root.find(key)) value = found->boolean();
+}
 void read(const YamlValue& root, std::string_view key, std::string& value) {
   if (const auto found = root.find(key)) value = found->text();
 }
@@ -128,6 +131,7 @@ void read_gait(const YamlValue& root, EnvConfig& config) {
     read(*command, "vy", config.command->vy);
     read(*command, "yaw_rate", config.command->yaw_rate);
   }
+  read(root, "heading_hold", config.heading_hold);
 }
 
 void read_tables(const YamlValue& root, EnvConfig& config) {
@@ -188,12 +192,16 @@ void read_ends(const YamlValue& root, EnvConfig& config) {
 }
 
 EnvConfig read_config(const YamlValue& root) {
-  root.allow_keys({"engine",         "backend",        "robot",        "terrain",         "terrain_seed",
-                   "friction",       "gait",           "parameters",   "adapt",           "ranges",
-                   "delta_scales",   "residual_scale", "command",      "observation",     "reward",
-                   "physics_dt",     "control_dt",     "policy_dt",    "episode_seconds", "settle_seconds",
-                   "tilt_limit_deg", "ends",           "randomisation"});
+  root.allow_keys({"preset",          "engine",         "backend",        "robot",      "terrain",
+                   "terrain_seed",    "friction",       "gait",           "parameters", "adapt",
+                   "ranges",          "delta_scales",   "residual_scale", "command",    "heading_hold",
+                   "observation",     "reward",         "physics_dt",     "control_dt", "policy_dt",
+                   "episode_seconds", "settle_seconds", "tilt_limit_deg", "ends",       "randomisation"});
   EnvConfig config;
+  if (const auto preset = root.find("preset")) {
+    if (preset->text() != "guide") preset->fail("guide", fmt::format("'{}'", preset->text()));
+    config = guide_environment();
+  }
   read_world(root, config);
   read_gait(root, config);
   read_tables(root, config);
@@ -279,6 +287,14 @@ void EnvConfig::validate(std::string_view source) const {
   randomisation.validate();
 }
 
+EnvConfig guide_environment() {
+  EnvConfig config;
+  config.gait = "trot:guide";
+  config.parameters = find_gait(config.gait).preferred;
+  config.adaptation = guide_ranges();
+  return config;
+}
+
 EnvConfig load_env_config(const std::string& path) { return read_config(YamlValue::load(path)); }
 
 EnvConfig parse_env_config(const std::string& text, const std::string& source) {
@@ -313,6 +329,7 @@ std::string to_yaml(const EnvConfig& c) {
     out += fmt::format("command: {{vx: {}, vy: {}, yaw_rate: {}}}\n", c.command->vx, c.command->vy,
                        c.command->yaw_rate);
   }
+  out += fmt::format("heading_hold: {}\n", c.heading_hold);
   out += fmt::format("observation: [{}]\n", fmt::join(c.observation, ", "));
   std::string weights;
   for (std::size_t i = 0; i < c.reward.size(); ++i) {

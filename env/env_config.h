@@ -28,6 +28,7 @@ struct EnvConfig {
   AdaptationRanges adaptation;                                        ///< `ranges` and `delta_scales` of them
   double residual_scale = 0.01;                                       ///< m
   std::optional<VelocityCommand> command;  ///< empty: steps of step_length, as the guide's
+  bool heading_hold = true;                ///< steer to the heading that the command leads to
 
   std::vector<std::string> observation = standard_observation();  ///< blocks
   RewardTerms reward = guide_reward_weights();
@@ -64,6 +65,9 @@ struct EnvConfig {
  private:
   [[noreturn]] void fail_at_its_place(const std::string& value, const ConfigError& error) const;
 };
+
+/// The guide's environment: its trot, the ranges that its parameters adapt in, its delta scales.
+EnvConfig guide_environment();
 
 /// Reads a configuration; what the file does not mention keeps its default (parameters: the gait's
 /// preferred). Files that it names are found from its own folder. Unknown keys and values are errors that

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/gait/multi_gait_controller.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait {
@@ -15,22 +14,45 @@ void require(bool accepted) {
   if (!accepted) throw ConfigError("gait", "parameters or command", "valid values", "values that are not");
 }
 
-// A gait's targets on legs. @param update advances the gait @param generator the one that moves the feet
-template <typename Update, typename Generator>
-TargetSource walk_legs(LegController legs, const std::optional<VelocityCommand>& command, Update update,
-                       Generator generator) {
-  const auto own = std::make_shared<LegController>(std::move(legs));
-  const LegArray<Vector3> standing = target_positions(update(0));
-  const auto stand = [own, standing](const Terrain& terrain, const Placement& placement) {
-    return own->standing_state(standing, terrain, placement);
-  };
-  const auto hold = [own, standing](double dt, ControlTargets& out) { solve_legs(*own, standing, dt, out); };
-  const auto advance = [own, command, update, generator](double dt, ControlTargets& out) {
-    const LegArray<FootTarget>& feet = update(dt);
-    solve_legs(*own, target_positions(feet), dt, out);
-    describe_plan(generator(), feet, command, out);
-  };
-  return {stand, hold, advance};
+// A gait that walks on legs. @tparam Gait  GaitGenerator or MultiGaitController
+template <typename Gait>
+struct GaitOnLegs {
+  Gait gait;
+  LegController legs;
+  std::optional<VelocityCommand> command;
+  HeadingHold heading_hold;
+  LegArray<Vector3> standing;
+  HeadingHoldState heading = {};
+};
+
+const GaitGenerator& generator_of(const GaitGenerator& gait) { return gait; }
+const GaitGenerator& generator_of(const MultiGaitController& gait) { return gait.generator(); }
+
+template <typename Gait>
+TargetSource walk_legs(Gait gait, LegController legs, const std::optional<VelocityCommand>& command,
+                       const HeadingHold& heading_hold) {
+  const LegArray<Vector3> standing = target_positions(generator_of(gait).targets());
+  gait.set_sweep(legs.foot_sweep(standing, generator_of(gait).parameters()));
+  const auto own = std::make_shared<GaitOnLegs<Gait>>(
+      GaitOnLegs<Gait>{std::move(gait), std::move(legs), command, heading_hold, standing});
+  return {.stand =
+              [own](const Terrain& terrain, const Placement& placement) {
+                return own->legs.standing_state(own->standing, terrain, placement);
+              },
+          .hold = [own](double dt, ControlTargets& out) { solve_legs(own->legs, own->standing, dt, out); },
+          .advance =
+              [own](double dt, ControlTargets& out) {
+                const LegArray<FootTarget>& feet = own->gait.update(dt);
+                const GaitGenerator& generator = generator_of(own->gait);
+                own->legs.set_load_share(generator.effective().parameters.load_share);
+                solve_legs(own->legs, target_positions(feet), dt, out);
+                describe_plan(generator, feet, own->command, out);
+              },
+          .look =
+              [own](const RobotState& state, double dt) {
+                const double turning = own->command ? own->command->yaw_rate : 0;
+                own->gait.set_steering(own->heading.look(own->heading_hold, state, turning, dt));
+              }};
 }
 
 }  // namespace
@@ -45,27 +67,28 @@ void describe_plan(const GaitGenerator& generator, const LegArray<FootTarget>& f
 }
 
 VelocityCommand nominal_velocity(const GaitGenerator& generator) noexcept {
-  const GaitParameters& p = generator.parameters();
-  double stance = 0;
-  for (const Leg leg : kLegs) stance += generator.duty()[leg] * p.cycle_time / kLegCount;
-  return {p.step_length / stance, 0, 0};
+  return {nominal_speed(generator.parameters()), 0, 0};
 }
 
 GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings,
                        const std::optional<VelocityCommand>& command) {
   GaitChoice choice;
-  if (gait != kAutomaticGait) {
-    choice.gait = find_gait(gait);
-    choice.parameters = choice.gait->preferred;
-  } else if (!command) {
-    throw ConfigError("gait", gait, "a speed or a velocity command to choose the gait by", "none");
+  if (gait == kAutomaticGait || gait == kGuidesAutomaticGait) {
+    if (!command)
+      throw ConfigError("gait", gait, "a speed or a velocity command to choose the gait by", "none");
+    choice.automatic = gait;
+    choice.bands = gait == kAutomaticGait ? default_speed_bands() : guide_speed_bands();
   } else {
-    choice.parameters = find_gait("trot").preferred;  // the middle one's serve all
+    choice.gait = find_gait(gait);
   }
   if (command && !command->is_finite()) {
     throw ConfigError("gait", "velocity command", "finite vx, vy (m/s) and yaw rate (rad/s)",
                       fmt::format("{}, {}, {}", command->vx, command->vy, command->yaw_rate));
   }
+  for (const std::string& setting : settings) {
+    for (SpeedBand& band : choice.bands) assign(band.gait.preferred, setting);
+  }
+  choice.parameters = choice.gait ? choice.gait->preferred : choice.bands.front().gait.preferred;
   for (const std::string& setting : settings) assign(choice.parameters, setting);
   choice.command = command;
   return choice;
@@ -84,25 +107,20 @@ LegArray<Vector3> leg_origins(const RobotDescription& robot) {
 }
 
 TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const RobotDescription> robot,
-                              const ServoCompensation& compensation) {
+                              const GaitLayers& layers) {
   const LegArray<Vector3> p_BL = leg_origins(*robot);
+  LegController legs(std::move(robot), layers.compensation);
   if (!choice.gait) {
     MultiGaitOptions options;
-    options.parameters = choice.parameters;
-    const auto controller = std::make_shared<MultiGaitController>(options, p_BL);
-    require(!choice.command || controller->set_command(*choice.command));
-    return walk_legs(
-        LegController(std::move(robot), compensation), choice.command,
-        [controller](double dt) -> const LegArray<FootTarget>& { return controller->update(dt); },
-        [controller]() -> const GaitGenerator& { return controller->generator(); });
+    options.bands = choice.bands;
+    MultiGaitController controller(options, p_BL);
+    require(!choice.command || controller.set_command(*choice.command));
+    return walk_legs(std::move(controller), std::move(legs), choice.command, layers.heading_hold);
   }
-  const auto generator = std::make_shared<GaitGenerator>(*choice.gait, choice.parameters, p_BL);
-  require(!choice.command || generator->set_command(*choice.command));
-  generator->reset(GaitGenerator::Start::kStanding);
-  return walk_legs(
-      LegController(std::move(robot), compensation), choice.command,
-      [generator](double dt) -> const LegArray<FootTarget>& { return generator->update(dt); },
-      [generator]() -> const GaitGenerator& { return *generator; });
+  GaitGenerator generator(*choice.gait, choice.parameters, p_BL);
+  require(!choice.command || generator.set_command(*choice.command));
+  generator.reset(GaitGenerator::Start::kStanding);
+  return walk_legs(std::move(generator), std::move(legs), choice.command, layers.heading_hold);
 }
 
 TargetSource make_feet_source(FootTargets feet, std::shared_ptr<const RobotDescription> robot,

@@ -6,25 +6,29 @@
 #include <string_view>
 #include <vector>
 
+#include "crossgait/env/heading_hold.h"
 #include "crossgait/env/leg_controller.h"
-#include "crossgait/gait/gait_generator.h"
+#include "crossgait/gait/multi_gait_controller.h"
 
 namespace crossgait {
 
-/// The name that stands for "the gait for the speed".
-inline constexpr std::string_view kAutomaticGait = "auto";
+/// The names that stand for "the gait for the speed": with `default_speed_bands`, with `guide_speed_bands`.
+inline constexpr std::string_view kAutomaticGait = "auto", kGuidesAutomaticGait = "auto:guide";
 
 /// What to walk: a gait, or whichever suits the commanded speed.
 struct GaitChoice {
-  std::optional<Gait> gait;   ///< empty: by speed (MultiGaitController)
-  GaitParameters parameters;  ///< where the gait is chosen by speed, cycle_time is each gait's own
+  std::optional<Gait> gait;                ///< empty: by speed (MultiGaitController)
+  std::vector<SpeedBand> bands;            ///< then of these, each with its own preferred parameters
+  std::string automatic{kAutomaticGait};   ///< and this is what that choice is called
+  GaitParameters parameters;               ///< of the gait; of the slowest one, where it is chosen by speed
   std::optional<VelocityCommand> command;  ///< empty: steps of step_length
 
-  std::string name() const { return std::string(gait ? gait->name : kAutomaticGait); }
+  std::string name() const { return gait ? std::string(gait->name) : automatic; }
 };
 
 /// A gait by name with its preferred parameters, changed by assignments "name=value" (see gait/parameters.h).
-/// @param gait  a name of `gaits()`, or `kAutomaticGait`, which needs a command
+/// Where the gait is chosen by speed they change every one of them.
+/// @param gait  a name of `gaits()`, or an automatic one, which needs a command
 /// @throws ConfigError for an unknown gait, parameter or value, or a command that is not finite
 GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings,
                        const std::optional<VelocityCommand>& command = {});
@@ -43,10 +47,16 @@ VelocityCommand nominal_velocity(const GaitGenerator& generator) noexcept;
 /// Origins of the leg frames in the base frame, m. @throws ConfigError if the robot has no five-bar legs
 LegArray<Vector3> leg_origins(const RobotDescription& robot);
 
+/// What stands between a gait and the servos besides kinematics. Each can be switched off.
+struct GaitLayers {
+  ServoCompensation compensation;
+  HeadingHold heading_hold;
+};
+
 /// Walks `choice` from standing. Every call makes an independent source.
 /// @throws ConfigError if the robot has no five-bar legs
 TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const RobotDescription> robot,
-                              const ServoCompensation& compensation = {});
+                              const GaitLayers& layers = {});
 
 /// Foot targets in the leg frames, m, after `dt` more seconds. Asked with dt = 0 before the first step, it
 /// says where the feet stand.

@@ -11,8 +11,8 @@ namespace crossgait {
 namespace {
 
 /// What versions 1, 2, ... say that a layout's numbers mean.
-constexpr std::array<std::string_view, kLayoutVersion> kVersions{"leg frames with z down",
-                                                                 "leg frames with z up"};
+constexpr std::array<std::string_view, kLayoutVersion> kVersions{
+    "leg frames with z down", "the guide's ranges of parameters", "ranges of gaits that step"};
 
 // With an end, so that "ab" "c" and "a" "bc" differ.
 void add(Fnv1a& hash, std::string_view text) { hash.add(text).add(std::string_view("\0", 1)); }

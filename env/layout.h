@@ -14,9 +14,10 @@ namespace crossgait {
 /// run wrongly. New, renamed or removed entries need no new version: names tell of them.
 ///   1  leg frames with z down: residual.*.z > 0 lowered the foot
 ///   2  leg frames with z up (REP-103): residual.*.z > 0 raises the foot
-inline constexpr int kLayoutVersion = 2;
+///   3  ranges and delta scales of gaits that step: param.*, delta.* of 2 were the guide's
+inline constexpr int kLayoutVersion = 3;
 
-/// The present version in words: "2 (leg frames with z up)".
+/// The present version in words: "3 (ranges of gaits that step)".
 std::string layout_version_in_words();
 
 /// What is wrong with the version that a policy states, in words that follow "found ": "1: trained for leg

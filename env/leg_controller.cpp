@@ -87,7 +87,7 @@ Vector3 LegController::torque(Leg leg, const Vector3& position, const LegAngles&
 
 const JointTargets& LegController::update(const LegArray<Vector3>& feet, double dt) noexcept {
   const LegArray<double> shares = load_shares(feet, compensation_.load_depth);
-  const bool compensates = compensation_.lag || compensation_.load_share > 0;
+  const bool compensates = compensation_.lag || compensation_.load;
   for (const Leg leg : kLegs) {
     const LegSolution solution = solve_leg(geometry_[leg], feet[leg], mode_);
     status_[leg] = solution.status;
@@ -95,7 +95,7 @@ const JointTargets& LegController::update(const LegArray<Vector3>& feet, double 
     const Vector3 wanted(solution.angles.tilt, solution.angles.shoulder_left, solution.angles.shoulder_right);
     Vector3 servo = wanted;
     if (compensates && solution.status == IkStatus::kOk) {
-      const double load = compensation_.load_share * weight_ * shares[leg];
+      const double load = compensation_.load ? load_share_ * weight_ * shares[leg] : 0;
       servo += torque(leg, feet[leg], solution.angles, load, dt).cwiseQuotient(servos_[leg].stiffness);
     }
     last_[leg] = {feet[leg], wanted};
@@ -107,6 +107,56 @@ const JointTargets& LegController::update(const LegArray<Vector3>& feet, double 
   return targets_;
 }
 
+// All joints of a leg, with its foot (leg frame, m) there.
+void LegController::set_joints(Leg leg, const Vector3& foot, JointVector& q) const {
+  const LegSolution solution = solve_leg(geometry_[leg], foot, mode_);
+  if (solution.status != IkStatus::kOk) {
+    throw ConfigError(robot_->source, fmt::format("foot {}", name(leg)), "a standing position within reach",
+                      fmt::format("({:.4g}, {:.4g}, {:.4g}) m in the leg frame (z up): {}", foot.x(),
+                                  foot.y(), foot.z(), name(solution.status)));
+  }
+  const LegModel& model = (*robot_->legs)[leg];
+  q[model.tilt] = solution.angles.tilt;
+  q[model.shoulder_left] = solution.angles.shoulder_left;
+  q[model.shoulder_right] = solution.angles.shoulder_right;
+  q[model.elbow_left] = solution.angles.elbow_left;
+  q[model.elbow_right] = solution.angles.elbow_right;
+}
+
+// How far a foot gives way under `load` (N), against its servos, m.
+Vector3 LegController::give(Leg leg, const Vector3& foot, double load) const noexcept {
+  const Matrix3 jacobian = leg_jacobian(geometry_[leg], solve_leg(geometry_[leg], foot, mode_).angles);
+  const Vector3 torque = load * jacobian.row(2).transpose();
+  return jacobian * torque.cwiseQuotient(servos_[leg].stiffness);
+}
+
+Vector2 LegController::foot_sweep(const LegArray<Vector3>& feet, const GaitParameters& parameters) const {
+  constexpr double kStep = 1e-4;  // m
+  const double share = compensation_.load ? parameters.load_share : 0;
+  const double load = (1 - share) * weight_ / (kLegCount * parameters.duty_factor);
+  RobotState state;
+  state.q = robot_->home;
+  state.qd = JointVector::Zero(robot_->joint_count());
+  std::vector<Pose> ahead, behind;
+  Vector2 advance = Vector2::Zero();
+  for (const int axis : {0, 1}) {
+    const Vector3 way = kStep * Vector3::Unit(axis);
+    for (const Leg leg : kLegs) set_joints(leg, feet[leg] + way, state.q);
+    forward_kinematics(*robot_, state, ahead);
+    for (const Leg leg : kLegs) set_joints(leg, feet[leg] - way, state.q);
+    forward_kinematics(*robot_, state, behind);
+    for (const Leg leg : kLegs) {
+      const LegModel& model = (*robot_->legs)[leg];
+      const auto link = static_cast<std::size_t>(model.foot_body);
+      const Eigen::AngleAxisd turn(ahead[link].linear() * behind[link].linear().transpose());
+      const Vector3 rolled = turn.angle() * turn.axis().cross(-model.foot_radius * Vector3::UnitZ());
+      const Vector3 gave = give(leg, feet[leg] + way, load) - give(leg, feet[leg] - way, load);
+      advance[axis] += (1 + (rolled[axis] + gave[axis]) / (2 * kStep)) / kLegCount;
+    }
+  }
+  return advance.cwiseInverse();
+}
+
 RobotState LegController::standing_state(const LegArray<Vector3>& feet, const Terrain& terrain,
                                          const Placement& placement) const {
   RobotState state;
@@ -114,20 +164,7 @@ RobotState LegController::standing_state(const LegArray<Vector3>& feet, const Te
   state.q_WB = from_roll_pitch_yaw(placement.roll, placement.pitch, placement.yaw);
   state.q = robot_->home;
   state.qd = JointVector::Zero(robot_->joint_count());
-  for (const Leg leg : kLegs) {
-    const LegSolution solution = solve_leg(geometry_[leg], feet[leg], mode_);
-    if (solution.status != IkStatus::kOk) {
-      throw ConfigError(robot_->source, fmt::format("foot {}", name(leg)), "a standing position within reach",
-                        fmt::format("({:.4g}, {:.4g}, {:.4g}) m in the leg frame (z up): {}", feet[leg].x(),
-                                    feet[leg].y(), feet[leg].z(), name(solution.status)));
-    }
-    const LegModel& model = (*robot_->legs)[leg];
-    state.q[model.tilt] = solution.angles.tilt;
-    state.q[model.shoulder_left] = solution.angles.shoulder_left;
-    state.q[model.shoulder_right] = solution.angles.shoulder_right;
-    state.q[model.elbow_left] = solution.angles.elbow_left;
-    state.q[model.elbow_right] = solution.angles.elbow_right;
-  }
+  for (const Leg leg : kLegs) set_joints(leg, feet[leg], state.q);
   std::vector<Pose> poses;
   forward_kinematics(*robot_, state, poses);
   double height = -std::numeric_limits<double>::infinity();

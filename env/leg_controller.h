@@ -26,6 +26,10 @@ class LegController {
   /// @returns targets of the actuated joints
   const JointTargets& update(const LegArray<Vector3>& feet, double dt) noexcept;
 
+  /// Share of the load that standing legs make up for, of a gait's parameters; without one, that of the
+  /// default parameters.
+  void set_load_share(double share) noexcept { load_share_ = share; }
+
   /// Forgets the last update, so that the next one starts from rest, and the count of clamped solutions.
   void restart() noexcept;
 
@@ -38,6 +42,13 @@ class LegController {
     return standing_state(feet, terrain, Placement());
   }
 
+  /// For GaitGenerator::set_sweep, at these standing feet (leg frames, m), mean of the legs. Two things come
+  /// between a sweep and the body's advance. While the centre of a spherical foot moves by dp, its link turns
+  /// by w dp, and the foot rolls on by r w x z dp. And what the servos do not make up for of their load gives
+  /// way by J K^-1 J' F, which differs from one end of the sweep to the other.
+  /// @throws ConfigError if a foot is out of reach
+  Vector2 foot_sweep(const LegArray<Vector3>& feet, const GaitParameters& parameters) const;
+
   const LegArray<FiveBarGeometry>& geometry() const noexcept { return geometry_; }
   /// Status of each leg in the last update.
   const LegArray<IkStatus>& status() const noexcept { return status_; }
@@ -45,6 +56,9 @@ class LegController {
   std::int64_t clamped() const noexcept { return clamped_; }
 
  private:
+  void set_joints(Leg leg, const Vector3& foot, JointVector& q) const;
+  Vector3 give(Leg leg, const Vector3& foot, double load) const noexcept;
+
   struct LegServos {
     std::array<Eigen::Index, 3> slots;  // tilt, shoulder_left, shoulder_right in JointTargets
     Vector3 stiffness, damping;         // N m/rad; N m s/rad, servo and joint together
@@ -58,6 +72,7 @@ class LegController {
 
   std::shared_ptr<const RobotDescription> robot_;
   ServoCompensation compensation_;
+  double load_share_ = GaitParameters{}.load_share;
   double weight_;  // of the robot on Earth, N
   WorkingMode mode_;
   bool moving_ = false;  // last_ holds an earlier update

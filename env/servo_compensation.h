@@ -9,16 +9,15 @@ namespace crossgait {
 /// A servo of stiffness kp trails a moving target by damping / kp (20 ms for kp 1 N m/rad), the passive
 /// elbows, which turn twice as fast as the shoulders, drag as much again, and a standing leg gives way under
 /// its load (13 mm under half of scara_quadruped's weight). All three are known in advance, so targets lead
-/// by as much: q* = q + tau / kp. Of the load only a share: what is left lets the body sag between steps, so
-/// that the swinging pair's feet graze the ground and keep a trot from tipping over the standing pair's
-/// diagonal (RMS roll 7 degrees at the whole load). Measured effects: docs/gaits.md.
+/// by as much: q* = q + tau / kp. Of the load a share, GaitParameters::load_share. Measured effects:
+/// docs/gaits.md.
 struct ServoCompensation {
   bool lag = true;            ///< lead by servo damping and elbow drag
   double max_lead = 0.5;      ///< rad, bound of the lag correction of one joint
-  double load_share = 0.35;   ///< share of the standing legs' load to make up for, 0 to 1
+  bool load = true;           ///< carry the gait's share of the load
   double load_depth = 0.005;  ///< a foot this far above the lowest one carries nothing, m
 
-  static constexpr ServoCompensation none() { return {.lag = false, .load_share = 0}; }
+  static constexpr ServoCompensation none() { return {.lag = false, .load = false}; }
 };
 
 /// How the legs share a load, adding up to 1: evenly among the lowest feet, a foot `depth` above them none,

@@ -33,8 +33,8 @@ struct ControlTargets {
   int ik_clamped = 0;       ///< leg solutions of this step that were not exact
 };
 
-/// A gait, recorded feet, a policy: any of them is three functions. They are called by one thread, and may
-/// throw; a source serves one motion.
+/// A gait, recorded feet, a policy: any of them is three functions, and a fourth for those that look where
+/// the robot is. They are called by one thread, and may throw; a source serves one motion.
 struct TargetSource {
   /// The robot at rest as it stands on `terrain` before the motion. Throws ConfigError if it cannot.
   std::function<RobotState(const Terrain& terrain, const Placement& placement)> stand;
@@ -42,6 +42,8 @@ struct TargetSource {
   std::function<void(double dt, ControlTargets& targets)> hold;
   /// Targets of the motion for the next dt (s).
   std::function<void(double dt, ControlTargets& targets)> advance;
+  /// What feedback there is: told where the robot is before the motion's next dt (s). May be empty.
+  std::function<void(const RobotState& state, double dt)> look = nullptr;
 };
 
 }  // namespace crossgait

@@ -17,8 +17,8 @@ CycleCheck count_unreachable(const Gait& gait, const GaitParameters& parameters,
   for (int i = 0; i < samples; ++i) {
     const double clock = static_cast<double>(i) / samples;
     for (const Leg leg : kLegs) {
-      const FootStride stride{step, gait.duty[leg], 1, parameters.swing};
-      const LegPhase phase = leg_phase(clock, gait.offset[leg], gait.duty[leg]);
+      const FootStride stride{step, 1, parameters.swing};
+      const LegPhase phase = leg_phase(clock, gait.offset[leg], parameters.duty_factor);
       const Vector3 target = foot_position(parameters, leg, phase, stride);
       ++result.targets;
       if (check(leg, target)) continue;

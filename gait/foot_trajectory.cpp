@@ -36,7 +36,7 @@ Vector3 foot_position(const GaitParameters& p, Leg leg, const LegPhase& phase,
   StridePoint point{1 - 2 * phase.progress, 0};
   if (phase.swing) {
     point = stride.curve == SwingCurve::kBezier ? bezier_swing(phase.progress, p.swing_shape)
-                                                : matched_swing(phase.progress, stride.duty);
+                                                : matched_swing(phase.progress, p.duty_factor);
   }
   const double half = point.along / 2, lift = point.lift * stride.lift_scale;
   return {half * stride.step.x(), half * stride.step.y() + side_sign(leg) * outward_shift(p, leg),

@@ -35,7 +35,6 @@ double outward_shift(const GaitParameters& parameters, Leg leg) noexcept;
 /// What places one foot besides the parameters.
 struct FootStride {
   Vector2 step = Vector2::Zero();          ///< step vector, x forward, y left, m
-  double duty = 0.5;                       ///< of the leg
   double lift_scale = 1;                   ///< 0 standing to 1 full stride
   SwingCurve curve = SwingCurve::kBezier;  ///< in place of GaitParameters::swing
 };
@@ -44,10 +43,9 @@ struct FootStride {
 Vector3 foot_position(const GaitParameters& parameters, Leg leg, const LegPhase& phase,
                       const FootStride& stride) noexcept;
 
-/// Speed of the ground under a foot that sweeps `step_length` in its stance: step_length / (duty cycle_time),
-/// m/s.
-inline double nominal_speed(const GaitParameters& parameters, double duty) noexcept {
-  return parameters.step_length / (duty * parameters.cycle_time);
+/// Speed of a body that goes `step_length` while a foot stands: step_length / (duty_factor cycle_time), m/s.
+inline double nominal_speed(const GaitParameters& parameters) noexcept {
+  return parameters.step_length / (parameters.duty_factor * parameters.cycle_time);
 }
 
 /// Lateral distance between the centres of left and right feet, m.

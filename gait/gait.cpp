@@ -9,50 +9,109 @@
 namespace crossgait {
 namespace {
 
-// Legs are in the order FL, FR, RL, RR. Duty factors are the same for all legs of every gait here. Where both
-// legs of an end or a side swing together nothing but speed keeps the body from tipping over them: those
-// gaits swing for a tenth of a second or so (docs/gaits.md has what was measured).
-constexpr LegArray<double> all(double value) { return {{value, value, value, value}}; }
+// Legs are in the order FL, FR, RL, RR.
+constexpr LegArray<double> kAtOnce{{0, 0, 0, 0}}, kDiagonals{{0, 0.5, 0.5, 0}},
+    kLateral{{0.25, 0.75, 0, 0.5}}, kSides{{0, 0.5, 0, 0.5}}, kEnds{{0, 0, 0.5, 0.5}};
 
+// The guide's numbers, but for lower swings: with a longer lift the body sags and the others drag.
+constexpr GaitParameters guide(double duty_factor, double cycle_time) {
+  return {.step_height = 0.03,
+          .step_length = 0.06,
+          .cycle_time = cycle_time,
+          .body_height = 0.05,
+          .stance_width = 0.08,
+          .foot_clearance = 0,
+          .swing_shape = 0.35,
+          .duty_factor = duty_factor,
+          .load_share = 0.35};
+}
+
+using Phases = std::array<GaitPhase, kMaxGaitPhases>;
+constexpr Phases kTrotPhases{{{"pair_a_swing", 0}, {"pair_b_swing", 0.5}}};
+constexpr Phases kWalkPhases{{{"rl_swing", 0}, {"fl_swing", 0.25}, {"rr_swing", 0.5}, {"fr_swing", 0.75}}};
+constexpr Phases kEndPhases{
+    {{"front_swing", 0}, {"front_stance", 0.25}, {"rear_swing", 0.5}, {"rear_stance", 0.75}}};
+
+// Preferred parameters were searched for on scara_quadruped (docs/gaits.md has what was measured). Where both
+// legs of an end or a side swing together nothing but speed keeps the body from tipping over them: those
+// gaits swing for a twentieth of a second.
 constexpr std::array kGaits{
     Gait{.name = "trot",
          .summary = "diagonal pairs in turn",
-         .offset = {{0, 0.5, 0.5, 0}},
-         .duty = all(0.5),
-         .phases = {{{"pair_a_swing", 0}, {"pair_b_swing", 0.5}}},
-         .preferred = {.step_height = 0.03, .foot_clearance = 0}},
+         .offset = kDiagonals,
+         .preferred = {},
+         .phases = kTrotPhases},
     Gait{.name = "walk",
          .summary = "one leg at a time in lateral sequence: RL, FL, RR, FR",
-         .offset = {{0.25, 0.75, 0, 0.5}},
-         .duty = all(0.75),
-         .phases = {{{"rl_swing", 0}, {"fl_swing", 0.25}, {"rr_swing", 0.5}, {"fr_swing", 0.75}}},
-         .preferred = {.step_height = 0.03, .cycle_time = 1.2, .foot_clearance = 0}},
-    Gait{.name = "pace",
-         .summary = "the legs of one side, all four, the other side's, all four",
-         .offset = {{0, 0.5, 0, 0.5}},
-         .duty = all(0.8),
-         .phases = {{{"left_swing", 0}, {"left_stance", 0.2}, {"right_swing", 0.5}, {"right_stance", 0.7}}},
-         .preferred = {.step_height = 0.03, .cycle_time = 0.4, .foot_clearance = 0}},
+         .offset = kLateral,
+         .preferred = {.step_height = 0.045,
+                       .cycle_time = 0.6,
+                       .body_height = 0.065,
+                       .duty_factor = 0.85,
+                       .load_share = 1,
+                       .swing = SwingCurve::kMatched},
+         .phases = kWalkPhases},
+    Gait{
+        .name = "pace",
+        .summary = "the legs of one side, all four, the other side's, all four",
+        .offset = kSides,
+        .preferred = {.step_height = 0.05,
+                      .cycle_time = 0.2,
+                      .body_height = 0.065,
+                      .swing_shape = 0.8,
+                      .duty_factor = 0.75,
+                      .load_share = 1.2},
+        .phases = {{{"left_swing", 0}, {"left_stance", 0.25}, {"right_swing", 0.5}, {"right_stance", 0.75}}}},
     Gait{.name = "bound",
-         .summary = "as gallop with shorter swings",
-         .offset = {{0, 0, 0.5, 0.5}},
-         .duty = all(0.8),
-         .phases = {{{"front_swing", 0}, {"front_stance", 0.2}, {"rear_swing", 0.5}, {"rear_stance", 0.7}}},
-         .preferred = {.step_height = 0.03, .cycle_time = 0.4, .foot_clearance = 0}},
+         .summary = "front legs, all four, rear legs, all four",
+         .offset = kEnds,
+         .preferred = {.step_height = 0.05,
+                       .cycle_time = 0.2,
+                       .body_height = 0.065,
+                       .swing_shape = 0.8,
+                       .duty_factor = 0.75,
+                       .load_share = 0.5},
+         .phases = kEndPhases},
     Gait{.name = "pronk",
          .summary = "all legs at once",
-         .offset = all(0),
-         .duty = all(0.75),
-         .phases = {{{"flight", 0}, {"stance", 0.25}}},
-         .preferred = {.step_height = 0.03, .cycle_time = 0.4, .foot_clearance = 0}},
-    // The guide's four states of a quarter cycle each; its stance is one sweep over the three quarters
-    // between swings.
+         .offset = kAtOnce,
+         .preferred = {.step_height = 0.05,
+                       .step_length = 0.03,
+                       .cycle_time = 0.2,
+                       .body_height = 0.065,
+                       .swing_shape = 0.5,
+                       .duty_factor = 0.75,
+                       .load_share = 1},
+         .phases = {{{"flight", 0}, {"stance", 0.25}}}},
     Gait{.name = "gallop",
-         .summary = "front legs, all four, rear legs, all four",
-         .offset = {{0, 0, 0.5, 0.5}},
-         .duty = all(0.75),
-         .phases = {{{"front_swing", 0}, {"front_stance", 0.25}, {"rear_swing", 0.5}, {"rear_stance", 0.75}}},
-         .preferred = {.step_height = 0.03, .cycle_time = 0.6, .foot_clearance = 0}},
+         .summary = "as bound, in longer steps",
+         .offset = kEnds,
+         .preferred = {.step_height = 0.05,
+                       .step_length = 0.06,
+                       .cycle_time = 0.2,
+                       .body_height = 0.065,
+                       .stance_width = 0.04,
+                       .swing_shape = 0.9,
+                       .duty_factor = 0.75,
+                       .load_share = 1},
+         .phases = kEndPhases},
+    Gait{.name = "trot:guide",
+         .summary = "the guide's trot",
+         .offset = kDiagonals,
+         .preferred = guide(0.5, 0.8),
+         .phases = kTrotPhases},
+    Gait{.name = "walk:guide",
+         .summary = "a walk with the guide's numbers",
+         .offset = kLateral,
+         .preferred = guide(0.75, 1.2),
+         .phases = kWalkPhases},
+    // Its four states of a quarter cycle each; the stance is one sweep over the three quarters between
+    // swings.
+    Gait{.name = "gallop:guide",
+         .summary = "the guide's gallop",
+         .offset = kEnds,
+         .preferred = guide(0.75, 0.6),
+         .phases = kEndPhases},
 };
 
 }  // namespace
@@ -79,15 +138,10 @@ std::string_view phase_name(const Gait& gait, double phase) noexcept {
 
 void validate(const Gait& gait) {
   const std::string source = fmt::format("gait '{}'", gait.name);
-  constexpr double kLeastDuty = 0.05, kMostDuty = 0.95;
   for (const Leg leg : kLegs) {
     if (!(gait.offset[leg] >= 0 && gait.offset[leg] < 1)) {
       throw ConfigError(source, fmt::format("offset of {}", name(leg)), "a phase in [0, 1)",
                         fmt::format("{:g}", gait.offset[leg]));
-    }
-    if (!(gait.duty[leg] >= kLeastDuty && gait.duty[leg] <= kMostDuty)) {
-      throw ConfigError(source, fmt::format("duty of {}", name(leg)),
-                        fmt::format("{} to {}", kLeastDuty, kMostDuty), fmt::format("{:g}", gait.duty[leg]));
     }
   }
   if (gait.phases[0].name.empty() || gait.phases[0].start != 0) {

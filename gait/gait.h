@@ -20,13 +20,14 @@ inline constexpr int kMaxGaitPhases = 8;
 /// A gait. Copying allocates nothing; texts must outlive the gait (string literals do).
 struct Gait {
   std::string_view name, summary;
-  LegArray<double> offset = {};  ///< phase of the clock at which each leg lifts off, in [0, 1)
-  LegArray<double> duty = {};    ///< fraction of the cycle that each leg stands, in (0, 1)
-  std::array<GaitPhase, kMaxGaitPhases> phases = {};  ///< ascending, the first at 0; unnamed ones are unused
-  GaitParameters preferred = {};                      ///< what the gait walks with unless told otherwise
+  LegArray<double> offset = {};   ///< phase of the clock at which each leg lifts off, in [0, 1)
+  GaitParameters preferred = {};  ///< what the gait walks with unless told otherwise
+  /// Ascending, the first at 0; unnamed ones are unused. They are those at the preferred duty factor.
+  std::array<GaitPhase, kMaxGaitPhases> phases = {};
 };
 
-/// trot, walk, pace, bound, pronk, gallop.
+/// trot, walk, pace, bound, pronk, gallop; and trot, walk and gallop with the numbers of the guide
+/// ("trot:guide").
 std::span<const Gait> gaits();
 
 /// @throws ConfigError listing the known names
@@ -35,9 +36,8 @@ const Gait& find_gait(std::string_view name);
 /// Name of the part of the cycle that `phase` (in [0, 1)) falls in.
 std::string_view phase_name(const Gait& gait, double phase) noexcept;
 
-/// @throws ConfigError naming the gait and the field: offsets in [0, 1), duty factors in [0.05, 0.95], phases
-/// named and
-///   ascending from 0, preferred parameters valid
+/// @throws ConfigError naming the gait and the field: offsets in [0, 1), phases named and ascending from 0,
+///   preferred parameters valid
 void validate(const Gait& gait);
 
 /// Where a leg is in its own cycle.

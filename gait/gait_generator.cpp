@@ -103,6 +103,7 @@ void GaitGenerator::set_gait(const Gait& gait) noexcept {
     offset -= std::floor(offset);
   }
   gait_ = gait;
+  wanted_.duty_factor = gait.preferred.duty_factor;
   in_step_ = false;
   settled_ = false;
 }
@@ -117,6 +118,13 @@ bool GaitGenerator::set_command(const VelocityCommand& command) noexcept {
 
 void GaitGenerator::clear_command() noexcept {
   command_.reset();
+  settled_ = false;
+}
+
+void GaitGenerator::set_steering(double yaw_rate) noexcept {
+  const double bounded = std::isfinite(yaw_rate) ? std::clamp(yaw_rate, -kFastest, kFastest) : 0;
+  if (bounded == steering_) return;
+  steering_ = bounded;
   settled_ = false;
 }
 
@@ -150,25 +158,26 @@ GaitGenerator::Stride GaitGenerator::wanted_stride() noexcept {
   stride.parameters = wanted_;
   limit_factor_ = 1;
   stepping_ = true;
+  LegArray<Vector2> feet;
+  for (const Leg leg : kLegs) {
+    feet[leg] = {p_BL_[leg].x(), p_BL_[leg].y() + side_sign(leg) * outward_shift(wanted_, leg)};
+  }
+  const double stance_time = wanted_.duty_factor * wanted_.cycle_time;
+  const LegArray<Vector2> turn = foot_velocities({0, 0, steering_}, feet);
   if (command_) {
-    LegArray<Vector2> feet;
-    LegArray<double> stance_time;
-    for (const Leg leg : kLegs) {
-      feet[leg] = {p_BL_[leg].x(), p_BL_[leg].y() + side_sign(leg) * outward_shift(wanted_, leg)};
-      stance_time[leg] = duty_[leg] * wanted_.cycle_time;
-    }
-    const LegArray<Vector2> velocity = foot_velocities(*command_, feet);
+    LegArray<Vector2> velocity = foot_velocities(*command_, feet);
     double fastest = 0;
     for (const Vector2& v : velocity) fastest = std::max(fastest, v.norm());
     const bool walks = !steps_are_zero(effective_.step);
     stepping_ = fastest >= (walks ? kStandBelow : kWalkFrom);
     if (stepping_) {
+      for (const Leg leg : kLegs) velocity[leg] += turn[leg];
       const StepPlan plan = plan_steps(velocity, stance_time, limits_);
       stride.step = plan.step;
       limit_factor_ = plan.limit_factor;
     }
   } else {
-    stride.step.fill({wanted_.step_length, 0});
+    for (const Leg leg : kLegs) stride.step[leg] = Vector2(wanted_.step_length, 0) + stance_time * turn[leg];
   }
   // Coming to a stand, the feet first step to their places and are set down last.
   if (!stepping_) stride.lift_scale = steps_are_zero(effective_.step) ? 0 : 1;
@@ -179,7 +188,7 @@ GaitGenerator::Stride GaitGenerator::wanted_stride() noexcept {
 /// swing, so that, for the least lift and longest swing in play, is a lower bound of the top foot speed.
 double GaitGenerator::shift_speed(const Stride& wanted) const noexcept {
   const GaitParameters &a = effective_.parameters, &b = wanted.parameters;
-  const double duty = *std::min_element(duty_.begin(), duty_.end());
+  const double duty = std::min(a.duty_factor, b.duty_factor);
   const double top =
       3 * std::min(swing_lift(a), swing_lift(b)) / ((1 - duty) * std::max(a.cycle_time, b.cycle_time));
   return std::max(kSlowestShift, (in_step_ ? kShiftShare : kShiftShareInTurn) * top);
@@ -188,8 +197,7 @@ double GaitGenerator::shift_speed(const Stride& wanted) const noexcept {
 double GaitGenerator::largest_shift(const Stride& candidate) const noexcept {
   double largest = 0;
   for (const Leg leg : kLegs) {
-    const Vector3 p = foot_position(candidate.parameters, leg, leg_phase_[leg], foot_stride(candidate, leg));
-    largest = std::max(largest, (p - targets_[leg].position).squaredNorm());
+    largest = std::max(largest, (position_of(leg, candidate) - targets_[leg].position).squaredNorm());
   }
   return std::sqrt(largest);
 }
@@ -212,40 +220,41 @@ void GaitGenerator::approach(const Stride& wanted, double dt) noexcept {
     share *= kRounding * most / shift;
     candidate = interpolate(effective_, wanted, share);
   }
-  // Steps follow the duty factors, and the lift follows the steps: those may want more next time.
+  // The lift follows the steps: it may want more next time.
   settled_ = share == 1 && in_step_ && stepping_ == (effective_.lift_scale > 0);
 }
 
-/// Moves offsets and duty factors towards those of the gait by their shares of `cycles`.
+/// Moves offsets towards those of the gait by their share of `cycles`.
 void GaitGenerator::turn_to_gait(double cycles) noexcept {
   bool arrived = true;
   for (const Leg leg : kLegs) {
     const double goal = offset_[leg] + to_nearest_turn(gait_.offset[leg] - offset_[leg]);
-    arrived &= move_towards(offset_[leg], goal, kOffsetShare * cycles);
-    arrived &= move_towards(duty_[leg], gait_.duty[leg], kDutyShare * cycles);
+    arrived &= move_towards(offset_[leg], goal, kPhaseShare * cycles);
   }
   if (arrived) adopt_gait();
 }
 
 void GaitGenerator::adopt_gait() noexcept {
   offset_ = gait_.offset;
-  duty_ = gait_.duty;
   in_step_ = true;
 }
 
-FootStride GaitGenerator::foot_stride(const Stride& stride, Leg leg) const noexcept {
-  return {stride.step[leg], duty_[leg], stride.lift_scale, curve_[leg]};
+LegPhase GaitGenerator::phase_of(Leg leg, const Stride& stride) const noexcept {
+  return leg_phase(clock_.phase(), offset_[leg], stride.parameters.duty_factor);
+}
+
+Vector3 GaitGenerator::position_of(Leg leg, const Stride& stride) const noexcept {
+  return foot_position(stride.parameters, leg, phase_of(leg, stride),
+                       {sweep_.cwiseProduct(stride.step[leg]), stride.lift_scale, curve_[leg]});
 }
 
 void GaitGenerator::place_feet() noexcept {
   const bool lifts = effective_.lift_scale > 0;
   for (const Leg leg : kLegs) {
-    const LegPhase phase = leg_phase(clock_.phase(), offset_[leg], duty_[leg]);
+    const LegPhase phase = phase_of(leg, effective_);
     // Both curves begin where the stance ends, so a foot changes over while it stands.
     if (!phase.swing) curve_[leg] = wanted_.swing;
-    leg_phase_[leg] = phase;
-    targets_[leg] = {foot_position(effective_.parameters, leg, phase, foot_stride(effective_, leg)),
-                     phase.swing && lifts, phase.phase, phase.progress};
+    targets_[leg] = {position_of(leg, effective_), phase.swing && lifts, phase.phase, phase.progress};
   }
 }
 

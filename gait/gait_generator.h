@@ -42,14 +42,22 @@ class GaitGenerator {
 
   /// @returns false, changing nothing, if they are not valid
   [[nodiscard]] bool set_parameters(const GaitParameters& parameters) noexcept;
-  /// Changes to another gait. The clock is set so that the legs have least to catch up. The gait must be
-  /// valid.
+  /// Changes to another gait, with its preferred duty factor. The clock is set so that the legs have least to
+  /// catch up. The gait must be valid.
   void set_gait(const Gait& gait) noexcept;
   /// Walks as commanded; at (nearly) zero velocity it stands.
   /// @returns false, changing nothing, if it is not finite
   [[nodiscard]] bool set_command(const VelocityCommand& command) noexcept;
   /// Back to steps of step_length.
   void clear_command() noexcept;
+  /// Turns besides, at this yaw rate (rad/s), wherever steps lead: for heading control. It alone starts no
+  /// walk. Clamped; not finite: 0.
+  void set_steering(double yaw_rate) noexcept;
+
+  /// How far a foot's centre sweeps for each metre that the body is to advance, forward and sideways: less
+  /// than 1 for feet that roll as their legs turn (LegController::foot_sweep). Steps are advances of the
+  /// body. To be set while standing. @param sweep  positive
+  void set_sweep(const Vector2& sweep) noexcept { sweep_ = sweep; }
 
   /// Advances by dt (s) and returns the targets. Without effect unless dt is positive and finite.
   const LegArray<FootTarget>& update(double dt) noexcept;
@@ -65,8 +73,6 @@ class GaitGenerator {
     double lift_scale = 1;                ///< 0 standing to 1
   };
   const Stride& effective() const noexcept { return effective_; }
-  /// Duty factors in effect.
-  const LegArray<double>& duty() const noexcept { return duty_; }
   /// Phase of the gait's clock, in [0, 1).
   double phase() const noexcept { return clock_.phase(); }
   std::string_view current_phase_name() const noexcept { return phase_name(gait_, clock_.phase()); }
@@ -80,7 +86,7 @@ class GaitGenerator {
   /// Shares of the top foot speed, see above. Their sum with the gait's own motion stays below 1.5.
   static constexpr double kShiftShare = 0.45;        ///< for changes of stride, once in step
   static constexpr double kShiftShareInTurn = 0.15;  ///< for changes of stride while changing the gait
-  static constexpr double kOffsetShare = 0.2, kDutyShare = 0.1, kPhaseShare = kOffsetShare + kDutyShare;
+  static constexpr double kPhaseShare = 0.2;         ///< for legs on their way to a new gait
 
  private:
   Stride wanted_stride() noexcept;
@@ -90,17 +96,19 @@ class GaitGenerator {
   void turn_to_gait(double cycles) noexcept;
   void adopt_gait() noexcept;
   void place_feet() noexcept;
-  FootStride foot_stride(const Stride& stride, Leg leg) const noexcept;
+  LegPhase phase_of(Leg leg, const Stride& stride) const noexcept;
+  Vector3 position_of(Leg leg, const Stride& stride) const noexcept;
 
   Gait gait_;
   GaitParameters wanted_;
   LegArray<Vector3> p_BL_;
   StepLimits limits_;
   std::optional<VelocityCommand> command_;
+  double steering_ = 0;  // rad/s
+  Vector2 sweep_{1, 1};
 
   PhaseClock clock_;
-  LegArray<double> offset_ = {}, duty_ = {};
-  LegArray<LegPhase> leg_phase_ = {};
+  LegArray<double> offset_ = {};
   LegArray<SwingCurve> curve_ = {};
   Stride effective_;
   LegArray<FootTarget> targets_ = {};

@@ -35,14 +35,14 @@ const MultiGaitOptions& validated(const MultiGaitOptions& options) {
   return options;
 }
 
-bool same(const Gait& a, const Gait& b) {
-  return a.name == b.name && a.offset == b.offset && a.duty == b.duty;
-}
+bool same(const Gait& a, const Gait& b) { return a.name == b.name && a.offset == b.offset; }
 
 }  // namespace
 
-std::vector<SpeedBand> default_speed_bands() {
-  return {{find_gait("walk"), 0.1}, {find_gait("trot"), 0.3}, {find_gait("gallop"), 0}};
+std::vector<SpeedBand> default_speed_bands() { return {{find_gait("walk"), 0.08}, {find_gait("trot"), 0}}; }
+
+std::vector<SpeedBand> guide_speed_bands() {
+  return {{find_gait("walk:guide"), 0.1}, {find_gait("trot:guide"), 0.3}, {find_gait("gallop:guide"), 0}};
 }
 
 MultiGaitController::MultiGaitController(const MultiGaitOptions& options, const LegArray<Vector3>& p_BL)
@@ -95,6 +95,7 @@ void MultiGaitController::choose() noexcept {
   if (!same(gait, generator_.gait())) generator_.set_gait(gait);
   GaitParameters parameters = options_.parameters.value_or(gait.preferred);
   parameters.cycle_time = cycle_time(gait, velocity);
+  parameters.duty_factor = gait.preferred.duty_factor;
   static_cast<void>(generator_.set_parameters(parameters));  // valid: checked where they came in
 }
 
@@ -119,11 +120,10 @@ LegArray<Vector2> MultiGaitController::foot_velocities_asked() const noexcept {
 /// The gait's own cycle time, or shorter by as much as its steps would be too long.
 double MultiGaitController::cycle_time(const Gait& gait, const LegArray<Vector2>& velocity) const noexcept {
   const double preferred = gait.preferred.cycle_time;
-  LegArray<double> stance_time;
-  for (const Leg leg : kLegs) stance_time[leg] = gait.duty[leg] * preferred;
   // A hair more than needed, so that what fits is not reported as limited by a rounding error.
   constexpr double kHair = 1 - 1e-12;
-  const double fits = plan_steps(velocity, stance_time, options_.limits).limit_factor;
+  const double fits =
+      plan_steps(velocity, gait.preferred.duty_factor * preferred, options_.limits).limit_factor;
   if (fits == 1) return preferred;
   return std::min(preferred, std::max(options_.shortest_cycle, kHair * fits * preferred));
 }

@@ -14,17 +14,19 @@ struct SpeedBand {
       0;  ///< used for speeds below this and not below the previous band's, m/s; the last band has no end
 };
 
-/// walk below 0.1 m/s, trot below 0.3, gallop above, each with its preferred cycle time.
+/// walk below 0.08 m/s, trot above, each with its preferred parameters.
 std::vector<SpeedBand> default_speed_bands();
+/// The guide's: walk below 0.1 m/s, trot below 0.3, gallop above.
+std::vector<SpeedBand> guide_speed_bands();
 
 struct MultiGaitOptions {
   std::vector<SpeedBand> bands = default_speed_bands();
-  /// Of every gait, but for cycle_time, which is the gait's preferred one. Empty: all of its preferred
-  /// parameters.
+  /// Of every gait, but for cycle_time and duty_factor, which are the gait's preferred ones. Empty: all of
+  /// its preferred parameters.
   std::optional<GaitParameters> parameters;
   double hysteresis =
       0.02;  ///< a slower gait takes over this far below the speed where the faster one did, m/s
-  double shortest_cycle = 0.4;  ///< where steps reach their limit the cycle shortens down to this, s
+  double shortest_cycle = 0.15;  ///< where steps reach their limit the cycle shortens down to this, s
   StepLimits limits;
 };
 
@@ -46,6 +48,11 @@ class MultiGaitController {
   [[nodiscard]] bool set_command(const VelocityCommand& command) noexcept;
   /// Sets MultiGaitOptions::parameters. @returns false, changing nothing, if they are not valid
   [[nodiscard]] bool set_parameters(const GaitParameters& parameters) noexcept;
+
+  /// As GaitGenerator's.
+  void set_sweep(const Vector2& sweep) noexcept { generator_.set_sweep(sweep); }
+  /// As GaitGenerator's. It has no say in the choice of gait.
+  void set_steering(double yaw_rate) noexcept { generator_.set_steering(yaw_rate); }
 
   /// Uses this gait at every speed. It must be valid.
   void force_gait(const Gait& gait) noexcept;

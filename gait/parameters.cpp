@@ -13,15 +13,16 @@ namespace {
 
 using P = GaitParameters;
 
-// Ranges and delta scales of the first six are the guide's.
+// Ranges around what walks (docs/gaits.md); the guide's are `guide_ranges`.
 constexpr std::array kTable{
-    ParameterRow{"step_height", "m", "lift of a swinging foot", &P::step_height, 0.03, 0.09, 0.005},
-    ParameterRow{"step_length", "m", "sweep of a foot over its stance", &P::step_length, 0.03, 0.10, 0.005},
-    ParameterRow{"cycle_time", "s", "duration of a gait cycle", &P::cycle_time, 0.8, 1.5, 0.05},
-    ParameterRow{"body_height", "m", "depth of a standing foot below the shoulders", &P::body_height, 0.04,
-                 0.055, 0.003},
-    ParameterRow{"stance_width", "m", "twice the outward shift of every foot", &P::stance_width, 0.06, 0.12,
-                 0.004},
+    ParameterRow{"step_height", "m", "lift of a swinging foot", &P::step_height, 0.015, 0.055, 0.004},
+    ParameterRow{"step_length", "m", "way of the body over a foot's stance", &P::step_length, 0.0, 0.12,
+                 0.008},
+    ParameterRow{"cycle_time", "s", "duration of a gait cycle", &P::cycle_time, 0.15, 0.8, 0.04},
+    ParameterRow{"body_height", "m", "depth of a standing foot below the shoulders", &P::body_height, 0.045,
+                 0.07, 0.003},
+    ParameterRow{"stance_width", "m", "twice the outward shift of every foot", &P::stance_width, -0.02, 0.1,
+                 0.008},
     ParameterRow{"foot_clearance", "m", "additional lift of a swinging foot", &P::foot_clearance, 0.0, 0.02,
                  0.002},
     ParameterRow{"swing_shape", "-", "place of the Bezier swing's inner control points", &P::swing_shape,
@@ -34,6 +35,10 @@ constexpr std::array kTable{
                  -0.02, 0.02, 0.002},
     ParameterRow{"lateral_offset_rr", "m", "further outward shift of the foot RR", &P::lateral_offset_rr,
                  -0.02, 0.02, 0.002},
+    ParameterRow{"duty_factor", "-", "share of the cycle that a foot stands", &P::duty_factor, 0.5, 0.9,
+                 0.025},
+    ParameterRow{"load_share", "-", "share of their load that standing legs' servos make up for",
+                 &P::load_share, 0, 1.2, 0.08},
 };
 
 constexpr std::string_view kSource = "gait parameters";
@@ -41,21 +46,26 @@ constexpr std::array kCurves{SwingCurve::kBezier, SwingCurve::kMatched};
 
 /// Smallest value for which the formulas hold.
 double valid_from(double P::*member) {
-  constexpr double kShortestCycle = 0.05, kLowestBody = 1e-3, kUnbounded = -1e3;
+  constexpr double kShortestCycle = 0.05, kLowestBody = 1e-3, kUnbounded = -1e3, kLeastDuty = 0.05;
+  if (member == &P::duty_factor) return kLeastDuty;
   if (member == &P::cycle_time) return kShortestCycle;
   if (member == &P::body_height) return kLowestBody;
-  if (member == &P::step_height || member == &P::foot_clearance) return 0;
+  if (member == &P::step_height || member == &P::foot_clearance || member == &P::load_share) return 0;
   return kUnbounded;
 }
 
-constexpr double kValidTo = 1e3;  // m or s; also keeps infinities out
+double valid_to(double P::*member) {
+  constexpr double kMostDuty = 0.95, kMostShare = 2, kMost = 1e3;  // m or s; also keeps infinities out
+  if (member == &P::load_share) return kMostShare;
+  return member == &P::duty_factor ? kMostDuty : kMost;
+}
 
 bool holds(const ParameterRow& row, double value) {
-  return value >= valid_from(row.member) && value <= kValidTo;
+  return value >= valid_from(row.member) && value <= valid_to(row.member);
 }
 
 std::string valid_range(const ParameterRow& row) {
-  return fmt::format("{:g} to {:g}", valid_from(row.member), kValidTo);
+  return fmt::format("{:g} to {:g}", valid_from(row.member), valid_to(row.member));
 }
 
 void require_valid(std::string_view source, const ParameterRow& row, double value) {
@@ -84,7 +94,32 @@ GaitParameters guide_parameters() {
           .body_height = 0.07,
           .stance_width = 0.08,
           .foot_clearance = 0.01,
-          .swing_shape = 0.35};
+          .swing_shape = 0.35,
+          .duty_factor = 0.5,
+          .load_share = 0.35};
+}
+
+GaitParameters guide_adaptive_parameters() {
+  GaitParameters p = guide_parameters();
+  p.step_height = 0.04;
+  p.step_length = 0.06;
+  p.body_height = 0.05;
+  return p;
+}
+
+AdaptationRanges guide_ranges() {
+  return {.ranges = {{"step_height", {0.03, 0.09}},
+                     {"step_length", {0.03, 0.10}},
+                     {"cycle_time", {0.8, 1.5}},
+                     {"body_height", {0.04, 0.055}},
+                     {"stance_width", {0.06, 0.12}},
+                     {"foot_clearance", {0, 0.02}}},
+          .delta_scales = {{"step_height", 0.005},
+                           {"step_length", 0.005},
+                           {"cycle_time", 0.05},
+                           {"body_height", 0.003},
+                           {"stance_width", 0.004},
+                           {"foot_clearance", 0.002}}};
 }
 
 std::span<const ParameterRow> gait_parameters() { return kTable; }

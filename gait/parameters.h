@@ -20,27 +20,32 @@ enum class SwingCurve {
 /// "bezier", "matched".
 std::string_view name(SwingCurve curve) noexcept;
 
-/// Parameters of a gait. The initialisers are the defaults, the only ones there are.
+/// Parameters of a gait. The initialisers are the defaults, the only ones there are: those of the trot.
 struct GaitParameters {
-  double step_height = 0.04;  ///< lift of a swinging foot, m; adds to foot_clearance
-  double step_length =
-      0.06;  ///< sweep of a foot over its stance, m: ground speed = step_length / (duty cycle_time)
-  double cycle_time = 0.8;    ///< s
-  double body_height = 0.05;  ///< depth of a standing foot's centre below the shoulders, m
+  double step_height = 0.04;   ///< lift of a swinging foot, m; adds to foot_clearance
+  double step_length = 0.04;   ///< way of the body over a foot's stance, m: ground speed = step_length /
+                               ///< (duty_factor cycle_time)
+  double cycle_time = 0.24;    ///< s
+  double body_height = 0.062;  ///< depth of a standing foot's centre below the shoulders, m
   double stance_width =
-      0.08;  ///< each foot stands half of it outward from its own leg's plane, m; see foot_spacing
-  double foot_clearance = 0.01;  ///< additional lift, m
-  double swing_shape = 0.35;     ///< place of the inner control points of the Bezier swing, -
+      0;  ///< each foot stands half of it outward from its own leg's plane, m; see foot_spacing
+  double foot_clearance = 0;     ///< additional lift, m
+  double swing_shape = 0.1;      ///< place of the inner control points of the Bezier swing, -
   double lateral_offset_fl = 0;  ///< further outward shift of a single foot, m
   double lateral_offset_fr = 0;
   double lateral_offset_rl = 0;
   double lateral_offset_rr = 0;
+  double duty_factor = 0.6;  ///< share of the cycle that every foot stands, -
+  /// Share of the load on the standing legs that their servos are to make up for (env/servo_compensation.h),
+  /// -. It moves no target: what a gait needs of its servos is as much its own as its steps are.
+  double load_share = 0.8;
   SwingCurve swing = SwingCurve::kBezier;
 };
 
-/// The numbers of the guide's GaitParameters (body_height .07, step_length .05, step_height .015, ...). Some
-/// lie outside the ranges of the table, which are the guide's for adaptation.
+/// The numbers of the guide's GaitParameters (body_height .07, step_length .05, step_height .015, ...).
 GaitParameters guide_parameters();
+/// Those of the guide's adaptive controller, which are others (body_height .05, step_length .06, ...).
+GaitParameters guide_adaptive_parameters();
 
 /// One tunable parameter. Adaptation, normalisation, action and observation layouts, traces and plots follow
 /// from its row; `--set` goes by its name and takes every valid value (`is_valid`).
@@ -87,6 +92,9 @@ struct AdaptationRanges {
   void validate(std::string_view source) const;
 };
 
+/// The guide's ranges and delta scales of its six parameters.
+AdaptationRanges guide_ranges();
+
 /// A sentence for every parameter that is neither within its range nor as `usual` has it.
 std::vector<std::string> outside_ranges(const GaitParameters& parameters, const GaitParameters& usual,
                                         const AdaptationRanges& ranges = {});
@@ -103,7 +111,7 @@ void assign(GaitParameters& parameters, std::string_view text);
 GaitParameters clip(const GaitParameters& parameters) noexcept;
 
 /// Whether the formulas hold: finite, lengths and heights not negative, body_height positive, cycle_time at
-/// least 0.05 s. Wider than the table's ranges.
+/// least 0.05 s, duty_factor 0.05 to 0.95, load_share 0 to 2. Wider than the table's ranges.
 bool is_valid(const GaitParameters& parameters) noexcept;
 
 /// @throws ConfigError (naming `source` and the parameter) unless `is_valid`

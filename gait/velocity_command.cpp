@@ -30,12 +30,12 @@ LegArray<Vector2> foot_velocities(const VelocityCommand& command, const LegArray
   return velocity;
 }
 
-StepPlan plan_steps(const LegArray<Vector2>& velocity, const LegArray<double>& stance_time,
+StepPlan plan_steps(const LegArray<Vector2>& velocity, double stance_time,
                     const StepLimits& limits) noexcept {
   StepPlan plan;
   double longest = 1;  // squared, in units of the limit
   for (const Leg leg : kLegs) {
-    plan.step[leg] = velocity[leg] * stance_time[leg];
+    plan.step[leg] = velocity[leg] * stance_time;
     const double x = plan.step[leg].x() / limits.max_x, y = plan.step[leg].y() / limits.max_y;
     longest = std::max(longest, x * x + y * y);
   }

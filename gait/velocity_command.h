@@ -18,7 +18,7 @@ struct VelocityCommand {
 /// the legs of scara_quadruped reach at the default stance with lifts up to 4 cm; `reachable_steps` finds
 /// those of any leg and gait.
 struct StepLimits {
-  double max_x = 0.10;   ///< forward or backward, m
+  double max_x = 0.13;   ///< forward or backward, m
   double max_y = 0.054;  ///< sideways, m
 };
 
@@ -44,8 +44,7 @@ struct StepPlan {
 };
 
 /// Steps that carry the body at `velocity` (per foot, m/s): velocity times the time the foot stands.
-/// @param stance_time  duty factor times cycle time of each leg, s
-StepPlan plan_steps(const LegArray<Vector2>& velocity, const LegArray<double>& stance_time,
-                    const StepLimits& limits) noexcept;
+/// @param stance_time  duty factor times cycle time, s
+StepPlan plan_steps(const LegArray<Vector2>& velocity, double stance_time, const StepLimits& limits) noexcept;
 
 }  // namespace crossgait

@@ -66,6 +66,14 @@ Json to_json(const std::optional<VelocityCommand>& c) {
   return {{"vx", c->vx}, {"vy", c->vy}, {"yaw_rate", c->yaw_rate}};
 }
 
+Json to_json(const std::vector<SpeedBand>& bands) {
+  Json result = Json::array();
+  for (const SpeedBand& band : bands)
+    result.push_back(
+        {{"gait", band.gait.name}, {"below_mps", band.below}, {"parameters", to_json(band.gait.preferred)}});
+  return result;
+}
+
 Json to_json(const WalkConfig& c) {
   return {{"kind", "walk"},
           {"robot", identity_of_robot(c.robot)},
@@ -75,8 +83,10 @@ Json to_json(const WalkConfig& c) {
           {"physics_dt", c.physics_dt},
           {"gait", c.gait.name()},
           {"parameters", to_json(c.gait.parameters)},
+          {"bands", to_json(c.gait.bands)},
           {"command", to_json(c.gait.command)},
           {"compensation", c.compensation},
+          {"heading_hold", c.heading_hold},
           {"ends", outcome_names(c.ends)},
           {"seconds", c.timing.seconds},
           {"control_dt", c.timing.control_dt},

@@ -16,10 +16,11 @@ WorldSpec WalkConfig::world() const {
 }
 
 WalkSetup WalkConfig::setup() const {
-  const ServoCompensation servos = compensation ? ServoCompensation{} : ServoCompensation::none();
+  const GaitLayers layers{compensation ? ServoCompensation{} : ServoCompensation::none(),
+                          heading_hold ? HeadingHold{} : HeadingHold::none()};
   return {gait.name(),
-          [choice = gait, servos](std::shared_ptr<const RobotDescription> description) {
-            return make_gait_source(choice, std::move(description), servos);
+          [choice = gait, layers](std::shared_ptr<const RobotDescription> description) {
+            return make_gait_source(choice, std::move(description), layers);
           },
           timing, ends};
 }
@@ -40,6 +41,7 @@ EnvConfig WalkConfig::environment() const {
   c.gait = gait.name();
   c.parameters = gait.parameters;
   c.command = gait.command;
+  c.heading_hold = heading_hold;
   c.ends = ends;
   c.validate("walk");
   return c;

@@ -19,6 +19,7 @@ struct WalkConfig {
 
   GaitChoice gait = choose_gait("trot", {});
   bool compensation = true;  ///< make up for the servos' lag and give
+  bool heading_hold = true;  ///< steer to the heading that the command leads to
   WalkTiming timing;
   OutcomeSet ends = OutcomeSet::of_walks();  ///< outcomes that end it before its time
 

@@ -35,12 +35,12 @@ TEST_F(PolicyAllocation, None) {
   EXPECT_EQ(allocations_of("random"), 0U);
   EXPECT_EQ(allocations_of(write(
                 "scripted.yaml",
-                "{kind: scripted, layout_version: 2, steps: [{time: 0, parameters: {step_height: 0.06}},"
+                "{kind: scripted, layout_version: 3, steps: [{time: 0, parameters: {step_height: 0.05}},"
                 " {time: 0.1, action: {residual.FL.x: 1}}]}")),
             0U);
   EXPECT_EQ(allocations_of(write(
                 "hierarchical.yaml",
-                "{kind: hierarchical, layout_version: 2, planner: {policy: random, observation: [terrain.]},"
+                "{kind: hierarchical, layout_version: 3, planner: {policy: random, observation: [terrain.]},"
                 " residual: {policy: random}}")),
             0U);
 }

@@ -161,7 +161,7 @@ TEST(Program, IkSaysWhichWayZPointsIfATargetLiesAbove) {
 
 TEST(Program, GaitPrintsTargetsOverTime) {
   const ProgramResult result =
-      run_program("gait --gait trot --seconds 0.8 --dt 0.1 --set step_length=.06 --csv -");
+      run_program("gait --gait trot:guide --seconds 0.8 --dt 0.1 --set step_length=.06 --csv -");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   std::istringstream text(result.out);
   std::string line;
@@ -220,7 +220,7 @@ TEST(ProgramBadInput, NamesWhatWasWrong) {
   expect_bad_input("ik --target 1,2,x", {"--target", "x"});
   expect_bad_input("ik --target 0,0,-.07 --mode 5", {"--mode", "5"});
   expect_bad_input("ik --target 0,0,-.07 --leg XX", {"--leg", "XX"});
-  expect_bad_input("gait --dt 0", {"--dt: expected", "0.8 s", "found 0"});
+  expect_bad_input("gait --dt 0", {"--dt: expected", "0.24 s", "found 0"});
   expect_bad_input("gait --dt 5", {"--dt: expected", "found 5"});
   expect_bad_input("gait --dt nan", {"--dt: expected"});
   expect_bad_input("gait --seconds -2", {"--seconds: expected"});

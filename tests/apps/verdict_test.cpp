@@ -150,7 +150,7 @@ TEST(CompareCommand, FailsWhereRequiredParityIsMissed) {
   if (!same) GTEST_SKIP() << "no two engines of one law";
   // Tumbling over high bumps, rounding grows from 1e-15 m to beyond 1e-6 m within some seconds.
   const std::string compare =
-      "compare --terrain rough:amplitude=.05 --gait bound --seconds 8 --engines " + *same;
+      "compare --terrain rough:amplitude=.08 --gait trot:guide --seconds 10 --engines " + *same;
   const json result = run_json(compare);
   ASSERT_TRUE(result["pairs"][0]["first_divergence"].is_object()) << result["pairs"];
   const ProgramResult required = run_program(compare + " --require");

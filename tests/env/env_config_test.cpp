@@ -90,6 +90,22 @@ TEST(EnvConfig, AGaitBringsItsPreferredParameters) {
   EXPECT_EQ(c.parameters.step_length, 0.07);
 }
 
+TEST(EnvConfig, ThePresetOfTheGuideIsABeginning) {
+  const EnvConfig guide = parse_env_config("preset: guide\n", "env.yaml");
+  EXPECT_EQ(to_yaml(guide), to_yaml(guide_environment()));
+  EXPECT_EQ(guide.gait, "trot:guide");
+  EXPECT_EQ(guide.parameters.cycle_time, 0.8);
+  EXPECT_EQ(guide.adaptation, guide_ranges());
+  const EnvConfig changed =
+      parse_env_config("parameters: {step_length: .05}\npreset: guide\nheading_hold: false\n", "env.yaml");
+  EXPECT_EQ(changed.parameters.step_length, 0.05);
+  EXPECT_EQ(changed.parameters.body_height, guide.parameters.body_height);
+  EXPECT_TRUE(guide.heading_hold);
+  EXPECT_FALSE(changed.heading_hold);
+  EXPECT_FALSE(parse_env_config(to_yaml(changed), "env.yaml").heading_hold);
+  EXPECT_EQ(parse_env_config(to_yaml(guide), "env.yaml").adaptation, guide_ranges());
+}
+
 TEST(EnvConfig, AGivenRewardIsTheWholeReward) {
   const EnvConfig c = parse_env_config("reward: {alive: 1}\n", "env.yaml");
   RewardTerms expected{};
@@ -101,6 +117,8 @@ TEST(EnvConfig, ErrorsNameTheLineTheExpectedAndTheFound) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases{
       {"gait: trot\ngiat: walk\n", {"env.yaml", "line 2", "giat"}},
       {"\ngait: amble\n", {"line 2, gait", "trot", "amble"}},
+      {"gait: trot\npreset: book\n", {"line 2, preset", "guide", "book"}},
+      {"heading_hold: 1.5\n", {"line 1, heading_hold", "1.5"}},
       {"parameters: {step_size: 1}\n", {"line 1", "step_height", "step_size"}},
       {"parameters: {step_height: -1}\n", {"parameters.step_height", "0 to 1000 m", "-1"}},
       {"adapt: [step_height, step_height]\n", {"line 1, adapt", "step_height twice"}},
@@ -206,20 +224,20 @@ TEST(EnvConfig, WhatIsWrongWithAFileThatItNamesIsSaidAtItsLine) {
 
 TEST(EnvConfig, RangesShowInTheLayoutAndItsHash) {
   EnvConfig plain, ranged;
-  ranged.adaptation.ranges["cycle_time"] = {0.15, 0.8};
+  ranged.adaptation.ranges["cycle_time"] = {0.2, 1.2};
   ranged.adaptation.delta_scales["cycle_time"] = 0.02;
   ranged.parameters.cycle_time = 0.5;
   const auto a = EnvModel::make(plain), b = EnvModel::make(ranged);
   EXPECT_NE(a->layout, b->layout);
   EXPECT_EQ(b->interface.action.entries[2].unit, "0.02 s");
   EXPECT_EQ(b->interface.observation.entries[*b->interface.observation.find("param.cycle_time")].unit,
-            "0.15 to 0.8 s");
+            "0.2 to 1.2 s");
   EnvConfig outside;
-  outside.parameters.cycle_time = 0.5;
+  outside.parameters.cycle_time = 1.125;
   const auto c = EnvModel::make(outside);
   EXPECT_EQ(a->layout, c->layout) << "the numbers mean the same";
   const auto entry = c->interface.observation.entries[*c->interface.observation.find("param.cycle_time")];
-  EXPECT_NEAR(entry.max, 13.0 / 7, 1e-12);  // (.5 - .8) / .35 - 1; rounding
+  EXPECT_NEAR(entry.max, 2, 1e-12);  // (1.125 - .475) / .325; rounding
 }
 
 }  // namespace

@@ -134,7 +134,7 @@ class HierarchicalPolicyFile : public ScratchFolder {
  protected:
   std::unique_ptr<Policy> make(const std::string& yaml,
                                const PolicyInterface& interface = small_interface()) {
-    return make_policy(write("h.yaml", "kind: hierarchical\nlayout_version: 2\n" + yaml), interface);
+    return make_policy(write("h.yaml", "kind: hierarchical\nlayout_version: 3\n" + yaml), interface);
   }
   std::string error_of(const std::string& yaml, const PolicyInterface& interface = small_interface()) {
     const std::string message = config_error([&] { (void)make(yaml, interface); }).what();
@@ -150,7 +150,7 @@ TEST_F(HierarchicalPolicyFile, ReadsMembersBesideIt) {
   const MlpNetwork network = random_network(planner, {8});
   write_policy_bundle(path("planner.safetensors"), network, planner);
   write("residual.yaml",
-        "kind: scripted\nlayout_version: 2\nsteps: [{time: 0.004, action: {residual.FL.z: -0.5}}]\n");
+        "kind: scripted\nlayout_version: 3\nsteps: [{time: 0.004, action: {residual.FL.z: -0.5}}]\n");
   const auto policy = make(
       "planner: {policy: planner.safetensors, observation: [terrain., p_WB.x], dt: 0.004}\n"
       "residual: {policy: residual.yaml}\n");
@@ -198,10 +198,11 @@ TEST_F(HierarchicalPolicyFile, RefusesMembersOfAnotherLayoutVersion) {
   const std::string scripted = "kind: scripted\nsteps: [{time: 0, action: {residual.FL.z: -0.5}}]\n";
   const std::string member = write("residual.yaml", scripted);
   const std::string yaml = "planner: {policy: zero}\nresidual: {policy: residual.yaml}\n";
-  EXPECT_EQ(std::string(config_error([&] { (void)make(yaml); }).what()),
-            path("h.yaml") + ": line 4, residual.policy: " + member +
-                ": layout_version: expected 2 (leg frames with z up), found none, which means 1: written "
-                "for leg frames with z down");
+  EXPECT_EQ(
+      std::string(config_error([&] { (void)make(yaml); }).what()),
+      path("h.yaml") + ": line 4, residual.policy: " + member +
+          ": layout_version: expected 3 (ranges of gaits that step), found none, which means 1: written "
+          "for leg frames with z down");
 }
 
 TEST_F(HierarchicalPolicyFile, CannotBeItsOwnMember) {

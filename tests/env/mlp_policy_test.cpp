@@ -189,12 +189,14 @@ TEST_F(MlpPolicyTest, SaysWhatDiffersInAnotherLayout) {
 }
 
 TEST_F(MlpPolicyTest, RefusesBundlesOfAnotherLayoutVersion) {
-  const std::string expected = "layout_version: expected 2 (leg frames with z up), found ";
+  const std::string expected = "layout_version: expected 3 (ranges of gaits that step), found ";
   EXPECT_EQ(error_after([](TensorFile& file) { EXPECT_EQ(file.metadata.erase("layout_version"), 1U); }),
             expected + "none, which means 1: trained for leg frames with z down");
   EXPECT_EQ(error_after(with_metadata("layout_version", "1")),
             expected + "1: trained for leg frames with z down");
-  for (const std::string other : {"3", "0", "", "2.0", "two"}) {
+  EXPECT_EQ(error_after(with_metadata("layout_version", "2")),
+            expected + "2: trained for the guide's ranges of parameters");
+  for (const std::string other : {"4", "0", "", "2.0", "two"}) {
     EXPECT_EQ(error_after(with_metadata("layout_version", other)),
               expected + "'" + other + "', which is not known here");
   }

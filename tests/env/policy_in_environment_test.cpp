@@ -35,13 +35,13 @@ class PolicyInEnvironment : public ScratchFolder {
 TEST_F(PolicyInEnvironment, AScriptSteersParameters) {
   const auto policy =
       make_policy(write("s.yaml",
-                        "{kind: scripted, layout_version: 2,"
-                        " steps: [{time: 0.2, parameters: {step_height: 0.06}}, {time: 0.6}]}"),
+                        "{kind: scripted, layout_version: 3,"
+                        " steps: [{time: 0.2, parameters: {step_height: 0.05}}, {time: 0.6}]}"),
                   env_.interface());
   const std::vector<double> heights = step_heights(env_, *policy);
   const double start = heights[0], scale = find_parameter("step_height").delta_scale;
   for (std::size_t i = 0; i < heights.size(); ++i) {
-    const double expected = i < 100 ? start : std::min(0.06, start + static_cast<double>(i - 99) * scale);
+    const double expected = i < 100 ? start : std::min(0.05, start + static_cast<double>(i - 99) * scale);
     EXPECT_NEAR(heights[i], expected, 1e-12) << i;  // rounding of normalised parameters
   }
 }
@@ -55,7 +55,7 @@ TEST_F(PolicyInEnvironment, APlannerChangesParametersWhenItPlans) {
   const auto policy =
       make_policy(write("h.yaml",
                         "kind: hierarchical\n"
-                        "layout_version: 2\n"
+                        "layout_version: 3\n"
                         "planner: {policy: planner.safetensors, observation: [p_WB., param.]}\n"
                         "residual: {policy: residual.safetensors}\n"),
                   env_.interface());

@@ -56,14 +56,14 @@ TEST(ScriptedPolicy, TimesThatAreNoBinaryFractionsBeginInTheirStep) {
 }
 
 TEST(ScriptedPolicy, SteersAParameterToItsTarget) {
-  // step_height from .04 to .06: 4 steps of .005; to .0435 afterwards: 3 steps, and the rest of .0015.
+  // step_height from .04 to .052: 3 steps of .004; to .0435 afterwards: 2 steps, and the rest of .0005.
   const auto policy =
-      parse("[{time: 0, parameters: {step_height: .06}}, {time: .012, parameters: {step_height: .0435}}]");
+      parse("[{time: 0, parameters: {step_height: .052}}, {time: .012, parameters: {step_height: .0435}}]");
   AdaptiveGaitOptions options;
   options.parameters = {"step_height", "step_length"};
   AdaptiveGaitController gait(find_gait("trot"), options, {});
-  const std::vector<double> expected{0.045, 0.05, 0.055, 0.06,   0.06,  0.06,
-                                     0.055, 0.05, 0.045, 0.0435, 0.0435};
+  const std::vector<double> expected{0.044, 0.048, 0.052,  0.052,  0.052, 0.052,
+                                     0.048, 0.044, 0.0435, 0.0435, 0.0435};
   for (const double height : expected) {
     std::vector<double> normalised(2);
     gait.normalised_parameters(normalised);
@@ -91,7 +91,7 @@ TEST(ScriptedPolicy, SteersInTheEnvironmentsRanges) {
 }
 
 TEST(ScriptedPolicy, AnObservationThatIsNoNumberSteersNowhere) {
-  const auto policy = parse("[{time: 0, action: {residual.FL.x: .5}, parameters: {step_height: .06}}]");
+  const auto policy = parse("[{time: 0, action: {residual.FL.x: .5}, parameters: {step_height: .052}}]");
   EXPECT_EQ(act_at(*policy, std::nan("")), (std::vector<double>{0, 0, 0.5, 0}));
 }
 
@@ -141,7 +141,7 @@ INSTANTIATE_TEST_SUITE_P(
                   "found one "
                   "without"},
         BadScript{"TargetOutOfRange", "[{time: 0, parameters: {step_height: .1}}]",
-                  "line 2, steps[0].parameters.step_height: expected 0.03 to 0.09 m, found 0.1"},
+                  "line 2, steps[0].parameters.step_height: expected 0.015 to 0.055 m, found 0.1"},
         BadScript{
             "EntryTwice", "[{time: 0, action: {delta.step_height: 0}, parameters: {step_height: .05}}]",
             "line 2, steps[0].parameters.step_height: expected each action entry once, found a second one in "

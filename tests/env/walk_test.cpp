@@ -56,7 +56,7 @@ TEST(LegController, CountsTargetsOutOfReach) {
 }
 
 TEST(LegController, LeadVanishesAtRestAndGrowsWithSpeed) {
-  LegController plain(robot(), ServoCompensation::none()), leading(robot(), {.load_share = 0});
+  LegController plain(robot(), ServoCompensation::none()), leading(robot(), {.load = false});
   LegArray<Vector3> feet = standing_feet();
   EXPECT_EQ(plain.update(feet, 2e-3).q, leading.update(feet, 2e-3).q);
   EXPECT_EQ(plain.update(feet, 2e-3).q, leading.update(feet, 2e-3).q);
@@ -69,11 +69,49 @@ TEST(LegController, LeadVanishesAtRestAndGrowsWithSpeed) {
               0.02);  // the legs' pose moved 2e-4 m
 }
 
+TEST(LegController, FeetSweepLessByWhatTheyRoll) {
+  GaitParameters p;
+  p.load_share = 1;  // nothing gives way
+  const LegController legs(robot());
+  const Vector2 sweep = legs.foot_sweep(standing_feet(), p);
+  // Sideways: the leg turns by 1 / D for each metre, D = .06 + .010 m below the tilt axis
+  // (docs/kinematics.md).
+  const double radius = (*robot()->legs)[Leg::FL].foot_radius;
+  EXPECT_NEAR(1 / sweep.y(), 1 + radius / 0.07, 1e-6);  // central differences over 1e-4 of .07 m
+  // Forward: of a chain u, l from shoulder to foot with the foot's velocity v, v . u = w (z x l) . u.
+  constexpr double kUpper = 0.045, kLower = 0.06, kDepth = 0.06, kShoulder = -0.010;
+  const Vector2 foot(-kShoulder, -kDepth);  // from the rear shoulder
+  const double reach = foot.norm();
+  const double bend = std::acos((reach * reach + kUpper * kUpper - kLower * kLower) / (2 * reach * kUpper));
+  const double angle = std::atan2(foot.y(), foot.x()) - bend;  // its elbow is outward, to the rear
+  const Vector2 upper = kUpper * Vector2(std::cos(angle), std::sin(angle)), lower = foot - upper;
+  const double rate = upper.x() / (-lower.y() * upper.x() + lower.x() * upper.y());
+  EXPECT_GT(rate, 10);
+  EXPECT_NEAR(1 / sweep.x(), 1 + radius * rate, 1e-5);  // as above
+}
+
+TEST(LegController, FeetSweepOtherwiseByWhatTheirLoadLeaves) {
+  const LegController legs(robot()), plain(robot(), ServoCompensation::none());
+  const auto advance = [](const LegController& l, double share, double duty) {
+    GaitParameters p;
+    p.load_share = share;
+    p.duty_factor = duty;
+    return Vector2(l.foot_sweep(standing_feet(), p).cwiseInverse());
+  };
+  const Vector2 carried = advance(legs, 1, 0.5), half = advance(legs, 0.5, 0.5);
+  EXPECT_LT(half.x(), carried.x() - 0.01);  // it gives way against the sweep
+  // In proportion to what is left, and to the load of a leg: the weight over the legs that stand.
+  EXPECT_LT((advance(legs, 0, 0.5) - carried - 2 * (half - carried)).norm(), 1e-12);
+  EXPECT_LT((advance(legs, 0.5, 0.75) - carried - 2.0 / 3 * (half - carried)).norm(), 1e-12);
+  EXPECT_EQ(advance(plain, 1, 0.5), advance(legs, 0, 0.5)) << "servos that make up for nothing";
+}
+
 TEST(LegController, HoldsUpTheLoadOfStandingLegs) {
   // A servo's lead times its stiffness is a torque, and the torques of all legs do the work of lifting the
   // weight: tau . theta' = load d' for any velocity d' of the foot downward.
   LegController plain(robot(), ServoCompensation::none());
-  LegController lifting(robot(), {.lag = false, .load_share = 1});
+  LegController lifting(robot(), {.lag = false});
+  lifting.set_load_share(1);
   LegArray<Vector3> feet = standing_feet();
   feet[Leg::FR].z() += 0.01;  // in the air
   const JointVector lead = lifting.update(feet, 0).q - plain.update(feet, 0).q;
@@ -165,7 +203,7 @@ TEST(Walk, TrotStatisticsAreThoseOfATrot) {
         return true;
       });
   EXPECT_EQ(samples, 2000);
-  const double nominal = nominal_speed(trot.parameters, 0.5);
+  const double nominal = nominal_speed(trot.parameters);
   EXPECT_GT(s.mean_speed_mps, 0.8 * nominal);  // measured .93, the first stride growing from standing
   EXPECT_LT(s.mean_speed_mps, 1.1 * nominal);
   EXPECT_NEAR(s.distance_m, s.mean_speed_mps * s.simulated_seconds, 1e-12);
@@ -175,6 +213,40 @@ TEST(Walk, TrotStatisticsAreThoseOfATrot) {
     EXPECT_GT(s.duty_factor[leg], 0.45);
     EXPECT_LT(s.duty_factor[leg], 0.9);  // soft servos lift late and land early
   }
+}
+
+TEST(GaitSource, ServosMakeUpForTheShareThatTheGaitSays) {
+  const auto targets = [](const std::vector<std::string>& settings, const GaitLayers& layers) {
+    const TargetSource source = make_gait_source(choose_gait("trot", settings), robot(), layers);
+    ControlTargets out;
+    for (int i = 0; i < 100; ++i) source.advance(2e-3, out);
+    return JointVector(out.joints.q);
+  };
+  const JointVector none = targets({"load_share=0"}, {});
+  EXPECT_EQ(none, targets({}, {.compensation = {.load = false}, .heading_hold = {}}));
+  EXPECT_GT((targets({}, {}) - none).lpNorm<Eigen::Infinity>(), 0.05);  // .2 rad for the whole load
+}
+
+TEST(GaitChoice, SettingsChangeEveryGaitThatMayBeChosen) {
+  const VelocityCommand command{0.1, 0, 0};
+  const GaitChoice plain = choose_gait("auto", {}, command),
+                   set = choose_gait("auto", {"cycle_time=.3"}, command);
+  EXPECT_EQ(plain.name(), "auto");
+  ASSERT_EQ(plain.bands.size(), 2U);
+  ASSERT_EQ(set.bands.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NE(plain.bands[i].gait.preferred.cycle_time, 0.3);
+    EXPECT_EQ(set.bands[i].gait.preferred.cycle_time, 0.3);
+    EXPECT_EQ(set.bands[i].gait.preferred.duty_factor, plain.bands[i].gait.preferred.duty_factor);
+  }
+  EXPECT_EQ(set.parameters.cycle_time, 0.3);
+  const GaitChoice guide = choose_gait("auto:guide", {}, command);
+  EXPECT_EQ(guide.name(), "auto:guide");
+  ASSERT_EQ(guide.bands.size(), 3U);
+  EXPECT_EQ(guide.bands[1].gait.name, "trot:guide");
+  EXPECT_EQ(guide.bands[1].below, 0.3);
+  EXPECT_THROW((void)choose_gait("auto:guide", {}), ConfigError);
+  EXPECT_EQ(choose_gait("pace", {}).name(), "pace");
 }
 
 TEST(Walk, ObserverCanEndIt) {

@@ -15,8 +15,16 @@ namespace {
 using test::kDt;
 using test::kNaN;
 
-AdaptiveGaitController adaptive(const AdaptiveGaitOptions& options = {}) {
-  return {find_gait("trot"), options, test::leg_origins()};
+// The guide's round numbers.
+AdaptiveGaitOptions guide_options() {
+  AdaptiveGaitOptions options;
+  options.ranges = guide_ranges();
+  options.initial = guide_adaptive_parameters();
+  return options;
+}
+
+AdaptiveGaitController adaptive(const AdaptiveGaitOptions& options = guide_options()) {
+  return {find_gait("trot:guide"), options, test::leg_origins()};
 }
 
 std::vector<double> zeros(const AdaptiveGaitController& c) {
@@ -24,7 +32,7 @@ std::vector<double> zeros(const AdaptiveGaitController& c) {
 }
 
 TEST(AdaptiveGait, HasTheGuidesActionSizes) {
-  AdaptiveGaitOptions options;
+  AdaptiveGaitOptions options = guide_options();
   EXPECT_EQ(adaptive(options).action_size(), 16u);
   options.parameters.emplace_back("stance_width");
   EXPECT_EQ(adaptive(options).action_size(), 17u);
@@ -35,7 +43,7 @@ TEST(AdaptiveGait, HasTheGuidesActionSizes) {
 
 TEST(AdaptiveGait, ZeroActionsAreThePlainGait) {
   AdaptiveGaitController c = adaptive();
-  GaitGenerator plain(find_gait("trot"), {}, test::leg_origins());
+  GaitGenerator plain(find_gait("trot:guide"), guide_adaptive_parameters(), test::leg_origins());
   const std::vector<double> action = zeros(c);
   for (int i = 0; i < 1000; ++i) {
     c.apply_action(action);
@@ -107,7 +115,7 @@ TEST(AdaptiveGait, APositiveZResidualRaisesTheFoot) {
 }
 
 TEST(AdaptiveGait, NormalisesParametersInTheOrderOfTheNames) {
-  AdaptiveGaitOptions options;
+  AdaptiveGaitOptions options = guide_options();
   options.parameters = {"cycle_time", "step_height"};
   options.initial.cycle_time = 1.5;
   options.initial.step_height = 0.06;
@@ -160,7 +168,7 @@ TEST(AdaptiveGait, ResetForgets) {
 }
 
 TEST(AdaptiveGait, WrongNamesAreErrorsWhenConfigured) {
-  AdaptiveGaitOptions options;
+  AdaptiveGaitOptions options = guide_options();
   options.parameters = {"step_height", "stance_widht"};
   try {
     adaptive(options);
@@ -174,7 +182,7 @@ TEST(AdaptiveGait, WrongNamesAreErrorsWhenConfigured) {
 }
 
 TEST(AdaptiveGait, WhatBeginsOutsideItsRangeOnlyComesNearer) {
-  AdaptiveGaitOptions options;
+  AdaptiveGaitOptions options = guide_options();
   options.initial.cycle_time = 0.5;    // of .8 to 1.5 s
   options.initial.body_height = 0.07;  // of .04 to .055 m
   AdaptiveGaitController c = adaptive(options);
@@ -202,7 +210,7 @@ TEST(AdaptiveGait, WhatBeginsOutsideItsRangeOnlyComesNearer) {
 }
 
 TEST(AdaptiveGait, TakesOtherRangesAndScales) {
-  AdaptiveGaitOptions options;
+  AdaptiveGaitOptions options = guide_options();
   options.ranges.ranges["cycle_time"] = {0.15, 0.8};
   options.ranges.delta_scales["cycle_time"] = 0.02;
   options.initial.cycle_time = 0.5;
@@ -217,11 +225,11 @@ TEST(AdaptiveGait, TakesOtherRangesAndScales) {
   EXPECT_EQ(normalised[2], -1);
   const AdaptiveGaitController copy = c;  // rows are the controller's own
   EXPECT_EQ(copy.adapted()[2].max, 0.8);
-  EXPECT_EQ(copy.adapted()[0].max, find_parameter("step_height").max);
+  EXPECT_EQ(copy.adapted()[0].max, 0.09);  // the guide's
 }
 
 TEST(AdaptiveGait, RefusesBadOptions) {
-  AdaptiveGaitOptions options;
+  AdaptiveGaitOptions options = guide_options();
   options.initial.cycle_time = 0;
   EXPECT_THROW(adaptive(options), ConfigError);
   options.initial = {};

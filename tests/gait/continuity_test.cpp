@@ -63,8 +63,7 @@ class JumpMeter {
     // Both curves somewhere rise by 3 lifts per swing: only moves that beat the record by that are worth
     // sampling.
     const GaitParameters& p = generator_.effective().parameters;
-    const double duty = *std::min_element(generator_.duty().begin(), generator_.duty().end());
-    if (jump <= worst_ * kDt * 3 * swing_lift(p) / ((1 - duty) * p.cycle_time)) return;
+    if (jump <= worst_ * kDt * 3 * swing_lift(p) / ((1 - p.duty_factor) * p.cycle_time)) return;
     worst_ = std::max(worst_, jump / (top_speed() * kDt));
   }
 
@@ -74,7 +73,7 @@ class JumpMeter {
   double top_speed() const {
     const auto with = [&](SwingCurve curve) {
       const GaitGenerator::Stride& stride = generator_.effective();
-      return test::top_foot_speed(stride.parameters, stride.step, generator_.duty(), curve);
+      return test::top_foot_speed(stride.parameters, stride.step, curve);
     };
     return curve_ ? with(*curve_) : std::max(with(SwingCurve::kBezier), with(SwingCurve::kMatched));
   }

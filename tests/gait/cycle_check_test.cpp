@@ -129,14 +129,14 @@ TEST_F(ReachableSteps, AreFoundForAMadeUpWorkspace) {
   const TargetCheck box = [](Leg leg, const Vector3& target) {
     return std::abs(target.x()) <= 0.02 && std::abs(target.y() - side_sign(leg) * 0.04) <= 0.01;
   };
-  const StepLimits limits = reachable_steps(find_gait("trot"), {}, box);
+  const StepLimits limits = reachable_steps(find_gait("trot"), guide_adaptive_parameters(), box);
   EXPECT_NEAR(limits.max_x, 0.04, 1e-4);  // found to a tenth of a millimetre
   EXPECT_NEAR(limits.max_y, 0.02, 1e-4);
   // A diamond inside that box holds only the ellipse scaled by cos 45 degrees.
   const TargetCheck diamond = [](Leg leg, const Vector3& target) {
     return std::abs(target.x()) / 0.02 + std::abs(target.y() - side_sign(leg) * 0.04) / 0.01 <= 1;
   };
-  const StepLimits inside = reachable_steps(find_gait("trot"), {}, diamond);
+  const StepLimits inside = reachable_steps(find_gait("trot"), guide_adaptive_parameters(), diamond);
   EXPECT_NEAR(inside.max_x, 0.04 * std::sqrt(0.5), 0.04 * 0.02);               // shrunk by steps of 2 %
   EXPECT_LE(std::sqrt(0.5) * (inside.max_x / 0.04 + inside.max_y / 0.02), 1);  // the step at 45 degrees
 }

@@ -16,7 +16,7 @@ double bernstein(double u, double p0, double p1, double p2, double p3) {
 }
 
 Vector3 target(const GaitParameters& p, bool swing, double progress, Leg leg = Leg::FL) {
-  return foot_position(p, leg, {0, swing, progress}, {{p.step_length, 0}, 0.5, 1, p.swing});
+  return foot_position(p, leg, {0, swing, progress}, {{p.step_length, 0}, 1, p.swing});
 }
 
 TEST(BezierSwing, IsTheGuidesCurve) {
@@ -65,7 +65,7 @@ TEST(MatchedSwing, LiftsOffAndLandsWithTheGround) {
 class Path : public testing::TestWithParam<SwingCurve> {
  protected:
   GaitParameters parameters() const {
-    GaitParameters p;
+    GaitParameters p = guide_adaptive_parameters();
     p.swing = GetParam();
     return p;
   }
@@ -86,7 +86,7 @@ TEST_P(Path, StanceIsAStraightSweepAtConstantSpeedAndDepth) {
     EXPECT_NEAR(foot.x(), p.step_length * (0.5 - w), 1e-17);  // roundings of centimetres
     EXPECT_EQ(foot.z(), -p.body_height);
   }
-  EXPECT_EQ(nominal_speed(p, 0.5), 0.06 / 0.4);
+  EXPECT_EQ(nominal_speed(p), 0.06 / 0.4);
 }
 
 TEST_P(Path, IsMirroredBetweenSidesAndBackwards) {
@@ -96,7 +96,7 @@ TEST_P(Path, IsMirroredBetweenSidesAndBackwards) {
       const Vector3 left = target(p, swing, u, Leg::FL), right = target(p, swing, u, Leg::FR);
       EXPECT_EQ(left.x(), right.x());
       EXPECT_EQ(left.y(), -right.y());
-      const FootStride back{{-p.step_length, 0}, 0.5, 1, p.swing};
+      const FootStride back{{-p.step_length, 0}, 1, p.swing};
       const Vector3 reverse = foot_position(p, Leg::FL, {0, swing, u}, back);
       EXPECT_EQ(reverse.x(), -left.x());
       EXPECT_EQ(reverse.z(), left.z());
@@ -106,11 +106,11 @@ TEST_P(Path, IsMirroredBetweenSidesAndBackwards) {
 
 TEST_P(Path, FollowsItsStepVectorSideways) {
   const GaitParameters p = parameters();
-  const FootStride diagonal{{0.03, -0.04}, 0.5, 1, p.swing};
+  const FootStride diagonal{{0.03, -0.04}, 1, p.swing};
   for (const bool swing : {true, false}) {
     for (double u = 0; u <= 1; u += 0.1) {
       const Vector3 foot = foot_position(p, Leg::RR, {0, swing, u}, diagonal);
-      const Vector3 forward = foot_position(p, Leg::RR, {0, swing, u}, {{0.03, 0}, 0.5, 1, p.swing});
+      const Vector3 forward = foot_position(p, Leg::RR, {0, swing, u}, {{0.03, 0}, 1, p.swing});
       EXPECT_EQ(foot.x(), forward.x());
       EXPECT_NEAR(foot.y() - forward.y(), -0.04 / 0.03 * forward.x(), 1e-16);  // roundings of centimetres
       EXPECT_EQ(foot.z(), forward.z());
@@ -124,8 +124,7 @@ TEST_P(Path, MovesNoMoreThanItsParametersDo) {
   for (const ParameterRow& row : gait_parameters()) {
     GaitParameters q = p;
     const double change = (row.max - row.min) / 10;
-    q.*row.member =
-        row.default_value() + change > row.max ? row.default_value() - change : row.default_value() + change;
+    q.*row.member = p.*row.member + change > row.max ? p.*row.member - change : p.*row.member + change;
     for (const bool swing : {true, false}) {
       for (double u = 0; u <= 1; u += 0.02) {
         EXPECT_LE((target(q, swing, u) - target(p, swing, u)).norm(), change * (1 + 1e-12)) << row.name;
@@ -146,7 +145,7 @@ TEST(SwingLift, StopsShortOfTheShoulders) {
 }
 
 TEST(OutwardShift, IsHalfTheStanceWidthPlusTheLegsOffset) {
-  GaitParameters p;
+  GaitParameters p = guide_adaptive_parameters();
   p.lateral_offset_fl = 0.001;
   p.lateral_offset_fr = 0.002;
   p.lateral_offset_rl = 0.003;
@@ -159,7 +158,7 @@ TEST(OutwardShift, IsHalfTheStanceWidthPlusTheLegsOffset) {
 }
 
 TEST(FootSpacing, IsNotTheStanceWidth) {
-  GaitParameters p;
+  GaitParameters p = guide_adaptive_parameters();
   p.lateral_offset_rl = 0.005;
   const FootSpacing spacing = foot_spacing(p, test::leg_origins());
   // Leg planes .124 apart, every foot .04 outward of its own.

@@ -17,7 +17,10 @@ namespace {
 using test::kDt;
 using test::kNaN;
 
-GaitGenerator generator(const char* gait = "trot", const GaitParameters& p = {}) {
+// The guide's round numbers, with the gait's own duty factor.
+GaitGenerator generator(std::string_view gait = "trot:guide",
+                        GaitParameters p = guide_adaptive_parameters()) {
+  p.duty_factor = find_gait(gait).preferred.duty_factor;
   return {find_gait(gait), p, test::leg_origins()};
 }
 
@@ -27,7 +30,7 @@ void run(GaitGenerator& g, double seconds) {
 
 TEST(GaitGenerator, TrotIsTheGuides) {
   const GaitParameters p = guide_parameters();
-  GaitGenerator g = generator("trot", p);
+  GaitGenerator g = generator("trot:guide", p);
   const double s = p.step_length / 2, h = p.body_height, l = h - p.step_height - p.foot_clearance;
   for (int i = 1; i <= 800; ++i) {  // two cycles
     const LegArray<FootTarget>& targets = g.update(kDt);
@@ -51,7 +54,7 @@ TEST(GaitGenerator, TrotIsTheGuides) {
 
 TEST(GaitGenerator, StanceMovesAtTheNominalSpeed) {
   for (const Gait& gait : gaits()) {
-    GaitGenerator g = generator(std::string(gait.name).c_str(), gait.preferred);
+    GaitGenerator g = generator(gait.name, gait.preferred);
     LegArray<FootTarget> before = g.targets();
     int checked = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -59,7 +62,7 @@ TEST(GaitGenerator, StanceMovesAtTheNominalSpeed) {
       for (const Leg leg : kLegs) {
         if (!before[leg].swing && !now[leg].swing && now[leg].phase > before[leg].phase) {
           const Vector3 velocity = (now[leg].position - before[leg].position) / kDt;
-          const double expected = nominal_speed(gait.preferred, gait.duty[leg]);
+          const double expected = nominal_speed(gait.preferred);
           // Differences of centimetres over 2 ms: 1e-17 / 2e-3, and 1e-13 of the clock.
           ASSERT_LT((velocity - Vector3(-expected, 0, 0)).norm(), 1e-11) << gait.name;
           ++checked;
@@ -72,7 +75,7 @@ TEST(GaitGenerator, StanceMovesAtTheNominalSpeed) {
 }
 
 TEST(GaitGenerator, GoesThroughTheNamedPhasesInOrder) {
-  GaitGenerator g = generator("gallop", find_gait("gallop").preferred);
+  GaitGenerator g = generator("gallop:guide", find_gait("gallop:guide").preferred);
   std::vector<std::string> seen;
   for (int i = 0; i < 300; ++i) {  // one cycle of .6 s
     const std::string now(g.current_phase_name());
@@ -83,7 +86,7 @@ TEST(GaitGenerator, GoesThroughTheNamedPhasesInOrder) {
 }
 
 TEST(GaitGenerator, GallopsStanceIsOneSweep) {
-  GaitGenerator g = generator("gallop");
+  GaitGenerator g = generator("gallop:guide");
   double before = g.targets()[Leg::FL].position.x();
   int falls = 0, rises = 0;
   for (int i = 0; i < 400; ++i) {
@@ -100,7 +103,7 @@ TEST(GaitGenerator, KeepsItsPhaseWhenTheCycleTimeChanges) {
   run(g, 0.3);
   const double phase = g.phase();
   const LegArray<FootTarget> before = g.targets();
-  GaitParameters p;
+  GaitParameters p = guide_adaptive_parameters();
   p.cycle_time = 1.5;
   ASSERT_TRUE(g.set_parameters(p));
   EXPECT_EQ(g.phase(), phase);
@@ -115,7 +118,7 @@ TEST(GaitGenerator, KeepsItsPhaseWhenTheCycleTimeChanges) {
 TEST(GaitGenerator, ParametersTakeEffectGraduallyAndFully) {
   GaitGenerator g = generator();
   run(g, 0.5);
-  GaitParameters p;
+  GaitParameters p = guide_adaptive_parameters();
   p.body_height = 0.055;
   p.step_length = 0.09;
   p.step_height = 0.03;
@@ -135,10 +138,10 @@ TEST(GaitGenerator, ParametersTakeEffectGraduallyAndFully) {
 
 TEST(GaitGenerator, ChangesCurveWithoutAJump) {
   GaitGenerator g = generator();
-  GaitParameters p;
+  GaitParameters p = guide_adaptive_parameters();
   p.swing = SwingCurve::kMatched;
-  const double top = std::max(test::top_foot_speed({}, g.effective().step, g.duty(), SwingCurve::kBezier),
-                              test::top_foot_speed({}, g.effective().step, g.duty(), SwingCurve::kMatched));
+  const double top = std::max(test::top_foot_speed(p, g.effective().step, SwingCurve::kBezier),
+                              test::top_foot_speed(p, g.effective().step, SwingCurve::kMatched));
   run(g, 0.2);  // pair a in mid-swing
   ASSERT_TRUE(g.set_parameters(p));
   double apex = -1;
@@ -157,7 +160,7 @@ TEST(GaitGenerator, ChangesCurveWithoutAJump) {
 
 TEST(GaitGenerator, RefusesNonsenseAndStaysAsItWas) {
   GaitGenerator g = generator(), untouched = generator();
-  GaitParameters p;
+  GaitParameters p = guide_adaptive_parameters();
   p.step_length = kNaN;
   EXPECT_FALSE(g.set_parameters(p));
   EXPECT_FALSE(g.set_command({kNaN, 0, 0}));
@@ -172,9 +175,9 @@ TEST(GaitGenerator, RefusesNonsenseAndStaysAsItWas) {
 
 TEST(GaitGenerator, InvalidConfigurationIsAnError) {
   Gait gait = find_gait("trot");
-  gait.duty[Leg::FL] = 0;
+  gait.preferred.duty_factor = 0;
   EXPECT_THROW(GaitGenerator(gait, {}, test::leg_origins()), ConfigError);
-  GaitParameters p;
+  GaitParameters p = guide_adaptive_parameters();
   p.cycle_time = -1;
   EXPECT_THROW(GaitGenerator(find_gait("trot"), p, test::leg_origins()), ConfigError);
   EXPECT_THROW(GaitGenerator(find_gait("trot"), {}, test::leg_origins(), {0, 0.1}), ConfigError);
@@ -191,10 +194,10 @@ TEST(GaitGenerator, StaysFiniteUnderExtremeCommandsAndTimes) {
 }
 
 TEST(GaitGenerator, ResetPutsEverythingIntoEffect) {
-  GaitGenerator g = generator(), fresh = generator("walk", guide_parameters());
+  GaitGenerator g = generator(), fresh = generator("walk:guide", guide_parameters());
   run(g, 0.37);
   ASSERT_TRUE(g.set_parameters(guide_parameters()));
-  g.set_gait(find_gait("walk"));
+  g.set_gait(find_gait("walk:guide"));
   run(g, 0.1);
   g.reset();
   for (int i = 0; i < 500; ++i) {
@@ -208,30 +211,32 @@ TEST(GaitChange, KeepsLegsMovingForwardAndEndsInStep) {
   for (const Gait& from : gaits()) {
     for (const Gait& to : gaits()) {
       SCOPED_TRACE(std::string(from.name) + " to " + std::string(to.name));
-      GaitGenerator g = generator(std::string(from.name).c_str());
+      GaitGenerator g = generator(from.name);
       run(g, 0.33);
       g.set_gait(to);
       LegArray<FootTarget> before = g.targets();
       int updates = 0;
-      while (!g.in_step() && updates < 5000) {
+      while (!(g.in_step() && g.effective().parameters.duty_factor == to.preferred.duty_factor) &&
+             updates < 5000) {
         g.update(kDt);
         ++updates;
         for (const Leg leg : kLegs) {
           double ahead = g.targets()[leg].phase - before[leg].phase;
           ahead -= std::floor(ahead);
           // Legs run at .8 to 1.2 times the clock. Roundings of phases.
-          ASSERT_GE(ahead, (1 - GaitGenerator::kOffsetShare) * kDt / 0.8 - 1e-14);
-          ASSERT_LE(ahead, (1 + GaitGenerator::kOffsetShare) * kDt / 0.8 + 1e-14);
+          ASSERT_GE(ahead, (1 - GaitGenerator::kPhaseShare) * kDt / 0.8 - 1e-14);
+          ASSERT_LE(ahead, (1 + GaitGenerator::kPhaseShare) * kDt / 0.8 + 1e-14);
         }
         before = g.targets();
       }
-      // At most .375 of a cycle to catch up (four phases on a circle) at .2 per cycle, or .3 of duty at .1.
+      // At most .375 of a cycle to catch up (four phases on a circle) at .2 per cycle; the duty factor, which
+      // waits for slower shifts meanwhile, follows in a cycle.
       EXPECT_LE(updates, 3 * 400 + 1);
       // From here on it is the new gait.
       for (int i = 0; i < 400; ++i) {
         g.update(kDt);
         for (const Leg leg : kLegs) {
-          const LegPhase phase = leg_phase(g.phase(), to.offset[leg], to.duty[leg]);
+          const LegPhase phase = leg_phase(g.phase(), to.offset[leg], to.preferred.duty_factor);
           ASSERT_EQ(g.targets()[leg].swing, phase.swing);
           ASSERT_EQ(g.targets()[leg].phase, phase.phase);
         }
@@ -241,10 +246,10 @@ TEST(GaitChange, KeepsLegsMovingForwardAndEndsInStep) {
 }
 
 TEST(GaitChange, ToTheSameGaitChangesNothing) {
-  GaitGenerator g = generator("walk"), same = generator("walk");
+  GaitGenerator g = generator("walk:guide"), same = generator("walk:guide");
   run(g, 0.3);
   run(same, 0.3);
-  g.set_gait(find_gait("walk"));
+  g.set_gait(find_gait("walk:guide"));
   for (int i = 0; i < 1000; ++i) {
     g.update(kDt);
     same.update(kDt);
@@ -258,7 +263,7 @@ TEST(GaitChange, ToTheSameGaitChangesNothing) {
 TEST(Command, StepsCarryTheBodyAtTheCommandedVelocity) {
   const LegArray<Vector3> p_BL = test::leg_origins();
   const VelocityCommand command{0.05, -0.02, 0.2};
-  GaitGenerator g = generator("walk");
+  GaitGenerator g = generator("walk:guide");
   ASSERT_TRUE(g.set_command(command));
   run(g, 4);
   ASSERT_EQ(g.limit_factor(), 1);
@@ -279,13 +284,66 @@ TEST(Command, StepsCarryTheBodyAtTheCommandedVelocity) {
   }
 }
 
+TEST(Steering, TurnsBesidesWhateverTheStepsAre) {
+  const LegArray<Vector3> p_BL = test::leg_origins();
+  constexpr double kRate = 0.1, kStance = 0.4;  // rad/s, s
+  for (const bool commanded : {true, false}) {
+    GaitGenerator g = generator();
+    if (commanded) {
+      ASSERT_TRUE(g.set_command({0.1, 0, 0}));
+    }
+    g.set_steering(kRate);
+    run(g, 3);
+    for (const Leg leg : kLegs) {
+      const double x = p_BL[leg].x(), y = p_BL[leg].y() + side_sign(leg) * 0.04;
+      const Vector2 forward(commanded ? 0.1 * kStance : 0.06, 0);
+      EXPECT_LT((g.effective().step[leg] - forward - kStance * kRate * Vector2(-y, x)).norm(), 1e-16);
+    }
+    g.set_steering(0);
+    run(g, 3);
+    EXPECT_EQ(g.effective().step[Leg::FL].y(), 0);
+  }
+}
+
+TEST(Steering, StartsNoWalkAndTakesNoNonsense) {
+  GaitGenerator g = generator();
+  ASSERT_TRUE(g.set_command({}));
+  g.reset(GaitGenerator::Start::kStanding);
+  g.set_steering(1);
+  run(g, 1);
+  EXPECT_TRUE(g.is_standing());
+  GaitGenerator plain = generator(), nonsense = generator();
+  nonsense.set_steering(kNaN);
+  run(plain, 0.5);
+  run(nonsense, 0.5);
+  for (const Leg leg : kLegs) EXPECT_EQ(nonsense.targets()[leg].position, plain.targets()[leg].position);
+}
+
+TEST(Sweep, ShortensThePathOfAFootNotTheStep) {
+  GaitGenerator g = generator(), rolling = generator();
+  for (GaitGenerator* each : {&g, &rolling}) each->reset(GaitGenerator::Start::kStanding);
+  rolling.set_sweep({0.9, 0.5});
+  for (int i = 0; i < 1000; ++i) {
+    g.update(kDt);
+    rolling.update(kDt);
+    // Not in step while the strides grow, as far as each may shift its feet.
+    if (i < 500) continue;
+    EXPECT_EQ(rolling.effective().step[Leg::FL], g.effective().step[Leg::FL]);
+    for (const Leg leg : kLegs) {
+      const Vector3 &a = g.targets()[leg].position, &b = rolling.targets()[leg].position;
+      EXPECT_NEAR(b.x(), 0.9 * a.x(), 1e-16);  // rounding of centimetres
+      EXPECT_EQ(b.tail<2>(), a.tail<2>());
+    }
+  }
+}
+
 TEST(Command, IsLimitedAlikeForAllLegsAndSaysSo) {
   GaitGenerator g = generator();
   ASSERT_TRUE(g.set_command({1, 0, 0}));
   run(g, 3);
-  // A stance of .4 s asks for .4 m; .10 m are allowed.
-  EXPECT_NEAR(g.limit_factor(), 0.10 / 0.4, 1e-15);  // one rounding
-  for (const Leg leg : kLegs) EXPECT_NEAR(g.effective().step[leg].x(), 0.10, 1e-15);
+  // A stance of .4 s asks for .4 m; .13 m are allowed.
+  EXPECT_NEAR(g.limit_factor(), 0.13 / 0.4, 1e-15);  // one rounding
+  for (const Leg leg : kLegs) EXPECT_NEAR(g.effective().step[leg].x(), 0.13, 1e-15);
   g.clear_command();
   run(g, 3);
   EXPECT_EQ(g.limit_factor(), 1);
@@ -302,7 +360,7 @@ TEST(Command, ZeroStandsAndWalkingResumesFromTheStand) {
     EXPECT_EQ(g.targets()[leg].position, Vector3(0, side_sign(leg) * 0.04, -0.05));
     EXPECT_FALSE(g.targets()[leg].swing);
   }
-  GaitParameters lower;
+  GaitParameters lower = guide_adaptive_parameters();
   lower.body_height = 0.045;
   ASSERT_TRUE(g.set_parameters(lower));  // standing robots can still crouch
   run(g, 1);

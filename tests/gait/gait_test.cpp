@@ -21,7 +21,7 @@ std::vector<std::pair<std::string, std::string>> sequence(const Gait& gait) {
     const double middle = (gait.phases[i].start + (last ? 1 : gait.phases[i + 1].start)) / 2;
     std::string swinging;
     for (const Leg leg : kLegs) {
-      if (!leg_phase(middle, gait.offset[leg], gait.duty[leg]).swing) continue;
+      if (!leg_phase(middle, gait.offset[leg], gait.preferred.duty_factor).swing) continue;
       if (!swinging.empty()) swinging += " ";
       swinging += name(leg);
     }
@@ -40,6 +40,10 @@ TEST(Gaits, SwingTheLegsTheirPhasesName) {
        {{"left_swing", "FL RL"}, {"left_stance", ""}, {"right_swing", "FR RR"}, {"right_stance", ""}}},
       {"bound",
        {{"front_swing", "FL FR"}, {"front_stance", ""}, {"rear_swing", "RL RR"}, {"rear_stance", ""}}},
+      {"trot:guide", {{"pair_a_swing", "FL RR"}, {"pair_b_swing", "FR RL"}}},
+      {"walk:guide", {{"rl_swing", "RL"}, {"fl_swing", "FL"}, {"rr_swing", "RR"}, {"fr_swing", "FR"}}},
+      {"gallop:guide",
+       {{"front_swing", "FL FR"}, {"front_stance", ""}, {"rear_swing", "RL RR"}, {"rear_stance", ""}}},
       {"pronk", {{"flight", "FL FR RL RR"}, {"stance", ""}}},
       {"gallop",
        {{"front_swing", "FL FR"}, {"front_stance", ""}, {"rear_swing", "RL RR"}, {"rear_stance", ""}}},
@@ -55,8 +59,8 @@ TEST(Gaits, ChangeLegsExactlyWhereTheirPhasesChange) {
       if (part.name.empty()) break;
       bool changes = false;
       for (const Leg leg : kLegs) {
-        const bool before = leg_phase(part.start - kNear, gait.offset[leg], gait.duty[leg]).swing;
-        const bool after = leg_phase(part.start + kNear, gait.offset[leg], gait.duty[leg]).swing;
+        const bool before = leg_phase(part.start - kNear, gait.offset[leg], gait.preferred.duty_factor).swing;
+        const bool after = leg_phase(part.start + kNear, gait.offset[leg], gait.preferred.duty_factor).swing;
         changes |= before != after;
       }
       EXPECT_TRUE(changes) << gait.name << " " << part.name;
@@ -64,11 +68,11 @@ TEST(Gaits, ChangeLegsExactlyWhereTheirPhasesChange) {
   }
 }
 
-TEST(Gaits, AreValidAndHaveTheGuidesCycleTimes) {
+TEST(Gaits, AreValidAndThoseOfTheGuideHaveItsCycleTimes) {
   for (const Gait& gait : gaits()) EXPECT_NO_THROW(validate(gait));
-  EXPECT_EQ(find_gait("walk").preferred.cycle_time, 1.2);
-  EXPECT_EQ(find_gait("trot").preferred.cycle_time, 0.8);
-  EXPECT_EQ(find_gait("gallop").preferred.cycle_time, 0.6);
+  EXPECT_EQ(find_gait("walk:guide").preferred.cycle_time, 1.2);
+  EXPECT_EQ(find_gait("trot:guide").preferred.cycle_time, 0.8);
+  EXPECT_EQ(find_gait("gallop:guide").preferred.cycle_time, 0.6);
 }
 
 TEST(Gaits, AnUnknownNameIsAnErrorThatListsTheKnown) {
@@ -103,10 +107,10 @@ TEST(ValidateGait, NamesTheField) {
   gait.offset[Leg::FR] = 1;
   EXPECT_EQ(element(gait), "offset of FR");
   gait = find_gait("trot");
-  gait.duty[Leg::RL] = 1;
-  EXPECT_EQ(element(gait), "duty of RL");
-  gait.duty[Leg::RL] = std::nan("");
-  EXPECT_EQ(element(gait), "duty of RL");
+  gait.preferred.duty_factor = 1;
+  EXPECT_EQ(element(gait), "duty_factor");
+  gait.preferred.duty_factor = std::nan("");
+  EXPECT_EQ(element(gait), "duty_factor");
   gait = find_gait("trot");
   gait.phases[1].start = 0;
   EXPECT_EQ(element(gait), "phase 'pair_b_swing'");

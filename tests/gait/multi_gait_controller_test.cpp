@@ -13,7 +13,17 @@ namespace {
 
 using test::kDt;
 
-MultiGaitController by_speed(const MultiGaitOptions& options = {}) { return {options, test::leg_origins()}; }
+// The guide's bands, whose numbers are round.
+MultiGaitOptions guide_bands_options() {
+  MultiGaitOptions options;
+  options.bands = guide_speed_bands();
+  options.shortest_cycle = 0.4;
+  return options;
+}
+
+MultiGaitController by_speed(const MultiGaitOptions& options = guide_bands_options()) {
+  return {options, test::leg_origins()};
+}
 
 void run(MultiGaitController& c, double seconds) {
   for (int i = 0; i < std::lround(seconds / kDt); ++i) c.update(kDt);
@@ -35,30 +45,40 @@ TEST(MultiGait, StandsUntilCommanded) {
   }
 }
 
+TEST(MultiGait, WalksSlowlyAndTrotsOtherwise) {
+  MultiGaitController c = by_speed(MultiGaitOptions());
+  EXPECT_EQ(gait_at(c, 0.07), "walk");
+  EXPECT_EQ(c.generator().parameters().cycle_time, find_gait("walk").preferred.cycle_time);
+  EXPECT_EQ(gait_at(c, 0.08), "trot");
+  EXPECT_EQ(gait_at(c, 0.75), "trot");
+  EXPECT_EQ(c.generator().parameters().duty_factor, find_gait("trot").preferred.duty_factor);
+}
+
 TEST(MultiGait, HasTheGuidesThresholdsAndCycleTimes) {
   for (const auto& [speed, gait, cycle] :
-       {std::tuple(0.05, "walk", 1.2), std::tuple(0.1, "trot", 0.8), std::tuple(0.2, "trot", 0.8)}) {
+       {std::tuple(0.05, "walk:guide", 1.2), std::tuple(0.1, "trot:guide", 0.8),
+        std::tuple(0.2, "trot:guide", 0.8)}) {
     MultiGaitController c = by_speed();
     EXPECT_EQ(gait_at(c, speed), gait);
     EXPECT_EQ(c.generator().parameters().cycle_time, cycle);
   }
   MultiGaitController c = by_speed();
-  EXPECT_EQ(gait_at(c, 0.3), "gallop");
+  EXPECT_EQ(gait_at(c, 0.3), "gallop:guide");
   EXPECT_LE(c.generator().parameters().cycle_time, 0.6);
 }
 
 TEST(MultiGait, ChangesBackOnlyPastTheHysteresis) {
   MultiGaitController c = by_speed();
-  EXPECT_EQ(gait_at(c, 0.09), "walk");
-  EXPECT_EQ(gait_at(c, 0.11), "trot");
-  EXPECT_EQ(gait_at(c, 0.09), "trot");
-  EXPECT_EQ(gait_at(c, 0.079), "walk");
-  EXPECT_EQ(gait_at(c, 0.09), "walk");
-  EXPECT_EQ(gait_at(c, 0.35), "gallop");
-  EXPECT_EQ(gait_at(c, 0.29), "gallop");
-  EXPECT_EQ(gait_at(c, 0.27), "trot");
-  EXPECT_EQ(gait_at(c, 0.35), "gallop");
-  EXPECT_EQ(gait_at(c, 0.01), "walk");  // from the fastest to the slowest at once
+  EXPECT_EQ(gait_at(c, 0.09), "walk:guide");
+  EXPECT_EQ(gait_at(c, 0.11), "trot:guide");
+  EXPECT_EQ(gait_at(c, 0.09), "trot:guide");
+  EXPECT_EQ(gait_at(c, 0.079), "walk:guide");
+  EXPECT_EQ(gait_at(c, 0.09), "walk:guide");
+  EXPECT_EQ(gait_at(c, 0.35), "gallop:guide");
+  EXPECT_EQ(gait_at(c, 0.29), "gallop:guide");
+  EXPECT_EQ(gait_at(c, 0.27), "trot:guide");
+  EXPECT_EQ(gait_at(c, 0.35), "gallop:guide");
+  EXPECT_EQ(gait_at(c, 0.01), "walk:guide");  // from the fastest to the slowest at once
 }
 
 TEST(MultiGait, FollowsTheCommandedSpeedInEveryGait) {
@@ -88,31 +108,31 @@ TEST(MultiGait, FollowsTheCommandedSpeedInEveryGait) {
 
 TEST(MultiGait, ShortensTheCycleBeforeItLimitsTheSpeed) {
   MultiGaitController c = by_speed();
-  // Gallop stands .75 of .6 s: at .3 m/s steps of .135 m, over the limit of .1 m unless the cycle shrinks to
-  // .444 s.
+  // Gallop stands .75 of .6 s: at .3 m/s steps of .135 m, over the limit of .13 m unless the cycle shrinks to
+  // .578 s.
   ASSERT_TRUE(c.set_speed(0.3));
   run(c, 5);
-  EXPECT_NEAR(c.generator().parameters().cycle_time, 0.1 / (0.75 * 0.3), 1e-12);  // and a hair less
+  EXPECT_NEAR(c.generator().parameters().cycle_time, 0.13 / (0.75 * 0.3), 1e-12);  // and a hair less
   EXPECT_EQ(c.generator().limit_factor(), 1);
-  // At 1 m/s not even the shortest cycle will do: .75 * .4 s * 1 m/s is three times the limit.
+  // At 1 m/s not even the shortest cycle will do: .75 * .4 s * 1 m/s is beyond the limit.
   ASSERT_TRUE(c.set_speed(1));
   run(c, 5);
   EXPECT_EQ(c.generator().parameters().cycle_time, 0.4);
-  EXPECT_NEAR(c.generator().limit_factor(), 1.0 / 3, 1e-15);  // roundings of a number below one
+  EXPECT_NEAR(c.generator().limit_factor(), 0.13 / 0.3, 1e-15);  // roundings of a number below one
 }
 
 TEST(MultiGait, TurnsInPlaceWithTheGaitForItsFeet) {
   MultiGaitController c = by_speed();
   ASSERT_TRUE(c.set_command({0, 0, 0.4}));
   // The feet stand (.075, .102) from the middle: .127 m at .4 rad/s are .05 m/s.
-  EXPECT_EQ(c.generator().gait().name, "walk");
+  EXPECT_EQ(c.generator().gait().name, "walk:guide");
   run(c, 4);
   const LegArray<Vector2>& step = c.generator().effective().step;
   EXPECT_LT((step[Leg::FL] + step[Leg::RR]).norm(), 1e-17);  // opposite corners go opposite ways; rounding
   EXPECT_LT(step[Leg::FL].x(), 0);
   EXPECT_GT(step[Leg::FL].y(), 0);
   ASSERT_TRUE(c.set_command({0, 0, 1.5}));
-  EXPECT_EQ(c.generator().gait().name, "trot");
+  EXPECT_EQ(c.generator().gait().name, "trot:guide");
 }
 
 TEST(MultiGait, StopsAndStands) {
@@ -130,22 +150,22 @@ TEST(MultiGait, CanBeForced) {
   EXPECT_EQ(gait_at(c, 0.05), "pace");
   EXPECT_EQ(gait_at(c, 0.25), "pace");
   c.choose_gait_by_speed();
-  EXPECT_EQ(c.generator().gait().name, "trot");
-  Gait own_trot = find_gait("trot");  // a gait is what it does, not what it is called
-  own_trot.duty.fill(0.6);
+  EXPECT_EQ(c.generator().gait().name, "trot:guide");
+  Gait own_trot = find_gait("trot:guide");  // a gait is what it does, not what it is called
+  own_trot.preferred.duty_factor = 0.6;
   c.force_gait(own_trot);
-  EXPECT_EQ(c.generator().gait().duty[Leg::FL], 0.6);
+  EXPECT_EQ(c.generator().parameters().duty_factor, 0.6);
 }
 
 TEST(MultiGait, UsesItsParametersButTheGaitsCycleTime) {
-  MultiGaitOptions options;
-  options.parameters = GaitParameters{};
+  MultiGaitOptions options = guide_bands_options();
+  options.parameters = guide_adaptive_parameters();
   options.parameters->body_height = 0.045;
   MultiGaitController c = by_speed(options);
   ASSERT_TRUE(c.set_speed(0.05));
   EXPECT_EQ(c.generator().parameters().body_height, 0.045);
   EXPECT_EQ(c.generator().parameters().cycle_time, 1.2);
-  GaitParameters p;
+  GaitParameters p = guide_adaptive_parameters();
   p.body_height = 0.04;
   ASSERT_TRUE(c.set_parameters(p));
   EXPECT_EQ(c.generator().parameters().body_height, 0.04);
@@ -155,7 +175,7 @@ TEST(MultiGait, UsesItsParametersButTheGaitsCycleTime) {
 }
 
 TEST(MultiGait, WithoutParametersUsesEveryGaitsPreferred) {
-  MultiGaitOptions options;
+  MultiGaitOptions options = guide_bands_options();
   options.bands[1].gait.preferred.body_height = 0.042;
   MultiGaitController c = by_speed(options);
   ASSERT_TRUE(c.set_speed(0.2));
@@ -172,8 +192,8 @@ TEST(MultiGait, ResetStandsAgain) {
   c.reset();
   EXPECT_TRUE(c.generator().is_standing());
   EXPECT_EQ(c.command().vx, 0);
-  EXPECT_EQ(c.generator().gait().name, "walk");
-  EXPECT_EQ(gait_at(c, 0.2), "trot");
+  EXPECT_EQ(c.generator().gait().name, "walk:guide");
+  EXPECT_EQ(gait_at(c, 0.2), "trot:guide");
 }
 
 TEST(MultiGait, RefusesNonsenseCommands) {
@@ -182,18 +202,18 @@ TEST(MultiGait, RefusesNonsenseCommands) {
   EXPECT_FALSE(c.set_speed(std::nan("")));
   EXPECT_FALSE(c.set_command({0, std::numeric_limits<double>::infinity(), 0}));
   EXPECT_EQ(c.command().vx, 0.2);
-  EXPECT_EQ(c.generator().gait().name, "trot");
+  EXPECT_EQ(c.generator().gait().name, "trot:guide");
 }
 
 TEST(MultiGait, BadOptionsAreErrors) {
   const auto with = [](const auto& change) {
-    MultiGaitOptions options;
+    MultiGaitOptions options = guide_bands_options();
     change(options);
     by_speed(options);
   };
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.bands.clear(); }), ConfigError);
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.bands[1].below = 0.05; }), ConfigError);
-  EXPECT_THROW(with([](MultiGaitOptions& o) { o.bands[0].gait.duty.fill(0); }), ConfigError);
+  EXPECT_THROW(with([](MultiGaitOptions& o) { o.bands[0].gait.preferred.duty_factor = 0; }), ConfigError);
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.hysteresis = -0.1; }), ConfigError);
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.shortest_cycle = 0; }), ConfigError);
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.limits.max_x = 0; }), ConfigError);

@@ -26,16 +26,21 @@ constexpr GuideRow kGuideRows[] = {
     {"stance_width", 0.06, 0.12, 0.08, 0.004}, {"foot_clearance", 0, 0.02, 0.01, 0.002},
 };
 
-TEST(ParameterTable, BeginsWithTheGuidesRows) {
+TEST(ParameterTable, BeginsInTheGuidesOrder) {
   ASSERT_GE(gait_parameters().size(), std::size(kGuideRows));
-  for (std::size_t i = 0; i < std::size(kGuideRows); ++i) {
-    const ParameterRow& row = gait_parameters()[i];
-    const GuideRow& guide = kGuideRows[i];
+  for (std::size_t i = 0; i < std::size(kGuideRows); ++i)
+    EXPECT_EQ(gait_parameters()[i].name, kGuideRows[i].name);
+}
+
+TEST(GuideRanges, AreTheGuides) {
+  const AdaptationRanges ranges = guide_ranges();
+  EXPECT_NO_THROW(ranges.validate("the guide"));
+  for (const GuideRow& guide : kGuideRows) {
     SCOPED_TRACE(guide.name);
-    EXPECT_EQ(row.name, guide.name);
+    const ParameterRow row = ranges.row(guide.name);
     EXPECT_EQ(row.min, guide.min);
     EXPECT_EQ(row.max, guide.max);
-    EXPECT_EQ(row.default_value(), guide.default_value);
+    EXPECT_EQ(guide_adaptive_parameters().*row.member, guide.default_value);
     EXPECT_EQ(row.delta_scale, guide.delta_scale);
   }
 }
@@ -63,7 +68,7 @@ TEST(ParameterTable, NamesEveryNumberOfTheStruct) {
 }
 
 TEST(ParameterRow, NormalisesItsRangeToOne) {
-  const ParameterRow& row = find_parameter("cycle_time");
+  const ParameterRow row = guide_ranges().row("cycle_time");
   EXPECT_EQ(row.normalise(0.8), -1);
   EXPECT_EQ(row.normalise(1.5), 1);
   EXPECT_NEAR(row.normalise(1.15), 0, 1e-15);  // roundings of numbers near one
@@ -95,17 +100,17 @@ TEST(SetParameter, AnUnknownNameIsAnErrorThatListsTheKnown) {
 
 TEST(SetParameter, TakesWhateverIsValidAlsoOutsideTheRange) {
   GaitParameters p;
-  set(p, "cycle_time", 0.5);
-  set(p, "step_length", 0.11);
-  assign(p, "body_height=.07");
-  EXPECT_EQ(p.cycle_time, 0.5);
+  set(p, "cycle_time", 1.5);
+  set(p, "step_length", 0.125);
+  assign(p, "body_height=.08");
+  EXPECT_EQ(p.cycle_time, 1.5);
   EXPECT_TRUE(is_valid(p));
   const std::vector<std::string> notes = outside_ranges(p, GaitParameters{});
   ASSERT_EQ(notes.size(), 3U);  // in the order of the table
-  EXPECT_EQ(notes[0], "step_length = 0.11 m lies outside the range for adaptation, 0.03 to 0.1 m");
+  EXPECT_EQ(notes[0], "step_length = 0.125 m lies outside the range for adaptation, 0 to 0.12 m");
   EXPECT_EQ(outside_ranges(p, p).size(), 0U) << "as usual";
   AdaptationRanges ranges;
-  ranges.ranges["cycle_time"] = {0.15, 0.8};
+  ranges.ranges["cycle_time"] = {0.8, 1.5};
   EXPECT_EQ(outside_ranges(p, GaitParameters{}, ranges).size(), 2U);
 }
 
@@ -115,8 +120,8 @@ TEST(AdaptationRanges, ReplaceWhatTheyMention) {
   ranges.delta_scales["step_height"] = 0.001;
   EXPECT_NO_THROW(ranges.validate("here"));
   EXPECT_EQ(ranges.row("cycle_time").min, 0.15);
-  EXPECT_EQ(ranges.row("cycle_time").delta_scale, 0.05);
-  EXPECT_EQ(ranges.row("step_height").max, 0.09);
+  EXPECT_EQ(ranges.row("cycle_time").delta_scale, find_parameter("cycle_time").delta_scale);
+  EXPECT_EQ(ranges.row("step_height").max, find_parameter("step_height").max);
   EXPECT_EQ(ranges.row("step_height").delta_scale, 0.001);
   EXPECT_THROW((void)ranges.row("girth"), ConfigError);
 }
@@ -139,7 +144,7 @@ TEST(AdaptationRanges, MustBeValidAndWideEnough) {
 }
 
 TEST(ParameterRow, MovesAValueFromOutsideOnlyNearer) {
-  const ParameterRow& row = find_parameter("cycle_time");  // .8 to 1.5
+  const ParameterRow row = guide_ranges().row("cycle_time");  // .8 to 1.5
   EXPECT_EQ(row.moved(1, 0.25), 1.25);
   EXPECT_EQ(row.moved(1, 9), 1.5);
   EXPECT_EQ(row.moved(0.5, 0), 0.5);
@@ -159,7 +164,7 @@ TEST(SetParameter, AnInvalidValueIsAnErrorWithLimitsAndUnit) {
       EXPECT_EQ(e.element(), "step_length");
       EXPECT_EQ(e.expected(), "-1000 to 1000 m");
     }
-    EXPECT_EQ(p.step_length, 0.06);  // untouched
+    EXPECT_EQ(p.step_length, GaitParameters{}.step_length);  // untouched
   }
 }
 
@@ -185,10 +190,13 @@ TEST(AssignParameter, NonsenseIsAnError) {
 }
 
 TEST(ClipParameters, MovesIntoTheRanges) {
-  const GaitParameters clipped = clip(guide_parameters());
-  EXPECT_EQ(clipped.body_height, 0.055);
-  EXPECT_EQ(clipped.step_height, 0.03);
-  EXPECT_EQ(clipped.step_length, 0.05);
+  GaitParameters p;
+  p.body_height = 1;
+  p.step_height = 0;
+  const GaitParameters clipped = clip(p);
+  EXPECT_EQ(clipped.body_height, find_parameter("body_height").max);
+  EXPECT_EQ(clipped.step_height, find_parameter("step_height").min);
+  EXPECT_EQ(clipped.step_length, p.step_length);
 }
 
 TEST(GuideParameters, AreTheGuidesDefaults) {

@@ -16,16 +16,18 @@ inline LegArray<Vector3> leg_origins() {
 
 /// Top speed of any foot over a cycle of the stride, m/s: central differences of the path at 400 phases.
 inline double top_foot_speed(const GaitParameters& parameters, const LegArray<Vector2>& step,
-                             const LegArray<double>& duty, SwingCurve curve) {
+                             SwingCurve curve) {
   constexpr int kSamples = 400;
   constexpr double kStep = 1e-6;
   double top = 0;
   for (const Leg leg : kLegs) {
-    const FootStride stride{step[leg], duty[leg], 1, curve};
+    const FootStride stride{step[leg], 1, curve};
     for (int i = 0; i < kSamples; ++i) {
       const double phase = (i + 0.5) / kSamples;  // never on a corner between swing and stance
-      const Vector3 ahead = foot_position(parameters, leg, leg_phase(phase + kStep, 0, duty[leg]), stride);
-      const Vector3 behind = foot_position(parameters, leg, leg_phase(phase - kStep, 0, duty[leg]), stride);
+      const auto at = [&](double clock) {
+        return foot_position(parameters, leg, leg_phase(clock, 0, parameters.duty_factor), stride);
+      };
+      const Vector3 ahead = at(phase + kStep), behind = at(phase - kStep);
       top = std::max(top, (ahead - behind).norm() / (2 * kStep * parameters.cycle_time));
     }
   }

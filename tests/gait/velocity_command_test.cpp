@@ -19,8 +19,6 @@ LegArray<Vector2> square() {
   return feet;
 }
 
-LegArray<double> stance(double seconds) { return {{seconds, seconds, seconds, seconds}}; }
-
 TEST(FootVelocities, OfATranslationAreTheBodys) {
   for (const Vector2& v : foot_velocities({0.2, -0.1, 0}, square())) EXPECT_EQ(v, Vector2(0.2, -0.1));
 }
@@ -37,7 +35,7 @@ TEST(FootVelocities, OfATurnAreTangents) {
 }
 
 TEST(PlanSteps, TakesVelocityTimesStanceTime) {
-  const StepPlan plan = plan_steps(foot_velocities({0.1, 0.05, 0}, square()), stance(0.4), {});
+  const StepPlan plan = plan_steps(foot_velocities({0.1, 0.05, 0}, square()), 0.4, {});
   EXPECT_EQ(plan.limit_factor, 1);
   for (const Vector2& step : plan.step) EXPECT_EQ(step, Vector2(0.1 * 0.4, 0.05 * 0.4));
 }
@@ -45,7 +43,7 @@ TEST(PlanSteps, TakesVelocityTimesStanceTime) {
 TEST(PlanSteps, ScalesAllStepsWhenOneIsTooLong) {
   const LegArray<Vector2> velocity = foot_velocities({0.2, 0, 1}, square());
   const StepLimits limits{0.05, 0.02};
-  const StepPlan plan = plan_steps(velocity, stance(0.4), limits);
+  const StepPlan plan = plan_steps(velocity, 0.4, limits);
   EXPECT_LT(plan.limit_factor, 1);
   double longest = 0;
   for (const Leg leg : kLegs) {
@@ -57,7 +55,7 @@ TEST(PlanSteps, ScalesAllStepsWhenOneIsTooLong) {
 }
 
 TEST(PlanSteps, OfNothingIsNothing) {
-  const StepPlan plan = plan_steps(foot_velocities({}, square()), stance(0.4), {});
+  const StepPlan plan = plan_steps(foot_velocities({}, square()), 0.4, {});
   EXPECT_EQ(plan.limit_factor, 1);
   for (const Vector2& step : plan.step) EXPECT_EQ(step, Vector2(0, 0));
 }

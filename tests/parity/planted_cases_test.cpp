@@ -127,9 +127,10 @@ TEST(PlantedBehaviours, ASingleHiddenFactorIsNamed) {
         return with(has ? std::vector<std::string>{hidden} : std::vector<std::string>{});
       };
       const auto trot = [](std::shared_ptr<const RobotDescription> robot) {
-        return make_gait_source(choose_gait("trot", {}), std::move(robot));
+        return make_gait_source(choose_gait("trot:guide", {}), std::move(robot));
       };
-      const Behaviour walk = behaviour_of(world_on("flat"), "trot", trot, 0.6);
+      // A gait whose feet slip, for a cause of slip.
+      const Behaviour walk = behaviour_of(world_on("flat"), "trot:guide", trot, 0.6);
       const Attribution attribution = attribute(walk, family, {.starts = 4});
       const std::size_t slip = index_of(walk.statistics, "slip of loaded feet");
       EXPECT_EQ(attribution.leading(slip), std::vector<std::string>{hidden}) << describe(attribution);

@@ -45,11 +45,12 @@ TEST(RunSpec, HasOneTextThatStays) {
       "";  // of angles that another machine's sine may round otherwise
   EXPECT_EQ(
       json.dump(),
-      R"({"behaviour":{"command":null,"compensation":true,"control_dt":0.002,)"
-      R"("ends":["diverged"],"friction":0.6,"gait":"trot",)"
-      R"("kind":"walk","parameters":{"body_height":0.05,"cycle_time":0.8,"foot_clearance":0.0,)"
+      R"({"behaviour":{"bands":[],"command":null,"compensation":true,"control_dt":0.002,)"
+      R"("ends":["diverged"],"friction":0.6,"gait":"trot","heading_hold":true,)"
+      R"("kind":"walk","parameters":{"body_height":0.062,"cycle_time":0.24,"duty_factor":0.6,"foot_clearance":0.0,)"
       R"("lateral_offset_fl":0.0,"lateral_offset_fr":0.0,"lateral_offset_rl":0.0,"lateral_offset_rr":0.0,)"
-      R"("stance_width":0.08,"step_height":0.03,"step_length":0.06,"swing":"bezier","swing_shape":0.35},"physics_dt":0.001,)"
+      R"("load_share":0.8,"stance_width":0.0,"step_height":0.04,"step_length":0.04,"swing":"bezier","swing_shape":0.1},)"
+      R"("physics_dt":0.001,)"
       R"("robot":{"description":"","name":"scara_quadruped"},"seconds":0.3,"settle_seconds":0.1,)"
       R"("terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"crossgait":"","engine":"mujoco","engine_version":"2.2.2",)"
       R"("schema":{"name":"run","version":1},"seed":3,"start":1,)"
@@ -109,6 +110,16 @@ TEST(RunSpec, ChangesWithEveryFieldOfAWalk) {
   add("vy", [](WalkConfig& c) { c.gait.command = VelocityCommand{0, 0.1, 0}; });
   add("yaw rate", [](WalkConfig& c) { c.gait.command = VelocityCommand{0, 0, 0.1}; });
   add("compensation", [](WalkConfig& c) { c.compensation = false; });
+  add("heading_hold", [](WalkConfig& c) { c.heading_hold = false; });
+  add("bands", [](WalkConfig& c) { c.gait.bands = default_speed_bands(); });
+  add("a band's end", [](WalkConfig& c) {
+    c.gait.bands = default_speed_bands();
+    c.gait.bands[0].below += 0.01;
+  });
+  add("a band's parameter", [](WalkConfig& c) {
+    c.gait.bands = default_speed_bands();
+    c.gait.bands[1].gait.preferred.cycle_time += 0.01;
+  });
   add("ends", [](WalkConfig& c) { c.ends.add(Outcome::kFell); });
   add("seconds", [](WalkConfig& c) { c.timing.seconds = 0.4; });
   add("control_dt", [](WalkConfig& c) { c.timing.control_dt = 4e-3; });
@@ -217,11 +228,11 @@ TEST_F(RunFiles, ARobotIsWhatItIsWhereverItsFileLies) {
 }
 
 TEST_F(RunFiles, APolicyIsItsBytesWhereverTheyLie) {
-  const std::string text = "{kind: scripted, layout_version: 2, steps: [{time: 0.2}]}";
+  const std::string text = "{kind: scripted, layout_version: 3, steps: [{time: 0.2}]}";
   const std::string one = write("one.yaml", text), two = write("two.yaml", text);
   EXPECT_EQ(hash_of_policy(one), hash_of_policy(two));
   const std::string before = hash_of_policy(one);
-  write("one.yaml", "{kind: scripted, layout_version: 2, steps: [{time: 0.3}]}");
+  write("one.yaml", "{kind: scripted, layout_version: 3, steps: [{time: 0.3}]}");
   EXPECT_NE(hash_of_policy(one), before);
 }
 

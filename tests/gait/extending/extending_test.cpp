@@ -25,6 +25,7 @@ LegArray<Vector3> leg_origins() {
 
 AdaptiveGaitOptions with_swing_outward() {
   AdaptiveGaitOptions options;
+  options.initial = guide_adaptive_parameters();  // round numbers
   options.parameters.emplace_back("swing_outward");
   return options;
 }
@@ -44,7 +45,7 @@ TEST(NewParameter, IsInTheTable) {
 }
 
 TEST(NewParameter, WidensActionsAndObservations) {
-  AdaptiveGaitController c(find_gait("trot"), with_swing_outward(), leg_origins());
+  AdaptiveGaitController c(find_gait("trot:guide"), with_swing_outward(), leg_origins());
   EXPECT_EQ(c.action_size(), 17u);
   std::vector<double> action(c.action_size(), 0.0);
   action[4] = 1;
@@ -58,7 +59,7 @@ TEST(NewParameter, WidensActionsAndObservations) {
 }
 
 TEST(NewParameter, IsInTheEnvironmentsLayouts) {
-  AdaptiveGaitController c(find_gait("trot"), with_swing_outward(), leg_origins());
+  AdaptiveGaitController c(find_gait("trot:guide"), with_swing_outward(), leg_origins());
   const Layout action = action_layout(c.adapted());
   ASSERT_EQ(action.size(), 17u);
   EXPECT_EQ(action.entries[4].name, "delta.swing_outward");
@@ -69,7 +70,7 @@ TEST(NewParameter, IsInTheEnvironmentsLayouts) {
 }
 
 TEST(NewParameter, MovesFeetGraduallyAndOnlyInSwing) {
-  AdaptiveGaitController c(find_gait("trot"), with_swing_outward(), leg_origins());
+  AdaptiveGaitController c(find_gait("trot:guide"), with_swing_outward(), leg_origins());
   for (int i = 0; i < 90; ++i) c.update(kDt);  // near mid-swing, where it matters most
   c.add_deltas(std::vector<double>{0, 0, 0, 0, 0.03});
   LegArray<FootTarget> before = c.targets();
@@ -92,11 +93,11 @@ TEST(NewParameter, MovesFeetGraduallyAndOnlyInSwing) {
 }
 
 TEST(NewParameter, TakesTheBlameForTargetsOutOfReach) {
-  GaitParameters p;
+  GaitParameters p = guide_adaptive_parameters();
   p.swing_outward = 0.03;
   p.step_length = 0.08;
   const TargetCheck narrow = [](Leg, const Vector3& target) { return std::abs(target.y()) < 0.05; };
-  const CycleCheck result = check_cycle(find_gait("trot"), p, narrow);
+  const CycleCheck result = check_cycle(find_gait("trot:guide"), p, narrow);
   EXPECT_FALSE(result.ok());
   EXPECT_EQ(result.offending, (std::vector<std::string_view>{"swing_outward"}));
 }
@@ -105,9 +106,11 @@ TEST(NewGait, IsFoundAndWalks) {
   const Gait& amble = find_gait("amble");
   EXPECT_NO_THROW(validate(amble));
   EXPECT_EQ(phase_name(amble, 0.3), "fl_lift");
-  GaitGenerator generator(amble, amble.preferred, leg_origins());
+  GaitParameters slow = amble.preferred;
+  slow.cycle_time = 0.8;
+  GaitGenerator generator(amble, slow, leg_origins());
   LegArray<int> swinging = {};
-  for (int i = 0; i < 400; ++i) {  // one cycle of .8 s
+  for (int i = 0; i < 400; ++i) {  // one cycle
     generator.update(kDt);
     for (const Leg leg : kLegs) swinging[leg] += generator.targets()[leg].swing;
   }
