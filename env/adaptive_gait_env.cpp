@@ -112,6 +112,7 @@ void AdaptiveGaitEnv::reset(std::uint64_t seed, std::span<double> observation) {
   // Standing is the gait's first target held; walking begins after it, part of a cycle if so drawn.
   e.standing = target_positions(e.controller.targets());
   e.controller.generator().set_sweep(e.legs.foot_sweep(e.standing, e.controller.parameters()));
+  e.legs.set_load_share(e.controller.parameters().load_share);
   e.loop.start(*backend_, source_, draw_start());
   e.result.terminated = e.loop.ended();
   e.begun = true;

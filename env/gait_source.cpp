@@ -33,6 +33,7 @@ TargetSource walk_legs(Gait gait, LegController legs, const std::optional<Veloci
                        const HeadingHold& heading_hold) {
   const LegArray<Vector3> standing = target_positions(generator_of(gait).targets());
   gait.set_sweep(legs.foot_sweep(standing, generator_of(gait).parameters()));
+  legs.set_load_share(generator_of(gait).parameters().load_share);
   const auto own = std::make_shared<GaitOnLegs<Gait>>(
       GaitOnLegs<Gait>{std::move(gait), std::move(legs), command, heading_hold, standing});
   return {.stand =

@@ -137,10 +137,7 @@ const LegArray<FootTarget>& GaitGenerator::update(double dt) noexcept {
   if (!settled_) {
     const Stride wanted = wanted_stride();
     if (is_standing()) {
-      // No foot is anywhere in its cycle: begin a new one.
-      adopt_gait();
-      clock_.set(0);
-      place_feet();
+      begin_cycle(wanted.parameters);
     }
     approach(wanted, dt);
   }
@@ -237,6 +234,22 @@ void GaitGenerator::turn_to_gait(double cycles) noexcept {
 void GaitGenerator::adopt_gait() noexcept {
   offset_ = gait_.offset;
   in_step_ = true;
+}
+
+/// From the stand, where no foot is anywhere in its cycle: all that is wanted is in effect at once, but for
+/// what standing feet, and their servos, feel.
+void GaitGenerator::begin_cycle(const GaitParameters& wanted) noexcept {
+  adopt_gait();
+  clock_.set(0);
+  const GaitParameters before = effective_.parameters;
+  effective_.parameters = wanted;
+  for (const auto felt :
+       {&GaitParameters::body_height, &GaitParameters::stance_width, &GaitParameters::lateral_offset_fl,
+        &GaitParameters::lateral_offset_fr, &GaitParameters::lateral_offset_rl,
+        &GaitParameters::lateral_offset_rr, &GaitParameters::load_share}) {
+    effective_.parameters.*felt = before.*felt;
+  }
+  place_feet();
 }
 
 LegPhase GaitGenerator::phase_of(Leg leg, const Stride& stride) const noexcept {

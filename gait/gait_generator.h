@@ -95,6 +95,7 @@ class GaitGenerator {
   double shift_speed(const Stride& wanted) const noexcept;
   void turn_to_gait(double cycles) noexcept;
   void adopt_gait() noexcept;
+  void begin_cycle(const GaitParameters& wanted) noexcept;
   void place_feet() noexcept;
   LegPhase phase_of(Leg leg, const Stride& stride) const noexcept;
   Vector3 position_of(Leg leg, const Stride& stride) const noexcept;

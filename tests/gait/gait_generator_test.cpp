@@ -412,6 +412,26 @@ TEST(Command, ReversesThroughZeroSteps) {
   for (const Leg leg : kLegs) EXPECT_NEAR(g.effective().step[leg].x(), -0.04, 1e-16);  // one rounding
 }
 
+TEST(StandingStart, TakesUpAtOnceWhatMovesNoStandingFoot) {
+  GaitGenerator g = generator("walk:guide");
+  g.reset(GaitGenerator::Start::kStanding);
+  GaitParameters p = guide_adaptive_parameters();
+  p.cycle_time = 0.3;
+  p.body_height = 0.045;
+  g.set_gait(find_gait("trot:guide"));
+  ASSERT_TRUE(g.set_parameters(p));
+  const LegArray<FootTarget> before = g.targets();
+  g.update(kDt);
+  EXPECT_EQ(g.effective().parameters.cycle_time, 0.3);
+  EXPECT_EQ(g.effective().parameters.duty_factor, p.duty_factor);
+  EXPECT_GT(g.effective().parameters.body_height, 0.0495);  // .05 m, and on its way
+  for (const Leg leg : kLegs) {
+    EXPECT_LT((g.targets()[leg].position - before[leg].position).norm(), 1e-3);
+  }
+  run(g, 1);
+  EXPECT_EQ(g.effective().parameters.body_height, 0.045);
+}
+
 TEST(StandingStart, BeginsWithAllFeetInPlace) {
   GaitGenerator g = generator();
   g.reset(GaitGenerator::Start::kStanding);
