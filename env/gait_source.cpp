@@ -112,7 +112,8 @@ TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const Ro
   const LegArray<Vector3> p_BL = leg_origins(*robot);
   LegController legs(std::move(robot), layers.compensation);
   if (!choice.gait) {
-    MultiGaitOptions options;
+    MultiGaitOptions options =
+        choice.automatic == kGuidesAutomaticGait ? guide_multi_gait_options() : MultiGaitOptions();
     options.bands = choice.bands;
     MultiGaitController controller(options, p_BL);
     require(!choice.command || controller.set_command(*choice.command));

@@ -26,6 +26,11 @@ const MultiGaitOptions& validated(const MultiGaitOptions& options) {
   if (!(options.hysteresis >= 0 && std::isfinite(options.hysteresis))) {
     throw ConfigError(kSource, "hysteresis", "0 m/s or more", fmt::format("{:g}", options.hysteresis));
   }
+  validate(options.limits, kSource);
+  if (!(options.longest_step > 0 && options.longest_step <= options.limits.max_x)) {
+    throw ConfigError(kSource, "longest_step", fmt::format("above 0, at most {:g} m", options.limits.max_x),
+                      fmt::format("{:g}", options.longest_step));
+  }
   constexpr double kShortest = 0.05;
   if (!(options.shortest_cycle >= kShortest && std::isfinite(options.shortest_cycle))) {
     throw ConfigError(kSource, "shortest_cycle", fmt::format("{} s or more", kShortest),
@@ -43,6 +48,14 @@ std::vector<SpeedBand> default_speed_bands() { return {{find_gait("walk"), 0.08}
 
 std::vector<SpeedBand> guide_speed_bands() {
   return {{find_gait("walk:guide"), 0.1}, {find_gait("trot:guide"), 0.3}, {find_gait("gallop:guide"), 0}};
+}
+
+MultiGaitOptions guide_multi_gait_options() {
+  MultiGaitOptions options;
+  options.bands = guide_speed_bands();
+  options.longest_step = 0.10;
+  options.shortest_cycle = 0.4;
+  return options;
 }
 
 MultiGaitController::MultiGaitController(const MultiGaitOptions& options, const LegArray<Vector3>& p_BL)
@@ -117,13 +130,14 @@ LegArray<Vector2> MultiGaitController::foot_velocities_asked() const noexcept {
   return foot_velocities(command_, feet);
 }
 
-/// The gait's own cycle time, or shorter by as much as its steps would be too long.
+/// The gait's own cycle time, or shorter by as much as its steps would be longer than `longest_step`.
 double MultiGaitController::cycle_time(const Gait& gait, const LegArray<Vector2>& velocity) const noexcept {
   const double preferred = gait.preferred.cycle_time;
   // A hair more than needed, so that what fits is not reported as limited by a rounding error.
   constexpr double kHair = 1 - 1e-12;
-  const double fits =
-      plan_steps(velocity, gait.preferred.duty_factor * preferred, options_.limits).limit_factor;
+  const StepLimits comfortable{options_.longest_step,
+                               options_.limits.max_y * options_.longest_step / options_.limits.max_x};
+  const double fits = plan_steps(velocity, gait.preferred.duty_factor * preferred, comfortable).limit_factor;
   if (fits == 1) return preferred;
   return std::min(preferred, std::max(options_.shortest_cycle, kHair * fits * preferred));
 }

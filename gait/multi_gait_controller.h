@@ -26,9 +26,13 @@ struct MultiGaitOptions {
   std::optional<GaitParameters> parameters;
   double hysteresis =
       0.02;  ///< a slower gait takes over this far below the speed where the faster one did, m/s
-  double shortest_cycle = 0.15;  ///< where steps reach their limit the cycle shortens down to this, s
+  double longest_step = 0.09;  ///< forward, m; sideways in proportion to `limits`. The cycle shortens first,
+  double shortest_cycle = 0.15;  ///< down to this, s; then steps grow up to their limits
   StepLimits limits;
 };
+
+/// The guide's bands, and how it shortens its cycles.
+MultiGaitOptions guide_multi_gait_options();
 
 /// Walks at a commanded velocity with the gait for its speed (of the fastest foot, for turns), or with a
 /// forced one; stands at zero, reverses, and changes from one gait to the next without a jump (see

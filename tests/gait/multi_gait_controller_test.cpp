@@ -13,15 +13,8 @@ namespace {
 
 using test::kDt;
 
-// The guide's bands, whose numbers are round.
-MultiGaitOptions guide_bands_options() {
-  MultiGaitOptions options;
-  options.bands = guide_speed_bands();
-  options.shortest_cycle = 0.4;
-  return options;
-}
-
-MultiGaitController by_speed(const MultiGaitOptions& options = guide_bands_options()) {
+// The guide's numbers are round.
+MultiGaitController by_speed(const MultiGaitOptions& options = guide_multi_gait_options()) {
   return {options, test::leg_origins()};
 }
 
@@ -108,17 +101,31 @@ TEST(MultiGait, FollowsTheCommandedSpeedInEveryGait) {
 
 TEST(MultiGait, ShortensTheCycleBeforeItLimitsTheSpeed) {
   MultiGaitController c = by_speed();
-  // Gallop stands .75 of .6 s: at .3 m/s steps of .135 m, over the limit of .13 m unless the cycle shrinks to
-  // .578 s.
+  // Gallop stands .75 of .6 s: at .3 m/s steps of .135 m, longer than .10 m unless the cycle shrinks to
+  // .444 s.
   ASSERT_TRUE(c.set_speed(0.3));
   run(c, 5);
-  EXPECT_NEAR(c.generator().parameters().cycle_time, 0.13 / (0.75 * 0.3), 1e-12);  // and a hair less
+  EXPECT_NEAR(c.generator().parameters().cycle_time, 0.10 / (0.75 * 0.3), 1e-12);  // and a hair less
   EXPECT_EQ(c.generator().limit_factor(), 1);
   // At 1 m/s not even the shortest cycle will do: .75 * .4 s * 1 m/s is beyond the limit.
   ASSERT_TRUE(c.set_speed(1));
   run(c, 5);
   EXPECT_EQ(c.generator().parameters().cycle_time, 0.4);
   EXPECT_NEAR(c.generator().limit_factor(), 0.13 / 0.3, 1e-15);  // roundings of a number below one
+}
+
+TEST(MultiGait, ShortensTheCycleWhereStepsGetLong) {
+  MultiGaitOptions options;
+  MultiGaitController c = by_speed(options);
+  const GaitParameters trot = find_gait("trot").preferred;
+  const auto cycle_at = [&](double speed) {
+    EXPECT_TRUE(c.set_speed(speed));
+    return c.generator().parameters().cycle_time;
+  };
+  const double from = options.longest_step / (trot.duty_factor * trot.cycle_time);
+  EXPECT_EQ(cycle_at(0.99 * from), trot.cycle_time);
+  EXPECT_NEAR(cycle_at(1.25 * from), trot.cycle_time / 1.25, 1e-12);  // and a hair less
+  EXPECT_EQ(cycle_at(10 * from), options.shortest_cycle);
 }
 
 TEST(MultiGait, TurnsInPlaceWithTheGaitForItsFeet) {
@@ -158,7 +165,7 @@ TEST(MultiGait, CanBeForced) {
 }
 
 TEST(MultiGait, UsesItsParametersButTheGaitsCycleTime) {
-  MultiGaitOptions options = guide_bands_options();
+  MultiGaitOptions options = guide_multi_gait_options();
   options.parameters = guide_adaptive_parameters();
   options.parameters->body_height = 0.045;
   MultiGaitController c = by_speed(options);
@@ -175,7 +182,7 @@ TEST(MultiGait, UsesItsParametersButTheGaitsCycleTime) {
 }
 
 TEST(MultiGait, WithoutParametersUsesEveryGaitsPreferred) {
-  MultiGaitOptions options = guide_bands_options();
+  MultiGaitOptions options = guide_multi_gait_options();
   options.bands[1].gait.preferred.body_height = 0.042;
   MultiGaitController c = by_speed(options);
   ASSERT_TRUE(c.set_speed(0.2));
@@ -207,7 +214,7 @@ TEST(MultiGait, RefusesNonsenseCommands) {
 
 TEST(MultiGait, BadOptionsAreErrors) {
   const auto with = [](const auto& change) {
-    MultiGaitOptions options = guide_bands_options();
+    MultiGaitOptions options = guide_multi_gait_options();
     change(options);
     by_speed(options);
   };
@@ -215,6 +222,8 @@ TEST(MultiGait, BadOptionsAreErrors) {
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.bands[1].below = 0.05; }), ConfigError);
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.bands[0].gait.preferred.duty_factor = 0; }), ConfigError);
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.hysteresis = -0.1; }), ConfigError);
+  EXPECT_THROW(with([](MultiGaitOptions& o) { o.longest_step = 0; }), ConfigError);
+  EXPECT_THROW(with([](MultiGaitOptions& o) { o.longest_step = 2 * o.limits.max_x; }), ConfigError);
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.shortest_cycle = 0; }), ConfigError);
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.limits.max_x = 0; }), ConfigError);
   EXPECT_THROW(with([](MultiGaitOptions& o) { o.parameters = GaitParameters{.cycle_time = 0}; }),
