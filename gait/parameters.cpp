@@ -64,14 +64,16 @@ bool holds(const ParameterRow& row, double value) {
   return value >= valid_from(row.member) && value <= valid_to(row.member);
 }
 
+/// " m", " s"; nothing for what has no unit.
+std::string unit_of(const ParameterRow& row) { return row.unit == "-" ? "" : fmt::format(" {}", row.unit); }
+
 std::string valid_range(const ParameterRow& row) {
-  return fmt::format("{:g} to {:g}", valid_from(row.member), valid_to(row.member));
+  return fmt::format("{:g} to {:g}{}", valid_from(row.member), valid_to(row.member), unit_of(row));
 }
 
 void require_valid(std::string_view source, const ParameterRow& row, double value) {
   if (holds(row, value)) return;
-  throw ConfigError(source, row.name, fmt::format("{} {}", valid_range(row), row.unit),
-                    fmt::format("{:g}", value));
+  throw ConfigError(source, row.name, valid_range(row), fmt::format("{:g}", value));
 }
 
 SwingCurve curve_from_name(std::string_view text) {
@@ -193,7 +195,7 @@ void AdaptationRanges::validate(std::string_view source) const {
     const ParameterRow& row = find_parameter(name);
     if (!(holds(row, range.min) && holds(row, range.max) && range.min < range.max)) {
       throw ConfigError(source, fmt::format("ranges.{}", name),
-                        fmt::format("[min, max], min < max, within {} {}", valid_range(row), row.unit),
+                        fmt::format("[min, max], min < max, within {}", valid_range(row)),
                         fmt::format("[{:g}, {:g}]", range.min, range.max));
     }
   }
@@ -201,8 +203,8 @@ void AdaptationRanges::validate(std::string_view source) const {
     const ParameterRow changed = row(name);
     if (!(scale > 0 && scale <= changed.max - changed.min)) {
       throw ConfigError(source, fmt::format("delta_scales.{}", name),
-                        fmt::format("a number above 0, at most {:g} {}, the width of the range",
-                                    changed.max - changed.min, changed.unit),
+                        fmt::format("a number above 0, at most {:g}{}, the width of the range",
+                                    changed.max - changed.min, unit_of(changed)),
                         fmt::format("{:g}", scale));
     }
   }
@@ -215,8 +217,8 @@ std::vector<std::string> outside_ranges(const GaitParameters& parameters, const 
     const ParameterRow row = ranges.row(known.name);
     const double value = parameters.*row.member;
     if (value == usual.*row.member || (value >= row.min && value <= row.max)) continue;
-    notes.push_back(fmt::format("{} = {:g} {} lies outside the range for adaptation, {:g} to {:g} {}",
-                                row.name, value, row.unit, row.min, row.max, row.unit));
+    notes.push_back(fmt::format("{} = {:g}{} lies outside the range for adaptation, {:g} to {:g}{}", row.name,
+                                value, unit_of(row), row.min, row.max, unit_of(row)));
   }
   return notes;
 }

@@ -168,6 +168,19 @@ TEST(SetParameter, AnInvalidValueIsAnErrorWithLimitsAndUnit) {
   }
 }
 
+TEST(SetParameter, WhatHasNoUnitIsNamedWithoutOne) {
+  GaitParameters p;
+  try {
+    set(p, "duty_factor", 1.2);
+    FAIL() << "no error";
+  } catch (const ConfigError& e) {
+    EXPECT_EQ(e.expected(), "0.05 to 0.95");
+  }
+  set(p, "duty_factor", 0.4);
+  EXPECT_EQ(outside_ranges(p, GaitParameters{}),
+            std::vector<std::string>{"duty_factor = 0.4 lies outside the range for adaptation, 0.5 to 0.9"});
+}
+
 TEST(AssignParameter, ReadsNumbersAndCurves) {
   GaitParameters p;
   assign(p, "step_length=.08");
