@@ -60,8 +60,9 @@ TEST(HierarchicalPolicy, PlansInStepZeroAndThenAtItsPace) {
   for (int episode = 0; episode < 2; ++episode) {
     policy.reset(0);
     for (int i = 0; i < 120; ++i) {
-      const double delta = i % 50 == 0 ? -(i / 50 + 1) * 0.01 : 0;  // of terrain.front, which is -1
-      const double residual = std::min(1.0, (i + 1) * 0.01);        // of p_WB.x, which is 1
+      const int plans = i / 50 + 1;
+      const double delta = i % 50 == 0 ? -plans * 0.01 : 0;   // of terrain.front, which is -1
+      const double residual = std::min(1.0, (i + 1) * 0.01);  // of p_WB.x, which is 1
       EXPECT_EQ(plan_and_act(policy), (std::vector<double>{delta, delta, residual, residual})) << i;
     }
   }
@@ -69,7 +70,10 @@ TEST(HierarchicalPolicy, PlansInStepZeroAndThenAtItsPace) {
 
 TEST(HierarchicalPolicy, HoldsDeltasIfAsked) {
   HierarchicalPolicy policy = counting(6e-3, true);
-  for (int i = 0; i < 9; ++i) EXPECT_EQ(plan_and_act(policy)[0], -(i / 3 + 1) * 0.01) << i;
+  for (int i = 0; i < 9; ++i) {
+    const int plans = i / 3 + 1;
+    EXPECT_EQ(plan_and_act(policy)[0], -plans * 0.01) << i;
+  }
 }
 
 TEST(HierarchicalPolicy, HeldDeltasOfATenthOfASecondCrossTheWholeRange) {

@@ -103,7 +103,7 @@ TEST(PlantedBehaviours, AGlideOnSoftFrictionIsTheEnginesAndItsFrictionIsNamed) {
   for (const EngineFamily& ends : engine_families()) {
     const WorldSpec spec = world_on("slope:angle=20");
     const auto stand = [](std::shared_ptr<const RobotDescription> robot) {
-      const LegArray<Vector3> feet = standing_feet("trot", *robot);
+      LegArray<Vector3> feet = standing_feet("trot", *robot);
       return make_feet_source([feet](double) { return feet; }, std::move(robot));
     };
     const Behaviour glide = behaviour_of(spec, "glide", stand, 1.5, 0.5);
