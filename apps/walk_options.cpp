@@ -73,7 +73,7 @@ void WalkOptions::add_to(CLI::App& command) {
 WalkConfig WalkOptions::make() const {
   WalkConfig made = config;
   try {
-    if (gait != kAutomaticGait && gait != kGuidesAutomaticGait) static_cast<void>(find_gait(gait));
+    if (!is_automatic(gait)) static_cast<void>(find_gait(gait));
   } catch (const ConfigError& error) {
     throw ConfigError(error.source(), error.element(),
                       fmt::format("{}, {}, {}", error.expected(), kAutomaticGait, kGuidesAutomaticGait),

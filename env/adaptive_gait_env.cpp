@@ -45,16 +45,15 @@ AdaptiveGaitEnv::Episode AdaptiveGaitEnv::make_episode() const {
 }
 
 TargetSource AdaptiveGaitEnv::make_source() {
-  const auto solve = [this](const LegArray<Vector3>& feet, double dt, ControlTargets& out) {
-    solve_legs(episode_.legs, feet, dt, out);
+  const auto stay = [this](double dt, ControlTargets& out) {
+    solve_legs(episode_.legs, episode_.standing, dt, out);
     episode_.info.ik_clamped += out.ik_clamped;
   };
-  const auto advance = [this, solve](double dt, ControlTargets& out) {
+  const auto advance = [this](double dt, ControlTargets& out) {
     const LegArray<FootTarget>& feet = episode_.controller.update(dt);
-    const GaitGenerator& generator = episode_.controller.generator();
-    episode_.legs.set_load_share(generator.effective().parameters.load_share);
-    solve(target_positions(feet), dt, out);
-    describe_plan(generator, feet, config().command ? std::optional(episode_.command) : std::nullopt, out);
+    drive_legs(episode_.legs, episode_.controller.generator(), feet,
+               config().command ? std::optional(episode_.command) : std::nullopt, dt, out);
+    episode_.info.ik_clamped += out.ik_clamped;
   };
   const auto look = [this](const RobotState& state, double dt) {
     const HeadingHold hold = config().heading_hold ? HeadingHold() : HeadingHold::none();
@@ -65,7 +64,7 @@ TargetSource AdaptiveGaitEnv::make_source() {
               [this](const Terrain& terrain, const Placement& placement) {
                 return episode_.legs.standing_state(episode_.standing, terrain, placement);
               },
-          .hold = [this, solve](double dt, ControlTargets& out) { solve(episode_.standing, dt, out); },
+          .hold = stay,
           .advance = advance,
           .look = look};
 }

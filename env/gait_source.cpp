@@ -44,10 +44,7 @@ TargetSource walk_legs(Gait gait, LegController legs, const std::optional<Veloci
           .advance =
               [own](double dt, ControlTargets& out) {
                 const LegArray<FootTarget>& feet = own->gait.update(dt);
-                const GaitGenerator& generator = generator_of(own->gait);
-                own->legs.set_load_share(generator.effective().parameters.load_share);
-                solve_legs(own->legs, target_positions(feet), dt, out);
-                describe_plan(generator, feet, own->command, out);
+                drive_legs(own->legs, generator_of(own->gait), feet, own->command, dt, out);
               },
           .look =
               [own](const RobotState& state, double dt) {
@@ -58,8 +55,10 @@ TargetSource walk_legs(Gait gait, LegController legs, const std::optional<Veloci
 
 }  // namespace
 
-void describe_plan(const GaitGenerator& generator, const LegArray<FootTarget>& feet,
-                   const std::optional<VelocityCommand>& command, ControlTargets& out) noexcept {
+void drive_legs(LegController& legs, const GaitGenerator& generator, const LegArray<FootTarget>& feet,
+                const std::optional<VelocityCommand>& command, double dt, ControlTargets& out) noexcept {
+  legs.set_load_share(generator.effective().parameters.load_share);
+  solve_legs(legs, target_positions(feet), dt, out);
   out.plan.emplace();
   for (const Leg leg : kLegs) (*out.plan)[leg] = {feet[leg].swing, feet[leg].progress};
   out.parameters = generator.parameters();
@@ -74,7 +73,7 @@ VelocityCommand nominal_velocity(const GaitGenerator& generator) noexcept {
 GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings,
                        const std::optional<VelocityCommand>& command) {
   GaitChoice choice;
-  if (gait == kAutomaticGait || gait == kGuidesAutomaticGait) {
+  if (is_automatic(gait)) {
     if (!command)
       throw ConfigError("gait", gait, "a speed or a velocity command to choose the gait by", "none");
     choice.automatic = gait;
@@ -86,11 +85,16 @@ GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& 
     throw ConfigError("gait", "velocity command", "finite vx, vy (m/s) and yaw rate (rad/s)",
                       fmt::format("{}, {}, {}", command->vx, command->vy, command->yaw_rate));
   }
-  for (const std::string& setting : settings) {
-    for (SpeedBand& band : choice.bands) assign(band.gait.preferred, setting);
+  const auto change = [&settings](GaitParameters& parameters) {
+    for (const std::string& setting : settings) assign(parameters, setting);
+  };
+  for (SpeedBand& band : choice.bands) change(band.gait.preferred);
+  if (choice.gait) {
+    choice.parameters = choice.gait->preferred;
+    change(choice.parameters);
+  } else {
+    choice.parameters = choice.bands.front().gait.preferred;
   }
-  choice.parameters = choice.gait ? choice.gait->preferred : choice.bands.front().gait.preferred;
-  for (const std::string& setting : settings) assign(choice.parameters, setting);
   choice.command = command;
   return choice;
 }

@@ -15,6 +15,10 @@ namespace crossgait {
 /// The names that stand for "the gait for the speed": with `default_speed_bands`, with `guide_speed_bands`.
 inline constexpr std::string_view kAutomaticGait = "auto", kGuidesAutomaticGait = "auto:guide";
 
+constexpr bool is_automatic(std::string_view gait) {
+  return gait == kAutomaticGait || gait == kGuidesAutomaticGait;
+}
+
 /// What to walk: a gait, or whichever suits the commanded speed.
 struct GaitChoice {
   std::optional<Gait> gait;                ///< empty: by speed (MultiGaitController)
@@ -36,10 +40,11 @@ GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& 
 /// The positions alone, as LegController takes them.
 LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept;
 
-/// What the gait means by its targets: swing, velocity, parameters.
+/// Sends a gait's targets for the next `dt` (s) to legs that make up for its share of their load, and says
+/// what it means by them: swing, velocity, parameters.
 /// @param command  empty: the velocity is that of steps of step_length
-void describe_plan(const GaitGenerator& generator, const LegArray<FootTarget>& feet,
-                   const std::optional<VelocityCommand>& command, ControlTargets& out) noexcept;
+void drive_legs(LegController& legs, const GaitGenerator& generator, const LegArray<FootTarget>& feet,
+                const std::optional<VelocityCommand>& command, double dt, ControlTargets& out) noexcept;
 
 /// Of the body, by steps of step_length: one step per stance.
 VelocityCommand nominal_velocity(const GaitGenerator& generator) noexcept;

@@ -15,15 +15,12 @@ constexpr LegArray<double> kAtOnce{{0, 0, 0, 0}}, kDiagonals{{0, 0.5, 0.5, 0}},
 
 // The guide's numbers, but for lower swings: with a longer lift the body sags and the others drag.
 constexpr GaitParameters guide(double duty_factor, double cycle_time) {
-  return {.step_height = 0.03,
-          .step_length = 0.06,
-          .cycle_time = cycle_time,
-          .body_height = 0.05,
-          .stance_width = 0.08,
-          .foot_clearance = 0,
-          .swing_shape = 0.35,
-          .duty_factor = duty_factor,
-          .load_share = 0.35};
+  GaitParameters p = guide_adaptive_parameters();
+  p.step_height = 0.03;
+  p.foot_clearance = 0;
+  p.duty_factor = duty_factor;
+  p.cycle_time = cycle_time;
+  return p;
 }
 
 using Phases = std::array<GaitPhase, kMaxGaitPhases>;

@@ -89,26 +89,6 @@ std::string_view name(SwingCurve curve) noexcept {
   return curve == SwingCurve::kBezier ? "bezier" : "matched";
 }
 
-GaitParameters guide_parameters() {
-  return {.step_height = 0.015,
-          .step_length = 0.05,
-          .cycle_time = 0.8,
-          .body_height = 0.07,
-          .stance_width = 0.08,
-          .foot_clearance = 0.01,
-          .swing_shape = 0.35,
-          .duty_factor = 0.5,
-          .load_share = 0.35};
-}
-
-GaitParameters guide_adaptive_parameters() {
-  GaitParameters p = guide_parameters();
-  p.step_height = 0.04;
-  p.step_length = 0.06;
-  p.body_height = 0.05;
-  return p;
-}
-
 AdaptationRanges guide_ranges() {
   return {.ranges = {{"step_height", {0.03, 0.09}},
                      {"step_length", {0.03, 0.10}},

@@ -43,9 +43,26 @@ struct GaitParameters {
 };
 
 /// The numbers of the guide's GaitParameters (body_height .07, step_length .05, step_height .015, ...).
-GaitParameters guide_parameters();
+constexpr GaitParameters guide_parameters() {
+  return {.step_height = 0.015,
+          .step_length = 0.05,
+          .cycle_time = 0.8,
+          .body_height = 0.07,
+          .stance_width = 0.08,
+          .foot_clearance = 0.01,
+          .swing_shape = 0.35,
+          .duty_factor = 0.5,
+          .load_share = 0.35};
+}
+
 /// Those of the guide's adaptive controller, which are others (body_height .05, step_length .06, ...).
-GaitParameters guide_adaptive_parameters();
+constexpr GaitParameters guide_adaptive_parameters() {
+  GaitParameters p = guide_parameters();
+  p.step_height = 0.04;
+  p.step_length = 0.06;
+  p.body_height = 0.05;
+  return p;
+}
 
 /// One tunable parameter. Adaptation, normalisation, action and observation layouts, traces and plots follow
 /// from its row; `--set` goes by its name and takes every valid value (`is_valid`).

@@ -28,10 +28,11 @@ std::string shown(std::string_view text, std::size_t most) {
   std::size_t at = 0;
   while (at < text.size()) {
     const std::size_t length = printable(text.substr(at));
-    if (at + std::max<std::size_t>(length, 1) > most) break;
+    const std::size_t bytes = std::max<std::size_t>(length, 1);
+    if (at + bytes > most) break;
     result += length == 0 ? fmt::format("\\x{:02x}", static_cast<unsigned char>(text[at]))
                           : std::string(text.substr(at, length));
-    at += std::max<std::size_t>(length, 1);
+    at += bytes;
   }
   if (at < text.size()) result += fmt::format("... ({} bytes in all)", text.size());
   return result;

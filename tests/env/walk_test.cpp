@@ -227,6 +227,22 @@ TEST(GaitSource, ServosMakeUpForTheShareThatTheGaitSays) {
   EXPECT_GT((targets({}, {}) - none).lpNorm<Eigen::Infinity>(), 0.05);  // .2 rad for the whole load
 }
 
+TEST(DriveLegs, FollowsAShareOfTheLoadThatChangesOnTheWay) {
+  GaitParameters p = find_gait("trot").preferred;
+  GaitGenerator gait(find_gait("trot"), p, leg_origins(*robot()));
+  p.load_share = 0;
+  ASSERT_TRUE(gait.set_parameters(p));
+  LegController legs(robot()), none(robot(), {.load = false});
+  ControlTargets out, expected;
+  for (int i = 0; i < 500; ++i) {
+    const LegArray<FootTarget>& feet = gait.update(2e-3);
+    drive_legs(legs, gait, feet, {}, 2e-3, out);
+    solve_legs(none, target_positions(feet), 2e-3, expected);
+  }
+  EXPECT_EQ(gait.effective().parameters.load_share, 0);
+  EXPECT_EQ(out.joints.q, expected.joints.q);
+}
+
 TEST(GaitChoice, SettingsChangeEveryGaitThatMayBeChosen) {
   const VelocityCommand command{0.1, 0, 0};
   const GaitChoice plain = choose_gait("auto", {}, command),
