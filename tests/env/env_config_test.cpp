@@ -222,6 +222,16 @@ TEST(EnvConfig, WhatIsWrongWithAFileThatItNamesIsSaidAtItsLine) {
       << "the file did not say so";
 }
 
+TEST(EnvConfig, EnginesOfAnyNameReadBack) {
+  for (char c = ' '; c <= '~'; ++c) {
+    EnvConfig config;
+    config.engine = std::string("a") + c + "b";
+    EXPECT_EQ(parse_env_config(to_yaml(config), "round trip").engine, config.engine);
+    config.engine = std::string(1, c) + "b";
+    EXPECT_EQ(parse_env_config(to_yaml(config), "round trip").engine, config.engine);
+  }
+}
+
 TEST(EnvConfig, RangesShowInTheLayoutAndItsHash) {
   EnvConfig plain, ranged;
   ranged.adaptation.ranges["cycle_time"] = {0.2, 1.2};
