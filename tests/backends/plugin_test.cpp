@@ -6,6 +6,7 @@
 #include <dlfcn.h>
 
 #include "crossgait/backends/plugin_loader.h"
+#include "crossgait/backends/registry.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/physics/scratch_folder.h"
 #include "crossgait/tests/support/backend_test.h"
@@ -264,6 +265,16 @@ TEST_F(Plugin, FirstUseMayBeFromManyThreads) {
   }
   for (std::thread& thread : threads) thread.join();
   for (const std::string& name : names) EXPECT_EQ(name, "stone@1");
+}
+
+TEST_F(Plugin, OfAnEngineSaysItsVersionAsTheEngineDoes) {
+  for (const EngineListing& entry : known_engines()) {
+    if (!entry.available) continue;
+    const LoadedPlugin loaded = load_plugin(entry.file);
+    ASSERT_NE(loaded.plugin, nullptr) << loaded.reason;
+    EXPECT_EQ(loaded.plugin->header_version(), entry.info.version) << entry.name;
+    EXPECT_EQ(loaded.plugin->library_version(), entry.info.version) << entry.name;
+  }
 }
 
 }  // namespace

@@ -95,6 +95,27 @@ TEST_P(SharedModel, AnEpisodeSavedInOneGoesOnInAnother) {
   EXPECT_EQ(differences(b.summary(), a.summary()), "");
 }
 
+TEST_P(SharedModel, AnEpisodeOnGroundOfItsOwnGoesOnInAnyOther) {
+  EnvConfig c = config();
+  c.terrain = "rough:size_x=4,size_y=4";
+  c.randomisation[Randomised::kTerrainSeed] = {0, 1000};
+  const auto model = EnvModel::make(c);
+  const Engine engine = find_engine(GetParam());
+  AdaptiveGaitEnv a(model, engine), b(model, engine);
+  std::vector<double> seen(a.observation_size());
+  a.reset(1, seen);
+  b.reset(2, seen);
+  const auto of_a = a.save(), of_b = b.save();
+  // Each in the other's place: of two grounds one lies at the higher address.
+  Random random(3);
+  const auto run_a = scenes::record(a, random, 50), run_b = scenes::record(b, random, 50);
+  a.restore(*of_b);
+  b.restore(*of_a);
+  random = Random(3);
+  EXPECT_EQ(scenes::record(b, random, 50), run_a);
+  EXPECT_EQ(scenes::record(a, random, 50), run_b);
+}
+
 TEST(EnvModel, HasTheSizesOfItsTimes) {
   EnvConfig c;
   c.policy_dt = 0.02;

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "crossgait/physics/error.h"
+#include "crossgait/tests/physics/config_error.h"
 #include "crossgait/tests/support/backend_test.h"
 #include "crossgait/tests/support/environments.h"
 
@@ -123,7 +124,10 @@ TEST_P(Layouts, TheHashTellsThemApart) {
 }
 
 TEST(ObservationBlocks, UnknownNamesListTheKnown) {
-  EXPECT_THROW((void)find_observation_block("smell"), ConfigError);
+  const ConfigError error = config_error([] { (void)find_observation_block("smell"); });
+  EXPECT_EQ(error.found(), "'smell'");
+  for (const ObservationBlock& block : observation_blocks())
+    EXPECT_NE(error.expected().find(block.name), std::string::npos) << error.expected();
   for (const ObservationBlock& block : observation_blocks())
     EXPECT_EQ(&find_observation_block(block.name), &block);
 }

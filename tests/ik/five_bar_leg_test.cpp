@@ -204,6 +204,8 @@ TEST(SolveLeg, UnreachableTargetsMoveToTheBoundary) {
             1e-15);
   // On the tilt axis itself no direction is outward: still an answer.
   EXPECT_EQ(solve_leg(g, {0, -0.024, 0.010}).status, IkStatus::kClampedTooNear);
+  // Too near to it and too far along it: the links' reach has the word.
+  EXPECT_EQ(solve_leg(g, {0.5, -0.024, 0.010}).status, IkStatus::kClampedTooFar);
 }
 
 TEST(SolveLeg, IsContinuousInTheTarget) {

@@ -5,6 +5,7 @@
 #include "crossgait/physics/error.h"
 #include "crossgait/study/rollout.h"
 #include "crossgait/study/walk.h"
+#include "crossgait/tests/physics/config_error.h"
 #include "crossgait/tests/support/backend_test.h"
 #include "crossgait/tests/support/motion_bits.h"
 
@@ -90,7 +91,9 @@ TEST(WalkConfig, IsNoEnvironmentWhereAnEnvironmentCannotDoIt) {
   EXPECT_THROW((void)short_walk("auto", VelocityCommand{0.1, 0, 0}).environment(), ConfigError);
   WalkConfig plain = short_walk("trot");
   plain.compensation = false;
-  EXPECT_THROW((void)plain.environment(), ConfigError);
+  const ConfigError error = config_error([&] { (void)plain.environment(); });
+  EXPECT_EQ(error.source(), "environment");
+  EXPECT_EQ(error.element(), "compensation");
 }
 
 TEST(WalkConfig, MakesTheWorldThatItSays) {
