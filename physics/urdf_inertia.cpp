@@ -66,7 +66,7 @@ std::string_view repair_inertia(SpatialInertia& inertia, const std::vector<Colli
   }
   if (!inertia.I_C.allFinite() || inertia.I_C.cwiseAbs().maxCoeff() > kLargestInertia) return {};
   const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(inertia.I_C);
-  const Vector3 before = eigen.eigenvalues();  // rising
+  const Vector3& before = eigen.eigenvalues();  // rising
   const double largest = before[2];
   const bool possible = before[0] > 0 && largest <= (before[0] + before[1]) * (1 + kTriangleRounding);
   if (possible || largest <= 0) return {};
@@ -75,7 +75,7 @@ std::string_view repair_inertia(SpatialInertia& inertia, const std::vector<Colli
   Vector3 after = before;
   after[1] = std::max(before[1], needed / 2);
   after[0] = std::max(before[0], needed - after[1]);
-  const Matrix3 R = eigen.eigenvectors();
+  const Matrix3& R = eigen.eigenvectors();
   inertia.I_C = R * after.asDiagonal() * R.transpose();
   inertia.I_C = 0.5 * (inertia.I_C + inertia.I_C.transpose()).eval();
   return "whose small principal moments are raised to what a real body has: ";
