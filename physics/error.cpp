@@ -22,8 +22,9 @@ std::size_t printable(std::string_view text) {
   return rest.size() == length - 1 && std::all_of(rest.begin(), rest.end(), continues) ? length : 0;
 }
 
-/// Foreign text for a terminal: its beginning, on a whole character of UTF-8, what is none as \xNN.
-std::string shown(std::string_view text, std::size_t most) {
+}  // namespace
+
+std::string printable_text(std::string_view text, std::size_t most) {
   std::string result;
   std::size_t at = 0;
   while (at < text.size()) {
@@ -38,16 +39,15 @@ std::string shown(std::string_view text, std::size_t most) {
   return result;
 }
 
-}  // namespace
-
 ConfigError::ConfigError(std::string_view source, std::string_view element, std::string_view expected,
                          std::string_view found)
-    : std::runtime_error(fmt::format("{}: {}: expected {}, found {}", shown(source, kMostPath),
-                                     shown(element, kMostQuoted), shown(expected, kMostExpected),
-                                     shown(found, kMostQuoted))),
-      source_(shown(source, kMostPath)),
-      element_(shown(element, kMostQuoted)),
-      expected_(shown(expected, kMostExpected)),
-      found_(shown(found, kMostQuoted)) {}
+    : std::runtime_error(fmt::format("{}: {}: expected {}, found {}", printable_text(source, kMostPath),
+                                     printable_text(element, kMostQuoted),
+                                     printable_text(expected, kMostExpected),
+                                     printable_text(found, kMostQuoted))),
+      source_(printable_text(source, kMostPath)),
+      element_(printable_text(element, kMostQuoted)),
+      expected_(printable_text(expected, kMostExpected)),
+      found_(printable_text(found, kMostQuoted)) {}
 
 }  // namespace crossgait

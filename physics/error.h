@@ -1,6 +1,7 @@
 // The one exception of configuration: what was wrong, where, what was expected and what was found.
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -27,5 +28,9 @@ class ConfigError : public std::runtime_error {
  private:
   std::string source_, element_, expected_, found_;
 };
+
+/// Foreign text for a terminal: its beginning, at most `most` bytes of whole characters of UTF-8, control
+/// characters and bytes that are no UTF-8 as \xNN.
+std::string printable_text(std::string_view text, std::size_t most);
 
 }  // namespace crossgait

@@ -24,14 +24,13 @@ class Count {
     if (++depth_ > budget_.depth) fail(at, fmt::format("at most {} levels", budget_.depth));
   }
   void close() { depth_ = std::max(0, depth_ - 1); }
-
- private:
   [[noreturn]] void fail(std::size_t at, std::string_view expected) const {
     const auto line =
         std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at), '\n') + line_;
     throw ConfigError(source_, fmt::format("line {}", line), expected, "more");
   }
 
+ private:
   std::string_view text_;
   const ReadBudget& budget_;
   const std::string& source_;
@@ -55,20 +54,28 @@ bool is_declaration(std::string_view text) {
          std::equal(kBegin.begin(), kBegin.end(), text.begin(), [&](char b, char a) { return same(a, b); });
 }
 
+struct TagEnd {
+  std::size_t at;
+  std::size_t attributes;  ///< or more: their '='
+};
+
 /// The '>' of the tag that begins at `at`, past those in quotes.
-std::size_t end_of_tag(std::string_view text, std::size_t at) {
+TagEnd end_of_tag(std::string_view text, std::size_t at) {
   char quote = 0;
+  std::size_t attributes = 0;
   for (; at < text.size(); ++at) {
     const char c = text[at];
     if (quote != 0) {
       if (c == quote) quote = 0;
     } else if (c == '"' || c == '\'') {
       quote = c;
+    } else if (c == '=') {
+      ++attributes;
     } else if (c == '>') {
       break;
     }
   }
-  return at;
+  return {at, attributes};
 }
 
 }  // namespace
@@ -112,7 +119,7 @@ void check_xml_budget(std::string_view text, const ReadBudget& budget, const std
     } else if (rest.starts_with("<![CDATA[")) {
       at = behind(text, "]]>", at);
     } else if (is_declaration(rest)) {
-      at = end_of_tag(text, at);
+      at = end_of_tag(text, at).at;
     } else if (rest.starts_with("<?") || rest.starts_with("<!")) {
       at = behind(text, ">", at);
     } else if (rest.starts_with("</")) {
@@ -120,9 +127,12 @@ void check_xml_budget(std::string_view text, const ReadBudget& budget, const std
       at += 2;
     } else {
       count.open(at);
-      const std::size_t end = end_of_tag(text, at);
-      if (text[end - 1] == '/') count.close();
-      at = end;
+      const TagEnd end = end_of_tag(text, at);
+      if (end.attributes > kMaxXmlAttributes) {
+        count.fail(at, fmt::format("at most {} attributes of an element", kMaxXmlAttributes));
+      }
+      if (text[end.at - 1] == '/') count.close();
+      at = end.at;
     }
   }
 }

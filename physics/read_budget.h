@@ -26,6 +26,16 @@ inline constexpr ReadBudget kUrdfBudget{4 * kMebibyte, 20'000, 32};
 /// Links of a URDF, most of them fixed to one of at most kMaxJoints + 1 bodies: chains are followed by
 /// recursion, urdfdom's as ours.
 inline constexpr std::size_t kMaxUrdfLinks = 1000;
+/// Bytes of the name of a link or a joint, which is repeated for everything in it.
+inline constexpr std::size_t kMaxUrdfName = 1000;
+/// Attributes of one element of XML, which TinyXML compares one by one with every further one.
+inline constexpr std::size_t kMaxXmlAttributes = 100;
+/// Collision meshes: a binary STL of 600,000 triangles, each with three vertices of 24 bytes in memory.
+inline constexpr ReadBudget kMeshBudget{32 * kMebibyte, 2'000'000, 1};
+/// Of all meshes of a robot together: their files, and vertices that differ within a mesh, which are kept for
+/// every use of it.
+inline constexpr std::size_t kMaxRobotMeshBytes = 2 * kMeshBudget.bytes;
+inline constexpr std::size_t kMaxRobotMeshVertices = 1'000'000;
 /// Results of `crossgait bench`: 1,100 values in 35 kB. Here and below the number of values is also that of
 /// the keys of one object, which JSON in order of insertion compares one by one with every new key.
 inline constexpr ReadBudget kJsonBudget{kMebibyte, 10'000, 32};
@@ -61,7 +71,8 @@ std::string size_in_words(std::size_t bytes);
 void check_json_budget(std::string_view text, const ReadBudget& budget, const std::string& source,
                        int line = 1);
 
-/// The same for the elements of an XML text. @throws ConfigError naming `source` and the line
+/// The same for the elements of an XML text, and their attributes. @throws ConfigError naming `source` and
+/// the line
 void check_xml_budget(std::string_view text, const ReadBudget& budget, const std::string& source);
 
 }  // namespace crossgait

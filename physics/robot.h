@@ -37,11 +37,12 @@ struct Joint {
       -3.14159265358979323846;  ///< rad; limits bound commanded targets, engines do not enforce them
   double upper = 3.14159265358979323846;  ///< rad
   double damping = 0;                     ///< viscous, N m s/rad; explicit on every engine
+  double friction = 0;                    ///< dry, N m; read, but not simulated yet
   double armature = 0;                    ///< rotor inertia reflected to the joint, kg m^2
   bool actuated = false;
   double kp = 0;            ///< servo stiffness, N m/rad
   double kd = 0;            ///< servo damping, N m s/rad, inside the effort clamp
-  double effort_limit = 0;  ///< N m
+  double effort_limit = 0;  ///< N m; 0: not given, which only a joint that is not actuated may have
 };
 
 /// One rigid body. Body 0 is the base; body i + 1 hangs on joint i.

@@ -173,6 +173,7 @@ void check_joint(const Joint& joint, std::string_view source) {
   report.at_most(joint.lower, "limits (rad)", kLargestAngle);
   report.at_most(joint.upper, "limits (rad)", kLargestAngle);
   report.not_negative(joint.damping, "damping (N m s/rad)", kLargestGain);
+  report.not_negative(joint.friction, "friction (N m)", kLargestGain);
   report.not_negative(joint.armature, "armature (kg m^2)", kLargestInertia);
   if (!joint.actuated) return;
   report.not_negative(joint.kp, "kp (N m/rad)", kLargestGain);

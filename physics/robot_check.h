@@ -41,7 +41,7 @@ inline constexpr std::array<LegRole, 5> kLegRoles{
 void check_inertia(const SpatialInertia& inertia, std::string_view source, std::string_view element);
 /// Positive sizes and a proper pose, within the limits above.
 void check_shape(const CollisionShape& shape, std::string_view source, std::string_view element);
-/// Unit axis, ordered limits, and damping, armature and servo gains that are not negative.
+/// Unit axis, ordered limits, and damping, friction, armature and servo gains that are not negative.
 void check_joint(const Joint& joint, std::string_view source);
 /// Everything about a robot except its home pose.
 void check_structure(const RobotDescription& robot);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <set>
-#include <sstream>
 #include <string_view>
 #include <vector>
 
@@ -14,135 +13,95 @@
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/read_budget.h"
 #include "crossgait/physics/text.h"
+#include "crossgait/physics/urdf_elements.h"
 
 namespace crossgait {
 namespace {
 
-/// What an element of a URDF may hold. The number after an attribute is how many numbers it lists; 0 is text.
-struct ElementRule {
-  std::map<std::string_view, std::size_t> attributes;
-  std::vector<std::string_view> children;
-};
-
-const std::map<std::string_view, ElementRule>& rules() {
-  static const std::map<std::string_view, ElementRule> table{
-      {"link", {{{"name", 0}}, {"inertial", "collision", "visual"}}},
-      {"inertial", {{}, {"origin", "mass", "inertia"}}},
-      {"origin", {{{"xyz", 3}, {"rpy", 3}}, {}}},
-      {"mass", {{{"value", 1}}, {}}},
-      {"inertia", {{{"ixx", 1}, {"ixy", 1}, {"ixz", 1}, {"iyy", 1}, {"iyz", 1}, {"izz", 1}}, {}}},
-      {"collision", {{{"name", 0}}, {"origin", "geometry"}}},
-      {"geometry", {{}, {"sphere", "box", "cylinder"}}},
-      {"sphere", {{{"radius", 1}}, {}}},
-      {"box", {{{"size", 3}}, {}}},
-      {"cylinder", {{{"radius", 1}, {"length", 1}}, {}}},
-      {"joint", {{{"name", 0}, {"type", 0}}, {"origin", "parent", "child", "axis", "limit", "dynamics"}}},
-      {"parent", {{{"link", 0}}, {}}},
-      {"child", {{{"link", 0}}, {}}},
-      {"axis", {{{"xyz", 3}}, {}}},
-      {"limit", {{{"lower", 1}, {"upper", 1}, {"effort", 1}, {"velocity", 1}}, {}}},
-      {"dynamics", {{{"damping", 1}, {"friction", 1}}, {}}},
-  };
-  return table;
+[[noreturn]] void fail_as_xacro(const std::string& source, std::string_view element, std::string_view found) {
+  throw ConfigError(source, element, fmt::format("an expanded URDF (xacro {} > robot.urdf)", source), found);
 }
 
-bool all_numbers(const std::string& text, std::size_t count) {
-  std::istringstream words(text);
-  std::size_t found = 0;
-  for (std::string word; words >> word; ++found) {
-    if (!parse_number(word)) return false;
+/// The first element that xacro would have expanded, or null.
+const TiXmlElement* find_xacro(const TiXmlElement& element) {
+  if (element.ValueStr().starts_with("xacro:")) return &element;
+  for (auto* e = element.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+    if (const TiXmlElement* found = find_xacro(*e)) return found;
   }
-  return found == count;
+  return nullptr;
+}
+
+bool has_mass(const TiXmlElement& link) {
+  const TiXmlElement* inertial = link.FirstChildElement("inertial");
+  const TiXmlElement* mass = inertial == nullptr ? nullptr : inertial->FirstChildElement("mass");
+  return mass != nullptr && parse_number(attribute_of(*mass, "value")) != 0.0;
 }
 
 class UrdfCheck {
  public:
-  UrdfCheck(const TiXmlElement& robot, const std::string& source) : robot_(robot), source_(source) {}
+  UrdfCheck(const TiXmlElement& robot, const std::string& source, UrdfWarnings& warnings)
+      : robot_(robot), errors_(source), warnings_(warnings) {}
 
-  void run() {
-    std::set<std::string> joints;
+  /// Appends what is left of links and joints to `copy`.
+  void run(TiXmlElement& copy) {
+    for (const char* name : {"name", "version"}) {
+      if (robot_.Attribute(name) != nullptr) copy.SetAttribute(name, robot_.Attribute(name));
+    }
     for_each("link", [&](const TiXmlElement& link) {
-      if (!links_.insert(name_of(link)).second) fail(link, "a unique name", "a second link of this name");
-      if (links_.size() > kMaxUrdfLinks) fail(link, fmt::format("at most {} links", kMaxUrdfLinks), "more");
-      check_element(link, label(link));
+      if (links_.count(name_of(link)) > 0) errors_.fail(link, "a unique name", "a second link of this name");
+      if (links_.size() == kMaxUrdfLinks) {
+        errors_.fail(link, fmt::format("at most {} links", kMaxUrdfLinks), "more");
+      }
+      links_.emplace(name_of(link), &add_copy(link, copy));
     });
-    if (links_.empty()) fail(robot_, "at least one link", "none");
+    if (links_.empty()) errors_.fail(robot_, "at least one link", "none");
+    std::set<std::string> joints;
     for_each("joint", [&](const TiXmlElement& joint) {
-      if (!joints.insert(name_of(joint)).second) fail(joint, "a unique name", "a second joint of this name");
+      if (!joints.insert(name_of(joint)).second) {
+        errors_.fail(joint, "a unique name", "a second joint of this name");
+      }
       check_type(joint);
-      check_element(joint, label(joint));
+      TiXmlElement& copied = add_copy(joint, copy);
       add_edge(joint);
+      if (attribute_of(joint, "type") == "floating") floating_.emplace_back(&joint, &copied);
     });
-    check_tree();
+    free_base(find_root(), copy);
   }
 
  private:
-  [[noreturn]] void fail(const TiXmlElement& at, std::string_view expected, std::string_view found) const {
-    fail(at, label(at), expected, found);
-  }
-  [[noreturn]] void fail(const TiXmlElement& at, std::string_view element, std::string_view expected,
-                         std::string_view found) const {
-    throw ConfigError(source_, fmt::format("line {}, {}", at.Row(), element), expected, found);
-  }
-
   template <typename Function>
   void for_each(const char* tag, Function function) const {
     for (auto* e = robot_.FirstChildElement(tag); e != nullptr; e = e->NextSiblingElement(tag)) function(*e);
   }
 
-  static std::string attribute(const TiXmlElement& element, const char* key) {
-    const char* value = element.Attribute(key);
-    return value == nullptr ? "" : value;
-  }
-
-  static std::string label(const TiXmlElement& element) {
-    return fmt::format("{} '{}'", element.Value(), attribute(element, "name"));
+  TiXmlElement& add_copy(const TiXmlElement& element, TiXmlElement& robot) {
+    TiXmlElement& copy = *robot.InsertEndChild(TiXmlElement(element.Value()))->ToElement();
+    copy_urdf_element(element, copy, errors_, warnings_);
+    return copy;
   }
 
   std::string name_of(const TiXmlElement& element) const {
-    std::string name = attribute(element, "name");
-    if (name.empty()) fail(element, "attribute 'name'", "none");
+    std::string name = attribute_of(element, "name");
+    if (name.empty()) errors_.fail(element, "attribute 'name'", "none");
+    if (name.size() > kMaxUrdfName) {
+      errors_.fail(element, fmt::format("a name of at most {}", size_in_words(kMaxUrdfName)),
+                   size_in_words(name.size()));
+    }
     return name;
   }
 
   void check_type(const TiXmlElement& joint) const {
-    const std::string type = attribute(joint, "type");
-    if (type != "revolute" && type != "continuous" && type != "fixed") {
-      fail(joint, "type revolute, continuous or fixed", fmt::format("'{}'", type));
-    }
-  }
-
-  void check_element(const TiXmlElement& element, const std::string& path) const {
-    const ElementRule& rule = rules().at(element.Value());
-    for (auto* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
-      const auto known = rule.attributes.find(a->Name());
-      if (known == rule.attributes.end()) {
-        fail(element, path, "only attributes that URDF defines here", fmt::format("'{}'", a->Name()));
-      }
-      if (known->second > 0 && !all_numbers(a->Value(), known->second)) {
-        fail(element, fmt::format("{}, {}", path, a->Name()),
-             fmt::format("{} finite number(s)", known->second), fmt::format("'{}'", a->Value()));
-      }
-    }
-    std::set<std::string> seen;
-    for (auto* c = element.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
-      const std::string tag = c->Value();
-      if (std::find(rule.children.begin(), rule.children.end(), tag) == rule.children.end()) {
-        fail(*c, path, fmt::format("one of the elements {}", fmt::join(rule.children, ", ")),
-             fmt::format("<{}>", tag));
-      }
-      if (!seen.insert(tag).second && tag != "collision" && tag != "visual") {
-        fail(*c, path, fmt::format("one <{}>", tag), "several");
-      }
-      if (tag != "visual") check_element(*c, fmt::format("{}, {}", path, tag));
+    const std::string type = attribute_of(joint, "type");
+    if (type != "revolute" && type != "continuous" && type != "fixed" && type != "floating") {
+      errors_.fail(joint, "type revolute, continuous or fixed", fmt::format("'{}'", type));
     }
   }
 
   std::string linked(const TiXmlElement& joint, const char* role) const {
     const TiXmlElement* element = joint.FirstChildElement(role);
-    std::string name = element == nullptr ? "" : attribute(*element, "link");
+    std::string name = element == nullptr ? "" : attribute_of(*element, "link");
     if (links_.count(name) == 0) {
-      fail(joint, fmt::format("a {} link of this file", role), fmt::format("'{}'", name));
+      errors_.fail(joint, fmt::format("a {} link of this file", role), fmt::format("'{}'", name));
     }
     return name;
   }
@@ -152,40 +111,64 @@ class UrdfCheck {
     const std::string child = linked(joint, "child");
     const auto [other, inserted] = parents_.emplace(child, parent);
     if (!inserted) {
-      fail(joint, fmt::format("one parent of link '{}'", child),
-           fmt::format("'{}' and '{}'", other->second, parent));
+      errors_.fail(joint, fmt::format("one parent of link '{}'", child),
+                   fmt::format("'{}' and '{}'", other->second, parent));
     }
   }
 
-  void check_tree() const {
+  std::string find_root() const {
     std::vector<std::string> roots;
     std::map<std::string, std::string> from;  // links that a way to the root came past, by where it began
-    for (const std::string& link : links_) {
+    for (const auto& [link, element] : links_) {
       if (parents_.count(link) == 0) roots.push_back(link);
       // Up to the root, or to a link from where the way is known. Coming past a link twice: in circles.
       for (auto at = parents_.find(link); at != parents_.end(); at = parents_.find(at->second)) {
         const auto [known, is_new] = from.emplace(at->first, link);
         if (is_new) continue;
         if (known->second == link) {
-          fail(robot_, fmt::format("link '{}'", link), "a tree of links", "a cycle of joints");
+          errors_.fail(robot_, fmt::format("link '{}'", link), "a tree of links", "a cycle of joints");
         }
         break;
       }
     }
     if (roots.size() != 1) {
-      fail(robot_, "one root link", fmt::format("'{}'", fmt::join(roots, "', '")));
+      errors_.fail(robot_, "one root link", fmt::format("'{}'", fmt::join(roots, "', '")));
     }
+    return roots.front();
+  }
+
+  /// Takes away a root that stands for the world. Every other floating joint is an error.
+  void free_base(const std::string& root, TiXmlElement& copy) {
+    if (floating_.empty()) return;
+    const auto& [joint, copied] = floating_.front();
+    const auto below_root = std::count_if(parents_.begin(), parents_.end(),
+                                          [&](const auto& edge) { return edge.second == root; });
+    TiXmlElement* const link = links_.at(root);
+    if (floating_.size() > 1 || linked(*joint, "parent") != root || below_root > 1 || has_mass(*link)) {
+      errors_.fail(
+          *floating_.back().first,
+          "type revolute, continuous or fixed (floating only below a root without mass that has no other "
+          "joint)",
+          "'floating'");
+    }
+    warnings_.add(fmt::format("left out root link '{}' and joint '{}': link '{}' is the free base", root,
+                              attribute_of(*joint, "name"), linked(*joint, "child")));
+    copy.RemoveChild(link);
+    copy.RemoveChild(copied);
   }
 
   const TiXmlElement& robot_;
-  const std::string& source_;
-  std::set<std::string> links_;
+  UrdfErrors errors_;
+  UrdfWarnings& warnings_;
+  std::map<std::string, TiXmlElement*> links_;  ///< their copies
   std::map<std::string, std::string> parents_;
+  std::vector<std::pair<const TiXmlElement*, TiXmlElement*>> floating_;  ///< joints and their copies
 };
 
 }  // namespace
 
-void check_urdf(const std::string& text, const std::string& source) {
+std::string check_urdf(const std::string& text, const std::string& source, UrdfWarnings& warnings) {
+  if (source.ends_with(".xacro")) fail_as_xacro(source, "file", "a xacro file");
   check_xml_budget(text, kUrdfBudget, source);  // TinyXML calls itself for elements inside elements
   TiXmlDocument document;
   document.Parse(text.c_str(), nullptr, TIXML_ENCODING_UTF8);
@@ -195,7 +178,15 @@ void check_urdf(const std::string& text, const std::string& source) {
   }
   const TiXmlElement* robot = document.FirstChildElement("robot");
   if (robot == nullptr) throw ConfigError(source, "file", "a <robot> element", "none");
-  UrdfCheck(*robot, source).run();
+  if (const TiXmlElement* xacro = find_xacro(*robot)) {
+    fail_as_xacro(source, fmt::format("line {}", xacro->Row()), fmt::format("<{}>", xacro->Value()));
+  }
+  TiXmlDocument checked;
+  UrdfCheck(*robot, source, warnings).run(*checked.InsertEndChild(TiXmlElement("robot"))->ToElement());
+  TiXmlPrinter printer;
+  printer.SetStreamPrinting();
+  checked.Accept(&printer);
+  return printer.Str();
 }
 
 }  // namespace crossgait

@@ -1,14 +1,21 @@
-// What urdfdom lets pass: it ignores misspelt elements, takes the last of two parents, and names no line.
+// What urdfdom lets pass, and what it does not: it ignores misspelt elements without a word, takes the last
+// of two parents, names no line, and refuses much that real files hold and nobody needs.
 #pragma once
 
 #include <string>
 
+#include "crossgait/physics/urdf_warnings.h"
+
 namespace crossgait {
 
-/// Checks that `text` is well-formed XML holding a URDF whose links and joints have only known elements and
-/// attributes, finite numbers, supported joint types and shapes, unique names, and form one tree. Elements of
-/// <robot> other than <link> and <joint> are other programs' business and are skipped, as are visuals.
+/// Checks that `text` is well-formed XML holding a URDF whose links and joints have finite numbers, joint
+/// types that are simulated and unique names, and form one tree.
+///  - Unknown elements and attributes inside links and joints, and second ones of a kind, are counted as
+///    warnings. Elements of <robot> other than <link> and <joint> are other programs' business and are
+///    skipped, as are visuals.
+///  - A massless root on which nothing but a floating joint hangs is taken away: its child is the free base.
+/// @returns a URDF of what is left, which urdfdom takes
 /// @throws ConfigError naming `source`, the line and the link or joint
-void check_urdf(const std::string& text, const std::string& source);
+std::string check_urdf(const std::string& text, const std::string& source, UrdfWarnings& warnings);
 
 }  // namespace crossgait

@@ -3,16 +3,21 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
-#include <set>
+#include <numbers>
 
 #include <console_bridge/console.h>
 #include <fmt/format.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/rigid_pair.h"
 #include "crossgait/physics/robot_check.h"
 #include "crossgait/physics/text.h"
 #include "crossgait/physics/urdf_check.h"
+#include "crossgait/physics/urdf_inertia.h"
+#include "crossgait/physics/urdf_pose.h"
+#include "crossgait/physics/urdf_shapes.h"
+#include "crossgait/physics/urdf_warnings.h"
 
 namespace crossgait {
 namespace {
@@ -48,32 +53,18 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& text, const std::string& 
   return model;
 }
 
-Vector3 to_vector(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
-
-Pose to_pose(const urdf::Pose& pose) {
-  const urdf::Rotation& r = pose.rotation;
-  return make_pose(Quaternion(r.w, r.x, r.y, r.z).normalized(), to_vector(pose.position));
-}
-
-/// Mass properties of a rigid pair (parallel-axis theorem).
-SpatialInertia combine(const SpatialInertia& a, const SpatialInertia& b) {
-  if (a.mass == 0) return b;
-  SpatialInertia sum;
-  sum.mass = a.mass + b.mass;
-  sum.p_BC = (a.mass * a.p_BC + b.mass * b.p_BC) / sum.mass;
-  for (const SpatialInertia* part : {&a, &b}) {
-    const Vector3 d = part->p_BC - sum.p_BC;
-    sum.I_C += part->I_C + part->mass * (d.squaredNorm() * Matrix3::Identity() - d * d.transpose());
-  }
-  return sum;
-}
+/// Beyond this a limit is a placeholder, rad; not beyond are those of whole turns, rounded.
+constexpr double kLargestLimit = 2 * std::numbers::pi;
 
 class TreeBuilder {
  public:
-  explicit TreeBuilder(std::string path) : path_(std::move(path)) {}
+  TreeBuilder(const std::string& path, UrdfWarnings& warnings)
+      : path_(path), warnings_(warnings), shapes_(path, warnings) {}
 
   UrdfRobot build(const urdf::Link& root) {
     add_body(root, -1, Pose::Identity());
+    robot_.mesh_vertices = std::move(shapes_.mesh_vertices());
+    robot_.warnings = warnings_.sentences();
     return std::move(robot_);
   }
 
@@ -88,11 +79,22 @@ class TreeBuilder {
     robot_.bodies.push_back(std::move(body));
     std::vector<PendingChild> children;
     merge_links(link, index, children);
-    if (robot_.bodies[static_cast<std::size_t>(index)].inertia.mass == 0) {
-      throw ConfigError(path_, fmt::format("link '{}'", link.name), "an <inertial> element on a moving link",
-                        "none");
-    }
+    check_merged(link, robot_.bodies[static_cast<std::size_t>(index)]);
     for (const PendingChild& child : children) add_body(*child.link, index, child.X_PB);
+  }
+
+  void check_merged(const urdf::Link& link, Body& body) {
+    const std::string element = fmt::format("link '{}'", link.name);
+    if (body.inertia.mass == 0) {
+      throw ConfigError(
+          path_, element,
+          link.inertial ? "mass (kg) > 0 on a moving link" : "an <inertial> element on a moving link",
+          link.inertial ? "0" : "none");
+    }
+    const std::string_view repair = repair_inertia(body.inertia, body.shapes);
+    if (!repair.empty())
+      warnings_.list(fmt::format(" moving link(s) {}", repair), fmt::format("'{}'", link.name));
+    check_inertia(body.inertia, path_, element);
   }
 
   struct PendingChild {
@@ -115,7 +117,7 @@ class TreeBuilder {
       }
       const urdf::Link& link = *next.link;
       if (link.inertial) body.inertia = combine(body.inertia, read_inertia(link, next.X_PB));
-      robot_.links[link.name] = {index, next.X_PB, add_shapes(link, next.X_PB, body)};
+      robot_.links[link.name] = {index, next.X_PB, shapes_.add(link, next.X_PB, body)};
       for (auto joint = link.child_joints.rbegin(); joint != link.child_joints.rend(); ++joint) {
         const urdf::Joint& j = **joint;
         const auto child = std::find_if(link.child_links.begin(), link.child_links.end(),
@@ -126,85 +128,81 @@ class TreeBuilder {
     }
   }
 
-  SpatialInertia read_inertia(const urdf::Link& link, const Pose& X_BL) const {
+  SpatialInertia read_inertia(const urdf::Link& link, const Pose& X_BL) {
     const urdf::Inertial& in = *link.inertial;
     const Pose X_BI = X_BL * to_pose(in.origin);
     Matrix3 I;
     I << in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz;
-    SpatialInertia inertia{in.mass, X_BI.translation(), I};
-    check_inertia(inertia, path_, fmt::format("link '{}'", link.name));
-    inertia.I_C = X_BI.linear() * I * X_BI.linear().transpose();
-    inertia.I_C = 0.5 * (inertia.I_C + inertia.I_C.transpose()).eval();  // exactly symmetric despite rounding
-    return inertia;
+    check_part(in.mass, I, fmt::format("link '{}'", link.name));
+    return moved(X_BI, {in.mass, Vector3::Zero(), I});
   }
 
-  std::vector<int> add_shapes(const urdf::Link& link, const Pose& X_BL, Body& body) {
-    std::vector<int> indices;
-    for (const urdf::CollisionSharedPtr& collision : link.collision_array) {
-      CollisionShape shape;
-      shape.name = collision->name.empty() ? fmt::format("{}_collision_{}", link.name, indices.size())
-                                           : collision->name;
-      shape.X_BG = X_BL * to_pose(collision->origin);
-      const urdf::Geometry& geometry = *collision->geometry;
-      if (geometry.type == urdf::Geometry::SPHERE) {
-        shape.type = ShapeType::kSphere;
-        shape.size = {static_cast<const urdf::Sphere&>(geometry).radius, 0, 0};
-      } else if (geometry.type == urdf::Geometry::BOX) {
-        shape.type = ShapeType::kBox;
-        shape.size = to_vector(static_cast<const urdf::Box&>(geometry).dim) / 2;
-      } else {  // check_urdf has let nothing else pass
-        const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
-        shape.type = ShapeType::kCylinder;
-        shape.size = {cylinder.radius, cylinder.length / 2, 0};
-      }
-      const std::string element = fmt::format("link '{}', collision '{}'", link.name, shape.name);
-      if (!shape_names_.insert(shape.name).second) {
-        throw ConfigError(path_, element, "a unique name", "a second one");
-      }
-      check_shape(shape, path_, element);
-      indices.push_back(static_cast<int>(body.shapes.size()));
-      body.shapes.push_back(std::move(shape));
+  /// What a link may add to its body; whether the body is possible is seen when it is whole.
+  void check_part(double mass, const Matrix3& I, const std::string& element) {
+    const auto require = [&](bool ok, const std::string& expected, double found) {
+      if (!ok) throw ConfigError(path_, element, expected, fmt::format("{}", found));
+    };
+    require(mass >= 0, "mass (kg) >= 0", mass);
+    require(mass <= kHeaviestBody, fmt::format("mass (kg) of at most {:g}", kHeaviestBody), mass);
+    const double largest = I.cwiseAbs().maxCoeff();
+    require(largest <= kLargestInertia, fmt::format("inertia (kg m^2) of at most {:g}", kLargestInertia),
+            largest);
+    if (mass == 0 && largest > 0) {
+      warnings_.count("left out the inertia of ", " link(s) without mass", element);
     }
-    return indices;
   }
 
-  Joint read_joint(const urdf::Joint& source) const {
+  Joint read_joint(const urdf::Joint& source) {
     Joint joint;
     joint.name = source.name;
-    const auto fail = [&](std::string_view expected, std::string_view found) {
-      throw ConfigError(path_, fmt::format("joint '{}'", joint.name), expected, found);
-    };
+    const std::string element = fmt::format("joint '{}'", joint.name);
     const Vector3 axis = to_vector(source.axis);
     if (axis.norm() < 1e-6) {  // far below any rounding of a unit axis
-      fail("an axis of non-zero length", fmt::format("({}, {}, {})", axis.x(), axis.y(), axis.z()));
+      throw ConfigError(path_, element, "an axis of non-zero length",
+                        fmt::format("({}, {}, {})", axis.x(), axis.y(), axis.z()));
     }
     joint.axis = axis.normalized();
-    if (source.type == urdf::Joint::REVOLUTE) {
-      joint.lower = source.limits->lower;
-      joint.upper = source.limits->upper;
-    }
-    if (source.limits) joint.effort_limit = source.limits->effort;
+    if (source.type == urdf::Joint::REVOLUTE) read_limits(*source.limits, element, joint);
+    if (source.limits) joint.effort_limit = std::max(0.0, source.limits->effort);
     if (source.dynamics) {
       joint.damping = source.dynamics->damping;
-      if (source.dynamics->friction != 0) {
-        fail("joint friction 0 (it is not simulated)", fmt::format("{}", source.dynamics->friction));
+      joint.friction = source.dynamics->friction;
+      if (joint.friction != 0) {
+        warnings_.count("dry friction of ", " joint(s) is not simulated", element);
       }
     }
     check_joint(joint, path_);
     return joint;
   }
 
-  std::string path_;
+  void read_limits(const urdf::JointLimits& limits, const std::string& element, Joint& joint) {
+    const Joint unlimited;
+    const bool low = limits.lower<-kLargestLimit, high = limits.upper> kLargestLimit;
+    joint.lower = low ? unlimited.lower : limits.lower;
+    joint.upper = high ? unlimited.upper : limits.upper;
+    if (low || high) {
+      warnings_.count("took limits beyond +-2 pi rad for +-pi in ", " joint(s)", element);
+    }
+    if (joint.lower >= joint.upper) {
+      joint.lower = unlimited.lower;
+      joint.upper = unlimited.upper;
+      warnings_.count("took limits that are missing or not lower < upper for +-pi rad in ", " joint(s)",
+                      element);
+    }
+  }
+
+  const std::string& path_;
+  UrdfWarnings& warnings_;
+  UrdfShapes shapes_;
   UrdfRobot robot_;
-  std::set<std::string> shape_names_;
 };
 
 }  // namespace
 
 UrdfRobot read_urdf(const std::string& path) {
-  const std::string text = read_text_file(path, kUrdfBudget);
-  check_urdf(text, path);
-  return TreeBuilder(path).build(*parse(text, path)->getRoot());
+  UrdfWarnings warnings;
+  const std::string checked = check_urdf(read_text_file(path, kUrdfBudget), path, warnings);
+  return TreeBuilder(path, warnings).build(*parse(checked, path)->getRoot());
 }
 
 }  // namespace crossgait

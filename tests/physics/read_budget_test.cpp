@@ -77,6 +77,15 @@ TEST(XmlBudget, CountsElementsAndLevels) {
             "a.xml: line 1: expected at most 5 elements, found more");
 }
 
+// TinyXML compares each with all before it.
+TEST(XmlBudget, CountsAttributesOfAnElement) {
+  std::string tag = "<a x='==='";
+  for (std::size_t i = 1; i < kMaxXmlAttributes; ++i) tag += " x" + std::to_string(i) + "='='";
+  EXPECT_EQ(xml_error(tag + "/>"), "");
+  EXPECT_EQ(xml_error(tag + " y=''/>"),
+            "a.xml: line 1: expected at most 100 attributes of an element, found more");
+}
+
 // What TinyXML takes for text, a comment or an attribute closes nothing.
 TEST(XmlBudget, IsNotFooled) {
   for (const std::string fake :

@@ -163,19 +163,18 @@ TEST(UrdfReader, RefusesLinksInACircle) {
 TEST(UrdfReader, PrintsNothing) {
   const ScratchRobot scratch;
   scratch.write("test.urdf",
-                R"(<robot name="r"><link name="a"><inertial><mass value="1"/></inertial></link></robot>)");
+                R"(<robot><link name="a"><inertial><mass value="1"/></inertial></link></robot>)");
   testing::internal::CaptureStderr();
   testing::internal::CaptureStdout();
   const ConfigError error = config_error([&] { read_urdf(scratch.path("test.urdf")); });
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-  EXPECT_NE(error.found().find("inertia"), std::string::npos) << error.what();  // urdfdom's own words
+  EXPECT_NE(error.found().find("name"), std::string::npos) << error.what();  // urdfdom's own words
 }
 
 TEST(UrdfReader, MayRunInSeveralThreads) {
   const ScratchRobot scratch;
-  scratch.write("bad.urdf",
-                R"(<robot name="r"><link name="a"><inertial><mass value="1"/></inertial></link></robot>)");
+  scratch.write("bad.urdf", R"(<robot><link name="a"><inertial><mass value="1"/></inertial></link></robot>)");
   std::vector<std::thread> threads;
   for (int i = 0; i < 4; ++i) {
     threads.emplace_back([&] {

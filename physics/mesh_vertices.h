@@ -1,0 +1,21 @@
+// The vertices of a mesh file.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "crossgait/physics/math.h"
+
+namespace crossgait {
+
+/// Whether `read_mesh_vertices` reads files of this name: *.stl and *.obj, in capitals, too.
+bool is_mesh_format(const std::string& path);
+
+/// The different vertices of an STL (binary or text) or an OBJ file, in its own units and frame, sorted by x,
+/// y and z; at least one. Faces, normals and materials are passed over.
+/// @throws ConfigError naming the file and, in texts, the line: unreadable, beyond kMeshBudget, no such mesh,
+/// or
+///   coordinates that are no finite numbers
+std::vector<Vector3> read_mesh_vertices(const std::string& path);
+
+}  // namespace crossgait
