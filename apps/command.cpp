@@ -6,13 +6,25 @@
 #include <unistd.h>
 
 #include "crossgait/apps/interruption.h"
+#include "crossgait/parity/table.h"
+#include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/robot_report.h"
 #include "crossgait/physics/text.h"
 
 namespace crossgait::apps {
 
 void print_notes(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) fmt::print(stderr, "crossgait: note: {}\n", note);
+}
+
+RobotDescription load_robot_and_tell(const std::string& robot) {
+  LoadedRobot loaded = load_robot_with_report(find_robot(robot));
+  if (const std::size_t count = loaded.report.warnings.size(); count > 0) {
+    print_notes({fmt::format("{}: {} on what its file holds: crossgait robots {}", loaded.robot.source,
+                             counted(count, "warning"), robot)});
+  }
+  return std::move(loaded.robot);
 }
 
 void add_robot_option(CLI::App& command, std::string& robot) {

@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "crossgait/apps/results.h"
+#include "crossgait/physics/robot.h"
 
 namespace crossgait::apps {
 
@@ -35,6 +36,10 @@ void add_rerun_command(CLI::App& program, std::vector<std::string>& again);
 
 /// Says on standard error what the user may want to know of what was asked for.
 void print_notes(const std::vector<std::string>& notes);
+
+/// The robot of a name or file, and a note on standard error if its file holds what is doubtful.
+/// @throws ConfigError
+RobotDescription load_robot_and_tell(const std::string& robot);
 
 /// A name with `--robot`'s meaning: a bundled robot's name or a file. Adds the option alone.
 void add_robot_option(CLI::App& command, std::string& robot);

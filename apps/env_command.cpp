@@ -96,8 +96,7 @@ void run(const EnvCommand& options) {
   if (options.list) return list_tables(options);
   const EnvConfig config = options.env.make();
   if (options.yaml) {
-    static_cast<void>(EnvModel::make(config));  // what cannot be made is not written either
-    const std::string text = to_yaml(config);
+    const std::string text = to_yaml(EnvModel::make(config)->stated());
     return options.json.emit(text, with_schema("env", {{"yaml", text}}), provenance_of(options, config));
   }
   describe(options, config);

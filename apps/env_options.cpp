@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "crossgait/backends/registry.h"
+#include "crossgait/gait/scale.h"
 #include "crossgait/study/run_spec.h"
 
 namespace crossgait::apps {
@@ -51,7 +52,8 @@ EnvConfig EnvOptions::make() const {
   if (friction) c.friction = *friction;
   if (gait) {
     c.gait = *gait;
-    c.parameters = find_gait(*gait).preferred;
+    static_cast<void>(find_gait(*gait));
+    c.parameters = {};
   }
   for (const std::string& setting : settings) assign(c.parameters, setting);
   if (!adapt.empty()) c.adapt = adapt;
@@ -69,11 +71,14 @@ EnvConfig EnvOptions::make() const {
 }
 
 std::vector<std::string> notes_on(const EnvConfig& config) {
-  GaitParameters usual = find_gait(config.gait).preferred;
+  const GaitScale scale =
+      config.at_its_place(config.robot, [&] { return gait_scale(load_robot_and_tell(config.robot)); });
+  GaitParameters usual = scaled(find_gait(config.gait), scale).preferred;
+  const GaitParameters initial = config.parameters.over(usual);
   // Like nothing: of what adapts there is a note also where it is the gait's own.
   for (const std::string& name : config.adapt)
     usual.*find_parameter(name).member = std::numeric_limits<double>::quiet_NaN();
-  return outside_ranges(config.parameters, usual, config.adaptation);
+  return outside_ranges(initial, usual, scaled(config.adaptation, scale));
 }
 
 nlohmann::json policy_subject(const EnvConfig& config, const std::vector<std::string>& policies,

@@ -28,10 +28,25 @@ struct GaitCommand {
   JsonOption json;
 };
 
-void list_gaits(const JsonOption& json) {
+/// The gait as this robot would walk it.
+struct Chosen {
+  GaitScale scale;
+  LegArray<Vector3> p_BL;
+  GaitChoice gait, usual;  ///< with and without --set
+};
+
+Chosen choose(const GaitCommand& options) {
+  const RobotDescription robot = load_robot_and_tell(options.robot);
+  const GaitScale scale = gait_scale(robot);
+  return {scale, leg_origins(robot), choose_gait(options.gait, options.settings, {}, scale),
+          choose_gait(options.gait, {}, {}, scale)};
+}
+
+void list_gaits(const JsonOption& json, const GaitScale& scale) {
   Table table({"gait", "lift-off FL FR RL RR", "duty", "cycle, s", "speed, m/s", "phases", ""});
   ordered_json entries = ordered_json::array();
-  for (const Gait& gait : gaits()) {
+  for (const Gait& reference : gaits()) {
+    const Gait gait = scaled(reference, scale);
     std::string phases, offsets;
     ordered_json entry{{"name", gait.name}, {"summary", gait.summary}};
     for (const GaitPhase& phase : gait.phases) {
@@ -54,11 +69,13 @@ void list_gaits(const JsonOption& json) {
   json.emit(table.str(), with_schema("gait", {{"gaits", std::move(entries)}}));
 }
 
-void list_parameters(const GaitCommand& options) {
-  const GaitParameters chosen = choose_gait(options.gait, options.settings).parameters;
+void list_parameters(const GaitCommand& options, const Chosen& of) {
+  const GaitParameters& chosen = of.gait.parameters;
+  const AdaptationRanges ranges = scaled(AdaptationRanges(), of.scale);
   Table table({"parameter", "unit", options.gait, "min", "max", "delta scale", "meaning"});
   ordered_json entries = ordered_json::array();
-  for (const ParameterRow& row : gait_parameters()) {
+  for (const ParameterRow& reference : gait_parameters()) {
+    const ParameterRow row = ranges.row(reference.name);
     const double value = chosen.*row.member;
     table.add_row({std::string(row.name), std::string(row.unit), fmt::format("{:.4g}", value),
                    fmt::format("{:.4g}", row.min), fmt::format("{:.4g}", row.max),
@@ -66,7 +83,7 @@ void list_parameters(const GaitCommand& options) {
     entries.push_back({{"name", row.name},
                        {"unit", row.unit},
                        {"value", value},
-                       {"default", row.default_value()},
+                       {"default", row.factor(of.scale.length) * row.default_value()},
                        {"min", row.min},
                        {"max", row.max},
                        {"delta_scale", row.delta_scale},
@@ -78,9 +95,8 @@ void list_parameters(const GaitCommand& options) {
                                                              {"swing", name(chosen.swing)}}));
 }
 
-GaitGenerator make_generator(const GaitCommand& options) {
-  const GaitChoice choice = choose_gait(options.gait, options.settings);
-  return {*choice.gait, choice.parameters, leg_origins(load_robot(find_robot(options.robot)))};
+GaitGenerator make_generator(const Chosen& of) {
+  return {*of.gait.gait, of.gait.parameters, of.p_BL, scaled(StepLimits(), of.scale)};
 }
 
 // One row per sample from t = 0: positions in the leg frames.
@@ -101,7 +117,7 @@ std::string targets_csv(const GaitCommand& options, GaitGenerator& generator, in
   return text;
 }
 
-void print_targets(const GaitCommand& options, GaitGenerator& generator, int rows) {
+void print_targets(const GaitCommand& options, const Chosen& of, GaitGenerator& generator, int rows) {
   Table table({options.gait + ", t in s", "phase", "FL x, z mm", "FR x, z mm", "RL x, z mm", "RR x, z mm"});
   ordered_json samples = ordered_json::array();
   for (int i = 0; i <= rows; ++i) {
@@ -120,10 +136,10 @@ void print_targets(const GaitCommand& options, GaitGenerator& generator, int row
     samples.push_back(std::move(sample));
   }
   const std::string legend =
-      "\n^ swing, _ stance; positions in the leg frames: x forward, z up from the shoulders\n";
-  options.json.emit(
-      table.str() + legend, with_schema("gait", {{"gait", options.gait}, {"samples", std::move(samples)}}),
-      options.json.provenance(of_gait(options.robot, choose_gait(options.gait, options.settings))));
+      "\n^ swing, _ stance; positions in the leg frames: x forward, z up from hips or shoulders\n";
+  options.json.emit(table.str() + legend,
+                    with_schema("gait", {{"gait", options.gait}, {"samples", std::move(samples)}}),
+                    options.json.provenance(of_gait(options.robot, of.gait)));
 }
 
 // @param cycle  how long where no time is given, s
@@ -142,13 +158,13 @@ int row_count(const GaitCommand& options, double cycle) {
 }
 
 void run(const GaitCommand& options) {
-  if (options.list) return list_gaits(options.json);
-  print_notes(outside_ranges(choose_gait(options.gait, options.settings).parameters,
-                             choose_gait(options.gait, {}).parameters));
-  if (options.parameters) return list_parameters(options);
-  GaitGenerator generator = make_generator(options);
+  const Chosen of = choose(options);
+  if (options.list) return list_gaits(options.json, of.scale);
+  print_notes(outside_ranges(of.gait.parameters, of.usual.parameters, scaled(AdaptationRanges(), of.scale)));
+  if (options.parameters) return list_parameters(options, of);
+  GaitGenerator generator = make_generator(of);
   const int rows = row_count(options, generator.parameters().cycle_time);
-  if (options.csv.empty()) return print_targets(options, generator, rows);
+  if (options.csv.empty()) return print_targets(options, of, generator, rows);
   const std::string text = targets_csv(options, generator, rows);
   options.csv == "-" ? print(text) : write_file_atomically(options.csv, text);
 }

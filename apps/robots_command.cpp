@@ -1,12 +1,21 @@
 // crossgait robots: the bundled robots, or one robot in detail.
+#include <cmath>
+#include <filesystem>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/command.h"
+#include "crossgait/backends/registry.h"
+#include "crossgait/ik/leg_kinematics.h"
 #include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
-#include "crossgait/physics/robot.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/robot_report.h"
+#include "crossgait/physics/world_spec.h"
+#include "crossgait/study/trial_walk.h"
 
 namespace crossgait::apps {
 namespace {
@@ -15,6 +24,7 @@ using nlohmann::ordered_json;
 
 struct RobotsCommand {
   std::string robot;
+  bool yaml = false, check = false;
   JsonOption json;
 };
 
@@ -42,11 +52,8 @@ void list_robots(const JsonOption& json) {
   json.emit(table.str(), with_schema("robots", {{"robots", std::move(robots)}}));
 }
 
-void show(const RobotsCommand& options) {
-  const RobotDescription robot = load_robot(find_robot(options.robot));
-  ordered_json result = summary(robot);
-  result["body_list"] = ordered_json::array();
-  Table table({robot.name, "parent", "mass, kg", "joint", "axis", "servo kp", "armature", "damping"});
+ordered_json body_list(const RobotDescription& robot, Table& table) {
+  ordered_json list = ordered_json::array();
   for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
     const Body& body = robot.bodies[b];
     const bool base = b == 0;
@@ -59,18 +66,113 @@ void show(const RobotsCommand& options) {
          joint.actuated ? text(joint.kp) : "", text(joint.armature), text(joint.damping)});
     ordered_json entry{{"name", body.name}, {"parent", parent}, {"mass_kg", body.inertia.mass}};
     if (!base) {
-      entry["joint"] = {{"name", joint.name},       {"lower_rad", joint.lower},
-                        {"upper_rad", joint.upper}, {"actuated", joint.actuated},
-                        {"kp", joint.kp},           {"kd", joint.kd},
-                        {"damping", joint.damping}, {"armature", joint.armature}};
+      entry["joint"] = {{"name", joint.name},
+                        {"lower_rad", joint.lower},
+                        {"upper_rad", joint.upper},
+                        {"actuated", joint.actuated},
+                        {"kp", joint.kp},
+                        {"kd", joint.kd},
+                        {"damping", joint.damping},
+                        {"armature", joint.armature},
+                        {"effort_limit", joint.effort_limit}};
     }
-    result["body_list"].push_back(std::move(entry));
+    list.push_back(std::move(entry));
   }
-  const std::string total =
-      fmt::format("\n{:.4f} kg in all, {}, base {:.4f} m above ground at home; from {}\n", robot.total_mass(),
-                  counted(robot.loops.size(), "loop"), robot.home_height, robot.source);
-  options.json.emit(table.str() + total, with_schema("robots", result),
-                    options.json.provenance(of_robot(options.robot)));
+  return list;
+}
+
+/// Links between the joints of a leg and its foot, m.
+std::vector<double> lengths_of(const RobotDescription& robot, Leg leg) {
+  const LegKinematics kinematics = make_leg_kinematics(robot, leg);
+  if (const auto* five_bar = kinematics.as<FiveBarGeometry>())
+    return {five_bar->a.upper, five_bar->a.lower, five_bar->b.upper, five_bar->b.lower};
+  const LegLengths lengths = leg_lengths(robot, leg);
+  return {lengths.thigh, lengths.shin};
+}
+
+ordered_json leg_list(const RobotDescription& robot, Table& table) {
+  ordered_json legs;
+  for (const Leg leg : kLegs) {
+    const LegModel& model = (*robot.legs)[leg];
+    const std::vector<double> lengths = lengths_of(robot, leg);
+    std::vector<std::string> joints, texts;
+    for (const int joint : model.joints()) joints.push_back(robot.joint(joint).name);
+    for (const double length : lengths) texts.push_back(fmt::format("{:.4g}", length));
+    const std::string& link = robot.bodies[static_cast<std::size_t>(model.foot_body)].name;
+    const std::string_view kind = name(make_leg_kinematics(robot, leg).kind());
+    table.add_row({std::string(name(leg)), std::string(kind), fmt::format("{}", fmt::join(joints, " ")),
+                   fmt::format("{}, radius {:.4g} m", link, model.foot_radius),
+                   fmt::format("{}", fmt::join(texts, " "))});
+    legs[std::string(name(leg))] = {{"kind", kind},
+                                    {"joints", joints},
+                                    {"foot",
+                                     {{"link", link},
+                                      {"point_m", {model.p_BF.x(), model.p_BF.y(), model.p_BF.z()}},
+                                      {"radius_m", model.foot_radius}}},
+                                    {"lengths_m", lengths}};
+  }
+  return legs;
+}
+
+ordered_json home_of(const RobotDescription& robot) {
+  ordered_json home;
+  for (int i = 0; i < robot.joint_count(); ++i) home[robot.joint(i).name] = robot.home[i];
+  return home;
+}
+
+/// What was inferred and what is doubtful, as lines.
+std::string remarks(const RobotReport& report) {
+  std::string text;
+  if (!report.inferred.empty()) text += "\nInferred, and why (a robot.yaml overrides any of it):\n";
+  for (const Inference& i : report.inferred)
+    text += fmt::format("  {}: {}\n      {}\n", i.what, i.value, i.reason);
+  for (const std::string& warning : report.warnings) text += fmt::format("\nwarning: {}", warning);
+  return report.warnings.empty() ? text : text + "\n";
+}
+
+void show(const RobotsCommand& options) {
+  const LoadedRobot loaded = load_robot_with_report(find_robot(options.robot));
+  const RobotDescription& robot = loaded.robot;
+  if (options.yaml) {
+    print(to_yaml(loaded, std::filesystem::absolute(loaded.report.urdf).lexically_normal().string()));
+    return;
+  }
+  const Joint& servo = robot.joint((*robot.legs)[Leg::FL].servos.front());
+  const double h = robot.standing_height, time = std::sqrt(h / -WorldSpec{}.gravity.z());
+  ordered_json result = summary(robot);
+  Table legs({"leg", "kind", "joints", "foot", "lengths, m"}),
+      bodies({robot.name, "parent", "mass, kg", "joint", "axis", "servo kp", "armature", "damping"});
+  result["legs"] = leg_list(robot, legs);
+  result["home_rad"] = home_of(robot);
+  result["servo"] = {
+      {"kp", servo.kp}, {"kd", servo.kd}, {"armature", servo.armature}, {"effort_limit", servo.effort_limit}};
+  result["gait_scale"] = {
+      {"standing_height_m", h}, {"time_s", time}, {"stance_offset_m", robot.stance_offset}};
+  result["inferred"] = ordered_json::array();
+  for (const Inference& i : loaded.report.inferred)
+    result["inferred"].push_back({{"what", i.what}, {"value", i.value}, {"reason", i.reason}});
+  result["warnings"] = loaded.report.warnings;
+  result["body_list"] = body_list(robot, bodies);
+  const std::string total = fmt::format(
+      "\n{:.4f} kg in all, {}, base {:.4f} m above ground at home; gaits scale with {:.4g} m and {:.3g} s; "
+      "from "
+      "{}\n",
+      robot.total_mass(), counted(robot.loops.size(), "loop"), robot.home_height, h, time, robot.source);
+  options.json.emit(bodies.str() + "\n" + legs.str() + total + remarks(loaded.report),
+                    with_schema("robots", result), options.json.provenance(of_robot(options.robot)));
+}
+
+/// Walks it. @throws std::runtime_error if something is wrong
+void check(const RobotsCommand& options) {
+  const LoadedRobot loaded = load_robot_with_report(find_robot(options.robot));
+  const Trial trial = try_robot(std::make_shared<const RobotDescription>(loaded.robot), available_engines());
+  ordered_json result{{"name", loaded.robot.name}, {"file", loaded.robot.source}};
+  result.update(to_json(trial));
+  result["warnings"] = loaded.report.warnings;
+  std::string text = describe(trial);
+  for (const std::string& warning : loaded.report.warnings) text += fmt::format("warning: {}\n", warning);
+  options.json.emit(text, with_schema("robots", result), options.json.provenance(of_robot(options.robot)));
+  if (!trial.passed()) throw std::runtime_error("it does not walk as it should: see above");
 }
 
 }  // namespace
@@ -78,12 +180,25 @@ void show(const RobotsCommand& options) {
 void add_robots_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("robots", "List the bundled robots, or show one");
   command->footer(
-      "\nExamples:\n  crossgait robots\n  crossgait robots scara_quadruped\n  crossgait robots my.urdf");
+      "\nOf a URDF alone legs, frame, feet, home pose, servos and the scale of gaits are inferred, and "
+      "every\n"
+      "inference is printed with its reason. --yaml writes them as a robot.yaml, to be put beside the URDF "
+      "and\n"
+      "changed where a guess is wrong.\n"
+      "\nExamples:\n  crossgait robots\n  crossgait robots scara_quadruped\n  crossgait robots my.urdf\n"
+      "  crossgait robots my.urdf --yaml > robot.yaml\n"
+      "  crossgait robots my.urdf --check");
   auto options = std::make_shared<RobotsCommand>();
   command->add_option("robot,--robot", options->robot,
                       "A bundled robot's name or a .yaml or .urdf file to show");
+  command->add_flag("--check", options->check, "Walk it two seconds in every engine and say what is wrong")
+      ->needs("--robot");
+  command->add_flag("--yaml", options->yaml, "Print the whole robot.yaml instead")->needs("--robot");
   options->json.add_to(*command);
-  on_run(*command, [options] { options->robot.empty() ? list_robots(options->json) : show(*options); });
+  on_run(*command, [options] {
+    if (options->robot.empty()) return list_robots(options->json);
+    options->check ? check(*options) : show(*options);
+  });
 }
 
 }  // namespace crossgait::apps

@@ -6,7 +6,8 @@
 #include <fmt/format.h>
 
 #include "crossgait/gait/parameters.h"
-#include "crossgait/ik/geometry.h"
+#include "crossgait/ik/leg_kinematics.h"
+#include "crossgait/physics/error.h"
 #include "crossgait/physics/math.h"
 #include "crossgait/physics/multibody.h"
 
@@ -156,15 +157,15 @@ std::vector<Figure::Row> attitude_rows(const TraceTable& trace) {
 
 std::vector<Figure::Row> joint_rows(const TraceTable& trace, const RobotDescription& robot) {
   std::vector<Figure::Row> rows(2);
-  five_bar_geometry(robot);  // or says that there are no such legs
+  if (!robot.legs) throw ConfigError(robot.source, "legs", "a robot with four legs", "none");
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
-    Panel panel =
-        time_panel(fmt::format("Servos of {}: tilt, left and right shoulder", name(leg)), "angle, deg");
-    const std::array<std::pair<const char*, int>, 3> servos{
-        {{"tilt", model.tilt}, {"left", model.shoulder_left}, {"right", model.shoulder_right}}};
-    for (int i = 0; i < 3; ++i) {
-      const auto& [label, joint] = servos[static_cast<std::size_t>(i)];
+    Panel panel = time_panel(fmt::format("Servos of {}", name(leg)), "angle, deg");
+    for (std::size_t k = 0; k < model.servos.size(); ++k) {
+      const auto i = static_cast<int>(k);
+      std::string label(model.roles()[k].name);
+      std::replace(label.begin(), label.end(), '_', ' ');
+      const int joint = model.servos[k];
       const std::string& joint_name = robot.joint(joint).name;
       panel.series.push_back(
           over_time(trace, label, scaled(trace.column("q." + joint_name), kDegreesPerRadian), i));
@@ -180,7 +181,7 @@ std::vector<Figure::Row> joint_rows(const TraceTable& trace, const RobotDescript
 }
 
 std::vector<Figure::Row> feet_rows(const TraceTable& trace, const RobotDescription& robot) {
-  const LegArray<Vector3> origins = leg_origins(five_bar_geometry(robot));
+  const LegArray<Vector3> origins = leg_origins(robot);
   const auto columns = joint_columns(trace, robot);
   LegArray<Series> paths, stances;
   LegArray<const std::vector<double>*> contact{};

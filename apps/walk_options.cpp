@@ -79,8 +79,11 @@ WalkConfig WalkOptions::make() const {
                       fmt::format("{}, {}, {}", error.expected(), kAutomaticGait, kGuidesAutomaticGait),
                       error.found());
   }
-  made.gait = choose_gait(gait, settings, make_command(*this));
-  print_notes(outside_ranges(made.gait.parameters, choose_gait(gait, {}, make_command(*this)).parameters));
+  const GaitScale scale = gait_scale(load_robot_and_tell(config.robot));
+  made.gait = choose_gait(gait, settings, make_command(*this), scale);
+  print_notes(outside_ranges(made.gait.parameters,
+                             choose_gait(gait, {}, make_command(*this), scale).parameters,
+                             scaled(AdaptationRanges(), scale)));
   made.compensation = !plain_servos;
   made.heading_hold = !open_loop;
   made.ends = OutcomeSet::that_end(ends);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/command.h"
+#include "crossgait/apps/leg_option.h"
 #include "crossgait/apps/plotting.h"
 #include "crossgait/env/gait_source.h"
 #include "crossgait/gait/cycle_check.h"
@@ -27,8 +28,8 @@ constexpr int kShades = 201;                     // grid points along the longer
 constexpr int kPathPoints = 400;
 
 struct WorkspaceCommand {
-  std::string robot = "scara_quadruped", leg = "FL", gait = "trot";
-  int mode = static_cast<int>(kDefaultMode);
+  std::string robot = "scara_quadruped", gait = "trot";
+  LegOption leg;
   std::vector<std::string> settings;
   std::string out;
   JsonOption json;
@@ -36,16 +37,17 @@ struct WorkspaceCommand {
 
 struct Report {
   std::string robot, gait;
-  Leg leg = Leg::FL;
-  WorkingMode mode = kDefaultMode;
-  FiveBarGeometry geometry;
-  TargetBox reach, safe;
+  GaitChoice choice;
+  Leg which;
+  LegKinematics leg;
+  LegBranch branch;
+  TargetBox reach = {}, safe = {};
   double reachable_fraction = 0;
   Vector3 standing = Vector3::Zero();  // foot in the middle of its stance
-  WorkspaceSample standing_sample;
-  std::vector<Vector3> path;     // one cycle in full stride
-  LegMargins smallest_in_cycle;  // of the reachable targets
-  CycleCheck cycle;              // of all legs
+  WorkspaceSample standing_sample = {};
+  std::vector<Vector3> path = {};     // one cycle in full stride
+  LegMargins smallest_in_cycle = {};  // of the reachable targets
+  CycleCheck cycle = {};              // of all legs
 };
 
 std::vector<Vector3> foot_path(const Gait& gait, const GaitParameters& parameters, Leg leg) {
@@ -59,11 +61,10 @@ std::vector<Vector3> foot_path(const Gait& gait, const GaitParameters& parameter
   return path;
 }
 
-LegMargins smallest_margins(const FiveBarGeometry& geometry, const std::vector<Vector3>& path,
-                            WorkingMode mode) {
+LegMargins smallest_margins(const LegKinematics& leg, const std::vector<Vector3>& path, LegBranch branch) {
   LegMargins smallest{HUGE_VAL, HUGE_VAL, HUGE_VAL};
   for (const Vector3& target : path) {
-    const WorkspaceSample sample = sample_target(geometry, target, mode);
+    const WorkspaceSample sample = sample_target(leg, target, branch);
     if (sample.status != IkStatus::kOk) return {};
     smallest.joint_limit = std::min(smallest.joint_limit, sample.margins.joint_limit);
     smallest.serial = std::min(smallest.serial, sample.margins.serial);
@@ -73,33 +74,32 @@ LegMargins smallest_margins(const FiveBarGeometry& geometry, const std::vector<V
 }
 
 Report look(const WorkspaceCommand& options) {
-  const auto leg = leg_from_name(options.leg);
-  if (!leg) throw ConfigError("command line", "--leg", "FL, FR, RL or RR", "\"" + options.leg + "\"");
-  const auto mode = working_mode(options.mode);
-  if (!mode)
-    throw ConfigError("command line", "--mode", "a working mode from 1 to 4", std::to_string(options.mode));
+  const Leg which = options.leg.which();
   const RobotDescription robot = load_robot(find_robot(options.robot));
-  const LegArray<FiveBarGeometry> legs = five_bar_geometry(robot);
-  const FiveBarGeometry& geometry = legs[*leg];
-  const Gait gait = find_gait(options.gait);
-  const GaitParameters parameters = choose_gait(options.gait, options.settings).parameters;
-  print_notes(outside_ranges(parameters, choose_gait(options.gait, {}).parameters));
+  const LegArray<LegKinematics> legs = make_leg_kinematics(robot);
+  const LegKinematics& leg = legs[which];
+  const LegBranch branch = options.leg.branch(leg);
+  const GaitScale scale = gait_scale(robot);
+  const Gait gait = scaled(find_gait(options.gait), scale);
+  const GaitChoice choice = choose_gait(options.gait, options.settings, {}, scale);
+  const GaitParameters& parameters = choice.parameters;
+  print_notes(outside_ranges(parameters, gait.preferred, scaled(AdaptationRanges(), scale)));
 
-  Report report;
-  report.robot = robot.name;
-  report.gait = options.gait;
-  report.leg = *leg;
-  report.mode = *mode;
-  report.geometry = geometry;
-  report.reach = reach_bounds(geometry);
-  report.reachable_fraction = sample_workspace(geometry, *mode, report.reach, kGrid).reachable_fraction();
-  report.standing = foot_position(parameters, *leg, {}, {{0, 0}, 0, parameters.swing});
-  report.standing_sample = sample_target(geometry, report.standing, *mode);
-  report.safe = safe_box(geometry, report.standing, *mode);
-  report.path = foot_path(gait, parameters, *leg);
-  report.smallest_in_cycle = smallest_margins(geometry, report.path, *mode);
+  Report report{.robot = robot.name,
+                .gait = options.gait,
+                .choice = choice,
+                .which = which,
+                .leg = leg,
+                .branch = branch};
+  report.reach = reach_bounds(leg);
+  report.reachable_fraction = sample_workspace(leg, branch, report.reach, kGrid).reachable_fraction();
+  report.standing = foot_position(parameters, which, {}, {{0, 0}, 0, parameters.swing});
+  report.standing_sample = sample_target(leg, report.standing, branch);
+  report.safe = safe_box(leg, report.standing, branch);
+  report.path = foot_path(gait, parameters, which);
+  report.smallest_in_cycle = smallest_margins(leg, report.path, branch);
   report.cycle = check_cycle(gait, parameters, [&](Leg any, const Vector3& target) {
-    return solve_servos(legs[any], target, *mode).status == IkStatus::kOk;
+    return legs[any].inverse(target, branch).status == IkStatus::kOk;
   });
   return report;
 }
@@ -133,7 +133,7 @@ std::string verdict(const Report& report) {
 }
 
 std::string describe(const Report& r) {
-  Table places({fmt::format("{} of {}, mode {}, mm", name(r.leg), r.robot, static_cast<int>(r.mode)),
+  Table places({fmt::format("{} of {}, {}, mm", name(r.which), r.robot, branch_text(r.leg, r.branch)),
                 "x from", "to", "y from", "to", "z from", "to"});
   const auto add_box = [&places](const std::string& label, const TargetBox& box) {
     std::vector<std::string> cells{label};
@@ -158,9 +158,13 @@ std::string describe(const Report& r) {
   };
   const LegMargins& at = r.standing_sample.margins;
   add_margin("to joint limits", at.joint_limit, r.smallest_in_cycle.joint_limit, required.joint_limit);
-  add_margin("to straight or folded elbows (serial)", at.serial, r.smallest_in_cycle.serial, required.serial);
-  add_margin("to parallel lower links (parallel)", at.parallel, r.smallest_in_cycle.parallel,
-             required.parallel);
+  const bool five_bar = r.leg.kind() == LegKind::kFiveBar;
+  add_margin(five_bar ? "to straight or folded elbows (serial)" : "to a straight or folded knee (serial)",
+             at.serial, r.smallest_in_cycle.serial, required.serial);
+  if (five_bar) {
+    add_margin("to parallel lower links (parallel)", at.parallel, r.smallest_in_cycle.parallel,
+               required.parallel);
+  }
   return places.str() + "\n" + margins.str() +
          fmt::format("\nreachable: {:.1f} % of the reach of the links\n", 100 * r.reachable_fraction) +
          verdict(r);
@@ -184,8 +188,9 @@ ordered_json to_json(const Report& r) {
   }
   const bool stands = r.standing_sample.status == IkStatus::kOk;
   return {{"robot", r.robot},
-          {"leg", name(r.leg)},
-          {"mode", static_cast<int>(r.mode)},
+          {"leg", name(r.which)},
+          {"kind", name(r.leg.kind())},
+          {"branch", branch_text(r.leg, r.branch)},
           {"gait", r.gait},
           {"reach_m", to_json(r.reach)},
           {"reachable_fraction", r.reachable_fraction},
@@ -211,7 +216,7 @@ Panel slice(const Report& r, int axis) {
   const auto count = [spacing](double length) { return 2 + static_cast<int>(length / spacing); };
   std::array<int, 3> grid{2, 2, count(size.z())};
   grid[static_cast<std::size_t>(axis)] = count(size[axis]);
-  const WorkspaceMap map = sample_workspace(r.geometry, r.mode, plane, grid);
+  const WorkspaceMap map = sample_workspace(r.leg, r.branch, plane, grid);
 
   Panel panel;
   panel.title = fmt::format("{}-z plane at {} = {:.1f} mm", "xy"[axis], "xy"[across],
@@ -247,14 +252,13 @@ void run(const WorkspaceCommand& options) {
   const Report report = look(options);
   if (!options.out.empty()) {
     Figure figure;
-    figure.title =
-        fmt::format("Workspace of {} of {}, mode {}", name(report.leg), report.robot, options.mode);
+    figure.title = fmt::format("Workspace of {} of {}, {}", name(report.which), report.robot,
+                               branch_text(report.leg, report.branch));
     figure.rows.push_back({{slice(report, 0), slice(report, 1)}, 380, 2});
     draw(figure, options.out);
   }
-  options.json.emit(
-      describe(report), with_schema("workspace", to_json(report)),
-      options.json.provenance(of_gait(options.robot, choose_gait(options.gait, options.settings))));
+  options.json.emit(describe(report), with_schema("workspace", to_json(report)),
+                    options.json.provenance(of_gait(options.robot, report.choice)));
 }
 
 }  // namespace
@@ -270,9 +274,7 @@ void add_workspace_command(CLI::App& program) {
       "  crossgait workspace --out workspace.png\n"
       "  crossgait workspace --leg RR --gait walk --set step_length=.1 --set body_height=.055");
   auto options = std::make_shared<WorkspaceCommand>();
-  command->add_option("--leg", options->leg, "FL, FR, RL or RR")->capture_default_str();
-  command->add_option("--mode", options->mode, "Working mode, 1 to 4 (see `crossgait ik --help`)")
-      ->capture_default_str();
+  options->leg.add_to(*command);
   command->add_option("--gait", options->gait, "The gait to check")->capture_default_str();
   command->add_option("--set", options->settings, "Change a gait parameter; may be repeated")
       ->type_name("NAME=VALUE");

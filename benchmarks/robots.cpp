@@ -47,6 +47,11 @@ RobotPtr long_quadruped() {
   return kRobot;
 }
 
+RobotPtr serial_quadruped() {
+  static const RobotPtr kRobot = load("serial_quadruped");
+  return kRobot;
+}
+
 SpatialInertia solid_box(double mass, const Vector3& half_extents, const Vector3& p_BC) {
   const Vector3 s = half_extents.cwiseAbs2();
   const Vector3 moments = mass / 3 * Vector3(s.y() + s.z(), s.x() + s.z(), s.x() + s.y());

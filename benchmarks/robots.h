@@ -15,6 +15,8 @@ using RobotPtr = std::shared_ptr<const RobotDescription>;
 /// models/robots/scara_quadruped and models/robots/scara_quadruped_long.
 RobotPtr quadruped();
 RobotPtr long_quadruped();
+/// models/robots/serial_quadruped.
+RobotPtr serial_quadruped();
 
 /// A solid box's mass properties about its own centre, which lies at `p_BC`.
 SpatialInertia solid_box(double mass, const Vector3& half_extents, const Vector3& p_BC = Vector3::Zero());

@@ -5,29 +5,30 @@
 #include <numbers>
 #include <utility>
 
-#include "crossgait/ik/five_bar_leg.h"
 #include "crossgait/physics/multibody.h"
 
 namespace crossgait::scenes {
 namespace {
 
-LegArray<Vector3> feet_at_home(const RobotDescription& robot, const LegArray<FiveBarGeometry>& geometry) {
+LegArray<Vector3> feet_at_home(const RobotDescription& robot, const LegArray<LegKinematics>& legs) {
   RobotState home;
   home.q = robot.home;
   std::vector<Pose> poses;
   forward_kinematics(robot, home, poses);
   LegArray<Vector3> feet;
-  for (const Leg leg : kLegs) feet[leg] = foot_position(robot, leg, poses) - geometry[leg].p_BL;
+  for (const Leg leg : kLegs) feet[leg] = foot_position(robot, leg, poses) - legs[leg].origin();
   return feet;
 }
 
-JointTargets solve(const LegArray<FiveBarGeometry>& geometry, const LegArray<Vector3>& feet) noexcept {
+// Servos are in the order of the legs and their roles (load_robot).
+JointTargets solve(const LegArray<LegKinematics>& legs, const LegArray<Vector3>& feet) noexcept {
   JointTargets targets;
-  targets.q.resize(3 * kLegCount);
+  targets.q.resize(kLegCount * legs[Leg::FL].servo_count());
+  Eigen::Index next = 0;
   for (const Leg leg : kLegs) {
-    const LegAngles angles = solve_leg(geometry[leg], feet[leg]).angles;
-    targets.q.segment<3>(3 * static_cast<Eigen::Index>(leg)) << angles.tilt, angles.shoulder_left,
-        angles.shoulder_right;
+    const ServoVector servos = legs[leg].inverse(feet[leg]).posture.servos;
+    targets.q.segment(next, servos.size()) = servos;
+    next += servos.size();
   }
   return targets;
 }
@@ -82,7 +83,7 @@ bool identical(const RobotState& a, const RobotState& b) {
 }
 
 Trot::Trot(const RobotDescription& robot)
-    : geometry_(five_bar_geometry(robot)), rest_(feet_at_home(robot, geometry_)) {}
+    : legs_(make_leg_kinematics(robot)), rest_(feet_at_home(robot, legs_)) {}
 
 bool Trot::swings(Leg leg, double time) noexcept { return time >= kStand && trot_phase(leg, time) < 0.5; }
 
@@ -101,11 +102,11 @@ JointTargets Trot::targets(double time) const noexcept {
       }
     }
   }
-  return solve(geometry_, feet);
+  return solve(legs_, feet);
 }
 
 Swing::Swing(const RobotDescription& robot)
-    : geometry_(five_bar_geometry(robot)), rest_(feet_at_home(robot, geometry_)) {}
+    : legs_(make_leg_kinematics(robot)), rest_(feet_at_home(robot, legs_)) {}
 
 JointTargets Swing::targets(double time) const noexcept {
   LegArray<Vector3> feet = rest_;
@@ -115,7 +116,7 @@ JointTargets Swing::targets(double time) const noexcept {
     feet[leg] += Vector3(0.015 * std::sin(1.5 * turn + shift), 0.012 * std::sin(turn + shift),
                          -0.008 * std::sin(2 * turn + 0.5 * shift));
   }
-  return solve(geometry_, feet);
+  return solve(legs_, feet);
 }
 
 }  // namespace crossgait::scenes

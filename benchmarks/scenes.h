@@ -4,7 +4,7 @@
 #include <random>
 
 #include "crossgait/benchmarks/robots.h"
-#include "crossgait/ik/geometry.h"
+#include "crossgait/ik/leg_kinematics.h"
 #include "crossgait/physics/physics_backend.h"
 
 namespace crossgait::scenes {
@@ -39,7 +39,7 @@ class Trot {
   static bool swings(Leg leg, double time) noexcept;
 
  private:
-  LegArray<FiveBarGeometry> geometry_;
+  LegArray<LegKinematics> legs_;
   LegArray<Vector3> rest_;  ///< foot in the leg frame at home
 };
 
@@ -50,7 +50,7 @@ class Swing {
   JointTargets targets(double time) const noexcept;
 
  private:
-  LegArray<FiveBarGeometry> geometry_;
+  LegArray<LegKinematics> legs_;
   LegArray<Vector3> rest_;
 };
 

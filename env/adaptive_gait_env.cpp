@@ -56,9 +56,9 @@ TargetSource AdaptiveGaitEnv::make_source() {
     episode_.info.ik_clamped += out.ik_clamped;
   };
   const auto look = [this](const RobotState& state, double dt) {
-    const HeadingHold hold = config().heading_hold ? HeadingHold() : HeadingHold::none();
     const double turning = episode_.command.yaw_rate;  // also of a command that came later
-    episode_.controller.generator().set_steering(episode_.heading.look(hold, state, turning, dt));
+    episode_.controller.generator().set_steering(
+        episode_.heading.look(model_->heading_hold, state, turning, dt));
   };
   return {.stand =
               [this](const Terrain& terrain, const Placement& placement) {
@@ -81,7 +81,7 @@ WorldSpec AdaptiveGaitEnv::draw_world() {
 
 Start AdaptiveGaitEnv::draw_start() const {
   const RandomDraw& draw = episode_.draw;
-  return {placement_of(draw), draw[Randomised::kStartPhase] * config().parameters.cycle_time,
+  return {placement_of(draw), draw[Randomised::kStartPhase] * model_->parameters.cycle_time,
           Pushes(config().randomisation, draw, episode_.random)};
 }
 

@@ -104,7 +104,8 @@ void read_ranges(const YamlValue& root, EnvConfig& config) {
 void read_gait(const YamlValue& root, EnvConfig& config) {
   if (const auto gait = root.find("gait")) {
     config.gait = gait->text();
-    config.parameters = named(*gait, [](const std::string& name) { return find_gait(name).preferred; });
+    named(*gait, [](const std::string& name) { static_cast<void>(find_gait(name)); });
+    config.parameters = {};
   }
   if (const auto parameters = root.find("parameters")) {
     for (const auto& [name, value] : parameters->entries()) {
@@ -123,7 +124,7 @@ void read_gait(const YamlValue& root, EnvConfig& config) {
       named(item, [](const std::string& name) { static_cast<void>(find_parameter(name)); });
   }
   read_ranges(root, config);
-  read(root, "residual_scale", config.residual_scale);
+  if (const auto scale = root.find("residual_scale")) config.residual_scale = scale->number();
   if (const auto command = root.find("command")) {
     command->allow_keys({"vx", "vy", "yaw_rate"});
     config.command.emplace();
@@ -231,15 +232,6 @@ std::string whole_path(const std::string& text, bool is_file) {
   return is_file ? std::filesystem::absolute(text).lexically_normal().string() : text;
 }
 
-template <typename Rows, typename Value>
-void write_map(std::string& out, std::string_view key, const Rows& rows, const Value& value) {
-  out += fmt::format("{}:\n", key);
-  for (const auto& row : rows) {
-    const std::string text = value(row);
-    if (!text.empty()) out += fmt::format("  {}: {}\n", row.name, text);
-  }
-}
-
 }  // namespace
 
 void EnvConfig::validate(std::string_view source) const {
@@ -257,8 +249,9 @@ void EnvConfig::validate(std::string_view source) const {
   require(tilt_limit_deg > 0 && tilt_limit_deg <= 180, source, "tilt_limit_deg",
           "an angle in (0, 180] degrees", tilt_limit_deg);
   require(friction >= 0 && friction <= 10, source, "friction", "a coefficient in [0, 10]", friction);
-  require(residual_scale >= 0 && residual_scale <= 1, source, "residual_scale", "a length in [0, 1] m",
-          residual_scale);
+  if (residual_scale)
+    require(*residual_scale >= 0 && *residual_scale <= 1, source, "residual_scale", "a length in [0, 1] m",
+            *residual_scale);
   require(episode_seconds / policy_dt <= kMostSteps, source, "episode_seconds",
           fmt::format("at most {:g} policy steps", kMostSteps), episode_seconds);
   require(episode_seconds / physics_dt < std::numeric_limits<int>::max(), source, "physics_dt",
@@ -290,7 +283,6 @@ void EnvConfig::validate(std::string_view source) const {
 EnvConfig guide_environment() {
   EnvConfig config;
   config.gait = "trot:guide";
-  config.parameters = find_gait(config.gait).preferred;
   config.adaptation = guide_ranges();
   return config;
 }
@@ -315,16 +307,19 @@ std::string to_yaml(const EnvConfig& c) {
       "engine: {}\nrobot: {}\nterrain: {}\nterrain_seed: {}\nfriction: {}\ngait: {}\n",
       plain_or_quoted(c.engine), yaml_quoted(whole_path(c.robot, is_robot_file(c.robot))),
       yaml_quoted(whole_path(c.terrain, is_terrain_file(c.terrain))), c.terrain_seed, c.friction, c.gait);
-  write_map(out, "parameters", gait_parameters(),
-            [&](const ParameterRow& row) { return fmt::format("{}", c.parameters.*row.member); });
-  out += fmt::format("  swing: {}\n", name(c.parameters.swing));
+  const GaitSettings& settings = c.parameters;
+  if (!settings.values.empty() || settings.swing) out += "parameters:\n";
+  for (const ParameterRow& row : gait_parameters()) {
+    if (const auto value = settings.find(row.name)) out += fmt::format("  {}: {}\n", row.name, *value);
+  }
+  if (settings.swing) out += fmt::format("  swing: {}\n", name(*settings.swing));
   out += fmt::format("adapt: [{}]\n", fmt::join(c.adapt, ", "));
   if (!c.adaptation.ranges.empty()) out += "ranges:\n";
   for (const auto& [name, range] : c.adaptation.ranges)
     out += fmt::format("  {}: [{}, {}]\n", name, range.min, range.max);
   if (!c.adaptation.delta_scales.empty()) out += "delta_scales:\n";
   for (const auto& [name, scale] : c.adaptation.delta_scales) out += fmt::format("  {}: {}\n", name, scale);
-  out += fmt::format("residual_scale: {}\n", c.residual_scale);
+  if (c.residual_scale) out += fmt::format("residual_scale: {}\n", *c.residual_scale);
   if (c.command) {
     out += fmt::format("command: {{vx: {}, vy: {}, yaw_rate: {}}}\n", c.command->vx, c.command->vy,
                        c.command->yaw_rate);

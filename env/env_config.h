@@ -23,10 +23,12 @@ struct EnvConfig {
   double friction = 0.6;
 
   std::string gait = "trot";
-  GaitParameters parameters = find_gait("trot").preferred;            ///< at the start of an episode
+  /// Of the gait at the start of an episode; what is not set is as the gait prefers at the robot's size
+  /// (EnvModel::parameters).
+  GaitSettings parameters;
   std::vector<std::string> adapt = AdaptiveGaitOptions{}.parameters;  ///< parameters that the action changes
   AdaptationRanges adaptation;                                        ///< `ranges` and `delta_scales` of them
-  double residual_scale = 0.01;                                       ///< m
+  std::optional<double> residual_scale;    ///< m; empty: .01 of the reference robot, by size
   std::optional<VelocityCommand> command;  ///< empty: steps of step_length, as the guide's
   bool heading_hold = true;                ///< steer to the heading that the command leads to
 

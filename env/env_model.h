@@ -6,13 +6,18 @@
 
 #include "crossgait/env/env_config.h"
 #include "crossgait/env/foot_states.h"
+#include "crossgait/env/heading_hold.h"
 #include "crossgait/env/policy.h"
 
 namespace crossgait {
 
 struct EnvModel {
   EnvConfig config;
-  WorldSpec world;  ///< nominal; its robot is what the controller knows
+  WorldSpec world;              ///< nominal; its robot is what the controller knows
+  GaitParameters parameters;    ///< at the start of an episode: the configured ones over the gait's own
+  AdaptationRanges adaptation;  ///< at the robot's size
+  double residual_scale = 0;    ///< m
+  HeadingHold heading_hold;
   PolicyInterface interface;
   std::vector<const ObservationBlock*> blocks;  ///< of the observation
   std::vector<int> servos;                      ///< indices of the actuated joints
@@ -24,6 +29,8 @@ struct EnvModel {
   /// Reads robot and terrain. @throws ConfigError for a bad configuration
   static std::shared_ptr<const EnvModel> make(const EnvConfig& config);
 
+  /// The configuration with everything stated that follows from the robot.
+  EnvConfig stated() const;
   /// A controller as it is before an episode.
   AdaptiveGaitController make_controller() const;
 };

@@ -71,7 +71,7 @@ VelocityCommand nominal_velocity(const GaitGenerator& generator) noexcept {
 }
 
 GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings,
-                       const std::optional<VelocityCommand>& command) {
+                       const std::optional<VelocityCommand>& command, const GaitScale& scale) {
   GaitChoice choice;
   if (is_automatic(gait)) {
     if (!command)
@@ -79,7 +79,7 @@ GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& 
     choice.automatic = gait;
     choice.bands = gait == kAutomaticGait ? default_speed_bands() : guide_speed_bands();
   } else {
-    choice.gait = find_gait(gait);
+    choice.gait = scaled(find_gait(gait), scale);
   }
   if (command && !command->is_finite()) {
     throw ConfigError("gait", "velocity command", "finite vx, vy (m/s) and yaw rate (rad/s)",
@@ -88,7 +88,11 @@ GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& 
   const auto change = [&settings](GaitParameters& parameters) {
     for (const std::string& setting : settings) assign(parameters, setting);
   };
-  for (SpeedBand& band : choice.bands) change(band.gait.preferred);
+  for (SpeedBand& band : choice.bands) {
+    band.gait = scaled(band.gait, scale);
+    band.below *= scale.time();
+    change(band.gait.preferred);
+  }
   if (choice.gait) {
     choice.parameters = choice.gait->preferred;
     change(choice.parameters);
@@ -105,28 +109,25 @@ LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept
   return feet;
 }
 
-LegArray<Vector3> leg_origins(const RobotDescription& robot) {
-  LegArray<Vector3> p_BL;
-  for (const Leg leg : kLegs) p_BL[leg] = five_bar_geometry(robot, leg).p_BL;
-  return p_BL;
-}
-
 TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const RobotDescription> robot,
                               const GaitLayers& layers) {
   const LegArray<Vector3> p_BL = leg_origins(*robot);
+  const GaitScale scale = gait_scale(*robot);
+  const HeadingHold heading_hold = scaled(layers.heading_hold, scale);
   LegController legs(std::move(robot), layers.compensation);
   if (!choice.gait) {
     MultiGaitOptions options =
         choice.automatic == kGuidesAutomaticGait ? guide_multi_gait_options() : MultiGaitOptions();
+    options = scaled(std::move(options), scale);
     options.bands = choice.bands;
     MultiGaitController controller(options, p_BL);
     require(!choice.command || controller.set_command(*choice.command));
-    return walk_legs(std::move(controller), std::move(legs), choice.command, layers.heading_hold);
+    return walk_legs(std::move(controller), std::move(legs), choice.command, heading_hold);
   }
-  GaitGenerator generator(*choice.gait, choice.parameters, p_BL);
+  GaitGenerator generator(*choice.gait, choice.parameters, p_BL, scaled(StepLimits(), scale));
   require(!choice.command || generator.set_command(*choice.command));
   generator.reset(GaitGenerator::Start::kStanding);
-  return walk_legs(std::move(generator), std::move(legs), choice.command, layers.heading_hold);
+  return walk_legs(std::move(generator), std::move(legs), choice.command, heading_hold);
 }
 
 TargetSource make_feet_source(FootTargets feet, std::shared_ptr<const RobotDescription> robot,

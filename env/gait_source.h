@@ -8,7 +8,7 @@
 
 #include "crossgait/env/heading_hold.h"
 #include "crossgait/env/leg_controller.h"
-#include "crossgait/gait/multi_gait_controller.h"
+#include "crossgait/gait/scale.h"
 
 namespace crossgait {
 
@@ -33,9 +33,11 @@ struct GaitChoice {
 /// A gait by name with its preferred parameters, changed by assignments "name=value" (see gait/parameters.h).
 /// Where the gait is chosen by speed they change every one of them.
 /// @param gait  a name of `gaits()`, or an automatic one, which needs a command
+/// @param scale  of the robot that is to walk (`gait_scale`): preferred parameters are those of its size;
+///               settings are absolute
 /// @throws ConfigError for an unknown gait, parameter or value, or a command that is not finite
 GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings,
-                       const std::optional<VelocityCommand>& command = {});
+                       const std::optional<VelocityCommand>& command = {}, const GaitScale& scale = {});
 
 /// The positions alone, as LegController takes them.
 LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept;
@@ -49,9 +51,6 @@ void drive_legs(LegController& legs, const GaitGenerator& generator, const LegAr
 /// Of the body, by steps of step_length: one step per stance.
 VelocityCommand nominal_velocity(const GaitGenerator& generator) noexcept;
 
-/// Origins of the leg frames in the base frame, m. @throws ConfigError if the robot has no five-bar legs
-LegArray<Vector3> leg_origins(const RobotDescription& robot);
-
 /// What stands between a gait and the servos besides kinematics. Each can be switched off.
 struct GaitLayers {
   ServoCompensation compensation;
@@ -59,7 +58,7 @@ struct GaitLayers {
 };
 
 /// Walks `choice` from standing. Every call makes an independent source.
-/// @throws ConfigError if the robot has no five-bar legs
+/// @throws ConfigError if the robot has no legs
 TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const RobotDescription> robot,
                               const GaitLayers& layers = {});
 
@@ -68,7 +67,7 @@ TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const Ro
 using FootTargets = std::function<LegArray<Vector3>(double dt)>;
 
 /// Feet from anywhere else: recorded, computed, commanded. Nothing is known of what they mean, so that
-/// statistics of swing and progress stay empty. @throws ConfigError if the robot has no five-bar legs
+/// statistics of swing and progress stay empty. @throws ConfigError if the robot has no legs
 TargetSource make_feet_source(FootTargets feet, std::shared_ptr<const RobotDescription> robot,
                               const ServoCompensation& compensation = {});
 

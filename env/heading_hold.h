@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "crossgait/gait/scale.h"
 #include "crossgait/physics/state.h"
 
 namespace crossgait {
@@ -18,6 +19,13 @@ struct HeadingHold {
 
   static constexpr HeadingHold none() { return {.on = false}; }
 };
+
+/// For gaits of this size: its cycles are longer by `time()`, so that it answers as much slower.
+inline HeadingHold scaled(HeadingHold hold, const GaitScale& scale) noexcept {
+  hold.gain /= scale.time();
+  hold.max_rate /= scale.time();
+  return hold;
+}
 
 /// What one motion's heading hold remembers. A value: saved and restored with the motion.
 class HeadingHoldState {

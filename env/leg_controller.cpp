@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "crossgait/gait/scale.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/multibody.h"
 #include "crossgait/physics/world_spec.h"
@@ -29,22 +30,23 @@ double ground_below(const Terrain& terrain, double x, double y, double radius) {
 }  // namespace
 
 LegController::LegController(std::shared_ptr<const RobotDescription> description,
-                             const ServoCompensation& compensation, WorkingMode mode)
+                             const ServoCompensation& compensation)
     : robot_(std::move(description)),
       compensation_(compensation),
       weight_(robot_->total_mass() * -WorldSpec{}.gravity.z()),
-      mode_(mode) {
+      kinematics_(make_leg_kinematics(*robot_)) {
   const RobotDescription& robot = *robot_;
-  if (!robot.legs) throw ConfigError(robot.source, "legs", "four five-bar legs", "a robot without legs");
+  compensation_.load_depth *= gait_scale(robot).length;
   const std::vector<int> actuated = robot.actuated_joints();
   for (const Leg leg : kLegs) {
-    geometry_[leg] = five_bar_geometry(robot, leg);
-    const LegModel& model = (*robot.legs)[leg];
-    const std::array<int, 3> joints{model.tilt, model.shoulder_left, model.shoulder_right};
+    const LegKinematics& kinematics = kinematics_[leg];
     LegServos& servos = servos_[leg];
-    for (std::size_t k = 0; k < joints.size(); ++k) {
-      const Joint& joint = robot.joint(joints[k]);
-      const auto it = std::find(actuated.begin(), actuated.end(), joints[k]);
+    servos.stiffness.resize(kinematics.servo_count());
+    servos.damping.resize(kinematics.servo_count());
+    for (std::size_t k = 0; k < kinematics.servo_joints().size(); ++k) {
+      const int index = kinematics.servo_joints()[k];
+      const Joint& joint = robot.joint(index);
+      const auto it = std::find(actuated.begin(), actuated.end(), index);
       if (it == actuated.end() || joint.kp <= 0) {
         throw ConfigError(robot.source, joint.name, "a servo with kp > 0 N m/rad", "none");
       }
@@ -52,7 +54,9 @@ LegController::LegController(std::shared_ptr<const RobotDescription> description
       servos.stiffness[static_cast<Eigen::Index>(k)] = joint.kp;
       servos.damping[static_cast<Eigen::Index>(k)] = joint.kd + joint.damping;
     }
-    servos.elbow_damping = robot.joint(model.elbow_left).damping;
+    if (kinematics.passive_count() > 0)
+      servos.passive_damping = robot.joint(kinematics.passive_joints()[0]).damping;
+    last_[leg].servos = ServoVector::Zero(kinematics.servo_count());
   }
   // Actuated joints that belong to no leg hold their home angle.
   targets_.q.resize(static_cast<Eigen::Index>(actuated.size()));
@@ -66,42 +70,50 @@ void LegController::restart() noexcept {
   clamped_ = 0;
 }
 
+LegInverse LegController::solve(Leg leg, const Vector3& foot) const noexcept {
+  const LegKinematics& kinematics = kinematics_[leg];
+  if (kinematics.servo_count() == 3) return kinematics.inverse(foot);
+  return kinematics.inverse({foot.x(), 0, foot.z()});
+}
+
 // Torques of the servos that the motion since the last update takes, N m, and those that hold up `load` (N).
-Vector3 LegController::torque(Leg leg, const Vector3& position, const LegAngles& angles, double load,
-                              double dt) const noexcept {
+ServoVector LegController::torque(Leg leg, const Vector3& position, const LegPosture& posture, double load,
+                                  double dt) const noexcept {
   const LegServos& servos = servos_[leg];
-  const Matrix3 jacobian = leg_jacobian(geometry_[leg], angles);
-  Vector3 torque = -load * jacobian.row(2).transpose();  // the foot pushes down
+  const LegKinematics& kinematics = kinematics_[leg];
+  const LegJacobian jacobian = kinematics.jacobian(posture);
+  ServoVector torque = -load * jacobian.row(2).transpose();  // the foot pushes down
   if (compensation_.lag && moving_) {
     const LastUpdate& last = last_[leg];
-    const Vector3 wanted(angles.tilt, angles.shoulder_left, angles.shoulder_right);
-    const Vector3 drag = elbow_drag_force(geometry_[leg], position, mode_, (position - last.position) / dt,
-                                          servos.elbow_damping);
-    const Vector3 lag =
-        jacobian.transpose() * drag + servos.damping.cwiseProduct((wanted - last.servos) / dt);
-    const Vector3 bound = compensation_.max_lead * servos.stiffness;
+    ServoVector lag = servos.damping.cwiseProduct((posture.servos - last.servos) / dt);
+    if (const auto* five_bar = kinematics.as<FiveBarGeometry>()) {
+      const Vector3 drag = elbow_drag_force(*five_bar, position, kinematics.home_branch().mode,
+                                            (position - last.position) / dt, servos.passive_damping);
+      lag += jacobian.transpose() * drag;
+    }
+    const ServoVector bound = compensation_.max_lead * servos.stiffness;
     torque += lag.cwiseMax(-bound).cwiseMin(bound);
   }
-  return torque.allFinite() ? torque : Vector3(Vector3::Zero());
+  if (!torque.allFinite()) torque.setZero();
+  return torque;
 }
 
 const JointTargets& LegController::update(const LegArray<Vector3>& feet, double dt) noexcept {
   const LegArray<double> shares = load_shares(feet, compensation_.load_depth);
   const bool compensates = compensation_.lag || compensation_.load;
   for (const Leg leg : kLegs) {
-    const LegSolution solution = solve_leg(geometry_[leg], feet[leg], mode_);
+    const LegInverse solution = solve(leg, feet[leg]);
+    const LegServos& servos = servos_[leg];
     status_[leg] = solution.status;
     if (solution.status != IkStatus::kOk) ++clamped_;
-    const Vector3 wanted(solution.angles.tilt, solution.angles.shoulder_left, solution.angles.shoulder_right);
-    Vector3 servo = wanted;
+    ServoVector servo = solution.posture.servos;
     if (compensates && solution.status == IkStatus::kOk) {
       const double load = compensation_.load ? load_share_ * weight_ * shares[leg] : 0;
-      servo += torque(leg, feet[leg], solution.angles, load, dt).cwiseQuotient(servos_[leg].stiffness);
+      servo += torque(leg, feet[leg], solution.posture, load, dt).cwiseQuotient(servos.stiffness);
     }
-    last_[leg] = {feet[leg], wanted};
-    for (std::size_t k = 0; k < 3; ++k) {
-      targets_.q[servos_[leg].slots[k]] = servo[static_cast<Eigen::Index>(k)];
-    }
+    last_[leg] = {feet[leg], solution.posture.servos};
+    for (Eigen::Index k = 0; k < servo.size(); ++k)
+      targets_.q[servos.slots[static_cast<std::size_t>(k)]] = servo[k];
   }
   moving_ = dt > 0;
   return targets_;
@@ -109,24 +121,24 @@ const JointTargets& LegController::update(const LegArray<Vector3>& feet, double 
 
 // All joints of a leg, with its foot (leg frame, m) there.
 void LegController::set_joints(Leg leg, const Vector3& foot, JointVector& q) const {
-  const LegSolution solution = solve_leg(geometry_[leg], foot, mode_);
+  const LegInverse solution = solve(leg, foot);
   if (solution.status != IkStatus::kOk) {
     throw ConfigError(robot_->source, fmt::format("foot {}", name(leg)), "a standing position within reach",
                       fmt::format("({:.4g}, {:.4g}, {:.4g}) m in the leg frame (z up): {}", foot.x(),
                                   foot.y(), foot.z(), name(solution.status)));
   }
-  const LegModel& model = (*robot_->legs)[leg];
-  q[model.tilt] = solution.angles.tilt;
-  q[model.shoulder_left] = solution.angles.shoulder_left;
-  q[model.shoulder_right] = solution.angles.shoulder_right;
-  q[model.elbow_left] = solution.angles.elbow_left;
-  q[model.elbow_right] = solution.angles.elbow_right;
+  const LegKinematics& kinematics = kinematics_[leg];
+  const LegPosture& posture = solution.posture;
+  for (Eigen::Index k = 0; k < posture.servos.size(); ++k)
+    q[kinematics.servo_joints()[static_cast<std::size_t>(k)]] = posture.servos[k];
+  for (Eigen::Index k = 0; k < posture.passive.size(); ++k)
+    q[kinematics.passive_joints()[static_cast<std::size_t>(k)]] = posture.passive[k];
 }
 
 // How far a foot gives way under `load` (N), against its servos, m.
 Vector3 LegController::give(Leg leg, const Vector3& foot, double load) const noexcept {
-  const Matrix3 jacobian = leg_jacobian(geometry_[leg], solve_leg(geometry_[leg], foot, mode_).angles);
-  const Vector3 torque = load * jacobian.row(2).transpose();
+  const LegJacobian jacobian = kinematics_[leg].jacobian(solve(leg, foot).posture);
+  const ServoVector torque = load * jacobian.row(2).transpose();
   return jacobian * torque.cwiseQuotient(servos_[leg].stiffness);
 }
 

@@ -8,6 +8,7 @@
 
 #include "crossgait/env/servo_compensation.h"
 #include "crossgait/env/target_source.h"
+#include "crossgait/ik/leg_kinematics.h"
 #include "crossgait/physics/robot.h"
 #include "crossgait/physics/state.h"
 #include "crossgait/physics/terrain.h"
@@ -17,11 +18,12 @@ namespace crossgait {
 /// Solves all four legs at once. Constructing one reads the geometry of the robot; updates allocate nothing.
 class LegController {
  public:
-  /// @throws ConfigError if the robot has no legs or they are not five-bars
+  /// @throws ConfigError if the robot has no legs, or none that `make_leg_kinematics` knows
   explicit LegController(std::shared_ptr<const RobotDescription> description,
-                         const ServoCompensation& compensation = {}, WorkingMode mode = kDefaultMode);
+                         const ServoCompensation& compensation = {});
 
-  /// @param feet targets in each leg's frame (x forward, y left, z up), m
+  /// @param feet targets in each leg's frame (x forward, y left, z up), m; of legs without abduction y counts
+  ///             as 0
   /// @param dt   time since the last update, s; velocities are differences over it
   /// @returns targets of the actuated joints
   const JointTargets& update(const LegArray<Vector3>& feet, double dt) noexcept;
@@ -49,7 +51,7 @@ class LegController {
   /// @throws ConfigError if a foot is out of reach
   Vector2 foot_sweep(const LegArray<Vector3>& feet, const GaitParameters& parameters) const;
 
-  const LegArray<FiveBarGeometry>& geometry() const noexcept { return geometry_; }
+  const LegArray<LegKinematics>& kinematics() const noexcept { return kinematics_; }
   /// Status of each leg in the last update.
   const LegArray<IkStatus>& status() const noexcept { return status_; }
   /// Leg solutions that were not kOk since construction or `restart`.
@@ -60,23 +62,24 @@ class LegController {
   Vector3 give(Leg leg, const Vector3& foot, double load) const noexcept;
 
   struct LegServos {
-    std::array<Eigen::Index, 3> slots;  // tilt, shoulder_left, shoulder_right in JointTargets
-    Vector3 stiffness, damping;         // N m/rad; N m s/rad, servo and joint together
-    double elbow_damping = 0;           // N m s/rad
+    std::array<Eigen::Index, 3> slots{};  // of the leg's servos in JointTargets
+    ServoVector stiffness, damping;       // N m/rad; N m s/rad, servo and joint together
+    double passive_damping = 0;           // N m s/rad
   };
   struct LastUpdate {
-    Vector3 position = Vector3::Zero(), servos = Vector3::Zero();  // m, rad
+    Vector3 position = Vector3::Zero();  // m
+    ServoVector servos;                  // rad
   };
-  Vector3 torque(Leg leg, const Vector3& position, const LegAngles& angles, double load,
-                 double dt) const noexcept;
+  ServoVector torque(Leg leg, const Vector3& position, const LegPosture& posture, double load,
+                     double dt) const noexcept;
+  LegInverse solve(Leg leg, const Vector3& foot) const noexcept;
 
   std::shared_ptr<const RobotDescription> robot_;
   ServoCompensation compensation_;
   double load_share_ = GaitParameters{}.load_share;
-  double weight_;  // of the robot on Earth, N
-  WorkingMode mode_;
+  double weight_;        // of the robot on Earth, N
   bool moving_ = false;  // last_ holds an earlier update
-  LegArray<FiveBarGeometry> geometry_;
+  LegArray<LegKinematics> kinematics_;
   LegArray<LegServos> servos_{};
   LegArray<LastUpdate> last_{};
   LegArray<IkStatus> status_{};

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "crossgait/gait/scale.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait {
@@ -57,19 +58,22 @@ void put(double*& out, const JointVector& values, std::span<const int> joints) {
 const RobotState& state(const Source& s) { return s.backend.state(); }
 double yaw(const Source& s) { return roll_pitch_yaw(state(s).q_WB).z(); }
 
+double ring_radius(const Source& s) {
+  return kTerrainRingRadius * gait_scale(*s.backend.spec().robot).length;
+}
+
 void write_terrain(const Source& s, double*& out) {
   const Vector3& p = state(s).p_WB;
-  for (const double height : sample_ring(s.backend.spec().terrain, p.x(), p.y(), yaw(s), kTerrainRingRadius))
+  for (const double height : sample_ring(s.backend.spec().terrain, p.x(), p.y(), yaw(s), ring_radius(s)))
     put(out, height);
 }
 
 void write_engine_terrain(const Source& s, double*& out) {
   const Vector3& p = state(s).p_WB;
-  const double heading = yaw(s);
+  const double heading = yaw(s), radius = ring_radius(s);
   for (int k = 0; k < kRingSize; ++k) {
     const double angle = heading - 2 * M_PI * k / kRingSize;
-    const double x = p.x() + kTerrainRingRadius * std::cos(angle),
-                 y = p.y() + kTerrainRingRadius * std::sin(angle);
+    const double x = p.x() + radius * std::cos(angle), y = p.y() + radius * std::sin(angle);
     const double height = s.backend.terrain_height(x, y);
     // A ray that meets no ground, past the border, sees what the shared field says: its nearest point.
     put(out, std::isfinite(height) ? height : s.backend.spec().terrain.height(x, y));

@@ -58,7 +58,7 @@ inline constexpr std::string_view kDeltaPrefix = "delta.", kResidualPrefix = "re
 /// numbers mean something else, and so the layout's hash is another.
 Layout action_layout(std::span<const ParameterRow> parameters);
 
-/// Radius of the ring of terrain heights about the base, m.
+/// Radius of the ring of terrain heights about the base of a robot of the reference's size, m (gait/scale.h).
 inline constexpr double kTerrainRingRadius = 0.15;
 
 }  // namespace crossgait

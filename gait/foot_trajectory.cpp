@@ -39,7 +39,8 @@ Vector3 foot_position(const GaitParameters& p, Leg leg, const LegPhase& phase,
                                                 : matched_swing(phase.progress, p.duty_factor);
   }
   const double half = point.along / 2, lift = point.lift * stride.lift_scale;
-  return {half * stride.step.x(), half * stride.step.y() + side_sign(leg) * outward_shift(p, leg),
+  return {p.stance_offset + half * stride.step.x(),
+          half * stride.step.y() + side_sign(leg) * outward_shift(p, leg),
           lift * swing_lift(p) - p.body_height};
 }
 

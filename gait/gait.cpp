@@ -23,6 +23,20 @@ constexpr GaitParameters guide(double duty_factor, double cycle_time) {
   return p;
 }
 
+// What stiff serial legs walk with, at the table's size (docs/gaits.md): swings of .28 h, for they do not sag
+// like soft five-bars, a load share above 1, for what gives way beside the servos is the ground, and cycles
+// of 2.45 sqrt(h / g).
+constexpr GaitParameters serial(double cycle_time, double duty_factor, double step_length) {
+  return {.step_height = 0.0174,
+          .step_length = step_length,
+          .cycle_time = cycle_time,
+          .swing_shape = 0.6,
+          .duty_factor = duty_factor,
+          .load_share = 1.2};
+}
+constexpr GaitParameters kSerialTrot = serial(0.195, 0.6, 0.028), kSerialWalk = serial(0.465, 0.85, 0.03),
+                         kSerialInPairs = serial(0.14, 0.75, 0.022);
+
 using Phases = std::array<GaitPhase, kMaxGaitPhases>;
 constexpr Phases kTrotPhases{{{"pair_a_swing", 0}, {"pair_b_swing", 0.5}}};
 constexpr Phases kWalkPhases{{{"rl_swing", 0}, {"fl_swing", 0.25}, {"rr_swing", 0.5}, {"fr_swing", 0.75}}};
@@ -37,6 +51,7 @@ constexpr std::array kGaits{
          .summary = "diagonal pairs in turn",
          .offset = kDiagonals,
          .preferred = {},
+         .preferred_serial = kSerialTrot,
          .phases = kTrotPhases},
     Gait{.name = "walk",
          .summary = "one leg at a time in lateral sequence: RL, FL, RR, FR",
@@ -47,6 +62,7 @@ constexpr std::array kGaits{
                        .duty_factor = 0.85,
                        .load_share = 1,
                        .swing = SwingCurve::kMatched},
+         .preferred_serial = kSerialWalk,
          .phases = kWalkPhases},
     Gait{
         .name = "pace",
@@ -58,6 +74,7 @@ constexpr std::array kGaits{
                       .swing_shape = 0.8,
                       .duty_factor = 0.75,
                       .load_share = 1.2},
+        .preferred_serial = kSerialInPairs,
         .phases = {{{"left_swing", 0}, {"left_stance", 0.25}, {"right_swing", 0.5}, {"right_stance", 0.75}}}},
     Gait{.name = "bound",
          .summary = "front legs, all four, rear legs, all four",
@@ -68,6 +85,7 @@ constexpr std::array kGaits{
                        .swing_shape = 0.8,
                        .duty_factor = 0.75,
                        .load_share = 0.5},
+         .preferred_serial = kSerialInPairs,
          .phases = kEndPhases},
     Gait{.name = "pronk",
          .summary = "all legs at once",
@@ -79,6 +97,7 @@ constexpr std::array kGaits{
                        .swing_shape = 0.5,
                        .duty_factor = 0.75,
                        .load_share = 1},
+         .preferred_serial = kSerialInPairs,
          .phases = {{{"flight", 0}, {"stance", 0.25}}}},
     Gait{.name = "gallop",
          .summary = "as bound, in longer steps",
@@ -91,6 +110,7 @@ constexpr std::array kGaits{
                        .swing_shape = 0.9,
                        .duty_factor = 0.75,
                        .load_share = 1},
+         .preferred_serial = kSerialInPairs,
          .phases = kEndPhases},
     Gait{.name = "trot:guide",
          .summary = "the guide's trot",
@@ -152,6 +172,7 @@ void validate(const Gait& gait) {
     }
   }
   validate(gait.preferred, source);
+  if (gait.preferred_serial) validate(*gait.preferred_serial, source);
 }
 
 LegPhase leg_phase(double clock, double offset, double duty) noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -22,6 +23,8 @@ struct Gait {
   std::string_view name, summary;
   LegArray<double> offset = {};   ///< phase of the clock at which each leg lifts off, in [0, 1)
   GaitParameters preferred = {};  ///< what the gait walks with unless told otherwise
+  /// What robots with serial legs do, at the size that the table is for (gait/scale.h); empty: the same.
+  std::optional<GaitParameters> preferred_serial = {};
   /// Ascending, the first at 0; unnamed ones are unused. They are those at the preferred duty factor.
   std::array<GaitPhase, kMaxGaitPhases> phases = {};
 };

@@ -157,7 +157,8 @@ GaitGenerator::Stride GaitGenerator::wanted_stride() noexcept {
   stepping_ = true;
   LegArray<Vector2> feet;
   for (const Leg leg : kLegs) {
-    feet[leg] = {p_BL_[leg].x(), p_BL_[leg].y() + side_sign(leg) * outward_shift(wanted_, leg)};
+    feet[leg] = {p_BL_[leg].x() + wanted_.stance_offset,
+                 p_BL_[leg].y() + side_sign(leg) * outward_shift(wanted_, leg)};
   }
   const double stance_time = wanted_.duty_factor * wanted_.cycle_time;
   const LegArray<Vector2> turn = foot_velocities({0, 0, steering_}, feet);
@@ -246,7 +247,7 @@ void GaitGenerator::begin_cycle(const GaitParameters& wanted) noexcept {
   for (const auto felt :
        {&GaitParameters::body_height, &GaitParameters::stance_width, &GaitParameters::lateral_offset_fl,
         &GaitParameters::lateral_offset_fr, &GaitParameters::lateral_offset_rl,
-        &GaitParameters::lateral_offset_rr, &GaitParameters::load_share}) {
+        &GaitParameters::lateral_offset_rr, &GaitParameters::load_share, &GaitParameters::stance_offset}) {
     effective_.parameters.*felt = before.*felt;
   }
   place_feet();

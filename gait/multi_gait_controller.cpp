@@ -124,7 +124,7 @@ std::size_t MultiGaitController::band_for(double speed) const noexcept {
 LegArray<Vector2> MultiGaitController::foot_velocities_asked() const noexcept {
   LegArray<Vector2> feet;
   for (const Leg leg : kLegs) {
-    feet[leg] = {p_BL_[leg].x(),
+    feet[leg] = {p_BL_[leg].x() + generator_.parameters().stance_offset,
                  p_BL_[leg].y() + side_sign(leg) * outward_shift(generator_.parameters(), leg)};
   }
   return foot_velocities(command_, feet);

@@ -39,6 +39,7 @@ constexpr std::array kTable{
                  0.025},
     ParameterRow{"load_share", "-", "share of their load that standing legs' servos make up for",
                  &P::load_share, 0, 1.2, 0.08},
+    ParameterRow{"stance_offset", "m", "forward shift of every foot", &P::stance_offset, -0.02, 0.02, 0.002},
 };
 
 constexpr std::string_view kSource = "gait parameters";
@@ -89,6 +90,11 @@ std::string_view name(SwingCurve curve) noexcept {
   return curve == SwingCurve::kBezier ? "bezier" : "matched";
 }
 
+double ParameterRow::factor(double length_scale) const {
+  if (unit == "m") return length_scale;
+  return unit == "s" ? std::sqrt(length_scale) : 1;
+}
+
 AdaptationRanges guide_ranges() {
   return {.ranges = {{"step_height", {0.03, 0.09}},
                      {"step_length", {0.03, 0.10}},
@@ -121,14 +127,55 @@ void set(GaitParameters& parameters, std::string_view name, double value) {
   parameters.*row.member = value;
 }
 
+GaitSettings GaitSettings::all(const GaitParameters& parameters) {
+  GaitSettings settings{{}, parameters.swing};
+  for (const ParameterRow& row : kTable) settings[row.name] = parameters.*row.member;
+  return settings;
+}
+
+double& GaitSettings::operator[](std::string_view name) {
+  for (Value& known : values) {
+    if (known.name == name) return known.value;
+  }
+  return values.emplace_back(Value{std::string(name), 0}).value;
+}
+
+std::optional<double> GaitSettings::find(std::string_view name) const {
+  for (const Value& known : values) {
+    if (known.name == name) return known.value;
+  }
+  return std::nullopt;
+}
+
+GaitParameters GaitSettings::over(GaitParameters parameters) const {
+  for (const auto& [name, value] : values) parameters.*find_parameter(name).member = value;
+  if (swing) parameters.swing = *swing;
+  return parameters;
+}
+
+void set(GaitSettings& settings, std::string_view name, double value) {
+  require_valid(kSource, find_parameter(name), value);
+  settings[name] = value;
+}
+
+void validate(const GaitSettings& settings, std::string_view source) {
+  for (const auto& [name, value] : settings.values) require_valid(source, find_parameter(name), value);
+}
+
 void assign(GaitParameters& parameters, std::string_view text) {
+  GaitSettings settings;
+  assign(settings, text);
+  parameters = settings.over(parameters);
+}
+
+void assign(GaitSettings& settings, std::string_view text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string_view::npos) {
     throw ConfigError(kSource, text, "name=value", "no '='");
   }
   const std::string_view name = text.substr(0, equals), value = text.substr(equals + 1);
   if (name == "swing") {
-    parameters.swing = curve_from_name(value);
+    settings.swing = curve_from_name(value);
     return;
   }
   double number = 0;
@@ -136,7 +183,7 @@ void assign(GaitParameters& parameters, std::string_view text) {
   if (error != std::errc() || end != value.data() + value.size()) {
     throw ConfigError(kSource, name, "a number", fmt::format("'{}'", value));
   }
-  set(parameters, name, number);
+  set(settings, name, number);
 }
 
 GaitParameters clip(const GaitParameters& parameters) noexcept {
@@ -160,6 +207,10 @@ void validate(const GaitParameters& parameters, std::string_view source) {
 
 ParameterRow AdaptationRanges::row(std::string_view name) const {
   ParameterRow row = find_parameter(name);
+  const double factor = row.factor(length_scale);
+  row.min *= factor;
+  row.max *= factor;
+  row.delta_scale *= factor;
   if (const auto range = ranges.find(std::string(name)); range != ranges.end()) {
     row.min = range->second.min;
     row.max = range->second.max;

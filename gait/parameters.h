@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -39,6 +40,7 @@ struct GaitParameters {
   /// Share of the load on the standing legs that their servos are to make up for (env/servo_compensation.h),
   /// -. It moves no target: what a gait needs of its servos is as much its own as its steps are.
   double load_share = 0.8;
+  double stance_offset = 0;  ///< forward shift of every foot, m: brings them under the centre of mass
   SwingCurve swing = SwingCurve::kBezier;
 };
 
@@ -72,6 +74,9 @@ struct ParameterRow {
   double min, max;     ///< range for tuning and adaptation
   double delta_scale;  ///< change per adaptation step at full action
 
+  /// What a value is multiplied by for a robot `length_scale` times as high: lengths by as much, times by its
+  /// root, all else by 1.
+  double factor(double length_scale) const;
   constexpr double default_value() const { return GaitParameters{}.*member; }
   constexpr double clip(double value) const { return value < min ? min : value > max ? max : value; }
   /// `value` + `delta`, clipped to the range. A value outside it stays where it is or comes nearer: only
@@ -100,6 +105,7 @@ struct AdaptationRanges {
   };
   std::map<std::string, Interval> ranges;      ///< by parameter
   std::map<std::string, double> delta_scales;  ///< by parameter
+  double length_scale = 1;                     ///< the table's are multiplied by their rows' `factor` of it
 
   bool operator==(const AdaptationRanges&) const = default;
   /// The table's row with what is replaced. @throws ConfigError listing the known names
@@ -123,6 +129,32 @@ void set(GaitParameters& parameters, std::string_view name, double value);
 /// Sets one parameter from text "name=value", including "swing=bezier" and "swing=matched".
 /// @throws ConfigError as `set`, and for text that is no such assignment
 void assign(GaitParameters& parameters, std::string_view text);
+
+/// Some of a gait's parameters, by name; the others are left to whoever knows the gait and the robot.
+struct GaitSettings {
+  struct Value {
+    std::string name;
+    double value = 0;
+
+    bool operator==(const Value&) const = default;
+  };
+  std::vector<Value> values;  ///< each name once
+  std::optional<SwingCurve> swing;
+
+  /// Every one of them.
+  static GaitSettings all(const GaitParameters& parameters);
+  /// Added with 0 if it is not there.
+  double& operator[](std::string_view name);
+  std::optional<double> find(std::string_view name) const;
+  GaitParameters over(GaitParameters parameters) const;
+  bool operator==(const GaitSettings&) const = default;
+};
+
+/// As above.
+void set(GaitSettings& settings, std::string_view name, double value);
+void assign(GaitSettings& settings, std::string_view text);
+/// @throws ConfigError (naming `source` and the parameter) for an unknown name or a value that is not valid
+void validate(const GaitSettings& settings, std::string_view source);
 
 /// Every parameter of the table moved into its range.
 GaitParameters clip(const GaitParameters& parameters) noexcept;

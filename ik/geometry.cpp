@@ -59,12 +59,16 @@ FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg) {
   if (!robot.legs) throw ConfigError(robot.source, "legs", "a robot with legs", "none");
   const LegModel& model = (*robot.legs)[leg];
   const LegFrames frames(robot, leg, kAligned);
-  frames.require_parent(model.tilt, 0);
-  const Tips tips = joined_tips(robot, frames, model.elbow_left, model.elbow_right);
-  if (model.foot_body != model.elbow_left + 1 && model.foot_body != model.elbow_right + 1) {
+  if (model.linkage != LegLinkage::kFiveBar) frames.fail("joints", "a five-bar leg", "a serial one");
+  const int tilt = model.joint("tilt"), shoulder_left = model.joint("shoulder_left"),
+            shoulder_right = model.joint("shoulder_right"), elbow_left = model.joint("elbow_left"),
+            elbow_right = model.joint("elbow_right");
+  frames.require_parent(tilt, 0);
+  const Tips tips = joined_tips(robot, frames, elbow_left, elbow_right);
+  if (model.foot_body != elbow_left + 1 && model.foot_body != elbow_right + 1) {
     frames.fail("foot", "on one of the two lower links", "on " + frames.at(model.foot_body).name);
   }
-  const Vector3& foot = model.foot_body == model.elbow_left + 1 ? tips.a : tips.b;
+  const Vector3& foot = model.foot_body == elbow_left + 1 ? tips.a : tips.b;
   if (const double off = (foot - model.p_BF).norm(); off > kAligned) {
     frames.fail("foot", "its centre where the lower links are joined", fmt::format("{:g} m away", off));
   }
@@ -72,19 +76,19 @@ FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg) {
   FiveBarGeometry g;
   g.side = side_sign(leg);
   // A rotation about +x carries a hanging leg towards +y.
-  g.tilt_sign = g.side * frames.axis_sign(model.tilt, Vector3::UnitX(), "x");
-  g.tilt_limits = frames.limits(model.tilt);
-  g.a = chain(frames, model.tilt, model.shoulder_left, model.elbow_left, tips.a);
-  g.b = chain(frames, model.tilt, model.shoulder_right, model.elbow_right, tips.b);
+  g.tilt_sign = g.side * frames.axis_sign(tilt, Vector3::UnitX(), "x");
+  g.tilt_limits = frames.limits(tilt);
+  g.a = chain(frames, tilt, shoulder_left, elbow_left, tips.a);
+  g.b = chain(frames, tilt, shoulder_right, elbow_right, tips.b);
 
-  const Vector3 axis = frames.pose(model.tilt).translation();
-  const Vector3 left = frames.pose(model.shoulder_left).translation();
-  const Vector3 right = frames.pose(model.shoulder_right).translation();
+  const Vector3 axis = frames.pose(tilt).translation();
+  const Vector3 left = frames.pose(shoulder_left).translation();
+  const Vector3 right = frames.pose(shoulder_right).translation();
   if (const double step = right.z() - left.z(); std::abs(step) > kAligned) {
     frames.fail("shoulders", "both at one height", fmt::format("right {:g} m above left", step));
   }
-  const double plane_left = (frames.pose(model.elbow_left) * tips.a).y();
-  const double plane_right = (frames.pose(model.elbow_right) * tips.b).y();
+  const double plane_left = (frames.pose(elbow_left) * tips.a).y();
+  const double plane_right = (frames.pose(elbow_right) * tips.b).y();
   if (const double gap = plane_right - plane_left; std::abs(gap) > kAligned) {
     frames.fail("lower links", "joined in one plane y = const", fmt::format("{:g} m apart", gap));
   }
@@ -101,12 +105,6 @@ LegArray<FiveBarGeometry> five_bar_geometry(const RobotDescription& robot) {
   LegArray<FiveBarGeometry> all;
   for (const Leg leg : kLegs) all[leg] = five_bar_geometry(robot, leg);
   return all;
-}
-
-LegArray<Vector3> leg_origins(const LegArray<FiveBarGeometry>& legs) {
-  LegArray<Vector3> origins;
-  for (const Leg leg : kLegs) origins[leg] = legs[leg].p_BL;
-  return origins;
 }
 
 }  // namespace crossgait

@@ -25,9 +25,6 @@ FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg);
 /// `five_bar_geometry` of all legs.
 LegArray<FiveBarGeometry> five_bar_geometry(const RobotDescription& robot);
 
-/// p_BL of every leg: where gaits and velocity commands take the legs to be, m.
-LegArray<Vector3> leg_origins(const LegArray<FiveBarGeometry>& legs);
-
 /// @throws ConfigError (naming `source`) unless lengths are positive and the chains can meet everywhere
 /// between the
 ///   two shoulders' reach, which `clamp_to_workspace` relies on.

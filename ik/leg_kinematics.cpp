@@ -1,5 +1,7 @@
 #include "crossgait/ik/leg_kinematics.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "crossgait/physics/error.h"
@@ -11,20 +13,36 @@ std::string_view name(LegKind kind) noexcept {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-LegKinematics::LegKinematics(const Kind& kind, const SerialLegJoints& joints) : leg_(kind) {
+LegKinematics::LegKinematics(const FiveBarGeometry& geometry, const LegModel& model, LegBranch home)
+    : leg_(geometry), home_(home), servo_count_(3), passive_count_(2) {
+  const std::vector<int> joints = model.joints();
+  std::copy_n(joints.begin(), std::min(joints.size(), joints_.size()), joints_.begin());
+}
+
+LegKinematics::LegKinematics(const Kind& kind, const SerialLegJoints& joints, LegBranch home)
+    : leg_(kind), home_(home) {
   if (joints.abduction != -1) joints_[static_cast<std::size_t>(servo_count_++)] = joints.abduction;
   joints_[static_cast<std::size_t>(servo_count_++)] = joints.hip;
   joints_[static_cast<std::size_t>(servo_count_++)] = joints.knee;
 }
 
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg) {
-  const FiveBarGeometry geometry = five_bar_geometry(robot, leg);
-  return {geometry, (*robot.legs)[leg]};
+  if (!robot.legs) throw ConfigError(robot.source, "legs", "a robot with four legs", "none");
+  const LegModel& model = (*robot.legs)[leg];
+  if (model.linkage == LegLinkage::kFiveBar) return {five_bar_geometry(robot, leg), model};
+  return make_leg_kinematics(robot, leg, serial_leg_joints(model));
 }
 
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints) {
-  if (is_serial_leg(robot, leg, joints)) return {serial_leg_geometry(robot, leg, joints), joints};
-  if (robot.home.size() != robot.joint_count()) {
+  const auto branch = [](double bend) {
+    return LegBranch{.knee = bend > 0 ? KneeBranch::kForward : KneeBranch::kBackward};
+  };
+  const bool has_home = robot.home.size() == robot.joint_count();
+  if (is_serial_leg(robot, leg, joints)) {
+    const SerialLegGeometry geometry = serial_leg_geometry(robot, leg, joints);
+    return {geometry, joints, has_home ? branch(knee_bend(geometry, robot.home[joints.knee])) : LegBranch()};
+  }
+  if (!has_home) {
     throw ConfigError(robot.source, "home", fmt::format("{} joint angles", robot.joint_count()),
                       fmt::format("{}", robot.home.size()));
   }
@@ -33,7 +51,23 @@ LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg, const 
   if (joints.abduction != -1) home[i++] = robot.home[joints.abduction];
   home[i++] = robot.home[joints.hip];
   home[i] = robot.home[joints.knee];
-  return {least_squares_leg_geometry(robot, leg, joints, home), joints};
+  const LeastSquaresLegGeometry geometry = least_squares_leg_geometry(robot, leg, joints, home);
+  return {geometry, joints, branch(knee_bend(geometry, home))};
+}
+
+LegArray<LegKinematics> make_leg_kinematics(const RobotDescription& robot) {
+  const auto of = [&robot](Leg leg) { return make_leg_kinematics(robot, leg); };
+  return {{of(Leg::FL), of(Leg::FR), of(Leg::RL), of(Leg::RR)}};
+}
+
+LegArray<Vector3> leg_origins(const LegArray<LegKinematics>& legs) {
+  LegArray<Vector3> origins;
+  for (const Leg leg : kLegs) origins[leg] = legs[leg].origin();
+  return origins;
+}
+
+LegArray<Vector3> leg_origins(const RobotDescription& robot) {
+  return leg_origins(make_leg_kinematics(robot));
 }
 
 }  // namespace crossgait

@@ -53,16 +53,12 @@ using LegJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3>;
 /// that are given have `servo_count` and `passive_count` numbers.
 class LegKinematics {
  public:
-  LegKinematics(const FiveBarGeometry& geometry, const LegModel& joints)
-      : leg_(geometry),
-        joints_{joints.tilt, joints.shoulder_left, joints.shoulder_right, joints.elbow_left,
-                joints.elbow_right},
-        servo_count_(3),
-        passive_count_(2) {}
-  LegKinematics(const SerialLegGeometry& geometry, const SerialLegJoints& joints)
-      : LegKinematics(Kind(geometry), joints) {}
-  LegKinematics(const LeastSquaresLegGeometry& geometry, const SerialLegJoints& joints)
-      : LegKinematics(Kind(geometry), joints) {}
+  /// Of a leg alone, without a robot, joints are numbered in the order of their roles.
+  LegKinematics(const FiveBarGeometry& geometry, const LegModel& model = {}, LegBranch home = {});
+  LegKinematics(const SerialLegGeometry& geometry, const SerialLegJoints& joints, LegBranch home = {})
+      : LegKinematics(Kind(geometry), joints, home) {}
+  LegKinematics(const LeastSquaresLegGeometry& geometry, const SerialLegJoints& joints, LegBranch home = {})
+      : LegKinematics(Kind(geometry), joints, home) {}
 
   LegKind kind() const noexcept { return static_cast<LegKind>(leg_.index()); }
   /// The geometry of its kind, or nullptr: `as<FiveBarGeometry>()`.
@@ -73,6 +69,9 @@ class LegKinematics {
 
   /// p_BL: origin of the leg frame in the base frame, m.
   const Vector3& origin() const noexcept;
+
+  /// That of the robot's home posture: what `inverse` and `forward` take unless told otherwise.
+  LegBranch home_branch() const noexcept { return home_; }
 
   int servo_count() const noexcept { return servo_count_; }
   int passive_count() const noexcept { return passive_count_; }
@@ -85,16 +84,20 @@ class LegKinematics {
   }
 
   /// @param target  foot centre in the leg frame (x forward, y left, z up: negative below the hip), m
-  [[nodiscard]] LegInverse inverse(const Vector3& target, LegBranch branch = {}) const noexcept;
+  [[nodiscard]] LegInverse inverse(const Vector3& target, LegBranch branch) const noexcept;
+  [[nodiscard]] LegInverse inverse(const Vector3& target) const noexcept { return inverse(target, home_); }
   /// @param branch  only a five-bar's `mode` counts: which way its linkage closes
-  [[nodiscard]] LegForward forward(const ServoVector& servos, LegBranch branch = {}) const noexcept;
+  [[nodiscard]] LegForward forward(const ServoVector& servos, LegBranch branch) const noexcept;
+  [[nodiscard]] LegForward forward(const ServoVector& servos) const noexcept {
+    return forward(servos, home_);
+  }
   LegJacobian jacobian(const LegPosture& posture) const noexcept;
   LegMargins margins(const LegPosture& posture) const noexcept;
 
  private:
   using Kind = std::variant<FiveBarGeometry, SerialLegGeometry, LeastSquaresLegGeometry>;  // as LegKind
 
-  LegKinematics(const Kind& kind, const SerialLegJoints& joints);
+  LegKinematics(const Kind& kind, const SerialLegJoints& joints, LegBranch home);
 
   // Of a serial leg: without an abduction joint its angle is zero and has no place in ServoVector.
   SerialAngles serial_angles(const ServoVector& servos) const noexcept {
@@ -106,17 +109,24 @@ class LegKinematics {
   }
 
   Kind leg_;
-  std::array<int, 5> joints_{};  // servos, then passive joints
+  LegBranch home_;
+  std::array<int, 5> joints_{0, 1, 2, 3, 4};  // servos, then passive joints
   int servo_count_ = 0, passive_count_ = 0;
 };
 
-/// Kinematics of a leg of `robot` as its file describes it: a five-bar. @throws ConfigError as
-/// `five_bar_geometry`
+/// Kinematics of a leg of `robot`: a five-bar's; a serial leg's in closed form if its axes allow
+/// (`is_serial_leg`), else by least squares from the home posture. @throws ConfigError as
+/// `five_bar_geometry`, `serial_leg_geometry` and `least_squares_leg_geometry`, or if the robot has no legs
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg);
-
-/// Kinematics of a serial leg: in closed form if its axes allow (`is_serial_leg`), else by least squares from
-/// the robot's home posture. @throws ConfigError as `serial_leg_geometry` and `least_squares_leg_geometry`
+/// The same of a serial leg of a robot that does not say where its legs are.
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);
+
+/// Of all legs.
+LegArray<LegKinematics> make_leg_kinematics(const RobotDescription& robot);
+
+/// p_BL of every leg: where gaits and velocity commands take the legs to be, m.
+LegArray<Vector3> leg_origins(const LegArray<LegKinematics>& legs);
+LegArray<Vector3> leg_origins(const RobotDescription& robot);
 
 inline const Vector3& LegKinematics::origin() const noexcept {
   switch (kind()) {

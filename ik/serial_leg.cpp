@@ -39,6 +39,10 @@ SerialPosture posture(const SerialLegGeometry& g, const SerialAngles& q) {
 
 }  // namespace
 
+SerialLegJoints serial_leg_joints(const LegModel& model) {
+  return {model.joint("abduction"), model.joint("hip"), model.joint("knee"), model.foot_body, model.p_BF};
+}
+
 void validate(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints) {
   const LegFrames frames(robot, leg, 0);
   int parent = 0;

@@ -23,6 +23,9 @@ struct SerialLegJoints {
   Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m
 };
 
+/// Those of a leg that is serial.
+SerialLegJoints serial_leg_joints(const LegModel& model);
+
 /// @throws ConfigError naming file, leg and joint unless the joints are `robot`'s, hang on each other, the
 ///   first on the base, and the foot is on the knee's body
 void validate(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);

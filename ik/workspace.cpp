@@ -16,13 +16,14 @@ constexpr double kResolution = 1e-6;  // m, its bisection
 constexpr double kGrow = 1e-3;        // m, by which a face of safe_box moves
 constexpr double kSpacing = 2e-3;     // m, between targets on a face
 
-int samples_along(double length) { return 2 + static_cast<int>(length / kSpacing); }
+int samples_along(double length, double spacing) { return 2 + static_cast<int>(length / spacing); }
 
 /// Whether every target on the face of `box` at `at` across `axis` is safe.
 template <typename Safe>
-bool face_is_safe(const TargetBox& box, int axis, double at, const Safe& safe) {
+bool face_is_safe(const TargetBox& box, int axis, double at, double spacing, const Safe& safe) {
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const int nu = samples_along(box.max[u] - box.min[u]), nv = samples_along(box.max[v] - box.min[v]);
+  const int nu = samples_along(box.max[u] - box.min[u], spacing),
+            nv = samples_along(box.max[v] - box.min[v], spacing);
   Vector3 target = box.min;
   target[axis] = at;
   for (int i = 0; i < nu; ++i) {
@@ -35,11 +36,27 @@ bool face_is_safe(const TargetBox& box, int axis, double at, const Safe& safe) {
   return true;
 }
 
+/// What a foot in a plane that tilts can reach: from `x[0]` to `x[1]` forward, `down` below its joints.
+TargetBox around(const TiltMount& mount, const std::array<double, 2>& x, double down) {
+  const double a = mount.axis_to_plane_out, b = mount.axis_to_shoulder_down;
+  const double radius = std::hypot(a, down + b);  // of the foot about the tilt axis
+  const double inward = mount.side * (-radius - a), outward = mount.side * (radius - a);
+  return {{x[0], std::min(inward, outward), b - radius}, {x[1], std::max(inward, outward), 0}};
+}
+
+/// Lengths on which boxes grow and distances are stepped, for a leg of this reach, m: on a small one
+/// millimetres, on a large one as many of them in all.
+double grain(const LegKinematics& leg) {
+  constexpr double kSmallLeg = 0.25;  // m, height of what the bundled five-bars reach, and more
+  const TargetBox bounds = reach_bounds(leg);
+  return std::max(1.0, (bounds.max - bounds.min).z() / kSmallLeg);
+}
+
 }  // namespace
 
-WorkspaceSample sample_target(const FiveBarGeometry& g, const Vector3& target, WorkingMode mode) noexcept {
-  const LegSolution solution = solve_leg(g, target, mode);
-  return {solution.status, leg_margins(g, solution.angles)};
+WorkspaceSample sample_target(const LegKinematics& leg, const Vector3& target, LegBranch branch) noexcept {
+  const LegInverse solution = leg.inverse(target, branch);
+  return {solution.status, leg.margins(solution.posture)};
 }
 
 bool is_safe(const WorkspaceSample& sample, const RequiredMargins& required) noexcept {
@@ -47,9 +64,9 @@ bool is_safe(const WorkspaceSample& sample, const RequiredMargins& required) noe
          sample.margins.serial >= required.serial && sample.margins.parallel >= required.parallel;
 }
 
-bool is_safe(const FiveBarGeometry& g, const Vector3& target, WorkingMode mode,
+bool is_safe(const LegKinematics& leg, const Vector3& target, LegBranch branch,
              const RequiredMargins& required) noexcept {
-  return is_safe(sample_target(g, target, mode), required);
+  return is_safe(sample_target(leg, target, branch), required);
 }
 
 Vector3 WorkspaceMap::target(int ix, int iy, int iz) const {
@@ -71,16 +88,28 @@ double WorkspaceMap::reachable_fraction() const {
   return static_cast<double>(reachable) / static_cast<double>(samples.size());
 }
 
-TargetBox reach_bounds(const FiveBarGeometry& g) {
-  const double reach_a = g.a.upper + g.a.lower, reach_b = g.b.upper + g.b.lower;
-  const double down = std::min(reach_a, reach_b), a = g.axis_to_plane_out, b = g.axis_to_shoulder_down;
-  const double around = std::hypot(a, down + b);  // of the foot about the tilt axis
-  const double inward = g.side * (-around - a), outward = g.side * (around - a);
-  return {{g.b.shoulder_x - reach_b, std::min(inward, outward), b - around},
-          {g.a.shoulder_x + reach_a, std::max(inward, outward), 0}};
+TargetBox reach_bounds(const LegKinematics& leg) {
+  if (const auto* g = leg.as<FiveBarGeometry>()) {
+    const double reach_a = largest_reach(g->a), reach_b = largest_reach(g->b);
+    return around(*g, {g->b.shoulder_x - reach_b, g->a.shoulder_x + reach_a}, std::min(reach_a, reach_b));
+  }
+  if (const auto* g = leg.as<SerialLegGeometry>()) {
+    const double reach = largest_reach(g->chain);
+    TargetBox box = around(*g, {-reach, reach}, reach);
+    if (!g->has_abduction) box = {{-reach, 0, -reach}, {reach, 0, 0}};
+    return box;
+  }
+  // Any axes: no farther than all links in one line, from the first joint.
+  const auto& g = *leg.as<LeastSquaresLegGeometry>();
+  double reach = g.p_foot.norm();
+  for (int i = 1; i < g.count; ++i) reach += g.links[static_cast<std::size_t>(i)].p.norm();
+  const Vector3 centre = g.links[0].p, all = Vector3::Constant(reach);
+  TargetBox box{centre - all, centre + all};
+  box.max.z() = std::min(box.max.z(), 0.0);
+  return box;
 }
 
-WorkspaceMap sample_workspace(const FiveBarGeometry& g, WorkingMode mode, const TargetBox& box,
+WorkspaceMap sample_workspace(const LegKinematics& leg, LegBranch branch, const TargetBox& box,
                               const std::array<int, 3>& count) {
   constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
   for (int axis = 0; axis < 3; ++axis) {
@@ -98,25 +127,26 @@ WorkspaceMap sample_workspace(const FiveBarGeometry& g, WorkingMode mode, const 
   for (int iz = 0; iz < count[2]; ++iz) {
     for (int iy = 0; iy < count[1]; ++iy) {
       for (int ix = 0; ix < count[0]; ++ix)
-        map.samples.push_back(sample_target(g, map.target(ix, iy, iz), mode));
+        map.samples.push_back(sample_target(leg, map.target(ix, iy, iz), branch));
     }
   }
   return map;
 }
 
-double safe_distance(const FiveBarGeometry& g, const Vector3& start, const Vector3& direction,
-                     WorkingMode mode, const RequiredMargins& required) noexcept {
+double safe_distance(const LegKinematics& leg, const Vector3& start, const Vector3& direction,
+                     LegBranch branch, const RequiredMargins& required) noexcept {
   const auto safe_at = [&](double distance) {
-    return is_safe(g, start + distance * direction, mode, required);
+    return is_safe(leg, start + distance * direction, branch, required);
   };
   if (!safe_at(0)) return 0;
-  double safe = 0, unsafe = kWalk;
+  const double walk = grain(leg) * kWalk;
+  double safe = 0, unsafe = walk;
   // Terminates: the reachable set is bounded, and so is a zero direction by the count.
-  const TargetBox bounds = reach_bounds(g);
-  const int most = static_cast<int>((bounds.max - bounds.min).norm() / kWalk) + 1;
+  const TargetBox bounds = reach_bounds(leg);
+  const int most = static_cast<int>((bounds.max - bounds.min).norm() / walk) + 1;
   for (int i = 0; i < most && safe_at(unsafe); ++i) {
     safe = unsafe;
-    unsafe += kWalk;
+    unsafe += walk;
   }
   while (unsafe - safe > kResolution) {
     const double middle = (safe + unsafe) / 2;
@@ -125,18 +155,19 @@ double safe_distance(const FiveBarGeometry& g, const Vector3& start, const Vecto
   return safe;
 }
 
-TargetBox safe_box(const FiveBarGeometry& g, const Vector3& centre, WorkingMode mode,
+TargetBox safe_box(const LegKinematics& leg, const Vector3& centre, LegBranch branch,
                    const RequiredMargins& required) {
   TargetBox box{centre, centre};
-  const auto safe = [&](const Vector3& target) { return is_safe(g, target, mode, required); };
+  const auto safe = [&](const Vector3& target) { return is_safe(leg, target, branch, required); };
   if (!safe(centre)) return box;
+  const double grow = grain(leg) * kGrow, spacing = grain(leg) * kSpacing;
   bool grew = true;
   while (grew) {
     grew = false;
     for (int axis = 0; axis < 3; ++axis) {
       for (Vector3* corner : {&box.min, &box.max}) {
-        const double at = (*corner)[axis] + (corner == &box.max ? kGrow : -kGrow);
-        if (!face_is_safe(box, axis, at, safe)) continue;
+        const double at = (*corner)[axis] + (corner == &box.max ? grow : -grow);
+        if (!face_is_safe(box, axis, at, spacing, safe)) continue;
         (*corner)[axis] = at;
         grew = true;
       }

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "crossgait/ik/five_bar_leg.h"
+#include "crossgait/ik/leg_kinematics.h"
 
 namespace crossgait {
 
@@ -25,11 +25,10 @@ struct WorkspaceSample {
   LegMargins margins;  ///< of the posture; meaningful where status is kOk
 };
 
-WorkspaceSample sample_target(const FiveBarGeometry& geometry, const Vector3& target,
-                              WorkingMode mode) noexcept;
+WorkspaceSample sample_target(const LegKinematics& leg, const Vector3& target, LegBranch branch) noexcept;
 
 bool is_safe(const WorkspaceSample& sample, const RequiredMargins& required) noexcept;
-bool is_safe(const FiveBarGeometry& geometry, const Vector3& target, WorkingMode mode,
+bool is_safe(const LegKinematics& leg, const Vector3& target, LegBranch branch,
              const RequiredMargins& required) noexcept;
 
 /// Regular grid over a box, x fastest, then y, then z. Both ends of every side are sampled.
@@ -45,21 +44,22 @@ struct WorkspaceMap {
 };
 
 /// The smallest box around everything the links reach, from the height of the shoulders down.
-TargetBox reach_bounds(const FiveBarGeometry& geometry);
+TargetBox reach_bounds(const LegKinematics& leg);
 
 /// @throws ConfigError unless every count is at least 2 and the box is finite and not inverted
-WorkspaceMap sample_workspace(const FiveBarGeometry& geometry, WorkingMode mode, const TargetBox& box,
+WorkspaceMap sample_workspace(const LegKinematics& leg, LegBranch branch, const TargetBox& box,
                               const std::array<int, 3>& count);
 
 /// How far a foot can go from `start` along the unit vector `direction` with every target on the way safe, m;
-/// zero if `start` itself is not safe. Found by steps of .5 mm and bisection to 1 um.
-double safe_distance(const FiveBarGeometry& geometry, const Vector3& start, const Vector3& direction,
-                     WorkingMode mode = kDefaultMode, const RequiredMargins& required = {}) noexcept;
+/// zero if `start` itself is not safe. Found by steps of .5 mm (of a leg of more than .25 m: as many steps)
+/// and bisection to 1 um.
+double safe_distance(const LegKinematics& leg, const Vector3& start, const Vector3& direction,
+                     LegBranch branch, const RequiredMargins& required = {}) noexcept;
 
-/// A box of safe targets around `centre` that cannot grow by a millimetre on any side: its faces move outward
-/// in turn until a target on the new face, sampled every 2 mm or closer, is not safe. Of zero size if
-/// `centre` is not safe.
-TargetBox safe_box(const FiveBarGeometry& geometry, const Vector3& centre, WorkingMode mode = kDefaultMode,
+/// A box of safe targets around `centre` that cannot grow by a millimetre (of a large leg: as above) on any
+/// side: its faces move outward in turn until a target on the new face, sampled every 2 mm or closer, is not
+/// safe. Of zero size if `centre` is not safe.
+TargetBox safe_box(const LegKinematics& leg, const Vector3& centre, LegBranch branch,
                    const RequiredMargins& required = {});
 
 }  // namespace crossgait

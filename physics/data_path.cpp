@@ -58,6 +58,9 @@ std::vector<std::string> robot_names(std::string_view built_in) {
 std::string find_robot(std::string_view text, std::string_view built_in) {
   const fs::path path(text);
   if (path.extension() == ".yaml" || path.extension() == ".urdf") return path.string();
+  if (path.extension() == ".xacro") {
+    throw ConfigError(text, "file", fmt::format("an expanded URDF: xacro {} > robot.urdf", text), "xacro");
+  }
   const std::vector<std::string> names = robot_names(built_in);
   if (std::find(names.begin(), names.end(), text) == names.end()) {
     throw ConfigError("robot", "name",

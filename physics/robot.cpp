@@ -1,8 +1,42 @@
 #include "crossgait/physics/robot.h"
 
+#include <array>
+
 #include "crossgait/physics/robot_check.h"
 
 namespace crossgait {
+namespace {
+
+constexpr std::array<LegRole, 5> kFiveBarRoles{{{"tilt", -1, true},
+                                                {"shoulder_left", 0, true},
+                                                {"shoulder_right", 0, true},
+                                                {"elbow_left", 1, false},
+                                                {"elbow_right", 2, false}}};
+constexpr std::array<LegRole, 3> kSerialRoles{{{"abduction", -1, true}, {"hip", 0, true}, {"knee", 1, true}}};
+constexpr std::array<LegRole, 2> kHipKneeRoles{{{"hip", -1, true}, {"knee", 0, true}}};
+
+}  // namespace
+
+std::span<const LegRole> LegModel::roles() const noexcept {
+  if (linkage == LegLinkage::kFiveBar) return kFiveBarRoles;
+  return servos.size() == kHipKneeRoles.size() ? std::span<const LegRole>(kHipKneeRoles) : kSerialRoles;
+}
+
+std::vector<int> LegModel::joints() const {
+  std::vector<int> all = servos;
+  all.insert(all.end(), passive.begin(), passive.end());
+  return all;
+}
+
+int LegModel::joint(std::string_view role) const noexcept {
+  const std::span<const LegRole> known = roles();
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (known[i].name != role) continue;
+    if (i < servos.size()) return servos[i];
+    return i - servos.size() < passive.size() ? passive[i - servos.size()] : -1;
+  }
+  return -1;
+}
 
 std::vector<int> RobotDescription::actuated_joints() const {
   std::vector<int> joints;

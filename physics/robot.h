@@ -2,7 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "crossgait/physics/leg.h"
@@ -62,12 +64,34 @@ struct LoopClosure {
   Vector3 p_AP = Vector3::Zero(), p_BP = Vector3::Zero();  ///< the point in either body's frame, m
 };
 
-/// Joints of a five-bar leg (indices into joint vectors) and its foot.
+/// How the joints of a leg are arranged.
+enum class LegLinkage {
+  kFiveBar,  ///< two chains of shoulder and elbow on a tilt joint, joined at the foot by a loop
+  kSerial,   ///< hip and knee, on an abduction joint or on the base
+};
+
+/// A joint of a leg: what it is called, and the role (its index) that it hangs on; -1: on the base.
+struct LegRole {
+  std::string_view name;
+  int parent;
+  bool actuated;
+};
+
+/// One leg: its joints (indices into joint vectors) in the order of its roles, and its foot.
 struct LegModel {
-  int tilt = -1, shoulder_left = -1, shoulder_right = -1, elbow_left = -1, elbow_right = -1;
+  LegLinkage linkage = LegLinkage::kFiveBar;
+  std::vector<int> servos;         ///< tilt, shoulder_left, shoulder_right; or abduction (if any), hip, knee
+  std::vector<int> passive;        ///< elbow_left, elbow_right; or none
   int foot_body = -1;              ///< index of the body that carries the foot
   Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m
   double foot_radius = 0;          ///< m
+
+  /// Of servos, then of passive joints.
+  std::span<const LegRole> roles() const noexcept;
+  /// Servos, then passive joints: as `roles`.
+  std::vector<int> joints() const;
+  /// The joint in the role of this name, or -1.
+  int joint(std::string_view role) const noexcept;
 };
 
 /// Softness of loop closures, in MuJoCo's terms (MuJoCo manual, "Computation > Constraint model >
@@ -88,6 +112,10 @@ struct RobotDescription {
   std::optional<LegArray<LegModel>> legs;  ///< absent only for test bodies built in code
   JointVector home;                        ///< joint angles of the home pose, loops closed, rad
   double home_height = 0;                  ///< height of the base origin over flat ground in the home pose, m
+  /// h, m: how deep below hips or shoulders the feet of a standing leg are; gaits, ranges and limits are
+  /// multiples of it and of sqrt(h / g) (gait/scale.h).
+  double standing_height = 0;
+  double stance_offset = 0;  ///< forward shift of the feet that brings them under the centre of mass, m
 
   int joint_count() const { return static_cast<int>(bodies.size()) - 1; }
   const Joint& joint(int i) const { return bodies[static_cast<std::size_t>(i) + 1].joint; }
@@ -116,8 +144,9 @@ inline int leg_of_shape(const RobotDescription& robot, int body, int shape) {
   return -1;
 }
 
-/// Reads `robot.yaml` (which names its URDF) or a bare `.urdf` with a `.yaml` of the same stem or
-/// `robot.yaml` beside it.
+/// Reads `robot.yaml` (which names its URDF) or a bare `.urdf` with, if there is one, a `.yaml` of the same
+/// stem or `robot.yaml` beside it. What the files do not say is inferred (robot_inference.h,
+/// `load_robot_with_report`).
 /// @throws ConfigError naming file and element.
 RobotDescription load_robot(const std::string& path);
 

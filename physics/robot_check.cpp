@@ -111,29 +111,45 @@ std::string body_name(const RobotDescription& robot, int body) {
   return exists ? fmt::format("link '{}'", robot.bodies[static_cast<std::size_t>(body)].name) : "no link";
 }
 
-void check_leg(const RobotDescription& robot, Leg leg, std::set<int>& used) {
+void check_roles(const RobotDescription& robot, Leg leg, std::set<int>& used) {
   const LegModel& model = (*robot.legs)[leg];
   const std::string_view source = source_of(robot);
-  for (const LegRole& role : kLegRoles) {
+  const std::span<const LegRole> roles = model.roles();
+  const std::vector<int> joints = model.joints();
+  Reporter(source, fmt::format("legs.{}", name(leg)))
+      .require(joints.size() == roles.size(), fmt::format("{} joints", roles.size()),
+               std::to_string(joints.size()));
+  for (std::size_t i = 0; i < roles.size(); ++i) {
+    const LegRole& role = roles[i];
     const Reporter report(source, fmt::format("legs.{}.{}", name(leg), role.name));
-    const int joint = model.*role.joint;
+    const int joint = joints[i];
     report.require(joint >= 0 && joint < robot.joint_count(), "the index of a joint", std::to_string(joint));
     const Body& body = robot.bodies[static_cast<std::size_t>(joint) + 1];
     report.require(used.insert(joint).second, "each joint once",
                    fmt::format("joint '{}' again", body.joint.name));
-    const int expected_parent = role.parent == nullptr ? 0 : model.*role.parent + 1;
+    const int expected_parent = role.parent < 0 ? 0 : joints[static_cast<std::size_t>(role.parent)] + 1;
     report.require(body.parent == expected_parent,
                    fmt::format("a joint on {}", body_name(robot, expected_parent)),
                    fmt::format("joint '{}' on {}", body.joint.name, body_name(robot, body.parent)));
     report.require(body.joint.actuated == role.actuated, role.actuated ? "a servo" : "a passive joint",
                    "the opposite");
   }
-  const int left = model.elbow_left + 1, right = model.elbow_right + 1;
+}
+
+void check_leg(const RobotDescription& robot, Leg leg, std::set<int>& used) {
+  check_roles(robot, leg, used);
+  const LegModel& model = (*robot.legs)[leg];
+  const std::string_view source = source_of(robot);
+  const bool five_bar = model.linkage == LegLinkage::kFiveBar;
+  // The last link of a serial leg, or either lower link of a five-bar.
+  const int right = (five_bar ? model.passive : model.servos).back() + 1;
+  const int left = five_bar ? model.passive.front() + 1 : right;
   const Reporter foot(source, fmt::format("legs.{}.foot", name(leg)));
   foot.require(model.foot_body == left || model.foot_body == right, "a foot on a lower link of its leg",
                fmt::format("one on {}", body_name(robot, model.foot_body)));
   foot.finite(model.p_BF, "foot centre (m)");
   foot.positive(model.foot_radius, "foot radius (m)", kLargestLength);
+  if (!five_bar) return;
   bool closed = false;
   for (const LoopClosure& loop : robot.loops) {
     closed |= (loop.body_a == left && loop.body_b == right) || (loop.body_a == right && loop.body_b == left);

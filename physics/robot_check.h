@@ -2,7 +2,6 @@
 // All throw ConfigError(source, element, ...).
 #pragma once
 
-#include <array>
 #include <string>
 #include <string_view>
 
@@ -20,21 +19,6 @@ inline constexpr double kLargestInertia = 1e9;                      ///< kg m^2,
 inline constexpr double kLargestLength = 1e3;                       ///< m, of shapes and of every offset
 inline constexpr double kLargestGain = 1e9;   ///< N m/rad, N m s/rad and N m: servo gains, damping, torques
 inline constexpr double kLargestAngle = 1e6;  ///< rad, of joint limits
-
-/// A joint of a leg: its member of LegModel, and that of the joint it hangs on (null: on the base).
-struct LegRole {
-  const char* name;
-  int LegModel::*joint;
-  int LegModel::*parent;
-  bool actuated;
-};
-/// In the order of joints within a leg.
-inline constexpr std::array<LegRole, 5> kLegRoles{
-    {{"tilt", &LegModel::tilt, nullptr, true},
-     {"shoulder_left", &LegModel::shoulder_left, &LegModel::tilt, true},
-     {"shoulder_right", &LegModel::shoulder_right, &LegModel::tilt, true},
-     {"elbow_left", &LegModel::elbow_left, &LegModel::shoulder_left, false},
-     {"elbow_right", &LegModel::elbow_right, &LegModel::shoulder_right, false}}};
 
 /// Mass, offset and inertia within the limits above; inertia finite, symmetric, positive definite and that of
 /// some real body: none of its principal moments exceeds the sum of the other two.

@@ -202,7 +202,10 @@ class TreeBuilder {
 UrdfRobot read_urdf(const std::string& path) {
   UrdfWarnings warnings;
   const std::string checked = check_urdf(read_text_file(path, kUrdfBudget), path, warnings);
-  return TreeBuilder(path, warnings).build(*parse(checked, path)->getRoot());
+  const urdf::ModelInterfaceSharedPtr model = parse(checked, path);
+  UrdfRobot robot = TreeBuilder(path, warnings).build(*model->getRoot());
+  robot.name = model->getName();
+  return robot;
 }
 
 }  // namespace crossgait

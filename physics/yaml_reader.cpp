@@ -81,6 +81,8 @@ std::vector<std::pair<std::string, YamlValue>> YamlValue::entries() const {
   return result;
 }
 
+bool YamlValue::is_mapping() const noexcept { return node_->kind == Kind::kMap; }
+
 std::vector<YamlValue> YamlValue::items() const {
   if (node_->kind != Kind::kSequence) fail("a sequence", describe(*node_));
   std::vector<YamlValue> result;

@@ -42,6 +42,8 @@ class YamlValue {
   /// Elements of a sequence.
   std::vector<YamlValue> items() const;
 
+  bool is_mapping() const noexcept;
+
   double number() const;  ///< finite, in any locale
   int integer() const;
   std::uint64_t seed() const;  ///< a whole number of 0 or more, up to 2^64 - 1

@@ -160,9 +160,8 @@ Json identity_of_robot(const std::string& name_or_file) {
   add_number(robot.home_height);
   if (robot.legs) {
     for (const LegModel& leg : *robot.legs) {
-      for (const int i :
-           {leg.tilt, leg.shoulder_left, leg.shoulder_right, leg.elbow_left, leg.elbow_right, leg.foot_body})
-        add_number(i);
+      for (const int joint : leg.joints()) add_number(joint);
+      add_number(leg.foot_body);
       add(leg.p_BF);
       add_number(leg.foot_radius);
     }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "crossgait/env/env_model.h"
 #include "crossgait/env/worker_pool.h"
 #include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
@@ -29,9 +30,14 @@ std::vector<ParameterRow> rows_of(const EnvConfig& config) {
 EnvConfig with_parameters(EnvConfig config, const std::vector<ParameterRow>& rows, const Point& point) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const ParameterRow& row = rows[i];
-    config.parameters.*row.member = row.clip(row.min + (point[i] + 1) / 2 * (row.max - row.min));
+    config.parameters[row.name] = row.clip(row.min + (point[i] + 1) / 2 * (row.max - row.min));
   }
   return config;
+}
+
+// The parameters of a configuration that states those that are tuned.
+GaitParameters stated(const EnvConfig& config) {
+  return config.parameters.over(find_gait(config.gait).preferred);
 }
 
 // The zero policy on so many terrains from `first` on.
@@ -85,7 +91,7 @@ void search(const TuneOptions& options, const Progress& progress, Tuning& result
   Distribution distribution;
   // Within the ranges, also where the start is not.
   for (const ParameterRow& row : rows)
-    distribution.mean.push_back(row.normalise(row.clip(start.parameters.*row.member)));
+    distribution.mean.push_back(row.normalise(row.clip(stated(start).*row.member)));
   distribution.deviation.assign(rows.size(), 0.5);
   Point best = distribution.mean;
   Random random(options.seed);
@@ -143,7 +149,8 @@ void add_checks(const TuneOptions& options, const Progress& progress, Tuning& re
 
 Tuning tune_gait(const EnvConfig& start, const std::vector<std::string>& engines, const TuneOptions& options,
                  const Progress& progress) {
-  Tuning result{start, start, score(walk(start, options.seed, options.terrains)), {}, engines, {}};
+  const EnvConfig whole = EnvModel::make(start)->stated();
+  Tuning result{whole, whole, score(walk(whole, options.seed, options.terrains)), {}, engines, {}};
   try {
     search(options, progress, result);
     add_checks(options, progress, result);
@@ -160,7 +167,7 @@ nlohmann::ordered_json to_json(const Tuning& t) {
                               {"checks", nlohmann::ordered_json::array()}};
   if (t.interrupted) json["interrupted"] = true;
   for (const ParameterRow& row : rows_of(t.start))
-    json["parameters"][std::string(row.name)] = t.tuned.parameters.*row.member;
+    json["parameters"][std::string(row.name)] = stated(t.tuned).*row.member;
   for (const TuneCheck& line : t.checks) {
     for (std::size_t k = 0; k < t.engines.size(); ++k) {
       json["checks"].push_back({{"ground", line.ground},
@@ -175,8 +182,8 @@ nlohmann::ordered_json to_json(const Tuning& t) {
 std::string describe(const Tuning& t) {
   Table parameters({"parameter", "default", "tuned", "unit"});
   for (const ParameterRow& row : rows_of(t.start)) {
-    parameters.add_row({std::string(row.name), fmt::format("{:.4f}", t.start.parameters.*row.member),
-                        fmt::format("{:.4f}", t.tuned.parameters.*row.member), std::string(row.unit)});
+    parameters.add_row({std::string(row.name), fmt::format("{:.4f}", stated(t.start).*row.member),
+                        fmt::format("{:.4f}", stated(t.tuned).*row.member), std::string(row.unit)});
   }
   std::vector<std::string> header{fmt::format("mean speed on {}, m/s", t.start.terrain), "parameters"};
   header.insert(header.end(), t.engines.begin(), t.engines.end());

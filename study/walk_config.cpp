@@ -39,7 +39,7 @@ EnvConfig WalkConfig::environment() const {
   c.settle_seconds = timing.settle_seconds;
   c.episode_seconds = timing.seconds;
   c.gait = gait.name();
-  c.parameters = gait.parameters;
+  c.parameters = GaitSettings::all(gait.parameters);
   c.command = gait.command;
   c.heading_hold = heading_hold;
   c.ends = ends;

@@ -130,7 +130,7 @@ void print_scaling() {
   Table table({"engine", "steps/s, 1 worker", "2 workers over 1 (quartiles)", "2 threads apart over 1"});
   for (const std::string& backend : available_engines()) {
     const auto batch = [&](std::size_t environments, std::size_t workers) {
-      return VectorEnv({}, find_engine(backend), {.environments = environments, .workers = workers});
+      return VectorEnv(EnvConfig(), find_engine(backend), {.environments = environments, .workers = workers});
     };
     VectorEnv one = batch(kEnvironments, 1), two = batch(kEnvironments, 2),
               half = batch(kEnvironments / 2, 1), other_half = batch(kEnvironments / 2, 1);

@@ -10,6 +10,8 @@
 
 #include "crossgait/backends/registry.h"
 #include "crossgait/gait/parameters.h"
+#include "crossgait/physics/read_budget.h"
+#include "crossgait/physics/text.h"
 #include "crossgait/tests/apps/run_program.h"
 
 namespace crossgait {
@@ -146,10 +148,78 @@ TEST(Program, IkAnswersInJointAngles) {
   // By hand: shoulder at -.01, tip .07 below the middle: law of cosines with .045 and .060.
   const double reach = std::hypot(0.01, 0.07);
   const double bend = std::acos((0.045 * 0.045 + reach * reach - 0.06 * 0.06) / (2 * 0.045 * reach));
-  EXPECT_NEAR(down["shoulder_left"], bend - std::atan2(0.01, 0.07), 1e-12);
-  EXPECT_NEAR(down["shoulder_right"].get<double>(), -down["shoulder_left"].get<double>(), 1e-12);
-  EXPECT_NEAR(down["tilt"], 0.0, 1e-12);
+  const json& q = down["joints_rad"];
+  EXPECT_NEAR(q["shoulder_left"], bend - std::atan2(0.01, 0.07), 1e-12);
+  EXPECT_NEAR(q["shoulder_right"].get<double>(), -q["shoulder_left"].get<double>(), 1e-12);
+  EXPECT_NEAR(q["tilt"], 0.0, 1e-12);
+  EXPECT_EQ(down["kind"], "five_bar");
+  EXPECT_EQ(down["branch"], "mode 2");
   EXPECT_EQ(run_json("ik --target 0,0,-0.5 --mode 2")["status"], "clamped_too_far");
+}
+
+TEST(Program, IkAnswersForSerialLegsToo) {
+  const json down = run_json("ik --robot serial_quadruped --target 0,0,-0.3"),
+             forward = run_json("ik --robot serial_quadruped --target 0,0,-0.3 --knee forward");
+  // Two links of .2 m: half the way down is the cosine of the hip's angle.
+  EXPECT_EQ(down["kind"], "serial");
+  EXPECT_NEAR(down["joints_rad"]["hip"], std::acos(0.75), 1e-12);
+  EXPECT_NEAR(down["joints_rad"]["knee"], -2 * std::acos(0.75), 1e-12);
+  EXPECT_EQ(forward["branch"], "knee forward");
+  EXPECT_EQ(forward["status"], "clamped_joint_limit");
+}
+
+TEST(Program, ARobotsYamlCanBePrintedAndRead) {
+  const ProgramResult printed = run_program("robots serial_quadruped --yaml");
+  ASSERT_EQ(printed.exit_code, 0) << printed.err;
+  const std::string yaml = write_file("program_robot.yaml", printed.out);
+  const json given = run_json("robots serial_quadruped"), read = run_json("robots " + yaml);
+  EXPECT_FALSE(given["inferred"].empty());
+  EXPECT_TRUE(read["inferred"].empty());
+  for (const char* key : {"mass_kg", "legs", "home_rad", "servo", "gait_scale"})
+    EXPECT_EQ(read[key], given[key]) << key;
+  std::filesystem::remove(yaml);
+}
+
+// The bundled robot with motors that can hardly hold it.
+std::string weak_robot() {
+  std::string text =
+      read_text_file(CROSSGAIT_SOURCE_DIR "/models/robots/serial_quadruped/robot.urdf", kUrdfBudget);
+  for (const std::string effort : {"effort=\"24\"", "effort=\"36\""}) {
+    for (std::size_t at = text.find(effort); at != std::string::npos; at = text.find(effort))
+      text.replace(at, effort.size(), "effort=\"7\"");
+  }
+  return write_file("program_weak.urdf", text);
+}
+
+TEST(Program, ARobotIsTriedInEveryEngine) {
+  const json checked = run_json("robots serial_quadruped --check");
+  EXPECT_EQ(checked["walks"].size(), available_engines().size());
+  for (const json& walk : checked["walks"]) {
+    EXPECT_EQ(walk["outcome"], "walked");
+    EXPECT_TRUE(walk["complaints"].empty()) << walk;
+  }
+  // Knees that cannot hold the robot.
+  const ProgramResult weak = run_program("robots " + weak_robot() + " --check");
+  EXPECT_EQ(weak.exit_code, 1);
+  EXPECT_NE(weak.out.find("torque limit"), std::string::npos) << weak.out;
+  std::filesystem::remove("program_weak.urdf");
+}
+
+TEST(Program, GaitsAreOfTheRobotsSize) {
+  const json reach = run_json("workspace --robot serial_quadruped");
+  EXPECT_EQ(reach["kind"], "serial");
+  EXPECT_EQ(reach["cycle"]["unreachable"], 0);
+  EXPECT_NEAR(reach["standing_foot_m"][2], -0.288, 1e-12);
+  EXPECT_GT(reach["safe_box_m"]["max"][0].get<double>() - reach["safe_box_m"]["min"][0].get<double>(), 0.1);
+  const json table = run_json("gait --parameters --robot serial_quadruped"),
+             own = run_json("gait --parameters");
+  for (std::size_t i = 0; i < table["parameters"].size(); ++i) {
+    const json &a = table["parameters"][i], &b = own["parameters"][i];
+    const double length = 0.288 / 0.062;
+    const double factor = a["unit"] == "m" ? length : a["unit"] == "s" ? std::sqrt(length) : 1;
+    EXPECT_NEAR(a["max"].get<double>(), factor * b["max"].get<double>(), 1e-12) << a["name"];
+    EXPECT_NEAR(a["delta_scale"].get<double>(), factor * b["delta_scale"].get<double>(), 1e-12) << a["name"];
+  }
 }
 
 TEST(Program, IkSaysWhichWayZPointsIfATargetLiesAbove) {

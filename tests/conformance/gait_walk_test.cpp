@@ -119,6 +119,25 @@ TEST_P(GaitWalk, RoughGroundIsCrossedFast) {
   }
 }
 
+TEST_P(GaitWalk, ASerialRobotTrotsAtGaitsOfItsSize) {
+  const scenes::RobotPtr robot = scenes::serial_quadruped();
+  for (const double speed : {0.3, 0.6}) {
+    const auto backend = make(robot);
+    const GaitChoice choice = choose_gait("trot", {}, VelocityCommand{speed, 0, 0}, gait_scale(*robot));
+    const MotionSummary s = run_walk(*backend, make_gait_source(choice, robot), {.seconds = 10});
+    EXPECT_EQ(s.outcome, Outcome::kWalked);
+    EXPECT_EQ(s.ik_clamped, 0);
+    measured("serial trot, speed over commanded", s.mean_speed_mps / speed);
+    measured("serial trot, drag", s.drag.value());
+    measured("serial trot, heading error, deg", s.heading_error_deg.value());
+    EXPECT_NEAR(s.mean_speed_mps / speed, 1.025, 0.175);  // .85 to 1.2
+    EXPECT_LT(s.drag, 0.05);
+    EXPECT_LT(s.heading_error_deg, 10);
+    EXPECT_LT(s.rms_roll_deg, 3);
+    EXPECT_LT(s.rms_pitch_deg, 3);
+  }
+}
+
 TEST_P(GaitWalk, TheGaitForASpeedWalks) {
   for (const double speed : {0.05, 0.15, 0.4, 0.7}) {
     const MotionSummary s = walk("auto", 10, VelocityCommand{speed, 0, 0}).summary;

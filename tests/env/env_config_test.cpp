@@ -31,8 +31,8 @@ TEST(EnvConfig, ReadsBackWhatItWrites) {
   c.terrain = "rough:amplitude=.01";
   c.terrain_seed = 7;
   c.gait = "walk";
-  c.parameters = find_gait("walk").preferred;
-  c.parameters.step_length = 0.1 / 3;
+  c.parameters = GaitSettings::all(find_gait("walk").preferred);
+  c.parameters["step_length"] = 0.1 / 3;
   c.parameters.swing = SwingCurve::kMatched;
   c.adapt = {"step_length", "stance_width"};
   c.residual_scale = 0.02;
@@ -53,10 +53,10 @@ TEST(EnvConfig, ReadsBackWhatItWrites) {
   const EnvConfig back = parse_env_config(to_yaml(c), "round trip");
   EXPECT_EQ(to_yaml(back), to_yaml(c));
   for (double EnvConfig::*number :
-       {&EnvConfig::friction, &EnvConfig::residual_scale, &EnvConfig::physics_dt, &EnvConfig::control_dt,
-        &EnvConfig::policy_dt, &EnvConfig::episode_seconds, &EnvConfig::settle_seconds,
-        &EnvConfig::tilt_limit_deg})
+       {&EnvConfig::friction, &EnvConfig::physics_dt, &EnvConfig::control_dt, &EnvConfig::policy_dt,
+        &EnvConfig::episode_seconds, &EnvConfig::settle_seconds, &EnvConfig::tilt_limit_deg})
     EXPECT_EQ(back.*number, c.*number);
+  EXPECT_EQ(back.residual_scale, c.residual_scale);
   EXPECT_EQ(back.engine, c.engine);
   EXPECT_EQ(back.robot, c.robot);
   EXPECT_EQ(back.terrain, c.terrain);
@@ -66,7 +66,7 @@ TEST(EnvConfig, ReadsBackWhatItWrites) {
   EXPECT_EQ(back.adapt, c.adapt);
   EXPECT_EQ(back.command->yaw_rate, c.command->yaw_rate);
   EXPECT_EQ(back.observation, c.observation);
-  EXPECT_EQ(back.parameters.step_length, c.parameters.step_length);  // every digit
+  EXPECT_EQ(back.parameters, c.parameters);  // every digit
   EXPECT_EQ(back.reward, c.reward);
   EXPECT_EQ(back.ends, c.ends);
   EXPECT_EQ(back.randomisation.ranges, c.randomisation.ranges);
@@ -86,20 +86,23 @@ TEST(EnvConfig, DivergenceEndsAnEpisodeWhateverIsAskedFor) {
 
 TEST(EnvConfig, AGaitBringsItsPreferredParameters) {
   const EnvConfig c = parse_env_config("gait: gallop\nparameters: {step_length: .07}\n", "env.yaml");
-  EXPECT_EQ(c.parameters.cycle_time, find_gait("gallop").preferred.cycle_time);
-  EXPECT_EQ(c.parameters.step_length, 0.07);
+  const GaitParameters p = EnvModel::make(c)->parameters;
+  EXPECT_EQ(p.cycle_time, find_gait("gallop").preferred.cycle_time);
+  EXPECT_EQ(p.step_length, 0.07);
 }
 
 TEST(EnvConfig, ThePresetOfTheGuideIsABeginning) {
   const EnvConfig guide = parse_env_config("preset: guide\n", "env.yaml");
   EXPECT_EQ(to_yaml(guide), to_yaml(guide_environment()));
   EXPECT_EQ(guide.gait, "trot:guide");
-  EXPECT_EQ(guide.parameters.cycle_time, 0.8);
+  const GaitParameters of_guide = EnvModel::make(guide)->parameters;
+  EXPECT_EQ(of_guide.cycle_time, 0.8);
   EXPECT_EQ(guide.adaptation, guide_ranges());
   const EnvConfig changed =
       parse_env_config("parameters: {step_length: .05}\npreset: guide\nheading_hold: false\n", "env.yaml");
-  EXPECT_EQ(changed.parameters.step_length, 0.05);
-  EXPECT_EQ(changed.parameters.body_height, guide.parameters.body_height);
+  const GaitParameters p = EnvModel::make(changed)->parameters;
+  EXPECT_EQ(p.step_length, 0.05);
+  EXPECT_EQ(p.body_height, of_guide.body_height);
   EXPECT_TRUE(guide.heading_hold);
   EXPECT_FALSE(changed.heading_hold);
   EXPECT_FALSE(parse_env_config(to_yaml(changed), "env.yaml").heading_hold);
@@ -236,14 +239,14 @@ TEST(EnvConfig, RangesShowInTheLayoutAndItsHash) {
   EnvConfig plain, ranged;
   ranged.adaptation.ranges["cycle_time"] = {0.2, 1.2};
   ranged.adaptation.delta_scales["cycle_time"] = 0.02;
-  ranged.parameters.cycle_time = 0.5;
+  ranged.parameters["cycle_time"] = 0.5;
   const auto a = EnvModel::make(plain), b = EnvModel::make(ranged);
   EXPECT_NE(a->layout, b->layout);
   EXPECT_EQ(b->interface.action.entries[2].unit, "0.02 s");
   EXPECT_EQ(b->interface.observation.entries[*b->interface.observation.find("param.cycle_time")].unit,
             "0.2 to 1.2 s");
   EnvConfig outside;
-  outside.parameters.cycle_time = 1.125;
+  outside.parameters["cycle_time"] = 1.125;
   const auto c = EnvModel::make(outside);
   EXPECT_EQ(a->layout, c->layout) << "the numbers mean the same";
   const auto entry = c->interface.observation.entries[*c->interface.observation.find("param.cycle_time")];

@@ -1,5 +1,6 @@
 #include "crossgait/env/observation.h"
 
+#include <algorithm>
 #include <set>
 
 #include "crossgait/physics/error.h"
@@ -121,6 +122,33 @@ TEST_P(Layouts, TheHashTellsThemApart) {
   EXPECT_EQ(layout_difference({"a", "b"}, {"a"}),
             "has 1 entries where 2 were expected; entry 1 is none, expected b");
   EXPECT_EQ(layout_difference({"a"}, {"a"}), "");
+}
+
+TEST_P(Layouts, OfARobotOfAnotherSizeAreOfItsSize) {
+  EnvConfig config;
+  config.robot = "serial_quadruped";
+  config.terrain = "rough";
+  config.observation.emplace_back("terrain");
+  AdaptiveGaitEnv env(config, find_engine(GetParam()));
+  std::vector<double> seen(env.observation_size());
+  env.reset(1, seen);
+  const std::vector<double> nothing(env.action_size(), 0);
+  while (env.backend().state().time < 3) ASSERT_FALSE(env.step(nothing, seen).terminated);
+  const RobotState& state = env.backend().state();
+  const double scale = 0.288 / 0.062, yaw = roll_pitch_yaw(state.q_WB).z();
+  EXPECT_DOUBLE_EQ(env.info().parameters.body_height, 0.062 * scale);
+  EXPECT_GT(state.p_WB.x(), 0.5) << "two and a half seconds of .5 m/s, but for the start";
+  const double x = state.p_WB.x() + 0.15 * scale * std::cos(yaw),
+               y = state.p_WB.y() + 0.15 * scale * std::sin(yaw);
+  EXPECT_NEAR(seen.at(env.observation_layout().find("terrain.front").value()),
+              env.backend().spec().terrain.height(x, y), 1e-12);
+  // A full step of a parameter that adapts is as much larger.
+  std::vector<double> up = nothing;
+  up[0] = 1;
+  const double before = env.info().parameters.step_height;
+  ASSERT_FALSE(env.step(up, seen).terminated);
+  EXPECT_NEAR(env.info().parameters.step_height - before, find_parameter("step_height").delta_scale * scale,
+              1e-12);
 }
 
 TEST(ObservationBlocks, UnknownNamesListTheKnown) {

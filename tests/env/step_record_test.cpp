@@ -117,7 +117,7 @@ class StepRecords : public BackendTest {
     seen.start_yaw = roll_pitch_yaw(env.backend().state().q_WB).z();
     seen.standing_height = ground_clearance(env);
     seen.action.assign(env.action_size(), 0);
-    seen.parameters = env.config().parameters;
+    seen.parameters = env.info().parameters;
     EXPECT_NEAR(seen.start_yaw, kYaw, 0.3);  // drawn within .1, and settled on rough ground
     std::map<std::string, double> sums;
     Random random(3);

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "crossgait/gait/multi_gait_controller.h"
-#include "crossgait/ik/five_bar_leg.h"
+#include "crossgait/ik/leg_kinematics.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 
@@ -17,13 +17,13 @@ namespace {
 class WithLegs : public testing::Test {
  protected:
   bool reaches(Leg leg, const Vector3& target) const {
-    return solve_servos(legs_[leg], target).status == IkStatus::kOk;
+    return legs_[leg].inverse(target).status == IkStatus::kOk;
   }
   TargetCheck check() const {
     return [this](Leg leg, const Vector3& target) { return reaches(leg, target); };
   }
 
-  const LegArray<FiveBarGeometry> legs_ = five_bar_geometry(load_robot(find_robot("scara_quadruped")));
+  const LegArray<LegKinematics> legs_ = make_leg_kinematics(load_robot(find_robot("scara_quadruped")));
 };
 
 using CycleCheckTest = WithLegs;

@@ -142,11 +142,11 @@ TEST(SolveLeg, HomePostureIsTheRobotFiles) {
     const LegSolution s =
         solve_leg(five_bar_geometry(robot, leg), {0, 0, -0.07});  // "feet .07 m below the shoulders"
     // robot.yaml gives 13 decimals and its loader closes the loops to rounding.
-    EXPECT_NEAR(s.angles.tilt, robot.home[model.tilt], 1e-12);
-    EXPECT_NEAR(s.angles.shoulder_left, robot.home[model.shoulder_left], 1e-12);
-    EXPECT_NEAR(s.angles.shoulder_right, robot.home[model.shoulder_right], 1e-12);
-    EXPECT_NEAR(s.angles.elbow_left, robot.home[model.elbow_left], 1e-12);
-    EXPECT_NEAR(s.angles.elbow_right, robot.home[model.elbow_right], 1e-12);
+    EXPECT_NEAR(s.angles.tilt, robot.home[model.joint("tilt")], 1e-12);
+    EXPECT_NEAR(s.angles.shoulder_left, robot.home[model.joint("shoulder_left")], 1e-12);
+    EXPECT_NEAR(s.angles.shoulder_right, robot.home[model.joint("shoulder_right")], 1e-12);
+    EXPECT_NEAR(s.angles.elbow_left, robot.home[model.joint("elbow_left")], 1e-12);
+    EXPECT_NEAR(s.angles.elbow_right, robot.home[model.joint("elbow_right")], 1e-12);
   }
 }
 
@@ -171,11 +171,11 @@ TEST_P(WholeRobot, HasItsFeetAtTheTargets) {
         s = solve_leg(legs[leg], targets[leg]);
       } while (s.status != IkStatus::kOk);
       const LegModel& model = (*robot.legs)[leg];
-      state.q[model.tilt] = s.angles.tilt;
-      state.q[model.shoulder_left] = s.angles.shoulder_left;
-      state.q[model.shoulder_right] = s.angles.shoulder_right;
-      state.q[model.elbow_left] = s.angles.elbow_left;
-      state.q[model.elbow_right] = s.angles.elbow_right;
+      state.q[model.joint("tilt")] = s.angles.tilt;
+      state.q[model.joint("shoulder_left")] = s.angles.shoulder_left;
+      state.q[model.joint("shoulder_right")] = s.angles.shoulder_right;
+      state.q[model.joint("elbow_left")] = s.angles.elbow_left;
+      state.q[model.joint("elbow_right")] = s.angles.elbow_right;
     }
     forward_kinematics(robot, state, poses);
     // The demand on every engine is 1e-9 m; here only roundings of positions below 1 m.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "crossgait/ik/leg_kinematics.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/ik/test_leg.h"
@@ -37,15 +38,15 @@ TEST(FiveBarGeometry, OfTheRobotFileIsTheDesignsFigures) {
     EXPECT_EQ(legs[leg].tilt_sign, expected.tilt_sign);
     expect_equal(legs[leg].a, expected.a);
     expect_equal(legs[leg].b, expected.b);
-    EXPECT_EQ(leg_origins(legs)[leg], legs[leg].p_BL);
+    EXPECT_EQ(make_leg_kinematics(robot(), leg).origin(), legs[leg].p_BL);
   }
 }
 
 TEST(FiveBarGeometry, TakesLimitsFromTheRobot) {
   RobotDescription r = robot();
   const LegModel& leg = (*r.legs)[Leg::RR];
-  r.bodies[static_cast<std::size_t>(leg.elbow_right) + 1].joint.upper = 2.25;
-  r.bodies[static_cast<std::size_t>(leg.tilt) + 1].joint.lower = -0.25;
+  r.bodies[static_cast<std::size_t>(leg.joint("elbow_right")) + 1].joint.upper = 2.25;
+  r.bodies[static_cast<std::size_t>(leg.joint("tilt")) + 1].joint.lower = -0.25;
   const FiveBarGeometry g = five_bar_geometry(r, Leg::RR);
   EXPECT_EQ(g.b.elbow_limits.upper, 2.25);
   EXPECT_EQ(g.tilt_limits.lower, -0.25);
@@ -54,7 +55,7 @@ TEST(FiveBarGeometry, TakesLimitsFromTheRobot) {
 TEST(FiveBarGeometry, AnOppositeAxisOnlyFlipsASign) {
   RobotDescription r = robot();
   const LegModel& leg = (*r.legs)[Leg::FR];
-  for (const int joint : {leg.tilt, leg.shoulder_left, leg.elbow_right}) {
+  for (const int joint : {leg.joint("tilt"), leg.joint("shoulder_left"), leg.joint("elbow_right")}) {
     r.bodies[static_cast<std::size_t>(joint) + 1].joint.axis *= -1;
   }
   const FiveBarGeometry g = five_bar_geometry(r, Leg::FR);
@@ -94,27 +95,29 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BrokenLeg{"SkewShoulderAxis",
                   [](RobotDescription& r, const LegModel& leg) {
-                    body_of(r, leg.shoulder_left).joint.axis = Vector3(0, 1, 1e-4).normalized();
+                    body_of(r, leg.joint("shoulder_left")).joint.axis = Vector3(0, 1, 1e-4).normalized();
                   },
                   "FL_shoulder_left"},
         BrokenLeg{"TiltAboutY",
                   [](RobotDescription& r, const LegModel& leg) {
-                    body_of(r, leg.tilt).joint.axis = Vector3::UnitY();
+                    body_of(r, leg.joint("tilt")).joint.axis = Vector3::UnitY();
                   },
                   "FL_tilt"},
-        BrokenLeg{"TurnedElbowFrame",
-                  [](RobotDescription& r, const LegModel& leg) {
-                    body_of(r, leg.elbow_right).X_PB.rotate(Eigen::AngleAxisd(0.1, Vector3::UnitZ()));
-                  },
-                  "FL_elbow_right"},
+        BrokenLeg{
+            "TurnedElbowFrame",
+            [](RobotDescription& r, const LegModel& leg) {
+              body_of(r, leg.joint("elbow_right")).X_PB.rotate(Eigen::AngleAxisd(0.1, Vector3::UnitZ()));
+            },
+            "FL_elbow_right"},
         BrokenLeg{"ShoulderHigher",
                   [](RobotDescription& r, const LegModel& leg) {
-                    body_of(r, leg.shoulder_right).X_PB.translation().z() += 0.001;
+                    body_of(r, leg.joint("shoulder_right")).X_PB.translation().z() += 0.001;
                   },
                   "shoulders"},
         BrokenLeg{"ShouldersExchanged",
                   [](RobotDescription& r, const LegModel& leg) {
-                    std::swap(body_of(r, leg.shoulder_left).X_PB, body_of(r, leg.shoulder_right).X_PB);
+                    std::swap(body_of(r, leg.joint("shoulder_left")).X_PB,
+                              body_of(r, leg.joint("shoulder_right")).X_PB);
                   },
                   "shoulders"},
         BrokenLeg{"FootBesideTheTip",
@@ -124,22 +127,22 @@ INSTANTIATE_TEST_SUITE_P(
         BrokenLeg{"OpenLinkage", [](RobotDescription& r, const LegModel&) { r.loops.clear(); }, "loop"},
         BrokenLeg{"TipsInTwoPlanes",
                   [](RobotDescription& r, const LegModel& leg) {
-                    body_of(r, leg.shoulder_right).X_PB.translation().y() += 0.002;
+                    body_of(r, leg.joint("shoulder_right")).X_PB.translation().y() += 0.002;
                   },
                   "lower links"},
         BrokenLeg{"NoUpperLink",
                   [](RobotDescription& r, const LegModel& leg) {
-                    body_of(r, leg.elbow_left).X_PB.translation().setZero();
+                    body_of(r, leg.joint("elbow_left")).X_PB.translation().setZero();
                   },
                   "upper link"},
         BrokenLeg{"ChainsThatCannotMeet",
                   [](RobotDescription& r, const LegModel& leg) {
-                    body_of(r, leg.elbow_left).X_PB.translation() = Vector3(0, 0, -0.2);
+                    body_of(r, leg.joint("elbow_left")).X_PB.translation() = Vector3(0, 0, -0.2);
                   },
                   "links"},
         BrokenLeg{"ShoulderOnAnotherLeg",
                   [](RobotDescription& r, const LegModel& leg) {
-                    body_of(r, leg.shoulder_left).parent = (*r.legs)[Leg::FR].tilt + 1;
+                    body_of(r, leg.joint("shoulder_left")).parent = (*r.legs)[Leg::FR].joint("tilt") + 1;
                   },
                   "FL_shoulder_left"}),
     [](const auto& p) { return p.param.name; });

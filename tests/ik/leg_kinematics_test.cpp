@@ -24,9 +24,11 @@ TEST(LegKinematics, OfTodaysRobotsIsTheFiveBar) {
     const LegModel& model = (*robot.legs)[leg];
     EXPECT_EQ(name(kinematics.kind()), "five_bar");
     EXPECT_EQ(kinematics.origin(), g.p_BL);
-    EXPECT_EQ(listed(kinematics.servo_joints()),
-              (std::vector<int>{model.tilt, model.shoulder_left, model.shoulder_right}));
-    EXPECT_EQ(listed(kinematics.passive_joints()), (std::vector<int>{model.elbow_left, model.elbow_right}));
+    EXPECT_EQ(
+        listed(kinematics.servo_joints()),
+        (std::vector<int>{model.joint("tilt"), model.joint("shoulder_left"), model.joint("shoulder_right")}));
+    EXPECT_EQ(listed(kinematics.passive_joints()),
+              (std::vector<int>{model.joint("elbow_left"), model.joint("elbow_right")}));
     for (const Vector3& target : {Vector3(0.01, 0.02, -0.06), Vector3(0, 0, -0.3)}) {
       for (const WorkingMode mode : {WorkingMode::kDownUp, WorkingMode::kBothUp}) {
         const auto [status, posture] = kinematics.inverse(target, {.mode = mode});

@@ -17,7 +17,7 @@ constexpr RequiredMargins kNoMargins{-10, 0, 0};
 
 TEST(Workspace, SamplesLieOnTheGridXFirst) {
   const TargetBox box{{-0.02, 0, -0.09}, {0.02, 0.01, -0.03}};
-  const WorkspaceMap map = sample_workspace(hand_made_leg(), kDefaultMode, box, {3, 2, 4});
+  const WorkspaceMap map = sample_workspace(hand_made_leg(), LegBranch{}, box, {3, 2, 4});
   ASSERT_EQ(map.samples.size(), 24u);
   EXPECT_EQ(map.target(0, 0, 0), box.min);
   EXPECT_EQ(map.target(2, 1, 3), box.max);
@@ -35,7 +35,7 @@ TEST(Workspace, ReachableFractionIsTheAreaOfTheLens) {
   FiveBarGeometry g = hand_made_leg();
   const double R = 0.105, r = 0.015, c = 0.010;
   const WorkspaceMap map =
-      sample_workspace(g, kDefaultMode, {{-0.1, 0, -0.11}, {0.1, 1e-9, 0}}, {801, 2, 441});
+      sample_workspace(g, LegBranch{}, {{-0.1, 0, -0.11}, {0.1, 1e-9, 0}}, {801, 2, 441});
   const auto common = [&](double radius) {  // half the intersection of two discs whose centres are 2 c apart
     return radius * radius * std::acos(c / radius) - c * std::sqrt(radius * radius - c * c);
   };
@@ -51,7 +51,7 @@ TEST(Workspace, BoundsHoldEverythingReachable) {
     const FiveBarGeometry g = hand_made_leg(which);
     const TargetBox bounds = reach_bounds(g);
     const WorkspaceMap map =
-        sample_workspace(g, kDefaultMode, {{-0.2, -0.2, -0.2}, {0.2, 0.2, 0}}, {41, 41, 41});
+        sample_workspace(g, LegBranch{}, {{-0.2, -0.2, -0.2}, {0.2, 0.2, 0}}, {41, 41, 41});
     for (int iz = 0; iz < 41; ++iz) {
       for (int iy = 0; iy < 41; ++iy) {
         for (int ix = 0; ix < 41; ++ix) {
@@ -67,28 +67,28 @@ TEST(Workspace, BoundsHoldEverythingReachable) {
 
 TEST(Workspace, NonsenseGridsAreErrors) {
   const TargetBox box{{-0.02, 0, -0.09}, {0.02, 0.01, -0.03}};
-  EXPECT_THROW(sample_workspace(hand_made_leg(), kDefaultMode, box, {3, 1, 4}), ConfigError);
-  EXPECT_THROW(sample_workspace(hand_made_leg(), kDefaultMode, {box.max, box.min}, {3, 3, 4}), ConfigError);
+  EXPECT_THROW(sample_workspace(hand_made_leg(), LegBranch{}, box, {3, 1, 4}), ConfigError);
+  EXPECT_THROW(sample_workspace(hand_made_leg(), LegBranch{}, {box.max, box.min}, {3, 3, 4}), ConfigError);
   const TargetBox nan{{std::numeric_limits<double>::quiet_NaN(), 0, 0}, {1, 1, 1}};
-  EXPECT_THROW(sample_workspace(hand_made_leg(), kDefaultMode, nan, {3, 3, 4}), ConfigError);
+  EXPECT_THROW(sample_workspace(hand_made_leg(), LegBranch{}, nan, {3, 3, 4}), ConfigError);
 }
 
 TEST(SafeDistance, IsPythagorasToTheReach) {
   // From (0, 0, -.05) forward, chain a stretches first: .050 below its shoulder and .010 + x in front of it.
   const double reach = std::sqrt(0.105 * 0.105 - 0.05 * 0.05) - 0.010;
   // Found to 1 um.
-  EXPECT_NEAR(safe_distance(hand_made_leg(), {0, 0, -0.05}, {1, 0, 0}, kDefaultMode, kNoMargins), reach,
+  EXPECT_NEAR(safe_distance(hand_made_leg(), {0, 0, -0.05}, {1, 0, 0}, LegBranch{}, kNoMargins), reach,
               1.1e-6);
-  EXPECT_NEAR(safe_distance(hand_made_leg(), {0, 0, -0.05}, {-1, 0, 0}, kDefaultMode, kNoMargins), reach,
+  EXPECT_NEAR(safe_distance(hand_made_leg(), {0, 0, -0.05}, {-1, 0, 0}, LegBranch{}, kNoMargins), reach,
               1.1e-6);
-  EXPECT_EQ(safe_distance(hand_made_leg(), {0, 0, -0.2}, {1, 0, 0}, kDefaultMode, kNoMargins), 0);
+  EXPECT_EQ(safe_distance(hand_made_leg(), {0, 0, -0.2}, {1, 0, 0}, LegBranch{}, kNoMargins), 0);
 }
 
 TEST(SafeDistance, ShrinksWithTheMargins) {
-  const double reach = safe_distance(hand_made_leg(), {0, 0, -0.05}, {1, 0, 0}, kDefaultMode, kNoMargins);
+  const double reach = safe_distance(hand_made_leg(), {0, 0, -0.05}, {1, 0, 0}, LegBranch{}, kNoMargins);
   RequiredMargins bend = kNoMargins;
   bend.serial = 0.5;
-  const double bent = safe_distance(hand_made_leg(), {0, 0, -0.05}, {1, 0, 0}, kDefaultMode, bend);
+  const double bent = safe_distance(hand_made_leg(), {0, 0, -0.05}, {1, 0, 0}, LegBranch{}, bend);
   // Chain a may stretch to sqrt(L1^2 + L2^2 + 2 L1 L2 cos .5) only.
   const double r2 = 0.045 * 0.045 + 0.06 * 0.06 + 2 * 0.045 * 0.06 * std::cos(0.5);
   EXPECT_NEAR(bent, std::sqrt(r2 - 0.05 * 0.05) - 0.010, 1.1e-6);  // found to 1 um
@@ -98,16 +98,16 @@ TEST(SafeDistance, ShrinksWithTheMargins) {
 TEST(SafeBox, HoldsOnlySafeTargetsAndCannotGrow) {
   const RequiredMargins required;
   const Vector3 centre(0, 0.03, -0.05);
-  const TargetBox box = safe_box(hand_made_leg(), centre);
+  const TargetBox box = safe_box(hand_made_leg(), centre, LegBranch{});
   EXPECT_TRUE((box.min.array() < centre.array()).all() && (box.max.array() > centre.array()).all());
-  const WorkspaceMap map = sample_workspace(hand_made_leg(), kDefaultMode, box, {23, 23, 23});
+  const WorkspaceMap map = sample_workspace(hand_made_leg(), LegBranch{}, box, {23, 23, 23});
   ASSERT_EQ(map.samples.size(), 23U * 23U * 23U);
   for (const WorkspaceSample& sample : map.samples) EXPECT_TRUE(is_safe(sample, required));
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {-1.0, 1.0}) {
       TargetBox face = box;
       face.min[axis] = face.max[axis] = (sign > 0 ? box.max : box.min)[axis] + sign * 1e-3;
-      const WorkspaceMap beyond = sample_workspace(hand_made_leg(), kDefaultMode, face, {81, 81, 81});
+      const WorkspaceMap beyond = sample_workspace(hand_made_leg(), LegBranch{}, face, {81, 81, 81});
       EXPECT_TRUE(std::any_of(beyond.samples.begin(), beyond.samples.end(),
                               [&](const WorkspaceSample& s) { return !is_safe(s, required); }))
           << "axis " << axis << " sign " << sign;
@@ -116,8 +116,8 @@ TEST(SafeBox, HoldsOnlySafeTargetsAndCannotGrow) {
 }
 
 TEST(SafeBox, IsMirroredForTheOtherSide) {
-  const TargetBox left = safe_box(hand_made_leg(Leg::FL), {0, 0.03, -0.05}),
-                  right = safe_box(hand_made_leg(Leg::FR), {0, -0.03, -0.05});
+  const TargetBox left = safe_box(hand_made_leg(Leg::FL), {0, 0.03, -0.05}, LegBranch{}),
+                  right = safe_box(hand_made_leg(Leg::FR), {0, -0.03, -0.05}, LegBranch{});
   // Faces move by whole millimetres; the sums differ by rounding.
   EXPECT_NEAR(left.min.x(), right.min.x(), 1e-3 + 1e-12);
   EXPECT_NEAR(left.max.z(), right.max.z(), 1e-3 + 1e-12);
@@ -125,7 +125,7 @@ TEST(SafeBox, IsMirroredForTheOtherSide) {
 }
 
 TEST(SafeBox, OfAnUnsafeCentreIsEmpty) {
-  const TargetBox box = safe_box(hand_made_leg(), {0, 0, -0.2});
+  const TargetBox box = safe_box(hand_made_leg(), {0, 0, -0.2}, LegBranch{});
   EXPECT_EQ(box.min, box.max);
 }
 

@@ -158,7 +158,7 @@ TEST_P(MatchedPair, DropsAndStandsTheSame) {
   start.p_WB.z() += 0.03;
   const JointTargets home = scenes::home_targets(*spec.robot);
   const Difference d = run(
-      spec, &start, [&](double) { return home; }, 2);
+      spec, &start, [&](double) { return JointTargets(home); }, 2);
   expect_same(d, 4);
 }
 
@@ -218,6 +218,16 @@ TEST_P(MatchedPair, AnotherRobotTrotsTheSame) {
   expect_walk(trot(spec, 5));
   spec.terrain = make_terrain("rough:seed=1,size_x=4,size_y=2");
   expect_walk(trot(spec, 4));
+}
+
+TEST_P(MatchedPair, ASerialRobotTrotsTheSame) {
+  const Difference d = trot(scenes::world_of(scenes::serial_quadruped()), 5);
+  EXPECT_LT(d.position, kLength);
+  EXPECT_LT(d.joints, kAngle);
+  EXPECT_LT(d.attitude, kAngle);
+  EXPECT_LT(d.force, 17 * kForce);  // it weighs 17 times as much
+  EXPECT_EQ(d.counts, 0);
+  EXPECT_GE(d.most_contacts, 4);
 }
 
 TEST_P(MatchedPair, FallsTheSame) {

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "crossgait/physics/error.h"
+#include "crossgait/tests/physics/config_error.h"
 
 namespace crossgait {
 namespace {
@@ -71,6 +72,12 @@ TEST_F(DataPath, ANameIsARobotAndAFileIsItself) {
   EXPECT_EQ(find_robot("ant", models_.string()), (models_ / "robots" / "ant" / "robot.yaml").string());
   EXPECT_EQ(find_robot("some/where.urdf", models_.string()), "some/where.urdf");
   EXPECT_EQ(find_robot("ant.yaml", models_.string()), "ant.yaml");
+}
+
+TEST_F(DataPath, AXacroHasToBeExpandedFirst) {
+  const ConfigError error =
+      config_error([&] { (void)find_robot("some/robot.urdf.xacro", models_.string()); });
+  EXPECT_EQ(error.expected(), "an expanded URDF: xacro some/robot.urdf.xacro > robot.urdf");
 }
 
 TEST_F(DataPath, AnUnknownRobotIsAnErrorThatListsTheKnown) {

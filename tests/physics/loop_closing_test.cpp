@@ -22,9 +22,9 @@ TEST(LoopClosing, MovesOnlyPassiveJointsAndKeepsTheWorkingMode) {
   const RobotDescription robot = load_robot(kRobotFolder + "robot.yaml");
   JointVector q = robot.home;
   for (const LegModel& leg : *robot.legs) {
-    q[leg.tilt] = 0.2;
-    q[leg.shoulder_left] += 0.1;
-    q[leg.shoulder_right] += 0.05;
+    q[leg.joint("tilt")] = 0.2;
+    q[leg.joint("shoulder_left")] += 0.1;
+    q[leg.joint("shoulder_right")] += 0.05;
   }
   const JointVector before = q;
   ASSERT_GT(gap(robot, q), 1e-3);
@@ -32,8 +32,8 @@ TEST(LoopClosing, MovesOnlyPassiveJointsAndKeepsTheWorkingMode) {
   EXPECT_LT(gap(robot, q), 1e-15);  // rounding of lengths of .1 m
   for (const int joint : robot.actuated_joints()) EXPECT_EQ(q[joint], before[joint]);
   for (const LegModel& leg : *robot.legs) {
-    EXPECT_LT(q[leg.elbow_left], 0);  // knees stay outward
-    EXPECT_GT(q[leg.elbow_right], 0);
+    EXPECT_LT(q[leg.joint("elbow_left")], 0);  // knees stay outward
+    EXPECT_GT(q[leg.joint("elbow_right")], 0);
   }
 }
 
@@ -42,13 +42,13 @@ TEST(LoopClosing, FindsTheTriangleByHand) {
   const RobotDescription robot = load_robot(kRobotFolder + "robot.yaml");
   JointVector q = JointVector::Zero(robot.joint_count());
   for (const LegModel& leg : *robot.legs) {
-    q[leg.elbow_left] = -0.1;
-    q[leg.elbow_right] = 0.1;
+    q[leg.joint("elbow_left")] = -0.1;
+    q[leg.joint("elbow_right")] = 0.1;
   }
   close_loops(robot, q);
   for (const LegModel& leg : *robot.legs) {
-    EXPECT_NEAR(q[leg.elbow_left], -std::asin(0.010 / 0.060), 1e-14);  // rounding
-    EXPECT_NEAR(q[leg.elbow_right], std::asin(0.010 / 0.060), 1e-14);
+    EXPECT_NEAR(q[leg.joint("elbow_left")], -std::asin(0.010 / 0.060), 1e-14);  // rounding
+    EXPECT_NEAR(q[leg.joint("elbow_right")], std::asin(0.010 / 0.060), 1e-14);
   }
 }
 

@@ -37,7 +37,7 @@ TEST(LoopGaps, AnElbowOffByAnAngleOpensItsLoopByTheChord) {
     const LoopGaps gaps(*robot);
     ASSERT_LT(gaps.largest(robot->home), 1e-9);  // what validate() grants of a pose whose loops are closed
     for (const Leg leg : kLegs) {
-      const int elbow = (*robot->legs)[leg].elbow_left, body = elbow + 1;
+      const int elbow = (*robot->legs)[leg].joint("elbow_left"), body = elbow + 1;
       double radius = 0;  // of the loop's point about the elbow
       for (const LoopClosure& loop : robot->loops) {
         if (loop.body_a != body && loop.body_b != body) continue;

@@ -181,15 +181,15 @@ TEST(Multibody, FeetAreWhereTheDrawingsHaveThem) {
 
   // Angles about +y turn the leg backwards; the elbow's angle counts from the upper link.
   const LegModel& leg = (*robot.legs)[Leg::FR];
-  state.q[leg.shoulder_left] = 0.5;
-  state.q[leg.elbow_left] = -1.2;
+  state.q[leg.joint("shoulder_left")] = 0.5;
+  state.q[leg.joint("elbow_left")] = -1.2;
   forward_kinematics(robot, state, poses);
   const double x = 0.065 - 0.045 * std::sin(0.5) - 0.060 * std::sin(0.5 - 1.2);
   const double z = 0.0025 - 0.045 * std::cos(0.5) - 0.060 * std::cos(0.5 - 1.2);
   EXPECT_LT((foot_position(robot, Leg::FR, poses) - Vector3(x, -0.062, z)).norm(), 1e-16);
 
   // Tilt about +x through the mount at (.075, -.038, .0125), positive towards +y for every leg.
-  state.q[leg.tilt] = 0.3;
+  state.q[leg.joint("tilt")] = 0.3;
   forward_kinematics(robot, state, poses);
   const double y = -0.038 - 0.024 * std::cos(0.3) - (z - 0.0125) * std::sin(0.3);
   const double z_tilted = 0.0125 - 0.024 * std::sin(0.3) + (z - 0.0125) * std::cos(0.3);
@@ -219,8 +219,8 @@ TEST(Multibody, LoopGapIsTheLargestDistance) {
   forward_kinematics(robot, state, poses);
   EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of .1 m
 
-  state.q[(*robot.legs)[Leg::RL].elbow_right] += 0.1;  // a chord of the lower link's circle
-  state.q[(*robot.legs)[Leg::FR].elbow_right] += 0.01;
+  state.q[(*robot.legs)[Leg::RL].joint("elbow_right")] += 0.1;  // a chord of the lower link's circle
+  state.q[(*robot.legs)[Leg::FR].joint("elbow_right")] += 0.01;
   forward_kinematics(robot, state, poses);
   EXPECT_NEAR(max_loop_gap(robot, poses), 2 * 0.060 * std::sin(0.05), 1e-15);
 

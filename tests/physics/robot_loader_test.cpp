@@ -45,13 +45,13 @@ TEST(RobotLoader, OrdersJointsByLegAndRole) {
   const char* const roles[] = {"tilt", "shoulder_left", "shoulder_right", "elbow_left", "elbow_right"};
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
-    const int joints[] = {model.tilt, model.shoulder_left, model.shoulder_right, model.elbow_left,
-                          model.elbow_right};
+    const int joints[] = {model.joint("tilt"), model.joint("shoulder_left"), model.joint("shoulder_right"),
+                          model.joint("elbow_left"), model.joint("elbow_right")};
     for (int k = 0; k < 5; ++k) {
       EXPECT_EQ(joints[k], 5 * static_cast<int>(leg) + k);
       EXPECT_EQ(robot.joint(joints[k]).name, std::string(name(leg)) + "_" + roles[k]);
     }
-    EXPECT_EQ(model.foot_body, model.elbow_left + 1);
+    EXPECT_EQ(model.foot_body, model.joint("elbow_left") + 1);
     EXPECT_EQ(model.p_BF, Vector3(0, 0, -0.06));
     EXPECT_EQ(model.foot_radius, 0.008);
   }
@@ -65,11 +65,11 @@ TEST(RobotLoader, PlacesLegsByTheirNames) {
     const auto frame = [&](int joint) {
       return Vector3(robot.bodies[static_cast<std::size_t>(joint) + 1].X_PB.translation());
     };
-    EXPECT_EQ(frame(model.tilt), Vector3(front * 0.075, side_sign(leg) * 0.038, 0.0125));
-    EXPECT_EQ(frame(model.shoulder_left), Vector3(-0.010, side_sign(leg) * 0.024, -0.010));
-    EXPECT_EQ(frame(model.shoulder_right), Vector3(0.010, side_sign(leg) * 0.024, -0.010));
-    EXPECT_EQ(frame(model.elbow_left), Vector3(0, 0, -0.045));
-    EXPECT_EQ(frame(model.elbow_right), Vector3(0, 0, -0.045));
+    EXPECT_EQ(frame(model.joint("tilt")), Vector3(front * 0.075, side_sign(leg) * 0.038, 0.0125));
+    EXPECT_EQ(frame(model.joint("shoulder_left")), Vector3(-0.010, side_sign(leg) * 0.024, -0.010));
+    EXPECT_EQ(frame(model.joint("shoulder_right")), Vector3(0.010, side_sign(leg) * 0.024, -0.010));
+    EXPECT_EQ(frame(model.joint("elbow_left")), Vector3(0, 0, -0.045));
+    EXPECT_EQ(frame(model.joint("elbow_right")), Vector3(0, 0, -0.045));
   }
 }
 
@@ -84,8 +84,8 @@ TEST(RobotLoader, HomeStandsOnFourFeetWithKneesOutward) {
     EXPECT_LT((foot_position(robot, leg, poses) - Vector3(x, side_sign(leg) * 0.062, 0.008)).norm(), 1e-13);
     EXPECT_NEAR(robot.home_height, 0.0755, 1e-13);
     const auto knee = [&](int elbow) { return poses[static_cast<std::size_t>(elbow) + 1].translation().x(); };
-    EXPECT_LT(knee(model.elbow_left), x - 0.03);
-    EXPECT_GT(knee(model.elbow_right), x + 0.03);
+    EXPECT_LT(knee(model.joint("elbow_left")), x - 0.03);
+    EXPECT_GT(knee(model.joint("elbow_right")), x + 0.03);
   }
 }
 
@@ -253,9 +253,9 @@ class BadRobotYaml : public ::testing::TestWithParam<BadInput> {};
 TEST_P(BadRobotYaml, IsRejectedByName) { expect_error("robot.yaml", GetParam()); }
 
 const BadInput kBadYamls[] = {
-    {"UnknownKey", "armature:", "armour:", "line 5, armour", "one of the keys name, urdf, armature",
-     "unknown key 'armour'"},
-    {"MissingKey", "name: scara_quadruped\n", "", "top level", "key 'name'", "none"},
+    {"UnknownKey", "armature:", "armour:", "line 5, armour",
+     "one of the keys name, urdf, frame, locked, armature", "unknown key 'armour'"},
+    {"MissingKey", "urdf: robot.urdf\n", "", "top level", "key 'urdf'", "none"},
     {"DuplicateKey", "servo:", "armature: 1\nservo:", "line 6, armature", "each key once", "duplicate"},
     {"NotANumber", "kp: 1.0", "kp: one", "servo.kp", "a finite number", "'one'"},
     {"NaN", "armature: 2.0e-4", "armature: .nan", "armature", "a finite number", "'.nan'"},

@@ -21,7 +21,7 @@ EnvConfig steps_of(double length) {
   config.episode_seconds = 0.1;
   config.settle_seconds = 0.05;
   config.adapt = {"step_length"};
-  config.parameters.step_length = length;
+  config.parameters["step_length"] = length;
   return config;
 }
 
@@ -35,8 +35,8 @@ std::vector<double> first_draws(const EnvConfig& start, std::uint64_t seed, std:
   for (std::size_t k = 0; k < count; ++k) {
     const double u = random.uniform(), v = random.uniform();
     const double normal = std::sqrt(-2 * std::log(1 - u)) * std::cos(2 * M_PI * v);
-    lengths.push_back(
-        std::clamp(start.parameters.step_length + 0.5 * normal * half, middle - half, middle + half));
+    lengths.push_back(std::clamp(start.parameters.find("step_length").value() + 0.5 * normal * half,
+                                 middle - half, middle + half));
   }
   return lengths;
 }
@@ -50,9 +50,10 @@ TEST(Tuning, BeginsWithNormalDrawsAboutTheStart) {
   lengths.erase(lengths.begin());  // the start walks in place of the first
   double nearest = 1;
   for (const double length : lengths)
-    nearest = std::min(nearest, std::abs(tuning.tuned.parameters.step_length - length));
+    nearest = std::min(nearest, std::abs(tuning.tuned.parameters.find("step_length").value() - length));
   EXPECT_LT(nearest, 1e-12);  // rounding of a map to [-1, 1] and back
-  EXPECT_NE(tuning.tuned.parameters.step_length, start.parameters.step_length);
+  EXPECT_NE(tuning.tuned.parameters.find("step_length").value(),
+            start.parameters.find("step_length").value());
   ASSERT_EQ(tuning.checks.size(), 2U);  // on no unseen seeds
   EXPECT_EQ(tuning.checks[1].per_engine[0].mean_speed_mps.mean, tuning.score);
 }
@@ -83,10 +84,10 @@ Tuning some_tuning() {
   t.start.engine = "mujoco";
   t.start.terrain = "waves";
   t.start.adapt = {"cycle_time", "step_length"};
-  t.start.parameters.cycle_time = 1;
+  t.start.parameters["cycle_time"] = 1;
   t.tuned = t.start;
-  t.tuned.parameters.step_length = 0.0625;
-  t.tuned.parameters.cycle_time = 0.875;
+  t.tuned.parameters["step_length"] = 0.0625;
+  t.tuned.parameters["cycle_time"] = 0.875;
   t.engines = {"mujoco", "bullet"};
   t.history = {0.125, 0.25};
   t.checks = {{"seeds tuned on", "default", {tuned_walk(0.1), tuned_walk(0.2)}},

@@ -1,0 +1,33 @@
+// A robot and what its files did not say.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "crossgait/physics/robot.h"
+#include "crossgait/physics/robot_inference.h"
+
+namespace crossgait {
+
+struct RobotReport {
+  std::vector<Inference> inferred;
+  std::vector<std::string> warnings;   ///< of the reader and of the inference, each once
+  std::string urdf;                    ///< the file
+  std::set<std::string> locked;        ///< joints held at zero
+  Matrix3 R_BA = Matrix3::Identity();  ///< columns: forward, left and up in the file's base frame
+};
+
+struct LoadedRobot {
+  RobotDescription robot;
+  RobotReport report;
+};
+
+/// As `load_robot`, with what was inferred and why.
+LoadedRobot load_robot_with_report(const std::string& path);
+
+/// The whole robot.yaml: with it beside the URDF nothing is inferred, and the robot is the same but for
+/// rounding in the 17th digit. @param urdf  what its key `urdf` says
+std::string to_yaml(const LoadedRobot& loaded, const std::string& urdf);
+
+}  // namespace crossgait

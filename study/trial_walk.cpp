@@ -1,0 +1,126 @@
+#include "crossgait/study/trial_walk.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/env/gait_source.h"
+#include "crossgait/env/walk.h"
+#include "crossgait/parity/table.h"
+
+namespace crossgait {
+namespace {
+
+// What is worth a complaint: two seconds of a good trot are far inside all of them (docs/robots.md).
+constexpr double kLeastSpeed = 0.7, kMostSpeed = 1.3;  // of the commanded one
+constexpr double kMostTilt = 5, kMostTurn = 10;        // deg, RMS and largest
+constexpr double kMostDrag = 0.2, kMostSaturation = 0.1;
+
+std::vector<std::string> complaints_of(const TrialWalk& walk) {
+  std::vector<std::string> list;
+  const MotionSummary& s = walk.summary;
+  if (s.outcome != Outcome::kWalked)
+    list.push_back(fmt::format("it {}", outcome_rows()[static_cast<std::size_t>(s.outcome)].words));
+  if (!(walk.speed_ratio >= kLeastSpeed && walk.speed_ratio <= kMostSpeed))
+    list.push_back(fmt::format("it went {:.2f} of the speed it was told", walk.speed_ratio));
+  if (s.rms_roll_deg > kMostTilt || s.rms_pitch_deg > kMostTilt)
+    list.push_back(
+        fmt::format("it rolled by {:.1f} and pitched by {:.1f} deg RMS", s.rms_roll_deg, s.rms_pitch_deg));
+  if (s.heading_error_deg.value_or(0) > kMostTurn)
+    list.push_back(fmt::format("it turned by {:.0f} deg", *s.heading_error_deg));
+  if (s.drag.value_or(0) > kMostDrag)
+    list.push_back(
+        fmt::format("its feet dragged for {:.0f} % of their swings: stiffer servos (kp)?", 100 * *s.drag));
+  if (walk.torque_share > kMostSaturation)
+    list.push_back(fmt::format("servos were at their torque limit for {:.0f} % of the time (effort)",
+                               100 * walk.torque_share));
+  if (s.ik_clamped > 0)
+    list.push_back(
+        fmt::format("{} foot targets were out of reach (home, standing_height, joint limits)", s.ik_clamped));
+  return list;
+}
+
+bool saturated(const RobotDescription& robot, const std::vector<int>& servos, const PhysicsBackend& world) {
+  return std::any_of(servos.begin(), servos.end(),
+                     [&](int i) { return std::abs(world.torques()[i]) >= robot.joint(i).effort_limit; });
+}
+
+}  // namespace
+
+bool Trial::passed() const {
+  return std::all_of(walks.begin(), walks.end(), [](const TrialWalk& w) { return w.complaints.empty(); });
+}
+
+Trial try_robot(std::shared_ptr<const RobotDescription> robot, const std::vector<std::string>& engines,
+                double seconds) {
+  constexpr double kFroudeSpeed = 0.25;
+  WorldSpec spec;
+  spec.robot = robot;
+  Trial trial;
+  trial.commanded_mps =
+      kFroudeSpeed * std::sqrt(-spec.gravity.z() * gait_scale(*robot).length * kReferenceHeight);
+  const GaitChoice trot =
+      choose_gait("trot", {}, VelocityCommand{trial.commanded_mps, 0, 0}, gait_scale(*robot));
+  const std::vector<int> servos = robot->actuated_joints();
+  for (const std::string& engine : engines) {
+    const auto world = find_engine(engine).make(spec);
+    std::int64_t steps = 0, at_limit = 0;
+    TrialWalk walk;
+    walk.engine = engine;
+    walk.summary =
+        run_walk(*world, make_gait_source(trot, robot), {.seconds = seconds}, [&](const WalkSample& sample) {
+          ++steps;
+          at_limit += saturated(*robot, servos, sample.world);
+          return true;
+        });
+    walk.speed_ratio = walk.summary.mean_speed_mps / trial.commanded_mps;
+    if (steps > 0) walk.torque_share = static_cast<double>(at_limit) / static_cast<double>(steps);
+    walk.complaints = complaints_of(walk);
+    trial.walks.push_back(std::move(walk));
+  }
+  return trial;
+}
+
+nlohmann::ordered_json to_json(const Trial& trial) {
+  nlohmann::ordered_json json{{"commanded_mps", trial.commanded_mps},
+                              {"walks", nlohmann::ordered_json::array()}};
+  for (const TrialWalk& walk : trial.walks) {
+    const MotionSummary& s = walk.summary;
+    json["walks"].push_back({{"engine", walk.engine},
+                             {"outcome", name(s.outcome)},
+                             {"speed_ratio", walk.speed_ratio},
+                             {"rms_roll_deg", s.rms_roll_deg},
+                             {"rms_pitch_deg", s.rms_pitch_deg},
+                             {"heading_error_deg", s.heading_error_deg.value_or(0)},
+                             {"drag", s.drag.value_or(0)},
+                             {"slip_per_path", s.slip_per_path.value_or(0)},
+                             {"torque_share", walk.torque_share},
+                             {"complaints", walk.complaints}});
+  }
+  return json;
+}
+
+std::string describe(const Trial& trial) {
+  Table table({"trot", "outcome", "speed over told", "roll, deg", "pitch, deg", "turned, deg", "drag",
+               "slip/path", "at torque limit"});
+  std::string wrong;
+  for (const TrialWalk& walk : trial.walks) {
+    const MotionSummary& s = walk.summary;
+    table.add_row(
+        {walk.engine, std::string(outcome_rows()[static_cast<std::size_t>(s.outcome)].words),
+         fmt::format("{:.2f}", walk.speed_ratio), fmt::format("{:.2f}", s.rms_roll_deg),
+         fmt::format("{:.2f}", s.rms_pitch_deg), fmt::format("{:.1f}", s.heading_error_deg.value_or(0)),
+         fmt::format("{:.3f}", s.drag.value_or(0)), fmt::format("{:.3f}", s.slip_per_path.value_or(0)),
+         fmt::format("{:.0f} %", 100 * walk.torque_share)});
+    for (const std::string& complaint : walk.complaints)
+      wrong += fmt::format("{}: {}\n", walk.engine, complaint);
+  }
+  return fmt::format("{}\nTold to go at {:.2f} m/s, .25 sqrt(g h).\n{}", table.str(), trial.commanded_mps,
+                     wrong.empty() ? "Nothing is wrong.\n" : wrong);
+}
+
+}  // namespace crossgait

@@ -1,0 +1,38 @@
+// Does a robot that was only described walk? Two seconds of trot in every engine, and what is wrong with
+// them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "crossgait/env/motion_statistics.h"
+#include "crossgait/physics/robot.h"
+
+namespace crossgait {
+
+struct TrialWalk {
+  std::string engine;
+  MotionSummary summary;
+  double speed_ratio = 0;               ///< mean speed over the commanded one
+  double torque_share = 0;              ///< of the time, that some servo was at its torque limit
+  std::vector<std::string> complaints;  ///< empty if it walked well
+};
+
+struct Trial {
+  double commanded_mps = 0;  ///< .25 sqrt(g h): what robots of any size trot at
+  std::vector<TrialWalk> walks;
+
+  bool passed() const;
+};
+
+/// On flat ground, as `crossgait walk` would. @throws ConfigError
+Trial try_robot(std::shared_ptr<const RobotDescription> robot, const std::vector<std::string>& engines,
+                double seconds = 2);
+
+nlohmann::ordered_json to_json(const Trial& trial);
+std::string describe(const Trial& trial);
+
+}  // namespace crossgait
