@@ -82,8 +82,7 @@ ordered_json body_list(const RobotDescription& robot, Table& table) {
 }
 
 /// Links between the joints of a leg and its foot, m.
-std::vector<double> lengths_of(const RobotDescription& robot, Leg leg) {
-  const LegKinematics kinematics = make_leg_kinematics(robot, leg);
+std::vector<double> lengths_of(const RobotDescription& robot, Leg leg, const LegKinematics& kinematics) {
   if (const auto* five_bar = kinematics.as<FiveBarGeometry>())
     return {five_bar->a.upper, five_bar->a.lower, five_bar->b.upper, five_bar->b.lower};
   const LegLengths lengths = leg_lengths(robot, leg);
@@ -92,14 +91,15 @@ std::vector<double> lengths_of(const RobotDescription& robot, Leg leg) {
 
 ordered_json leg_list(const RobotDescription& robot, Table& table) {
   ordered_json legs;
+  const LegArray<LegKinematics> kinematics = make_leg_kinematics(robot);
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
-    const std::vector<double> lengths = lengths_of(robot, leg);
+    const std::vector<double> lengths = lengths_of(robot, leg, kinematics[leg]);
     std::vector<std::string> joints, texts;
     for (const int joint : model.joints()) joints.push_back(robot.joint(joint).name);
     for (const double length : lengths) texts.push_back(fmt::format("{:.4g}", length));
     const std::string& link = robot.bodies[static_cast<std::size_t>(model.foot_body)].name;
-    const std::string_view kind = name(make_leg_kinematics(robot, leg).kind());
+    const std::string_view kind = name(kinematics[leg].kind());
     table.add_row({std::string(name(leg)), std::string(kind), fmt::format("{}", fmt::join(joints, " ")),
                    fmt::format("{}, radius {:.4g} m", link, model.foot_radius),
                    fmt::format("{}", fmt::join(texts, " "))});

@@ -111,10 +111,10 @@ LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept
 
 TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const RobotDescription> robot,
                               const GaitLayers& layers) {
-  const LegArray<Vector3> p_BL = leg_origins(*robot);
   const GaitScale scale = gait_scale(*robot);
   const HeadingHold heading_hold = scaled(layers.heading_hold, scale);
   LegController legs(std::move(robot), layers.compensation);
+  const LegArray<Vector3> p_BL = leg_origins(legs.kinematics());
   if (!choice.gait) {
     MultiGaitOptions options =
         choice.automatic == kGuidesAutomaticGait ? guide_multi_gait_options() : MultiGaitOptions();

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "crossgait/physics/across_axis.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/robot_inference.h"
 
@@ -15,9 +16,6 @@ constexpr double kTip = 0.1;          // of the way from the knee: how much of a
 constexpr double kRoundness = 0.12;   // of a sphere's radius: largest RMS distance of a mesh's tip from it
 constexpr double kLargestFoot = 0.2;  // of the way from the knee: a larger sphere is no foot
 constexpr double kSmallFoot = 0.05;   // likewise, radius of a foot whose shape says nothing
-
-/// The part of `v` across the knee's axis: how far along the shin something is.
-Vector3 from_axis(const Vector3& v, const Vector3& axis) { return v - v.dot(axis) * axis; }
 
 struct Ball {
   Vector3 centre;
@@ -64,11 +62,11 @@ std::vector<Vector3> outline(const UrdfRobot& robot, const CollisionShape& shape
 
 /// The foot of a link without a collision sphere, from what is farthest along it.
 FootPlace foot_at_the_tip(const std::vector<Vector3>& points, const Vector3& axis, std::string& reason) {
-  const auto along = [&axis](const Vector3& p) { return from_axis(p, axis).norm(); };
+  const auto along = [&axis](const Vector3& p) { return across(p, axis).norm(); };
   const Vector3 farthest = *std::max_element(
       points.begin(), points.end(), [&](const auto& a, const auto& b) { return along(a) < along(b); });
   const double reach = along(farthest);
-  const Vector3 down = from_axis(farthest, axis) / reach;
+  const Vector3 down = across(farthest, axis) / reach;
   std::vector<Vector3> tip;
   for (const Vector3& p : points) {
     if (down.dot(p) > (1 - kTip) * reach) tip.push_back(p);
@@ -110,7 +108,7 @@ FootPlace find_foot(const UrdfRobot& robot, int body_index, Leg leg, const std::
       points.insert(points.end(), more.begin(), more.end());
       continue;
     }
-    const double distance = from_axis(shape.X_BG.translation(), body.joint.axis).norm();
+    const double distance = across(shape.X_BG.translation(), body.joint.axis).norm();
     if (distance <= farthest) continue;
     farthest = distance;
     foot = {shape.X_BG.translation(), shape.size[0], static_cast<int>(i)};

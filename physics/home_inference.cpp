@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "crossgait/physics/across_axis.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/multibody.h"
 #include "crossgait/physics/robot_inference.h"
@@ -16,8 +17,6 @@ namespace {
 
 constexpr double kTurn = 2 * M_PI;
 constexpr double kMostForward = 0.15;  // of thigh and shin
-
-Vector3 across(const Vector3& v, const Vector3& axis) { return v - v.dot(axis) * axis; }
 
 /// From u to v about the unit vector `axis`, both across it, rad.
 double turn_between(const Vector3& u, const Vector3& v, const Vector3& axis) {
