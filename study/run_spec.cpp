@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "crossgait/backends/registry.h"
+#include "crossgait/env/env_model.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/hash.h"
@@ -94,7 +95,8 @@ Json to_json(const WalkConfig& c) {
 }
 
 Json to_json(const PolicyConfig& c) {
-  EnvConfig config = c.environment;
+  // With everything that follows from the robot, so that a default which changes makes another run.
+  EnvConfig config = EnvModel::make(c.environment)->stated();
   // The run says which engine; robot and terrain stand beside it by their contents.
   config.engine.clear();
   config.robot.clear();

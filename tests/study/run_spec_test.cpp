@@ -5,6 +5,9 @@
 #include <functional>
 #include <map>
 
+#include <fmt/format.h>
+
+#include "crossgait/env/env_model.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/hash.h"
@@ -59,6 +62,20 @@ TEST(RunSpec, HasOneTextThatStays) {
   EXPECT_EQ(canonical_json(walk_run()), canonical_json(walk_run()));
   EXPECT_EQ(run_hash(walk_run()), fnv1a_hex(canonical_json(walk_run())));
   EXPECT_EQ(fnv1a_hex("foobar"), "85944171f73967e8");  // of the authors' test vectors
+}
+
+TEST(RunSpec, StatesEveryParameterOfAnEnvironment) {
+  // Also those that it leaves to the gait and to the robot's size: where a default changes, the run is another.
+  RunSpec sparse = policy_run(), whole = policy_run();
+  EnvConfig& environment = policy_of(whole).environment;
+  environment = EnvModel::make(environment)->stated();
+  EXPECT_EQ(run_hash(sparse), run_hash(whole));
+  const auto text = Json::parse(canonical_json(sparse))["behaviour"]["environment"].get<std::string>();
+  for (const ParameterRow& row : gait_parameters())
+    EXPECT_NE(text.find(fmt::format("  {}: {}\n", row.name, environment.parameters.find(row.name).value())),
+              std::string::npos)
+        << row.name;
+  EXPECT_NE(text.find("residual_scale: 0.01\n"), std::string::npos);
 }
 
 using Change = std::function<void(RunSpec&)>;
@@ -171,16 +188,24 @@ TEST(RunSpec, ChangesWithEveryFieldOfAnEnvironment) {
     add(std::string("ends ") + std::string(row.name),
         [&row](EnvConfig& c) { c.ends.in[static_cast<std::size_t>(row.outcome)] = false; });
   }
-  for (const RandomisationRow& row : randomisation_rows()) {
-    add(std::string("min of ") + std::string(row.name),
-        [&row](EnvConfig& c) { c.randomisation[row.what].min -= 0.01; });
-    add(std::string("max of ") + std::string(row.name),
-        [&row](EnvConfig& c) { c.randomisation[row.what].max += 0.01; });
-  }
   expect_all_different(policy_run(), changes);
   RunSpec elsewhere = policy_run();
   policy_of(elsewhere).environment.engine = "bullet";  // the run says in which
   EXPECT_EQ(run_hash(elsewhere), run_hash(policy_run()));
+}
+
+TEST(RunSpec, ChangesWithEveryRangeOfAnEnvironment) {
+  RunSpec run = policy_run();
+  for (Range& range : policy_of(run).environment.randomisation.ranges) range = {0.2, 0.4};
+  std::map<std::string, Change> changes;
+  for (const RandomisationRow& row : randomisation_rows()) {
+    const auto range = [&row](RunSpec& r) -> Range& {
+      return policy_of(r).environment.randomisation[row.what];
+    };
+    changes[std::string("min of ") + std::string(row.name)] = [range](RunSpec& r) { range(r).min -= 0.01; };
+    changes[std::string("max of ") + std::string(row.name)] = [range](RunSpec& r) { range(r).max += 0.01; };
+  }
+  expect_all_different(run, changes);
 }
 
 class RunFiles : public ScratchFolder {
