@@ -50,6 +50,7 @@ EnvConfig EnvOptions::make() const {
   if (terrain) c.terrain = *terrain;
   if (terrain_seed) c.terrain_seed = *terrain_seed;
   if (friction) c.friction = *friction;
+  require_gait(c);
   if (gait) {
     c.gait = *gait;
     static_cast<void>(find_gait(*gait));
@@ -70,7 +71,24 @@ EnvConfig EnvOptions::make() const {
   return c;
 }
 
+// Options of gaits say nothing where actions command joints.
+void EnvOptions::require_gait(const EnvConfig& c) const {
+  if (c.action == ActionKind::kGait) return;
+  for (const auto& [given, option] : {std::pair{gait.has_value(), "--gait"},
+                                      {!settings.empty(), "--set"},
+                                      {!adapt.empty(), "--adapt"},
+                                      {residual_scale.has_value(), "--residual-scale"}}) {
+    if (given)
+      throw ConfigError("command line", option, "an environment whose actions adapt a gait",
+                        "action: joints in " + c.source);
+  }
+}
+
 std::vector<std::string> notes_on(const EnvConfig& config) {
+  if (config.action == ActionKind::kJoints) {
+    config.at_its_place(config.robot, [&] { return load_robot_and_tell(config.robot); });
+    return {};
+  }
   const GaitScale scale =
       config.at_its_place(config.robot, [&] { return gait_scale(load_robot_and_tell(config.robot)); });
   GaitParameters usual = scaled(find_gait(config.gait), scale).preferred;

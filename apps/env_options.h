@@ -25,6 +25,9 @@ struct EnvOptions {
   void add_to(CLI::App& command, bool world = true);
   /// @throws ConfigError
   EnvConfig make() const;
+
+ private:
+  void require_gait(const EnvConfig& c) const;
 };
 
 /// A sentence for every parameter that begins outside its range: one that adapts, or one that is not as the

@@ -85,15 +85,19 @@ void add_judgement_options(CLI::App& command, VerdictCommand& options) {
       ->capture_default_str();
   command.add_option("--confidence", verdict.confidence, "Of all words together, between 0 and 1")
       ->capture_default_str();
-  command.add_option("--offset", starts.position_m, "How far starts lie apart, each way, m")
-      ->check(CLI::Range(0.0, 100.0))
-      ->capture_default_str();
+  command
+      .add_option("--offset", starts.position_m,
+                  "How far starts lie apart, each way, m; .1 for scara_quadruped, by size for others")
+      ->check(CLI::Range(0.0, 100.0));
   command.add_option("--heading", starts.heading_rad, "How far headings differ, each way, rad")
       ->check(CLI::Range(0.0, 3.14159))
       ->capture_default_str();
-  command.add_option("--push", starts.push_mps, "Push in the first second, as a speed of the robot, m/s")
-      ->check(CLI::Range(0.0, 10.0))
-      ->capture_default_str();
+  command
+      .add_option(
+          "--push", starts.push_mps,
+          "Push in the first second, as a speed of the robot, m/s; .02 for scara_quadruped, by size for "
+          "others")
+      ->check(CLI::Range(0.0, 10.0));
   add_workers_option(command, verdict.workers);
   add_output_option(
       command, "--runs", options.judgement.stored_runs,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "crossgait/env/joint_settings.h"
 #include "crossgait/env/observation.h"
 #include "crossgait/env/outcome.h"
 #include "crossgait/env/randomisation.h"
@@ -14,6 +15,14 @@
 
 namespace crossgait {
 
+/// What an action changes.
+enum class ActionKind {
+  kGait,    ///< parameters and foot targets of a gait, by deltas and residuals
+  kJoints,  ///< targets of the servos
+};
+/// "gait", "joints".
+std::string_view name(ActionKind kind) noexcept;
+
 /// The initialisers are the defaults. `docs/environment.md` shows the same as YAML.
 struct EnvConfig {
   std::string engine = "mujoco";          ///< see `crossgait backends`; used by whoever makes it
@@ -21,6 +30,11 @@ struct EnvConfig {
   std::string terrain = "flat";           ///< as `make_terrain` takes it
   std::uint64_t terrain_seed = 0;
   double friction = 0.6;
+
+  ServoSettings servos;  ///< in the place of the robot's own
+  ActionKind action = ActionKind::kGait;
+  JointActionSettings joints;  ///< of actions that command joints; what follows, up to residual_scale, and
+                               ///< heading_hold is of those that adapt a gait
 
   std::string gait = "trot";
   /// Of the gait at the start of an episode; what is not set is as the gait prefers at the robot's size
@@ -32,7 +46,7 @@ struct EnvConfig {
   std::optional<VelocityCommand> command;  ///< empty: steps of step_length, as the guide's
   bool heading_hold = true;                ///< steer to the heading that the command leads to
 
-  std::vector<std::string> observation = standard_observation();  ///< blocks
+  std::vector<ObservationTerm> observation = standard_observation();
   RewardTerms reward = guide_reward_weights();
 
   double physics_dt = 1e-3;     ///< s
@@ -44,14 +58,15 @@ struct EnvConfig {
   OutcomeSet ends = OutcomeSet::of_episodes();  ///< outcomes that end an episode; divergence always does
   Randomisation randomisation;
 
+  std::string source = "environment";  ///< the file that it was read from, for messages
   /// A value of a file that is only found to be wrong when it is used.
   struct Place {
     std::string value, source, element;  ///< the text; the file; its line and key
   };
   std::vector<Place> places;  ///< of robot and terrain, where `load_env_config` read them
 
-  /// @throws ConfigError naming `source` and the field
-  void validate(std::string_view source = "environment") const;
+  /// @throws ConfigError naming `origin` and the field
+  void validate(std::string_view origin = "environment") const;
 
   /// What `make` makes of `value`, a member of this. What it throws names the line of the file that said so,
   /// if one did.
@@ -70,6 +85,9 @@ struct EnvConfig {
 
 /// The guide's environment: its trot, the ranges that its parameters adapt in, its delta scales.
 EnvConfig guide_environment();
+/// One for policies that command joints, as they are commonly trained: 20 ms policy steps, targets half a
+/// radian about home, `joint_policy_observation`, a walk forward at `command`, and a reward for following it.
+EnvConfig joint_environment();
 
 /// Reads a configuration; what the file does not mention keeps its default (parameters: the gait's
 /// preferred). Files that it names are found from its own folder. Unknown keys and values are errors that

@@ -12,6 +12,11 @@ WorldSpec nominal_world(const EnvConfig& config) {
   world.robot = config.at_its_place(config.robot, [&] {
     return std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot)));
   });
+  if (!config.servos.empty()) {
+    auto robot = std::make_shared<RobotDescription>(*world.robot);
+    config.servos.apply(*robot, config.source);
+    world.robot = std::move(robot);
+  }
   world.terrain =
       config.at_its_place(config.terrain, [&] { return make_terrain(config.terrain, config.terrain_seed); });
   world.physics_dt = config.physics_dt;
@@ -19,20 +24,41 @@ WorldSpec nominal_world(const EnvConfig& config) {
   return world;
 }
 
-PolicyInterface make_interface(const EnvModel& model, std::span<const ParameterRow> parameters) {
-  const RobotDescription& robot = *model.world.robot;
-  PolicyInterface interface { {}, action_layout(parameters), model.config.policy_dt, model.adaptation };
-  ObservationContext context{{}, parameters, interface.action, model.parameters};
-  for (const int i : robot.actuated_joints()) context.actuated_joints.push_back(robot.joint(i).name);
-  for (const std::string& name : model.config.observation)
-    find_observation_block(name).describe(context, interface.observation);
-  return interface;
+std::vector<std::string> names_of(const std::vector<int>& joints, const RobotDescription& robot) {
+  std::vector<std::string> names;
+  for (const int i : joints) names.push_back(robot.joint(i).name);
+  return names;
+}
+
+Observer make_observer(const EnvModel& model, const ObservationContext& context) {
+  const EnvConfig& c = model.config;
+  return {c.observation, context, c.policy_dt, c.control_dt};
+}
+
+void describe_gait(EnvModel& model) {
+  const AdaptiveGaitController controller = model.make_controller();
+  model.interface.action = action_layout(controller.adapted());
+  model.interface.adaptation = model.adaptation;
+  model.observer = make_observer(model, {.actuated_joints = names_of(model.joints.servos, *model.world.robot),
+                                         .home = model.joints.home,
+                                         .parameters = controller.adapted(),
+                                         .action = model.interface.action,
+                                         .initial = model.parameters});
+}
+
+void describe_joints(EnvModel& model) {
+  const std::vector<std::string> names = names_of(model.joints.servos, *model.world.robot);
+  model.interface.action = joint_action_layout(names, model.joints, model.config.joints.limit);
+  model.observer = make_observer(model, {.actuated_joints = names,
+                                         .home = model.joints.home,
+                                         .parameters = {},
+                                         .action = model.interface.action});
 }
 
 }  // namespace
 
 std::shared_ptr<const EnvModel> EnvModel::make(const EnvConfig& config) {
-  config.validate();
+  config.validate(config.source);
   const WorldSpec world = nominal_world(config);
   const GaitScale scale = gait_scale(*world.robot);
   EnvModel model{
@@ -42,18 +68,22 @@ std::shared_ptr<const EnvModel> EnvModel::make(const EnvConfig& config) {
       .adaptation = scaled(config.adaptation, scale),
       .residual_scale = config.residual_scale.value_or(AdaptiveGaitOptions{}.residual_scale * scale.length),
       .heading_hold = config.heading_hold ? scaled(HeadingHold(), scale) : HeadingHold::none(),
-      .interface = {},
-      .blocks = {},
-      .servos = world.robot->actuated_joints(),
+      .size = scale.length,
+      .joints = JointActionTable::make(config.joints, *world.robot, config.source),
+      .interface = {.observation = {}, .action = {}, .policy_dt = config.policy_dt},
+      .observer = {},
       .foot_kinematics = FootKinematics(*world.robot),
       .layout = {},
       .policy_steps = step_count(config.policy_dt, config.control_dt),
       .max_steps = step_count(config.episode_seconds, config.policy_dt)};
-  model.adaptation.validate("environment");
-  const AdaptiveGaitController controller = model.make_controller();
-  model.interface = make_interface(model, controller.adapted());
+  model.adaptation.validate(config.source);
+  if (config.action == ActionKind::kGait) {
+    describe_gait(model);
+  } else {
+    describe_joints(model);
+  }
+  model.interface.observation = model.observer.layout();
   model.layout = layout_hash(model.interface.observation, model.interface.action);
-  for (const std::string& name : config.observation) model.blocks.push_back(&find_observation_block(name));
   return std::make_shared<const EnvModel>(std::move(model));
 }
 
@@ -62,6 +92,12 @@ EnvConfig EnvModel::stated() const {
   whole.parameters = GaitSettings::all(parameters);
   whole.residual_scale = residual_scale;
   whole.adaptation = adaptation;
+  whole.joints.order = names_of(joints.servos, *world.robot);
+  for (std::size_t i = 0; i < joints.servos.size(); ++i) {
+    whole.joints.home.by_name[whole.joints.order[i]] = joints.home[i];
+    whole.joints.scale.by_name[whole.joints.order[i]] = joints.scale[i];
+  }
+  whole.joints.home.all = whole.joints.scale.all = std::nullopt;
   return whole;
 }
 

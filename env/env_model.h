@@ -7,20 +7,22 @@
 #include "crossgait/env/env_config.h"
 #include "crossgait/env/foot_states.h"
 #include "crossgait/env/heading_hold.h"
+#include "crossgait/env/observer.h"
 #include "crossgait/env/policy.h"
 
 namespace crossgait {
 
 struct EnvModel {
   EnvConfig config;
-  WorldSpec world;              ///< nominal; its robot is what the controller knows
+  WorldSpec world;              ///< nominal; its robot, servos set, is what the controller knows
   GaitParameters parameters;    ///< at the start of an episode: the configured ones over the gait's own
   AdaptationRanges adaptation;  ///< at the robot's size
   double residual_scale = 0;    ///< m
   HeadingHold heading_hold;
+  double size = 1;          ///< of the robot, in reference sizes (gait/scale.h)
+  JointActionTable joints;  ///< servos in the order of observations and joint actions, and their home
   PolicyInterface interface;
-  std::vector<const ObservationBlock*> blocks;  ///< of the observation
-  std::vector<int> servos;                      ///< indices of the actuated joints
+  Observer observer;  ///< before an episode
   FootKinematics foot_kinematics;
   std::string layout;    ///< hash of the interface
   int policy_steps = 1;  ///< control steps in a policy step
@@ -31,7 +33,7 @@ struct EnvModel {
 
   /// The configuration with everything stated that follows from the robot.
   EnvConfig stated() const;
-  /// A controller as it is before an episode.
+  /// A gait's controller as it is before an episode.
   AdaptiveGaitController make_controller() const;
 };
 

@@ -11,7 +11,7 @@ namespace {
 // Two streams of random numbers from one seed: the world's and the policy's.
 constexpr std::uint64_t kPolicyStream = 0x706f6c696379;  // "policy"
 
-void check_interface(const Policy& policy, const AdaptiveGaitEnv& env) {
+void check_interface(const Policy& policy, const QuadrupedEnv& env) {
   const PolicyInterface &a = policy.interface(), &b = env.interface();
   const std::string difference = layout_difference(b.observation.names(), a.observation.names()) +
                                  layout_difference(b.action.names(), a.action.names());
@@ -47,7 +47,7 @@ std::optional<MeanAndDeviation> over(const std::vector<EpisodeSummary>& episodes
 
 }  // namespace
 
-EpisodeSummary run_episode(AdaptiveGaitEnv& env, Policy& policy, std::uint64_t seed,
+EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed,
                            const EpisodeObserver& observer) {
   check_interface(policy, env);
   EpisodeSummary s;
@@ -74,7 +74,7 @@ EpisodeSummary run_episode(AdaptiveGaitEnv& env, Policy& policy, std::uint64_t s
 std::vector<EpisodeSummary> evaluate_policy(const EnvFactory& make_env, const PolicyFactory& make_policy,
                                             std::size_t episodes, std::uint64_t seed, std::size_t workers,
                                             const Progress& progress) {
-  std::vector<std::unique_ptr<AdaptiveGaitEnv>> envs;
+  std::vector<std::unique_ptr<QuadrupedEnv>> envs;
   std::vector<std::unique_ptr<Policy>> policies;
   for (std::size_t w = 0; w < std::max<std::size_t>(1, std::min(workers, episodes)); ++w) {
     envs.push_back(make_env());

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "crossgait/env/adaptive_gait_env.h"
 #include "crossgait/env/progress.h"
+#include "crossgait/env/quadruped_env.h"
 
 namespace crossgait {
 
@@ -18,19 +18,19 @@ struct EpisodeSummary {
   double total_reward = 0;
   RewardTerms reward_terms{};  ///< sums, weighted
   std::int64_t steps = 0, invalid_actions = 0;
-  GaitParameters parameters;  ///< at the end
+  std::optional<GaitParameters> parameters;  ///< at the end, where actions adapt a gait
 };
 
 /// Called after every step; false ends the episode.
-using EpisodeObserver = std::function<bool(const AdaptiveGaitEnv& env)>;
+using EpisodeObserver = std::function<bool(const QuadrupedEnv& env)>;
 
 /// Runs one episode from reset(seed) to its end. The policy must be for `env.interface()`.
 /// @throws ConfigError if it is not
-EpisodeSummary run_episode(AdaptiveGaitEnv& env, Policy& policy, std::uint64_t seed,
+EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed,
                            const EpisodeObserver& observer = {});
 
 /// Makes what one worker needs. Called once per worker, on the caller's thread.
-using EnvFactory = std::function<std::unique_ptr<AdaptiveGaitEnv>()>;
+using EnvFactory = std::function<std::unique_ptr<QuadrupedEnv>()>;
 using PolicyFactory = std::function<std::unique_ptr<Policy>(const PolicyInterface&)>;
 
 /// Episode k runs with derived_seed(seed, k) for environment and policy, so that two policies meet the same

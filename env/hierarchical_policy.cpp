@@ -8,8 +8,8 @@
 #include <fmt/ranges.h>
 
 #include "crossgait/env/observation.h"
-#include "crossgait/env/random.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/random.h"
 #include "crossgait/physics/yaml_reader.h"
 
 namespace crossgait {

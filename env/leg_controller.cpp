@@ -2,32 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
+#include "crossgait/env/standing.h"
 #include "crossgait/gait/scale.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/multibody.h"
 #include "crossgait/physics/world_spec.h"
 
 namespace crossgait {
-namespace {
-
-// So that the first touch-down does not hang on the rounding of a distance of exactly zero.
-constexpr double kClearance = 1e-4;  // m
-
-// The highest ground that a foot at (x, y) could rest on.
-double ground_below(const Terrain& terrain, double x, double y, double radius) {
-  double highest = -std::numeric_limits<double>::infinity();
-  for (const double dx : {-radius, 0.0, radius}) {
-    for (const double dy : {-radius, 0.0, radius})
-      highest = std::max(highest, terrain.height(x + dx, y + dy));
-  }
-  return highest;
-}
-
-}  // namespace
 
 LegController::LegController(std::shared_ptr<const RobotDescription> description,
                              const ServoCompensation& compensation)
@@ -171,22 +155,9 @@ Vector2 LegController::foot_sweep(const LegArray<Vector3>& feet, const GaitParam
 
 RobotState LegController::standing_state(const LegArray<Vector3>& feet, const Terrain& terrain,
                                          const Placement& placement) const {
-  RobotState state;
-  state.p_WB = {placement.x, placement.y, 0};
-  state.q_WB = from_roll_pitch_yaw(placement.roll, placement.pitch, placement.yaw);
-  state.q = robot_->home;
-  state.qd = JointVector::Zero(robot_->joint_count());
-  for (const Leg leg : kLegs) set_joints(leg, feet[leg], state.q);
-  std::vector<Pose> poses;
-  forward_kinematics(*robot_, state, poses);
-  double height = -std::numeric_limits<double>::infinity();
-  for (const Leg leg : kLegs) {
-    const Vector3 foot = foot_position(*robot_, leg, poses);
-    const double radius = (*robot_->legs)[leg].foot_radius;
-    height = std::max(height, ground_below(terrain, foot.x(), foot.y(), radius) + radius - foot.z());
-  }
-  state.p_WB.z() = height + kClearance;
-  return state;
+  JointVector q = robot_->home;
+  for (const Leg leg : kLegs) set_joints(leg, feet[leg], q);
+  return standing_on(terrain, placement, *robot_, q);
 }
 
 void solve_legs(LegController& legs, const LegArray<Vector3>& feet, double dt, ControlTargets& out) noexcept {

@@ -23,6 +23,9 @@ void activate(MlpActivation activation, Eigen::VectorXf& values) noexcept {
     case MlpActivation::kRelu:
       x = x.max(0.0F);
       break;
+    case MlpActivation::kSwish:
+      x = x / ((-x).exp() + 1.0F);
+      break;
   }
 }
 
@@ -64,7 +67,9 @@ void MlpPolicy::check_golden(const PolicyBundle& bundle, const std::string& path
     act({observation.data(), static_cast<std::size_t>(observation.size())}, action);
     for (std::size_t i = 0; i < action.size(); ++i) {
       // As acted: what is beyond the limits counts as at them, in the file as in the action.
-      const double golden = std::clamp(bundle.golden_action(row, static_cast<Eigen::Index>(i)), -1.0, 1.0);
+      const LayoutEntry& entry = interface().action.entries[i];
+      const double golden =
+          std::clamp(bundle.golden_action(row, static_cast<Eigen::Index>(i)), entry.min, entry.max);
       if (std::abs(action[i] - golden) <= kTolerance) continue;
       throw ConfigError(path, fmt::format("golden.action [{}, {}]", row, i),
                         fmt::format("what the network makes of golden.observation, {:.7g} within {:g}",

@@ -47,6 +47,11 @@ std::string delta_unit(const ParameterRow& row) {
   return fmt::format("{} {}", row.delta_scale, row.unit);
 }
 
+// A thousandth of a radian tells one home from another, and is beyond what machines round apart.
+std::string from_home(const std::string& unit, double home) {
+  return fmt::format("{} from {:.3f}", unit, home);
+}
+
 void put(double*& out, double value) { *out++ = value; }
 void put(double*& out, const Vector3& v) {
   for (int i = 0; i < 3; ++i) *out++ = v[i];
@@ -57,6 +62,8 @@ void put(double*& out, const JointVector& values, std::span<const int> joints) {
 
 const RobotState& state(const Source& s) { return s.backend.state(); }
 double yaw(const Source& s) { return roll_pitch_yaw(state(s).q_WB).z(); }
+
+Vector3 in_base(const Source& s, const Vector3& v_W) { return state(s).q_WB.conjugate() * v_W; }
 
 double ring_radius(const Source& s) {
   return kTerrainRingRadius * gait_scale(*s.backend.spec().robot).length;
@@ -83,6 +90,8 @@ void write_engine_terrain(const Source& s, double*& out) {
 void describe_ring(Layout& layout, std::string_view block) {
   for (const std::string_view place : kRing) add(layout, fmt::format("{}.{}", block, place), "m");
 }
+
+constexpr bool kNeedsGait = true;
 
 constexpr std::array kBlocks{
     ObservationBlock{"base_position", "of the base's origin in W", true,
@@ -136,10 +145,11 @@ constexpr std::array kBlocks{
                        }
                      },
                      [](const Source& s, double*& out) {
-                       const std::size_t count = s.controller.adapted().size();
-                       s.controller.normalised_parameters({out, count});
+                       const std::size_t count = s.gait->adapted().size();
+                       s.gait->normalised_parameters({out, count});
                        out += count;
-                     }},
+                     },
+                     kNeedsGait},
     ObservationBlock{"terrain", "heights of the shared terrain on a ring of .15 m about the base", false,
                      [](const Context&, Layout& l) { describe_ring(l, "terrain"); }, write_terrain},
     ObservationBlock{"engine_terrain", "the same, asked of the engine's own geometry", false,
@@ -162,24 +172,19 @@ constexpr std::array kBlocks{
                        add(l, "phase.cos", "-", 1);
                      },
                      [](const Source& s, double*& out) {
-                       put(out, std::sin(2 * M_PI * s.controller.phase()));
-                       put(out, std::cos(2 * M_PI * s.controller.phase()));
-                     }},
+                       put(out, std::sin(2 * M_PI * s.gait->phase()));
+                       put(out, std::cos(2 * M_PI * s.gait->phase()));
+                     },
+                     kNeedsGait},
     ObservationBlock{"gravity", "direction of gravity in the base's frame", false,
                      [](const Context&, Layout& l) { add_vector(l, "gravity_B", "-", 1); },
-                     [](const Source& s, double*& out) {
-                       put(out, Vector3(state(s).q_WB.conjugate() * Vector3(0, 0, -1)));
-                     }},
-    ObservationBlock{"base_velocity_local", "linear, then angular velocity of the base in its own frame",
-                     false,
-                     [](const Context&, Layout& l) {
-                       add_vector(l, "v_B", "m/s");
-                       add_vector(l, "w_B", "rad/s");
-                     },
-                     [](const Source& s, double*& out) {
-                       put(out, Vector3(state(s).q_WB.conjugate() * state(s).v_WB));
-                       put(out, Vector3(state(s).q_WB.conjugate() * state(s).w_WB));
-                     }},
+                     [](const Source& s, double*& out) { put(out, in_base(s, Vector3(0, 0, -1))); }},
+    ObservationBlock{"base_linear_velocity_local", "of the base's origin, in the base's frame", false,
+                     [](const Context&, Layout& l) { add_vector(l, "v_B", "m/s"); },
+                     [](const Source& s, double*& out) { put(out, in_base(s, state(s).v_WB)); }},
+    ObservationBlock{"base_angular_velocity_local", "of the base in its own frame, as a gyroscope's", false,
+                     [](const Context&, Layout& l) { add_vector(l, "w_B", "rad/s"); },
+                     [](const Source& s, double*& out) { put(out, in_base(s, state(s).w_WB)); }},
     ObservationBlock{"height", "of the base's origin over the ground below it", false,
                      [](const Context&, Layout& l) { add(l, "height", "m"); },
                      [](const Source& s, double*& out) {
@@ -188,10 +193,20 @@ constexpr std::array kBlocks{
                      }},
     ObservationBlock{"last_action", "the action before, clipped", false,
                      [](const Context& c, Layout& l) {
-                       for (const LayoutEntry& entry : c.action.entries) add(l, "last." + entry.name, "-", 1);
+                       for (const LayoutEntry& entry : c.action.entries)
+                         l.entries.push_back({"last." + entry.name, "-", entry.min, entry.max});
                      },
                      [](const Source& s, double*& out) {
                        for (const double value : s.last_action) put(out, value);
+                     }},
+    ObservationBlock{"joint_offsets", "of the servos from home", false,
+                     [](const Context& c, Layout& l) {
+                       for (std::size_t i = 0; i < c.home.size(); ++i)
+                         add(l, fmt::format("dq.{}", c.actuated_joints[i]), from_home("rad", c.home[i]));
+                     },
+                     [](const Source& s, double*& out) {
+                       for (std::size_t i = 0; i < s.home.size(); ++i)
+                         put(out, state(s).q[s.servos[i]] - s.home[i]);
                      }},
 };
 
@@ -209,12 +224,22 @@ const ObservationBlock& find_observation_block(std::string_view name) {
                     fmt::format("'{}'", name));
 }
 
-std::vector<std::string> standard_observation() {
-  std::vector<std::string> names;
+std::vector<ObservationTerm> standard_observation() {
+  std::vector<ObservationTerm> terms;
   for (const ObservationBlock& block : kBlocks) {
-    if (block.standard) names.emplace_back(block.name);
+    if (block.standard) terms.emplace_back(std::string(block.name));
   }
-  return names;
+  return terms;
+}
+
+std::vector<ObservationTerm> joint_policy_observation() {
+  return {"base_linear_velocity_local",
+          "base_angular_velocity_local",
+          "gravity",
+          "joint_offsets",
+          "joint_velocities",
+          "last_action",
+          "command"};
 }
 
 Layout action_layout(std::span<const ParameterRow> parameters) {
@@ -222,6 +247,15 @@ Layout action_layout(std::span<const ParameterRow> parameters) {
   for (const ParameterRow& row : parameters)
     add(layout, fmt::format("{}{}", kDeltaPrefix, row.name), delta_unit(row), 1);
   for (const Leg leg : kLegs) add_vector(layout, fmt::format("{}{}", kResidualPrefix, name(leg)), "-", 1);
+  return layout;
+}
+
+Layout joint_action_layout(std::span<const std::string> servos, const JointActionTable& joints,
+                           double limit) {
+  Layout layout;
+  for (std::size_t i = 0; i < servos.size(); ++i)
+    add(layout, fmt::format("{}{}", kTargetPrefix, servos[i]),
+        from_home(fmt::format("{:g} rad", joints.scale[i]), joints.home[i]), limit);
   return layout;
 }
 

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "crossgait/env/foot_states.h"
+#include "crossgait/env/joint_settings.h"
 #include "crossgait/env/layout.h"
+#include "crossgait/env/observation_term.h"
 #include "crossgait/gait/adaptive_gait_controller.h"
 #include "crossgait/physics/physics_backend.h"
 
@@ -19,15 +21,17 @@ struct ObservationSource {
   const PhysicsBackend& backend;
   const FootStates& feet;
   const LegArray<FootContact>& contacts;
-  const AdaptiveGaitController& controller;
+  const AdaptiveGaitController* gait;  ///< null where actions command joints
   const VelocityCommand& command;
-  std::span<const int> servos;          ///< indices of the actuated joints
+  std::span<const int> servos;          ///< indices of the actuated joints, in the observation's order
+  std::span<const double> home;         ///< their home angles, rad
   std::span<const double> last_action;  ///< clipped, as it was applied
 };
 
 /// What the layout of a block depends on.
 struct ObservationContext {
   std::vector<std::string> actuated_joints;  ///< names
+  std::span<const double> home;              ///< their home angles, rad
   std::span<const ParameterRow> parameters;  ///< that adapt
   Layout action;
   GaitParameters initial = {};  ///< at the start of an episode
@@ -36,10 +40,11 @@ struct ObservationContext {
 /// One row of the table of blocks.
 struct ObservationBlock {
   std::string_view name, help;
-  bool standard;  ///< part of the default observation
+  bool standard;  ///< part of the default observation of gaits
   void (*describe)(const ObservationContext& context, Layout& layout);
   /// Writes as many numbers as `describe` adds entries, all finite.
   void (*write)(const ObservationSource& source, double*& out);
+  bool needs_gait = false;  ///< there is nothing to see of it where actions command joints
 };
 
 /// The table. The standard blocks come first, in the order of the default observation: 65 numbers and one per
@@ -47,16 +52,23 @@ struct ObservationBlock {
 std::span<const ObservationBlock> observation_blocks();
 /// @throws ConfigError listing the known names
 const ObservationBlock& find_observation_block(std::string_view name);
-/// Names of the standard blocks.
-std::vector<std::string> standard_observation();
+/// The standard blocks.
+std::vector<ObservationTerm> standard_observation();
+/// What joint policies are commonly trained on: linear and angular velocity of the base in its own frame,
+/// direction of gravity there, joint angles from home, joint velocities, last action, command.
+std::vector<ObservationTerm> joint_policy_observation();
 
 /// What the names of an action's entries begin with.
-inline constexpr std::string_view kDeltaPrefix = "delta.", kResidualPrefix = "residual.";
+inline constexpr std::string_view kDeltaPrefix = "delta.", kResidualPrefix = "residual.",
+                                  kTargetPrefix = "target.";
 
 /// Deltas of the adapted parameters ("delta.step_height", ...), then residuals ("residual.FL.x", ...), all in
 /// [-1, 1]. Where a parameter's delta scale or range is not the table's, the units of its entries say so: the
 /// numbers mean something else, and so the layout's hash is another.
 Layout action_layout(std::span<const ParameterRow> parameters);
+/// Targets of the servos ("target.FL_hip_joint", ...), within +-limit. Scale and home are in the units, and
+/// so in the layout's hash: "0.5 rad from 0.9".
+Layout joint_action_layout(std::span<const std::string> servos, const JointActionTable& joints, double limit);
 
 /// Radius of the ring of terrain heights about the base of a robot of the reference's size, m (gait/scale.h).
 inline constexpr double kTerrainRingRadius = 0.15;

@@ -51,7 +51,10 @@ void Policy::act(std::span<const double> observation, std::span<double> action) 
     return;
   }
   do_act(observation, action);
-  for (double& value : action) value = std::isfinite(value) ? std::clamp(value, -1.0, 1.0) : 0;
+  for (std::size_t i = 0; i < action.size(); ++i) {
+    const LayoutEntry& entry = interface_.action.entries[i];
+    action[i] = std::isfinite(action[i]) ? std::clamp(action[i], entry.min, entry.max) : 0;
+  }
 }
 
 std::unique_ptr<Policy> make_policy(const std::string& text, const PolicyInterface& interface) {

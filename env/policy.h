@@ -30,7 +30,9 @@ class Policy {
   /// An episode begins. @param seed  of whatever the policy draws
   void reset(std::uint64_t seed) noexcept { do_reset(seed); }
   /// @param observation  of interface().observation.size(), raw as the environment gives it
-  /// @param action       of interface().action.size(), written in [-1, 1] whatever the observation holds
+  /// @param action       of interface().action.size(), written within its layout's bounds whatever the
+  /// observation
+  ///                     holds
   void act(std::span<const double> observation, std::span<double> action) noexcept;
 
   const PolicyInterface& interface() const noexcept { return interface_; }

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/env/policy_bundle_names.h"
-#include "crossgait/env/random.h"
 #include "crossgait/env/safetensors.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/random.h"
 
 namespace crossgait {
 namespace {
@@ -22,6 +22,8 @@ double activate(MlpActivation activation, double x) {
       return x > 0 ? x : std::expm1(x);
     case MlpActivation::kRelu:
       return x > 0 ? x : 0;
+    case MlpActivation::kSwish:
+      return x / (1 + std::exp(-x));
   }
   return x;
 }
@@ -151,7 +153,11 @@ void write_policy_bundle(const std::string& path, const MlpNetwork& network,
   const Eigen::MatrixXd observations = golden_observations(stored, interface.observation.size());
   Eigen::MatrixXd actions(observations.rows(), static_cast<Eigen::Index>(interface.action.size()));
   for (Eigen::Index row = 0; row < observations.rows(); ++row) {
-    actions.row(row) = stored.evaluate(observations.row(row)).cwiseMax(-1).cwiseMin(1).transpose();
+    const Eigen::VectorXd action = stored.evaluate(observations.row(row));
+    for (Eigen::Index i = 0; i < action.size(); ++i) {
+      const LayoutEntry& entry = interface.action.entries[static_cast<std::size_t>(i)];
+      actions(row, i) = std::clamp(action[i], entry.min, entry.max);
+    }
   }
   file.tensors["golden.observation"] = to_tensor(observations, kF64);
   file.tensors["golden.action"] = to_tensor(actions, kF64);

@@ -12,7 +12,8 @@
 
 namespace crossgait {
 
-enum class MlpActivation { kTanh, kElu, kRelu };
+/// kSwish: x / (1 + exp(-x)), also called SiLU.
+enum class MlpActivation { kTanh, kElu, kRelu, kSwish };
 enum class MlpOutput { kLinear, kTanh };
 
 /// y = weight x + bias.

@@ -10,8 +10,12 @@
 namespace crossgait::bundle_names {
 
 inline constexpr std::string_view kFormat = "crossgait-policy-1";
-inline constexpr std::array<std::pair<std::string_view, MlpActivation>, 3> kActivations{
-    {{"tanh", MlpActivation::kTanh}, {"elu", MlpActivation::kElu}, {"relu", MlpActivation::kRelu}}};
+inline constexpr std::array<std::pair<std::string_view, MlpActivation>, 5> kActivations{
+    {{"tanh", MlpActivation::kTanh},
+     {"elu", MlpActivation::kElu},
+     {"relu", MlpActivation::kRelu},
+     {"swish", MlpActivation::kSwish},
+     {"silu", MlpActivation::kSwish}}};
 inline constexpr std::array<std::pair<std::string_view, MlpOutput>, 2> kOutputs{
     {{"linear", MlpOutput::kLinear}, {"tanh", MlpOutput::kTanh}}};
 

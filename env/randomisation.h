@@ -5,8 +5,8 @@
 #include <span>
 #include <string_view>
 
-#include "crossgait/env/random.h"
 #include "crossgait/env/target_source.h"
+#include "crossgait/physics/random.h"
 #include "crossgait/physics/world_spec.h"
 
 namespace crossgait {

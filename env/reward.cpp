@@ -14,8 +14,8 @@ namespace {
 using Record = StepRecord;
 
 // Widths of the tracking terms: an error of this size is worth 1/e.
-constexpr double kVelocityWidth = 0.1;  // m/s, half of the speed of a trot
-constexpr double kYawRateWidth = 0.5;   // rad/s
+constexpr double kVelocityWidth = 0.1;  // m/s of the reference size, half of the speed of a trot
+constexpr double kYawRateWidth = 0.5;   // rad/s of the reference size
 constexpr double kLeastSpeed = 0.02;    // m/s, so that a standing robot's cost of transport stays finite
 
 double square(double x) { return x * x; }
@@ -57,15 +57,16 @@ constexpr std::array kTerms{
                joint_acceleration},
     RewardTerm{"smooth_adaptation", "mixed", "sum of squared changes of the adapted parameters", -5,
                [](const Record& r) { return squared_difference(r.parameters, r.last_parameters); }},
-    RewardTerm{"velocity_tracking", "-", "exp(-|v_xy - commanded|^2 / (.1 m/s)^2), in the heading frame", 0,
+    RewardTerm{"velocity_tracking", "-",
+               "exp(-|v_xy - commanded|^2 / (.1 m/s x root of size)^2), in the heading frame", 0,
                [](const Record& r) {
                  return std::exp(
                      -(square(r.v_heading.x() - r.command.vx) + square(r.v_heading.y() - r.command.vy)) /
-                     square(kVelocityWidth));
+                     (square(kVelocityWidth) * r.size));
                }},
-    RewardTerm{"yaw_rate_tracking", "-", "exp(-(yaw rate - commanded)^2 / (.5 rad/s)^2)", 0,
+    RewardTerm{"yaw_rate_tracking", "-", "exp(-(yaw rate - commanded)^2 / (.5 rad/s / root of size)^2)", 0,
                [](const Record& r) {
-                 return std::exp(-square((r.after.w_WB.z() - r.command.yaw_rate) / kYawRateWidth));
+                 return std::exp(-square((r.after.w_WB.z() - r.command.yaw_rate) / kYawRateWidth) * r.size);
                }},
     RewardTerm{"vertical_velocity", "m^2/s^2", "squared velocity of the base along z", 0,
                [](const Record& r) { return square(r.after.v_WB.z()); }},

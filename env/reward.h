@@ -33,8 +33,9 @@ struct StepRecord {
   std::span<const double> parameters, last_parameters;  ///< that adapt, in their units
   std::span<const int> servos;                          ///< indices of the actuated joints
   double weight;                                        ///< of the robot, N
-  double power;  ///< of the servos at the end of the step (servo_power), W
-  bool failed;   ///< the episode ended by an outcome: a fall, divergence, ... (EnvConfig::ends)
+  double power;     ///< of the servos at the end of the step (servo_power), W
+  double size = 1;  ///< of the robot, in reference sizes: widths of speeds go with its root (gait/scale.h)
+  bool failed;      ///< the episode ended by an outcome: a fall, divergence, ... (EnvConfig::ends)
 };
 
 /// One row of the table. The reward is the sum of weight times value.

@@ -23,7 +23,9 @@ ScriptedEntry read_constant(const PolicyInterface& interface, const std::string&
                             const YamlValue& value) {
   const double constant = value.number();
   const std::size_t index = find_entry(interface.action, name, value);
-  if (std::abs(constant) > 1) value.fail("-1 to 1", fmt::format("{:g}", constant));
+  const LayoutEntry& entry = interface.action.entries[index];
+  if (constant < entry.min || constant > entry.max)
+    value.fail(fmt::format("{:g} to {:g}", entry.min, entry.max), fmt::format("{:g}", constant));
   return {.action = index, .constant = constant, .gain = 0, .observation = 0};
 }
 

@@ -17,7 +17,10 @@ RandomPolicy::RandomPolicy(PolicyInterface interface) : Policy("random", std::mo
 void RandomPolicy::do_reset(std::uint64_t seed) noexcept { random_ = Random(seed); }
 
 void RandomPolicy::do_act(std::span<const double> /*observation*/, std::span<double> action) noexcept {
-  for (double& value : action) value = random_.uniform(-1, 1);
+  for (std::size_t i = 0; i < action.size(); ++i) {
+    const LayoutEntry& entry = interface().action.entries[i];
+    action[i] = random_.uniform(entry.min, entry.max);
+  }
 }
 
 }  // namespace crossgait

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "crossgait/env/policy.h"
-#include "crossgait/env/random.h"
+#include "crossgait/physics/random.h"
 
 namespace crossgait {
 

@@ -22,8 +22,7 @@ VectorEnv::VectorEnv(const EnvConfig& config, const Engine& engine, const Vector
       slots_(options.environments),
       pool_(at_least_one("workers", options.workers)) {
   const auto model = EnvModel::make(config);
-  pool_.run(size(),
-            [&](std::size_t i) { environments_[i] = std::make_unique<AdaptiveGaitEnv>(model, engine); });
+  pool_.run(size(), [&](std::size_t i) { environments_[i] = std::make_unique<QuadrupedEnv>(model, engine); });
 }
 
 void VectorEnv::begin_episode(std::size_t i, std::span<double> observation) {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "crossgait/env/adaptive_gait_env.h"
+#include "crossgait/env/quadruped_env.h"
 #include "crossgait/env/worker_pool.h"
 
 namespace crossgait {
@@ -46,7 +46,7 @@ class VectorEnv {
   std::size_t workers() const noexcept { return pool_.workers(); }
   std::size_t observation_size() const noexcept { return environments_.front()->observation_size(); }
   std::size_t action_size() const noexcept { return environments_.front()->action_size(); }
-  const AdaptiveGaitEnv& environment(std::size_t i) const { return *environments_.at(i); }
+  const QuadrupedEnv& environment(std::size_t i) const { return *environments_.at(i); }
 
   /// Begins an episode everywhere. @throws ConfigError for a wrong size or an impossible draw
   void reset(std::uint64_t seed, std::span<double> observations);
@@ -72,7 +72,7 @@ class VectorEnv {
   }
 
   AutoReset auto_reset_;
-  std::vector<std::unique_ptr<AdaptiveGaitEnv>> environments_;
+  std::vector<std::unique_ptr<QuadrupedEnv>> environments_;
   std::vector<Slot> slots_;
   WorkerPool pool_;
 };

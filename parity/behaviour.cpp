@@ -6,35 +6,58 @@
 #include <fmt/format.h>
 
 #include "crossgait/env/time_steps.h"
+#include "crossgait/gait/scale.h"
 
 namespace crossgait {
 namespace {
 
-// Two per cent of a distance, a tenth of a degree: below what repeated runs of one real robot differ by.
-Statistic distance() { return {"distance", "m", 0.02, 0.005}; }
-Statistic speed() { return {"mean speed", "m/s", 0.02, 0.001}; }
-Statistic roll() { return {"RMS roll", "deg", 0.02, 0.1}; }
-Statistic pitch() { return {"RMS pitch", "deg", 0.02, 0.1}; }
-Statistic slip() { return {"slip of loaded feet", "m", 0.02, 0.02}; }  // 5 mm for each foot
-Statistic cost() { return {"cost of transport", "-", 0.02, 0.01}; }
-Statistic duty() { return {"duty factor", "-", 0, 0.02}; }
-Statistic failures() { return {"failures", "share", 0, 0.05, true}; }
-
-// The statistics that every behaviour is judged by; `values_of` in the same order.
-std::vector<Statistic> motion_statistics() {
-  return {distance(), speed(), roll(), pitch(), slip(), cost(), duty(), failures()};
+// The statistics that every behaviour is judged by; `values_of` in the same order. Floors: two per cent of a
+// distance, a tenth of a degree, what repeated runs of one real robot differ by; lengths and speeds by the
+// robot's size.
+// @param planned  there is a plan of swing and stance to compare with
+std::vector<Statistic> motion_statistics(const RobotDescription& robot, bool planned) {
+  const double length = gait_scale(robot).length, speed = gait_scale(robot).time();
+  std::vector<Statistic> all{{"distance", "m", 0.02, 0.005 * length},
+                             {"mean speed", "m/s", 0.02, 0.001 * speed},
+                             {"RMS roll", "deg", 0.02, 0.1},
+                             {"RMS pitch", "deg", 0.02, 0.1},
+                             {"slip of loaded feet", "m", 0.02, 0.02 * length},  // 5 mm for each foot
+                             {"cost of transport", "-", 0.02, 0.01},
+                             {"duty factor", "-", 0, 0.02},
+                             {"heading error", "deg", 0.02, 1}};
+  if (planned) {
+    all.push_back({"drag", "-", 0, 0.02});
+    all.push_back({"slip per path", "-", 0, 0.02});
+  }
+  all.push_back({"failures", "share", 0, 0.05, true});
+  return all;
 }
 
-// A robot that went nowhere has no cost of transport; it differs from one that did in distance already.
-std::vector<double> values_of(const MotionSummary& m) {
-  return {m.distance_m,
-          m.mean_speed_mps,
-          m.rms_roll_deg,
-          m.rms_pitch_deg,
-          m.slip_m,
-          m.cost_of_transport.value_or(0),
-          m.mean_duty_factor(),
-          m.failed() ? 1.0 : 0.0};
+// A robot that went nowhere has no cost of transport; it differs from one that did in distance already. So
+// with the others that may be missing.
+std::vector<double> values_of(const MotionSummary& m, bool planned) {
+  std::vector<double> all{m.distance_m,
+                          m.mean_speed_mps,
+                          m.rms_roll_deg,
+                          m.rms_pitch_deg,
+                          m.slip_m,
+                          m.cost_of_transport.value_or(0),
+                          m.mean_duty_factor(),
+                          m.heading_error_deg.value_or(0)};
+  if (planned) {
+    all.push_back(m.drag.value_or(0));
+    all.push_back(m.slip_per_path.value_or(0));
+  }
+  all.push_back(m.failed() ? 1.0 : 0.0);
+  return all;
+}
+
+std::vector<double> delays_of(const RobotDescription& robot) {
+  std::vector<double> delays;
+  for (const int i : robot.actuated_joints()) {
+    if (robot.joint(i).delay > 0) delays.push_back(robot.joint(i).delay);
+  }
+  return delays;
 }
 
 Start draw_start(const Randomisation& randomisation, std::uint64_t seed) {
@@ -77,7 +100,17 @@ const std::vector<Variation>& variations() {
 }
 
 bool Behaviour::allows(const Variation& variation) const {
-  return is_whole_multiple(control_dt, physics_dt * variation.step);
+  const double step = physics_dt * variation.step;
+  return is_whole_multiple(control_dt, step) &&
+         std::all_of(delays.begin(), delays.end(), [step](double d) { return is_whole_multiple(d, step); });
+}
+
+StartRanges StartRanges::stated_for(const RobotDescription& robot) const {
+  const GaitScale scale = gait_scale(robot);
+  StartRanges all = *this;
+  all.position_m = position_m.value_or(0.1 * scale.length);
+  all.push_mps = push_mps.value_or(0.02 * scale.time());
+  return all;
 }
 
 Randomisation StartRanges::over(Randomisation base, const RobotDescription& robot) const {
@@ -85,13 +118,15 @@ Randomisation StartRanges::over(Randomisation base, const RobotDescription& robo
   const auto fill = [&base](Randomised what, double low, double high) {
     if (!base.is_on(what)) base[what] = {low, high};
   };
-  fill(kStartX, -position_m, position_m);
-  fill(kStartY, -position_m, position_m);
+  const StartRanges own = stated_for(robot);
+  const double position = *own.position_m, push = *own.push_mps;
+  fill(kStartX, -position, position);
+  fill(kStartY, -position, position);
   fill(kStartYaw, -heading_rad, heading_rad);
   fill(kStartRoll, -tilt_rad, tilt_rad);
   fill(kStartPitch, -tilt_rad, tilt_rad);
-  if (push_mps > 0 && !base.is_on(kPushImpulse)) {
-    const double impulse = push_mps * robot.total_mass();
+  if (push > 0 && !base.is_on(kPushImpulse)) {
+    const double impulse = push * robot.total_mass();
     base[kPushImpulse] = {impulse, impulse};
     base[kPushInterval] = {0, 1};
     base[kPushCount] = {1, 1};
@@ -103,16 +138,17 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
                          const StartRanges& ranges, std::uint64_t seed) {
   Behaviour behaviour;
   behaviour.name = fmt::format("{} on {}, {:g} s", setup.gait, world.terrain.name(), setup.timing.seconds);
-  behaviour.statistics = motion_statistics();
+  behaviour.statistics = motion_statistics(*world.robot, true);
   behaviour.physics_dt = world.physics_dt;
   behaviour.control_dt = setup.timing.control_dt;
+  behaviour.delays = delays_of(*world.robot);
   const Randomisation starts = ranges.over({}, *world.robot);
   behaviour.run = [world, setup, terrain, starts, seed](const Engine& engine, const Variation& variation,
                                                         std::size_t k) {
     WorldSpec varied = world;
     varied.terrain = terrain(k);
     variation.apply(varied);
-    return values_of(walk_once(varied, setup, draw_start(starts, derived_seed(seed, k)), engine));
+    return values_of(walk_once(varied, setup, draw_start(starts, derived_seed(seed, k)), engine), true);
   };
   behaviour.trace = [world, setup, terrain, starts, seed](const Engine& engine, std::size_t k) {
     WorldSpec own = world;
@@ -128,25 +164,27 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
 
 Behaviour policy_behaviour(EnvConfig config, PolicyFactory policy, const std::string& name,
                            const StartRanges& ranges, std::uint64_t seed) {
-  config.randomisation = ranges.over(config.randomisation, *EnvModel::make(config)->world.robot);
+  const std::shared_ptr<const RobotDescription> robot = EnvModel::make(config)->world.robot;
+  const bool planned = config.action == ActionKind::kGait;
+  config.randomisation = ranges.over(config.randomisation, *robot);
   Behaviour behaviour;
   behaviour.name = fmt::format("policy {} on {}, {:g} s", name, config.terrain, config.episode_seconds);
-  behaviour.statistics = motion_statistics();
+  behaviour.statistics = motion_statistics(*robot, planned);
   behaviour.statistics.push_back({"total reward", "-", 0.02, 0.01});
   behaviour.physics_dt = config.physics_dt;
   behaviour.control_dt = config.control_dt;
-  behaviour.run = [config, policy = std::move(policy), seed](const Engine& engine, const Variation& variation,
-                                                             std::size_t k) {
+  behaviour.delays = delays_of(*robot);
+  behaviour.run = [config, policy = std::move(policy), seed, planned](
+                      const Engine& engine, const Variation& variation, std::size_t k) {
     EnvConfig varied = config;
     varied.physics_dt *= variation.step;
     varied.terrain_seed += k;
     Variation solver_alone = variation;
     solver_alone.step = 1;  // the configuration has it already
-    AdaptiveGaitEnv env(varied,
-                        with_change(engine, [&solver_alone](WorldSpec& w) { solver_alone.apply(w); }));
+    QuadrupedEnv env(varied, with_change(engine, [&solver_alone](WorldSpec& w) { solver_alone.apply(w); }));
     const std::unique_ptr<Policy> own = policy(env.interface());
     const EpisodeSummary episode = run_episode(env, *own, derived_seed(seed, k));
-    std::vector<double> values = values_of(episode.motion);
+    std::vector<double> values = values_of(episode.motion, planned);
     values.push_back(episode.total_reward);
     return values;
   };

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,12 +37,16 @@ const std::vector<Variation>& variations();
 
 /// How far apart the starts of a verdict lie. Each start draws uniformly, the same in every engine.
 struct StartRanges {
-  double position_m = 0.1;   ///< each way along x and y
+  /// Each way along x and y; empty: .1 m of the reference robot, by size (gait/scale.h).
+  std::optional<double> position_m = {};
   double heading_rad = 0.2;  ///< each way
   double tilt_rad = 0.02;    ///< roll and pitch, each way
   /// One sideways push of the trunk in the first second, from any direction: the speed it would give to the
-  /// whole robot.
-  double push_mps = 0.02;
+  /// whole robot. Empty: .02 m/s of the reference robot, by size.
+  std::optional<double> push_mps = {};
+
+  /// With everything that goes by the robot's size.
+  StartRanges stated_for(const RobotDescription& robot) const;
 
   /// The same as ranges of an environment. Rows of `base` that are on stay as they are.
   Randomisation over(Randomisation base, const RobotDescription& robot) const;
@@ -58,8 +63,9 @@ struct Behaviour {
   /// it. Empty for behaviours that record none.
   std::function<Trace(const Engine& engine, std::size_t start)> trace;
   double physics_dt = 0, control_dt = 0;  ///< s, as asked
+  std::vector<double> delays;             ///< of the robot's drives, s; none of them 0
 
-  /// False where the control step would no longer be a whole number of physics steps.
+  /// False where control step or delays would no longer be whole numbers of physics steps.
   bool allows(const Variation& variation) const;
 };
 

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/actuator.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait {
@@ -31,6 +30,7 @@ bool is_sane(const RobotState& s) noexcept {
 PhysicsBackend::PhysicsBackend(WorldSpec spec) : spec_(std::move(spec)) {
   spec_.validate();
   actuated_ = spec_.robot->actuated_joints();
+  drives_ = Drives(*spec_.robot, spec_.physics_dt);
   const int n = spec_.robot->joint_count();
   state_.q = state_.qd = torques_ = JointVector::Zero(n);
   next_ = state_;
@@ -70,6 +70,7 @@ void PhysicsBackend::reset(const RobotState& state) {
   push_.setZero();
   torques_.setZero();
   contacts_.clear();
+  drives_.restart();
   do_reset(state);
   do_read_state(state_);
   state_.time = state.time;
@@ -78,12 +79,7 @@ void PhysicsBackend::reset(const RobotState& state) {
 void PhysicsBackend::compute_torques(const JointTargets& targets) noexcept {
   const RobotDescription& robot = *spec_.robot;
   for (int i = 0; i < robot.joint_count(); ++i) torques_[i] = -robot.joint(i).damping * state_.qd[i];
-  for (std::size_t k = 0; k < actuated_.size(); ++k) {
-    const int i = actuated_[k];
-    const Joint& joint = robot.joint(i);
-    const double target = std::clamp(targets.q[static_cast<Eigen::Index>(k)], joint.lower, joint.upper);
-    torques_[i] += servo_torque(joint, target, state_.q[i], state_.qd[i]);
-  }
+  drives_.add_torques(targets, state_, torques_);
 }
 
 StepStatus PhysicsBackend::advance(const JointTargets& targets) noexcept {
@@ -155,7 +151,8 @@ void PhysicsBackend::apply_push(const Vector3& impulse) {
 }
 
 Snapshot PhysicsBackend::save() const {
-  Snapshot snapshot{info().name, state_, contacts_, torques_, push_, diverged_, {}};
+  Snapshot snapshot{info().name, state_, contacts_, torques_, push_, diverged_, {}, {}};
+  drives_.save(snapshot.drives);
   do_save(snapshot.engine);
   return snapshot;
 }
@@ -165,14 +162,17 @@ void PhysicsBackend::restore(const Snapshot& snapshot) {
     throw ConfigError("restore", "engine", fmt::format("a snapshot of {}", info().name),
                       snapshot.engine_name);
   }
-  std::vector<double> own;
+  std::vector<double> own, drives;
   do_save(own);
-  if (own.size() != snapshot.engine.size() || snapshot.state.q.size() != state_.q.size()) {
+  drives_.save(drives);
+  if (own.size() != snapshot.engine.size() || drives.size() != snapshot.drives.size() ||
+      snapshot.state.q.size() != state_.q.size()) {
     throw ConfigError("restore", "robot",
                       fmt::format("a snapshot of {} with {} joints", robot().name, state_.q.size()),
                       fmt::format("{} joints", snapshot.state.q.size()));
   }
   do_restore(snapshot.engine);
+  drives_.restore(snapshot.drives);
   state_ = snapshot.state;
   contacts_ = snapshot.contacts;
   torques_ = snapshot.torques;

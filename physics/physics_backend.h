@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "crossgait/physics/drives.h"
 #include "crossgait/physics/state.h"
 #include "crossgait/physics/world_spec.h"
 
@@ -49,6 +50,7 @@ struct Snapshot {
   JointVector torques;
   Vector3 push = Vector3::Zero();
   bool diverged = false;
+  std::vector<double> drives;  ///< targets that are on their way
   std::vector<double> engine;  ///< the engine's own configuration, bit for bit
 };
 
@@ -77,7 +79,8 @@ class PhysicsBackend {
   RobotState home_state() const;
 
   /// Advances `substeps` physics steps holding `targets`; torques are recomputed every physics step:
-  /// tau = clamp(kp (q* - q) - kd qd, +-effort_limit) on servos, then - damping qd on every joint.
+  /// tau = clamp(kp (q* - q) - kd qd, +-effort_limit) on servos (with what their drives fall short of:
+  /// drives.h), then - damping qd on every joint.
   /// Targets are clamped to the joints' limits. Targets of the wrong size or not finite change nothing and
   /// return kInvalidTargets. After kDiverged the state keeps its last good value and every further step
   /// returns kDiverged until reset or restore.
@@ -132,6 +135,7 @@ class PhysicsBackend {
 
   WorldSpec spec_;
   std::vector<int> actuated_;
+  Drives drives_;
   RobotState state_;
   ContactList contacts_;
   JointVector torques_;

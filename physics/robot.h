@@ -45,6 +45,13 @@ struct Joint {
   double kp = 0;            ///< servo stiffness, N m/rad
   double kd = 0;            ///< servo damping, N m s/rad, inside the effort clamp
   double effort_limit = 0;  ///< N m; 0: not given, which only a joint that is not actuated may have
+
+  // What a real drive falls short of by (actuator.h, drives.h). All off by default.
+  double corner_speed = 0;   ///< up to which there is all the effort, rad/s
+  double no_load_speed = 0;  ///< at which there is none left, rad/s; 0: there is at any speed
+  double backlash = 0;       ///< play between motor and joint, from stop to stop, rad
+  double delay = 0;          ///< from a target to its torque, s; whole physics steps
+  double sensor_noise = 0;   ///< of the angle that the servo measures, uniform in +- this, rad
 };
 
 /// One rigid body. Body 0 is the base; body i + 1 hangs on joint i.

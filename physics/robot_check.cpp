@@ -195,6 +195,14 @@ void check_joint(const Joint& joint, std::string_view source) {
   report.not_negative(joint.kp, "kp (N m/rad)", kLargestGain);
   report.not_negative(joint.kd, "kd (N m s/rad)", kLargestGain);
   report.positive(joint.effort_limit, "effort limit (N m) of a servo", kLargestGain);
+  report.not_negative(joint.corner_speed, "corner_speed (rad/s)", kLargestGain);
+  report.not_negative(joint.no_load_speed, "no_load_speed (rad/s)", kLargestGain);
+  report.require(joint.no_load_speed == 0 || joint.no_load_speed > joint.corner_speed,
+                 "corner_speed < no_load_speed (rad/s)",
+                 fmt::format("{} and {}", joint.corner_speed, joint.no_load_speed));
+  report.not_negative(joint.backlash, "backlash (rad)", kLargestAngle);
+  report.not_negative(joint.delay, "delay (s)", kLongestDelay);
+  report.not_negative(joint.sensor_noise, "sensor_noise (rad)", kLargestAngle);
 }
 
 void check_shape(const CollisionShape& shape, std::string_view source, std::string_view element) {

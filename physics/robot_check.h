@@ -19,6 +19,7 @@ inline constexpr double kLargestInertia = 1e9;                      ///< kg m^2,
 inline constexpr double kLargestLength = 1e3;                       ///< m, of shapes and of every offset
 inline constexpr double kLargestGain = 1e9;   ///< N m/rad, N m s/rad and N m: servo gains, damping, torques
 inline constexpr double kLargestAngle = 1e6;  ///< rad, of joint limits
+inline constexpr double kLongestDelay = 1;    ///< s, of a drive
 
 /// Mass, offset and inertia within the limits above; inertia finite, symmetric, positive definite and that of
 /// some real body: none of its principal moments exceeds the sum of the other two.

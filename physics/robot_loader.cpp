@@ -414,8 +414,8 @@ class RobotLoader {
 };
 
 LoadedRobot load_yaml(const YamlValue& root) {
-  root.allow_keys({"name", "urdf", "frame", "locked", "armature", "servo", "joints", "loop_softness", "legs",
-                   "loops", "home", "standing_height", "stance_offset"});
+  root.allow_keys({"name", "urdf", "frame", "locked", "armature", "servo", "drive", "joints", "loop_softness",
+                   "legs", "loops", "home", "standing_height", "stance_offset"});
   const fs::path urdf = fs::path(root.source()).parent_path() / root.at("urdf").text();
   return RobotLoader(urdf.string(), root.source(), root).load();
 }

@@ -4,11 +4,20 @@
 
 #include <fmt/format.h>
 
+#include "crossgait/physics/drives.h"
+
 namespace crossgait {
 namespace {
 
 Joint& joint_of(RobotDescription& robot, int i) {
   return robot.bodies[static_cast<std::size_t>(i) + 1].joint;
+}
+
+// What a drive falls short of; off unless it is said.
+void read_drive(const YamlValue& values, Joint& joint) {
+  for (const DriveSetting& setting : drive_settings()) {
+    if (const auto value = values.find(setting.name)) joint.*setting.member = value->number();
+  }
 }
 
 void read_exception(const std::string& name, const YamlValue& values, RobotDescription& robot) {
@@ -17,7 +26,8 @@ void read_exception(const std::string& name, const YamlValue& values, RobotDescr
   if (body == robot.bodies.end()) values.fail("a moving joint of the URDF", fmt::format("'{}'", name));
   Joint& target = body->joint;
   if (target.actuated) {
-    values.allow_keys({"armature", "damping", "kp", "kd", "effort"});
+    values.allow_keys({"armature", "damping", "kp", "kd", "effort", "corner_speed", "no_load_speed",
+                       "backlash", "delay", "sensor_noise"});
   } else {
     values.allow_keys({"armature", "damping"});
   }
@@ -28,6 +38,7 @@ void read_exception(const std::string& name, const YamlValue& values, RobotDescr
                                     {"effort", &target.effort_limit}}) {
     if (const auto value = values.find(key)) *member = value->number();
   }
+  read_drive(values, target);
 }
 
 /// Torque limits of servos for which no robot.yaml speaks. @returns those whose file says nothing real
@@ -95,6 +106,10 @@ void read_servos(const std::optional<YamlValue>& yaml, const std::set<int>& unkn
     read_gains(*servo, unknown_effort, robot);
   } else {
     infer_gains(rule, unknown_effort, robot, inferred);
+  }
+  if (const auto drive = find("drive")) {
+    drive->allow_keys({"corner_speed", "no_load_speed", "backlash", "delay", "sensor_noise"});
+    for (const int i : robot.actuated_joints()) read_drive(*drive, joint_of(robot, i));
   }
   if (const auto exceptions = find("joints")) {
     for (const auto& [name, values] : exceptions->entries()) read_exception(name, values, robot);

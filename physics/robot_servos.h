@@ -10,7 +10,7 @@
 
 namespace crossgait {
 
-/// @param yaml            its keys `armature`, `servo` and `joints`, each of them if it is there
+/// @param yaml            its keys `armature`, `servo`, `drive` and `joints`, each of them if it is there
 /// @param unknown_effort  servos whose torque limit the URDF does not say
 /// @throws ConfigError naming file and key
 void read_servos(const std::optional<YamlValue>& yaml, const std::set<int>& unknown_effort,

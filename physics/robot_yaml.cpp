@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "crossgait/physics/drives.h"
 #include "crossgait/physics/robot_report.h"
 #include "crossgait/physics/yaml_reader.h"
 
@@ -49,6 +50,12 @@ std::string yaml_joints(const RobotDescription& robot) {
   std::string out = fmt::format(
       "armature: {}  # kg m^2\nservo: {{kp: {}, kd: {}, effort: {}}}  # N m/rad, N m s/rad, N m\n",
       usual.armature, usual.kp, usual.kd, usual.effort_limit);
+  std::vector<std::string> drive;
+  for (const DriveSetting& setting : drive_settings()) {
+    if (usual.*setting.member != 0)
+      drive.push_back(fmt::format("{}: {}", setting.name, usual.*setting.member));
+  }
+  if (!drive.empty()) out += fmt::format("drive: {{{}}}\n", fmt::join(drive, ", "));
   std::string exceptions;
   for (int i = 0; i < robot.joint_count(); ++i) {
     const Joint& joint = robot.joint(i);
@@ -59,6 +66,10 @@ std::string yaml_joints(const RobotDescription& robot) {
       if (joint.kd != usual.kd) values.push_back(fmt::format("kd: {}", joint.kd));
       if (joint.effort_limit != usual.effort_limit)
         values.push_back(fmt::format("effort: {}", joint.effort_limit));
+      for (const DriveSetting& setting : drive_settings()) {
+        if (joint.*setting.member != usual.*setting.member)
+          values.push_back(fmt::format("{}: {}", setting.name, joint.*setting.member));
+      }
     }
     if (!values.empty())
       exceptions += fmt::format("  {}: {{{}}}\n", yaml_quoted(joint.name), fmt::join(values, ", "));

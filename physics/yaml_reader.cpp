@@ -82,6 +82,7 @@ std::vector<std::pair<std::string, YamlValue>> YamlValue::entries() const {
 }
 
 bool YamlValue::is_mapping() const noexcept { return node_->kind == Kind::kMap; }
+bool YamlValue::is_sequence() const noexcept { return node_->kind == Kind::kSequence; }
 
 std::vector<YamlValue> YamlValue::items() const {
   if (node_->kind != Kind::kSequence) fail("a sequence", describe(*node_));

@@ -43,6 +43,7 @@ class YamlValue {
   std::vector<YamlValue> items() const;
 
   bool is_mapping() const noexcept;
+  bool is_sequence() const noexcept;
 
   double number() const;  ///< finite, in any locale
   int integer() const;

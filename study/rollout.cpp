@@ -24,7 +24,7 @@ std::size_t EpisodeOptions::default_workers() { return std::max(1U, std::thread:
 
 EnvFactory env_factory(const EnvConfig& config) {
   return [model = EnvModel::make(config), engine = find_engine(config.engine)] {
-    return std::make_unique<AdaptiveGaitEnv>(model, engine);
+    return std::make_unique<QuadrupedEnv>(model, engine);
   };
 }
 
@@ -58,7 +58,7 @@ void watch_episode(const EnvConfig& config, const std::string& policy, std::uint
                    const std::function<void(const TraceSample&)>& observer) {
   const auto env = env_factory(config)();
   const auto own = policy_factory(policy)(env->interface());
-  run_episode(*env, *own, derived_seed(seed, 0), [&observer](const AdaptiveGaitEnv& e) {
+  run_episode(*env, *own, derived_seed(seed, 0), [&observer](const QuadrupedEnv& e) {
     TraceSample sample(e.backend(), e.targets());
     sample.parameters = e.info().parameters;
     observer(sample);

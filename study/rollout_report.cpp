@@ -89,8 +89,9 @@ nlohmann::ordered_json to_json(const Evaluation& e) {
 
 nlohmann::ordered_json to_json(const EpisodeSummary& e) {
   ordered_json parameters;
-  for (const ParameterRow& row : gait_parameters())
-    parameters[std::string(row.name)] = e.parameters.*row.member;
+  for (const ParameterRow& row : gait_parameters()) {
+    if (e.parameters) parameters[std::string(row.name)] = (*e.parameters).*row.member;
+  }
   ordered_json json{{"seed", e.seed},
                     {"total_reward", e.total_reward},
                     {"reward_terms", terms_to_json(e.reward_terms)},
@@ -104,7 +105,7 @@ nlohmann::ordered_json to_json(const EpisodeSummary& e) {
 nlohmann::ordered_json to_json(const Rollout& r) {
   ordered_json json{{"backend", r.config.engine},
                     {"terrain", r.config.terrain},
-                    {"gait", r.config.gait},
+                    {"gait", r.config.action == ActionKind::kGait ? ordered_json(r.config.gait) : nullptr},
                     {"seed", r.seed},
                     {"policies", ordered_json::array()}};
   for (const PolicyEpisodes& run : r.policies) {
@@ -130,8 +131,10 @@ nlohmann::ordered_json to_json(const Transfer& t) {
 
 std::string describe(const Rollout& r) {
   const std::size_t episodes = r.policies.empty() ? 0 : r.policies.front().all.episodes;
-  std::vector<std::string> header{fmt::format("{} on {} in {}, {}", r.config.gait, r.config.terrain,
-                                              r.config.engine, counted(episodes, "episode"))};
+  const bool gait = r.config.action == ActionKind::kGait;
+  std::vector<std::string> header{fmt::format("{} on {} in {}, {}", gait ? r.config.gait : "joints",
+                                              r.config.terrain, r.config.engine,
+                                              counted(episodes, "episode"))};
   for (const PolicyEpisodes& run : r.policies) header.push_back(short_name(run.policy));
   Table table(header);
   const auto add = [&](const std::string& label, auto&& value) {

@@ -108,11 +108,17 @@ Json to_json(const PolicyConfig& c) {
           {"policy", content_of(c.policy)}};
 }
 
+// @param r  stated for its robot
 Json to_json(const StartRanges& r) {
-  return {{"position_m", r.position_m},
+  return {{"position_m", *r.position_m},
           {"heading_rad", r.heading_rad},
           {"tilt_rad", r.tilt_rad},
-          {"push_mps", r.push_mps}};
+          {"push_mps", *r.push_mps}};
+}
+
+std::string robot_of(const BehaviourSpec& spec) {
+  if (const auto* walk = std::get_if<WalkConfig>(&spec.what)) return walk->robot;
+  return std::get<PolicyConfig>(spec.what).environment.robot;
 }
 
 }  // namespace
@@ -134,9 +140,10 @@ Json identity_of_robot(const std::string& name_or_file) {
   const auto add_number = [&hash](double value) { hash.add(fmt::format("{:.17g};", value)); };
   for (const Body& b : robot.bodies) {
     hash.add(b.name);
-    for (const double v :
-         {static_cast<double>(b.parent), b.inertia.mass, b.joint.lower, b.joint.upper, b.joint.damping,
-          b.joint.armature, b.joint.actuated ? 1.0 : 0.0, b.joint.kp, b.joint.kd, b.joint.effort_limit})
+    for (const double v : {static_cast<double>(b.parent), b.inertia.mass, b.joint.lower, b.joint.upper,
+                           b.joint.damping, b.joint.armature, b.joint.actuated ? 1.0 : 0.0, b.joint.kp,
+                           b.joint.kd, b.joint.effort_limit, b.joint.friction, b.joint.corner_speed,
+                           b.joint.no_load_speed, b.joint.backlash, b.joint.delay, b.joint.sensor_noise})
       add_number(v);
     add(b.X_PB.matrix());
     add(b.joint.axis);
@@ -173,7 +180,7 @@ Json identity_of_robot(const std::string& name_or_file) {
 
 Json to_json(const BehaviourSpec& spec) {
   return {{"behaviour", std::visit([](const auto& what) { return to_json(what); }, spec.what)},
-          {"starts", to_json(spec.starts)},
+          {"starts", to_json(spec.starts.stated_for(load_robot(find_robot(robot_of(spec)))))},
           {"seed", spec.seed}};
 }
 

@@ -149,6 +149,8 @@ void add_checks(const TuneOptions& options, const Progress& progress, Tuning& re
 
 Tuning tune_gait(const EnvConfig& start, const std::vector<std::string>& engines, const TuneOptions& options,
                  const Progress& progress) {
+  if (start.action != ActionKind::kGait)
+    throw ConfigError(start.source, "action", "gait, whose parameters are tuned", name(start.action));
   const EnvConfig whole = EnvModel::make(start)->stated();
   Tuning result{whole, whole, score(walk(whole, options.seed, options.terrains)), {}, engines, {}};
   try {

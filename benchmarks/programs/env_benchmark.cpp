@@ -82,10 +82,10 @@ class Eta {
     return action_;
   }
 
-  AdaptiveGaitEnv env_;
+  QuadrupedEnv env_;
   std::vector<double> observation_, action_;
   std::unique_ptr<PhysicsBackend> engine_;
-  std::shared_ptr<const AdaptiveGaitEnv::Saved> saved_;
+  std::shared_ptr<const QuadrupedEnv::Saved> saved_;
   std::vector<JointTargets> targets_;
   std::vector<double> ratio_, added_us_, step_us_;
 };

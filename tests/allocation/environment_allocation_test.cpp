@@ -15,6 +15,7 @@ CROSSGAIT_FOR_EVERY_BACKEND(EnvironmentAllocation);
 
 TEST_P(EnvironmentAllocation, NonePerStep) {
   EXPECT_EQ(allocations_of_an_environment(find_engine(GetParam())), 0U);
+  EXPECT_EQ(allocations_of_an_environment(find_engine(GetParam()), full_joint_environment()), 0U);
 }
 
 TEST_P(EnvironmentAllocation, NonePerStepOfABatch) {

@@ -96,5 +96,29 @@ TEST_P(Servo, HoldsItsTargetsOverSubsteps) {
   EXPECT_EQ(one->state().time, many->state().time);
 }
 
+TEST_P(Servo, CannotTurnFasterThanItsNoLoadSpeed) {
+  // A full-torque swing of a light link without gravity: qd approaches no_load_speed as a first-order lag,
+  // J qd' = effort (1 - qd / w), of time constant J w / effort.
+  const scenes::ArmLink link{.armature = 4e-3, .servo = true, .kp = 1e3, .effort_limit = 0.5};
+  RobotDescription robot = *scenes::arm({link});
+  Joint& joint = robot.bodies[1].joint;
+  joint.no_load_speed = 5;
+  WorldSpec spec = scenes::world_of(std::make_shared<const RobotDescription>(robot));
+  spec.fixed_base = true;
+  spec.gravity.setZero();
+  const auto backend = make(spec);
+  const double lag = link.joint_inertia() * 5 / 0.5;
+  double worst = 0;
+  while (backend->state().time < 3 * lag) {
+    ASSERT_EQ(backend->step(target(3)), StepStatus::kOk);
+    const double exact = 5 * (1 - std::exp(-backend->state().time / lag));
+    worst = std::max(worst, std::abs(backend->state().qd[0] - exact));
+  }
+  measured("largest difference from the first-order lag, rad/s", worst);
+  EXPECT_LT(worst,
+            0.5 * 5 * 1e-3 / lag);  // explicit Euler: h / (2 e lag) of the final speed, and as much again
+  EXPECT_GT(backend->state().qd[0], 4.7);
+}
+
 }  // namespace
 }  // namespace crossgait

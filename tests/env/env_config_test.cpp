@@ -72,6 +72,52 @@ TEST(EnvConfig, ReadsBackWhatItWrites) {
   EXPECT_EQ(back.randomisation.ranges, c.randomisation.ranges);
 }
 
+TEST(EnvConfig, ReadsBackJointActions) {
+  EnvConfig c = joint_environment();
+  c.robot = "serial_quadruped";
+  c.joints.order = {"b: c", "a"};  // names as a URDF may have them
+  c.joints.home.by_name = {{"a", 0.1 / 3}};
+  c.joints.scale = {0.25, {{"b: c", 0.5}}};
+  c.joints.limit = 10;
+  c.joints.delay = 4e-3;
+  c.servos.kp.all = 35;
+  c.servos.friction = {0.3, {{"a", 1}}};
+  c.observation[2].scale = {1, 2, 0.1 / 3};
+  c.observation[3].clip = 5;
+  c.observation[4].noise = 0.01;
+  c.observation[5].delay = 0.02;
+  c.observation[6].history = 4;
+  const EnvConfig back = parse_env_config(to_yaml(c), "round trip");
+  EXPECT_EQ(to_yaml(back), to_yaml(c));
+  EXPECT_EQ(back.action, ActionKind::kJoints);
+  EXPECT_EQ(back.joints, c.joints);
+  EXPECT_EQ(back.servos, c.servos);
+  EXPECT_EQ(back.observation, c.observation);
+}
+
+TEST(EnvConfig, ActionJointsBeginsWithWhatJointPoliciesUse) {
+  EXPECT_EQ(to_yaml(parse_env_config("action: joints\n", "env.yaml")), to_yaml(joint_environment()));
+  EXPECT_EQ(to_yaml(parse_env_config("action: gait\n", "env.yaml")), to_yaml(EnvConfig()));
+  EXPECT_EQ(EnvModel::make(joint_environment())->interface.observation.size(), 48U);
+}
+
+TEST(EnvConfig, KeysOfOneKindOfActionAreErrorsWithTheOther) {
+  EXPECT_EQ(complaint("action: joints\ngait: walk\n"),
+            "env.yaml: line 2, gait: expected this key with action: gait alone, found action: joints");
+  EXPECT_EQ(complaint("joints: {limit: 2}\n"),
+            "env.yaml: line 1, joints: expected this key with action: joints alone, found action: gait");
+  EXPECT_EQ(complaint("action: wings\n"), "env.yaml: line 1, action: expected gait or joints, found 'wings'");
+  EXPECT_EQ(complaint("preset: guide\naction: joints\n"),
+            "env.yaml: line 2, action: expected gait, which the guide's actions adapt, found joints");
+  EXPECT_EQ(complaint("action: joints\njoints: {gain: 2}\n").substr(0, 32),
+            "env.yaml: line 2, joints.gain: e");
+  EXPECT_EQ(complaint("servos: {ki: 2}\n").substr(0, 29), "env.yaml: line 1, servos.ki: ");
+  EXPECT_EQ(complaint("observation: [{block: gravity, gain: 2}]\n").substr(0, 34),
+            "env.yaml: line 1, observation[0].g");
+  EXPECT_EQ(complaint("observation: [{block: gravity, scale: fast}]\n").substr(0, 40),
+            "env.yaml: line 1, observation[0].scale: ");
+}
+
 TEST(EnvConfig, TheEngineMayGoByItsOldKey) {
   EXPECT_EQ(parse_env_config("backend: bullet\n", "env.yaml").engine, "bullet");
   EXPECT_EQ(parse_env_config("engine: bullet\n", "env.yaml").engine, "bullet");

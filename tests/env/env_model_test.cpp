@@ -28,8 +28,8 @@ CROSSGAIT_FOR_EVERY_BACKEND(SharedModel);
 TEST_P(SharedModel, IsReadOnce) {
   const auto model = EnvModel::make(config());
   const Engine engine = find_engine(GetParam());
-  const AdaptiveGaitEnv a(model, engine), b(model, engine);
-  for (const AdaptiveGaitEnv* env : {&a, &b}) {
+  const QuadrupedEnv a(model, engine), b(model, engine);
+  for (const QuadrupedEnv* env : {&a, &b}) {
     EXPECT_EQ(&env->model(), model.get());
     EXPECT_EQ(&env->config(), &model->config);
     EXPECT_EQ(&env->interface(), &model->interface);
@@ -42,7 +42,7 @@ TEST_P(SharedModel, IsReadOnce) {
 }
 
 TEST_P(SharedModel, MovesNothingBeforeTheFirstReset) {
-  const AdaptiveGaitEnv env(EnvModel::make(config()), find_engine(GetParam()));
+  const QuadrupedEnv env(EnvModel::make(config()), find_engine(GetParam()));
   const auto fresh = make(env.model().world);
   EXPECT_TRUE(scenes::identical(env.backend().state(), fresh->state()));
   EXPECT_EQ(env.backend().contacts().count, 0);
@@ -57,11 +57,11 @@ TEST_P(SharedModel, GivesTheBitsOfModelsOfTheirOwn) {
     }
     const auto model = EnvModel::make(c);
     const Engine engine = find_engine(GetParam());
-    AdaptiveGaitEnv first(model, engine), second(model, engine), own(c, engine);
+    QuadrupedEnv first(model, engine), second(model, engine), own(c, engine);
     EXPECT_NE(&own.model(), model.get());
     std::vector<std::vector<double>> runs;
     std::vector<MotionSummary> motions;
-    for (AdaptiveGaitEnv* env : {&own, &first, &second}) {
+    for (QuadrupedEnv* env : {&own, &first, &second}) {
       std::vector<double> seen(env->observation_size());
       env->reset(7, seen);
       Random random(8);
@@ -81,7 +81,7 @@ TEST_P(SharedModel, GivesTheBitsOfModelsOfTheirOwn) {
 TEST_P(SharedModel, AnEpisodeSavedInOneGoesOnInAnother) {
   const auto model = EnvModel::make(config());
   const Engine engine = find_engine(GetParam());
-  AdaptiveGaitEnv a(model, engine), b(model, engine);
+  QuadrupedEnv a(model, engine), b(model, engine);
   std::vector<double> seen(a.observation_size());
   a.reset(1, seen);
   Random random(2);
@@ -101,7 +101,7 @@ TEST_P(SharedModel, AnEpisodeOnGroundOfItsOwnGoesOnInAnyOther) {
   c.randomisation[Randomised::kTerrainSeed] = {0, 1000};
   const auto model = EnvModel::make(c);
   const Engine engine = find_engine(GetParam());
-  AdaptiveGaitEnv a(model, engine), b(model, engine);
+  QuadrupedEnv a(model, engine), b(model, engine);
   std::vector<double> seen(a.observation_size());
   a.reset(1, seen);
   b.reset(2, seen);

@@ -20,7 +20,7 @@ class Evaluations : public BackendTest {
   }
   static std::vector<EpisodeSummary> evaluate(const EnvConfig& config, const std::string& policy,
                                               std::size_t workers) {
-    return evaluate_policy([&] { return std::make_unique<AdaptiveGaitEnv>(config, find_engine(GetParam())); },
+    return evaluate_policy([&] { return std::make_unique<QuadrupedEnv>(config, find_engine(GetParam())); },
                            [&](const PolicyInterface& interface) { return make_policy(policy, interface); },
                            4, 5, workers);
   }
@@ -28,11 +28,11 @@ class Evaluations : public BackendTest {
 CROSSGAIT_FOR_EVERY_BACKEND(Evaluations);
 
 TEST_P(Evaluations, AddUpWhatTheEpisodesDid) {
-  AdaptiveGaitEnv env(config(), find_engine(GetParam()));
+  QuadrupedEnv env(config(), find_engine(GetParam()));
   const auto zero = make_policy("zero", env.interface());
   double reward = 0;
   int steps = 0;
-  const EpisodeSummary s = run_episode(env, *zero, 3, [&](const AdaptiveGaitEnv& e) {
+  const EpisodeSummary s = run_episode(env, *zero, 3, [&](const QuadrupedEnv& e) {
     ++steps;
     for (const double term : e.info().reward_terms) reward += term;
     return true;
@@ -71,7 +71,7 @@ TEST_P(Evaluations, NeedOneWorkerAtLeast) {
     made = 0;
     const EnvFactory factory = [&] {
       ++made;
-      return std::make_unique<AdaptiveGaitEnv>(brief, find_engine(GetParam()));
+      return std::make_unique<QuadrupedEnv>(brief, find_engine(GetParam()));
     };
     const PolicyFactory zero = [](const PolicyInterface& interface) {
       return make_policy("zero", interface);
@@ -87,10 +87,10 @@ TEST_P(Evaluations, NeedOneWorkerAtLeast) {
 }
 
 TEST_P(Evaluations, RefuseAPolicyOfAnotherLayout) {
-  AdaptiveGaitEnv env(config(), find_engine(GetParam()));
+  QuadrupedEnv env(config(), find_engine(GetParam()));
   EnvConfig other = config();
   other.adapt = {"step_length"};
-  const AdaptiveGaitEnv narrower(other, find_engine(GetParam()));
+  const QuadrupedEnv narrower(other, find_engine(GetParam()));
   const auto policy = make_policy("zero", narrower.interface());
   EXPECT_THROW(run_episode(env, *policy, 0), ConfigError);
 }

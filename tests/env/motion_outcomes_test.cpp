@@ -2,7 +2,7 @@
 #include <cmath>
 #include <functional>
 
-#include "crossgait/env/adaptive_gait_env.h"
+#include "crossgait/env/quadruped_env.h"
 #include "crossgait/tests/env/motions.h"
 #include "crossgait/tests/support/backend_test.h"
 
@@ -274,7 +274,7 @@ class EpisodeEnds : public BackendTest {
     Outcome outcome;  // as the last step's info has it
   };
   static Episode run(const Case& c) {
-    AdaptiveGaitEnv env(c.config, with_change(find_engine(GetParam()), c.change));
+    QuadrupedEnv env(c.config, with_change(find_engine(GetParam()), c.change));
     std::vector<double> seen(env.observation_size()), zeros(env.action_size(), 0);
     env.reset(0, seen);
     Episode episode;

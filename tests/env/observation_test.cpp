@@ -26,7 +26,7 @@ CROSSGAIT_FOR_EVERY_BACKEND(Layouts);
 TEST_P(Layouts, HaveTheGuidesSizesAndOneNamePerNumber) {
   for (const std::size_t parameters : {std::size_t{4}, std::size_t{5}, std::size_t{6}}) {
     for (const bool terrain : {false, true}) {
-      const AdaptiveGaitEnv env(adapting(parameters, terrain), find_engine(GetParam()));
+      const QuadrupedEnv env(adapting(parameters, terrain), find_engine(GetParam()));
       EXPECT_EQ(env.action_size(), parameters + 12);                           // 16, 17, 18
       EXPECT_EQ(env.observation_size(), 65 + parameters + (terrain ? 8 : 0));  // 69, 70, 71; 77, ...
       std::set<std::string> names;
@@ -51,7 +51,7 @@ TEST_P(Layouts, ReadAsWhatTheirNamesSay) {
     if (!block.standard && block.name != "terrain") config.observation.emplace_back(block.name);
   }
   config.command = VelocityCommand{0.1, 0.02, 0.3};
-  AdaptiveGaitEnv env(config, find_engine(GetParam()));
+  QuadrupedEnv env(config, find_engine(GetParam()));
   std::vector<double> seen(env.observation_size());
   env.reset(1, seen);
   Random random(1);
@@ -81,7 +81,7 @@ TEST_P(Layouts, ReadAsWhatTheirNamesSay) {
   for (const Leg leg : kLegs)
     EXPECT_EQ(at("contact." + std::string(name(leg))), env.info().contacts[leg].touching ? 1 : 0);
   const ParameterRow& row = find_parameter("body_height");
-  EXPECT_EQ(at("param.body_height"), row.normalise(env.info().parameters.body_height));
+  EXPECT_EQ(at("param.body_height"), row.normalise(env.info().parameters->body_height));
   const double yaw = roll_pitch_yaw(state.q_WB).z();
   const Terrain& ground = env.backend().spec().terrain;
   EXPECT_NEAR(at("terrain.front"),
@@ -97,7 +97,7 @@ TEST_P(Layouts, ReadAsWhatTheirNamesSay) {
   }
   EXPECT_EQ(at("command.vy"), 0.02);
   EXPECT_NEAR(std::atan2(at("phase.sin"), at("phase.cos")),
-              std::remainder(2 * M_PI * env.controller().phase(), 2 * M_PI), 1e-12);
+              std::remainder(2 * M_PI * env.gait()->phase(), 2 * M_PI), 1e-12);
   EXPECT_NEAR(at("gravity_B.z"), -state.q_WB.toRotationMatrix()(2, 2), 1e-12);
   EXPECT_NEAR(at("v_B.x"), state.q_WB.toRotationMatrix().col(0).dot(state.v_WB), 1e-12);
   EXPECT_NEAR(at("w_B.z"), state.q_WB.toRotationMatrix().col(2).dot(state.w_WB), 1e-12);
@@ -113,7 +113,7 @@ TEST_P(Layouts, TheHashTellsThemApart) {
   std::set<std::string> hashes;
   for (const std::size_t parameters : {std::size_t{4}, std::size_t{5}, std::size_t{6}}) {
     for (const bool terrain : {false, true}) {
-      const AdaptiveGaitEnv env(adapting(parameters, terrain), find_engine(GetParam()));
+      const QuadrupedEnv env(adapting(parameters, terrain), find_engine(GetParam()));
       hashes.insert(layout_hash(env.observation_layout(), env.action_layout()));
     }
   }
@@ -129,14 +129,14 @@ TEST_P(Layouts, OfARobotOfAnotherSizeAreOfItsSize) {
   config.robot = "serial_quadruped";
   config.terrain = "rough";
   config.observation.emplace_back("terrain");
-  AdaptiveGaitEnv env(config, find_engine(GetParam()));
+  QuadrupedEnv env(config, find_engine(GetParam()));
   std::vector<double> seen(env.observation_size());
   env.reset(1, seen);
   const std::vector<double> nothing(env.action_size(), 0);
   while (env.backend().state().time < 3) ASSERT_FALSE(env.step(nothing, seen).terminated);
   const RobotState& state = env.backend().state();
   const double scale = 0.288 / 0.062, yaw = roll_pitch_yaw(state.q_WB).z();
-  EXPECT_DOUBLE_EQ(env.info().parameters.body_height, 0.062 * scale);
+  EXPECT_DOUBLE_EQ(env.info().parameters->body_height, 0.062 * scale);
   EXPECT_GT(state.p_WB.x(), 0.5) << "two and a half seconds of .5 m/s, but for the start";
   const double x = state.p_WB.x() + 0.15 * scale * std::cos(yaw),
                y = state.p_WB.y() + 0.15 * scale * std::sin(yaw);
@@ -145,9 +145,9 @@ TEST_P(Layouts, OfARobotOfAnotherSizeAreOfItsSize) {
   // A full step of a parameter that adapts is as much larger.
   std::vector<double> up = nothing;
   up[0] = 1;
-  const double before = env.info().parameters.step_height;
+  const double before = env.info().parameters->step_height;
   ASSERT_FALSE(env.step(up, seen).terminated);
-  EXPECT_NEAR(env.info().parameters.step_height - before, find_parameter("step_height").delta_scale * scale,
+  EXPECT_NEAR(env.info().parameters->step_height - before, find_parameter("step_height").delta_scale * scale,
               1e-12);
 }
 

@@ -17,19 +17,19 @@ using policy_tests::random_network;
 class PolicyInEnvironment : public ScratchFolder {
  protected:
   /// Step heights after each policy step of one second.
-  static std::vector<double> step_heights(AdaptiveGaitEnv& env, Policy& policy) {
+  static std::vector<double> step_heights(QuadrupedEnv& env, Policy& policy) {
     std::vector<double> observation(env.observation_size()), action(env.action_size()), heights;
     env.reset(1, observation);
     policy.reset(1);
     for (int i = 0; i < 500; ++i) {
       policy.act(observation, action);
       EXPECT_FALSE(env.step(action, observation).terminated);
-      heights.push_back(env.info().parameters.step_height);
+      heights.push_back(env.info().parameters->step_height);
     }
     return heights;
   }
 
-  AdaptiveGaitEnv env_{EnvConfig{}, find_engine(available_engines().front())};
+  QuadrupedEnv env_{EnvConfig{}, find_engine(available_engines().front())};
 };
 
 TEST_F(PolicyInEnvironment, AScriptSteersParameters) {

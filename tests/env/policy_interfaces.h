@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "crossgait/env/policy_bundle.h"
-#include "crossgait/env/random.h"
+#include "crossgait/physics/random.h"
 
 namespace crossgait::policy_tests {
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/env/random.h"
+#include "crossgait/physics/random.h"
 #include "crossgait/tests/physics/config_error.h"
 #include "crossgait/tests/physics/scratch_folder.h"
 #include "crossgait/tests/support/constants.h"

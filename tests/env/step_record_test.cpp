@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "crossgait/env/adaptive_gait_env.h"
+#include "crossgait/env/quadruped_env.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/tests/support/backend_test.h"
 #include "crossgait/tests/support/environments.h"
@@ -28,7 +28,7 @@ EnvConfig turned_on_rough_ground() {
   return config;
 }
 
-double ground_clearance(const AdaptiveGaitEnv& env) {
+double ground_clearance(const QuadrupedEnv& env) {
   const Vector3& p = env.backend().state().p_WB;
   return p.z() - env.backend().spec().terrain.height(p.x(), p.y());
 }
@@ -56,7 +56,7 @@ Vector3 heading_of(const RobotState& s) {
 }
 Vector3 left_of(const Vector3& forward) { return Vector3::UnitZ().cross(forward); }
 
-std::map<std::string, double> expected_terms(const AdaptiveGaitEnv& env, const Seen& seen) {
+std::map<std::string, double> expected_terms(const QuadrupedEnv& env, const Seen& seen) {
   const RobotState &before = seen.before, &after = seen.after;
   const PhysicsBackend& world = env.backend();
   const RobotDescription& robot = world.robot();
@@ -65,7 +65,7 @@ std::map<std::string, double> expected_terms(const AdaptiveGaitEnv& env, const S
   double pattern = 0, slip = 0;
   const LegArray<FootContact> feet = world.foot_contacts();
   for (const Leg leg : kLegs) {
-    pattern += feet[leg].touching != env.controller().is_swing(leg) ? 0.2 : -0.5;
+    pattern += feet[leg].touching != env.gait()->is_swing(leg) ? 0.2 : -0.5;
     if (feet[leg].touching) slip += std::pow(feet[leg].slip_speed, 2);
   }
   double acceleration = 0, torque = 0, power = 0;
@@ -75,7 +75,7 @@ std::map<std::string, double> expected_terms(const AdaptiveGaitEnv& env, const S
     power += std::abs((world.torques()[i] + robot.joint(i).damping * after.qd[i]) * after.qd[i]);
   }
   double adaptation = 0;
-  for (const ParameterRow& row : env.controller().adapted())
+  for (const ParameterRow& row : env.gait()->adapted())
     adaptation += std::pow(seen.parameters.*row.member - seen.last_parameters.*row.member, 2);
   const Vector3 rpy = roll_pitch_yaw(after.q_WB);
   const double yaw = std::remainder(std::atan2(now.y(), now.x()) - seen.start_yaw, 2 * M_PI);
@@ -110,14 +110,14 @@ std::map<std::string, double> expected_terms(const AdaptiveGaitEnv& env, const S
 class StepRecords : public BackendTest {
  protected:
   /// Runs until the episode ends, comparing every term of every step. @returns the sum of each term's size
-  static std::map<std::string, double> compare(AdaptiveGaitEnv& env, StepResult& result) {
+  static std::map<std::string, double> compare(QuadrupedEnv& env, StepResult& result) {
     std::vector<double> observation(env.observation_size());
     env.reset(5, observation);
     Seen seen{};
     seen.start_yaw = roll_pitch_yaw(env.backend().state().q_WB).z();
     seen.standing_height = ground_clearance(env);
     seen.action.assign(env.action_size(), 0);
-    seen.parameters = env.info().parameters;
+    seen.parameters = *env.info().parameters;
     EXPECT_NEAR(seen.start_yaw, kYaw, 0.3);  // drawn within .1, and settled on rough ground
     std::map<std::string, double> sums;
     Random random(3);
@@ -129,7 +129,7 @@ class StepRecords : public BackendTest {
       seen.action = scenes::random_action(random, env.action_size());
       result = env.step(seen.action, observation);
       seen.after = env.backend().state();
-      seen.parameters = env.info().parameters;
+      seen.parameters = *env.info().parameters;
       seen.failed = result.terminated;
       double reward = 0;
       for (const auto& [name, value] : expected_terms(env, seen)) {
@@ -148,7 +148,7 @@ class StepRecords : public BackendTest {
 CROSSGAIT_FOR_EVERY_BACKEND(StepRecords);
 
 TEST_P(StepRecords, HoldWhatHappened) {
-  AdaptiveGaitEnv env(turned_on_rough_ground(), find_engine(GetParam()));
+  QuadrupedEnv env(turned_on_rough_ground(), find_engine(GetParam()));
   StepResult result;
   const std::map<std::string, double> sums = compare(env, result);
   EXPECT_EQ(sums.size(), kRewardTerms);
@@ -163,7 +163,7 @@ TEST_P(StepRecords, HoldWhatHappened) {
 TEST_P(StepRecords, SayOfTheLastStepThatItFailed) {
   EnvConfig config = turned_on_rough_ground();
   config.tilt_limit_deg = 3;  // a trot pitches by 5 degrees
-  AdaptiveGaitEnv env(config, find_engine(GetParam()));
+  QuadrupedEnv env(config, find_engine(GetParam()));
   StepResult result;
   const std::map<std::string, double> sums = compare(env, result);
   EXPECT_TRUE(result.terminated);
@@ -172,7 +172,7 @@ TEST_P(StepRecords, SayOfTheLastStepThatItFailed) {
 }
 
 TEST_P(StepRecords, DistancesAreAlongAndLeftOfTheHeadingAtTheStart) {
-  AdaptiveGaitEnv env(turned_on_rough_ground(), find_engine(GetParam()));
+  QuadrupedEnv env(turned_on_rough_ground(), find_engine(GetParam()));
   std::vector<double> observation(env.observation_size());
   env.reset(5, observation);
   const RobotState start = env.backend().state();

@@ -78,7 +78,7 @@ TEST_P(Vectors, EachIsASingleEnvironmentWithItsOwnSeed) {
   Arrays arrays(env);
   env.reset(11, arrays.observations);
   for (std::size_t i = 0; i < 3; ++i) {
-    AdaptiveGaitEnv single(config, find_engine(GetParam()));
+    QuadrupedEnv single(config, find_engine(GetParam()));
     std::vector<double> seen(single.observation_size());
     single.reset(derived_seed(derived_seed(11, i), 0), seen);
     const auto row = std::span(arrays.observations).subspan(i * seen.size(), seen.size());
@@ -111,7 +111,7 @@ class Single {
     begin();
   }
 
-  const AdaptiveGaitEnv& env() const { return env_; }
+  const QuadrupedEnv& env() const { return env_; }
 
  private:
   void begin() {
@@ -119,7 +119,7 @@ class Single {
     ended_ = false;
   }
 
-  AdaptiveGaitEnv env_;
+  QuadrupedEnv env_;
   std::uint64_t seed_, episode_ = 0;
   AutoReset mode_;
   bool ended_ = false;
@@ -143,7 +143,7 @@ void expect_same_info(const StepInfo& a, const StepInfo& b) {
   EXPECT_EQ(a.invalid_actions, b.invalid_actions);
   EXPECT_EQ(a.outcome, b.outcome);
   for (const ParameterRow& row : gait_parameters())
-    EXPECT_EQ(a.parameters.*row.member, b.parameters.*row.member) << row.name;
+    EXPECT_EQ((*a.parameters).*row.member, (*b.parameters).*row.member) << row.name;
   for (const Leg leg : kLegs) {
     EXPECT_EQ(a.contacts[leg].touching, b.contacts[leg].touching);
     EXPECT_EQ(a.contacts[leg].force, b.contacts[leg].force);

@@ -22,46 +22,80 @@ EnvConfig all_blocks(const std::string& terrain) {
   return config;
 }
 
-TEST(EnvironmentParity, MatchedEnginesSeeTheSame) {
+// Joint targets at 50 Hz of one of the bundled robots, no further from home than it can stand.
+EnvConfig commanded_joints(const std::string& robot) {
+  EnvConfig config = joint_environment();
+  config.robot = robot;
+  config.joints.scale.all = 0.1;
+  return config;
+}
+
+/// Names of engines of the first one's laws.
+std::vector<std::string> matched_engines() {
   std::vector<std::string> matched;
   for (const std::string& name : available_engines()) {
     if (find_engine(name).info.laws == find_engine(available_engines().front()).info.laws)
       matched.push_back(name);
   }
-  if (matched.size() < 2) GTEST_SKIP() << "no two engines declare the same contact law";
-  for (const char* terrain : {"flat", "rough"}) {
-    const auto exact = [](const std::string& name) {
-      // So that what differs is not where an iteration stopped.
-      return with_change(find_engine(name), [](WorldSpec& world) { world.solver.tolerance = 1e-12; });
-    };
-    AdaptiveGaitEnv a(all_blocks(terrain), exact(matched[0])), b(all_blocks(terrain), exact(matched[1]));
-    std::vector<double> x(a.observation_size()), y(x.size());
-    a.reset(1, x);
-    b.reset(1, y);
-    Random random(3);
-    double worst = 0;
-    std::string where;
-    for (int i = 0; i < 1000; ++i) {
-      const std::vector<double> action = scenes::random_action(random, a.action_size());
-      const StepResult result = a.step(action, x), other = b.step(action, y);
-      ASSERT_EQ(result.done(), other.done());
-      if (result.done()) break;
-      for (std::size_t k = 0; k < x.size(); ++k) {
-        if (std::abs(x[k] - y[k]) > worst) {
-          worst = std::abs(x[k] - y[k]);
-          where = a.observation_layout().entries[k].name + " in step " + std::to_string(i);
-        }
-      }
+  return matched;
+}
+
+struct SeenDifference {
+  double worst = 0;
+  std::string where;
+};
+
+/// Of what two engines see under the same random actions.
+SeenDifference largest_difference(const EnvConfig& config, const std::vector<std::string>& engines,
+                                  int steps) {
+  const auto exact = [](const std::string& name) {
+    // So that what differs is not where an iteration stopped.
+    return with_change(find_engine(name), [](WorldSpec& world) { world.solver.tolerance = 1e-12; });
+  };
+  QuadrupedEnv a(config, exact(engines[0])), b(config, exact(engines[1]));
+  std::vector<double> x(a.observation_size()), y(x.size());
+  a.reset(1, x);
+  b.reset(1, y);
+  Random random(3);
+  SeenDifference difference;
+  for (int i = 0; i < steps; ++i) {
+    const std::vector<double> action = scenes::random_action(random, a.action_size());
+    const StepResult result = a.step(action, x), other = b.step(action, y);
+    EXPECT_EQ(result.done(), other.done());
+    if (result.done()) break;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      if (std::abs(x[k] - y[k]) <= difference.worst) continue;
+      difference = {std::abs(x[k] - y[k]),
+                    a.observation_layout().entries[k].name + " in step " + std::to_string(i)};
     }
-    measured(std::string(terrain) + ", largest difference of an observation", worst);
-    // Measured 6.5e-13 (rates of joints, rad/s); a hundred times that, up to the next power of ten.
-    EXPECT_LT(worst, 1e-10) << where;
+  }
+  return difference;
+}
+
+TEST(EnvironmentParity, MatchedEnginesSeeTheSame) {
+  const std::vector<std::string> engines = matched_engines();
+  if (engines.size() < 2) GTEST_SKIP() << "no two engines declare the same contact law";
+  for (const char* terrain : {"flat", "rough"}) {
+    const SeenDifference difference = largest_difference(all_blocks(terrain), engines, 1000);
+    measured(std::string(terrain) + ", largest difference of an observation", difference.worst);
+    // Measured 5.4e-12 (rates of joints, rad/s); twenty times that.
+    EXPECT_LT(difference.worst, 1e-10) << difference.where;
+  }
+}
+
+TEST(EnvironmentParity, MatchedEnginesSeeTheSameUnderJointActions) {
+  const std::vector<std::string> engines = matched_engines();
+  if (engines.size() < 2) GTEST_SKIP() << "no two engines declare the same contact law";
+  for (const char* robot : {"scara_quadruped", "serial_quadruped"}) {
+    const SeenDifference difference = largest_difference(commanded_joints(robot), engines, 100);
+    measured(std::string(robot) + ", largest difference under joint actions", difference.worst);
+    EXPECT_LT(difference.worst, 1e-10) << difference.where;  // measured 3.5e-13 in 2 s
   }
 }
 
 /// An observation every 25 steps of 200 under fixed actions, one line each.
 std::vector<std::vector<double>> golden_run(const std::string& backend) {
-  AdaptiveGaitEnv env(all_blocks("rough"), find_engine(backend));
+  QuadrupedEnv env(all_blocks("rough"), find_engine(backend));
   std::vector<double> seen(env.observation_size());
   std::vector<std::vector<double>> lines;
   env.reset(1, seen);

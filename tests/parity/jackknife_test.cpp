@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/env/random.h"
+#include "crossgait/physics/random.h"
 
 namespace crossgait {
 namespace {

@@ -106,6 +106,115 @@ TEST(ServoTorque, IsSpringAndDamperWithinTheEffortLimit) {
   EXPECT_EQ(servo_torque(servo, 10, 0, 36), 2);  // the damper is inside the limit
 }
 
+TEST(ServoTorque, FallsWithTheSpeedInItsDirection) {
+  Joint servo = servo_and_pendulum().joint(0);  // effort 3
+  servo.kd = 0;
+  servo.corner_speed = 2;
+  servo.no_load_speed = 6;
+  EXPECT_EQ(servo_torque(servo, 10, 0, 2), 3);
+  EXPECT_EQ(servo_torque(servo, 10, 0, 4), 1.5);
+  EXPECT_EQ(servo_torque(servo, 10, 0, 6), 0);
+  EXPECT_EQ(servo_torque(servo, 10, 0, 8), 0);
+  EXPECT_EQ(servo_torque(servo, -10, 0, -5), -0.75);
+  EXPECT_EQ(servo_torque(servo, -10, 0, 8), -3);      // it brakes with all that it has
+  EXPECT_EQ(servo_torque(servo, 0.75, 0.5, 4), 0.5);  // and only the largest torque is less
+}
+
+TEST(ServoTorque, HasNoneWithinThePlay) {
+  Joint servo = servo_and_pendulum().joint(0);  // kp 2, kd .5
+  servo.backlash = 0.5;
+  EXPECT_EQ(servo_torque(servo, 1.25, 1, 3), 0);
+  EXPECT_EQ(servo_torque(servo, 0.75, 1, 3), 0);
+  EXPECT_EQ(servo_torque(servo, 1.5, 1, 0), 0.5);
+  EXPECT_EQ(servo_torque(servo, 0.5, 1, 0), -0.5);
+  EXPECT_EQ(servo_torque(servo, 1.5, 1, 0.5), 0.25);
+  EXPECT_EQ(servo_torque(servo, 1.5, 1, 4), 0);  // the damper would pull it back through the play
+}
+
+WorldSpec world_with(const std::function<void(Joint&)>& change) {
+  RobotDescription robot = servo_and_pendulum();
+  change(robot.bodies[1].joint);
+  WorldSpec world = puppet_world();
+  world.robot = std::make_shared<const RobotDescription>(std::move(robot));
+  return world;
+}
+
+TEST(Drives, TargetsComeAfterTheirDelay) {
+  // kp 2 at rest: a torque tells its target.
+  Puppet world(world_with([](Joint& joint) { joint.delay = 3 * 0.0625; }));
+  RobotState rest;
+  rest.q = rest.qd = JointVector::Zero(2);
+  for (int episode = 0; episode < 2; ++episode) {  // what is on its way does not outlive a reset
+    world.torques_seen.clear();
+    world.reset(rest);
+    for (int i = 0; i < 3; ++i) ASSERT_EQ(world.step(target(0.125 * (i + 1)), 2), StepStatus::kOk);
+    std::vector<double> torques;
+    for (const JointVector& tau : world.torques_seen) torques.push_back(tau[0] / 2);
+    EXPECT_EQ(torques, (std::vector<double>{0.125, 0.125, 0.125, 0.125, 0.125, 0.25}));
+  }
+}
+
+TEST(Drives, ASnapshotKeepsWhatIsOnItsWay) {
+  const WorldSpec spec = world_with([](Joint& joint) {
+    joint.delay = 3 * 0.0625;
+    joint.sensor_noise = 0.01;
+  });
+  Puppet world(spec), other(spec);
+  RobotState rest;
+  rest.q = rest.qd = JointVector::Zero(2);
+  world.reset(rest);
+  for (int i = 0; i < 5; ++i) ASSERT_EQ(world.step(target(0.125 * i)), StepStatus::kOk);
+  const Snapshot saved = world.save();
+  const auto go_on = [](Puppet& w) {
+    w.torques_seen.clear();
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(w.step(target(-0.125 * i)), StepStatus::kOk);
+    return w.torques_seen;
+  };
+  const auto first = go_on(world);
+  other.restore(saved);
+  EXPECT_EQ(go_on(other), first);
+  world.restore(saved);
+  EXPECT_EQ(go_on(world), first);
+  Puppet without(world_with([](Joint&) {}));
+  EXPECT_THROW(without.restore(saved), ConfigError);
+}
+
+TEST(Drives, MeasureWithUniformErrors) {
+  Puppet world(world_with([](Joint& joint) { joint.sensor_noise = 0.25; }));
+  RobotState rest;
+  rest.q = rest.qd = JointVector::Zero(2);
+  world.reset(rest);
+  ASSERT_EQ(world.step(target(0), 4000), StepStatus::kOk);
+  double sum = 0, squares = 0, least = 0, most = 0;
+  for (const JointVector& tau : world.torques_seen) {
+    const double n = -tau[0] / 2;  // kp 2
+    sum += n;
+    squares += n * n;
+    least = std::min(least, n);
+    most = std::max(most, n);
+  }
+  EXPECT_GT(least, -0.25);
+  EXPECT_LT(least, -0.24);
+  EXPECT_LT(most, 0.25);
+  EXPECT_GT(most, 0.24);
+  // Of 4000: within four standard errors of 0, and within 10 % of the variance of the uniform law.
+  EXPECT_LT(std::abs(sum / 4000), 4 * 0.25 / std::sqrt(3 * 4000.0));
+  EXPECT_NEAR(squares / 4000, 0.25 * 0.25 / 3, 0.1 * 0.25 * 0.25 / 3);
+}
+
+TEST(Drives, RefuseDelaysOfPartsOfAStep) {
+  const auto message = [](double delay) {
+    return std::string(
+        config_error([&] { Puppet(world_with([delay](Joint& joint) { joint.delay = delay; })); }).what());
+  };
+  EXPECT_NE(
+      message(0.1).find("expected a whole number of physics steps of 0.0625 s, at most 1000, found 0.1 s"),
+      std::string::npos)
+      << message(0.1);
+  EXPECT_NE(message(-1).find("delay (s) >= 0"), std::string::npos) << message(-1);
+  EXPECT_NE(message(0.01).find("found 0.01 s"), std::string::npos);
+}
+
 TEST(SharedStep, AppliesServosAndDampingAnewInEveryPhysicsStep) {
   Puppet world(puppet_world());
   world.reset(turning());

@@ -142,7 +142,7 @@ TEST(RolloutReport, AsJsonHasEveryPolicyAndEpisode) {
   episode.steps = 9;
   episode.invalid_actions = 4;
   episode.motion.distance_m = 0.75;
-  episode.parameters.step_length = 0.0625;
+  episode.parameters.emplace().step_length = 0.0625;
   r.policies[1].episodes = {episode, {}};
   const ordered_json json = to_json(r);
   EXPECT_EQ(json["schema"]["name"], "rollout");

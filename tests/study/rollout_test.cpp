@@ -60,7 +60,7 @@ TEST_P(Studies, TheTraceOfAPolicyIsItsFirstEpisode) {
   const Trace trace = trace_episode(config, "random", 3);
   EXPECT_EQ(trace.size(), 200U);
   EXPECT_EQ(trace.back().state.p_WB, rollout.policies[0].episodes[0].motion.final_position_m);
-  EXPECT_EQ(trace.back().parameters->step_length, rollout.policies[0].episodes[0].parameters.step_length);
+  EXPECT_EQ(trace.back().parameters->step_length, rollout.policies[0].episodes[0].parameters->step_length);
 }
 
 TEST_P(Studies, TransferIsTheRolloutOfEveryCell) {

@@ -65,7 +65,8 @@ TEST(RunSpec, HasOneTextThatStays) {
 }
 
 TEST(RunSpec, StatesEveryParameterOfAnEnvironment) {
-  // Also those that it leaves to the gait and to the robot's size: where a default changes, the run is another.
+  // Also those that it leaves to the gait and to the robot's size: where a default changes, the run is
+  // another.
   RunSpec sparse = policy_run(), whole = policy_run();
   EnvConfig& environment = policy_of(whole).environment;
   environment = EnvModel::make(environment)->stated();

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/backends/registry.h"
-#include "crossgait/env/random.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/random.h"
 #include "crossgait/tests/support/table_rows.h"
 
 namespace crossgait {

@@ -95,8 +95,25 @@ inline EnvConfig full_environment() {
   return config;
 }
 
-inline std::size_t allocations_of_an_environment(const Engine& engine) {
-  AdaptiveGaitEnv env(full_environment(), engine);
+/// Joints commanded, seen late, noisy and with what came before.
+inline EnvConfig full_joint_environment() {
+  EnvConfig config = joint_environment();
+  config.terrain = "rough";
+  config.joints.delay = 0.006;
+  for (ObservationTerm& term : config.observation) {
+    term.scale = {0.5};
+    term.noise = 0.01;
+    term.clip = 10;
+    term.delay = 0.004;
+    term.history = 3;
+  }
+  config.reward.fill(1);
+  return config;
+}
+
+inline std::size_t allocations_of_an_environment(const Engine& engine,
+                                                 const EnvConfig& config = full_environment()) {
+  QuadrupedEnv env(config, engine);
   std::vector<double> seen(env.observation_size());
   env.reset(1, seen);
   Random random(2);

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "crossgait/backends/registry.h"
-#include "crossgait/env/adaptive_gait_env.h"
-#include "crossgait/env/random.h"
+#include "crossgait/env/quadruped_env.h"
+#include "crossgait/physics/random.h"
 
 namespace crossgait::scenes {
 
@@ -17,7 +17,7 @@ inline std::vector<double> random_action(Random& random, std::size_t size) {
 }
 
 /// Observations and rewards of `steps` steps under random actions, an ended episode followed by another.
-inline std::vector<double> record(AdaptiveGaitEnv& env, Random& random, int steps) {
+inline std::vector<double> record(QuadrupedEnv& env, Random& random, int steps) {
   std::vector<double> all, observation(env.observation_size());
   for (int i = 0; i < steps; ++i) {
     const StepResult result = env.step(random_action(random, env.action_size()), observation);

@@ -1,4 +1,4 @@
-#include "crossgait/env/adaptive_gait_env.h"
+#include "crossgait/env/quadruped_env.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,56 +20,66 @@ Vector3 in_heading(const Vector3& v, double yaw) noexcept {
   return {c * v.x() + s * v.y(), c * v.y() - s * v.x(), v.z()};
 }
 
+std::variant<GaitControl, JointControl> make_control(const EnvModel& model) {
+  if (model.config.action == ActionKind::kGait) return GaitControl(model);
+  return JointControl(model);
+}
+
+constexpr std::uint64_t kNoiseStream = 0x6e6f697365;  // "noise": random numbers of the observer
+
 }  // namespace
 
-AdaptiveGaitEnv::AdaptiveGaitEnv(std::shared_ptr<const EnvModel> model, Engine engine)
+QuadrupedEnv::QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine)
     : model_(std::move(model)), engine_(std::move(engine)), episode_(make_episode()), source_(make_source()) {
   if (!config().randomisation.changes_world()) backend_ = engine_.make(model_->world);
 }
 
-AdaptiveGaitEnv::AdaptiveGaitEnv(const EnvConfig& config, Engine engine)
-    : AdaptiveGaitEnv(EnvModel::make(config), std::move(engine)) {}
+QuadrupedEnv::QuadrupedEnv(const EnvConfig& config, Engine engine)
+    : QuadrupedEnv(EnvModel::make(config), std::move(engine)) {}
 
-AdaptiveGaitEnv::Episode AdaptiveGaitEnv::make_episode() const {
+QuadrupedEnv::Episode QuadrupedEnv::make_episode() const {
   const EnvConfig& c = config();
   OutcomeLimits limits;
   limits.tilt_deg = c.tilt_limit_deg;
-  Episode episode{.controller = model_->make_controller(),
-                  .legs = LegController(model_->world.robot),
-                  .loop = ClosedLoop(*model_->world.robot, {c.control_dt, c.settle_seconds, limits, c.ends})};
-  episode.parameters.assign(episode.controller.adapted().size(), 0);
+  Episode episode{.control = make_control(*model_),
+                  .loop = ClosedLoop(*model_->world.robot, {c.control_dt, c.settle_seconds, limits, c.ends}),
+                  .observer = model_->observer};
+  if (const auto* control = std::get_if<GaitControl>(&episode.control))
+    episode.parameters.assign(control->controller().adapted().size(), 0);
   episode.last_parameters = episode.parameters;
   episode.action.assign(action_size(), 0);
   episode.last_action = episode.action;
+  episode.last_observation.assign(observation_size(), 0);
   return episode;
 }
 
-TargetSource AdaptiveGaitEnv::make_source() {
-  const auto stay = [this](double dt, ControlTargets& out) {
-    solve_legs(episode_.legs, episode_.standing, dt, out);
-    episode_.info.ik_clamped += out.ik_clamped;
-  };
-  const auto advance = [this](double dt, ControlTargets& out) {
-    const LegArray<FootTarget>& feet = episode_.controller.update(dt);
-    drive_legs(episode_.legs, episode_.controller.generator(), feet,
-               config().command ? std::optional(episode_.command) : std::nullopt, dt, out);
-    episode_.info.ik_clamped += out.ik_clamped;
-  };
-  const auto look = [this](const RobotState& state, double dt) {
-    const double turning = episode_.command.yaw_rate;  // also of a command that came later
-    episode_.controller.generator().set_steering(
-        episode_.heading.look(model_->heading_hold, state, turning, dt));
-  };
-  return {.stand =
-              [this](const Terrain& terrain, const Placement& placement) {
-                return episode_.legs.standing_state(episode_.standing, terrain, placement);
-              },
-          .hold = stay,
-          .advance = advance,
-          .look = look};
+const AdaptiveGaitController* QuadrupedEnv::gait() const noexcept {
+  const auto* control = std::get_if<GaitControl>(&episode_.control);
+  return control == nullptr ? nullptr : &control->controller();
 }
 
-WorldSpec AdaptiveGaitEnv::draw_world() {
+TargetSource QuadrupedEnv::make_source() {
+  TargetSource source;
+  source.stand = [this](const Terrain& terrain, const Placement& placement) {
+    return std::visit([&](const auto& control) { return control.stand(terrain, placement); },
+                      episode_.control);
+  };
+  source.hold = [this](double dt, ControlTargets& out) {
+    std::visit([&](auto& control) { control.hold(dt, out); }, episode_.control);
+    episode_.info.ik_clamped += out.ik_clamped;
+  };
+  source.advance = [this](double dt, ControlTargets& out) {
+    std::visit([&](auto& control) { control.advance(dt, out); }, episode_.control);
+    episode_.info.ik_clamped += out.ik_clamped;
+  };
+  source.look = [this](const RobotState& state, double dt) {
+    if (auto* control = std::get_if<GaitControl>(&episode_.control)) control->look(state, dt);
+    look_between();
+  };
+  return source;
+}
+
+WorldSpec QuadrupedEnv::draw_world() {
   const EnvConfig& c = config();
   WorldSpec world = randomised_world(model_->world, c.randomisation, episode_.draw, episode_.random);
   if (c.randomisation.is_on(Randomised::kTerrainSeed)) {
@@ -79,13 +89,13 @@ WorldSpec AdaptiveGaitEnv::draw_world() {
   return world;
 }
 
-Start AdaptiveGaitEnv::draw_start() const {
+Start QuadrupedEnv::draw_start() const {
   const RandomDraw& draw = episode_.draw;
   return {placement_of(draw), draw[Randomised::kStartPhase] * model_->parameters.cycle_time,
           Pushes(config().randomisation, draw, episode_.random)};
 }
 
-void AdaptiveGaitEnv::reset(std::uint64_t seed, std::span<double> observation) {
+void QuadrupedEnv::reset(std::uint64_t seed, std::span<double> observation) {
   check_size(kSource, "observation", observation.size(), observation_size());
   Episode& e = episode_;
   e.begun = false;  // until all of it has worked
@@ -93,25 +103,15 @@ void AdaptiveGaitEnv::reset(std::uint64_t seed, std::span<double> observation) {
   e.draw = draw(config().randomisation, e.random);
   if (config().randomisation.changes_world()) backend_ = engine_.make(draw_world());
 
-  if (config().command) {
-    static_cast<void>(e.controller.generator().set_command(*config().command));  // finite: validated
-  } else {
-    e.controller.generator().clear_command();
-  }
+  std::visit([this](auto& control) { control.restart(config().command); }, e.control);
   e.command = config().command.value_or(VelocityCommand{});
-  e.controller.generator().set_steering(0);
-  e.controller.reset(GaitGenerator::Start::kStanding);
-  e.legs.restart();
-  e.heading.restart();
-  e.steps = 0;
+  e.observer.restart(derived_seed(seed, kNoiseStream));
+  e.steps = e.control_steps = 0;
   e.result = {};
   e.info = {};
   std::fill(e.action.begin(), e.action.end(), 0.0);
 
-  // Standing is the gait's first target held; walking begins after it, part of a cycle if so drawn.
-  e.standing = target_positions(e.controller.targets());
-  e.controller.generator().set_sweep(e.legs.foot_sweep(e.standing, e.controller.parameters()));
-  e.legs.set_load_share(e.controller.parameters().load_share);
+  // Standing first; motion begins after it, part of a gait's cycle if so drawn.
   e.loop.start(*backend_, source_, draw_start());
   e.result.terminated = e.loop.ended();
   e.begun = true;
@@ -119,7 +119,7 @@ void AdaptiveGaitEnv::reset(std::uint64_t seed, std::span<double> observation) {
   observe(observation);
 }
 
-void AdaptiveGaitEnv::take_action(std::span<const double> action) noexcept {
+void QuadrupedEnv::take_action(std::span<const double> action) noexcept {
   Episode& e = episode_;
   std::swap(e.action, e.last_action);
   std::swap(e.parameters, e.last_parameters);
@@ -127,61 +127,65 @@ void AdaptiveGaitEnv::take_action(std::span<const double> action) noexcept {
   for (std::size_t i = 0; i < action.size(); ++i) {
     const bool finite = std::isfinite(action[i]);
     e.info.invalid_actions += finite ? 0 : 1;
-    e.action[i] = finite ? std::clamp(action[i], -1.0, 1.0) : 0;
+    const LayoutEntry& entry = action_layout().entries[i];
+    e.action[i] = finite ? std::clamp(action[i], entry.min, entry.max) : 0;
   }
-  e.controller.apply_action(e.action);
+  std::visit([&e](auto& control) { control.apply(e.action); }, e.control);
 }
 
-StepResult AdaptiveGaitEnv::step(std::span<const double> action, std::span<double> observation) {
+StepResult QuadrupedEnv::step(std::span<const double> action, std::span<double> observation) {
   check_size(kSource, "action", action.size(), action_size());
   check_size(kSource, "observation", observation.size(), observation_size());
   require_begun("step");
   Episode& e = episode_;
   if (e.result.done()) {
     e.result.reward = 0;
-  } else {
-    const RobotState before = backend_->state();
-    take_action(action);
-    e.info.ik_clamped = 0;
-    e.loop.advance(*backend_, source_, model_->policy_steps);
-    finish_step(before);
+    std::copy(e.last_observation.begin(), e.last_observation.end(), observation.begin());
+    return e.result;
   }
+  const RobotState before = backend_->state();
+  take_action(action);
+  e.info.ik_clamped = e.control_steps = 0;
+  e.loop.advance(*backend_, source_, model_->policy_steps);
+  finish_step(before);
   observe(observation);
   return e.result;
 }
 
-void AdaptiveGaitEnv::finish_step(const RobotState& before) {
+void QuadrupedEnv::finish_step(const RobotState& before) {
   Episode& e = episode_;
   ++e.steps;
   e.info.time = e.steps * config().policy_dt;
-  e.info.limit_factor = e.controller.generator().limit_factor();
+  e.info.limit_factor = e.loop.targets().limit_factor;
   measure();
   e.result.terminated = e.loop.ended();
   e.result.truncated = !e.result.terminated && e.steps >= model_->max_steps;
   e.result.reward = evaluate(before);
 }
 
-void AdaptiveGaitEnv::measure() {
+void QuadrupedEnv::measure() {
   Episode& e = episode_;
   const RobotState& state = backend_->state();
   const MotionStatistics& statistics = e.loop.statistics();
   model_->foot_kinematics.update(state, feet_);
   e.info.contacts = backend_->foot_contacts();
-  for (const Leg leg : kLegs) e.info.swing[leg] = e.controller.is_swing(leg);
-  e.info.parameters = e.controller.parameters();
-  for (std::size_t i = 0; i < e.parameters.size(); ++i)
-    e.parameters[i] = e.info.parameters.*e.controller.adapted()[i].member;
+  if (const AdaptiveGaitController* controller = gait()) {
+    for (const Leg leg : kLegs) e.info.swing[leg] = controller->is_swing(leg);
+    e.info.parameters = controller->parameters();
+    for (std::size_t i = 0; i < e.parameters.size(); ++i)
+      e.parameters[i] = controller->parameters().*controller->adapted()[i].member;
+  }
   if (e.steps == 0) e.last_parameters = e.parameters;
   e.info.roll_pitch_yaw = roll_pitch_yaw(state.q_WB);
   e.info.roll_pitch_yaw.z() = std::remainder(e.info.roll_pitch_yaw.z() - statistics.start_yaw(), 2 * M_PI);
   const Vector3 moved = in_heading(state.p_WB - statistics.start(), statistics.start_yaw());
   e.info.distance = moved.x();
   e.info.lateral = moved.y();
-  e.info.power = servo_power(*backend_, model_->servos);
+  e.info.power = servo_power(*backend_, model_->joints.servos);
   e.info.outcome = statistics.worst();
 }
 
-double AdaptiveGaitEnv::evaluate(const RobotState& before) {
+double QuadrupedEnv::evaluate(const RobotState& before) {
   Episode& e = episode_;
   const RobotState& after = backend_->state();
   const MotionStatistics& statistics = e.loop.statistics();
@@ -203,40 +207,55 @@ double AdaptiveGaitEnv::evaluate(const RobotState& before) {
       .last_action = e.last_action,
       .parameters = e.parameters,
       .last_parameters = e.last_parameters,
-      .servos = model_->servos,
+      .servos = model_->joints.servos,
       .weight = statistics.weight(),
       .power = e.info.power,
+      .size = model_->size,
       .failed = e.result.terminated,
   };
   return evaluate_reward(record, config().reward, e.info.reward_terms);
 }
 
-void AdaptiveGaitEnv::observe(std::span<double> observation) const {
+ObservationSource QuadrupedEnv::seen() const noexcept {
   const Episode& e = episode_;
-  const ObservationSource source{*backend_, feet_,          e.info.contacts, e.controller,
-                                 e.command, model_->servos, e.action};
-  double* out = observation.data();
-  for (const ObservationBlock* block : model_->blocks) block->write(source, out);
+  return {*backend_,           feet_,   e.info.contacts, gait(), e.command, model_->joints.servos,
+          model_->joints.home, e.action};
 }
 
-void AdaptiveGaitEnv::set_command(const VelocityCommand& command) {
-  if (!episode_.controller.generator().set_command(command)) {
+void QuadrupedEnv::observe(std::span<double> observation) {
+  Episode& e = episode_;
+  e.observer.observe(seen(), observation);
+  if (e.result.done()) std::copy(observation.begin(), observation.end(), e.last_observation.begin());
+}
+
+// The observer sees the instants between the control steps of a policy step; those at its ends in `observe`.
+void QuadrupedEnv::look_between() {
+  Episode& e = episode_;
+  if (!e.begun || !e.observer.looks_between() || e.control_steps++ == 0) return;
+  model_->foot_kinematics.update(backend_->state(), feet_);
+  e.info.contacts = backend_->foot_contacts();
+  e.observer.look(seen());
+}
+
+void QuadrupedEnv::set_command(const VelocityCommand& command) {
+  if (!command.is_finite()) {
     throw ConfigError(kSource, "command", "finite vx, vy (m/s) and yaw rate (rad/s)",
                       fmt::format("{}, {}, {}", command.vx, command.vy, command.yaw_rate));
   }
+  std::visit([&command](auto& control) { control.set_command(command); }, episode_.control);
   episode_.command = command;
 }
 
-void AdaptiveGaitEnv::require_begun(std::string_view what) const {
+void QuadrupedEnv::require_begun(std::string_view what) const {
   if (!episode_.begun) throw ConfigError(kSource, what, "a reset before it", "none");
 }
 
-std::shared_ptr<const AdaptiveGaitEnv::Saved> AdaptiveGaitEnv::save() const {
+std::shared_ptr<const QuadrupedEnv::Saved> QuadrupedEnv::save() const {
   require_begun("save");
   return std::make_shared<const Saved>(Saved{episode_, backend_->spec(), backend_->save(), model_->layout});
 }
 
-void AdaptiveGaitEnv::restore(const Saved& saved) {
+void QuadrupedEnv::restore(const Saved& saved) {
   if (saved.layout != model_->layout) {
     throw ConfigError("restore", "layout", fmt::format("an environment of layout {}", model_->layout),
                       saved.layout);

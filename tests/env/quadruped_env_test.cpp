@@ -1,4 +1,4 @@
-#include "crossgait/env/adaptive_gait_env.h"
+#include "crossgait/env/quadruped_env.h"
 
 #include <limits>
 
@@ -16,10 +16,10 @@ using test::kNaN;
 
 class Environment : public BackendTest {
  protected:
-  static AdaptiveGaitEnv make_env(const EnvConfig& config = {}) {
-    return AdaptiveGaitEnv(config, find_engine(GetParam()));
+  static QuadrupedEnv make_env(const EnvConfig& config = {}) {
+    return QuadrupedEnv(config, find_engine(GetParam()));
   }
-  static std::vector<double> zeros(const AdaptiveGaitEnv& env) {
+  static std::vector<double> zeros(const QuadrupedEnv& env) {
     return std::vector<double>(env.action_size(), 0);
   }
 };
@@ -29,7 +29,7 @@ TEST_P(Environment, AZeroPolicyIsThePlainGait) {
   // The environment's physics is that of `crossgait walk` step for step.
   EnvConfig config;
   config.episode_seconds = 2;
-  AdaptiveGaitEnv env = make_env(config);
+  QuadrupedEnv env = make_env(config);
   std::vector<double> seen(env.observation_size());
   env.reset(0, seen);
   while (!env.step(zeros(env), seen).done()) {
@@ -46,7 +46,7 @@ TEST_P(Environment, AZeroPolicyIsThePlainGait) {
 
 TEST_P(Environment, ATurnThatIsCommandedLaterIsFollowed) {
   // Heading hold knows of it: it would hold on to the first heading otherwise.
-  AdaptiveGaitEnv env = make_env({});
+  QuadrupedEnv env = make_env({});
   std::vector<double> seen(env.observation_size());
   env.reset(0, seen);
   env.set_command({0.1, 0, 0.4});
@@ -60,7 +60,7 @@ TEST_P(Environment, HeadingHoldCanBeSwitchedOff) {
     EnvConfig config;
     config.heading_hold = hold;
     config.command = VelocityCommand{0.35, 0, 0};
-    AdaptiveGaitEnv env = make_env(config);
+    QuadrupedEnv env = make_env(config);
     std::vector<double> seen(env.observation_size());
     env.reset(0, seen);
     for (int i = 0; i < 3000; ++i) env.step(zeros(env), seen);  // 6 s
@@ -73,7 +73,7 @@ TEST_P(Environment, ClipsActionsBeforeAnythingSeesThem) {
   EnvConfig config;
   config.observation.emplace_back("last_action");
   config.reward.fill(1);
-  AdaptiveGaitEnv clipped = make_env(config), beyond = make_env(config);
+  QuadrupedEnv clipped = make_env(config), beyond = make_env(config);
   std::vector<double> a(clipped.observation_size()), b(a), within(clipped.action_size()), outside(within);
   clipped.reset(0, a);
   beyond.reset(0, b);
@@ -93,7 +93,7 @@ TEST_P(Environment, EndsByTimeAsTruncated) {
   EnvConfig config;
   config.episode_seconds = 0.1;
   config.policy_dt = 0.02;
-  AdaptiveGaitEnv env = make_env(config);
+  QuadrupedEnv env = make_env(config);
   std::vector<double> seen(env.observation_size());
   for (int episode = 0; episode < 2; ++episode) {
     env.reset(0, seen);
@@ -114,7 +114,7 @@ TEST_P(Environment, EndsByTimeAsTruncated) {
 TEST_P(Environment, EndsByTiltingAndByLeavingTheGround) {
   EnvConfig config;
   config.tilt_limit_deg = 1.5;  // a trot pitches by 5 degrees
-  AdaptiveGaitEnv tilting = make_env(config);
+  QuadrupedEnv tilting = make_env(config);
   std::vector<double> seen(tilting.observation_size());
   tilting.reset(0, seen);
   StepResult r;
@@ -129,7 +129,7 @@ TEST_P(Environment, EndsByTiltingAndByLeavingTheGround) {
   small.terrain = "rough:size_x=.4,size_y=.4,amplitude=.002";
   small.reward.fill(0);
   small.reward[find_reward_term("fall")] = -10;
-  AdaptiveGaitEnv leaving = make_env(small);
+  QuadrupedEnv leaving = make_env(small);
   leaving.reset(0, seen);
   while (!(r = leaving.step(zeros(leaving), seen)).done()) EXPECT_EQ(r.reward, 0);
   EXPECT_TRUE(r.terminated);
@@ -139,7 +139,7 @@ TEST_P(Environment, EndsByTiltingAndByLeavingTheGround) {
 }
 
 TEST_P(Environment, ActionsAreClippedAndNonsenseCountsAsZero) {
-  AdaptiveGaitEnv env = make_env(), clipped = make_env();
+  QuadrupedEnv env = make_env(), clipped = make_env();
   std::vector<double> a(env.observation_size()), b(a.size());
   env.reset(0, a);
   clipped.reset(0, b);
@@ -163,7 +163,7 @@ TEST_P(Environment, ActionsAreClippedAndNonsenseCountsAsZero) {
 }
 
 TEST_P(Environment, WrongSizesAreErrorsThatChangeNothing) {
-  AdaptiveGaitEnv env = make_env();
+  QuadrupedEnv env = make_env();
   std::vector<double> seen(env.observation_size()), small(seen.size() - 1);
   env.reset(0, seen);
   const RobotState before = env.backend().state();
@@ -177,7 +177,7 @@ TEST_P(Environment, WrongSizesAreErrorsThatChangeNothing) {
 }
 
 TEST_P(Environment, DeltasMoveParametersByTheirScaleUpToTheirRange) {
-  AdaptiveGaitEnv env = make_env();
+  QuadrupedEnv env = make_env();
   std::vector<double> seen(env.observation_size()), action = zeros(env);
   env.reset(0, seen);
   action[1] = 1;  // delta.step_length
@@ -187,17 +187,17 @@ TEST_P(Environment, DeltasMoveParametersByTheirScaleUpToTheirRange) {
   for (int i = 0; i < 12; ++i) {  // .04 + 10 x .008 reaches .12
     env.step(action, seen);
     expected = std::min(expected + row.delta_scale, row.max);
-    EXPECT_DOUBLE_EQ(env.info().parameters.step_length, expected);
+    EXPECT_DOUBLE_EQ(env.info().parameters->step_length, expected);
   }
-  EXPECT_EQ(env.info().parameters.step_length, row.max);
+  EXPECT_EQ(env.info().parameters->step_length, row.max);
   env.reset(0, seen);
-  EXPECT_EQ(env.info().parameters.step_length, initial);
+  EXPECT_EQ(env.info().parameters->step_length, initial);
 }
 
 TEST_P(Environment, FollowsItsCommand) {
   EnvConfig config;
   config.command = VelocityCommand{0.15, 0, 0};
-  AdaptiveGaitEnv env = make_env(config);
+  QuadrupedEnv env = make_env(config);
   std::vector<double> seen(env.observation_size());
   env.reset(0, seen);
   for (int i = 0; i < 1500; ++i) env.step(zeros(env), seen);
@@ -217,7 +217,7 @@ TEST_P(Environment, RandomisedStartsAreWhereTheyWereDrawn) {
   config.randomisation[Randomised::kStartX] = {0.3, 0.5};
   config.randomisation[Randomised::kStartY] = {-0.5, -0.3};
   config.randomisation[Randomised::kStartYaw] = {1, 2};
-  AdaptiveGaitEnv env = make_env(config);
+  QuadrupedEnv env = make_env(config);
   std::vector<double> seen(env.observation_size());
   double last = 0;
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
@@ -235,7 +235,7 @@ TEST_P(Environment, RandomisedStartsAreWhereTheyWereDrawn) {
   for (int i = 0; i < 1000; ++i) env.step(zeros(env), seen);
   EXPECT_GT(env.info().distance, 0.15);  // forward is where it faced
   config.randomisation[Randomised::kStartX] = {50, 60};
-  AdaptiveGaitEnv beyond = make_env(config);
+  QuadrupedEnv beyond = make_env(config);
   EXPECT_THROW(beyond.reset(0, seen), ConfigError);
   EXPECT_THROW(beyond.step(zeros(beyond), seen), ConfigError);  // a reset that failed begins nothing
 }
@@ -250,7 +250,7 @@ TEST_P(Environment, RandomisedWorldsAreTheirSeeds) {
   config.randomisation[Randomised::kPushImpulse] = {0.01, 0.02};
   config.randomisation[Randomised::kPushInterval] = {0.1, 0.2};
   config.randomisation[Randomised::kStartPhase] = {0, 1};
-  AdaptiveGaitEnv env = make_env(config);
+  QuadrupedEnv env = make_env(config);
   std::vector<double> seen(env.observation_size());
   std::vector<std::vector<double>> runs;
   for (const std::uint64_t seed : {3U, 4U, 3U}) {
@@ -266,7 +266,7 @@ TEST_P(Environment, PushesMoveTheRobot) {
   EnvConfig config;
   config.randomisation[Randomised::kPushImpulse] = {0.1, 0.1};
   config.randomisation[Randomised::kPushInterval] = {0.5, 0.5};
-  AdaptiveGaitEnv pushed = make_env(config), calm = make_env();
+  QuadrupedEnv pushed = make_env(config), calm = make_env();
   std::vector<double> a(pushed.observation_size()), b(a.size());
   pushed.reset(0, a);
   calm.reset(0, b);
@@ -292,7 +292,7 @@ TEST_P(Environment, RestoringContinuesBitForBit) {
       config.randomisation[Randomised::kTerrainSeed] = {0, 100};
       config.randomisation[Randomised::kTrunkMass] = {0.9, 1.1};
     }
-    AdaptiveGaitEnv env = make_env(config), other = make_env(config);
+    QuadrupedEnv env = make_env(config), other = make_env(config);
     std::vector<double> seen(env.observation_size());
     env.reset(1, seen);
     Random random(2);
@@ -301,7 +301,7 @@ TEST_P(Environment, RestoringContinuesBitForBit) {
     const Random at_save = random;
     const std::vector<double> straight = scenes::record(env, random, 400);
     other.reset(77, seen);
-    for (AdaptiveGaitEnv* again : {&env, &other}) {
+    for (QuadrupedEnv* again : {&env, &other}) {
       again->restore(*saved);
       random = at_save;
       EXPECT_EQ(scenes::record(*again, random, 400), straight);
@@ -312,14 +312,14 @@ TEST_P(Environment, RestoringContinuesBitForBit) {
 TEST_P(Environment, RefusesSnapshotsOfAnother) {
   EnvConfig other;
   other.adapt = {"step_length"};
-  AdaptiveGaitEnv saved = make_env(other);
+  QuadrupedEnv saved = make_env(other);
   std::vector<double> seen(saved.observation_size());
   saved.reset(0, seen);
   EXPECT_THROW(make_env().restore(*saved.save()), ConfigError);
 }
 
 TEST_P(Environment, NothingMovesBeforeTheFirstReset) {
-  AdaptiveGaitEnv env = make_env();
+  QuadrupedEnv env = make_env();
   std::vector<double> seen(env.observation_size());
   const RobotState before = env.backend().state();
   EXPECT_EQ(before.time, 0);
@@ -352,7 +352,7 @@ TEST_P(Environment, KeepsWhatBeginsOutsideItsRange) {
   std::vector<double> seen(env.observation_size());
   env.reset(0, seen);
   for (int i = 0; i < 10; ++i) env.step(zeros(env), seen);
-  EXPECT_EQ(env.info().parameters.cycle_time, config.parameters["cycle_time"]);
+  EXPECT_EQ(env.info().parameters->cycle_time, config.parameters["cycle_time"]);
   const auto& entries = env.interface().observation.entries;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     EXPECT_GE(seen[i], entries[i].min) << entries[i].name;

@@ -1,15 +1,16 @@
-// The reinforcement-learning environment: a gait whose parameters and foot targets a policy adjusts.
+// The reinforcement-learning environment: a robot whose gait a policy adjusts, or whose joints it commands.
 #pragma once
 
 #include <memory>
 #include <span>
+#include <variant>
 
 #include "crossgait/env/closed_loop.h"
 #include "crossgait/env/env_model.h"
-#include "crossgait/env/heading_hold.h"
-#include "crossgait/env/leg_controller.h"
-#include "crossgait/env/random.h"
+#include "crossgait/env/gait_control.h"
+#include "crossgait/env/joint_control.h"
 #include "crossgait/physics/engine.h"
+#include "crossgait/physics/random.h"
 
 namespace crossgait {
 
@@ -22,9 +23,9 @@ struct StepResult {
 
 /// What the last step did, beside the observation.
 struct StepInfo {
-  double time = 0;             ///< of the episode, s
-  GaitParameters parameters;   ///< as adapted so far
-  RewardTerms reward_terms{};  ///< weighted; order of `reward_terms()`
+  double time = 0;                           ///< of the episode, s
+  std::optional<GaitParameters> parameters;  ///< as adapted so far, where actions adapt a gait
+  RewardTerms reward_terms{};                ///< weighted; order of `reward_terms()`
   LegArray<FootContact> contacts{};
   LegArray<bool> swing{};
   double distance = 0,
@@ -37,18 +38,18 @@ struct StepInfo {
   Outcome outcome = Outcome::kWalked;  ///< the worst so far of those that are known at once
 };
 
-/// One environment: one world, one thread. The same configuration, seed and actions give the same
-/// observations bit for bit, after `reset` as after `restore`.
-class AdaptiveGaitEnv {
+/// One environment: one world, one thread; its actions are of either kind (EnvConfig::action). The same
+/// configuration, seed and actions give the same observations bit for bit, after `reset` as after `restore`.
+class QuadrupedEnv {
  public:
   /// Builds the world, unless the configuration randomises it; nothing moves before `reset`.
   /// @throws ConfigError for a world that cannot be built
-  AdaptiveGaitEnv(std::shared_ptr<const EnvModel> model, Engine engine);
+  QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine);
   /// With a model of its own. @throws ConfigError for a bad configuration besides
-  AdaptiveGaitEnv(const EnvConfig& config, Engine engine);
-  ~AdaptiveGaitEnv() = default;
-  AdaptiveGaitEnv(const AdaptiveGaitEnv&) = delete;
-  AdaptiveGaitEnv& operator=(const AdaptiveGaitEnv&) = delete;
+  QuadrupedEnv(const EnvConfig& config, Engine engine);
+  ~QuadrupedEnv() = default;
+  QuadrupedEnv(const QuadrupedEnv&) = delete;
+  QuadrupedEnv& operator=(const QuadrupedEnv&) = delete;
 
   const EnvModel& model() const noexcept { return *model_; }
   const EnvConfig& config() const noexcept { return model_->config; }
@@ -64,8 +65,8 @@ class AdaptiveGaitEnv {
   /// anew if the configuration randomises it. @throws ConfigError for a wrong size or an impossible draw
   void reset(std::uint64_t seed, std::span<double> observation);
 
-  /// One policy step. Entries of the action are clipped to [-1, 1]; what is not finite counts as zero. After
-  /// the end of an episode nothing moves until `reset`: the last observation again, no reward, the same
+  /// One policy step. Entries of the action are clipped to their layout's bounds; not finite counts as zero.
+  /// After the end of an episode nothing moves until `reset`: the last observation again, no reward, the same
   /// flags.
   /// @throws ConfigError for a wrong size or before the first `reset` (before anything changes)
   StepResult step(std::span<const double> action, std::span<double> observation);
@@ -74,7 +75,8 @@ class AdaptiveGaitEnv {
   const StepInfo& info() const noexcept { return episode_.info; }
   /// The world; before the first `reset` only where the configuration does not randomise it.
   const PhysicsBackend& backend() const noexcept { return *backend_; }
-  const AdaptiveGaitController& controller() const noexcept { return episode_.controller; }
+  /// The gait that actions adapt; null where they command joints.
+  const AdaptiveGaitController* gait() const noexcept;
   const FootStates& feet() const noexcept { return feet_; }
   const ControlTargets& targets() const noexcept { return episode_.loop.targets(); }
   /// The episode so far.
@@ -93,16 +95,15 @@ class AdaptiveGaitEnv {
  private:
   // What changes from step to step, beside the engine.
   struct Episode {
-    AdaptiveGaitController controller;
-    LegController legs;
+    std::variant<GaitControl, JointControl> control;
     ClosedLoop loop;
-    HeadingHoldState heading = {};
-    LegArray<Vector3> standing = {};  // feet before the first step
+    Observer observer = {};
     Random random{0};
     VelocityCommand command = {};
-    std::vector<double> action = {}, last_action = {}, parameters = {}, last_parameters = {};
+    std::vector<double> action = {}, last_action = {}, parameters = {}, last_parameters = {},
+                        last_observation = {};  // of an episode that has ended
     RandomDraw draw{};
-    int steps = 0;
+    int steps = 0, control_steps = 0;  // the latter of this policy step
     bool begun = false;
     StepResult result = {};
     StepInfo info = {};
@@ -116,7 +117,9 @@ class AdaptiveGaitEnv {
   void finish_step(const RobotState& before);
   void measure();
   double evaluate(const RobotState& before);
-  void observe(std::span<double> observation) const;
+  ObservationSource seen() const noexcept;
+  void look_between();
+  void observe(std::span<double> observation);
   void require_begun(std::string_view what) const;
 
   std::shared_ptr<const EnvModel> model_;
@@ -124,10 +127,10 @@ class AdaptiveGaitEnv {
   FootStates feet_;
   std::unique_ptr<PhysicsBackend> backend_;
   Episode episode_;
-  TargetSource source_;  // the episode's controller and legs
+  TargetSource source_;  // the episode's control
 };
 
-struct AdaptiveGaitEnv::Saved {
+struct QuadrupedEnv::Saved {
   Episode episode;
   WorldSpec world;
   Snapshot physics;

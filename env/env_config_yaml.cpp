@@ -1,0 +1,418 @@
+// An environment's configuration as YAML.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "crossgait/env/env_config.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/yaml_reader.h"
+
+namespace crossgait {
+namespace {
+
+// Reports a bad name or value of a table at the line of the file where it stands.
+template <typename Function>
+auto at_line(const YamlValue& value, Function&& function) {
+  try {
+    return function();
+  } catch (const ConfigError& error) {
+    value.fail(error.expected(), error.found());
+  }
+}
+
+// The same for an error that names one of a mapping's keys.
+template <typename Function>
+void at_key(const YamlValue& mapping, Function&& function) {
+  try {
+    function();
+  } catch (const ConfigError& error) {
+    if (const auto value = mapping.find(error.element())) value->fail(error.expected(), error.found());
+    throw ConfigError(mapping.source(), error.element(), error.expected(), error.found());
+  }
+}
+
+// The same for a value that is itself a name of a table.
+template <typename Function>
+auto named(const YamlValue& value, Function&& find) {
+  try {
+    return find(value.text());
+  } catch (const ConfigError& error) {
+    value.fail(error.expected(), value.text());
+  }
+}
+
+void read(const YamlValue& root, std::string_view key, double& value) {
+  if (const auto found = root.find(key)) value = found->number();
+}
+void read(const YamlValue& root, std::string_view key, bool& value) {
+  if (const auto found = root.find(key)) value = found->boolean();
+}
+void read(const YamlValue& root, std::string_view key, std::string& value) {
+  if (const auto found = root.find(key)) value = found->text();
+}
+
+std::vector<std::string> read_names(const YamlValue& list) {
+  std::vector<std::string> names;
+  for (const YamlValue& item : list.items()) names.push_back(item.text());
+  return names;
+}
+
+Range read_range(const YamlValue& value) {
+  const std::vector<YamlValue> ends = value.items();
+  if (ends.size() != 2) value.fail("[min, max]", fmt::format("{} values", ends.size()));
+  return {ends[0].number(), ends[1].number()};
+}
+
+void read_ranges(const YamlValue& root, EnvConfig& config) {
+  // One by one, so that what is wrong is found where it stands.
+  const auto check = [](const YamlValue& value, const AdaptationRanges& one) {
+    at_line(value, [&] { one.validate(value.source()); });
+  };
+  if (const auto ranges = root.find("ranges")) {
+    for (const auto& [name, value] : ranges->entries()) {
+      const Range range = read_range(value);
+      config.adaptation.ranges[name] = {range.min, range.max};
+      check(value, {{{name, {range.min, range.max}}}, {}});
+    }
+  }
+  if (const auto scales = root.find("delta_scales")) {
+    for (const auto& [name, value] : scales->entries()) {
+      config.adaptation.delta_scales[name] = value.number();
+      check(value, {config.adaptation.ranges, {{name, value.number()}}});
+    }
+  }
+}
+
+constexpr std::string_view kAllServos = "all";  // that are not named beside it
+
+ServoNumbers read_servo_numbers(const YamlValue& value) {
+  ServoNumbers numbers;
+  if (!value.is_mapping()) {
+    numbers.all = value.number();
+  } else {
+    for (const auto& [joint, number] : value.entries()) {
+      if (joint == kAllServos) {
+        numbers.all = number.number();
+      } else {
+        numbers.by_name[joint] = number.number();
+      }
+    }
+  }
+  return numbers;
+}
+
+void read(const YamlValue& root, std::string_view key, ServoNumbers& numbers) {
+  if (const auto found = root.find(key)) numbers = read_servo_numbers(*found);
+}
+
+void read_servos(const YamlValue& root, EnvConfig& config) {
+  const auto servos = root.find("servos");
+  if (!servos) return;
+  servos->allow_keys({"kp", "kd", "effort", "damping", "armature", "friction", "corner_speed",
+                      "no_load_speed", "backlash", "delay", "sensor_noise"});
+  for (const ServoSettingRow& row : servo_setting_rows()) read(*servos, row.name, config.servos.*row.setting);
+}
+
+// What says nothing where actions command joints, and what only says something there.
+constexpr std::array kGaitKeys{"gait",         "parameters",     "adapt",       "ranges",
+                               "delta_scales", "residual_scale", "heading_hold"};
+
+void read_joints(const YamlValue& root, EnvConfig& config) {
+  const auto joints = root.find("joints");
+  if (config.action == ActionKind::kGait) {
+    if (joints) joints->fail("this key with action: joints alone", "action: gait");
+    return;
+  }
+  for (const char* key : kGaitKeys) {
+    if (const auto value = root.find(key)) value->fail("this key with action: gait alone", "action: joints");
+  }
+  if (!joints) return;
+  joints->allow_keys({"order", "home", "scale", "limit", "delay"});
+  if (const auto order = joints->find("order")) config.joints.order = read_names(*order);
+  read(*joints, "home", config.joints.home);
+  read(*joints, "scale", config.joints.scale);
+  read(*joints, "limit", config.joints.limit);
+  read(*joints, "delay", config.joints.delay);
+}
+
+void read_gait(const YamlValue& root, EnvConfig& config) {
+  if (const auto gait = root.find("gait")) {
+    config.gait = gait->text();
+    named(*gait, [](const std::string& name) { static_cast<void>(find_gait(name)); });
+    config.parameters = {};
+  }
+  if (const auto parameters = root.find("parameters")) {
+    for (const auto& [name, value] : parameters->entries()) {
+      at_line(value, [&, &name = name, &value = value] {
+        if (name == "swing") {
+          assign(config.parameters, "swing=" + value.text());
+        } else {
+          set(config.parameters, name, value.number());
+        }
+      });
+    }
+  }
+  if (const auto adapt = root.find("adapt")) {
+    config.adapt = read_names(*adapt);
+    for (const YamlValue& item : adapt->items())
+      named(item, [](const std::string& name) { static_cast<void>(find_parameter(name)); });
+  }
+  read_ranges(root, config);
+  if (const auto scale = root.find("residual_scale")) config.residual_scale = scale->number();
+  read(root, "heading_hold", config.heading_hold);
+}
+
+void read_command(const YamlValue& root, EnvConfig& config) {
+  if (const auto command = root.find("command")) {
+    command->allow_keys({"vx", "vy", "yaw_rate"});
+    config.command.emplace();
+    read(*command, "vx", config.command->vx);
+    read(*command, "vy", config.command->vy);
+    read(*command, "yaw_rate", config.command->yaw_rate);
+  }
+}
+
+// The name of a block, or a mapping of what is seen of it.
+ObservationTerm read_observation_term(const YamlValue& value) {
+  const auto block_of = [](const YamlValue& text) {
+    named(text, [](const std::string& name) { static_cast<void>(find_observation_block(name)); });
+    return text.text();
+  };
+  if (!value.is_mapping()) return block_of(value);
+  value.allow_keys({"block", "scale", "clip", "noise", "delay", "history"});
+  ObservationTerm term = block_of(value.at("block"));
+  if (const auto scale = value.find("scale")) {
+    if (scale->is_sequence()) {
+      for (const YamlValue& one : scale->items()) term.scale.push_back(one.number());
+    } else {
+      term.scale = {scale->number()};
+    }
+  }
+  read(value, "clip", term.clip);
+  read(value, "noise", term.noise);
+  read(value, "delay", term.delay);
+  if (const auto history = value.find("history")) term.history = history->integer();
+  return term;
+}
+
+void read_tables(const YamlValue& root, EnvConfig& config) {
+  if (const auto blocks = root.find("observation")) {
+    config.observation.clear();
+    for (const YamlValue& item : blocks->items()) config.observation.push_back(read_observation_term(item));
+  }
+  if (const auto reward = root.find("reward")) {
+    config.reward.fill(0);
+    for (const auto& [name, weight] : reward->entries()) {
+      config.reward[at_line(weight, [&name = name] { return find_reward_term(name); })] = weight.number();
+    }
+  }
+  if (const auto randomisation = root.find("randomisation")) {
+    for (const auto& [name, range] : randomisation->entries()) {
+      const RandomisationRow& row =
+          at_line(range, [&name = name]() -> const RandomisationRow& { return find_randomisation(name); });
+      config.randomisation[row.what] = read_range(range);
+    }
+    at_key(*randomisation, [&] { config.randomisation.validate(); });
+  }
+}
+
+// A file from the folder of the file that names it; anything else as it is.
+std::string resolved(const std::string& text, const std::string& from, bool is_file) {
+  const std::filesystem::path path(text);
+  if (!is_file || path.is_absolute()) return text;
+  return (std::filesystem::path(from).parent_path() / path).lexically_normal().string();
+}
+
+bool is_robot_file(const std::string& text) {
+  const std::filesystem::path path(text);
+  return path.extension() == ".yaml" || path.extension() == ".urdf";
+}
+
+void read_world(const YamlValue& root, EnvConfig& config) {
+  read(root, "backend", config.engine);  // its name before plug-ins
+  read(root, "engine", config.engine);
+  if (const auto robot = root.find("robot")) {
+    config.robot = resolved(robot->text(), root.source(), is_robot_file(robot->text()));
+    config.places.push_back({config.robot, root.source(), robot->element()});
+  }
+  if (const auto terrain = root.find("terrain")) {
+    config.terrain = resolved(terrain->text(), root.source(), is_terrain_file(terrain->text()));
+    config.places.push_back({config.terrain, root.source(), terrain->element()});
+  }
+  if (const auto seed = root.find("terrain_seed")) config.terrain_seed = seed->seed();
+  read(root, "friction", config.friction);
+}
+
+void read_ends(const YamlValue& root, EnvConfig& config) {
+  const auto ends = root.find("ends");
+  if (!ends) return;
+  config.ends = OutcomeSet::that_end({});
+  for (const YamlValue& item : ends->items())
+    config.ends.add(named(item, [](const std::string& name) { return find_ending_outcome(name); }));
+}
+
+// What the rest of the file comes on top of.
+EnvConfig read_beginning(const YamlValue& root) {
+  const auto preset = root.find("preset"), action = root.find("action");
+  const bool joints = action && action->text() == name(ActionKind::kJoints);
+  if (action && !joints && action->text() != name(ActionKind::kGait))
+    action->fail("gait or joints", fmt::format("'{}'", action->text()));
+  if (!preset) return joints ? joint_environment() : EnvConfig();
+  if (preset->text() != "guide") preset->fail("guide", fmt::format("'{}'", preset->text()));
+  if (joints) action->fail("gait, which the guide's actions adapt", "joints");
+  return guide_environment();
+}
+
+EnvConfig read_config(const YamlValue& root) {
+  root.allow_keys({"preset",         "engine",     "backend",      "robot",           "terrain",
+                   "terrain_seed",   "friction",   "servos",       "action",          "joints",
+                   "gait",           "parameters", "adapt",        "ranges",          "delta_scales",
+                   "residual_scale", "command",    "heading_hold", "observation",     "reward",
+                   "physics_dt",     "control_dt", "policy_dt",    "episode_seconds", "settle_seconds",
+                   "tilt_limit_deg", "ends",       "randomisation"});
+  EnvConfig config = read_beginning(root);
+  config.source = root.source();
+  read_world(root, config);
+  read_servos(root, config);
+  read_joints(root, config);
+  read_gait(root, config);
+  read_command(root, config);
+  read_tables(root, config);
+  read(root, "physics_dt", config.physics_dt);
+  read(root, "control_dt", config.control_dt);
+  read(root, "policy_dt", config.policy_dt);
+  read(root, "episode_seconds", config.episode_seconds);
+  read(root, "settle_seconds", config.settle_seconds);
+  read(root, "tilt_limit_deg", config.tilt_limit_deg);
+  read_ends(root, config);
+  at_key(root, [&] { config.validate(root.source()); });
+  return config;
+}
+
+// Names of engines need no quotes, and stored runs are found by this text.
+std::string plain_or_quoted(const std::string& text) {
+  const auto is_plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == ':' || c == '+' || c == '-' || c == '.';
+  };
+  const bool plain =
+      std::all_of(text.begin(), text.end(), is_plain) && !text.starts_with('-') && !text.ends_with(':');
+  return plain ? text : yaml_quoted(text);
+}
+
+std::string whole_path(const std::string& text, bool is_file) {
+  return is_file ? std::filesystem::absolute(text).lexically_normal().string() : text;
+}
+
+void add(std::string& out, std::string_view key, const ServoNumbers& numbers) {
+  if (numbers.empty()) return;
+  if (numbers.by_name.empty()) {
+    out += fmt::format("  {}: {}\n", key, *numbers.all);
+    return;
+  }
+  out += fmt::format("  {}:\n", key);
+  if (numbers.all) out += fmt::format("    {}: {}\n", kAllServos, *numbers.all);
+  for (const auto& [joint, value] : numbers.by_name)
+    out += fmt::format("    {}: {}\n", plain_or_quoted(joint), value);
+}
+
+std::string servos_yaml(const ServoSettings& servos) {
+  std::string out;
+  for (const ServoSettingRow& row : servo_setting_rows()) add(out, row.name, servos.*row.setting);
+  return out.empty() ? out : "servos:\n" + out;
+}
+
+std::string joints_yaml(const JointActionSettings& joints) {
+  std::vector<std::string> order;
+  for (const std::string& joint : joints.order) order.push_back(plain_or_quoted(joint));
+  std::string out = "joints:\n";
+  if (!order.empty()) out += fmt::format("  order: [{}]\n", fmt::join(order, ", "));
+  add(out, "home", joints.home);
+  add(out, "scale", joints.scale);
+  return out + fmt::format("  limit: {}\n  delay: {}\n", joints.limit, joints.delay);
+}
+
+std::string gait_yaml(const EnvConfig& c) {
+  std::string out = fmt::format("gait: {}\n", c.gait);
+  const GaitSettings& settings = c.parameters;
+  if (!settings.values.empty() || settings.swing) out += "parameters:\n";
+  for (const ParameterRow& row : gait_parameters()) {
+    if (const auto value = settings.find(row.name)) out += fmt::format("  {}: {}\n", row.name, *value);
+  }
+  if (settings.swing) out += fmt::format("  swing: {}\n", name(*settings.swing));
+  out += fmt::format("adapt: [{}]\n", fmt::join(c.adapt, ", "));
+  if (!c.adaptation.ranges.empty()) out += "ranges:\n";
+  for (const auto& [name, range] : c.adaptation.ranges)
+    out += fmt::format("  {}: [{}, {}]\n", name, range.min, range.max);
+  if (!c.adaptation.delta_scales.empty()) out += "delta_scales:\n";
+  for (const auto& [name, scale] : c.adaptation.delta_scales) out += fmt::format("  {}: {}\n", name, scale);
+  if (c.residual_scale) out += fmt::format("residual_scale: {}\n", *c.residual_scale);
+  return out + fmt::format("heading_hold: {}\n", c.heading_hold);
+}
+
+std::string observation_yaml(const ObservationTerm& term) {
+  if (term.plain()) return term.block;
+  std::string out = fmt::format("{{block: {}", term.block);
+  if (!term.scale.empty()) out += fmt::format(", scale: [{}]", fmt::join(term.scale, ", "));
+  if (std::isfinite(term.clip)) out += fmt::format(", clip: {}", term.clip);
+  if (term.noise > 0) out += fmt::format(", noise: {}", term.noise);
+  if (term.delay > 0) out += fmt::format(", delay: {}", term.delay);
+  if (term.history > 1) out += fmt::format(", history: {}", term.history);
+  return out + "}";
+}
+
+std::string reward_yaml(const RewardTerms& reward) {
+  std::string weights;
+  for (std::size_t i = 0; i < reward.size(); ++i) {
+    if (reward[i] != 0) weights += fmt::format("  {}: {}\n", reward_terms()[i].name, reward[i]);
+  }
+  return weights.empty() ? "reward: {}\n" : "reward:\n" + weights;
+}
+
+std::string randomisation_yaml(const Randomisation& randomisation) {
+  std::string ranges;
+  for (const RandomisationRow& row : randomisation_rows()) {
+    const Range& range = randomisation[row.what];
+    if (randomisation.is_on(row.what))
+      ranges += fmt::format("  {}: [{}, {}]\n", row.name, range.min, range.max);
+  }
+  return ranges.empty() ? ranges : "randomisation:\n" + ranges;
+}
+
+}  // namespace
+
+EnvConfig load_env_config(const std::string& path) { return read_config(YamlValue::load(path)); }
+
+EnvConfig parse_env_config(const std::string& text, const std::string& source) {
+  return read_config(YamlValue::parse(text, source));
+}
+
+std::string to_yaml(const EnvConfig& c) {
+  std::string out =
+      fmt::format("engine: {}\nrobot: {}\nterrain: {}\nterrain_seed: {}\nfriction: {}\n",
+                  plain_or_quoted(c.engine), yaml_quoted(whole_path(c.robot, is_robot_file(c.robot))),
+                  yaml_quoted(whole_path(c.terrain, is_terrain_file(c.terrain))), c.terrain_seed, c.friction);
+  out += servos_yaml(c.servos);
+  out += fmt::format("action: {}\n", name(c.action));
+  out += c.action == ActionKind::kJoints ? joints_yaml(c.joints) : gait_yaml(c);
+  if (c.command) {
+    out += fmt::format("command: {{vx: {}, vy: {}, yaw_rate: {}}}\n", c.command->vx, c.command->vy,
+                       c.command->yaw_rate);
+  }
+  std::vector<std::string> terms;
+  for (const ObservationTerm& term : c.observation) terms.push_back(observation_yaml(term));
+  out += fmt::format("observation: [{}]\n", fmt::join(terms, ", "));
+  out += reward_yaml(c.reward);
+  out += fmt::format(
+      "physics_dt: {}\ncontrol_dt: {}\npolicy_dt: {}\nepisode_seconds: {}\nsettle_seconds: "
+      "{}\ntilt_limit_deg: {}\n",
+      c.physics_dt, c.control_dt, c.policy_dt, c.episode_seconds, c.settle_seconds, c.tilt_limit_deg);
+  out += fmt::format("ends: [{}]\n", fmt::join(outcome_names(c.ends), ", "));
+  return out + randomisation_yaml(c.randomisation);
+}
+
+}  // namespace crossgait

@@ -1,0 +1,103 @@
+#include "crossgait/env/joint_settings.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/robot_check.h"
+
+namespace crossgait {
+namespace {
+
+constexpr std::array kServoSettings{
+    ServoSettingRow{"kp", "N m/rad", &ServoSettings::kp, &Joint::kp},
+    ServoSettingRow{"kd", "N m s/rad", &ServoSettings::kd, &Joint::kd},
+    ServoSettingRow{"effort", "N m", &ServoSettings::effort, &Joint::effort_limit},
+    ServoSettingRow{"damping", "N m s/rad", &ServoSettings::damping, &Joint::damping},
+    ServoSettingRow{"armature", "kg m^2", &ServoSettings::armature, &Joint::armature},
+    ServoSettingRow{"friction", "N m", &ServoSettings::friction, &Joint::friction},
+    ServoSettingRow{"corner_speed", "rad/s", &ServoSettings::corner_speed, &Joint::corner_speed},
+    ServoSettingRow{"no_load_speed", "rad/s", &ServoSettings::no_load_speed, &Joint::no_load_speed},
+    ServoSettingRow{"backlash", "rad", &ServoSettings::backlash, &Joint::backlash},
+    ServoSettingRow{"delay", "s", &ServoSettings::delay, &Joint::delay},
+    ServoSettingRow{"sensor_noise", "rad", &ServoSettings::sensor_noise, &Joint::sensor_noise},
+};
+
+std::vector<std::string> servo_names(const RobotDescription& robot) {
+  std::vector<std::string> names;
+  for (const int i : robot.actuated_joints()) names.push_back(robot.joint(i).name);
+  return names;
+}
+
+void check_names(const ServoNumbers& numbers, const std::vector<std::string>& servos, std::string_view source,
+                 std::string_view element) {
+  for (const auto& [name, value] : numbers.by_name) {
+    if (std::find(servos.begin(), servos.end(), name) == servos.end())
+      throw ConfigError(source, element, fmt::format("servos of the robot: {}", fmt::join(servos, ", ")),
+                        fmt::format("'{}'", name));
+  }
+}
+
+void check_order(const std::vector<std::string>& order, std::vector<std::string> servos,
+                 std::string_view source) {
+  std::vector<std::string> sorted = order;
+  std::sort(sorted.begin(), sorted.end());
+  std::sort(servos.begin(), servos.end());
+  if (sorted == servos) return;
+  throw ConfigError(source, "joints.order",
+                    fmt::format("each servo of the robot once: {}", fmt::join(servos, ", ")),
+                    fmt::format("{}", fmt::join(order, ", ")));
+}
+
+}  // namespace
+
+std::optional<double> ServoNumbers::find(const std::string& joint) const {
+  const auto it = by_name.find(joint);
+  return it == by_name.end() ? all : it->second;
+}
+
+std::span<const ServoSettingRow> servo_setting_rows() { return kServoSettings; }
+
+bool ServoSettings::empty() const noexcept { return *this == ServoSettings(); }
+
+void ServoSettings::apply(RobotDescription& robot, std::string_view source) const {
+  const std::vector<std::string> servos = servo_names(robot);
+  for (const ServoSettingRow& row : kServoSettings) {
+    const ServoNumbers& numbers = this->*row.setting;
+    check_names(numbers, servos, source, fmt::format("servos.{}", row.name));
+    for (Body& body : robot.bodies) {
+      if (!body.joint.actuated) continue;
+      if (const auto value = numbers.find(body.joint.name)) body.joint.*row.joint = *value;
+    }
+  }
+  for (std::size_t i = 1; i < robot.bodies.size(); ++i) check_joint(robot.bodies[i].joint, source);
+}
+
+JointActionTable JointActionTable::make(const JointActionSettings& settings, const RobotDescription& robot,
+                                        std::string_view source) {
+  const std::vector<std::string> servos = servo_names(robot);
+  check_names(settings.home, servos, source, "joints.home");
+  check_names(settings.scale, servos, source, "joints.scale");
+  if (!settings.order.empty()) check_order(settings.order, servos, source);
+  JointActionTable table;
+  for (const std::string& name : settings.order.empty() ? servos : settings.order) {
+    const std::vector<int> indices = robot.actuated_joints();
+    const int servo =
+        *std::find_if(indices.begin(), indices.end(), [&](int i) { return robot.joint(i).name == name; });
+    const double home = settings.home.find(name).value_or(robot.home[servo]);
+    const Joint& joint = robot.joint(servo);
+    if (!(home >= joint.lower && home <= joint.upper))
+      throw ConfigError(source, fmt::format("joints.home of {}", name),
+                        fmt::format("an angle within its limits, [{:g}, {:g}] rad", joint.lower, joint.upper),
+                        fmt::format("{:g}", home));
+    table.servos.push_back(servo);
+    table.home.push_back(home);
+    table.scale.push_back(settings.scale.find(name).value_or(*JointActionSettings{}.scale.all));
+  }
+  return table;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,77 @@
+// What an environment says of the robot's joints: how its servos are set, and what a joint action means.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "crossgait/physics/robot.h"
+
+namespace crossgait {
+
+/// One number for every servo, numbers for some of them by the joint's name, or nothing.
+struct ServoNumbers {
+  std::optional<double> all;
+  std::map<std::string, double> by_name;
+
+  bool empty() const noexcept { return !all && by_name.empty(); }
+  std::optional<double> find(const std::string& joint) const;
+
+  bool operator==(const ServoNumbers&) const = default;
+};
+
+/// The servos that a policy was made for, in the place of the robot's own; what is empty stays as it is.
+struct ServoSettings {
+  ServoNumbers kp,                  ///< N m/rad
+      kd,                           ///< N m s/rad, inside the effort clamp
+      effort,                       ///< largest torque, N m
+      damping,                      ///< of the joint, N m s/rad
+      armature,                     ///< kg m^2
+      friction,                     ///< dry, of the joint, N m
+      corner_speed, no_load_speed,  ///< rad/s
+      backlash,                     ///< rad
+      delay,                        ///< s, whole physics steps
+      sensor_noise;                 ///< rad
+
+  bool empty() const noexcept;
+  /// @throws ConfigError naming `source` for a name that is no servo's, or a value that no servo can have
+  void apply(RobotDescription& robot, std::string_view source) const;
+
+  bool operator==(const ServoSettings&) const = default;
+};
+
+/// One row of the table of settings.
+struct ServoSettingRow {
+  std::string_view name, unit;
+  ServoNumbers ServoSettings::*setting;
+  double Joint::*joint;
+};
+/// In the order of ServoSettings.
+std::span<const ServoSettingRow> servo_setting_rows();
+
+/// An action that commands joints: servo target = home + scale x action.
+struct JointActionSettings {
+  std::vector<std::string> order;  ///< of the servos in actions and observations; empty: the robot's
+  ServoNumbers home;               ///< rad; of what is not said, the robot's home pose
+  ServoNumbers scale = {0.5, {}};  ///< rad
+  double limit = 1;                ///< actions are clipped to +-limit
+  double delay = 0;                ///< from an action to its targets, s; whole control steps
+
+  bool operator==(const JointActionSettings&) const = default;
+};
+
+/// The same read against a robot: numbers in the order of the action.
+struct JointActionTable {
+  std::vector<int> servos;          ///< joint indices
+  std::vector<double> home, scale;  ///< rad
+
+  /// @throws ConfigError naming `source` unless `order` holds every servo of the robot once, every name is a
+  /// servo's, and home lies within the joints' limits
+  static JointActionTable make(const JointActionSettings& settings, const RobotDescription& robot,
+                               std::string_view source);
+};
+
+}  // namespace crossgait

@@ -1,0 +1,40 @@
+// How a block of numbers is seen: scaled, clipped, noisy, late, with what came before.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace crossgait {
+
+/// One item of an environment's `observation`. By default the block as it is. Of a number x of the block a
+/// policy sees clamp(scale (x + n), +-clip), n uniform in +-noise, as it was `delay` seconds ago; with
+/// `history` also as it was in the policy steps before, newest first. What was before the episode counts as
+/// its first observation.
+struct ObservationTerm {
+  std::string block;          ///< name in the table (env/observation.h)
+  std::vector<double> scale;  ///< one for all its numbers or one each; empty: 1
+  double clip = std::numeric_limits<double>::infinity();
+  double noise = 0;  ///< in the unit of the block
+  double delay = 0;  ///< s; whole control steps
+  int history = 1;
+
+  ObservationTerm() = default;
+  // Most terms are no more than the name of a block.
+  ObservationTerm(std::string name) : block(std::move(name)) {}  // NOLINT(google-explicit-constructor)
+  ObservationTerm(std::string_view name) : block(name) {}        // NOLINT(google-explicit-constructor)
+  ObservationTerm(const char* name) : block(name) {}             // NOLINT(google-explicit-constructor)
+
+  /// Whether the block is seen as it is.
+  bool plain() const {
+    return scale.empty() && clip == std::numeric_limits<double>::infinity() && noise == 0 && !remembered();
+  }
+  /// Whether it takes knowing what was.
+  bool remembered() const { return delay > 0 || history > 1; }
+
+  bool operator==(const ObservationTerm&) const = default;
+};
+
+}  // namespace crossgait

@@ -1,0 +1,62 @@
+// From the table's blocks to what a policy sees.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "crossgait/env/observation.h"
+#include "crossgait/env/observation_term.h"
+#include "crossgait/physics/random.h"
+
+namespace crossgait {
+
+/// What a policy sees, term by term (ObservationTerm). A value that remembers what it saw: a copy goes on
+/// from there.
+class Observer {
+ public:
+  Observer() = default;
+  /// @param policy_dt, control_dt  s; delays are whole multiples of the latter
+  /// @throws ConfigError for a bad term, or an entry that is seen twice
+  Observer(const std::vector<ObservationTerm>& terms, const ObservationContext& context, double policy_dt,
+           double control_dt);
+
+  /// One entry per number. What a scale changes is in its unit, what is seen late in its name: "v_B.x@0.02"
+  /// is that of .02 s ago.
+  const Layout& layout() const noexcept { return layout_; }
+
+  /// An episode begins. @param seed  of the noise
+  void restart(std::uint64_t seed) noexcept;
+  /// Whether `look` wants to be called after each control step within a policy step, for delays that end
+  /// there.
+  bool looks_between() const noexcept { return looks_between_; }
+  void look(const ObservationSource& source) noexcept;
+  /// Looks, and writes what is to be seen. @param out  of layout().size()
+  void observe(const ObservationSource& source, std::span<double> out) noexcept;
+
+ private:
+  struct Term {
+    const ObservationBlock* block;
+    std::vector<double> scale;  // one per number; empty: 1
+    double clip, noise;
+    std::size_t size;            // numbers of the block
+    int delay = 0, spacing = 1;  // in looks: to the newest that is seen, and from there to the one before
+    int history = 1;
+    bool remembered;
+    std::size_t begin = 0;  // in a row of the memory
+  };
+
+  void add_entries(const ObservationTerm& term, const Layout& block, double policy_dt);
+  void write(const Term& term, const ObservationSource& source, double* out) noexcept;
+
+  Layout layout_;
+  std::vector<Term> terms_;
+  std::vector<double> memory_;  // a row per look, the last of them at newest_
+  std::size_t row_ = 0;         // numbers in it
+  int rows_ = 0, newest_ = 0;
+  bool looks_between_ = false, empty_ = true;
+  Random noise_;
+};
+
+}  // namespace crossgait
