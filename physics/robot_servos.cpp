@@ -21,10 +21,10 @@ void read_drive(const YamlValue& values, Joint& joint) {
 }
 
 void read_exception(const std::string& name, const YamlValue& values, RobotDescription& robot) {
-  const auto body = std::find_if(robot.bodies.begin() + 1, robot.bodies.end(),
-                                 [&name](const Body& b) { return b.joint.name == name; });
-  if (body == robot.bodies.end()) values.fail("a moving joint of the URDF", fmt::format("'{}'", name));
-  Joint& target = body->joint;
+  int i = 0;
+  while (i < robot.joint_count() && robot.joint(i).name != name) ++i;
+  if (i == robot.joint_count()) values.fail("a moving joint of the URDF", fmt::format("'{}'", name));
+  Joint& target = joint_of(robot, i);
   if (target.actuated) {
     values.allow_keys({"armature", "damping", "kp", "kd", "effort", "corner_speed", "no_load_speed",
                        "backlash", "delay", "sensor_noise"});

@@ -87,9 +87,17 @@ TEST_P(Layouts, ReadAsWhatTheirNamesSay) {
   EXPECT_NEAR(at("terrain.front"),
               ground.height(state.p_WB.x() + 0.15 * std::cos(yaw), state.p_WB.y() + 0.15 * std::sin(yaw)),
               1e-15);
-  EXPECT_NEAR(at("terrain.right"),
-              ground.height(state.p_WB.x() + 0.15 * std::sin(yaw), state.p_WB.y() - 0.15 * std::cos(yaw)),
-              1e-12);
+  const std::pair<const char*, double> ring[] = {
+      {"front", 0},  {"front_left", 45},   {"left", 90},   {"back_left", 135},
+      {"back", 180}, {"back_right", -135}, {"right", -90}, {"front_right", -45}};
+  for (const auto& [place, degrees] : ring) {
+    const double angle = yaw + degrees * M_PI / 180;
+    EXPECT_NEAR(
+        at(std::string("terrain.") + place),
+        ground.height(state.p_WB.x() + 0.15 * std::cos(angle), state.p_WB.y() + 0.15 * std::sin(angle)),
+        1e-12)
+        << place;
+  }
   for (const char* place :
        {"front", "front_right", "right", "back_right", "back", "back_left", "left", "front_left"}) {
     // The ray test of an engine is exact to 2e-6 m (design, parity-measurements.md).

@@ -87,6 +87,7 @@ TEST_P(NotAFiveBar, IsAnErrorThatNamesTheElement) {
     EXPECT_NE(e.source().find("robot"), std::string::npos) << e.what();
     EXPECT_NE((e.source() + e.element()).find("leg FL"), std::string::npos) << e.what();
     EXPECT_NE(e.element().find(GetParam().element), std::string::npos) << e.what();
+    EXPECT_FALSE(e.expected().empty()) << e.what();
   }
 }
 

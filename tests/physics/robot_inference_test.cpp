@@ -102,6 +102,20 @@ TEST_F(Inferred, HomeHasTheFeetAtTheirDepthUnderTheCentreOfMass) {
   }
 }
 
+TEST_F(Inferred, HipAxesAreLevelAtHomeAboutWhateverAbductionAxis) {
+  SerialUrdf urdf;
+  urdf.abduction_axis = Vector3(0.97, 0.14, 0.2).normalized();
+  const RobotDescription robot = load(urdf).robot;
+  const std::vector<Pose> poses = at_home(robot);
+  for (const Leg leg : kLegs) {
+    const LegModel& model = (*robot.legs)[leg];
+    const int hip = model.joint("hip");
+    const Vector3 axis = poses[static_cast<std::size_t>(hip) + 1].linear() * robot.joint(hip).axis;
+    EXPECT_NEAR(axis.z(), 0, 1e-9) << name(leg);
+    EXPECT_NEAR(robot.home[model.joint("abduction")], 0, 1e-9) << name(leg) << ": it was level already";
+  }
+}
+
 TEST_F(Inferred, KneesBendForwardWhereTheyCannotBendBackward) {
   SerialUrdf urdf;
   urdf.knee_limits = R"(lower="0.5" upper="2.6" effort="30" velocity="1")";
