@@ -12,8 +12,8 @@ ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const ContactFactors& 
       joints_(model.body(), model.armature(), model.loop_points(),
               SoftLaw(spec.robot->loop_softness, spec.physics_dt), spec.physics_dt),
       contact_law_(spec.contact.softness, spec.physics_dt),
-      spheres_(model.spheres()),
-      margins_(contact_margins(spheres_, model.body().getNumLinks())),
+      features_(model.contact_features()),
+      margins_(contact_margins(features_, model.body().getNumLinks())),
       torque_(JointVector::Zero(spec.robot->joint_count())) {
   const Eigen::Index n = joints_.inertia().dofs();
   before_.setZero(n);
@@ -57,7 +57,7 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
     return;
   }
   if (!factors_.sweeps) {
-    point_count_ = 0;
+    points_.clear();
     if (factors_.narrowphase) {
       read_contacts(manifolds, manifold_count);
     } else {

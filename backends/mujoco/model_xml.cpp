@@ -57,6 +57,14 @@ std::string shape_geometry(const CollisionShape& shape) {
       return fmt::format("type='box' size='{}'", numbers(shape.size));
     case ShapeType::kCylinder:
       return fmt::format("type='cylinder' size='{:.17g} {:.17g}'", shape.size.x(), shape.size.y());
+    case ShapeType::kCapsule:
+      return fmt::format("type='capsule' size='{:.17g} {:.17g}'", shape.size.x(), shape.size.y());
+    case ShapeType::kHull: {
+      // Its vertices touch (terrain_collision.h): all that MuJoCo needs is how far they reach.
+      Vector3 reach = Vector3::Zero();
+      for (const Vector3& vertex : shape.vertices) reach = reach.cwiseMax(vertex.cwiseAbs());
+      return fmt::format("type='box' size='{}'", numbers(reach.cwiseMax(1e-6)));
+    }
   }
   return {};
 }

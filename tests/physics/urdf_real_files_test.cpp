@@ -62,7 +62,7 @@ const char* const kNoLimit =
 const char* const kRaised =
     "1 moving link(s) whose small principal moments are raised to what a real body has: 'FL_tilt_link'";
 const char* const kDropped =
-    "dropped 1 <collision> without a sphere, box, cylinder or mesh, first in link 'FL_upper_left'";
+    "dropped 1 <collision> without a sphere, box, cylinder, capsule or mesh, first in link 'FL_upper_left'";
 
 const OddInput kOddUrdfs[] = {
     {"UnknownElement",
