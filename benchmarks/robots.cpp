@@ -1,5 +1,7 @@
 #include "crossgait/benchmarks/robots.h"
 
+#include <array>
+#include <cmath>
 #include <utility>
 
 #include "crossgait/physics/data_path.h"
@@ -127,7 +129,8 @@ CollisionShape gem() {
     const double z = 1 - (2 * i + 1) / 12.0, angle = 2.4 * i;  // a spiral around a ball
     const double across = std::sqrt(1 - z * z);
     hull.vertices.push_back(
-        Vector3(0.06, 0.045, 0.035).cwiseProduct(Vector3(across * std::cos(angle), across * std::sin(angle), z)));
+        Vector3(0.06, 0.045, 0.035)
+            .cwiseProduct(Vector3(across * std::cos(angle), across * std::sin(angle), z)));
   }
   return hull;
 }
@@ -135,7 +138,7 @@ CollisionShape gem() {
 RobotPtr assortment() {
   RobotDescription robot;
   robot.name = "assortment";
-  Body trunk = free_body("trunk", solid_box(2, {0.15, 0.08, 0.04}));
+  Body trunk = free_body("trunk", solid_box(2, {0.15, 0.08, 0.04}, {0.02, -0.01, 0.005}));
   trunk.shapes.push_back(shape("trunk", ShapeType::kBox, {0.15, 0.08, 0.04}));
   robot.bodies.push_back(trunk);
   const std::array<CollisionShape, 4> limbs{shape("cylinder", ShapeType::kCylinder, {0.03, 0.06, 0}),

@@ -55,7 +55,8 @@ RobotPtr block(ShapeType type, const Vector3& size);
 RobotPtr block(CollisionShape shape);
 /// A gem: the hull of 12 points, no two at one height in any of the poses it rests in, about .1 m across.
 CollisionShape gem();
-/// A trunk with a box that swings a cylinder, a capsule, a hull and a box on servos: it lands on any of them.
+/// A trunk with a box, its centre of mass off its origin, that swings a cylinder, a capsule, a hull and a box
+/// on servos: it lands on any of them.
 RobotPtr assortment();
 
 /// A trunk on 32 servo-driven legs of one link each, as many as a robot may have joints: it stands on as many

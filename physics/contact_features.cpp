@@ -65,7 +65,8 @@ SphereCentres sphere_centres(const ContactFeature& feature, const Vector3& centr
   }
   SphereContact nearest;
   if (!terrain.touch_sphere(centre, feature.rim + feature.radius + margin, nearest)) return centres;
-  const Vector3 down = nearest.normal.dot(axis) * axis - nearest.normal;
+  const Vector3 down =
+      axis.cross(axis.cross(nearest.normal));  // what the axis leaves of -normal, also of a little
   const double sine = down.norm();
   const Vector3 first = feature.rim * (sine > kUpright ? Vector3(down / sine) : axis.unitOrthogonal());
   const Vector3 aside = std::numbers::sqrt3 / 2 * axis.cross(first);

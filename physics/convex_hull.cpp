@@ -46,22 +46,27 @@ class HullBuilder {
     return points_[face.corners[static_cast<std::size_t>(k)]];
   }
 
-  /// The first point at which `measure` is largest.
+  /// Where `measure` is largest; of points that are equal to within `tie` the least by x, y and z, which is
+  /// no mere point of an edge.
   template <typename Measure>
-  std::size_t farthest(Measure measure) const {
-    std::size_t best = 0;
+  std::size_t farthest(Measure measure, double tie = 0) const {
     double most = -std::numeric_limits<double>::infinity();
+    for (const Vector3& p : points_) most = std::max(most, measure(p));
+    std::size_t best = points_.size();
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      const double value = measure(points_[i]);
-      if (value > most) {
-        most = value;
-        best = i;
-      }
+      if (measure(points_[i]) >= most - tie) best = earlier(i, best);
     }
     return best;
   }
 
-  /// A tetrahedron. @returns false where the points have no volume; then `corners_` are those of the best attempt
+  std::size_t earlier(std::size_t i, std::size_t best) const {
+    if (best == points_.size()) return i;
+    const Vector3 &a = points_[i], &b = points_[best];
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end()) ? i : best;
+  }
+
+  /// A tetrahedron. @returns false where the points have no volume; then `corners_` are those of the best
+  /// attempt
   bool start() {
     const Vector3& a = points_[corners_.emplace_back(farthest([](const Vector3& p) { return -p.x(); }))];
     const Vector3& b =
@@ -72,11 +77,11 @@ class HullBuilder {
         farthest([&](const Vector3& p) { return (p - a).cross(along).squaredNorm(); }))];
     const Vector3 normal = along.cross(c - a).normalized();
     const Vector3& d = points_[corners_.emplace_back(
-        farthest([&](const Vector3& p) { return std::abs(normal.dot(p - a)); }))];
+        farthest([&](const Vector3& p) { return std::abs(normal.dot(p - a)); }, flat_))];
     const double height = normal.dot(d - a);
     if (!(std::abs(height) > flat_) || !((c - a).cross(along).norm() > flat_)) return false;
-    const auto [i, j, k, l] = std::array{corners_[0], corners_[height > 0 ? 2 : 1], corners_[height > 0 ? 1 : 2],
-                                         corners_[3]};
+    const auto [i, j, k, l] =
+        std::array{corners_[0], corners_[height > 0 ? 2 : 1], corners_[height > 0 ? 1 : 2], corners_[3]};
     add_face(i, j, k);
     add_face(i, k, l);
     add_face(k, j, l);
@@ -93,7 +98,8 @@ class HullBuilder {
     faces_.push_back(std::move(face));
   }
 
-  /// Gives each point to the face, from `first` on, that it lies farthest outside of; those inside are forgotten.
+  /// Gives each point to the face, from `first` on, that it lies farthest outside of; those inside are
+  /// forgotten.
   void share_out(const std::vector<std::size_t>& points, std::size_t first) {
     for (const std::size_t i : points) {
       Face* nearest = nullptr;
@@ -109,23 +115,26 @@ class HullBuilder {
     }
   }
 
+  template <typename Visit>
+  void for_all_outside(Visit visit) const {
+    for (const Face& face : faces_) {
+      for (const std::size_t i : face.outside) visit(i, face.height(points_[i]));
+    }
+  }
+
   /// Adds the farthest point. @returns false if there is none
   bool grow() {
-    std::size_t apex = points_.size();
     double most = 0;
-    for (const Face& face : faces_) {
-      for (const std::size_t i : face.outside) {
-        const double height = face.height(points_[i]);
-        if (height > most || (height == most && i < apex)) {
-          most = height;
-          apex = i;
-        }
-      }
-    }
+    for_all_outside([&](std::size_t /*i*/, double height) { most = std::max(most, height); });
+    std::size_t apex = points_.size();
+    for_all_outside([&](std::size_t i, double height) {
+      if (height >= most - flat_) apex = earlier(i, apex);
+    });
     if (apex == points_.size()) return false;
     // Faces whose plane holds the apex go, too: they become part of larger ones.
     const auto seen = [&](const Face& face) { return face.height(points_[apex]) > -flat_; };
-    const auto first_seen = std::stable_partition(faces_.begin(), faces_.end(), [&](const Face& f) { return !seen(f); });
+    const auto first_seen =
+        std::stable_partition(faces_.begin(), faces_.end(), [&](const Face& f) { return !seen(f); });
     std::set<std::pair<std::size_t, std::size_t>> edges;
     std::vector<std::size_t> orphans;
     for (auto face = first_seen; face != faces_.end(); ++face) {
@@ -151,6 +160,8 @@ class HullBuilder {
 
 }  // namespace
 
-ConvexHull convex_hull(const std::vector<Vector3>& points, int most) { return HullBuilder(points, most).build(); }
+ConvexHull convex_hull(const std::vector<Vector3>& points, int most) {
+  return HullBuilder(points, most).build();
+}
 
 }  // namespace crossgait

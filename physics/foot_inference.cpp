@@ -51,8 +51,8 @@ std::array<Vector3, 2> ends(const CollisionShape& shape) {
   return {shape.X_BG * Vector3(0, 0, -shape.size[1]), shape.X_BG * Vector3(0, 0, shape.size[1])};
 }
 
-/// Points of a shape among which is its farthest from anywhere: a mesh's or hull's vertices, a box's corners, the ends
-/// of a cylinder's axis (a foot touches with its middle).
+/// Points of a shape among which is its farthest from anywhere: a mesh's or hull's vertices, a box's corners,
+/// the ends of a cylinder's axis (a foot touches with its middle).
 std::vector<Vector3> outline(const UrdfRobot& robot, const CollisionShape& shape) {
   if (const auto mesh = robot.mesh_vertices.find(shape.name); mesh != robot.mesh_vertices.end())
     return mesh->second;
@@ -119,7 +119,8 @@ FootPlace find_foot(const UrdfRobot& robot, int body_index, Leg leg, const std::
   const Body& body = robot.bodies[static_cast<std::size_t>(body_index)];
   FootPlace foot, capsule_end;
   double farthest = -1, farthest_end = -1;
-  const auto take_if_farther = [&](const Vector3& p, double radius, int shape, FootPlace& place, double& most) {
+  const auto take_if_farther = [&](const Vector3& p, double radius, int shape, FootPlace& place,
+                                   double& most) {
     const double distance = across(p, body.joint.axis).norm();
     if (distance <= most) return;
     most = distance;
@@ -133,7 +134,8 @@ FootPlace find_foot(const UrdfRobot& robot, int body_index, Leg leg, const std::
       continue;
     }
     if (shape.type == ShapeType::kCapsule && robot.mesh_vertices.count(shape.name) == 0) {
-      for (const Vector3& end : ends(shape)) take_if_farther(end, shape.size[0], -1, capsule_end, farthest_end);
+      for (const Vector3& end : ends(shape))
+        take_if_farther(end, shape.size[0], -1, capsule_end, farthest_end);
     }
     const std::vector<Vector3> more = outline(robot, shape);
     points.insert(points.end(), more.begin(), more.end());

@@ -19,9 +19,7 @@ constexpr int kVolumeVertices = 200;
 struct Capsule {
   Eigen::Index axis = 0;
   double radius = 0, half_length = kThinnestHalf;  // m
-  double volume() const {
-    return std::numbers::pi * radius * radius * (2 * half_length + 4 * radius / 3);
-  }
+  double volume() const { return std::numbers::pi * radius * radius * (2 * half_length + 4 * radius / 3); }
 };
 
 Capsule capsule_around(const std::vector<Vector3>& vertices, const Vector3& centre, const Vector3& half) {

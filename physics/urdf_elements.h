@@ -32,7 +32,8 @@ class UrdfErrors {
   const std::string& source_;
 };
 
-/// File name of the mesh that stands in a copy for a capsule, which urdfdom does not know: its scale is (radius, length, 0).
+/// File name of the mesh that stands in a copy for a capsule, which urdfdom does not know: its scale is
+/// (radius, length, 0).
 inline constexpr const char* kCapsuleMesh = "capsule:";
 
 /// Copies a link or a joint as far as it is simulated, and such that urdfdom takes it: numbers apart by one

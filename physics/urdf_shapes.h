@@ -13,8 +13,8 @@
 
 namespace crossgait {
 
-/// Makes shapes of one file's collisions. A mesh becomes what stands for it (mesh_shape.h); where its file is missing, or
-/// neither STL nor OBJ, it is dropped and counted.
+/// Makes shapes of one file's collisions. A mesh becomes what stands for it (mesh_shape.h); where its file is
+/// missing, or neither STL nor OBJ, it is dropped and counted.
 class UrdfShapes {
  public:
   UrdfShapes(const std::string& urdf_path, UrdfWarnings& warnings) : path_(urdf_path), warnings_(warnings) {}

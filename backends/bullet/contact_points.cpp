@@ -23,7 +23,8 @@ void ConstraintSolver::find_contacts() noexcept {
   for (const LinkFeature& of : features_) {
     const double margin = factors_.speculative ? margins_[static_cast<std::size_t>(of.link + 1)] : 0;
     const SphereCentres centres = of.centres(model_.body(), spec_.terrain, margin);
-    for (int i = 0; i < centres.count; ++i) find_contact(of, centres.points[static_cast<std::size_t>(i)], margin);
+    for (int i = 0; i < centres.count; ++i)
+      find_contact(of, centres.points[static_cast<std::size_t>(i)], margin);
   }
 }
 
@@ -37,7 +38,8 @@ void ConstraintSolver::find_contact(const LinkFeature& of, const Vector3& centre
   }
   // The same point as that of a sphere that is larger by the margin, further away by as much.
   const double distance = touch.distance + margin;
-  points_.add({of.link, of.feature.leg, centre - (radius + distance / 2) * touch.normal, touch.normal, distance});
+  points_.add(
+      {of.link, of.feature.leg, centre - (radius + distance / 2) * touch.normal, touch.normal, distance});
 }
 
 void ConstraintSolver::read_contacts(btPersistentManifold** manifolds, int count) noexcept {
@@ -53,7 +55,7 @@ void ConstraintSolver::read_contacts(btPersistentManifold** manifolds, int count
       if (distance >= 0 && !factors_.speculative) continue;
       const Vector3 on_a = vector(p.m_positionWorldOnA), on_b = vector(p.m_positionWorldOnB);
       points_.add({link, leg_at(link, robot_first ? on_a : on_b), 0.5 * (on_a + on_b),
-                 vector(p.m_normalWorldOnB) * (robot_first ? 1.0 : -1.0), distance});
+                   vector(p.m_normalWorldOnB) * (robot_first ? 1.0 : -1.0), distance});
     }
   }
 }

@@ -12,13 +12,13 @@
 
 namespace crossgait::bullet {
 
-/// Where a link can touch the terrain. (Bullet's own routine loses small boxes on height fields, and finds one point of a
-/// cylinder per step and gathers more over several, which a restored run could not repeat.)
+/// Where a link can touch the terrain. (Bullet's own routine loses small boxes on height fields, and finds
+/// one point of a cylinder per step and gathers more over several, which a restored run could not repeat.)
 struct LinkFeature {
   ContactFeature feature;
-  int link = -1;                        ///< Bullet link, -1 for the base
-  Vector3 p_CF = Vector3::Zero();       ///< centre in the link's centre-of-mass frame, m
-  Vector3 axis_C = Vector3::UnitZ();    ///< of a rim, in that frame
+  int link = -1;                      ///< Bullet link, -1 for the base
+  Vector3 p_CF = Vector3::Zero();     ///< centre in the link's centre-of-mass frame, m
+  Vector3 axis_C = Vector3::UnitZ();  ///< of a rim, in that frame
 
   /// In the world, where `body` has it.
   SphereCentres centres(const btMultiBody& body, const Terrain& terrain, double margin) const noexcept;

@@ -97,7 +97,8 @@ void ConstraintSolver::report_native_contacts() noexcept {
   for (int i = 0; i < m_multiBodyNormalContactConstraints.size(); ++i) {
     const btMultiBodySolverConstraint& row = m_multiBodyNormalContactConstraints[i];
     const auto* p = static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
-    if (static_cast<double>(p->getDistance()) > 0 && static_cast<double>(row.m_appliedImpulse) <= 0) continue;  // speculative
+    if (static_cast<double>(p->getDistance()) > 0 && static_cast<double>(row.m_appliedImpulse) <= 0)
+      continue;  // speculative
     const bool robot_first = row.m_multiBodyA != nullptr;
     ContactPoint point;
     point.link = robot_first ? row.m_linkA : row.m_linkB;

@@ -77,9 +77,9 @@ std::unique_ptr<btCompoundShape> make_link_shape(const std::vector<LinkFeature>&
   for (const LinkFeature& of : features) {
     if (of.link != link) continue;
     children.push_back(make_feature_shape(of.feature));
-    const btQuaternion turn =
-        of.feature.rim > 0 ? quaternion(Quaternion::FromTwoVectors(Vector3::UnitZ(), of.axis_C))
-                           : btQuaternion::getIdentity();
+    const btQuaternion turn = of.feature.rim > 0
+                                  ? quaternion(Quaternion::FromTwoVectors(Vector3::UnitZ(), of.axis_C))
+                                  : btQuaternion::getIdentity();
     compound->addChildShape(btTransform(turn, vector(of.p_CF)), children.back().get());
   }
   return compound;
@@ -95,7 +95,8 @@ btCollisionAlgorithm* TerrainCollisionFactory::CreateCollisionAlgorithm(
     btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* shape,
     const btCollisionObjectWrapper* ground) {
   void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(TerrainAlgorithm));
-  return new (memory) TerrainAlgorithm(info, shape->getCollisionObject(), ground->getCollisionObject(), terrain_);
+  return new (memory)
+      TerrainAlgorithm(info, shape->getCollisionObject(), ground->getCollisionObject(), terrain_);
 }
 
 }  // namespace crossgait::bullet

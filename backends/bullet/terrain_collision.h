@@ -21,9 +21,9 @@ std::unique_ptr<btCompoundShape> make_link_shape(const std::vector<LinkFeature>&
 
 /// Bullet collides a sphere with every triangle near it, and takes the edges between them for corners: on a
 /// perfectly flat incline of triangles a sled slides up to a fifth faster or slower than on a plane,
-/// depending on its heading. `sphere_centres` and `Terrain::touch_sphere` give the same points as in every engine.
-/// As in Bullet's own routines, points within the contact breaking threshold above the ground count, with a
-/// positive distance. Bullet's own routine of a sphere and a plane is exact and stays.
+/// depending on its heading. `sphere_centres` and `Terrain::touch_sphere` give the same points as in every
+/// engine. As in Bullet's own routines, points within the contact breaking threshold above the ground count,
+/// with a positive distance. Bullet's own routine of a sphere and a plane is exact and stays.
 class TerrainCollisionFactory final : public btCollisionAlgorithmCreateFunc {
  public:
   /// @param terrain must outlive this

@@ -106,7 +106,8 @@ void add_body(Xml& xml, const WorldSpec& spec, int index) {
   const std::string contact = contact_attributes(spec.contact, kRobotBit, kTerrainBit, kRobotGroup);
   for (std::size_t k = 0; k < body.shapes.size(); ++k) {
     xml.add("<geom name='{}' {} {} {}/>", shape_name(index, static_cast<int>(k)),
-            shape_geometry(body.shapes[k]), placement(body.shapes[k].X_BG), contact);
+            shape_geometry(body.shapes[k]), placement(from_origin(robot, index, body.shapes[k].X_BG)),
+            contact);
   }
   for (int child = index + 1; child <= robot.joint_count(); ++child) {
     if (robot.bodies[static_cast<std::size_t>(child)].parent == index) add_body(xml, spec, child);

@@ -17,7 +17,8 @@ struct TableEntry {
 
   static int collide(const mjModel* m, const mjData* d, mjContact* contacts, int ground, int geom,
                      mjtNum margin) {
-    // A sphere on a plane MuJoCo does to rounding as we do: only whether it is one of the deepest is ours to say.
+    // A sphere on a plane MuJoCo does to rounding as we do: only whether it is one of the deepest is ours to
+    // say.
     constexpr bool kExact = kGround == mjGEOM_PLANE && kShape == mjGEOM_SPHERE;
     TerrainCollision* const collision = collision_of(m);
     const int count = collision == nullptr ? 0 : collision->write(*d, geom, contacts);
@@ -53,11 +54,12 @@ void TerrainCollision::find(const mjData& data) noexcept {
     const ContactFeature& feature = features_[i];
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R_WG(data.geom_xmat + 9 * geoms_[i]);
     const Vector3 p_WG = vector(data.geom_xpos + 3 * geoms_[i]);
-    const SphereCentres centres = sphere_centres(feature, p_WG + R_WG * feature.p_GC, R_WG * feature.axis_G,
-                                                 terrain_, /*margin=*/0);
+    const SphereCentres centres =
+        sphere_centres(feature, p_WG + R_WG * feature.p_GC, R_WG * feature.axis_G, terrain_, /*margin=*/0);
     for (int k = 0; k < centres.count; ++k) {
       SphereContact touch;
-      if (!terrain_.touch_sphere(centres.points[static_cast<std::size_t>(k)], feature.radius, touch)) continue;
+      if (!terrain_.touch_sphere(centres.points[static_cast<std::size_t>(k)], feature.radius, touch))
+        continue;
       points_.add({geoms_[i], touch.position, touch.normal, touch.distance});
     }
   }

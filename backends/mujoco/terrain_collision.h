@@ -10,7 +10,8 @@
 
 namespace crossgait::mujoco {
 
-/// The contact points of one world, found for all of its shapes at once: no more than `kMaxContacts` are solved.
+/// The contact points of one world, found for all of its shapes at once: no more than `kMaxContacts` are
+/// solved.
 class TerrainCollision {
  public:
   /// @param terrain  has to outlive this
@@ -45,12 +46,13 @@ class TerrainCollision {
   bool found_ = false;
 };
 
-/// Where MuJoCo looks for contacts of a plane or a height field with a sphere, capsule, cylinder or box, the points are those
-/// of contact_features.h, the same as in every engine. (MuJoCo's own: prisms of a height field, two contacts of a sphere on
-/// perfectly flat ground, one of them tilted by 5.5 degrees; at most four corners of a box on a plane.) MuJoCo's collision
-/// table is process-wide, so the replacement works for the model that its thread is stepping for Crossgait
-/// (engine_call.h) and hands all others to the routine that stood in the table before. Installed once,
-/// thread-safe. A routine that somebody puts into the table later is used for our models too.
+/// Where MuJoCo looks for contacts of a plane or a height field with a sphere, capsule, cylinder or box, the
+/// points are those of contact_features.h, the same as in every engine. (MuJoCo's own: prisms of a height
+/// field, two contacts of a sphere on perfectly flat ground, one of them tilted by 5.5 degrees; at most four
+/// corners of a box on a plane.) MuJoCo's collision table is process-wide, so the replacement works for the
+/// model that its thread is stepping for Crossgait (engine_call.h) and hands all others to the routine that
+/// stood in the table before. Installed once, thread-safe. A routine that somebody puts into the table later
+/// is used for our models too.
 void install_terrain_collision();
 
 }  // namespace crossgait::mujoco

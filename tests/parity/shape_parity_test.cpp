@@ -29,13 +29,38 @@ INSTANTIATE_TEST_SUITE_P(Engines, MatchedShapes, ::testing::ValuesIn(matched_pai
 constexpr const char* kRough = "rough:seed=3,flat_radius=0,size_x=4,size_y=4";
 
 TEST_P(MatchedShapes, ABoxTumbles) { thrown(scenes::block(ShapeType::kBox, {0.06, 0.04, 0.03}), "flat", 3); }
-TEST_P(MatchedShapes, ABoxTumblesOnRoughGround) { thrown(scenes::block(ShapeType::kBox, {0.06, 0.04, 0.03}), kRough, 3); }
-TEST_P(MatchedShapes, ACylinderRolls) { thrown(scenes::block(ShapeType::kCylinder, {0.05, 0.04, 0}), "flat", 3); }
-TEST_P(MatchedShapes, ACylinderRollsOnRoughGround) { thrown(scenes::block(ShapeType::kCylinder, {0.05, 0.04, 0}), kRough, 3); }
-TEST_P(MatchedShapes, ACapsuleRolls) { thrown(scenes::block(ShapeType::kCapsule, {0.04, 0.05, 0}), "flat", 3); }
-TEST_P(MatchedShapes, ACapsuleRollsOnRoughGround) { thrown(scenes::block(ShapeType::kCapsule, {0.04, 0.05, 0}), kRough, 3); }
+TEST_P(MatchedShapes, ABoxTumblesOnRoughGround) {
+  thrown(scenes::block(ShapeType::kBox, {0.06, 0.04, 0.03}), kRough, 3);
+}
+TEST_P(MatchedShapes, ACylinderRolls) {
+  thrown(scenes::block(ShapeType::kCylinder, {0.05, 0.04, 0}), "flat", 3);
+}
+TEST_P(MatchedShapes, ACylinderRollsOnRoughGround) {
+  thrown(scenes::block(ShapeType::kCylinder, {0.05, 0.04, 0}), kRough, 3);
+}
+TEST_P(MatchedShapes, ACapsuleRolls) {
+  thrown(scenes::block(ShapeType::kCapsule, {0.04, 0.05, 0}), "flat", 3);
+}
+TEST_P(MatchedShapes, ACapsuleRollsOnRoughGround) {
+  thrown(scenes::block(ShapeType::kCapsule, {0.04, 0.05, 0}), kRough, 3);
+}
 TEST_P(MatchedShapes, AHullTumbles) { thrown(scenes::block(scenes::gem()), "flat", 3); }
 TEST_P(MatchedShapes, AHullTumblesOnRoughGround) { thrown(scenes::block(scenes::gem()), kRough, 3); }
+TEST_P(MatchedShapes, ThreeRichHullsTumble) {
+  RobotDescription robot;
+  robot.name = "three gems";
+  Body body;
+  body.name = "trunk";
+  body.inertia = scenes::solid_box(3, {0.1, 0.05, 0.05});
+  for (int k = 0; k < 3; ++k) {
+    CollisionShape hull = scenes::gem();
+    hull.name += std::to_string(k);
+    hull.X_BG.translation().x() = 0.08 * (k - 1);
+    body.shapes.push_back(hull);
+  }
+  robot.bodies.push_back(body);
+  thrown(scenes::finished(robot), kRough, 2);
+}
 TEST_P(MatchedShapes, ARobotOfAllOfThemTumbles) { thrown(scenes::assortment(), "flat", 3); }
 TEST_P(MatchedShapes, ARobotOfAllOfThemTumblesOnRoughGround) { thrown(scenes::assortment(), kRough, 3); }
 
