@@ -33,6 +33,11 @@ struct ContactFeature {
 /// Those of every shape of every body that can move, in the order of bodies and shapes.
 std::vector<ContactFeature> contact_features(const RobotDescription& robot, bool fixed_base);
 
+/// How far from the shape's origin a feature reaches, m.
+inline double reach(const ContactFeature& feature) {
+  return feature.p_GC.norm() + feature.rim + feature.radius;
+}
+
 /// Centres of the spheres of one feature that may touch.
 struct SphereCentres {
   std::array<Vector3, 3> points;

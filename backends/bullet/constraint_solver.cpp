@@ -1,5 +1,7 @@
 #include "crossgait/backends/bullet/constraint_solver.h"
 
+#include <algorithm>
+
 #include "crossgait/backends/bullet/convert.h"
 
 namespace crossgait::bullet {
@@ -15,6 +17,11 @@ ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const ContactFactors& 
       features_(model.contact_features()),
       margins_(contact_margins(features_, model.body().getNumLinks())),
       torque_(JointVector::Zero(spec.robot->joint_count())) {
+  reach_.assign(margins_.size(), 0);
+  for (const LinkFeature& of : features_) {
+    double& farthest = reach_[static_cast<std::size_t>(of.link + 1)];
+    farthest = std::max(farthest, of.p_CF.norm() + of.feature.rim + of.feature.radius);
+  }
   const Eigen::Index n = joints_.inertia().dofs();
   before_.setZero(n);
   correction_.setZero(n);

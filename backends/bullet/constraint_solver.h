@@ -79,6 +79,7 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   SoftLaw contact_law_;
   std::vector<LinkFeature> features_;
   std::vector<double> margins_;
+  std::vector<double> reach_;  // of each link's features (base first) from its centre of mass, m
   bool pending_ = false, finite_ = true;
 
   DofVector before_;      // velocities before the step

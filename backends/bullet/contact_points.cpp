@@ -20,8 +20,17 @@ std::vector<double> contact_margins(const std::vector<LinkFeature>& features, in
 }
 
 void ConstraintSolver::find_contacts() noexcept {
+  int link = -2;  // of the last feature, none so far
+  bool out_of_reach = false;
   for (const LinkFeature& of : features_) {
-    const double margin = factors_.speculative ? margins_[static_cast<std::size_t>(of.link + 1)] : 0;
+    const auto index = static_cast<std::size_t>(of.link + 1);
+    const double margin = factors_.speculative ? margins_[index] : 0;
+    if (of.link != link) {
+      link = of.link;
+      const double height = vector(model_.body().localPosToWorld(link, btVector3(0, 0, 0))).z();
+      out_of_reach = height - reach_[index] - margin > spec_.terrain.max();
+    }
+    if (out_of_reach) continue;
     const SphereCentres centres = of.centres(model_.body(), spec_.terrain, margin);
     for (int i = 0; i < centres.count; ++i)
       find_contact(of, centres.points[static_cast<std::size_t>(i)], margin);

@@ -1,5 +1,6 @@
 #include "crossgait/backends/mujoco/terrain_collision.h"
 
+#include <algorithm>
 #include <mutex>
 #include <utility>
 
@@ -43,8 +44,11 @@ TerrainCollision::TerrainCollision(const RobotDescription& robot, bool fixed_bas
 
 void TerrainCollision::set_model(const mjModel& model) {
   geoms_.clear();
+  reach_.assign(static_cast<std::size_t>(model.ngeom), 0);
   for (const ContactFeature& feature : features_) {
     geoms_.push_back(mj_name2id(&model, mjOBJ_GEOM, shape_name(feature.body, feature.shape).c_str()));
+    double& farthest = reach_[static_cast<std::size_t>(geoms_.back())];
+    farthest = std::max(farthest, reach(feature));
   }
 }
 
@@ -54,6 +58,7 @@ void TerrainCollision::find(const mjData& data) noexcept {
     const ContactFeature& feature = features_[i];
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R_WG(data.geom_xmat + 9 * geoms_[i]);
     const Vector3 p_WG = vector(data.geom_xpos + 3 * geoms_[i]);
+    if (p_WG.z() - reach_[static_cast<std::size_t>(geoms_[i])] > terrain_.max()) continue;
     const SphereCentres centres =
         sphere_centres(feature, p_WG + R_WG * feature.p_GC, R_WG * feature.axis_G, terrain_, /*margin=*/0);
     for (int k = 0; k < centres.count; ++k) {

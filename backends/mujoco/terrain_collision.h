@@ -40,7 +40,8 @@ class TerrainCollision {
   void find(const mjData& data) noexcept;
 
   std::vector<ContactFeature> features_;
-  std::vector<int> geoms_;  ///< of each feature
+  std::vector<int> geoms_;     ///< of each feature
+  std::vector<double> reach_;  ///< of each geom's features from its origin, m
   const Terrain& terrain_;
   DeepestPoints<Point> points_;
   bool found_ = false;
