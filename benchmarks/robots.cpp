@@ -1,5 +1,7 @@
 #include "crossgait/benchmarks/robots.h"
 
+#include <array>
+#include <cmath>
 #include <utility>
 
 #include "crossgait/physics/data_path.h"
@@ -110,12 +112,57 @@ RobotPtr sled() {
   return finished(robot);
 }
 
-RobotPtr block(ShapeType type, const Vector3& size) {
+RobotPtr block(ShapeType type, const Vector3& size) { return block(shape("shape", type, size)); }
+
+RobotPtr block(CollisionShape shape) {
   RobotDescription robot;
   robot.name = "block";
   Body body = free_body("block", solid_box(0.5, {0.05, 0.05, 0.05}));
-  body.shapes.push_back(shape("shape", type, size));
+  body.shapes.push_back(std::move(shape));
   robot.bodies.push_back(body);
+  return finished(robot);
+}
+
+CollisionShape gem() {
+  CollisionShape hull = shape("gem", ShapeType::kHull, Vector3::Zero());
+  for (int i = 0; i < 12; ++i) {
+    const double z = 1 - (2 * i + 1) / 12.0, angle = 2.4 * i;  // a spiral around a ball
+    const double across = std::sqrt(1 - z * z);
+    hull.vertices.push_back(
+        Vector3(0.06, 0.045, 0.035)
+            .cwiseProduct(Vector3(across * std::cos(angle), across * std::sin(angle), z)));
+  }
+  return hull;
+}
+
+RobotPtr assortment() {
+  RobotDescription robot;
+  robot.name = "assortment";
+  Body trunk = free_body("trunk", solid_box(2, {0.15, 0.08, 0.04}, {0.02, -0.01, 0.005}));
+  trunk.shapes.push_back(shape("trunk", ShapeType::kBox, {0.15, 0.08, 0.04}));
+  robot.bodies.push_back(trunk);
+  const std::array<CollisionShape, 4> limbs{shape("cylinder", ShapeType::kCylinder, {0.03, 0.06, 0}),
+                                            shape("capsule", ShapeType::kCapsule, {0.025, 0.07, 0}), gem(),
+                                            shape("box", ShapeType::kBox, {0.03, 0.04, 0.06})};
+  for (std::size_t i = 0; i < limbs.size(); ++i) {
+    const double front = i < 2 ? 1 : -1, left = i % 2 == 0 ? 1 : -1;
+    const Vector3 centre(0.02, 0.06 * left, -0.08);
+    Body limb = free_body("limb_" + limbs[i].name, solid_box(0.3, {0.03, 0.03, 0.06}, centre));
+    limb.parent = 0;
+    limb.X_PB.translation() = Vector3(0.14 * front, 0.08 * left, 0);
+    limb.joint.name = "swing_" + limbs[i].name;
+    limb.joint.axis = Vector3(0.3, 1, 0.2 * left).normalized();
+    limb.joint.actuated = true;
+    limb.joint.armature = 1e-3;
+    limb.joint.kp = 8;
+    limb.joint.kd = 0.1;
+    limb.joint.effort_limit = 4;
+    limb.shapes.push_back(limbs[i]);
+    limb.shapes.back().X_BG.translation() = centre;
+    limb.shapes.back().X_BG.linear() = from_roll_pitch_yaw(0.4, 0.2 * left, 0.1).toRotationMatrix();
+    robot.bodies.push_back(limb);
+  }
+  robot.home_height = 0.2;
   return finished(robot);
 }
 

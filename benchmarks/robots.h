@@ -51,6 +51,13 @@ RobotPtr sled();
 
 /// One body of 0.5 kg with one shape centred on the origin: `size` as in CollisionShape.
 RobotPtr block(ShapeType type, const Vector3& size);
+/// The same with a shape that is no more than a type and sizes.
+RobotPtr block(CollisionShape shape);
+/// A gem: the hull of 12 points, no two at one height in any of the poses it rests in, about .1 m across.
+CollisionShape gem();
+/// A trunk with a box, its centre of mass off its origin, that swings a cylinder, a capsule, a hull and a box
+/// on servos: it lands on any of them.
+RobotPtr assortment();
 
 /// A trunk on 32 servo-driven legs of one link each, as many as a robot may have joints: it stands on as many
 /// spheres as eight quadrupeds.

@@ -169,6 +169,32 @@ void audit_feet(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
   for (const Worst* w : {&radius, &friction, &law}) w->append_to(findings);
 }
 
+// Every body from several sides: which of its points come first to the ground, and how far out they are.
+void audit_shapes(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+  Worst depth("collision shape", "m"), points("contact points", "-");
+  // Six sides and two corners, none of them level: no two points are equally deep by symmetry.
+  constexpr std::array<std::array<double, 3>, 8> kAttitudes{{{0.13, 0.29, 0.4},
+                                                             {3.02, 0.31, 1.1},
+                                                             {1.71, 0.17, -0.5},
+                                                             {-1.39, 0.23, 2.2},
+                                                             {0.21, 1.37, 0.7},
+                                                             {0.37, -1.33, -1.6},
+                                                             {0.83, 0.61, 0.3},
+                                                             {-2.35, 0.57, -0.9}}};
+  for (const auto& [roll, pitch, yaw] : kAttitudes) {
+    for (int body = 0; body <= a.robot().joint_count(); ++body) {
+      const auto state = probes::body_pressed(a, body, from_roll_pitch_yaw(roll, pitch, yaw));
+      if (!state) continue;
+      const auto x = probes::press_body(a, *state, body), y = probes::press_body(b, *state, body);
+      if (!x || !y) continue;
+      depth.add(x->depth, y->depth, 0, 1e-9, body_label(a, body));
+      points.add(x->points, y->points, 0, 0.5, body_label(a, body));
+    }
+  }
+  depth.append_to(findings);
+  points.append_to(findings);
+}
+
 void audit_motion(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
   Worst motion("motion in the air", "m/s or rad/s");
   const RobotState state = probes::swinging(a);
@@ -198,6 +224,8 @@ const std::vector<std::string>& audited_quantities() {
                                                     "foot radius",
                                                     "friction",
                                                     "contact law",
+                                                    "collision shape",
+                                                    "contact points",
                                                     "motion in the air"};
   return kQuantities;
 }
@@ -216,6 +244,7 @@ std::vector<AuditFinding> audit_models(PhysicsBackend& a, PhysicsBackend& b) {
   audit_gravity(a, b, findings);
   audit_servos(a, b, findings);
   audit_feet(a, b, findings);
+  audit_shapes(a, b, findings);
   audit_motion(a, b, findings);
   a.reset();
   b.reset();

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "crossgait/physics/across_axis.h"
+#include "crossgait/physics/contact_features.h"
 #include "crossgait/physics/multibody.h"
 
 namespace crossgait::probes {
 namespace {
 
-constexpr double kHighUp = 100;  // m above the highest ground: nothing touches
+constexpr double kHighUp = 100;       // m above the highest ground: nothing touches
+constexpr double kPressDepth = 1e-3;  // m
 
 JointTargets targets_at(const RobotDescription& robot, const JointVector& q) {
   const std::vector<int> actuated = robot.actuated_joints();
@@ -94,7 +97,6 @@ ServoResponse servo_response(PhysicsBackend& world, int joint) {
 }
 
 RobotState pressed(const PhysicsBackend& world, double speed) {
-  constexpr double kDepth = 1e-3;  // m
   const RobotDescription& robot = world.robot();
   RobotState state = world.home_state();
   std::vector<Pose> poses;
@@ -105,7 +107,7 @@ RobotState pressed(const PhysicsBackend& world, double speed) {
     const double radius = (*robot.legs)[leg].foot_radius;
     gap = std::min(gap, foot.z() - radius - world.spec().terrain.height(foot.x(), foot.y()));
   }
-  state.p_WB.z() -= gap + kDepth;
+  state.p_WB.z() -= gap + kPressDepth;
   state.v_WB.x() = speed;
   return state;
 }
@@ -123,6 +125,39 @@ LegArray<PressedFoot> press_feet(PhysicsBackend& world, const RobotState& presse
     if (normal > 0) foot.friction_ratio = (c.force - normal * c.normal).norm() / normal;
   }
   return feet;
+}
+
+std::optional<RobotState> body_pressed(const PhysicsBackend& world, int body, const Quaternion& attitude) {
+  const RobotDescription& robot = world.robot();
+  RobotState state = world.home_state();
+  state.q_WB = attitude;
+  std::vector<Pose> poses;
+  forward_kinematics(robot, state, poses);
+  double gap = std::numeric_limits<double>::infinity();
+  for (const ContactFeature& feature : contact_features(robot, world.spec().fixed_base)) {
+    if (feature.body != body) continue;
+    const auto b = static_cast<std::size_t>(body);
+    const Pose X_WG = poses[b] * robot.bodies[b].shapes[static_cast<std::size_t>(feature.shape)].X_BG;
+    const Vector3 axis = X_WG.linear() * feature.axis_G;
+    const Vector3 down = across(-Vector3::UnitZ(), axis).stableNormalized();
+    const Vector3 lowest = X_WG * feature.p_GC + feature.rim * down;
+    gap = std::min(gap, lowest.z() - feature.radius - world.spec().terrain.height(lowest.x(), lowest.y()));
+  }
+  if (!std::isfinite(gap)) return std::nullopt;
+  state.p_WB.z() -= gap + kPressDepth;
+  return state;
+}
+
+std::optional<PressedBody> press_body(PhysicsBackend& world, const RobotState& pressed, int body) {
+  world.reset(pressed);
+  if (world.step(targets_at(world.robot(), pressed.q)) != StepStatus::kOk) return std::nullopt;
+  PressedBody result;
+  for (const Contact& c : world.contacts()) {
+    if (c.body != body || c.distance > 0) continue;
+    result.depth = std::max(result.depth, -c.distance);
+    ++result.points;
+  }
+  return result;
 }
 
 RobotState swinging(const PhysicsBackend& world) {

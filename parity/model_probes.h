@@ -1,6 +1,7 @@
 // Single experiments on a world through its public interface. Private to the model audit.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "crossgait/physics/physics_backend.h"
@@ -36,6 +37,18 @@ struct PressedFoot {
 RobotState pressed(const PhysicsBackend& world, double speed);
 /// One step from there. Both worlds are to start from the state of one.
 LegArray<PressedFoot> press_feet(PhysicsBackend& world, const RobotState& pressed);
+
+/// The robot at home, turned to `attitude` over the origin, with the lowest contact feature of `body`
+/// (contact_features.h) 1 mm deep in the ground, wherever the other bodies are. @returns empty if the body
+/// has no shapes
+std::optional<RobotState> body_pressed(const PhysicsBackend& world, int body, const Quaternion& attitude);
+
+struct PressedBody {
+  double depth = 0;  ///< of its deepest contact, m; 0 if it does not touch
+  int points = 0;    ///< where it touches
+};
+/// One step from there. @returns empty if the engine cannot take it: bodies that were deeper fly apart
+std::optional<PressedBody> press_body(PhysicsBackend& world, const RobotState& pressed, int body);
 
 /// High in the air with every joint turning and the loops a little open.
 RobotState swinging(const PhysicsBackend& world);

@@ -1,4 +1,4 @@
-// What an axis leaves of a vector. Private to the inference of legs.
+// What an axis leaves of a vector.
 #pragma once
 
 #include "crossgait/physics/math.h"

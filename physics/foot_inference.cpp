@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <Eigen/Dense>
@@ -44,18 +46,26 @@ std::optional<Ball> fit_ball(const std::vector<Vector3>& points) {
   return rms < kRoundness * ball.radius ? std::optional(ball) : std::nullopt;
 }
 
-/// Points of a shape among which is its farthest from anywhere: a mesh's vertices, a box's corners, the ends
-/// of a cylinder's axis (a foot touches with its middle).
+/// The ends of a cylinder's axis, or of a capsule's, in the body's frame.
+std::array<Vector3, 2> ends(const CollisionShape& shape) {
+  return {shape.X_BG * Vector3(0, 0, -shape.size[1]), shape.X_BG * Vector3(0, 0, shape.size[1])};
+}
+
+/// Points of a shape among which is its farthest from anywhere: a mesh's or hull's vertices, a box's corners,
+/// the ends of a cylinder's axis (a foot touches with its middle).
 std::vector<Vector3> outline(const UrdfRobot& robot, const CollisionShape& shape) {
   if (const auto mesh = robot.mesh_vertices.find(shape.name); mesh != robot.mesh_vertices.end())
     return mesh->second;
   std::vector<Vector3> points;
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto sign = [corner](int bit) { return (corner >> bit & 1) != 0 ? 1.0 : -1.0; };
-    const Vector3 p = shape.type == ShapeType::kBox
-                          ? Vector3(sign(0), sign(1), sign(2)).cwiseProduct(shape.size)
-                          : Vector3(0, 0, sign(2) * shape.size[1]);
-    points.push_back(shape.X_BG * p);
+  if (shape.type == ShapeType::kCylinder || shape.type == ShapeType::kCapsule) {
+    for (const Vector3& end : ends(shape)) points.push_back(end);
+  } else if (shape.type == ShapeType::kHull) {
+    for (const Vector3& vertex : shape.vertices) points.push_back(shape.X_BG * vertex);
+  } else {
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto sign = [corner](int bit) { return (corner >> bit & 1) != 0 ? 1.0 : -1.0; };
+      points.push_back(shape.X_BG * Vector3(sign(0), sign(1), sign(2)).cwiseProduct(shape.size));
+    }
   }
   return points;
 }
@@ -83,9 +93,18 @@ FootPlace foot_at_the_tip(const std::vector<Vector3>& points, const Vector3& axi
   return {middle + (reach - radius - down.dot(middle)) * down, radius, -1};
 }
 
-/// From a point of its body to a box or cylinder, m; 0 inside.
+/// From a point of its body to a box, cylinder or capsule, m; 0 inside. To a hull: to the nearest vertex.
 double distance_to(const CollisionShape& shape, const Vector3& p_B) {
   const Vector3 p = shape.X_BG.inverse() * p_B;
+  if (shape.type == ShapeType::kHull) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Vector3& vertex : shape.vertices) nearest = std::min(nearest, (p - vertex).norm());
+    return nearest;
+  }
+  if (shape.type == ShapeType::kCapsule) {
+    const Vector3 on_axis(0, 0, std::clamp(p.z(), -shape.size[1], shape.size[1]));
+    return std::max(0.0, (p - on_axis).norm() - shape.size[0]);
+  }
   Vector3 outside = (p.cwiseAbs() - shape.size).cwiseMax(0);
   if (shape.type == ShapeType::kCylinder)
     outside = {std::max(0.0, std::hypot(p.x(), p.y()) - shape.size[0]), 0,
@@ -98,23 +117,34 @@ double distance_to(const CollisionShape& shape, const Vector3& p_B) {
 FootPlace find_foot(const UrdfRobot& robot, int body_index, Leg leg, const std::string& source,
                     std::vector<Inference>& inferred) {
   const Body& body = robot.bodies[static_cast<std::size_t>(body_index)];
-  FootPlace foot;
-  double farthest = -1;
+  FootPlace foot, capsule_end;
+  double farthest = -1, farthest_end = -1;
+  const auto take_if_farther = [&](const Vector3& p, double radius, int shape, FootPlace& place,
+                                   double& most) {
+    const double distance = across(p, body.joint.axis).norm();
+    if (distance <= most) return;
+    most = distance;
+    place = {p, radius, shape};
+  };
   std::vector<Vector3> points;
   for (std::size_t i = 0; i < body.shapes.size(); ++i) {
     const CollisionShape& shape = body.shapes[i];
-    if (shape.type != ShapeType::kSphere) {
-      const std::vector<Vector3> more = outline(robot, shape);
-      points.insert(points.end(), more.begin(), more.end());
+    if (shape.type == ShapeType::kSphere) {
+      take_if_farther(shape.X_BG.translation(), shape.size[0], static_cast<int>(i), foot, farthest);
       continue;
     }
-    const double distance = across(shape.X_BG.translation(), body.joint.axis).norm();
-    if (distance <= farthest) continue;
-    farthest = distance;
-    foot = {shape.X_BG.translation(), shape.size[0], static_cast<int>(i)};
+    if (shape.type == ShapeType::kCapsule && robot.mesh_vertices.count(shape.name) == 0) {
+      for (const Vector3& end : ends(shape))
+        take_if_farther(end, shape.size[0], -1, capsule_end, farthest_end);
+    }
+    const std::vector<Vector3> more = outline(robot, shape);
+    points.insert(points.end(), more.begin(), more.end());
   }
   std::string reason = "the collision sphere farthest from the knee";
-  if (foot.shape < 0) {
+  if (farthest < 0 && farthest_end >= 0) {
+    foot = capsule_end;
+    reason = "no collision sphere: the end of the capsule farthest from the knee";
+  } else if (farthest < 0) {
     if (points.empty()) {
       throw ConfigError(source, fmt::format("link '{}'", body.name),
                         "a collision shape to find the foot by, or `foot` in a robot.yaml", "none");

@@ -19,16 +19,21 @@ struct SpatialInertia {
   Matrix3 I_C = Matrix3::Zero();   ///< inertia about the centre of mass, body axes, kg m^2
 };
 
-enum class ShapeType { kSphere, kBox, kCylinder };
+enum class ShapeType { kSphere, kBox, kCylinder, kCapsule, kHull };
+
+/// Most vertices of a hull. MuJoCo takes 50 contacts of two geoms.
+inline constexpr int kMaxHullVertices = 32;
 
 /// A collision shape, rigidly attached to a body. Shapes of one robot never collide with each other, only
-/// with terrain.
+/// with terrain, which they touch in the same places on every engine (contact_features.h).
 struct CollisionShape {
   std::string name;
   ShapeType type = ShapeType::kSphere;
   Vector3 size = Vector3::Zero();  ///< sphere: (radius, 0, 0); box: half extents; cylinder: (radius, half
-                                   ///< length, 0), axis z
+                                   ///< length, 0), axis z; capsule: the same, half length between the centres
+                                   ///< of its ends; hull: not used
   Pose X_BG = Pose::Identity();    ///< pose of the shape in the body frame
+  std::vector<Vector3> vertices;   ///< of a hull, in the shape's frame, m: 4 to kMaxHullVertices
 };
 
 /// The revolute joint that connects a body to its parent, and its drive.

@@ -208,7 +208,15 @@ void check_joint(const Joint& joint, std::string_view source) {
 void check_shape(const CollisionShape& shape, std::string_view source, std::string_view element) {
   const Reporter report(source, std::string(element));
   report.proper(shape.X_BG, "the pose on the body");
-  const int sizes = shape.type == ShapeType::kSphere ? 1 : shape.type == ShapeType::kCylinder ? 2 : 3;
+  if (shape.type == ShapeType::kHull) {
+    const auto count = shape.vertices.size();
+    report.require(count >= 4 && count <= kMaxHullVertices, fmt::format("4 to {} vertices", kMaxHullVertices),
+                   std::to_string(count));
+    for (const Vector3& vertex : shape.vertices) report.finite(vertex, "vertices (m)");
+    return;
+  }
+  const bool is_round = shape.type == ShapeType::kCylinder || shape.type == ShapeType::kCapsule;
+  const int sizes = shape.type == ShapeType::kSphere ? 1 : is_round ? 2 : 3;
   for (int i = 0; i < sizes; ++i) report.positive(shape.size[i], "size (m)", kLargestLength);
 }
 

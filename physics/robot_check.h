@@ -24,7 +24,7 @@ inline constexpr double kLongestDelay = 1;    ///< s, of a drive
 /// Mass, offset and inertia within the limits above; inertia finite, symmetric, positive definite and that of
 /// some real body: none of its principal moments exceeds the sum of the other two.
 void check_inertia(const SpatialInertia& inertia, std::string_view source, std::string_view element);
-/// Positive sizes and a proper pose, within the limits above.
+/// Positive sizes or a hull's vertices, and a proper pose, within the limits above.
 void check_shape(const CollisionShape& shape, std::string_view source, std::string_view element);
 /// Unit axis, ordered limits, and damping, friction, armature and servo gains that are not negative.
 void check_joint(const Joint& joint, std::string_view source);

@@ -40,8 +40,9 @@ struct FootPlace {
   int shape = -1;                  ///< the collision sphere that it is, or -1: there is none yet
 };
 
-/// The collision sphere farthest from the axis of the body's joint; without one, a small sphere at the
-/// farthest point of its shapes. @throws ConfigError if the body has none
+/// The collision sphere farthest from the axis of the body's joint; without one, the end of a capsule that
+/// is; without either, a small sphere at the farthest point of its shapes. @throws ConfigError if the body
+/// has none
 FootPlace find_foot(const UrdfRobot& robot, int body, Leg leg, const std::string& source,
                     std::vector<Inference>& inferred);
 

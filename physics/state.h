@@ -1,6 +1,7 @@
 // Values that cross the interface every step. Fixed-size storage; copying one never allocates.
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "crossgait/physics/leg.h"
@@ -44,23 +45,32 @@ struct Contact {
 
 inline constexpr int kMaxContacts = 64;
 
-/// Contacts of the last physics step. Fixed capacity; `dropped` counts what did not fit.
-struct ContactList {
-  std::array<Contact, kMaxContacts> points;
+/// The `kMaxContacts` deepest of the points added, in the order of their adding; `dropped` counts the others.
+template <typename Point>
+struct DeepestPoints {
+  std::array<Point, kMaxContacts> points;
   int count = 0;
   int dropped = 0;
 
   void clear() noexcept { count = dropped = 0; }
-  void add(const Contact& c) noexcept {
-    if (count < kMaxContacts) {
-      points[static_cast<std::size_t>(count++)] = c;
-    } else {
+  /// Of equally deep points the earlier ones stay.
+  void add(const Point& point) noexcept {
+    if (count == kMaxContacts) {
       ++dropped;
+      const auto deeper = [](const Point& a, const Point& b) { return a.distance < b.distance; };
+      const auto shallowest = std::max_element(points.rbegin(), points.rend(), deeper);  // the latest such
+      if (!deeper(point, *shallowest)) return;
+      std::move(shallowest.base(), points.end(), shallowest.base() - 1);
+      --count;
     }
+    points[static_cast<std::size_t>(count++)] = point;
   }
-  const Contact* begin() const noexcept { return points.data(); }
-  const Contact* end() const noexcept { return points.data() + count; }
+  const Point* begin() const noexcept { return points.data(); }
+  const Point* end() const noexcept { return points.data() + count; }
 };
+
+/// Contacts of the last physics step. Fixed capacity.
+using ContactList = DeepestPoints<Contact>;
 
 /// What one foot feels: all its contact points together.
 struct FootContact {

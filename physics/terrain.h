@@ -29,6 +29,8 @@ class Terrain {
   /// Null for the plane.
   const HeightField* field() const { return field_.get(); }
 
+  /// Height that nothing of it exceeds, m.
+  double max() const noexcept { return field_ ? field_->max() : 0.0; }
   bool contains(double x, double y) const noexcept { return !field_ || field_->contains(x, y); }
   double height(double x, double y) const noexcept { return field_ ? field_->height(x, y) : 0.0; }
   Vector3 normal(double x, double y) const noexcept {

@@ -44,10 +44,11 @@ const std::map<std::string_view, ElementRule>& rules() {
          {"izz", kNeededNumber}},
         {}}},
       {"collision", {{{"name", kText}}, {"origin", "geometry"}}},
-      {"geometry", {{}, {"sphere", "box", "cylinder", "mesh"}}},
+      {"geometry", {{}, {"sphere", "box", "cylinder", "capsule", "mesh"}}},
       {"sphere", {{{"radius", kNeededNumber}}, {}}},
       {"box", {{{"size", {3, true}}}, {}}},
       {"cylinder", {{{"radius", kNeededNumber}, {"length", kNeededNumber}}, {}}},
+      {"capsule", {{{"radius", kNeededNumber}, {"length", kNeededNumber}}, {}}},
       {"mesh", {{{"filename", {0, true}}, {"scale", kVector}}, {}}},
       {"joint",
        {{{"name", kText}, {"type", kText}}, {"origin", "parent", "child", "axis", "limit", "dynamics"}}},
@@ -151,6 +152,11 @@ class ElementCopy {
       }
     } else if (tag == "link") {
       drop_empty_collisions(from, to);
+    } else if (tag == "capsule") {
+      const std::string sizes = attribute_of(to, "radius") + " " + attribute_of(to, "length") + " 0";
+      to.SetValue("mesh");
+      to.SetAttribute("filename", kCapsuleMesh);
+      to.SetAttribute("scale", sizes);
     } else if (tag == "limit") {
       for (const char* name : {"effort", "velocity"}) {
         if (to.Attribute(name) == nullptr) to.SetAttribute(name, "0");
@@ -165,7 +171,7 @@ class ElementCopy {
       TiXmlElement* const next = collision->NextSiblingElement("collision");
       const TiXmlElement* geometry = collision->FirstChildElement("geometry");
       if (geometry == nullptr || geometry->NoChildren()) {
-        count("dropped ", " <collision> without a sphere, box, cylinder or mesh", from);
+        count("dropped ", " <collision> without a sphere, box, cylinder, capsule or mesh", from);
         to.RemoveChild(collision);
       }
       collision = next;

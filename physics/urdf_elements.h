@@ -32,6 +32,10 @@ class UrdfErrors {
   const std::string& source_;
 };
 
+/// File name of the mesh that stands in a copy for a capsule, which urdfdom does not know: its scale is
+/// (radius, length, 0).
+inline constexpr const char* kCapsuleMesh = "capsule:";
+
 /// Copies a link or a joint as far as it is simulated, and such that urdfdom takes it: numbers apart by one
 /// space each, limits and inertia present. Visuals are left out, what is unknown or there twice is counted.
 /// @throws ConfigError for an attribute that is missing or not as many finite numbers as it has to be, and

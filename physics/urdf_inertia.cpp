@@ -19,32 +19,40 @@ constexpr double kTriangleRounding = 1e-9;
 constexpr double kLeastGyration = 1e-6;  // m; less is the rounding of zeros that were turned
 constexpr double kWater = 1000;          // kg/m^3
 
-/// Half extents of a shape along the axes of its body.
-Vector3 half_extents(const CollisionShape& shape) {
+/// The box along the axes of its body that holds a shape.
+Eigen::AlignedBox3d box_around(const CollisionShape& shape) {
   const Matrix3 R = shape.X_BG.linear();
+  const Vector3 axis = R.col(2);
+  Eigen::AlignedBox3d box;
+  Vector3 half = Vector3::Zero();
   switch (shape.type) {
     case ShapeType::kSphere:
-      return Vector3::Constant(shape.size[0]);
-    case ShapeType::kCylinder: {
-      const Vector3 axis = R.col(2);
-      const Vector3 across = (Vector3::Ones() - axis.cwiseAbs2()).cwiseMax(0).cwiseSqrt();
-      return shape.size[1] * axis.cwiseAbs() + shape.size[0] * across;
-    }
-    case ShapeType::kBox:
+      half.setConstant(shape.size[0]);
       break;
+    case ShapeType::kCylinder: {
+      const Vector3 across = (Vector3::Ones() - axis.cwiseAbs2()).cwiseMax(0).cwiseSqrt();
+      half = shape.size[1] * axis.cwiseAbs() + shape.size[0] * across;
+      break;
+    }
+    case ShapeType::kCapsule:
+      half = shape.size[1] * axis.cwiseAbs() + Vector3::Constant(shape.size[0]);
+      break;
+    case ShapeType::kBox:
+      half = R.cwiseAbs() * shape.size;
+      break;
+    case ShapeType::kHull:
+      for (const Vector3& vertex : shape.vertices) box.extend(shape.X_BG * vertex);
+      return box;
   }
-  return R.cwiseAbs() * shape.size;
+  const Vector3 centre = shape.X_BG.translation();
+  return {centre - half, centre + half};
 }
 
 /// Edges of the box along the body's axes that holds all shapes, m.
 Vector3 bounding_box(const std::vector<CollisionShape>& shapes) {
-  Vector3 low = shapes.front().X_BG.translation(), high = low;
-  for (const CollisionShape& shape : shapes) {
-    const Vector3 centre = shape.X_BG.translation(), half = half_extents(shape);
-    low = low.cwiseMin(centre - half);
-    high = high.cwiseMax(centre + half);
-  }
-  return high - low;
+  Eigen::AlignedBox3d box;
+  for (const CollisionShape& shape : shapes) box.extend(box_around(shape));
+  return box.sizes();
 }
 
 std::string_view invent(SpatialInertia& inertia, const std::vector<CollisionShape>& shapes) {

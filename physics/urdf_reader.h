@@ -24,14 +24,14 @@ struct UrdfRobot {
   std::map<std::string, LinkPlacement> links;  ///< every link of the file that is simulated
   /// What was left out, taken for something else or repaired: one sentence per kind of thing, counted.
   std::vector<std::string> warnings;
-  /// Vertices of collision meshes in the frame of their body, m, by the name of the box that stands for the
+  /// Vertices of collision meshes in the frame of their body, m, by the name of the shape that stands for the
   /// mesh.
   std::map<std::string, std::vector<Vector3>> mesh_vertices;
 };
 
 /// Supports revolute, continuous and fixed joints, a floating one below a massless root, and spheres, boxes,
-/// cylinders and meshes (as boxes); models/README.md says what becomes of the rest. Prints nothing. Reads
-/// numbers alike in every locale. May be called from several threads.
+/// cylinders, capsules and meshes (mesh_shape.h); models/README.md says what becomes of the rest. Prints
+/// nothing. Reads numbers alike in every locale. May be called from several threads.
 /// @throws ConfigError naming the file (of the URDF or a mesh) and the line, link or joint
 UrdfRobot read_urdf(const std::string& path);
 

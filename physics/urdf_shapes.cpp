@@ -6,16 +6,26 @@
 
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/mesh_path.h"
+#include "crossgait/physics/mesh_shape.h"
 #include "crossgait/physics/mesh_vertices.h"
 #include "crossgait/physics/read_budget.h"
 #include "crossgait/physics/robot_check.h"
+#include "crossgait/physics/urdf_elements.h"
 #include "crossgait/physics/urdf_pose.h"
 
 namespace crossgait {
 namespace {
 
-/// Half the least thickness of a box around a mesh, m: meshes of plates are often flat.
-constexpr double kThinnestHalf = 1e-4;
+std::string_view stand_in(ShapeType type) {
+  switch (type) {
+    case ShapeType::kCapsule:
+      return " collision mesh(es) for the capsule around them";
+    case ShapeType::kHull:
+      return " collision mesh(es) for their convex hull";
+    default:
+      return " collision mesh(es) for the box around them";
+  }
+}
 
 }  // namespace
 
@@ -56,8 +66,13 @@ bool UrdfShapes::set_geometry(const urdf::Geometry& geometry, const urdf::Link& 
       shape.size = {cylinder.radius, cylinder.length / 2, 0};
       return true;
     }
-    case urdf::Geometry::MESH:
-      return set_mesh(static_cast<const urdf::Mesh&>(geometry), link, shape);
+    case urdf::Geometry::MESH: {
+      const auto& mesh = static_cast<const urdf::Mesh&>(geometry);
+      if (mesh.filename != kCapsuleMesh) return set_mesh(mesh, link, shape);
+      shape.type = ShapeType::kCapsule;
+      shape.size = {mesh.scale.x, mesh.scale.y / 2, 0};
+      return true;
+    }
     case urdf::Geometry::BOX:
       break;
   }
@@ -85,17 +100,11 @@ bool UrdfShapes::set_mesh(const urdf::Mesh& mesh, const urdf::Link& link, Collis
   }
   const Vector3 scale = to_vector(mesh.scale);
   for (Vector3& vertex : vertices) vertex = vertex.cwiseProduct(scale);
-  Vector3 low = vertices.front(), high = low;
-  for (const Vector3& vertex : vertices) {
-    low = low.cwiseMin(vertex);
-    high = high.cwiseMax(vertex);
-  }
-  for (Vector3& vertex : vertices) vertex = shape.X_BG * vertex;
+  const Pose X_BM = shape.X_BG;
+  fit_mesh(vertices, shape);
+  for (Vector3& vertex : vertices) vertex = X_BM * vertex;
   mesh_vertices_.emplace(shape.name, std::move(vertices));
-  shape.type = ShapeType::kBox;
-  shape.size = ((high - low) / 2).cwiseMax(kThinnestHalf);
-  shape.X_BG = shape.X_BG * Eigen::Translation3d((low + high) / 2);
-  warnings_.count("took ", " collision mesh(es) for the box around them", where);
+  warnings_.count("took ", stand_in(shape.type), where);
   return true;
 }
 

@@ -13,8 +13,8 @@
 
 namespace crossgait {
 
-/// Makes shapes of one file's collisions. A mesh becomes the box around it, along the axes of its own frame;
-/// where its file is missing, or neither STL nor OBJ, it is dropped and counted.
+/// Makes shapes of one file's collisions. A mesh becomes what stands for it (mesh_shape.h); where its file is
+/// missing, or neither STL nor OBJ, it is dropped and counted.
 class UrdfShapes {
  public:
   UrdfShapes(const std::string& urdf_path, UrdfWarnings& warnings) : path_(urdf_path), warnings_(warnings) {}
@@ -23,7 +23,7 @@ class UrdfShapes {
   /// @throws ConfigError naming the link and collision for impossible sizes, or the mesh file
   std::vector<int> add(const urdf::Link& link, const Pose& X_BL, Body& body);
 
-  /// Vertices of the meshes behind boxes, in the body's frame (m), by the name of the shape.
+  /// Vertices of the meshes behind shapes, in the body's frame (m), by the name of the shape.
   std::map<std::string, std::vector<Vector3>>& mesh_vertices() { return mesh_vertices_; }
 
  private:

@@ -153,6 +153,7 @@ Json identity_of_robot(const std::string& name_or_file) {
       add_number(static_cast<double>(shape.type));
       add(shape.size);
       add(shape.X_BG.matrix());
+      for (const Vector3& vertex : shape.vertices) add(vertex);
     }
   }
   for (const LoopClosure& loop : robot.loops) {

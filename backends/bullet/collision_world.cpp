@@ -22,7 +22,7 @@ CollisionWorld::CollisionWorld(const WorldSpec& spec, const ContactFactors& fact
       factors_(factors),
       model_(model),
       solver_(solver),
-      sphere_terrain_(spec.terrain),
+      terrain_collision_(spec.terrain),
       dispatcher_(&configuration_),
       world_(&dispatcher_, &broadphase_, &solver, &configuration_) {
   world_.setGravity(vector(spec.gravity));
@@ -61,10 +61,10 @@ void CollisionWorld::add_terrain() {
     shape->setMargin(0);
     pose.setOrigin(btVector3(0, 0, (low + high) / 2));
     shapes_.push_back(std::move(shape));
-    sphere_terrain_.install(dispatcher_);
   } else {
     shapes_.push_back(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0));
   }
+  terrain_collision_.install(dispatcher_);
   terrain_.setCollisionShape(shapes_.back().get());
   terrain_.setWorldTransform(pose);
   terrain_.setFriction(1);  // Bullet multiplies coefficients: the robot's alone counts
@@ -72,25 +72,12 @@ void CollisionWorld::add_terrain() {
   world_.addCollisionObject(&terrain_, kTerrainGroup, kRobotGroup);
 }
 
-std::unique_ptr<btCompoundShape> CollisionWorld::make_shape(int link,
-                                                            const std::vector<ContactSphere>& spheres) {
-  auto compound = std::make_unique<btCompoundShape>(/*enableDynamicAabbTree=*/false);
-  for (const ContactSphere& sphere : spheres) {
-    if (sphere.link != link) continue;
-    shapes_.push_back(std::make_unique<btSphereShape>(sphere.radius));
-    compound->addChildShape(btTransform(btQuaternion::getIdentity(), vector(sphere.p_CS)),
-                            shapes_.back().get());
-  }
-  return compound;
-}
-
 void CollisionWorld::add_robot() {
   world_.addMultiBody(&model_.body());
   // Unless Bullet finds contacts the solver does: Bullet has nothing to collide.
-  const std::vector<ContactSphere> spheres =
-      factors_.narrowphase ? model_.spheres() : std::vector<ContactSphere>();
+  if (factors_.narrowphase) features_ = model_.contact_features();
   for (int link = -1; link < model_.body().getNumLinks(); ++link) {
-    std::unique_ptr<btCompoundShape> shape = make_shape(link, spheres);
+    std::unique_ptr<btCompoundShape> shape = make_link_shape(features_, link, shapes_);
     if (shape->getNumChildShapes() == 0) continue;
     auto collider = std::make_unique<btMultiBodyLinkCollider>(&model_.body(), link);
     collider->setCollisionShape(shape.get());

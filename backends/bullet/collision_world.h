@@ -10,7 +10,7 @@
 
 #include "crossgait/backends/bullet/constraint_solver.h"
 #include "crossgait/backends/bullet/multibody_model.h"
-#include "crossgait/backends/bullet/sphere_terrain.h"
+#include "crossgait/backends/bullet/terrain_collision.h"
 
 namespace crossgait::bullet {
 
@@ -35,7 +35,6 @@ class CollisionWorld {
  private:
   void add_terrain();
   void add_robot();
-  std::unique_ptr<btCompoundShape> make_shape(int link, const std::vector<ContactSphere>& spheres);
 
   const WorldSpec& spec_;
   ContactFactors factors_;
@@ -43,11 +42,12 @@ class CollisionWorld {
   ConstraintSolver& solver_;
 
   btDefaultCollisionConfiguration configuration_;
-  SphereTerrainFactory sphere_terrain_;
+  TerrainCollisionFactory terrain_collision_;
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;
   btMultiBodyDynamicsWorld world_;
-  std::vector<double> heights_;  // Bullet keeps a pointer
+  std::vector<double> heights_;        // Bullet keeps a pointer
+  std::vector<LinkFeature> features_;  // that Bullet is to find contacts of
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders_;
   btCollisionObject terrain_;

@@ -1,5 +1,7 @@
 #include "crossgait/backends/bullet/constraint_solver.h"
 
+#include <algorithm>
+
 #include "crossgait/backends/bullet/convert.h"
 
 namespace crossgait::bullet {
@@ -12,9 +14,14 @@ ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const ContactFactors& 
       joints_(model.body(), model.armature(), model.loop_points(),
               SoftLaw(spec.robot->loop_softness, spec.physics_dt), spec.physics_dt),
       contact_law_(spec.contact.softness, spec.physics_dt),
-      spheres_(model.spheres()),
-      margins_(contact_margins(spheres_, model.body().getNumLinks())),
+      features_(model.contact_features()),
+      margins_(contact_margins(features_, model.body().getNumLinks())),
       torque_(JointVector::Zero(spec.robot->joint_count())) {
+  reach_.assign(margins_.size(), 0);
+  for (const LinkFeature& of : features_) {
+    double& farthest = reach_[static_cast<std::size_t>(of.link + 1)];
+    farthest = std::max(farthest, of.p_CF.norm() + of.feature.rim + of.feature.radius);
+  }
   const Eigen::Index n = joints_.inertia().dofs();
   before_.setZero(n);
   correction_.setZero(n);
@@ -57,7 +64,7 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
     return;
   }
   if (!factors_.sweeps) {
-    point_count_ = 0;
+    points_.clear();
     if (factors_.narrowphase) {
       read_contacts(manifolds, manifold_count);
     } else {

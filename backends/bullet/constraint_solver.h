@@ -15,7 +15,7 @@
 namespace crossgait::bullet {
 
 /// How far above the ground a point of each link (base first) counts for Bullet's collision detection, m.
-std::vector<double> contact_margins(const std::vector<ContactSphere>& spheres, int links);
+std::vector<double> contact_margins(const std::vector<LinkFeature>& features, int links);
 
 /// Bullet's world calls it once per step, after its forward dynamics and collision detection. The joint stage
 /// replaces Bullet's joint rows; contacts follow the factors.
@@ -49,7 +49,7 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   // contact_points.cpp
   void find_contacts() noexcept;
   void read_contacts(btPersistentManifold** manifolds, int count) noexcept;
-  void add_point(const ContactPoint& point) noexcept;
+  void find_contact(const LinkFeature& of, const Vector3& centre, double margin) noexcept;
 
   // All but Bullet's own sweeps: contact_law.cpp
   void solve_contacts() noexcept;
@@ -77,15 +77,15 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   MultibodyModel& model_;
   JointStage joints_;
   SoftLaw contact_law_;
-  std::vector<ContactSphere> spheres_;
+  std::vector<LinkFeature> features_;
   std::vector<double> margins_;
+  std::vector<double> reach_;  // of each link's features (base first) from its centre of mass, m
   bool pending_ = false, finite_ = true;
 
   DofVector before_;      // velocities before the step
   DofVector correction_;  // of the joint stage to Bullet's velocities
   JointVector torque_;
-  std::array<ContactPoint, kMaxContacts> points_;
-  int point_count_ = 0;
+  DeepestPoints<ContactPoint> points_;
   ConeProblem cone_;
   PointJacobian J_;
   Eigen::MatrixXd rows_;                               // dofs x 3 contacts: half_solve(J')

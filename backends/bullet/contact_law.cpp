@@ -32,7 +32,7 @@ Matrix3 contact_frame(const Vector3& normal) {
 }  // namespace
 
 void ConstraintSolver::solve_contacts() noexcept {
-  if (point_count_ == 0) {
+  if (points_.count == 0) {
     set_velocity(joints_.velocity());
     return;
   }
@@ -49,7 +49,7 @@ void ConstraintSolver::solve_contacts() noexcept {
 // Writes a row's regularisation on the diagonal. @returns the velocity that the row asks for, m/s
 double ConstraintSolver::set_row(int contact, int axis) noexcept {
   const std::size_t k = static_cast<std::size_t>(contact);
-  const ContactPoint& point = points_[k];
+  const ContactPoint& point = points_.points[k];
   double& regularization = cone_.A(3 * contact + axis, 3 * contact + axis);
   if (axis == 0 ? factors_.hard_normal : factors_.hard_friction) {
     regularization = 0;
@@ -67,10 +67,10 @@ double ConstraintSolver::set_row(int contact, int axis) noexcept {
 
 void ConstraintSolver::assemble_contacts() noexcept {
   const JointSpaceInertia& inertia = joints_.inertia();
-  const Eigen::Index rows = 3 * point_count_;
-  for (int i = 0; i < point_count_; ++i) {
+  const Eigen::Index rows = 3 * points_.count;
+  for (int i = 0; i < points_.count; ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
-    const ContactPoint& point = points_[k];
+    const ContactPoint& point = points_.points[k];
     // On the robot's surface, or midway between the surfaces.
     const Vector3 p_WP = factors_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
     inertia.point_jacobian(point.link, p_WP, J_);
@@ -93,22 +93,23 @@ void ConstraintSolver::assemble_contacts() noexcept {
     cone_.A.col(c).head(rows).noalias() = rows_.leftCols(rows).transpose() * projected_.col(c);
     cone_.A(c, c) += regularization;
   }
-  cone_.contacts = point_count_;
+  cone_.contacts = points_.count;
   cone_.friction = std::max(spec_.contact.friction, kMinFriction);
 }
 
 void ConstraintSolver::apply_contacts() noexcept {
-  const Eigen::Index rows = 3 * point_count_;
+  const Eigen::Index rows = 3 * points_.count;
   DofVector change = projected_.leftCols(rows) * cone_.x.head(rows);
   joints_.inertia().finish_solve(change);
   set_velocity(joints_.velocity() + change);
-  for (int i = 0; i < point_count_; ++i) {
+  for (int i = 0; i < points_.count; ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
-    if (points_[k].distance > 0 && cone_.x[3 * i] <= 0) continue;  // speculative
+    if (points_.points[k].distance > 0 && cone_.x[3 * i] <= 0) continue;  // speculative
     const Matrix3 to_world = frames_[k].transpose();
-    report(points_[k], to_world * cone_.x.segment<3>(3 * i) / spec_.physics_dt,
+    report(points_.points[k], to_world * cone_.x.segment<3>(3 * i) / spec_.physics_dt,
            to_world * velocity_before_[k]);
   }
+  contacts_.dropped = points_.dropped;
 }
 
 }  // namespace crossgait::bullet

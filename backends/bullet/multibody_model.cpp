@@ -1,8 +1,5 @@
 #include "crossgait/backends/bullet/multibody_model.h"
 
-#include <cmath>
-#include <numbers>
-
 #include "crossgait/backends/bullet/convert.h"
 #include "crossgait/physics/multibody.h"
 #include "crossgait/physics/principal_inertia.h"
@@ -24,34 +21,6 @@ void set_up_link(btMultiBody& body, int link, const Body& own, const Pose& X_par
                      vector(axis), vector(com_to_pivot), vector(pivot_to_com), true);
 }
 
-// Points of the shape's surface that stand for it, in its frame.
-std::vector<Vector3> contact_points(const CollisionShape& shape) {
-  std::vector<Vector3> points;
-  switch (shape.type) {
-    case ShapeType::kSphere:
-      points.push_back(Vector3::Zero());
-      break;
-    case ShapeType::kBox:
-      for (int corner = 0; corner < 8; ++corner) {
-        const Vector3 sign((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1,
-                           (corner & 4) != 0 ? 1 : -1);
-        points.emplace_back(sign.cwiseProduct(shape.size));
-      }
-      break;
-    case ShapeType::kCylinder: {
-      constexpr int kSides = 16;  // rolls on flats that lie 2 % of the radius below its round
-      for (int side = 0; side < kSides; ++side) {
-        const double angle = 2 * std::numbers::pi * side / kSides;
-        const double x = shape.size.x() * std::cos(angle), y = shape.size.x() * std::sin(angle);
-        points.emplace_back(x, y, -shape.size.y());
-        points.emplace_back(x, y, shape.size.y());
-      }
-      break;
-    }
-  }
-  return points;
-}
-
 // Bullet's defaults damp, clamp and put to sleep; none of that is physics.
 void remove_artefacts(btMultiBody& body) {
   body.setLinearDamping(0);
@@ -66,6 +35,13 @@ void remove_artefacts(btMultiBody& body) {
 }
 
 }  // namespace
+
+SphereCentres LinkFeature::centres(const btMultiBody& body, const Terrain& terrain,
+                                   double margin) const noexcept {
+  const Vector3 p_WF = vector(body.localPosToWorld(link, vector(p_CF)));
+  const Vector3 axis_W = feature.rim > 0 ? vector(body.localDirToWorld(link, vector(axis_C))) : axis_C;
+  return sphere_centres(feature, p_WF, axis_W, terrain, margin);
+}
 
 MultibodyModel::MultibodyModel(const WorldSpec& spec)
     : spec_(spec), inverse_weights_(translational_inverse_weights(*spec.robot, spec.fixed_base)) {
@@ -101,20 +77,16 @@ std::vector<LoopPoints> MultibodyModel::loop_points() const {
   return loops;
 }
 
-std::vector<ContactSphere> MultibodyModel::spheres() const {
-  std::vector<ContactSphere> spheres;
-  const std::vector<Body>& bodies = spec_.robot->bodies;
-  for (std::size_t b = spec_.fixed_base ? 1 : 0; b < bodies.size(); ++b) {
-    for (std::size_t k = 0; k < bodies[b].shapes.size(); ++k) {
-      const CollisionShape& shape = bodies[b].shapes[k];
-      const int body = static_cast<int>(b), leg = leg_of_shape(*spec_.robot, body, static_cast<int>(k));
-      const double radius = shape.type == ShapeType::kSphere ? shape.size.x() : 0;
-      for (const Vector3& point : contact_points(shape)) {
-        spheres.push_back({body - 1, leg, X_BP_[b].inverse() * (shape.X_BG * point), radius});
-      }
-    }
+std::vector<LinkFeature> MultibodyModel::contact_features() const {
+  std::vector<LinkFeature> features;
+  for (const ContactFeature& feature : crossgait::contact_features(*spec_.robot, spec_.fixed_base)) {
+    const auto b = static_cast<std::size_t>(feature.body);
+    const Pose& X_BG = spec_.robot->bodies[b].shapes[static_cast<std::size_t>(feature.shape)].X_BG;
+    const Pose X_CB = X_BP_[b].inverse();
+    features.push_back({feature, feature.body - 1, X_CB * (X_BG * feature.p_GC),
+                        X_CB.linear() * X_BG.linear() * feature.axis_G});
   }
-  return spheres;
+  return features;
 }
 
 }  // namespace crossgait::bullet

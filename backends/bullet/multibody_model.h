@@ -7,19 +7,21 @@
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 
 #include "crossgait/backends/bullet/joint_stage.h"
+#include "crossgait/physics/contact_features.h"
 #include "crossgait/physics/world_spec.h"
 
 namespace crossgait::bullet {
 
-/// A sphere of the robot that can touch the terrain. Every collision shape is made of such: a box of its
-/// corners and a cylinder of points on its rims, as spheres without radius. (Bullet's own routine loses small
-/// boxes on height fields, and finds one point of a cylinder per step and gathers more over several, which a
-/// restored run could not repeat.)
-struct ContactSphere {
-  int link = -1;                   ///< Bullet link, -1 for the base
-  int leg = -1;                    ///< of whose foot it is, or -1
-  Vector3 p_CS = Vector3::Zero();  ///< centre in the link's centre-of-mass frame, m
-  double radius = 0;               ///< m
+/// Where a link can touch the terrain. (Bullet's own routine loses small boxes on height fields, and finds
+/// one point of a cylinder per step and gathers more over several, which a restored run could not repeat.)
+struct LinkFeature {
+  ContactFeature feature;
+  int link = -1;                      ///< Bullet link, -1 for the base
+  Vector3 p_CF = Vector3::Zero();     ///< centre in the link's centre-of-mass frame, m
+  Vector3 axis_C = Vector3::UnitZ();  ///< of a rim, in that frame
+
+  /// In the world, where `body` has it.
+  SphereCentres centres(const btMultiBody& body, const Terrain& terrain, double margin) const noexcept;
 };
 
 /// Bullet keeps link frames at the centre of mass along principal axes; bodies and links count apart by one
@@ -35,7 +37,7 @@ class MultibodyModel {
   JointVector armature() const;
   std::vector<LoopPoints> loop_points() const;
   /// Those of all bodies that can move.
-  std::vector<ContactSphere> spheres() const;
+  std::vector<LinkFeature> contact_features() const;
   /// MuJoCo's inverse weight by Bullet link + 1, 1/kg.
   const std::vector<double>& inverse_weights() const { return inverse_weights_; }
 

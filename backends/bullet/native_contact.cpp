@@ -76,13 +76,13 @@ btScalar ConstraintSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bod
   return btMultiBodyConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count, info);
 }
 
-// Bullet does not say which child of a compound touched: the sphere whose surface the point lies on.
+// Bullet does not say which child of a compound touched: the foot on whose surface the point lies.
 int ConstraintSolver::leg_at(int link, const Vector3& p_WP) const noexcept {
   constexpr double kOnSurface = 1e-3;  // m, well under any sphere's radius
-  for (const ContactSphere& sphere : spheres_) {
-    if (sphere.link != link) continue;
-    const Vector3 centre = vector(model_.body().localPosToWorld(link, vector(sphere.p_CS)));
-    if (std::abs((p_WP - centre).norm() - sphere.radius) < kOnSurface) return sphere.leg;
+  for (const LinkFeature& of : features_) {
+    if (of.link != link || of.feature.leg < 0) continue;
+    const Vector3 centre = vector(model_.body().localPosToWorld(link, vector(of.p_CF)));
+    if (std::abs((p_WP - centre).norm() - of.feature.radius) < kOnSurface) return of.feature.leg;
   }
   return -1;
 }
@@ -96,8 +96,9 @@ void ConstraintSolver::report_native_contacts() noexcept {
   };
   for (int i = 0; i < m_multiBodyNormalContactConstraints.size(); ++i) {
     const btMultiBodySolverConstraint& row = m_multiBodyNormalContactConstraints[i];
-    if (static_cast<double>(row.m_appliedImpulse) <= 0) continue;  // speculative
     const auto* p = static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
+    if (static_cast<double>(p->getDistance()) > 0 && static_cast<double>(row.m_appliedImpulse) <= 0)
+      continue;  // speculative
     const bool robot_first = row.m_multiBodyA != nullptr;
     ContactPoint point;
     point.link = robot_first ? row.m_linkA : row.m_linkB;

@@ -73,8 +73,8 @@ ThrowMujocoErrors::~ThrowMujocoErrors() {
   _mjPRIVATE__set_tls_warning_fn(warning_);
 }
 
-const Terrain* terrain_of(const mjModel* model) noexcept {
-  return current != nullptr && current->who.model == model ? current->who.terrain : nullptr;
+TerrainCollision* collision_of(const mjModel* model) noexcept {
+  return current != nullptr && current->who.model == model ? current->who.collision : nullptr;
 }
 
 }  // namespace crossgait::mujoco

@@ -10,14 +10,14 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include "crossgait/physics/terrain.h"
-
 namespace crossgait::mujoco {
+
+class TerrainCollision;
 
 /// The world that MuJoCo is called for.
 struct CalledFor {
   const mjModel* model;
-  const Terrain* terrain;  ///< that the model stands on
+  TerrainCollision* collision;  ///< of the model with its terrain
 };
 
 /// What MuJoCo said went wrong, zero-terminated.
@@ -60,7 +60,7 @@ class ThrowMujocoErrors {
   void (*warning_)(const char*);
 };
 
-/// The terrain that `model` stands on, if this thread is within a call for that model; otherwise none.
-const Terrain* terrain_of(const mjModel* model) noexcept;
+/// What finds the contacts of `model`, if this thread is within a call for that model; otherwise none.
+TerrainCollision* collision_of(const mjModel* model) noexcept;
 
 }  // namespace crossgait::mujoco

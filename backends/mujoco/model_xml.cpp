@@ -57,6 +57,14 @@ std::string shape_geometry(const CollisionShape& shape) {
       return fmt::format("type='box' size='{}'", numbers(shape.size));
     case ShapeType::kCylinder:
       return fmt::format("type='cylinder' size='{:.17g} {:.17g}'", shape.size.x(), shape.size.y());
+    case ShapeType::kCapsule:
+      return fmt::format("type='capsule' size='{:.17g} {:.17g}'", shape.size.x(), shape.size.y());
+    case ShapeType::kHull: {
+      // Its vertices touch (terrain_collision.h): all that MuJoCo needs is how far they reach.
+      Vector3 reach = Vector3::Zero();
+      for (const Vector3& vertex : shape.vertices) reach = reach.cwiseMax(vertex.cwiseAbs());
+      return fmt::format("type='box' size='{}'", numbers(reach.cwiseMax(1e-6)));
+    }
   }
   return {};
 }
@@ -98,7 +106,8 @@ void add_body(Xml& xml, const WorldSpec& spec, int index) {
   const std::string contact = contact_attributes(spec.contact, kRobotBit, kTerrainBit, kRobotGroup);
   for (std::size_t k = 0; k < body.shapes.size(); ++k) {
     xml.add("<geom name='{}' {} {} {}/>", shape_name(index, static_cast<int>(k)),
-            shape_geometry(body.shapes[k]), placement(body.shapes[k].X_BG), contact);
+            shape_geometry(body.shapes[k]), placement(from_origin(robot, index, body.shapes[k].X_BG)),
+            contact);
   }
   for (int child = index + 1; child <= robot.joint_count(); ++child) {
     if (robot.bodies[static_cast<std::size_t>(child)].parent == index) add_body(xml, spec, child);

@@ -6,16 +6,16 @@
 
 #include <mujoco/mujoco.h>
 
+#include "crossgait/backends/mujoco/convert.h"
 #include "crossgait/backends/mujoco/engine_call.h"
 #include "crossgait/backends/mujoco/model.h"
 #include "crossgait/backends/mujoco/model_xml.h"
-#include "crossgait/backends/mujoco/sphere_collision.h"
+#include "crossgait/backends/mujoco/terrain_collision.h"
 #include "crossgait/physics/principal_inertia.h"
 
 namespace crossgait::mujoco {
 namespace {
 
-Vector3 vector(const mjtNum* v) { return {v[0], v[1], v[2]}; }
 Quaternion quaternion(const mjtNum* q) { return {q[0], q[1], q[2], q[3]}; }
 
 struct ShapeOwner {
@@ -24,9 +24,11 @@ struct ShapeOwner {
 
 class MujocoBackend final : public PhysicsBackend {
  public:
-  explicit MujocoBackend(const WorldSpec& world) : PhysicsBackend(world) {
-    install_sphere_collision();
+  explicit MujocoBackend(const WorldSpec& world)
+      : PhysicsBackend(world), collision_(robot(), spec().fixed_base, spec().terrain) {
+    install_terrain_collision();
     model_ = compile_model(spec());
+    collision_.set_model(*model_);
     in_mujoco(who(), [this] {
       data_.reset(mj_makeData(model_.get()));
       query_.reset(mj_makeData(model_.get()));
@@ -71,7 +73,7 @@ class MujocoBackend final : public PhysicsBackend {
     base_body_ = bodies_[0];
   }
 
-  CalledFor who() const noexcept { return {model_.get(), &spec().terrain}; }
+  CalledFor who() const noexcept { return {model_.get(), &collision_}; }
 
   /// Where MuJoCo's base body sits in ours.
   const Vector3& base_origin() const noexcept { return robot().bodies[0].inertia.p_BC; }
@@ -107,6 +109,7 @@ class MujocoBackend final : public PhysicsBackend {
       d.qfrc_applied[v_address_[i]] = tau[static_cast<Eigen::Index>(i)];
     }
     mju_copy3(d.xfrc_applied + 6 * base_body_, push.data());
+    collision_.begin();
     if (!try_in_mujoco(who(), [this] { mj_step(model_.get(), data_.get()); })) return StepStatus::kDiverged;
     // On a bad state MuJoCo warns and silently resets itself.
     const bool bad = d.warning[mjWARN_BADQPOS].number > 0 || d.warning[mjWARN_BADQVEL].number > 0 ||
@@ -155,6 +158,7 @@ class MujocoBackend final : public PhysicsBackend {
       contact.slip_speed = std::hypot(d.efc_vel[c.efc_address + 1], d.efc_vel[c.efc_address + 2]);
       contacts.add(contact);
     }
+    contacts.dropped = collision_.dropped();
   }
 
   double do_terrain_height(double x, double y) const override {
@@ -244,6 +248,7 @@ class MujocoBackend final : public PhysicsBackend {
     take(&d.time, 1);
   }
 
+  mutable TerrainCollision collision_;  // questions between steps look for no contacts
   ModelPtr model_;
   DataPtr data_;
   DataPtr query_;

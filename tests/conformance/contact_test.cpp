@@ -1,8 +1,9 @@
-// What contacts report and do: forces that carry a weight, geometry, and other shapes than spheres.
+// What contacts report and do: forces that carry a weight, geometry. Other shapes than feet: shape_test.cpp.
 #include <cmath>
 #include <numbers>
 
 #include "crossgait/physics/multibody.h"
+#include "crossgait/tests/conformance/contact_forces.h"
 #include "crossgait/tests/support/backend_test.h"
 #include "crossgait/tests/support/constants.h"
 
@@ -10,21 +11,6 @@ namespace crossgait {
 namespace {
 
 using test::kGravity;
-
-/// How deep a soft contact with default softness sinks at rest under `force`, at most, m: MuJoCo's R f = K
-/// imp r with impedance at its least, w the inverse weight (1/kg).
-double sinking(double force, double inverse_weight) {
-  const Softness soft;
-  const double R = (1 - soft.impedance_min) / soft.impedance_min * inverse_weight;
-  const double K = 1 / std::pow(soft.impedance_max * soft.time_constant * soft.damping_ratio, 2);
-  return R * force / (K * soft.impedance_min);
-}
-
-Vector3 total_force(const PhysicsBackend& backend) {
-  Vector3 sum = Vector3::Zero();
-  for (const Contact& c : backend.contacts()) sum += c.force;
-  return sum;
-}
 
 double loop_gap(const PhysicsBackend& backend) {
   std::vector<Pose> poses;
@@ -241,48 +227,6 @@ TEST_P(Sliding, NothingBrakesWithoutFriction) {
   // MuJoCo's least friction coefficient, 1e-5, takes 5e-5 m/s.
   EXPECT_NEAR(backend->state().v_WB.head<2>().norm(), 1, 1e-4);
 }
-
-class OtherShapes : public BackendTest {
- protected:
-  /// Drops a block of half height `half_height` from just above the plane, and looks at it two seconds later.
-  static void rests(ShapeType type, const Vector3& size, double half_height, const char* terrain) {
-    WorldSpec spec = scenes::world_of(scenes::block(type, size));
-    spec.terrain = make_terrain(terrain);
-    const auto backend = make(spec);
-    RobotState start = backend->home_state();
-    start.p_WB.z() = half_height + 1e-3;
-    backend->reset(start);
-    ASSERT_EQ(backend->step({}, 1800), StepStatus::kOk);
-    double force = 0;
-    for (int i = 0; i < 200; ++i) {
-      ASSERT_EQ(backend->step({}), StepStatus::kOk);
-      force += total_force(*backend).z() / 200;
-    }
-    const double weight = backend->robot().total_mass() * kGravity;
-    measured("force over weight - 1", force / weight - 1);
-    measured("sinks in, m", half_height - backend->state().p_WB.z());
-    EXPECT_NEAR(force / weight, 1, 1e-3);
-    // No deeper than the contact law has the whole weight sink on one point; Bullet keeps a margin of 1 mm.
-    const double bound = std::max(1e-3, sinking(weight, 1 / backend->robot().total_mass()));
-    EXPECT_NEAR(backend->state().p_WB.z(), half_height, bound);
-    const Vector3 tilt = roll_pitch_yaw(backend->state().q_WB);
-    EXPECT_LT(tilt.head<2>().norm(), 1e-2);
-    EXPECT_LT(backend->state().v_WB.norm(), 1e-3);
-    ASSERT_GT(backend->contacts().count, 0);
-    for (const Contact& c : backend->contacts()) EXPECT_EQ(c.leg, -1);
-  }
-};
-CROSSGAIT_FOR_EVERY_BACKEND(OtherShapes);
-
-TEST_P(OtherShapes, ABoxRestsOnThePlane) { rests(ShapeType::kBox, {0.06, 0.04, 0.03}, 0.03, "flat"); }
-TEST_P(OtherShapes, ACylinderStandsOnThePlane) { rests(ShapeType::kCylinder, {0.05, 0.04, 0}, 0.04, "flat"); }
-TEST_P(OtherShapes, ABoxRestsOnAField) {
-  rests(ShapeType::kBox, {0.06, 0.04, 0.03}, 0.03, "slope:angle=0,size_x=1,size_y=1,cell=0.05");
-}
-TEST_P(OtherShapes, ACylinderStandsOnAField) {
-  rests(ShapeType::kCylinder, {0.05, 0.04, 0}, 0.04, "slope:angle=0,size_x=1,size_y=1,cell=0.05");
-}
-TEST_P(OtherShapes, ASphereRestsOnThePlane) { rests(ShapeType::kSphere, {0.05, 0, 0}, 0.05, "flat"); }
 
 }  // namespace
 }  // namespace crossgait

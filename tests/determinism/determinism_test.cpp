@@ -77,6 +77,33 @@ TEST_P(Determinism, RestoreContinuesInTheSameAndInAnotherWorld) {
   }
 }
 
+TEST_P(Determinism, ShapesOfEveryKindRunAgainAndOn) {
+  WorldSpec spec = scenes::world_of(scenes::assortment());
+  spec.terrain = make_terrain("rough:flat_radius=0,size_x=4,size_y=4", 9);
+  const auto used = make(spec), fresh = make(spec);
+  const JointTargets home = scenes::home_targets(*spec.robot);
+  const auto run = [&](PhysicsBackend& backend, int steps) {
+    std::vector<RobotState> states;
+    for (int i = 0; i < steps; ++i) {
+      EXPECT_EQ(backend.step(home), StepStatus::kOk);
+      states.push_back(backend.state());
+    }
+    return states;
+  };
+  RobotState start = used->home_state();
+  start.w_WB = {2, -3, 1};
+  used->reset(start);
+  fresh->reset(start);
+  expect_same(run(*used, 600), run(*fresh, 600));
+  const Snapshot snapshot = used->save();
+  const auto first = run(*used, 600);
+  used->restore(snapshot);
+  expect_same(first, run(*used, 600));
+  const auto other = make(spec);
+  other->restore(snapshot);
+  expect_same(first, run(*other, 600));
+}
+
 TEST_P(Determinism, SavingAndAskingDisturbNothing) {
   const auto plain = make(world("rough")), asked = make(world("rough"));
   const auto expected = trot(*plain, 0, kHalf);

@@ -18,6 +18,8 @@ WorldSpec world_on(const std::string& terrain) {
   return spec;
 }
 
+double cylinder_radius(const WorldSpec& spec) { return spec.robot->bodies[1].shapes[0].size[0]; }
+
 /// The audited backend against the first there is; the first against the last.
 class PlantedFaults : public BackendTest {
  protected:
@@ -55,6 +57,35 @@ TEST_P(PlantedFaults, AreNamed) {
     EXPECT_EQ(first.quantity, fault.quantity) << describe(findings);
     EXPECT_NE(first.element.find(fault.element), std::string::npos) << describe(findings);
     std::printf("planted %s, %s: %s\n", GetParam().c_str(), fault.name.c_str(), describe({first}).c_str());
+  }
+}
+
+TEST_P(PlantedFaults, CornersOfACylinderAreNamed) {
+  if (reference() == GetParam()) GTEST_SKIP() << "one engine alone, which can only agree with itself";
+  for (const char* terrain : {"flat", "rough:seed=1,size_x=2,size_y=2"}) {
+    WorldSpec sound = world_on(terrain);
+    sound.robot = scenes::assortment();
+    WorldSpec faulty = sound;
+    auto robot = std::make_shared<RobotDescription>(*sound.robot);
+    CollisionShape& cylinder = robot->bodies[1].shapes[0];
+    ASSERT_EQ(cylinder.type, ShapeType::kCylinder);
+    cylinder.type = ShapeType::kHull;  // with 32 corners, which lie on its rims
+    for (int i = 0; i < kMaxHullVertices; ++i) {
+      const double angle = 2 * M_PI * (i / 2) / (kMaxHullVertices / 2.0);
+      cylinder.vertices.emplace_back(cylinder.size[0] * std::cos(angle), cylinder.size[0] * std::sin(angle),
+                                     i % 2 == 0 ? cylinder.size[1] : -cylinder.size[1]);
+    }
+    faulty.robot = std::move(robot);
+    const auto a = make_backend(reference(), sound), b = make(sound), c = make(faulty);
+    const std::vector<AuditFinding> none = audit_models(*a, *b), findings = audit_models(*a, *c);
+    EXPECT_TRUE(none.empty()) << describe(none);
+    ASSERT_FALSE(findings.empty()) << terrain;
+    EXPECT_EQ(findings.front().quantity, "collision shape") << describe(findings);
+    EXPECT_EQ(findings.front().element, "body limb_cylinder") << describe(findings);
+    // Between corners the rim is up to 1 - cos(pi / 16) = 2 % of its radius farther out.
+    EXPECT_LT(std::abs(findings.front().a - findings.front().b), 0.02 * cylinder_radius(sound));
+    std::printf("planted %s, cylinder with 32 corners: %s\n", GetParam().c_str(),
+                describe({findings.front()}).c_str());
   }
 }
 

@@ -80,6 +80,10 @@ std::vector<PlantedFault> planted_faults() {
          leg.foot_radius += 2e-4;
        }),
        "foot radius", "foot RR"},
+      {"corners of the trunk .1 mm larger", of_robot([](R& r) {
+         for (CollisionShape& shape : r.bodies[0].shapes) shape.size.x() += 1e-4;
+       }),
+       "collision shape", "body trunk"},
       {"friction .6 -> .58", [](WorldSpec& s) { s.contact.friction = 0.58; }, "friction", "foot "},
       {"field split along the other diagonal", split_the_other_way, "diagonal of the height field", "(",
        "rough:seed=1,size_x=2,size_y=2"},

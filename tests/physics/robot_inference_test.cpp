@@ -181,6 +181,19 @@ TEST_F(Inferred, AFootWithoutASphereIsAtTheEndOfItsShape) {
   EXPECT_EQ(leg_of_shape(robot, leg.foot_body, 0), static_cast<int>(Leg::RL));
 }
 
+TEST_F(Inferred, AFootWithoutASphereIsTheEndOfACapsule) {
+  SerialUrdf urdf;
+  urdf.foot_shape = R"(<capsule radius="0.015" length="0.18"/>)";
+  urdf.foot_at = {0, 0, -0.1};
+  const auto [robot, report] = load(urdf);
+  const LegModel& leg = (*robot.legs)[Leg::RL];
+  EXPECT_EQ(leg.foot_radius, 0.015);
+  EXPECT_LT((leg.p_BF - Vector3(0, 0, -0.19)).norm(), 1e-12);
+  EXPECT_NE(find(report, "legs.RL.foot")->reason.find("capsule"), std::string::npos);
+  EXPECT_EQ(robot.bodies[static_cast<std::size_t>(leg.foot_body)].shapes.size(), 1U)
+      << "the foot alone touches";
+}
+
 TEST_F(Inferred, AShinThatEndsInItsFootDoesNotTouch) {
   SerialUrdf urdf;
   const auto with_shin = [&urdf](double length) {

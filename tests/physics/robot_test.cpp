@@ -130,6 +130,22 @@ std::vector<Corruption> body_corruptions() {
        "size (m) > 0"},
       {"FlatBox", [](auto& r) { r.bodies[0].shapes[0].type = ShapeType::kBox; },
        "collision shape 'trunk_front_left'", "size (m) > 0"},
+      {"FlatCapsule", [](auto& r) { r.bodies[0].shapes[0].type = ShapeType::kCapsule; },
+       "collision shape 'trunk_front_left'", "size (m) > 0"},
+      {"EmptyHull", [](auto& r) { r.bodies[0].shapes[0].type = ShapeType::kHull; },
+       "collision shape 'trunk_front_left'", "4 to 32 vertices"},
+      {"RichHull",
+       [](auto& r) {
+         r.bodies[0].shapes[0].type = ShapeType::kHull;
+         r.bodies[0].shapes[0].vertices.assign(33, Vector3::Zero());
+       },
+       "collision shape 'trunk_front_left'", "4 to 32 vertices"},
+      {"NaNVertex",
+       [](auto& r) {
+         r.bodies[0].shapes[0].type = ShapeType::kHull;
+         r.bodies[0].shapes[0].vertices.assign(4, Vector3(0, kNaN, 0));
+       },
+       "collision shape 'trunk_front_left'", "finite vertices (m)"},
       {"FlatCylinder", [](auto& r) { r.bodies[0].shapes[0].type = ShapeType::kCylinder; },
        "collision shape 'trunk_front_left'", "size (m) > 0"},
   };

@@ -1,10 +1,12 @@
 // The traps that real robots' files hold: each is read, and told of in one sentence per kind.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <regex>
 #include <sstream>
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "crossgait/physics/urdf_reader.h"
@@ -62,7 +64,7 @@ const char* const kNoLimit =
 const char* const kRaised =
     "1 moving link(s) whose small principal moments are raised to what a real body has: 'FL_tilt_link'";
 const char* const kDropped =
-    "dropped 1 <collision> without a sphere, box, cylinder or mesh, first in link 'FL_upper_left'";
+    "dropped 1 <collision> without a sphere, box, cylinder, capsule or mesh, first in link 'FL_upper_left'";
 
 const OddInput kOddUrdfs[] = {
     {"UnknownElement",
@@ -129,10 +131,10 @@ const OddInput kOddUrdfs[] = {
      "<geometry><mesh filename=\"knee.dae\" scale=\"1 1 1\"/></geometry>",
      {"dropped 1 collision mesh(es) that are neither STL nor OBJ, first in link 'FL_upper_left' "
       "('knee.dae')"}},
-    {"Capsule",
+    {"Cone",
      kKnee,
-     "<geometry><capsule radius=\"0.005\" length=\"0.1\"/></geometry>",
-     {"ignored 1 <capsule>, first in link 'FL_upper_left'", kDropped}},
+     "<geometry><cone radius=\"0.005\" length=\"0.1\"/></geometry>",
+     {"ignored 1 <cone>, first in link 'FL_upper_left'", kDropped}},
     {"NoGeometry", kKnee, "", {kDropped}},
     {"TwoShapesInOne",
      kKnee,
@@ -288,6 +290,67 @@ TEST_F(UrdfTraps, AMasslessRootLetsItsChildFloat) {
   refused(world + link("lamp", "") + joint("fixed", "world", "lamp"), "joint 'to_base'");
   refused(link("world", inertial(1, "1 1 1")) + joint("floating", "world", "base"), "joint 'to_base'");
   refused(world + link("ball", "") + joint("floating", "base", "ball"), "joint 'to_ball'");
+}
+
+TEST_F(UrdfTraps, CapsulesAreRead) {
+  const UrdfRobot robot = read_with_base(
+      link("shin", inertial(1, "1 1 1") +
+                       "<collision name='rod'><origin xyz='0 0 1' rpy='1.5707963267948966 0 0'/>"
+                       "<geometry><capsule radius=' .1 ' length='.6'/></geometry></collision>") +
+      joint("continuous", "base", "shin"));
+  ASSERT_EQ(robot.bodies[1].shapes.size(), 1U);
+  const CollisionShape& capsule = robot.bodies[1].shapes[0];
+  EXPECT_EQ(capsule.type, ShapeType::kCapsule);
+  EXPECT_EQ(capsule.name, "rod");
+  EXPECT_EQ(capsule.size, Vector3(0.1, 0.3, 0)) << "half the length between the centres of its ends";
+  EXPECT_EQ(capsule.X_BG.translation(), Vector3(0, 0, 1));
+  EXPECT_LT((capsule.X_BG.linear().col(2) - Vector3(0, -1, 0)).norm(), 1e-15);
+  EXPECT_TRUE(robot.warnings.empty());
+
+  const auto refused = [&](const std::string& attributes) {
+    return config_error([&] {
+      read_with_base(link("shin", inertial(1, "1 1 1") + "<collision name='rod'><geometry><capsule " +
+                                      attributes + "/></geometry></collision>") +
+                     joint("continuous", "base", "shin"));
+    });
+  };
+  EXPECT_EQ(refused("radius='.1'").expected(), "attribute 'length'");
+  EXPECT_EQ(refused("radius='x' length='1'").expected(), "1 finite number(s)");
+  EXPECT_EQ(refused("radius='-.1' length='1'").element(), "link 'shin', collision 'rod'");
+  EXPECT_EQ(refused("radius='.1' length='0'").expected(), "size (m) > 0");
+}
+
+TEST_F(UrdfTraps, AbsentInertiaIsThatOfCapsulesAndHulls) {
+  // A capsule from -.5 to .5 along y, .2 across; a disc as a mesh, whose hull reaches to +-.4, +-.4 and +-.1.
+  write("disc.obj", [] {
+    std::string text;
+    for (int i = 0; i < 16; ++i) {
+      const double angle = 2 * std::numbers::pi * i / 16;
+      for (const double z : {-0.1, 0.1})
+        text += fmt::format("v {:.17g} {:.17g} {}\n", 0.4 * std::cos(angle), 0.4 * std::sin(angle), z);
+    }
+    return text;
+  }());
+  const UrdfRobot robot = read_with_base(
+      link("rod",
+           "<inertial><mass value='12'/></inertial><collision><origin rpy='1.5707963267948966 0 0'/>"
+           "<geometry><capsule radius='.1' length='.8'/></geometry></collision>") +
+      joint("continuous", "base", "rod") +
+      link("disc",
+           "<inertial><mass value='12'/></inertial><collision><geometry>"
+           "<mesh filename='disc.obj'/></geometry></collision>") +
+      joint("continuous", "base", "disc"));
+  ASSERT_EQ(robot.bodies[1].name, "disc");
+  EXPECT_EQ(robot.bodies[1].shapes[0].type, ShapeType::kHull);
+  // m / 12 (a^2 + b^2) of the box around it; rounding.
+  EXPECT_LT((robot.bodies[1].inertia.I_C - Matrix3(Vector3(0.68, 0.68, 1.28).asDiagonal())).norm(), 1e-12);
+  EXPECT_LT((robot.bodies[2].inertia.I_C - Matrix3(Vector3(1.04, 0.08, 1.04).asDiagonal())).norm(), 1e-12);
+  EXPECT_EQ(
+      robot.warnings.back(),
+      "2 moving link(s) without inertia, given that of the bounding box of their shapes: 'disc', 'rod'");
+  EXPECT_EQ(std::count(robot.warnings.begin(), robot.warnings.end(),
+                       "took 1 collision mesh(es) for their convex hull, first in link 'disc' ('disc.obj')"),
+            1);
 }
 
 TEST_F(UrdfTraps, MeshesStandForTheirBox) {

@@ -33,6 +33,22 @@ inline std::size_t allocations_of_a_trot(const Engine& engine, const Terrain& te
   return scope.count();
 }
 
+/// A robot with shapes of every kind, thrown on to the ground.
+inline std::size_t allocations_of_a_fall(const Engine& engine, const Terrain& terrain) {
+  WorldSpec spec = scenes::world_of(scenes::assortment());
+  spec.terrain = terrain;
+  const auto backend = engine.make(spec);
+  RobotState start = backend->home_state();
+  start.w_WB = {2, -3, 1};
+  backend->reset(start);
+  const JointTargets targets = scenes::home_targets(backend->robot());
+  EXPECT_EQ(backend->step(targets, 400), StepStatus::kOk);
+  EXPECT_GT(backend->contacts().count, 2);
+  const AllocationScope scope;
+  EXPECT_EQ(backend->step(targets, 600), StepStatus::kOk);
+  return scope.count();
+}
+
 inline std::size_t allocations_of_pushes_and_refused_targets(const Engine& engine) {
   const auto backend = engine.make(scenes::world_of(scenes::quadruped()));
   const JointTargets targets = scenes::home_targets(backend->robot());

@@ -1,0 +1,25 @@
+// What the contacts of a world carry, and how far they may give way.
+#pragma once
+
+#include <cmath>
+
+#include "crossgait/physics/physics_backend.h"
+
+namespace crossgait {
+
+/// How deep a soft contact with default softness sinks at rest under `force`, at most, m: MuJoCo's R f = K
+/// imp r with impedance at its least, w the inverse weight (1/kg).
+inline double sinking(double force, double inverse_weight) {
+  const Softness soft;
+  const double R = (1 - soft.impedance_min) / soft.impedance_min * inverse_weight;
+  const double K = 1 / std::pow(soft.impedance_max * soft.time_constant * soft.damping_ratio, 2);
+  return R * force / (K * soft.impedance_min);
+}
+
+inline Vector3 total_force(const PhysicsBackend& backend) {
+  Vector3 sum = Vector3::Zero();
+  for (const Contact& c : backend.contacts()) sum += c.force;
+  return sum;
+}
+
+}  // namespace crossgait
