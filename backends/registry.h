@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "crossgait/physics/engine.h"
+#include "crossgait/physics/mjcf_model.h"
 
 namespace crossgait {
 
@@ -37,6 +38,9 @@ class EngineRegistry {
   const std::vector<EngineFamily>& families() const noexcept { return families_; }
   /// @throws ConfigError for an unknown or unavailable name (listing the available ones)
   Engine find(std::string_view name) const;
+  /// By the plug-in with the newest library of those that can (EnginePlugin::compile_mjcf).
+  /// @throws ConfigError naming `text.source` if none can, std::runtime_error with the engine's words
+  MjcfModel compile_mjcf(const MjcfText& text) const;
 
  private:
   struct Offers;
@@ -49,7 +53,8 @@ class EngineRegistry {
 };
 
 // The functions below share one registry of plugin_folders(), made when the first of them is called, by any
-// thread. They throw ConfigError as plugin_folders() does.
+// thread, or when a program that is linked to one of them reads an MJCF (set_mjcf_compiler). They throw
+// ConfigError as plugin_folders() does.
 
 /// Every engine Crossgait knows, available or not, in a fixed order.
 const std::vector<EngineListing>& known_engines();

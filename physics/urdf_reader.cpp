@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
-#include <numbers>
 
 #include <console_bridge/console.h>
 #include <fmt/format.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/joint_limits.h"
 #include "crossgait/physics/rigid_pair.h"
 #include "crossgait/physics/robot_check.h"
 #include "crossgait/physics/text.h"
@@ -52,9 +52,6 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& text, const std::string& 
   }
   return model;
 }
-
-/// Beyond this a limit is a placeholder, rad; not beyond are those of whole turns, rounded.
-constexpr double kLargestLimit = 2 * std::numbers::pi;
 
 class TreeBuilder {
  public:
@@ -162,7 +159,8 @@ class TreeBuilder {
                         fmt::format("({}, {}, {})", axis.x(), axis.y(), axis.z()));
     }
     joint.axis = axis.normalized();
-    if (source.type == urdf::Joint::REVOLUTE) read_limits(*source.limits, element, joint);
+    if (source.type == urdf::Joint::REVOLUTE)
+      set_limits(source.limits->lower, source.limits->upper, element, joint, warnings_);
     if (source.limits) joint.effort_limit = std::max(0.0, source.limits->effort);
     if (source.dynamics) {
       joint.damping = source.dynamics->damping;
@@ -173,22 +171,6 @@ class TreeBuilder {
     }
     check_joint(joint, path_);
     return joint;
-  }
-
-  void read_limits(const urdf::JointLimits& limits, const std::string& element, Joint& joint) {
-    const Joint unlimited;
-    const bool low = limits.lower<-kLargestLimit, high = limits.upper> kLargestLimit;
-    joint.lower = low ? unlimited.lower : limits.lower;
-    joint.upper = high ? unlimited.upper : limits.upper;
-    if (low || high) {
-      warnings_.count("took limits beyond +-2 pi rad for +-pi in ", " joint(s)", element);
-    }
-    if (joint.lower >= joint.upper) {
-      joint.lower = unlimited.lower;
-      joint.upper = unlimited.upper;
-      warnings_.count("took limits that are missing or not lower < upper for +-pi rad in ", " joint(s)",
-                      element);
-    }
   }
 
   const std::string& path_;

@@ -78,13 +78,18 @@ bool UrdfShapes::set_mesh(const urdf::Mesh& mesh, const urdf::Link& link, Collis
     return false;
   }
   std::vector<Vector3> vertices = vertices_of(*file);
-  vertices_ += vertices.size();
-  if (vertices_ > kMaxRobotMeshVertices) {
-    throw ConfigError(path_, fmt::format("link '{}'", link.name),
-                      fmt::format("at most {} vertices of collision meshes", kMaxRobotMeshVertices), "more");
-  }
   const Vector3 scale = to_vector(mesh.scale);
   for (Vector3& vertex : vertices) vertex = vertex.cwiseProduct(scale);
+  set_vertices(std::move(vertices), where, shape);
+  return true;
+}
+
+void UrdfShapes::set_vertices(std::vector<Vector3> vertices, const std::string& where, CollisionShape& shape) {
+  vertices_ += vertices.size();
+  if (vertices_ > kMaxRobotMeshVertices) {
+    throw ConfigError(path_, where, fmt::format("at most {} vertices of collision meshes", kMaxRobotMeshVertices),
+                      "more");
+  }
   Vector3 low = vertices.front(), high = low;
   for (const Vector3& vertex : vertices) {
     low = low.cwiseMin(vertex);
@@ -96,7 +101,6 @@ bool UrdfShapes::set_mesh(const urdf::Mesh& mesh, const urdf::Link& link, Collis
   shape.size = ((high - low) / 2).cwiseMax(kThinnestHalf);
   shape.X_BG = shape.X_BG * Eigen::Translation3d((low + high) / 2);
   warnings_.count("took ", " collision mesh(es) for the box around them", where);
-  return true;
 }
 
 const std::vector<Vector3>& UrdfShapes::vertices_of(const std::string& file) {
