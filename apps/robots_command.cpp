@@ -64,7 +64,7 @@ ordered_json body_list(const RobotDescription& robot, Table& table) {
         {body.name, parent, fmt::format("{:.5f}", body.inertia.mass), base ? "free" : joint.name,
          base ? "" : fmt::format("{:.3g} {:.3g} {:.3g}", joint.axis.x(), joint.axis.y(), joint.axis.z()),
          joint.actuated ? text(joint.kp) : "", text(joint.armature), text(joint.damping)});
-    ordered_json entry{{"name", body.name}, {"parent", parent}, {"mass_kg", body.inertia.mass}};
+    ordered_json entry{{"name", body.name}, {"parent", parent}, {"mass_kg", body.inertia.mass}, {"visuals", body.visuals.size()}};
     if (!base) {
       entry["joint"] = {{"name", joint.name},
                         {"lower_rad", joint.lower},

@@ -129,7 +129,7 @@ Engine EngineRegistry::find(std::string_view name) const {
                     fmt::format("\"{}\"", name));
 }
 
-MjcfModel EngineRegistry::compile_mjcf(const MjcfText& text) const {
+const EnginePlugin* EngineRegistry::newest_mjcf_compiler() const {
   const EnginePlugin* newest = nullptr;
   for (const EnginePlugin* plugin : plugins_) {
     if (plugin->compile_mjcf == nullptr) continue;
@@ -137,12 +137,14 @@ MjcfModel EngineRegistry::compile_mjcf(const MjcfText& text) const {
                           numbers_of(newest->library_version()) < numbers_of(plugin->library_version());
     if (is_newer) newest = plugin;
   }
-  if (newest == nullptr) {
-    throw ConfigError(text.source, "file",
-                      "an engine that reads MJCF: MuJoCo (`crossgait backends` says why it is missing)",
-                      fmt::format("{}", fmt::join(available(), ", ")));
-  }
-  return newest->compile_mjcf(text);
+  return newest;
+}
+
+MjcfModel EngineRegistry::compile_mjcf(const MjcfText& text) const {
+  if (const EnginePlugin* newest = newest_mjcf_compiler()) return newest->compile_mjcf(text);
+  throw ConfigError(text.source, "file",
+                    "an engine that reads MJCF: MuJoCo (`crossgait backends` says why it is missing)",
+                    fmt::format("{}", fmt::join(available(), ", ")));
 }
 
 const std::vector<EngineListing>& known_engines() { return shared_registry().listings(); }
@@ -152,6 +154,8 @@ std::vector<std::string> available_engines() { return shared_registry().availabl
 const std::vector<EngineFamily>& engine_families() { return shared_registry().families(); }
 
 Engine find_engine(std::string_view name) { return shared_registry().find(name); }
+
+bool compiles_mjcf() { return shared_registry().compiles_mjcf(); }
 
 std::unique_ptr<PhysicsBackend> make_backend(std::string_view name, const WorldSpec& spec) {
   return find_engine(name).make(spec);

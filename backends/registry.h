@@ -41,8 +41,11 @@ class EngineRegistry {
   /// By the plug-in with the newest library of those that can (EnginePlugin::compile_mjcf).
   /// @throws ConfigError naming `text.source` if none can, std::runtime_error with the engine's words
   MjcfModel compile_mjcf(const MjcfText& text) const;
+  /// Whether one can.
+  bool compiles_mjcf() const { return newest_mjcf_compiler() != nullptr; }
 
  private:
+  const EnginePlugin* newest_mjcf_compiler() const;
   struct Offers;
   void add_plugin(const std::string& file, Offers& offers);
   void add_missing(const std::vector<std::string>& folders);
@@ -69,6 +72,9 @@ const std::vector<EngineFamily>& engine_families();
 /// "bullet-sweeps".
 /// @throws ConfigError for an unknown or unavailable name (listing the available ones)
 Engine find_engine(std::string_view name);
+
+/// Whether an available engine reads robots' files of MuJoCo's format (physics/mjcf_reader.h).
+bool compiles_mjcf();
 
 /// find_engine(name).make(spec).
 std::unique_ptr<PhysicsBackend> make_backend(std::string_view name, const WorldSpec& spec);

@@ -116,7 +116,8 @@ class Taker {
 
   void read_section(const MjcfElement& section) {
     if (is_one_of(section.tag, kIgnoredSections)) {
-      for (const MjcfElement& child : section.children) ignore(child, section.tag);
+      for (const MjcfElement& child : section.children)
+        count("ignored ", fmt::format(" element(s) of <{}>", section.tag), child);
     } else if (section.tag == "compiler") {
       // The last one counts; meshdir before assetdir.
       for (const char* name : {"assetdir", "meshdir"}) {
@@ -167,8 +168,10 @@ class Taker {
       for (const MjcfElement& child : body.children) {
         if (is_world && child.tag == "geom") {
           count("left out ", " <geom> of the world: terrain is chosen apart", child);
-        } else if (is_one_of(child.tag, kIgnoredInBodies) || child.has("hfield")) {
-          ignore(child, body.tag);
+        } else if (is_one_of(child.tag, kIgnoredInBodies)) {
+          count("ignored ", " site(s), camera(s) and light(s)", child);
+        } else if (child.has("hfield")) {
+          count("left out ", " height field(s) of bodies", child);
         }
       }
       std::erase_if(body.children, [&](const MjcfElement& child) {

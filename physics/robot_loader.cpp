@@ -463,7 +463,8 @@ LoadedRobot load_yaml(const YamlValue& root) {
   return RobotLoader(file.string(), root.source(), root).load();
 }
 
-/// The robot.yaml of a URDF or MJCF: of the same stem, or `robot.yaml` beside it if that names this file.
+/// The robot.yaml of a URDF or MJCF: of the same stem, or `robot.yaml` beside it, which has to name this file. One
+/// that names a file of the other format says nothing of this one.
 std::optional<YamlValue> yaml_beside(const std::string& path) {
   fs::path yaml(path);
   yaml.replace_extension(".yaml");
@@ -471,6 +472,7 @@ std::optional<YamlValue> yaml_beside(const std::string& path) {
   if (!fs::exists(yaml)) return std::nullopt;
   YamlValue root = YamlValue::load(yaml.string());
   const YamlValue file = named_file(root);
+  if (is_mjcf_path(file.text()) != is_mjcf_path(path)) return std::nullopt;
   std::error_code missing;  // of the file that the YAML names: then it is another one
   const fs::path named = yaml.parent_path() / file.text();
   // By name too: what is no regular file is equivalent to nothing, and the reader says so.

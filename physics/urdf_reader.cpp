@@ -55,8 +55,9 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& text, const std::string& 
 
 class TreeBuilder {
  public:
-  TreeBuilder(const std::string& path, UrdfWarnings& warnings)
-      : path_(path), warnings_(warnings), shapes_(path, warnings) {}
+  TreeBuilder(const std::string& path, const std::map<std::string, std::vector<VisualShape>>& visuals,
+              UrdfWarnings& warnings)
+      : path_(path), visuals_(visuals), warnings_(warnings), shapes_(path, warnings) {}
 
   UrdfRobot build(const urdf::Link& root) {
     add_body(root, -1, Pose::Identity());
@@ -115,6 +116,7 @@ class TreeBuilder {
       const urdf::Link& link = *next.link;
       if (link.inertial) body.inertia = combine(body.inertia, read_inertia(link, next.X_PB));
       robot_.links[link.name] = {index, next.X_PB, shapes_.add(link, next.X_PB, body)};
+      add_visuals(link.name, next.X_PB, body);
       for (auto joint = link.child_joints.rbegin(); joint != link.child_joints.rend(); ++joint) {
         const urdf::Joint& j = **joint;
         const auto child = std::find_if(link.child_links.begin(), link.child_links.end(),
@@ -122,6 +124,15 @@ class TreeBuilder {
         waiting.push_back({child->get(), next.X_PB * to_pose(j.parent_to_joint_origin_transform),
                            j.type != urdf::Joint::FIXED});
       }
+    }
+  }
+
+  void add_visuals(const std::string& link, const Pose& X_BL, Body& body) const {
+    const auto visuals = visuals_.find(link);
+    if (visuals == visuals_.end()) return;
+    for (VisualShape visual : visuals->second) {
+      visual.X_BG = X_BL * visual.X_BG;
+      body.visuals.push_back(std::move(visual));
     }
   }
 
@@ -174,6 +185,7 @@ class TreeBuilder {
   }
 
   const std::string& path_;
+  const std::map<std::string, std::vector<VisualShape>>& visuals_;
   UrdfWarnings& warnings_;
   UrdfShapes shapes_;
   UrdfRobot robot_;
@@ -183,9 +195,9 @@ class TreeBuilder {
 
 UrdfRobot read_urdf(const std::string& path) {
   UrdfWarnings warnings;
-  const std::string checked = check_urdf(read_text_file(path, kUrdfBudget), path, warnings);
-  const urdf::ModelInterfaceSharedPtr model = parse(checked, path);
-  UrdfRobot robot = TreeBuilder(path, warnings).build(*model->getRoot());
+  const CheckedUrdf checked = check_urdf(read_text_file(path, kUrdfBudget), path, warnings);
+  const urdf::ModelInterfaceSharedPtr model = parse(checked.text, path);
+  UrdfRobot robot = TreeBuilder(path, checked.visuals, warnings).build(*model->getRoot());
   robot.name = model->getName();
   return robot;
 }

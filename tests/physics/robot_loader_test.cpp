@@ -254,7 +254,7 @@ TEST_P(BadRobotYaml, IsRejectedByName) { expect_error("robot.yaml", GetParam());
 
 const BadInput kBadYamls[] = {
     {"UnknownKey", "armature:", "armour:", "line 5, armour",
-     "one of the keys name, urdf, frame, locked, armature", "unknown key 'armour'"},
+     "one of the keys name, urdf, mjcf, frame, locked, armature", "unknown key 'armour'"},
     {"MissingKey", "urdf: robot.urdf\n", "", "top level", "key 'urdf'", "none"},
     {"DuplicateKey", "servo:", "armature: 1\nservo:", "line 6, armature", "each key once", "duplicate"},
     {"NotANumber", "kp: 1.0", "kp: one", "servo.kp", "a finite number", "'one'"},
