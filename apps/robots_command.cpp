@@ -64,7 +64,10 @@ ordered_json body_list(const RobotDescription& robot, Table& table) {
         {body.name, parent, fmt::format("{:.5f}", body.inertia.mass), base ? "free" : joint.name,
          base ? "" : fmt::format("{:.3g} {:.3g} {:.3g}", joint.axis.x(), joint.axis.y(), joint.axis.z()),
          joint.actuated ? text(joint.kp) : "", text(joint.armature), text(joint.damping)});
-    ordered_json entry{{"name", body.name}, {"parent", parent}, {"mass_kg", body.inertia.mass}, {"visuals", body.visuals.size()}};
+    ordered_json entry{{"name", body.name},
+                       {"parent", parent},
+                       {"mass_kg", body.inertia.mass},
+                       {"visuals", body.visuals.size()}};
     if (!base) {
       entry["joint"] = {{"name", joint.name},
                         {"lower_rad", joint.lower},
@@ -180,7 +183,8 @@ void check(const RobotsCommand& options) {
 void add_robots_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("robots", "List the bundled robots, or show one");
   command->footer(
-      "\nOf a URDF or MJCF alone legs, frame, feet, home pose, servos and the scale of gaits are inferred, and "
+      "\nOf a URDF or MJCF alone legs, frame, feet, home pose, servos and the scale of gaits are inferred, "
+      "and "
       "every\n"
       "inference is printed with its reason. --yaml writes them as a robot.yaml, to be put beside the file "
       "and\n"

@@ -133,8 +133,8 @@ const EnginePlugin* EngineRegistry::newest_mjcf_compiler() const {
   const EnginePlugin* newest = nullptr;
   for (const EnginePlugin* plugin : plugins_) {
     if (plugin->compile_mjcf == nullptr) continue;
-    const bool is_newer = newest == nullptr ||
-                          numbers_of(newest->library_version()) < numbers_of(plugin->library_version());
+    const bool is_newer =
+        newest == nullptr || numbers_of(newest->library_version()) < numbers_of(plugin->library_version());
     if (is_newer) newest = plugin;
   }
   return newest;

@@ -134,8 +134,9 @@ struct EnginePlugin {
   /// be called from several threads at once. Throws ConfigError if the name is this plug-in's but its factors
   /// are invalid.
   std::optional<Engine> (*find)(std::string_view name) = nullptr;
-  /// Reads robots' files of MuJoCo's format. Optional: of the plug-ins that have it that of the newest library
-  /// is asked. May be called from several threads at once. Throws std::runtime_error with the engine's words.
+  /// Reads robots' files of MuJoCo's format. Optional: of the plug-ins that have it that of the newest
+  /// library is asked. May be called from several threads at once. Throws std::runtime_error with the
+  /// engine's words.
   MjcfCompiler compile_mjcf = nullptr;
 };
 

@@ -158,9 +158,7 @@ HomePose find_home(const RobotDescription& robot, double height, std::vector<Inf
   inferred.push_back(
       {"home", fmt::format("feet {:.4g} m below the hips, knees: {}", height, fmt::join(knees, ", ")),
        fmt::format("{} of thigh and shin; backward unless the limits forbid it", kStandingShare)});
-  inferred.push_back(
-      {"stance_offset", fmt::format("{:.4g} m", home.forward),
-       kStanceOffsetReason});
+  inferred.push_back({"stance_offset", fmt::format("{:.4g} m", home.forward), kStanceOffsetReason});
   return home;
 }
 
@@ -188,15 +186,16 @@ std::string problem_with_stance(const RobotDescription& robot, const JointVector
   double least = std::numeric_limits<double>::infinity(), most = -least, length = 0;
   for (const Leg leg : kLegs) {
     const int hip = (*robot.legs)[leg].joint("hip");
-    const double depth = poses[static_cast<std::size_t>(hip) + 1].translation().z() -
-                         foot_position(robot, leg, poses).z();
+    const double depth =
+        poses[static_cast<std::size_t>(hip) + 1].translation().z() - foot_position(robot, leg, poses).z();
     least = std::min(least, depth);
     most = std::max(most, depth);
     length += leg_lengths(robot, leg).sum() / kLegCount;
   }
   constexpr double kThird = 1.0 / 3;
   if (least < kThird * length || most - least > kThird * length)
-    return fmt::format("its feet are {:.3g} to {:.3g} m below the hips, of legs of {:.3g} m", least, most, length);
+    return fmt::format("its feet are {:.3g} to {:.3g} m below the hips, of legs of {:.3g} m", least, most,
+                       length);
   return "";
 }
 

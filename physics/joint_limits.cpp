@@ -12,7 +12,7 @@ constexpr double kLargestLimit = 2 * std::numbers::pi;
 
 void set_limits(double lower, double upper, std::string_view element, Joint& joint, UrdfWarnings& warnings) {
   const Joint unlimited;
-  const bool low = lower < -kLargestLimit, high = upper > kLargestLimit;
+  const bool low = lower<-kLargestLimit, high = upper> kLargestLimit;
   joint.lower = low ? unlimited.lower : lower;
   joint.upper = high ? unlimited.upper : upper;
   if (low || high) {

@@ -8,8 +8,8 @@
 
 namespace crossgait {
 
-/// Limits beyond +-2 pi rad, missing ones and those with lower >= upper are placeholders: each becomes +-pi, and
-/// is counted. @param element  of the joint, for the warning
+/// Limits beyond +-2 pi rad, missing ones and those with lower >= upper are placeholders: each becomes +-pi,
+/// and is counted. @param element  of the joint, for the warning
 void set_limits(double lower, double upper, std::string_view element, Joint& joint, UrdfWarnings& warnings);
 
 }  // namespace crossgait

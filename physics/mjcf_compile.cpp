@@ -17,7 +17,7 @@ namespace crossgait {
 namespace {
 
 /// Kinds of unknown attributes that are taken out before a file counts as not understood.
-constexpr int kMostUnknown = 64;
+constexpr int kMostUnknown = 32;
 
 /// The number that follows `before`, with or without "= ", or 0.
 std::size_t number_after(std::string_view text, std::string_view before) {
@@ -66,7 +66,8 @@ class Compilation {
   void take_out(const std::string& tag, const std::string& attribute) {
     for_each_mjcf_element(document_.root(), [&](MjcfElement& e) {
       if (e.tag != tag || !e.has(attribute)) return;
-      warnings_.count("ignored ", fmt::format(" attribute(s) '{}' of <{}> that the engine does not know", attribute, tag),
+      warnings_.count("ignored ",
+                      fmt::format(" attribute(s) '{}' of <{}> that the engine does not know", attribute, tag),
                       mjcf_place(e, document_.path()));
       e.remove(attribute);
     });
@@ -108,11 +109,13 @@ std::vector<MjcfFile> give_meshes(const std::set<std::string>& names, MjcfParts&
     if (found == parts.meshes.end() || found->second.written.empty()) continue;
     MjcfMesh& mesh = found->second;
     if (mesh.file.empty()) {
-      fail_at(mesh.original, "a mesh whose file is there, for a body without <inertial> takes its mass from it",
+      fail_at(mesh.original,
+              "a mesh whose file is there, for a body without <inertial> takes its mass from it",
               fmt::format("'{}'", printable_text(mesh.written, 200)));
     }
-    MjcfFile file{fmt::format("mesh{}{}", files.size(), std::filesystem::path(mesh.file).extension().string()),
-                  read_text_file(mesh.file, kMeshBudget)};
+    MjcfFile file{
+        fmt::format("mesh{}{}", files.size(), std::filesystem::path(mesh.file).extension().string()),
+        read_text_file(mesh.file, kMeshBudget)};
     bytes += file.bytes.size();
     if (bytes > kMaxRobotMeshBytes) {
       fail_at(mesh.original, fmt::format("meshes of at most {} together", size_in_words(kMaxRobotMeshBytes)),

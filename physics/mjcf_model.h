@@ -39,8 +39,8 @@ struct MjcfJoint {
   int body = 0;
   Vector3 p_BJ = Vector3::Zero(), axis = Vector3::UnitZ();  ///< in the body's frame, m and unit
   bool limited = false;
-  double lower = 0, upper = 0;  ///< rad
-  double reference = 0;         ///< angle at which the body is at X_PB, rad
+  double lower = 0, upper = 0;                                    ///< rad
+  double reference = 0;                                           ///< angle at which the body is at X_PB, rad
   double stiffness = 0, damping = 0, friction = 0, armature = 0;  ///< SI; friction is dry, N m
   int q = 0;                                                      ///< its place in MjcfKey::q
 };

@@ -58,8 +58,7 @@ Eigen::Matrix<double, N, 1> numbers_of(const MjcfElement& element, std::string_v
 void make_box(MjcfElement& mesh) {
   std::erase_if(mesh.attributes, [](const auto& a) { return a.first != "name"; });
   mesh.set("vertex", "-1 -2 -3  1 -2 -3  -1 2 -3  1 2 -3  -1 -2 3  1 -2 3  -1 2 3  1 2 3");
-  mesh.set("face",
-           "0 2 1  1 2 3  4 5 6  5 7 6  0 1 4  1 5 4  2 6 3  3 6 7  0 4 2  2 4 6  1 3 5  3 7 5");
+  mesh.set("face", "0 2 1  1 2 3  4 5 6  5 7 6  0 1 4  1 5 4  2 6 3  3 6 7  0 4 2  2 4 6  1 3 5  3 7 5");
   // A class may have other ones.
   mesh.set("scale", "1 1 1");
 }
@@ -76,7 +75,8 @@ class Taker {
     });
     for (MjcfElement& section : root.children) {
       if (section.tag == "compiler") trim_compiler(section);
-      if (section.tag == "default") for_each_mjcf_element(section, [](MjcfElement& e) { e.remove("texture"); });
+      if (section.tag == "default")
+        for_each_mjcf_element(section, [](MjcfElement& e) { e.remove("texture"); });
       if (section.tag == "asset") trim_assets(section);
       if (section.tag == "worldbody") trim_world(section);
       if (section.tag == "actuator") trim_actuators(section);

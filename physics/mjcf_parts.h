@@ -35,10 +35,11 @@ struct MjcfParts {
 
 /// Leaves in the document what makes a robot: compiler settings, defaults, meshes, materials' colours, bodies
 /// with their joints and geoms, actuators of joints, connect constraints and keyframes. What else could
-/// change how it moves is counted as a warning; what is the world's business (options, sizes, visual settings)
-/// is not.
+/// change how it moves is counted as a warning; what is the world's business (options, sizes, visual
+/// settings) is not.
 ///  - Bodies, joints and geoms without a name get one.
-///  - Every mesh of a file becomes a box about its own origin and axes: its file is not needed for where it is.
+///  - Every mesh of a file becomes a box about its own origin and axes: its file is not needed for where it
+///  is.
 ///  - Limits are meant where ranges are given (autolimits), unless the file says otherwise.
 /// @throws ConfigError for what multiplies (composite, replicate), too many bodies, and paths of meshes that
 /// are not relative to the file

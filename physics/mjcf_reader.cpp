@@ -46,7 +46,9 @@ class MjcfTree {
  private:
   const MjcfBody& at(int i) const { return model_.bodies[static_cast<std::size_t>(i)]; }
   const MjcfElement& body_element(int i) const { return parts_.element("body", at(i).name); }
-  const MjcfElement& joint_element(const MjcfJoint& joint) const { return parts_.element("joint", joint.name); }
+  const MjcfElement& joint_element(const MjcfJoint& joint) const {
+    return parts_.element("joint", joint.name);
+  }
   template <typename T>
   static const std::vector<T>& of(const std::map<int, std::vector<T>>& map, int i) {
     static const std::vector<T> kNone;
@@ -99,7 +101,8 @@ class MjcfTree {
     const auto& joints = of(joints_, body);
     if (joints.empty()) return nullptr;
     if (joints.size() > 1) {
-      fail_at(joint_element(*joints[1]), "one joint on a body", fmt::format("a second one on '{}'", at(body).name));
+      fail_at(joint_element(*joints[1]), "one joint on a body",
+              fmt::format("a second one on '{}'", at(body).name));
     }
     if (joints[0]->type != MjcfJointType::kHinge) {
       fail_at(joint_element(*joints[0]), "a hinge",
@@ -139,7 +142,8 @@ class MjcfTree {
     }
   }
 
-  /// Adds a body of the file and what is fixed to it to one of ours; those that move are appended to `moving`.
+  /// Adds a body of the file and what is fixed to it to one of ours; those that move are appended to
+  /// `moving`.
   void merge(int body, int index, const Pose& X_BA, std::vector<Pending>& moving) {
     Body& ours = robot_.bodies[static_cast<std::size_t>(index)];
     if (at(body).inertia.mass > 0) ours.inertia = combine(ours.inertia, moved(X_BA, at(body).inertia));
@@ -214,7 +218,8 @@ class MjcfTree {
     const MjcfKey& key = home == model_.keys.end() ? model_.keys.front() : *home;
     robot_.home_name = key.name.empty() ? "the first keyframe" : fmt::format("keyframe '{}'", key.name);
     for (const MjcfJoint& joint : model_.joints) {
-      if (joint.type == MjcfJointType::kHinge) robot_.home[joint.name] = key.q[static_cast<std::size_t>(joint.q)];
+      if (joint.type == MjcfJointType::kHinge)
+        robot_.home[joint.name] = key.q[static_cast<std::size_t>(joint.q)];
     }
   }
 

@@ -75,8 +75,7 @@ bool MjcfShapes::set_mesh(const MjcfGeom& geom, CollisionShape& shape) {
     return false;
   } else {
     vertices = meshes_.vertices_of(mesh.file);
-    for (Vector3& v : vertices)
-      v = mesh.scale.cwiseProduct(mesh.R_ref.transpose() * (v - mesh.p_ref));
+    for (Vector3& v : vertices) v = mesh.scale.cwiseProduct(mesh.R_ref.transpose() * (v - mesh.p_ref));
   }
   meshes_.set_vertices(std::move(vertices), where(geom), shape);
   check_shape(shape, path_, fmt::format("geom '{}'", geom.name));

@@ -65,7 +65,8 @@ class RobotLoader {
   }
   const LinkPlacement& link(const YamlValue& value) const {
     const auto found = urdf_.links.find(value.text());
-    if (found == urdf_.links.end()) value.fail("a link of the robot's file", fmt::format("'{}'", value.text()));
+    if (found == urdf_.links.end())
+      value.fail("a link of the robot's file", fmt::format("'{}'", value.text()));
     return found->second;
   }
 
@@ -457,14 +458,14 @@ YamlValue named_file(const YamlValue& root) {
 }
 
 LoadedRobot load_yaml(const YamlValue& root) {
-  root.allow_keys({"name", "urdf", "mjcf", "frame", "locked", "armature", "servo", "joints", "loop_softness", "legs",
-                   "loops", "home", "standing_height", "stance_offset"});
+  root.allow_keys({"name", "urdf", "mjcf", "frame", "locked", "armature", "servo", "joints", "loop_softness",
+                   "legs", "loops", "home", "standing_height", "stance_offset"});
   const fs::path file = fs::path(root.source()).parent_path() / named_file(root).text();
   return RobotLoader(file.string(), root.source(), root).load();
 }
 
-/// The robot.yaml of a URDF or MJCF: of the same stem, or `robot.yaml` beside it, which has to name this file. One
-/// that names a file of the other format says nothing of this one.
+/// The robot.yaml of a URDF or MJCF: of the same stem, or `robot.yaml` beside it, which has to name this
+/// file. One that names a file of the other format says nothing of this one.
 std::optional<YamlValue> yaml_beside(const std::string& path) {
   fs::path yaml(path);
   yaml.replace_extension(".yaml");

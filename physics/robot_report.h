@@ -26,8 +26,8 @@ struct LoadedRobot {
 /// As `load_robot`, with what was inferred and why.
 LoadedRobot load_robot_with_report(const std::string& path);
 
-/// The whole robot.yaml: with it beside the robot's file nothing is inferred, and the robot is the same but for
-/// rounding in the 17th digit. @param file  what its key `urdf` or `mjcf` says
+/// The whole robot.yaml: with it beside the robot's file nothing is inferred, and the robot is the same but
+/// for rounding in the 17th digit. @param file  what its key `urdf` or `mjcf` says
 std::string to_yaml(const LoadedRobot& loaded, const std::string& file);
 
 }  // namespace crossgait

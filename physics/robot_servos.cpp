@@ -14,7 +14,8 @@ Joint& joint_of(RobotDescription& robot, int i) {
 void read_exception(const std::string& name, const YamlValue& values, RobotDescription& robot) {
   const auto body = std::find_if(robot.bodies.begin() + 1, robot.bodies.end(),
                                  [&name](const Body& b) { return b.joint.name == name; });
-  if (body == robot.bodies.end()) values.fail("a moving joint of the robot's file", fmt::format("'{}'", name));
+  if (body == robot.bodies.end())
+    values.fail("a moving joint of the robot's file", fmt::format("'{}'", name));
   Joint& target = body->joint;
   if (target.actuated) {
     values.allow_keys({"armature", "damping", "kp", "kd", "effort"});
@@ -62,12 +63,15 @@ void infer_gains(const ServoRule& rule, const std::set<int>& unknown, RobotDescr
   if (!of_file.empty()) {
     const Joint& first = joint_of(robot, (*robot.legs)[Leg::FL].servos.front());
     inferred.push_back(
-        {"servo", fmt::format("{} joints from '{}', whose kp is {:.3g} N m/rad and kd {:.3g} N m s/rad",
-                              of_file.size(), of_file.front(), first.kp, first.kd),
-         undamped.empty() ? "the file's position actuators; what damps them is theirs or the joints'"
-                          : fmt::format("the file's position actuators; nothing damps {} of them from '{}': damping ratio .3 "
-                                        "of a leg that gives way by .03 h",
-                                        undamped.size(), undamped.front())});
+        {"servo",
+         fmt::format("{} joints from '{}', whose kp is {:.3g} N m/rad and kd {:.3g} N m s/rad",
+                     of_file.size(), of_file.front(), first.kp, first.kd),
+         undamped.empty()
+             ? "the file's position actuators; what damps them is theirs or the joints'"
+             : fmt::format(
+                   "the file's position actuators; nothing damps {} of them from '{}': damping ratio .3 "
+                   "of a leg that gives way by .03 h",
+                   undamped.size(), undamped.front())});
   }
   if (!of_rule.empty()) {
     inferred.push_back({"servo", fmt::format("kp {:.3g} N m/rad, kd {:.3g} N m s/rad", rule.kp, rule.kd),

@@ -84,8 +84,9 @@ std::string yaml_home(const RobotDescription& robot) {
 std::string to_yaml(const LoadedRobot& loaded, const std::string& file) {
   const RobotDescription& robot = loaded.robot;
   const RobotReport& report = loaded.report;
-  std::string out = fmt::format("# SI units, radians. Format: models/README.md.\nname: {}\n{}: {}\n",
-                                yaml_quoted(robot.name), is_mjcf_path(file) ? "mjcf" : "urdf", yaml_quoted(file));
+  std::string out =
+      fmt::format("# SI units, radians. Format: models/README.md.\nname: {}\n{}: {}\n",
+                  yaml_quoted(robot.name), is_mjcf_path(file) ? "mjcf" : "urdf", yaml_quoted(file));
   out += fmt::format("frame: {{forward: {}, up: {}}}  # in the base frame of that file\n",
                      yaml_vector(report.R_BA.col(0)), yaml_vector(report.R_BA.col(2)));
   std::vector<std::string> locked;

@@ -84,11 +84,12 @@ bool UrdfShapes::set_mesh(const urdf::Mesh& mesh, const urdf::Link& link, Collis
   return true;
 }
 
-void UrdfShapes::set_vertices(std::vector<Vector3> vertices, const std::string& where, CollisionShape& shape) {
+void UrdfShapes::set_vertices(std::vector<Vector3> vertices, const std::string& where,
+                              CollisionShape& shape) {
   vertices_ += vertices.size();
   if (vertices_ > kMaxRobotMeshVertices) {
-    throw ConfigError(path_, where, fmt::format("at most {} vertices of collision meshes", kMaxRobotMeshVertices),
-                      "more");
+    throw ConfigError(path_, where,
+                      fmt::format("at most {} vertices of collision meshes", kMaxRobotMeshVertices), "more");
   }
   Vector3 low = vertices.front(), high = low;
   for (const Vector3& vertex : vertices) {

@@ -25,7 +25,8 @@ class UrdfShapes {
 
   /// Vertices of a mesh file in its own frame and units, read once.
   const std::vector<Vector3>& vertices_of(const std::string& file);
-  /// Makes a shape that has its name and pose of a mesh's vertices in its frame, m. @param where  for messages
+  /// Makes a shape that has its name and pose of a mesh's vertices in its frame, m. @param where  for
+  /// messages
   void set_vertices(std::vector<Vector3> vertices, const std::string& where, CollisionShape& shape);
 
   /// Vertices of the meshes behind boxes, in the body's frame (m), by the name of the shape.

@@ -157,7 +157,8 @@ std::map<std::string, std::vector<VisualShape>> read_urdf_visuals(const TiXmlEle
                                                                   UrdfWarnings& warnings) {
   VisualReader reader(robot, path, warnings);
   std::map<std::string, std::vector<VisualShape>> visuals;
-  for (auto* link = robot.FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link")) {
+  for (auto* link = robot.FirstChildElement("link"); link != nullptr;
+       link = link->NextSiblingElement("link")) {
     std::vector<VisualShape> shapes = reader.read(*link);
     if (!shapes.empty()) visuals[attribute_of(*link, "name")] = std::move(shapes);
   }

@@ -146,7 +146,8 @@ class Reader {
     const mjtNum* bias = m_.actuator_biasprm + static_cast<std::ptrdiff_t>(i) * mjNBIAS;
     if (is_plain && m_.actuator_biastype[i] == mjBIAS_NONE) {
       actuator.kind = MjcfActuatorKind::kMotor;
-      if (m_.actuator_ctrllimited[i] != 0) actuator.effort = std::abs(gear * gain) * largest(m_.actuator_ctrlrange + 2 * i);
+      if (m_.actuator_ctrllimited[i] != 0)
+        actuator.effort = std::abs(gear * gain) * largest(m_.actuator_ctrlrange + 2 * i);
     } else if (is_plain && m_.actuator_biastype[i] == mjBIAS_AFFINE && bias[1] <= 0 && bias[2] <= 0) {
       actuator.kind = MjcfActuatorKind::kServo;
       actuator.kp = -bias[1] * gear * gear;

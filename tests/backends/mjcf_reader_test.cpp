@@ -24,29 +24,32 @@ namespace {
 const std::string kOwnMjcf = CROSSGAIT_SOURCE_DIR "/tests/backends/mjcf/serial_quadruped.xml";
 const std::string kSameUrdf = CROSSGAIT_SOURCE_DIR "/models/robots/serial_quadruped/robot.urdf";
 
-/// A quadruped of hips and knees about y: hips at x = +-.2 and y = +-.1 m, links of .2 m down, angles in degrees
-/// where the compiler says nothing.
+/// A quadruped of hips and knees about y: hips at x = +-.2 and y = +-.1 m, links of .2 m down, angles in
+/// degrees where the compiler says nothing.
 struct MadeMjcf {
   std::string compiler, defaults, asset, sections;
   std::string trunk_joint = "<freejoint/>";
   std::string trunk = R"(<inertial pos="0 0 0" mass="8" diaginertia=".02 .03 .04"/>)";
-  std::string world;             ///< beside the trunk
-  std::string hip_joint;         ///< more attributes of the hips' joints
-  std::string thigh, shin;       ///< more elements of FL's
+  std::string world;        ///< beside the trunk
+  std::string hip_joint;    ///< more attributes of the hips' joints
+  std::string thigh, shin;  ///< more elements of FL's
   std::string thigh_inertial = R"(<inertial pos="0 0 -.1" mass="1" diaginertia=".02 .03 .04"/>)";
 
   std::string text() const {
-    std::string out = "<mujoco model=\"made\">" + compiler + "<default>" + defaults + "</default><asset>" + asset +
-                      "</asset>\n<worldbody>" + world + "\n<body name=\"trunk\" pos=\"0 0 1\">" + trunk_joint + trunk;
+    std::string out = "<mujoco model=\"made\">" + compiler + "<default>" + defaults + "</default><asset>" +
+                      asset + "</asset>\n<worldbody>" + world + "\n<body name=\"trunk\" pos=\"0 0 1\">" +
+                      trunk_joint + trunk;
     for (const Leg leg : kLegs) {
       const bool first = leg == Leg::FL;
       out += fmt::format(
           "\n<body name=\"{0}_thigh\" pos=\"{1} {2} 0\">{3}<joint name=\"{0}_hip\" axis=\"0 1 0\" {4}/>{5}"
-          "\n<body name=\"{0}_shin\" pos=\"0 0 -.2\"><inertial pos=\"0 0 -.1\" mass=\"1\" diaginertia=\".02 .03 .04\"/>"
+          "\n<body name=\"{0}_shin\" pos=\"0 0 -.2\"><inertial pos=\"0 0 -.1\" mass=\"1\" diaginertia=\".02 "
+          ".03 .04\"/>"
           "<joint name=\"{0}_knee\" axis=\"0 2 0\"/>{6}<geom name=\"{0}_foot\" pos=\"0 0 -.2\" size=\".02\"/>"
           "</body></body>",
           name(leg), is_front(leg) ? 0.2 : -0.2, 0.1 * side_sign(leg),
-          first ? thigh_inertial : MadeMjcf().thigh_inertial, hip_joint, first ? thigh : "", first ? shin : "");
+          first ? thigh_inertial : MadeMjcf().thigh_inertial, hip_joint, first ? thigh : "",
+          first ? shin : "");
     }
     return out + "</body></worldbody>\n" + sections + "</mujoco>\n";
   }
@@ -83,8 +86,8 @@ void expect_same_pose(const Pose& a, const Pose& b) {
   EXPECT_LT((a.matrix() - b.matrix()).cwiseAbs().maxCoeff(), 1e-14);
 }
 
-// The same robot written twice, by people. 1e-12: decimal numbers go through MuJoCo's doubles, quaternions and
-// principal axes, a few roundings each.
+// The same robot written twice, by people. 1e-12: decimal numbers go through MuJoCo's doubles, quaternions
+// and principal axes, a few roundings each.
 TEST_F(MjcfReader, SaysWhatAUrdfOfTheSameRobotSays) {
   const RobotDescription mjcf = load_robot(kOwnMjcf), urdf = load_robot(kSameUrdf);
   EXPECT_EQ(mjcf.name, urdf.name);
@@ -103,8 +106,8 @@ TEST_F(MjcfReader, SaysWhatAUrdfOfTheSameRobotSays) {
     EXPECT_EQ(j.name, k.name);
     EXPECT_EQ(j.actuated, k.actuated);
     EXPECT_LT((j.axis - k.axis).norm(), kSame);
-    for (const auto member : {&Joint::lower, &Joint::upper, &Joint::damping, &Joint::friction, &Joint::armature,
-                              &Joint::kp, &Joint::kd, &Joint::effort_limit})
+    for (const auto member : {&Joint::lower, &Joint::upper, &Joint::damping, &Joint::friction,
+                              &Joint::armature, &Joint::kp, &Joint::kd, &Joint::effort_limit})
       EXPECT_NEAR(j.*member, k.*member, kSame * std::max(1.0, std::abs(k.*member)));
     ASSERT_EQ(a.shapes.size(), b.shapes.size());
     for (std::size_t s = 0; s < b.shapes.size(); ++s) {
@@ -177,7 +180,8 @@ TEST_F(MjcfReader, PosesAreThoseOfEulerAnglesAndQuaternions) {
   X.linear() = (Eigen::AngleAxisd(quarter, Vector3::UnitX()) * Eigen::AngleAxisd(quarter, Vector3::UnitZ()))
                    .toRotationMatrix();
   expect_same_pose(shin.shapes[0].X_BG, X);
-  expect_near(shin.shapes[1].X_BG.linear(), Eigen::AngleAxisd(quarter, Vector3::UnitZ()).toRotationMatrix(), 1e-14);
+  expect_near(shin.shapes[1].X_BG.linear(), Eigen::AngleAxisd(quarter, Vector3::UnitZ()).toRotationMatrix(),
+              1e-14);
 }
 
 TEST_F(MjcfReader, ACapsuleFromToIsACylinderBetweenTwoSpheres) {
@@ -228,8 +232,8 @@ std::string box_stl() {
     return Vector3((i & 1) != 0 ? 2 : 0, (i & 2) != 0 ? 4 : 0, (i & 4) != 0 ? 6 : 0);
   };
   std::vector<Vector3> corners;
-  for (const int i : {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5,
-                      3, 7, 5})
+  for (const int i : {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                      2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5})
     corners.push_back(corner(i));
   return binary_stl(corners);
 }
@@ -342,7 +346,9 @@ TEST_F(MjcfReader, AServosGainsAreTheFilesOrFollowFromThem) {
   MadeMjcf mjcf;
   mjcf.sections = kTwoActuators;
   const auto [robot, report] = load(mjcf);
-  const auto joint = [&, &r = robot](Leg leg, const char* role) { return r.joint((*r.legs)[leg].joint(role)); };
+  const auto joint = [&, &r = robot](Leg leg, const char* role) {
+    return r.joint((*r.legs)[leg].joint(role));
+  };
   EXPECT_EQ(joint(Leg::FL, "hip").kp, 80);
   EXPECT_EQ(joint(Leg::RL, "hip").kd, 3);
   // Nothing damps FR's: as the rule damps its own stiffness.
@@ -385,7 +391,8 @@ TEST_F(MjcfReader, AKeyframeInWhichItCannotStandIsNotItsHome) {
   mjcf.sections = R"(<keyframe><key qpos="0 0 0 1 0 0 0  1.5 -3  1.5 -3  1.5 -3  1.5 -3"/></keyframe>)";
   const auto [robot, report] = load(mjcf);
   EXPECT_NEAR(robot.standing_height, 0.72 * 0.4, 1e-12);
-  EXPECT_TRUE(warns(report.warnings, "the first keyframe is not taken for the home pose: its feet are 0.0283"));
+  EXPECT_TRUE(
+      warns(report.warnings, "the first keyframe is not taken for the home pose: its feet are 0.0283"));
 }
 
 TEST_F(MjcfReader, ConnectedBodiesAreALoop) {
@@ -410,18 +417,19 @@ TEST_F(MjcfReader, WhatChangesMotionAndIsNotSimulatedIsCounted) {
                      <contact><exclude body1="trunk" body2="FL_shin"/></contact>
                      <custom><numeric name="n" data="1"/></custom>)";
   const UrdfRobot robot = tree(mjcf);
-  for (const char* warning :
-       {"springs of 4 joint(s) are not simulated", "ignored 1 element(s) of <tendon>", "ignored 1 element(s) of <contact>",
-        "dropped 1 geom(s) that are no sphere, capsule, cylinder, box or mesh",
-        "left out 1 body or bodies beside the robot"})
+  for (const char* warning : {"springs of 4 joint(s) are not simulated", "ignored 1 element(s) of <tendon>",
+                              "ignored 1 element(s) of <contact>",
+                              "dropped 1 geom(s) that are no sphere, capsule, cylinder, box or mesh",
+                              "left out 1 body or bodies beside the robot"})
     EXPECT_TRUE(warns(robot.warnings, warning)) << warning;
 }
 
 TEST_F(MjcfReader, AttributesThatTheEngineDoesNotKnowAreIgnoredAndCounted) {
   MadeMjcf mjcf;
   mjcf.hip_joint = "wobble=\"3\"";
-  EXPECT_TRUE(warns(tree(mjcf).warnings,
-                    "ignored 4 attribute(s) 'wobble' of <joint> that the engine does not know, first in joint 'FL_hip'"));
+  EXPECT_TRUE(warns(
+      tree(mjcf).warnings,
+      "ignored 4 attribute(s) 'wobble' of <joint> that the engine does not know, first in joint 'FL_hip'"));
 }
 
 TEST_F(MjcfReader, ABodyOfTheWorldWithoutAJointIsTheBase) {
@@ -450,24 +458,31 @@ TEST_F(MjcfReader, RefusesByName) {
     std::string element, found;
   };
   const std::vector<Case> cases{
-      {[](MadeMjcf& m) { m.thigh = "<body name=\"b\"><joint name=\"s\" type=\"slide\"/><geom size=\".1\"/></body>"; },
+      {[](MadeMjcf& m) {
+         m.thigh = "<body name=\"b\"><joint name=\"s\" type=\"slide\"/><geom size=\".1\"/></body>";
+       },
        "joint 's'", "a slide joint"},
-      {[](MadeMjcf& m) { m.thigh = "<body name=\"b\"><joint name=\"s\" type=\"ball\"/><geom size=\".1\"/></body>"; },
+      {[](MadeMjcf& m) {
+         m.thigh = "<body name=\"b\"><joint name=\"s\" type=\"ball\"/><geom size=\".1\"/></body>";
+       },
        "joint 's'", "a ball joint"},
       {[](MadeMjcf& m) { m.thigh = "<joint name=\"second\" axis=\"1 0 0\"/>"; }, "joint 'second'",
        "a second one on 'FL_thigh'"},
-      {[](MadeMjcf& m) { m.trunk_joint = "<joint name=\"up\" axis=\"0 0 1\"/>"; }, "joint 'up'", "another one"},
-      {[](MadeMjcf& m) {
-         m.world = "<body name=\"arm\"><joint axis=\"0 0 1\"/><geom size=\".1\"/></body>";
-       },
+      {[](MadeMjcf& m) { m.trunk_joint = "<joint name=\"up\" axis=\"0 0 1\"/>"; }, "joint 'up'",
+       "another one"},
+      {[](MadeMjcf& m) { m.world = "<body name=\"arm\"><joint axis=\"0 0 1\"/><geom size=\".1\"/></body>"; },
        "body 'trunk'", "a second one beside 'arm'"},
-      {[](MadeMjcf& m) { m.thigh = "<composite type=\"grid\" count=\"99 99 1\"/>"; }, "composite", "<composite>"},
-      {[](MadeMjcf& m) { m.asset = "<mesh name=\"m\" file=\"/etc/passwd.stl\"/>"; }, "mesh 'm'", "'/etc/passwd.stl'"},
-      {[](MadeMjcf& m) { m.asset = "<mesh name=\"m\" file=\"a.stl\" scale=\"1 nan 1\"/>"; }, "mesh 'm'", "'1 nan 1'"},
+      {[](MadeMjcf& m) { m.thigh = "<composite type=\"grid\" count=\"99 99 1\"/>"; }, "composite",
+       "<composite>"},
+      {[](MadeMjcf& m) { m.asset = "<mesh name=\"m\" file=\"/etc/passwd.stl\"/>"; }, "mesh 'm'",
+       "'/etc/passwd.stl'"},
+      {[](MadeMjcf& m) { m.asset = "<mesh name=\"m\" file=\"a.stl\" scale=\"1 nan 1\"/>"; }, "mesh 'm'",
+       "'1 nan 1'"},
       {[](MadeMjcf& m) { m.thigh = "<include file=\"made.xml\"/>"; }, "include", "again"},
       {[](MadeMjcf& m) { m.thigh = "<include file=\"/dev/zero\"/>"; }, "include", "'/dev/zero'"},
       {[](MadeMjcf& m) { m.sections = "<wings/>"; }, "wings", "unrecognized element"},
-      {[](MadeMjcf& m) { m.sections = "<keyframe><key qpos=\"1 2\"/></keyframe>"; }, "file", "key 0: invalid qpos size"},
+      {[](MadeMjcf& m) { m.sections = "<keyframe><key qpos=\"1 2\"/></keyframe>"; }, "file",
+       "key 0: invalid qpos size"},
       {[](MadeMjcf& m) { m.thigh_inertial = ""; }, "body 'FL_thigh'", "mass and inertia"},
   };
   for (const Case& c : cases) {
@@ -520,7 +535,9 @@ class RobotFile : public BackendTest {
       way.push_back(sample.world.state().p_WB);
       return true;
     };
-    (void)run_walk(*backend, make_gait_source(choose_gait("trot", {}, std::nullopt, gait_scale(*robot)), robot), {.seconds = 2}, watch);
+    (void)run_walk(*backend,
+                   make_gait_source(choose_gait("trot", {}, std::nullopt, gait_scale(*robot)), robot),
+                   {.seconds = 2}, watch);
     return way;
   }
 };
@@ -542,7 +559,8 @@ TEST_P(RobotFile, LooksChangeNoBitOfAWalk) {
   for (Body& body : plain.bodies) body.visuals.clear();
   for (Body& body : seen.bodies) {
     ASSERT_FALSE(body.visuals.empty()) << body.name;
-    body.visuals.push_back({VisualType::kMesh, {}, "/nowhere.stl", {2, 2, 2}, Pose::Identity(), std::nullopt});
+    body.visuals.push_back(
+        {VisualType::kMesh, {}, "/nowhere.stl", {2, 2, 2}, Pose::Identity(), std::nullopt});
   }
   EXPECT_EQ(walk(plain), walk(seen));
 }

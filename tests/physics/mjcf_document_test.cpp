@@ -96,9 +96,14 @@ TEST_F(MjcfFiles, EveryPartHasANameOfItsOwn) {
       "<body name='leg'><joint/><geom/></body></body></worldbody></mujoco>");
   UrdfWarnings warnings;
   const MjcfParts parts = take_parts(robot, warnings);
-  for (const auto& [tag, name] : std::vector<std::pair<std::string, std::string>>{
-           {"body", "world_body_0"}, {"joint", "world_body_0_joint"}, {"geom", "world_body_0_geom_1"},
-           {"geom", "world_body_0_geom_0"}, {"body", "leg"}, {"joint", "leg_joint"}, {"geom", "leg_geom_0"}})
+  for (const auto& [tag, name] :
+       std::vector<std::pair<std::string, std::string>>{{"body", "world_body_0"},
+                                                        {"joint", "world_body_0_joint"},
+                                                        {"geom", "world_body_0_geom_1"},
+                                                        {"geom", "world_body_0_geom_0"},
+                                                        {"body", "leg"},
+                                                        {"joint", "leg_joint"},
+                                                        {"geom", "leg_geom_0"}})
     EXPECT_TRUE(parts.with_names.contains({tag, name})) << tag << " " << name;
   EXPECT_EQ(parts.with_names.size(), 7U);
 }
@@ -120,8 +125,10 @@ TEST_F(MjcfFiles, OnlyWhatMakesARobotIsLeft) {
 
 TEST_F(MjcfFiles, MeshesOfAClassHaveItsScale) {
   MjcfDocument robot = document(
-      "<mujoco><default><mesh scale='2 2 2'/><default class='a'><mesh scale='3 3 3'/><default class='b'/></default>"
-      "<default class='c'/></default><asset><mesh file='x/one.stl'/><mesh name='two' class='b' file='two.stl'/>"
+      "<mujoco><default><mesh scale='2 2 2'/><default class='a'><mesh scale='3 3 3'/><default "
+      "class='b'/></default>"
+      "<default class='c'/></default><asset><mesh file='x/one.stl'/><mesh name='two' class='b' "
+      "file='two.stl'/>"
       "<mesh name='three' class='c' file='c.stl'/><mesh name='four' class='a' file='d.stl' scale='1 -1 1'/>"
       "</asset></mujoco>");
   UrdfWarnings warnings;

@@ -18,15 +18,15 @@ class UrdfVisuals : public ScratchFolder {
   UrdfRobot read_links(const std::string& base, const std::string& link, const std::string& plate,
                        const std::string& robot = "") const {
     const std::string inertia = SerialUrdf::inertia(1, Vector3::Zero());
-    return read_urdf(write(
-        "robot.urdf",
-        fmt::format("<robot name='r'>{}<link name='base'>{}{}</link><link name='link'>{}{}</link>"
-                    "<link name='plate'>{}</link>"
-                    "<joint name='j' type='continuous'><parent link='base'/><child link='link'/>"
-                    "<origin xyz='1 0 0'/><axis xyz='0 1 0'/></joint>"
-                    "<joint name='f' type='fixed'><parent link='link'/><child link='plate'/>"
-                    "<origin xyz='0 0 .5'/></joint></robot>",
-                    robot, inertia, base, inertia, link, plate)));
+    return read_urdf(
+        write("robot.urdf",
+              fmt::format("<robot name='r'>{}<link name='base'>{}{}</link><link name='link'>{}{}</link>"
+                          "<link name='plate'>{}</link>"
+                          "<joint name='j' type='continuous'><parent link='base'/><child link='link'/>"
+                          "<origin xyz='1 0 0'/><axis xyz='0 1 0'/></joint>"
+                          "<joint name='f' type='fixed'><parent link='link'/><child link='plate'/>"
+                          "<origin xyz='0 0 .5'/></joint></robot>",
+                          robot, inertia, base, inertia, link, plate)));
   }
 };
 
@@ -38,7 +38,8 @@ TEST_F(UrdfVisuals, AreKeptWithTheirShapesPlacesAndColours) {
       "<visual><origin xyz='0 0 1' rpy='0 0 1.5707963267948966'/><geometry><cylinder radius='.2' length='3'/>"
       "</geometry><material name='own'><color rgba='.1 .2 .3 .4'/></material></visual>",
       "<visual><origin xyz='.1 0 0'/><geometry><mesh filename='wheel.dae' scale='1 2 -3'/></geometry>"
-      "<material name='own'/></visual><visual><geometry><capsule radius='.1' length='1'/></geometry></visual>",
+      "<material name='own'/></visual><visual><geometry><capsule radius='.1' "
+      "length='1'/></geometry></visual>",
       "<material name='red'><color rgba='1 0 0 1'/></material>");
   EXPECT_TRUE(robot.warnings.empty()) << fmt::format("{}", fmt::join(robot.warnings, "; "));
   const std::vector<VisualShape>&base = robot.bodies[0].visuals, &link = robot.bodies[1].visuals;
@@ -63,26 +64,31 @@ TEST_F(UrdfVisuals, AreKeptWithTheirShapesPlacesAndColours) {
 
 // Roll, then pitch, then yaw, about fixed axes.
 TEST_F(UrdfVisuals, TurnAsTheOriginsOfLinksDo) {
-  const std::string origin = "<origin xyz='1 2 3' rpy='.3 -.7 1.1'/><geometry><sphere radius='1'/></geometry>";
-  const UrdfRobot robot = read_links("<visual>" + origin + "</visual><collision>" + origin + "</collision>", "", "");
-  EXPECT_LT((robot.bodies[0].visuals[0].X_BG.matrix() - robot.bodies[0].shapes[0].X_BG.matrix()).norm(), 1e-15);
+  const std::string origin =
+      "<origin xyz='1 2 3' rpy='.3 -.7 1.1'/><geometry><sphere radius='1'/></geometry>";
+  const UrdfRobot robot =
+      read_links("<visual>" + origin + "</visual><collision>" + origin + "</collision>", "", "");
+  EXPECT_LT((robot.bodies[0].visuals[0].X_BG.matrix() - robot.bodies[0].shapes[0].X_BG.matrix()).norm(),
+            1e-15);
 }
 
 TEST_F(UrdfVisuals, ThatCannotBeShownAreDroppedAndCounted) {
   const UrdfRobot robot = read_links(
       "<visual/><visual><geometry/></visual><visual><geometry><sphere radius='-1'/></geometry></visual>"
       "<visual><origin xyz='0 0'/><geometry><sphere radius='1'/></geometry></visual>"
-      "<visual><geometry><box size='1 2 3 4'/></geometry></visual><visual><geometry><cone/></geometry></visual>",
+      "<visual><geometry><box size='1 2 3 "
+      "4'/></geometry></visual><visual><geometry><cone/></geometry></visual>",
       "<visual><geometry><mesh filename='package://gone/a.dae'/></geometry></visual>"
       "<visual><geometry><mesh filename='b.stl'/></geometry></visual>",
       "");
   EXPECT_TRUE(robot.bodies[0].visuals.empty());
   EXPECT_TRUE(robot.bodies[1].visuals.empty());
-  EXPECT_EQ(robot.warnings,
-            (std::vector<std::string>{
-                "dropped 6 <visual> without a shape or with numbers that are none, first in link 'base' (line 1)",
-                "dropped 2 visual mesh(es) whose file is not there, first in link 'link' (line 1) "
-                "('package://gone/a.dae')"}));
+  EXPECT_EQ(
+      robot.warnings,
+      (std::vector<std::string>{
+          "dropped 6 <visual> without a shape or with numbers that are none, first in link 'base' (line 1)",
+          "dropped 2 visual mesh(es) whose file is not there, first in link 'link' (line 1) "
+          "('package://gone/a.dae')"}));
 }
 
 TEST_F(UrdfVisuals, MoveWithWhatIsLockedOrTurned) {
