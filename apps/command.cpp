@@ -29,7 +29,7 @@ RobotDescription load_robot_and_tell(const std::string& robot) {
 
 void add_robot_option(CLI::App& command, std::string& robot) {
   command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file")
-      ->type_name("NAME|FILE.yaml|FILE.urdf")
+      ->type_name("NAME|FILE.yaml|FILE.urdf|FILE.xml")
       ->capture_default_str();
 }
 

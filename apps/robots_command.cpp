@@ -64,7 +64,10 @@ ordered_json body_list(const RobotDescription& robot, Table& table) {
         {body.name, parent, fmt::format("{:.5f}", body.inertia.mass), base ? "free" : joint.name,
          base ? "" : fmt::format("{:.3g} {:.3g} {:.3g}", joint.axis.x(), joint.axis.y(), joint.axis.z()),
          joint.actuated ? text(joint.kp) : "", text(joint.armature), text(joint.damping)});
-    ordered_json entry{{"name", body.name}, {"parent", parent}, {"mass_kg", body.inertia.mass}};
+    ordered_json entry{{"name", body.name},
+                       {"parent", parent},
+                       {"mass_kg", body.inertia.mass},
+                       {"visuals", body.visuals.size()}};
     if (!base) {
       entry["joint"] = {{"name", joint.name},
                         {"lower_rad", joint.lower},
@@ -134,7 +137,7 @@ void show(const RobotsCommand& options) {
   const LoadedRobot loaded = load_robot_with_report(find_robot(options.robot));
   const RobotDescription& robot = loaded.robot;
   if (options.yaml) {
-    print(to_yaml(loaded, std::filesystem::absolute(loaded.report.urdf).lexically_normal().string()));
+    print(to_yaml(loaded, std::filesystem::absolute(loaded.report.file).lexically_normal().string()));
     return;
   }
   const Joint& servo = robot.joint((*robot.legs)[Leg::FL].servos.front());
@@ -180,17 +183,18 @@ void check(const RobotsCommand& options) {
 void add_robots_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("robots", "List the bundled robots, or show one");
   command->footer(
-      "\nOf a URDF alone legs, frame, feet, home pose, servos and the scale of gaits are inferred, and "
+      "\nOf a URDF or MJCF alone legs, frame, feet, home pose, servos and the scale of gaits are inferred, "
+      "and "
       "every\n"
-      "inference is printed with its reason. --yaml writes them as a robot.yaml, to be put beside the URDF "
+      "inference is printed with its reason. --yaml writes them as a robot.yaml, to be put beside the file "
       "and\n"
       "changed where a guess is wrong.\n"
       "\nExamples:\n  crossgait robots\n  crossgait robots scara_quadruped\n  crossgait robots my.urdf\n"
       "  crossgait robots my.urdf --yaml > robot.yaml\n"
-      "  crossgait robots my.urdf --check");
+      "  crossgait robots my.xml --check");
   auto options = std::make_shared<RobotsCommand>();
   command->add_option("robot,--robot", options->robot,
-                      "A bundled robot's name or a .yaml or .urdf file to show");
+                      "A bundled robot's name or a .yaml, .urdf or .xml (MJCF) file to show");
   command->add_flag("--check", options->check, "Walk it two seconds in every engine and say what is wrong")
       ->needs("--robot");
   command->add_flag("--yaml", options->yaml, "Print the whole robot.yaml instead")->needs("--robot");

@@ -1,9 +1,11 @@
 #include "crossgait/backends/registry.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -36,6 +38,18 @@ const EngineRegistry& shared_registry() {
 }
 
 }  // namespace
+
+// Robots' files are read below the registry: this is how they come by an engine.
+[[maybe_unused]] const MjcfCompiler kNoneBefore =
+    set_mjcf_compiler([](const MjcfText& text) { return shared_registry().compile_mjcf(text); });
+
+// "3.10.1" as {3, 10, 1}, which compare as versions do.
+std::vector<int> numbers_of(const std::string& version) {
+  std::vector<int> numbers;
+  std::istringstream parts(version);
+  for (std::string part; std::getline(parts, part, '.');) numbers.push_back(std::atoi(part.c_str()));
+  return numbers;
+}
 
 // What is needed until the lists are in order.
 struct EngineRegistry::Offers {
@@ -115,6 +129,24 @@ Engine EngineRegistry::find(std::string_view name) const {
                     fmt::format("\"{}\"", name));
 }
 
+const EnginePlugin* EngineRegistry::newest_mjcf_compiler() const {
+  const EnginePlugin* newest = nullptr;
+  for (const EnginePlugin* plugin : plugins_) {
+    if (plugin->compile_mjcf == nullptr) continue;
+    const bool is_newer =
+        newest == nullptr || numbers_of(newest->library_version()) < numbers_of(plugin->library_version());
+    if (is_newer) newest = plugin;
+  }
+  return newest;
+}
+
+MjcfModel EngineRegistry::compile_mjcf(const MjcfText& text) const {
+  if (const EnginePlugin* newest = newest_mjcf_compiler()) return newest->compile_mjcf(text);
+  throw ConfigError(text.source, "file",
+                    "an engine that reads MJCF: MuJoCo (`crossgait backends` says why it is missing)",
+                    fmt::format("{}", fmt::join(available(), ", ")));
+}
+
 const std::vector<EngineListing>& known_engines() { return shared_registry().listings(); }
 
 std::vector<std::string> available_engines() { return shared_registry().available(); }
@@ -122,6 +154,8 @@ std::vector<std::string> available_engines() { return shared_registry().availabl
 const std::vector<EngineFamily>& engine_families() { return shared_registry().families(); }
 
 Engine find_engine(std::string_view name) { return shared_registry().find(name); }
+
+bool compiles_mjcf() { return shared_registry().compiles_mjcf(); }
 
 std::unique_ptr<PhysicsBackend> make_backend(std::string_view name, const WorldSpec& spec) {
   return find_engine(name).make(spec);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "crossgait/physics/engine.h"
+#include "crossgait/physics/mjcf_model.h"
 
 namespace crossgait {
 
@@ -37,8 +38,14 @@ class EngineRegistry {
   const std::vector<EngineFamily>& families() const noexcept { return families_; }
   /// @throws ConfigError for an unknown or unavailable name (listing the available ones)
   Engine find(std::string_view name) const;
+  /// By the plug-in with the newest library of those that can (EnginePlugin::compile_mjcf).
+  /// @throws ConfigError naming `text.source` if none can, std::runtime_error with the engine's words
+  MjcfModel compile_mjcf(const MjcfText& text) const;
+  /// Whether one can.
+  bool compiles_mjcf() const { return newest_mjcf_compiler() != nullptr; }
 
  private:
+  const EnginePlugin* newest_mjcf_compiler() const;
   struct Offers;
   void add_plugin(const std::string& file, Offers& offers);
   void add_missing(const std::vector<std::string>& folders);
@@ -49,7 +56,8 @@ class EngineRegistry {
 };
 
 // The functions below share one registry of plugin_folders(), made when the first of them is called, by any
-// thread. They throw ConfigError as plugin_folders() does.
+// thread, or when a program that is linked to one of them reads an MJCF (set_mjcf_compiler). They throw
+// ConfigError as plugin_folders() does.
 
 /// Every engine Crossgait knows, available or not, in a fixed order.
 const std::vector<EngineListing>& known_engines();
@@ -64,6 +72,9 @@ const std::vector<EngineFamily>& engine_families();
 /// "bullet-sweeps".
 /// @throws ConfigError for an unknown or unavailable name (listing the available ones)
 Engine find_engine(std::string_view name);
+
+/// Whether an available engine reads robots' files of MuJoCo's format (physics/mjcf_reader.h).
+bool compiles_mjcf();
 
 /// find_engine(name).make(spec).
 std::unique_ptr<PhysicsBackend> make_backend(std::string_view name, const WorldSpec& spec);

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "crossgait/env/env_config.h"
+#include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/yaml_reader.h"
 
@@ -225,11 +226,6 @@ std::string resolved(const std::string& text, const std::string& from, bool is_f
   const std::filesystem::path path(text);
   if (!is_file || path.is_absolute()) return text;
   return (std::filesystem::path(from).parent_path() / path).lexically_normal().string();
-}
-
-bool is_robot_file(const std::string& text) {
-  const std::filesystem::path path(text);
-  return path.extension() == ".yaml" || path.extension() == ".urdf";
 }
 
 void read_world(const YamlValue& root, EnvConfig& config) {

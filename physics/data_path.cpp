@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/mjcf_reader.h"
 
 namespace crossgait {
 namespace fs = std::filesystem;
@@ -55,16 +56,21 @@ std::vector<std::string> robot_names(std::string_view built_in) {
   return names;
 }
 
+bool is_robot_file(std::string_view text) {
+  const fs::path extension = fs::path(text).extension();
+  return extension == ".yaml" || extension == ".urdf" || is_mjcf_path(std::string(text));
+}
+
 std::string find_robot(std::string_view text, std::string_view built_in) {
   const fs::path path(text);
-  if (path.extension() == ".yaml" || path.extension() == ".urdf") return path.string();
+  if (is_robot_file(text)) return path.string();
   if (path.extension() == ".xacro") {
     throw ConfigError(text, "file", fmt::format("an expanded URDF: xacro {} > robot.urdf", text), "xacro");
   }
   const std::vector<std::string> names = robot_names(built_in);
   if (std::find(names.begin(), names.end(), text) == names.end()) {
     throw ConfigError("robot", "name",
-                      fmt::format("a .yaml or .urdf file or one of: {}", fmt::join(names, ", ")),
+                      fmt::format("a .yaml, .urdf or .xml (MJCF) file or one of: {}", fmt::join(names, ", ")),
                       fmt::format("'{}'", text));
   }
   return (fs::path(models_dir(built_in)) / "robots" / path / "robot.yaml").string();

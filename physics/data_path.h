@@ -24,8 +24,11 @@ std::string models_dir(std::string_view built_in = CROSSGAIT_MODELS_DIR);
 /// Names of the robots in `models_dir()`/robots (folders that hold a robot.yaml), sorted.
 std::vector<std::string> robot_names(std::string_view built_in = CROSSGAIT_MODELS_DIR);
 
-/// The file to give to `load_robot`: `text` itself where it ends in .yaml or .urdf, else robot.yaml of the
-/// robot of that name. @throws ConfigError listing the known names
+/// Whether `text` is the path of a robot's file rather than a name: it ends in .yaml, .urdf, .xml or .mjcf.
+bool is_robot_file(std::string_view text);
+
+/// The file to give to `load_robot`: `text` itself if it is the path of one, else robot.yaml of the robot of
+/// that name. @throws ConfigError listing the known names
 std::string find_robot(std::string_view text, std::string_view built_in = CROSSGAIT_MODELS_DIR);
 
 }  // namespace crossgait

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "crossgait/physics/engine.h"
+#include "crossgait/physics/mjcf_model.h"
 
 namespace crossgait {
 
@@ -18,13 +19,13 @@ namespace crossgait {
 /// before and after it misunderstand each other: the virtual functions of PhysicsBackend (their number, order
 /// and signatures), the order or meaning of the members of a type that crosses the interface, what a function
 /// of EnginePlugin promises, units and frames. Changes of sizes and of the build are the stamp's.
-constexpr int kPluginInterfaceVersion = 1;
+constexpr int kPluginInterfaceVersion = 2;
 
 namespace plugin_detail {
 
 /// Text put together by the compiler, so that it says how this very file was compiled, whatever is linked.
 struct Text {
-  std::array<char, 1536> bytes{};  // ends in zeros
+  std::array<char, 2048> bytes{};  // ends in zeros
   std::size_t size = 0;
 
   constexpr void add(std::string_view text) {
@@ -77,6 +78,7 @@ consteval Text make_stamp() {
   text.add_type<ModelFactor>("ModelFactor");
   text.add_type<EngineFamily>("EngineFamily");
   text.add_type<CollisionShape>("CollisionShape");
+  text.add_type<VisualShape>("VisualShape");
   text.add_type<Joint>("Joint");
   text.add_type<Body>("Body");
   text.add_type<LoopClosure>("LoopClosure");
@@ -90,6 +92,13 @@ consteval Text make_stamp() {
   text.add_type<ContactList>("ContactList");
   text.add_type<Snapshot>("Snapshot");
   text.add_type<PhysicsBackend>("PhysicsBackend");
+  text.add_type<MjcfText>("MjcfText");
+  text.add_type<MjcfBody>("MjcfBody");
+  text.add_type<MjcfJoint>("MjcfJoint");
+  text.add_type<MjcfGeom>("MjcfGeom");
+  text.add_type<MjcfActuator>("MjcfActuator");
+  text.add_type<MjcfConnect>("MjcfConnect");
+  text.add_type<MjcfModel>("MjcfModel");
   return text;
 }
 
@@ -125,6 +134,10 @@ struct EnginePlugin {
   /// be called from several threads at once. Throws ConfigError if the name is this plug-in's but its factors
   /// are invalid.
   std::optional<Engine> (*find)(std::string_view name) = nullptr;
+  /// Reads robots' files of MuJoCo's format. Optional: of the plug-ins that have it that of the newest
+  /// library is asked. May be called from several threads at once. Throws std::runtime_error with the
+  /// engine's words.
+  MjcfCompiler compile_mjcf = nullptr;
 };
 
 /// The name of the function below, to look it up by.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -144,18 +145,11 @@ HomePose find_home(const RobotDescription& robot, double height, std::vector<Inf
     }
     fail_to_stand(robot, leg, height);
   };
-  double hips = 0, length = 0;
-  for (const Leg leg : kLegs) {
-    const PlanarLeg planar(robot, leg);
-    hips += planar.hip_x() / kLegCount;
-    length += planar.lengths().sum() / kLegCount;
-    stand(leg, planar);
-  }
+  for (const Leg leg : kLegs) stand(leg, PlanarLeg(robot, leg));
   // The legs' own masses move a little with the feet: it settles to less than a micrometre.
   constexpr int kRounds = 10;
   for (int i = 0; i < kRounds; ++i) {
-    const double ahead = centre_of_mass_x(robot, home.q) - hips;
-    home.forward = std::clamp(ahead, -kMostForward * length, kMostForward * length);
+    home.forward = balanced_offset(robot, home.q);
     for (const Leg leg : kLegs) stand(leg, PlanarLeg(robot, leg));
   }
   std::vector<std::string> knees;
@@ -164,10 +158,45 @@ HomePose find_home(const RobotDescription& robot, double height, std::vector<Inf
   inferred.push_back(
       {"home", fmt::format("feet {:.4g} m below the hips, knees: {}", height, fmt::join(knees, ", ")),
        fmt::format("{} of thigh and shin; backward unless the limits forbid it", kStandingShare)});
-  inferred.push_back(
-      {"stance_offset", fmt::format("{:.4g} m", home.forward),
-       "the middle of the feet under the centre of mass of the robot, at most .15 of thigh and shin"});
+  inferred.push_back({"stance_offset", fmt::format("{:.4g} m", home.forward), kStanceOffsetReason});
   return home;
+}
+
+double balanced_offset(const RobotDescription& robot, const JointVector& q) {
+  double hips = 0, length = 0;
+  for (const Leg leg : kLegs) {
+    const PlanarLeg planar(robot, leg);
+    hips += planar.hip_x() / kLegCount;
+    length += planar.lengths().sum() / kLegCount;
+  }
+  const double ahead = centre_of_mass_x(robot, q) - hips;
+  return std::clamp(ahead, -kMostForward * length, kMostForward * length);
+}
+
+std::string problem_with_stance(const RobotDescription& robot, const JointVector& q) {
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const Joint& joint = robot.joint(i);
+    if (!(q[i] >= joint.lower && q[i] <= joint.upper))
+      return fmt::format("joint '{}' is at {:.4g} rad, beyond its limits", joint.name, q[i]);
+  }
+  RobotState state;
+  state.q = q;
+  std::vector<Pose> poses;
+  forward_kinematics(robot, state, poses);
+  double least = std::numeric_limits<double>::infinity(), most = -least, length = 0;
+  for (const Leg leg : kLegs) {
+    const int hip = (*robot.legs)[leg].joint("hip");
+    const double depth =
+        poses[static_cast<std::size_t>(hip) + 1].translation().z() - foot_position(robot, leg, poses).z();
+    least = std::min(least, depth);
+    most = std::max(most, depth);
+    length += leg_lengths(robot, leg).sum() / kLegCount;
+  }
+  constexpr double kThird = 1.0 / 3;
+  if (least < kThird * length || most - least > kThird * length)
+    return fmt::format("its feet are {:.3g} to {:.3g} m below the hips, of legs of {:.3g} m", least, most,
+                       length);
+  return "";
 }
 
 ServoRule servo_rule(double mass, double height, double leg_length) {

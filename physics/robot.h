@@ -36,6 +36,19 @@ struct CollisionShape {
   std::vector<Vector3> vertices;   ///< of a hull, in the shape's frame, m: 4 to kMaxHullVertices
 };
 
+enum class VisualType { kSphere, kBox, kCylinder, kCapsule, kMesh };
+
+/// What a body looks like. No engine sees it.
+struct VisualShape {
+  VisualType type = VisualType::kSphere;
+  Vector3 size = Vector3::Zero();  ///< as CollisionShape's; capsule: (radius, half length between the centres
+                                   ///< of its ends, 0), axis z; of a mesh: not used
+  std::string mesh;                ///< its file
+  Vector3 scale = Vector3::Ones();      ///< metres per unit of the mesh, along its axes
+  Pose X_BG = Pose::Identity();         ///< pose of the shape in the body frame
+  std::optional<Eigen::Vector4d> rgba;  ///< 0..1, if stated
+};
+
 /// The revolute joint that connects a body to its parent, and its drive.
 struct Joint {
   std::string name;
@@ -67,6 +80,7 @@ struct Body {
   Joint joint;                   ///< unused for the base
   SpatialInertia inertia;
   std::vector<CollisionShape> shapes;
+  std::vector<VisualShape> visuals;
 };
 
 /// Two points of two bodies held together by a soft ball joint (closes a kinematic loop).
@@ -156,9 +170,9 @@ inline int leg_of_shape(const RobotDescription& robot, int body, int shape) {
   return -1;
 }
 
-/// Reads `robot.yaml` (which names its URDF) or a bare `.urdf` with, if there is one, a `.yaml` of the same
-/// stem or `robot.yaml` beside it. What the files do not say is inferred (robot_inference.h,
-/// `load_robot_with_report`).
+/// Reads `robot.yaml` (which names its URDF or MJCF), or a bare `.urdf` or `.xml` (MJCF: mjcf_reader.h) with,
+/// if there is one, a `.yaml` of the same stem or `robot.yaml` beside it. What the files do not say is
+/// inferred (robot_inference.h, `load_robot_with_report`).
 /// @throws ConfigError naming file and element.
 RobotDescription load_robot(const std::string& path);
 

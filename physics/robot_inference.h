@@ -69,6 +69,15 @@ struct HomePose {
 };
 HomePose find_home(const RobotDescription& robot, double height, std::vector<Inference>& inferred);
 
+/// Why serial legs cannot stand at these angles: beyond limits, feet not below their hips by a third of the
+/// leg or more, or not at one depth to a third of it. Empty if they can.
+std::string problem_with_stance(const RobotDescription& robot, const JointVector& q);
+/// How far ahead of the hips the feet have to stand to be under the robot's centre of mass, at most .15 of
+/// the leg's length, m. Requires serial legs.
+double balanced_offset(const RobotDescription& robot, const JointVector& q);
+inline constexpr const char* kStanceOffsetReason =
+    "the middle of the feet under the centre of mass of the robot, at most .15 of thigh and shin";
+
 /// Servo gains, rotor inertia and torque limit of joints whose file gives none, from mass (kg), standing
 /// height h and leg length (m).
 struct ServoRule {

@@ -9,6 +9,7 @@
 
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/loop_closing.h"
+#include "crossgait/physics/mjcf_reader.h"
 #include "crossgait/physics/multibody.h"
 #include "crossgait/physics/robot.h"
 #include "crossgait/physics/robot_check.h"
@@ -28,17 +29,18 @@ namespace fs = std::filesystem;
 /// A stated home angle may be this far from the one that closes the loops, rad: rounding, not another working
 /// mode.
 constexpr double kHomeAngleTolerance = 0.1;
+constexpr const char* kClosedHome = "angles within 0.1 rad of closed loops";
 
-/// Puts one robot together from its URDF and, where there is one, the robot.yaml that says more; what neither
-/// says is inferred.
+/// Puts one robot together from its URDF or MJCF and, where there is one, the robot.yaml that says more; what
+/// neither says is inferred.
 class RobotLoader {
  public:
-  RobotLoader(const std::string& urdf, const std::string& source, std::optional<YamlValue> yaml)
-      : yaml_(std::move(yaml)), urdf_(read_urdf(urdf)) {
+  RobotLoader(const std::string& file, const std::string& source, std::optional<YamlValue> yaml)
+      : yaml_(std::move(yaml)), urdf_(is_mjcf_path(file) ? read_mjcf(file) : read_urdf(file)) {
     const auto name = find("name");
-    robot_.name = name ? name->text() : urdf_.name.empty() ? fs::path(urdf).stem().string() : urdf_.name;
+    robot_.name = name ? name->text() : urdf_.name.empty() ? fs::path(file).stem().string() : urdf_.name;
     robot_.source = source;
-    report_.urdf = urdf;
+    report_.file = file;
     report_.warnings = urdf_.warnings;
   }
 
@@ -63,7 +65,8 @@ class RobotLoader {
   }
   const LinkPlacement& link(const YamlValue& value) const {
     const auto found = urdf_.links.find(value.text());
-    if (found == urdf_.links.end()) value.fail("a link of the URDF", fmt::format("'{}'", value.text()));
+    if (found == urdf_.links.end())
+      value.fail("a link of the robot's file", fmt::format("'{}'", value.text()));
     return found->second;
   }
 
@@ -76,7 +79,7 @@ class RobotLoader {
   }
   int moved_body(const YamlValue& value, const std::string& joint) const {
     const int body = moved_body(joint);
-    if (body < 0) value.fail("a moving joint of the URDF", fmt::format("'{}'", joint));
+    if (body < 0) value.fail("a moving joint of the robot's file", fmt::format("'{}'", joint));
     return body;
   }
 
@@ -208,6 +211,11 @@ class RobotLoader {
                                 a.X_BL * value.at("point_a").vector3(),
                                 b.X_BL * value.at("point_b").vector3()});
       }
+    } else {
+      for (const LinkLoop& loop : urdf_.loops) {
+        const LinkPlacement &a = urdf_.links.at(loop.link_a), &b = urdf_.links.at(loop.link_b);
+        robot_.loops.push_back({loop.name, body_of(a), body_of(b), a.X_BL * loop.p_a, b.X_BL * loop.p_b});
+      }
     }
     const auto softness = find("loop_softness");
     if (!softness) return;
@@ -315,10 +323,10 @@ class RobotLoader {
       if (!(robot_.standing_height > 0))
         height->fail("a height above 0 m", fmt::format("{}", robot_.standing_height));
     }
-    if (!home) {
-      infer_home(height.has_value());
-    } else {
+    if (home) {
       read_home(*home);
+    } else if (!take_home_of_file()) {
+      infer_home(height.has_value());
     }
     if (offset) robot_.stance_offset = offset->number();
     set_home_height();
@@ -345,6 +353,39 @@ class RobotLoader {
           "gaits, ranges and limits are multiples of both");
   }
 
+  /// The pose that the robot's file calls its home, if it has one and serial legs can stand in it.
+  bool take_home_of_file() {
+    if (urdf_.home.empty()) return false;
+    JointVector q = JointVector::Zero(robot_.joint_count());
+    for (int i = 0; i < robot_.joint_count(); ++i) q[i] = urdf_.home.at(joint(i).name);
+    const bool is_serial = std::all_of(robot_.legs->begin(), robot_.legs->end(), [](const LegModel& leg) {
+      return leg.linkage == LegLinkage::kSerial;
+    });
+    const std::string problem = is_serial ? problem_with_stance(robot_, q) : "";
+    if (!problem.empty()) {
+      report_.warnings.push_back(
+          fmt::format("{} is not taken for the home pose: {}", urdf_.home_name, problem));
+      return false;
+    }
+    robot_.home = std::move(q);
+    if (!close_home()) {
+      throw ConfigError(report_.file, urdf_.home_name, kClosedHome, "loops that stay open");
+    }
+    infer("home", fmt::format("the angles of {}", urdf_.home_name), "the file has it");
+    if (!is_serial) return true;
+    robot_.stance_offset = balanced_offset(robot_, robot_.home);
+    infer("stance_offset", fmt::format("{:.4g} m", robot_.stance_offset), kStanceOffsetReason);
+    return true;
+  }
+
+  /// Moves passive joints until the loops are closed. @returns whether they were nearly so
+  bool close_home() {
+    if (robot_.loops.empty()) return true;
+    const JointVector stated = robot_.home;
+    close_loops(robot_, robot_.home);
+    return (robot_.home - stated).cwiseAbs().maxCoeff() < kHomeAngleTolerance;
+  }
+
   /// Angles per role, for every leg or leg by leg; passive joints' are refined until the loops are closed.
   void read_home(const YamlValue& home) {
     robot_.home = JointVector::Zero(robot_.joint_count());
@@ -362,13 +403,7 @@ class RobotLoader {
         robot_.home[model.joint(role.name)] = values.at(role.name).number();
       }
     }
-    if (robot_.loops.empty()) return;
-    const JointVector stated = robot_.home;
-    close_loops(robot_, robot_.home);
-    if (!((robot_.home - stated).cwiseAbs().maxCoeff() < kHomeAngleTolerance)) {
-      home.fail(fmt::format("angles within {} rad of closed loops", kHomeAngleTolerance),
-                "loops that stay open");
-    }
+    if (!close_home()) home.fail(kClosedHome, "loops that stay open");
   }
 
   std::vector<Pose> home_poses() const {
@@ -413,27 +448,38 @@ class RobotLoader {
   RobotReport report_;
 };
 
-LoadedRobot load_yaml(const YamlValue& root) {
-  root.allow_keys({"name", "urdf", "frame", "locked", "armature", "servo", "drive", "joints", "loop_softness",
-                   "legs", "loops", "home", "standing_height", "stance_offset"});
-  const fs::path urdf = fs::path(root.source()).parent_path() / root.at("urdf").text();
-  return RobotLoader(urdf.string(), root.source(), root).load();
+/// The value of the key `urdf` or `mjcf`, of which a robot.yaml has one.
+YamlValue named_file(const YamlValue& root) {
+  const auto mjcf = root.find("mjcf");
+  if (!mjcf) return root.at("urdf");
+  if (root.find("urdf")) mjcf->fail("either `urdf` or `mjcf`", "both");
+  if (!is_mjcf_path(mjcf->text())) mjcf->fail("a .xml or .mjcf file", fmt::format("'{}'", mjcf->text()));
+  return *mjcf;
 }
 
-/// The robot.yaml of a URDF: of the same stem, or `robot.yaml` beside it if that names this URDF.
+LoadedRobot load_yaml(const YamlValue& root) {
+  root.allow_keys({"name", "urdf", "mjcf", "frame", "locked", "armature", "servo", "drive", "joints",
+                   "loop_softness", "legs", "loops", "home", "standing_height", "stance_offset"});
+  const fs::path file = fs::path(root.source()).parent_path() / named_file(root).text();
+  return RobotLoader(file.string(), root.source(), root).load();
+}
+
+/// The robot.yaml of a URDF or MJCF: of the same stem, or `robot.yaml` beside it, which has to name this
+/// file. One that names a file of the other format says nothing of this one.
 std::optional<YamlValue> yaml_beside(const std::string& path) {
   fs::path yaml(path);
   yaml.replace_extension(".yaml");
   if (!fs::exists(yaml)) yaml.replace_filename("robot.yaml");
   if (!fs::exists(yaml)) return std::nullopt;
   YamlValue root = YamlValue::load(yaml.string());
-  const YamlValue urdf = root.at("urdf");
+  const YamlValue file = named_file(root);
+  if (is_mjcf_path(file.text()) != is_mjcf_path(path)) return std::nullopt;
   std::error_code missing;  // of the file that the YAML names: then it is another one
-  const fs::path named = yaml.parent_path() / urdf.text();
+  const fs::path named = yaml.parent_path() / file.text();
   // By name too: what is no regular file is equivalent to nothing, and the reader says so.
   if (named.lexically_normal() != fs::path(path).lexically_normal() &&
       !fs::equivalent(named, path, missing)) {
-    urdf.fail(fmt::format("'{}'", fs::path(path).filename().string()), fmt::format("'{}'", urdf.text()));
+    file.fail(fmt::format("'{}'", fs::path(path).filename().string()), fmt::format("'{}'", file.text()));
   }
   return root;
 }
@@ -443,8 +489,8 @@ std::optional<YamlValue> yaml_beside(const std::string& path) {
 LoadedRobot load_robot_with_report(const std::string& path) {
   const fs::path file(path);
   if (file.extension() == ".yaml" || file.extension() == ".yml") return load_yaml(YamlValue::load(path));
-  if (file.extension() != ".urdf") {
-    throw ConfigError(path, "file name", "a .yaml or .urdf file",
+  if (file.extension() != ".urdf" && !is_mjcf_path(path)) {
+    throw ConfigError(path, "file name", "a .yaml, .urdf or .xml (MJCF) file",
                       fmt::format("'{}'", file.filename().string()));
   }
   if (!fs::exists(path)) throw ConfigError(path, "file", "a readable file", "none");

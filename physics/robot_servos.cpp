@@ -23,7 +23,7 @@ void read_drive(const YamlValue& values, Joint& joint) {
 void read_exception(const std::string& name, const YamlValue& values, RobotDescription& robot) {
   int i = 0;
   while (i < robot.joint_count() && robot.joint(i).name != name) ++i;
-  if (i == robot.joint_count()) values.fail("a moving joint of the URDF", fmt::format("'{}'", name));
+  if (i == robot.joint_count()) values.fail("a moving joint of the robot's file", fmt::format("'{}'", name));
   Joint& target = joint_of(robot, i);
   if (target.actuated) {
     values.allow_keys({"armature", "damping", "kp", "kd", "effort", "corner_speed", "no_load_speed",
@@ -58,14 +58,35 @@ std::vector<std::string> fill_efforts(const ServoRule& rule, const std::set<int>
 
 void infer_gains(const ServoRule& rule, const std::set<int>& unknown, RobotDescription& robot,
                  std::vector<Inference>& inferred) {
+  std::vector<std::string> of_file, undamped, of_rule;
   for (const LegModel& leg : *robot.legs) {
     for (const int i : leg.servos) {
-      joint_of(robot, i).kp = rule.kp;
-      joint_of(robot, i).kd = rule.kd;
+      Joint& joint = joint_of(robot, i);
+      (joint.kp > 0 ? of_file : of_rule).push_back(joint.name);
+      if (joint.kp > 0 && joint.kd == 0 && joint.damping == 0) undamped.push_back(joint.name);
+      if (joint.kp > 0 && (joint.kd > 0 || joint.damping > 0)) continue;
+      // A stiffness of the file is damped as the rule's would be.
+      joint.kd = joint.kp > 0 ? rule.kd * joint.kp / rule.kp : rule.kd;
+      if (joint.kp == 0) joint.kp = rule.kp;
     }
   }
-  inferred.push_back({"servo", fmt::format("kp {:.3g} N m/rad, kd {:.3g} N m s/rad", rule.kp, rule.kd),
-                      "kp = 3 m g h; damping ratio .3 of a leg that gives way by .03 h"});
+  if (!of_file.empty()) {
+    const Joint& first = joint_of(robot, (*robot.legs)[Leg::FL].servos.front());
+    inferred.push_back(
+        {"servo",
+         fmt::format("{} joints from '{}', whose kp is {:.3g} N m/rad and kd {:.3g} N m s/rad",
+                     of_file.size(), of_file.front(), first.kp, first.kd),
+         undamped.empty()
+             ? "the file's position actuators; what damps them is theirs or the joints'"
+             : fmt::format(
+                   "the file's position actuators; nothing damps {} of them from '{}': damping ratio .3 "
+                   "of a leg that gives way by .03 h",
+                   undamped.size(), undamped.front())});
+  }
+  if (!of_rule.empty()) {
+    inferred.push_back({"servo", fmt::format("kp {:.3g} N m/rad, kd {:.3g} N m s/rad", rule.kp, rule.kd),
+                        "kp = 3 m g h; damping ratio .3 of a leg that gives way by .03 h"});
+  }
   const std::vector<std::string> filled = fill_efforts(rule, unknown, robot);
   if (filled.empty()) return;
   inferred.push_back(
@@ -73,6 +94,23 @@ void infer_gains(const ServoRule& rule, const std::set<int>& unknown, RobotDescr
        fmt::format("{:.3g} N m, of {} joints from '{}'", rule.effort_limit, filled.size(), filled.front()),
        fmt::format(".8 m g h where the file says nothing between 0 and {:.3g} N m (3 m g times the leg)",
                    rule.largest_real_effort)});
+}
+
+void set_armatures(const std::optional<YamlValue>& given, const ServoRule& rule, RobotDescription& robot,
+                   std::vector<Inference>& inferred) {
+  int of_rule = 0;
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    double& armature = joint_of(robot, i).armature;
+    if (given) armature = given->number();
+    if (given || armature > 0) continue;
+    armature = rule.armature;
+    ++of_rule;
+  }
+  if (of_rule == 0) return;
+  inferred.push_back({"armature", fmt::format("{:.3g} kg m^2", rule.armature),
+                      of_rule == robot.joint_count()
+                          ? ".005 m h^2, of every joint"
+                          : fmt::format(".005 m h^2, of {} of whose the file says nothing", of_rule)});
 }
 
 void read_gains(const YamlValue& servo, const std::set<int>& unknown, RobotDescription& robot) {
@@ -96,12 +134,7 @@ void read_servos(const std::optional<YamlValue>& yaml, const std::set<int>& unkn
   const auto find = [&yaml](std::string_view key) { return yaml ? yaml->find(key) : std::nullopt; };
   const ServoRule rule =
       servo_rule(robot.total_mass(), robot.standing_height, robot.standing_height / kStandingShare);
-  const auto armature = find("armature");
-  for (int i = 0; i < robot.joint_count(); ++i)
-    joint_of(robot, i).armature = armature ? armature->number() : rule.armature;
-  if (!armature)
-    inferred.push_back(
-        {"armature", fmt::format("{:.3g} kg m^2", rule.armature), ".005 m h^2, of every joint"});
+  set_armatures(find("armature"), rule, robot, inferred);
   if (const auto servo = find("servo")) {
     read_gains(*servo, unknown_effort, robot);
   } else {

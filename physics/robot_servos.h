@@ -11,7 +11,7 @@
 namespace crossgait {
 
 /// @param yaml            its keys `armature`, `servo`, `drive` and `joints`, each of them if it is there
-/// @param unknown_effort  servos whose torque limit the URDF does not say
+/// @param unknown_effort  servos whose torque limit the robot's file does not say
 /// @throws ConfigError naming file and key
 void read_servos(const std::optional<YamlValue>& yaml, const std::set<int>& unknown_effort,
                  RobotDescription& robot, std::vector<Inference>& inferred);

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "crossgait/physics/drives.h"
+#include "crossgait/physics/mjcf_reader.h"
 #include "crossgait/physics/robot_report.h"
 #include "crossgait/physics/yaml_reader.h"
 
@@ -91,12 +92,13 @@ std::string yaml_home(const RobotDescription& robot) {
 
 }  // namespace
 
-std::string to_yaml(const LoadedRobot& loaded, const std::string& urdf) {
+std::string to_yaml(const LoadedRobot& loaded, const std::string& file) {
   const RobotDescription& robot = loaded.robot;
   const RobotReport& report = loaded.report;
-  std::string out = fmt::format("# SI units, radians. Format: models/README.md.\nname: {}\nurdf: {}\n",
-                                yaml_quoted(robot.name), yaml_quoted(urdf));
-  out += fmt::format("frame: {{forward: {}, up: {}}}  # in the URDF's base frame\n",
+  std::string out =
+      fmt::format("# SI units, radians. Format: models/README.md.\nname: {}\n{}: {}\n",
+                  yaml_quoted(robot.name), is_mjcf_path(file) ? "mjcf" : "urdf", yaml_quoted(file));
+  out += fmt::format("frame: {{forward: {}, up: {}}}  # in the base frame of that file\n",
                      yaml_vector(report.R_BA.col(0)), yaml_vector(report.R_BA.col(2)));
   std::vector<std::string> locked;
   for (const std::string& joint : report.locked) locked.push_back(yaml_quoted(joint));

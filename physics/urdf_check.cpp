@@ -14,6 +14,7 @@
 #include "crossgait/physics/read_budget.h"
 #include "crossgait/physics/text.h"
 #include "crossgait/physics/urdf_elements.h"
+#include "crossgait/physics/urdf_visuals.h"
 
 namespace crossgait {
 namespace {
@@ -167,7 +168,7 @@ class UrdfCheck {
 
 }  // namespace
 
-std::string check_urdf(const std::string& text, const std::string& source, UrdfWarnings& warnings) {
+CheckedUrdf check_urdf(const std::string& text, const std::string& source, UrdfWarnings& warnings) {
   if (source.ends_with(".xacro")) fail_as_xacro(source, "file", "a xacro file");
   check_xml_budget(text, kUrdfBudget, source);  // TinyXML calls itself for elements inside elements
   TiXmlDocument document;
@@ -186,7 +187,7 @@ std::string check_urdf(const std::string& text, const std::string& source, UrdfW
   TiXmlPrinter printer;
   printer.SetStreamPrinting();
   checked.Accept(&printer);
-  return printer.Str();
+  return {printer.Str(), read_urdf_visuals(*robot, source, warnings)};
 }
 
 }  // namespace crossgait

@@ -2,20 +2,27 @@
 // of two parents, names no line, and refuses much that real files hold and nobody needs.
 #pragma once
 
+#include <map>
 #include <string>
+#include <vector>
 
+#include "crossgait/physics/robot.h"
 #include "crossgait/physics/urdf_warnings.h"
 
 namespace crossgait {
+
+struct CheckedUrdf {
+  std::string text;                                         ///< a URDF of what is left, which urdfdom takes
+  std::map<std::string, std::vector<VisualShape>> visuals;  ///< see `read_urdf_visuals`
+};
 
 /// Checks that `text` is well-formed XML holding a URDF whose links and joints have finite numbers, joint
 /// types that are simulated and unique names, and form one tree.
 ///  - Unknown elements and attributes inside links and joints, and second ones of a kind, are counted as
 ///    warnings. Elements of <robot> other than <link> and <joint> are other programs' business and are
-///    skipped, as are visuals.
+///    skipped.
 ///  - A massless root on which nothing but a floating joint hangs is taken away: its child is the free base.
-/// @returns a URDF of what is left, which urdfdom takes
 /// @throws ConfigError naming `source`, the line and the link or joint
-std::string check_urdf(const std::string& text, const std::string& source, UrdfWarnings& warnings);
+CheckedUrdf check_urdf(const std::string& text, const std::string& source, UrdfWarnings& warnings);
 
 }  // namespace crossgait

@@ -90,7 +90,7 @@ class ElementCopy {
     std::set<std::string> seen;
     for (auto* c = from.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
       const std::string& tag = c->ValueStr();
-      if (tag == "visual") continue;
+      if (tag == "visual") continue;  // urdf_visuals.h
       if (std::find(rule.children.begin(), rule.children.end(), tag) == rule.children.end()) {
         ignore(*c);
       } else if (tag != "collision" && (!seen.insert(tag).second || (is_geometry && seen.size() > 1))) {

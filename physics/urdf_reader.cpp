@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
-#include <numbers>
 
 #include <console_bridge/console.h>
 #include <fmt/format.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/joint_limits.h"
 #include "crossgait/physics/rigid_pair.h"
 #include "crossgait/physics/robot_check.h"
 #include "crossgait/physics/text.h"
@@ -53,13 +53,11 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& text, const std::string& 
   return model;
 }
 
-/// Beyond this a limit is a placeholder, rad; not beyond are those of whole turns, rounded.
-constexpr double kLargestLimit = 2 * std::numbers::pi;
-
 class TreeBuilder {
  public:
-  TreeBuilder(const std::string& path, UrdfWarnings& warnings)
-      : path_(path), warnings_(warnings), shapes_(path, warnings) {}
+  TreeBuilder(const std::string& path, const std::map<std::string, std::vector<VisualShape>>& visuals,
+              UrdfWarnings& warnings)
+      : path_(path), visuals_(visuals), warnings_(warnings), shapes_(path, warnings) {}
 
   UrdfRobot build(const urdf::Link& root) {
     add_body(root, -1, Pose::Identity());
@@ -118,6 +116,7 @@ class TreeBuilder {
       const urdf::Link& link = *next.link;
       if (link.inertial) body.inertia = combine(body.inertia, read_inertia(link, next.X_PB));
       robot_.links[link.name] = {index, next.X_PB, shapes_.add(link, next.X_PB, body)};
+      add_visuals(link.name, next.X_PB, body);
       for (auto joint = link.child_joints.rbegin(); joint != link.child_joints.rend(); ++joint) {
         const urdf::Joint& j = **joint;
         const auto child = std::find_if(link.child_links.begin(), link.child_links.end(),
@@ -125,6 +124,15 @@ class TreeBuilder {
         waiting.push_back({child->get(), next.X_PB * to_pose(j.parent_to_joint_origin_transform),
                            j.type != urdf::Joint::FIXED});
       }
+    }
+  }
+
+  void add_visuals(const std::string& link, const Pose& X_BL, Body& body) const {
+    const auto visuals = visuals_.find(link);
+    if (visuals == visuals_.end()) return;
+    for (VisualShape visual : visuals->second) {
+      visual.X_BG = X_BL * visual.X_BG;
+      body.visuals.push_back(std::move(visual));
     }
   }
 
@@ -162,7 +170,8 @@ class TreeBuilder {
                         fmt::format("({}, {}, {})", axis.x(), axis.y(), axis.z()));
     }
     joint.axis = axis.normalized();
-    if (source.type == urdf::Joint::REVOLUTE) read_limits(*source.limits, element, joint);
+    if (source.type == urdf::Joint::REVOLUTE)
+      set_limits(source.limits->lower, source.limits->upper, element, joint, warnings_);
     if (source.limits) joint.effort_limit = std::max(0.0, source.limits->effort);
     if (source.dynamics) {
       joint.damping = source.dynamics->damping;
@@ -175,23 +184,8 @@ class TreeBuilder {
     return joint;
   }
 
-  void read_limits(const urdf::JointLimits& limits, const std::string& element, Joint& joint) {
-    const Joint unlimited;
-    const bool low = limits.lower<-kLargestLimit, high = limits.upper> kLargestLimit;
-    joint.lower = low ? unlimited.lower : limits.lower;
-    joint.upper = high ? unlimited.upper : limits.upper;
-    if (low || high) {
-      warnings_.count("took limits beyond +-2 pi rad for +-pi in ", " joint(s)", element);
-    }
-    if (joint.lower >= joint.upper) {
-      joint.lower = unlimited.lower;
-      joint.upper = unlimited.upper;
-      warnings_.count("took limits that are missing or not lower < upper for +-pi rad in ", " joint(s)",
-                      element);
-    }
-  }
-
   const std::string& path_;
+  const std::map<std::string, std::vector<VisualShape>>& visuals_;
   UrdfWarnings& warnings_;
   UrdfShapes shapes_;
   UrdfRobot robot_;
@@ -201,9 +195,9 @@ class TreeBuilder {
 
 UrdfRobot read_urdf(const std::string& path) {
   UrdfWarnings warnings;
-  const std::string checked = check_urdf(read_text_file(path, kUrdfBudget), path, warnings);
-  const urdf::ModelInterfaceSharedPtr model = parse(checked, path);
-  UrdfRobot robot = TreeBuilder(path, warnings).build(*model->getRoot());
+  const CheckedUrdf checked = check_urdf(read_text_file(path, kUrdfBudget), path, warnings);
+  const urdf::ModelInterfaceSharedPtr model = parse(checked.text, path);
+  UrdfRobot robot = TreeBuilder(path, checked.visuals, warnings).build(*model->getRoot());
   robot.name = model->getName();
   return robot;
 }

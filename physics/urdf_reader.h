@@ -16,6 +16,13 @@ struct LinkPlacement {
   std::vector<int> shapes;       ///< indices of the link's own shapes in that body
 };
 
+/// Two points of two links that coincide.
+struct LinkLoop {
+  std::string name, link_a, link_b;
+  Vector3 p_a = Vector3::Zero(), p_b = Vector3::Zero();  ///< each in its link's frame, m
+};
+
+/// What a URDF says; or an MJCF, whose bodies are links here (mjcf_reader.h).
 struct UrdfRobot {
   std::string name;  ///< of the element <robot>
   /// Base first, parents before their children, siblings by joint name. A body is named after the link its
@@ -27,6 +34,10 @@ struct UrdfRobot {
   /// Vertices of collision meshes in the frame of their body, m, by the name of the shape that stands for the
   /// mesh.
   std::map<std::string, std::vector<Vector3>> mesh_vertices;
+  // What a URDF cannot say. Likewise kp, kd and armature of joints; 0 is not given.
+  std::vector<LinkLoop> loops;
+  std::map<std::string, double> home;  ///< angles by joint, rad; empty if not given
+  std::string home_name;               ///< of the pose, for people
 };
 
 /// Supports revolute, continuous and fixed joints, a floating one below a massless root, and spheres, boxes,

@@ -93,19 +93,24 @@ bool UrdfShapes::set_mesh(const urdf::Mesh& mesh, const urdf::Link& link, Collis
     return false;
   }
   std::vector<Vector3> vertices = vertices_of(*file);
-  vertices_ += vertices.size();
-  if (vertices_ > kMaxRobotMeshVertices) {
-    throw ConfigError(path_, fmt::format("link '{}'", link.name),
-                      fmt::format("at most {} vertices of collision meshes", kMaxRobotMeshVertices), "more");
-  }
   const Vector3 scale = to_vector(mesh.scale);
   for (Vector3& vertex : vertices) vertex = vertex.cwiseProduct(scale);
+  set_vertices(std::move(vertices), where, shape);
+  return true;
+}
+
+void UrdfShapes::set_vertices(std::vector<Vector3> vertices, const std::string& where,
+                              CollisionShape& shape) {
+  vertices_ += vertices.size();
+  if (vertices_ > kMaxRobotMeshVertices) {
+    throw ConfigError(path_, where,
+                      fmt::format("at most {} vertices of collision meshes", kMaxRobotMeshVertices), "more");
+  }
   const Pose X_BM = shape.X_BG;
   fit_mesh(vertices, shape);
   for (Vector3& vertex : vertices) vertex = X_BM * vertex;
   mesh_vertices_.emplace(shape.name, std::move(vertices));
   warnings_.count("took ", stand_in(shape.type), where);
-  return true;
 }
 
 const std::vector<Vector3>& UrdfShapes::vertices_of(const std::string& file) {

@@ -23,6 +23,12 @@ class UrdfShapes {
   /// @throws ConfigError naming the link and collision for impossible sizes, or the mesh file
   std::vector<int> add(const urdf::Link& link, const Pose& X_BL, Body& body);
 
+  /// Vertices of a mesh file in its own frame and units, read once.
+  const std::vector<Vector3>& vertices_of(const std::string& file);
+  /// Makes a shape that has its name and pose of a mesh's vertices in its frame, m. @param where  for
+  /// messages
+  void set_vertices(std::vector<Vector3> vertices, const std::string& where, CollisionShape& shape);
+
   /// Vertices of the meshes behind shapes, in the body's frame (m), by the name of the shape.
   std::map<std::string, std::vector<Vector3>>& mesh_vertices() { return mesh_vertices_; }
 
@@ -30,7 +36,6 @@ class UrdfShapes {
   std::string name_of(const urdf::Collision& collision, const urdf::Link& link, std::size_t index);
   bool set_geometry(const urdf::Geometry& geometry, const urdf::Link& link, CollisionShape& shape);
   bool set_mesh(const urdf::Mesh& mesh, const urdf::Link& link, CollisionShape& shape);
-  const std::vector<Vector3>& vertices_of(const std::string& file);
 
   const std::string& path_;
   UrdfWarnings& warnings_;

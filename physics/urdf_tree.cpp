@@ -44,6 +44,10 @@ UrdfRobot lock_joints(UrdfRobot robot, const std::set<std::string>& joints) {
       move_vertices(robot, shape.name, X[i]);
       host.shapes.push_back(std::move(shape));
     }
+    for (VisualShape& visual : body.visuals) {
+      visual.X_BG = X[i] * visual.X_BG;
+      host.visuals.push_back(std::move(visual));
+    }
   }
   robot.bodies = std::move(kept);
   for (auto& [name, link] : robot.links) {
@@ -63,6 +67,7 @@ UrdfRobot turn_base(UrdfRobot robot, const Matrix3& R_BA) {
     shape.X_BG = X_AB * shape.X_BG;
     move_vertices(robot, shape.name, X_AB);
   }
+  for (VisualShape& visual : robot.bodies[0].visuals) visual.X_BG = X_AB * visual.X_BG;
   for (Body& body : robot.bodies) {
     if (body.parent == 0) body.X_PB = X_AB * body.X_PB;
   }

@@ -12,6 +12,7 @@ PROGRAM = os.path.join(ROOT, "build", "release", "apps", "crossgait")
 COMMANDS = {
     "robot.urdf": ["robots", "{}"],
     "robot.yaml": ["robots", "{}"],
+    "robot.xml": ["robots", "{}"],
     "env.yaml": ["env", "--config", "{}"],
     "scripted.yaml": ["rollout", "--policy", "{}", "--episodes", "1", "--episode-seconds", ".02"],
     "hierarchical.yaml": ["rollout", "--policy", "{}", "--episodes", "1", "--episode-seconds", ".02"],
@@ -67,6 +68,14 @@ def make_valid(program, folder):
 
     for name in ("robot.urdf", "robot.yaml"):
         shutil.copy(models("robots", "scara_quadruped", name), folder)
+    # With what it includes in it: one file to change.
+    mjcf = os.path.join(ROOT, "tests", "backends", "mjcf")
+    with open(os.path.join(mjcf, "serial_quadruped.xml"), encoding="utf-8") as file:
+        text = file.read()
+    with open(os.path.join(mjcf, "legs.xml"), encoding="utf-8") as file:
+        legs = file.read().replace("<mujocoinclude>", "").replace("</mujocoinclude>", "")
+    with open(os.path.join(folder, "robot.xml"), "w", encoding="utf-8") as file:
+        file.write(text.replace('<include file="legs.xml"/>', legs))
     shutil.copy(models("terrains", "blocks.csv"), os.path.join(folder, "map.csv"))
     shutil.copy(models("terrains", "bumps.png"), os.path.join(folder, "map.png"))
     shutil.copy(os.path.join(ROOT, "benchmarks", "results", "amd-epyc-2-cores.json"),

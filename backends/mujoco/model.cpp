@@ -1,33 +1,14 @@
 #include "crossgait/backends/mujoco/model.h"
 
 #include <array>
-#include <memory>
-#include <string>
 
 #include "crossgait/backends/mujoco/engine_call.h"
+#include "crossgait/backends/mujoco/file_system.h"
 #include "crossgait/backends/mujoco/model_xml.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait::mujoco {
 namespace {
-
-// Of MuJoCo, in memory. Megabytes large in 2.2.2: not for the stack.
-class FileSystem {
- public:
-  FileSystem() { mj_defaultVFS(files_.get()); }
-  ~FileSystem() { mj_deleteVFS(files_.get()); }
-  FileSystem(const FileSystem&) = delete;
-  FileSystem& operator=(const FileSystem&) = delete;
-
-  void add(const char* name, const std::string& text) {
-    mj_makeEmptyFileVFS(files_.get(), name, static_cast<int>(text.size()));
-    text.copy(static_cast<char*>(files_->filedata[0]), text.size());
-  }
-  const mjVFS* get() const { return files_.get(); }
-
- private:
-  std::unique_ptr<mjVFS> files_ = std::make_unique<mjVFS>();
-};
 
 ModelPtr compile(const WorldSpec& spec) {
   const ThrowMujocoErrors errors;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include "crossgait/backends/mujoco/mjcf_compiler.h"
 #include "crossgait/backends/mujoco/mujoco_backend.h"
 #include "crossgait/physics/engine_plugin.h"
 #include "crossgait/physics/error.h"
@@ -33,6 +34,7 @@ constexpr EnginePlugin kPlugin{
         },
     .families = [] { return std::vector<EngineFamily>(); },
     .find = find,
+    .compile_mjcf = compile_text,
 };
 
 }  // namespace

@@ -205,6 +205,29 @@ TEST(Program, ARobotIsTriedInEveryEngine) {
   std::filesystem::remove("program_weak.urdf");
 }
 
+TEST(Program, AnMjcfIsARobotLikeAnyOther) {
+  if (!compiles_mjcf()) GTEST_SKIP() << "no available engine compiles MJCF";
+  const std::string file = CROSSGAIT_SOURCE_DIR "/tests/backends/mjcf/serial_quadruped.xml";
+  const json robot = run_json("robots " + file), same = run_json("robots serial_quadruped");
+  EXPECT_EQ(robot["file"], file);
+  EXPECT_EQ(robot["warnings"].size(), 3U);
+  for (const char* key : {"joints", "legs", "home_rad", "servo", "gait_scale"})
+    EXPECT_EQ(robot[key], same[key]) << key;
+  EXPECT_EQ(robot["body_list"][0]["visuals"], 1);
+  EXPECT_EQ(robot["body_list"][3]["visuals"], 2);  // shin and foot
+  for (const json& walk : run_json("robots " + file + " --check")["walks"])
+    EXPECT_TRUE(walk["complaints"].empty()) << walk;
+  const ProgramResult yaml = run_program("robots " + file + " --yaml");
+  EXPECT_NE(yaml.out.find("\nmjcf: '" + file + "'\n"), std::string::npos) << yaml.out;
+  // A copy without what it includes.
+  std::filesystem::copy_file(file, "program_robot.xml");
+  const ProgramResult bad = run_program("walk --robot program_robot.xml");
+  EXPECT_EQ(bad.exit_code, 2);
+  EXPECT_NE(bad.err.find("legs.xml: file: expected a readable file, found none"), std::string::npos)
+      << bad.err;
+  std::filesystem::remove("program_robot.xml");
+}
+
 TEST(Program, GaitsAreOfTheRobotsSize) {
   const json reach = run_json("workspace --robot serial_quadruped");
   EXPECT_EQ(reach["kind"], "serial");

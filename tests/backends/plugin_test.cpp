@@ -134,6 +134,12 @@ TEST_F(Plugin, TwoVersionsOfALibraryLiveTogether) {
   EXPECT_EQ(made("stone@2"), second_before + 1);
 }
 
+TEST_F(Plugin, TheNewestThatCanReadsMjcf) {
+  const EngineRegistry registry({CROSSGAIT_TEST_PLUGINS});
+  EXPECT_TRUE(registry.compiles_mjcf());
+  EXPECT_EQ(registry.compile_mjcf({"robot.xml", "this", {}}).name, "this by stone@2");
+}
+
 TEST_F(Plugin, WorksAcrossTheBoundary) {
   const EngineRegistry registry({CROSSGAIT_TEST_PLUGINS});
   const auto world = registry.find("stone@1").make(scenes::world_of(scenes::quadruped()));

@@ -254,7 +254,7 @@ TEST_P(BadRobotYaml, IsRejectedByName) { expect_error("robot.yaml", GetParam());
 
 const BadInput kBadYamls[] = {
     {"UnknownKey", "armature:", "armour:", "line 5, armour",
-     "one of the keys name, urdf, frame, locked, armature", "unknown key 'armour'"},
+     "one of the keys name, urdf, mjcf, frame, locked, armature", "unknown key 'armour'"},
     {"MissingKey", "urdf: robot.urdf\n", "", "top level", "key 'urdf'", "none"},
     {"DuplicateKey", "servo:", "armature: 1\nservo:", "line 6, armature", "each key once", "duplicate"},
     {"NotANumber", "kp: 1.0", "kp: one", "servo.kp", "a finite number", "'one'"},
@@ -266,15 +266,16 @@ const BadInput kBadYamls[] = {
      "unknown key 'FO'"},
     {"TwiceTheSameLeg", "  FR: {tilt", "  FL: {tilt", "legs.FL", "each key once", "duplicate"},
     {"MissingFoot", ", foot: FL_foot}", "}", "legs.FL", "key 'foot'", "none"},
-    {"FootIsNoLink", "foot: FL_foot", "foot: FL_hoof", "legs.FL.foot", "a link of the URDF", "'FL_hoof'"},
+    {"FootIsNoLink", "foot: FL_foot", "foot: FL_hoof", "legs.FL.foot", "a link of the robot's file",
+     "'FL_hoof'"},
     {"FootWithoutSphere", "foot: FL_foot", "foot: FL_lower_left", "legs.FL.foot", "one collision sphere",
      "'FL_lower_left'"},
     {"FootOfAnotherLeg", "foot: FL_foot", "foot: FR_foot", "legs.FL.foot",
      "a foot on a lower link of its leg", "link 'FR_lower_left'"},
-    {"UnknownJoint", "tilt: FL_tilt", "tilt: FL_lean", "legs.FL.tilt", "a moving joint of the URDF",
+    {"UnknownJoint", "tilt: FL_tilt", "tilt: FL_lean", "legs.FL.tilt", "a moving joint of the robot's file",
      "'FL_lean'"},
-    {"FixedJoint", "tilt: FL_tilt", "tilt: FL_foot_joint", "legs.FL.tilt", "a moving joint of the URDF",
-     "'FL_foot_joint'"},
+    {"FixedJoint", "tilt: FL_tilt", "tilt: FL_foot_joint", "legs.FL.tilt",
+     "a moving joint of the robot's file", "'FL_foot_joint'"},
     {"JointTwice", "shoulder_right: FL_shoulder_right", "shoulder_right: FL_shoulder_left",
      "legs.FL.shoulder_right", "each joint once", "'FL_shoulder_left' again"},
     {"WrongParent", "elbow_left: FR_elbow_left, elbow_right: FR_elbow_right",
@@ -285,8 +286,8 @@ const BadInput kBadYamls[] = {
      "shoulder_left: FR_elbow_left, shoulder_right: FR_shoulder_right,\n       elbow_left: FR_shoulder_left",
      "legs.FR.shoulder_left", "a joint on link 'FR_tilt_link'",
      "joint 'FR_elbow_left' on link 'FR_upper_left'"},
-    {"UnknownLoopLink", "link_a: FR_lower_left", "link_a: FR_shin", "loops[1].link_a", "a link of the URDF",
-     "'FR_shin'"},
+    {"UnknownLoopLink", "link_a: FR_lower_left", "link_a: FR_shin", "loops[1].link_a",
+     "a link of the robot's file", "'FR_shin'"},
     {"ShortLoopPoint", "point_a: [0, 0, -0.06]", "point_a: [0, -0.06]", "loops[0].point_a", "3 numbers",
      "a sequence of 2"},
     {"LoopOnOneLink", "link_b: FL_lower_right", "link_b: FL_foot", "legs.FL",
@@ -306,7 +307,7 @@ const BadInput kBadYamls[] = {
      "1.2"},
     {"HomeWithoutElbow", "  elbow_right: 1.6867970467349\n", "", "home", "key 'elbow_right'", "none"},
     {"ExceptionOfNoJoint", "servo:", "joints: {FL_lean: {kp: 2}}\nservo:", "joints.FL_lean",
-     "a moving joint of the URDF", "'FL_lean'"},
+     "a moving joint of the robot's file", "'FL_lean'"},
     {"GainOfAPassiveJoint", "servo:", "joints: {FL_elbow_left: {kp: 2}}\nservo:", "joints.FL_elbow_left.kp",
      "one of the keys armature", "unknown key 'kp'"},
 };
@@ -316,7 +317,8 @@ TEST(RobotLoader, NamesMissingFiles) {
   const ScratchRobot scratch;
   EXPECT_EQ(config_error([&] { load_robot(scratch.path("no.yaml")); }).source(), scratch.path("no.yaml"));
   EXPECT_EQ(config_error([&] { load_robot(scratch.path("no.urdf")); }).source(), scratch.path("no.urdf"));
-  EXPECT_EQ(config_error([&] { load_robot(scratch.path("robot.xml")); }).expected(), "a .yaml or .urdf file");
+  EXPECT_EQ(config_error([&] { load_robot(scratch.path("robot.sdf")); }).expected(),
+            "a .yaml, .urdf or .xml (MJCF) file");
   std::filesystem::remove(scratch.path("robot.urdf"));
   EXPECT_EQ(config_error([&] { load_robot(scratch.path("robot.yaml")); }).source(),
             scratch.path("robot.urdf"));

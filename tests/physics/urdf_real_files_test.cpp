@@ -96,7 +96,7 @@ const OddInput kOddUrdfs[] = {
     {"BrokenVisual",
      "<link name=\"FL_tilt_link\">",
      "<link name=\"FL_tilt_link\"><visual><origin xyz=\"1\"/><geometry/><material/></visual>",
-     {}},
+     {"dropped 1 <visual> without a shape or with numbers that are none, first in link 'FL_tilt_link'"}},
     {"BrokenMaterial", "<link name=\"trunk\">", "<material/><gazebo/><link name=\"trunk\">", {}},
     {"ReversedLimits", "lower=\"-1\" upper=\"1\"", "lower=\"1\" upper=\"-1\"", {kNoLimit}},
     {"EqualLimits", "lower=\"-1\" upper=\"1\"", "lower=\"0\" upper=\"0\"", {kNoLimit}},

@@ -8,6 +8,7 @@
 
 #include "crossgait/physics/engine_plugin.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/mjcf_model.h"
 
 extern "C" {
 int test_library_version();  // NOLINT(misc-use-internal-linkage): the library's
@@ -50,6 +51,12 @@ std::optional<Engine> find(std::string_view wanted) {
   return base == "stone" ? statue::engine("stone", version()) : make_engine();
 }
 
+MjcfModel compile(const MjcfText& text) {
+  MjcfModel model;
+  model.name = text.xml + " by " + name();
+  return model;
+}
+
 // This program's own stamp with one figure changed.
 const char* wrong_stamp() {
   static const std::string kStamp = [] {
@@ -66,7 +73,8 @@ EnginePlugin the_plugin() {
                       .library_version = version,
                       .engines = engines,
                       .families = [] { return std::vector<EngineFamily>(); },
-                      .find = find};
+                      .find = find,
+                      .compile_mjcf = compile};
   if (fault() == "interface") plugin.interface_version = kPluginInterfaceVersion + 1;
   if (fault() == "stamp") plugin.stamp = wrong_stamp();
   if (fault() == "other compiler") plugin.stamp = "cc 1; ";

@@ -1,0 +1,569 @@
+// Robots from MJCF files, through the engine that compiles them.
+#include "crossgait/physics/mjcf_reader.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gtest/gtest.h>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/env/gait_source.h"
+#include "crossgait/env/walk.h"
+#include "crossgait/physics/mjcf_model.h"
+#include "crossgait/physics/robot_report.h"
+#include "crossgait/tests/physics/config_error.h"
+#include "crossgait/tests/physics/mesh_bytes.h"
+#include "crossgait/tests/physics/scratch_folder.h"
+#include "crossgait/tests/support/backend_test.h"
+
+namespace crossgait {
+namespace {
+
+const std::string kOwnMjcf = CROSSGAIT_SOURCE_DIR "/tests/backends/mjcf/serial_quadruped.xml";
+const std::string kSameUrdf = CROSSGAIT_SOURCE_DIR "/models/robots/serial_quadruped/robot.urdf";
+
+/// A quadruped of hips and knees about y: hips at x = +-.2 and y = +-.1 m, links of .2 m down, angles in
+/// degrees where the compiler says nothing.
+struct MadeMjcf {
+  std::string compiler, defaults, asset, sections;
+  std::string trunk_joint = "<freejoint/>";
+  std::string trunk = R"(<inertial pos="0 0 0" mass="8" diaginertia=".02 .03 .04"/>)";
+  std::string world;        ///< beside the trunk
+  std::string hip_joint;    ///< more attributes of the hips' joints
+  std::string thigh, shin;  ///< more elements of FL's
+  std::string thigh_inertial = R"(<inertial pos="0 0 -.1" mass="1" diaginertia=".02 .03 .04"/>)";
+
+  std::string text() const {
+    std::string out = "<mujoco model=\"made\">" + compiler + "<default>" + defaults + "</default><asset>" +
+                      asset + "</asset>\n<worldbody>" + world + "\n<body name=\"trunk\" pos=\"0 0 1\">" +
+                      trunk_joint + trunk;
+    for (const Leg leg : kLegs) {
+      const bool first = leg == Leg::FL;
+      out += fmt::format(
+          "\n<body name=\"{0}_thigh\" pos=\"{1} {2} 0\">{3}<joint name=\"{0}_hip\" axis=\"0 1 0\" {4}/>{5}"
+          "\n<body name=\"{0}_shin\" pos=\"0 0 -.2\"><inertial pos=\"0 0 -.1\" mass=\"1\" diaginertia=\".02 "
+          ".03 .04\"/>"
+          "<joint name=\"{0}_knee\" axis=\"0 2 0\"/>{6}<geom name=\"{0}_foot\" pos=\"0 0 -.2\" size=\".02\"/>"
+          "</body></body>",
+          name(leg), is_front(leg) ? 0.2 : -0.2, 0.1 * side_sign(leg),
+          first ? thigh_inertial : MadeMjcf().thigh_inertial, hip_joint, first ? thigh : "",
+          first ? shin : "");
+    }
+    return out + "</body></worldbody>\n" + sections + "</mujoco>\n";
+  }
+};
+
+class MjcfReader : public ScratchFolder {
+ protected:
+  void SetUp() override {
+    if (!compiles_mjcf()) GTEST_SKIP() << "no available engine compiles MJCF";
+    ScratchFolder::SetUp();
+  }
+  void TearDown() override {
+    if (!folder_.empty()) ScratchFolder::TearDown();
+  }
+  std::string file(const MadeMjcf& mjcf) const { return write("made.xml", mjcf.text()); }
+  UrdfRobot tree(const MadeMjcf& mjcf) const { return read_mjcf(file(mjcf)); }
+  LoadedRobot load(const MadeMjcf& mjcf) const { return load_robot_with_report(file(mjcf)); }
+  ConfigError refusal(const MadeMjcf& mjcf) const {
+    return config_error([&] { (void)load_robot(file(mjcf)); });
+  }
+  static const Body& body(const UrdfRobot& robot, const std::string& name) {
+    return robot.bodies[static_cast<std::size_t>(robot.links.at(name).body)];
+  }
+  static bool warns(const std::vector<std::string>& warnings, const std::string& of) {
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [&of](const std::string& w) { return w.find(of) != std::string::npos; });
+  }
+};
+
+void expect_near(const Matrix3& a, const Matrix3& b, double tolerance) {
+  EXPECT_LT((a - b).cwiseAbs().maxCoeff(), tolerance);
+}
+void expect_same_pose(const Pose& a, const Pose& b) {
+  EXPECT_LT((a.matrix() - b.matrix()).cwiseAbs().maxCoeff(), 1e-14);
+}
+
+// The same robot written twice, by people. 1e-12: decimal numbers go through MuJoCo's doubles, quaternions
+// and principal axes, a few roundings each.
+TEST_F(MjcfReader, SaysWhatAUrdfOfTheSameRobotSays) {
+  const RobotDescription mjcf = load_robot(kOwnMjcf), urdf = load_robot(kSameUrdf);
+  EXPECT_EQ(mjcf.name, urdf.name);
+  ASSERT_EQ(mjcf.bodies.size(), urdf.bodies.size());
+  constexpr double kSame = 1e-12;
+  for (std::size_t i = 0; i < urdf.bodies.size(); ++i) {
+    const Body &a = mjcf.bodies[i], &b = urdf.bodies[i];
+    SCOPED_TRACE(b.name);
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.parent, b.parent);
+    EXPECT_NEAR(a.inertia.mass, b.inertia.mass, kSame);
+    EXPECT_LT((a.inertia.p_BC - b.inertia.p_BC).norm(), kSame);
+    expect_near(a.inertia.I_C, b.inertia.I_C, kSame);
+    EXPECT_LT((a.X_PB.matrix() - b.X_PB.matrix()).cwiseAbs().maxCoeff(), kSame);
+    const Joint &j = a.joint, &k = b.joint;
+    EXPECT_EQ(j.name, k.name);
+    EXPECT_EQ(j.actuated, k.actuated);
+    EXPECT_LT((j.axis - k.axis).norm(), kSame);
+    for (const auto member : {&Joint::lower, &Joint::upper, &Joint::damping, &Joint::friction,
+                              &Joint::armature, &Joint::kp, &Joint::kd, &Joint::effort_limit})
+      EXPECT_NEAR(j.*member, k.*member, kSame * std::max(1.0, std::abs(k.*member)));
+    ASSERT_EQ(a.shapes.size(), b.shapes.size());
+    for (std::size_t s = 0; s < b.shapes.size(); ++s) {
+      EXPECT_EQ(a.shapes[s].type, b.shapes[s].type);
+      EXPECT_LT((a.shapes[s].size - b.shapes[s].size).norm(), kSame);
+      EXPECT_LT((a.shapes[s].X_BG.matrix() - b.shapes[s].X_BG.matrix()).cwiseAbs().maxCoeff(), kSame);
+    }
+  }
+  EXPECT_LT((mjcf.home - urdf.home).cwiseAbs().maxCoeff(), kSame);
+  EXPECT_NEAR(mjcf.home_height, urdf.home_height, kSame);
+  EXPECT_NEAR(mjcf.standing_height, urdf.standing_height, kSame);
+  EXPECT_NEAR(mjcf.stance_offset, urdf.stance_offset, kSame);
+}
+
+TEST_F(MjcfReader, ListsWhatItLeavesOut) {
+  const std::vector<std::string> expected{
+      "ignored 1 element(s) of <sensor>, first in gyro (line",
+      "ignored 2 site(s), camera(s) and light(s), first in light (line 29)",
+      "left out 1 <geom> of the world: terrain is chosen apart, first in geom 'floor' (line 30)"};
+  const UrdfRobot robot = read_mjcf(kOwnMjcf);
+  ASSERT_EQ(robot.warnings.size(), expected.size()) << fmt::format("{}", fmt::join(robot.warnings, "\n"));
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const std::string beginning = expected[i].substr(0, expected[i].find("(line"));
+    EXPECT_EQ(robot.warnings[i].substr(0, beginning.size()), beginning);
+  }
+}
+
+TEST_F(MjcfReader, AnglesAreDegreesWhereTheCompilerSaysNothing) {
+  MadeMjcf mjcf;
+  mjcf.hip_joint = "range=\"-90 45\"";
+  EXPECT_DOUBLE_EQ(body(tree(mjcf), "FL_thigh").joint.lower, -std::numbers::pi / 2);
+  mjcf.compiler = "<compiler angle=\"radian\"/>";
+  mjcf.hip_joint = "range=\"-1.5 1\"";
+  EXPECT_EQ(body(tree(mjcf), "FL_thigh").joint.lower, -1.5);
+  EXPECT_EQ(body(tree(mjcf), "FL_thigh").joint.upper, 1);
+}
+
+TEST_F(MjcfReader, RangesAreLimitsUnlessTheFileSaysNot) {
+  MadeMjcf mjcf;
+  mjcf.hip_joint = "range=\"-90 45\" limited=\"false\"";
+  EXPECT_EQ(body(tree(mjcf), "FL_thigh").joint.upper, Joint().upper);
+  mjcf.hip_joint = "range=\"-900 45\"";
+  EXPECT_TRUE(warns(tree(mjcf).warnings, "took limits beyond +-2 pi rad for +-pi in 4 joint(s)"));
+}
+
+TEST_F(MjcfReader, ClassesAreInherited) {
+  MadeMjcf mjcf;
+  mjcf.defaults = R"(<joint damping=".1" armature=".01"/><default class="stiff"><joint damping=".4"/>
+                     <default class="stiffer"><joint frictionloss=".2"/></default></default>)";
+  mjcf.hip_joint = "class=\"stiffer\"";
+  const UrdfRobot robot = tree(mjcf);
+  EXPECT_EQ(body(robot, "FL_thigh").joint.damping, 0.4);
+  EXPECT_EQ(body(robot, "FL_thigh").joint.friction, 0.2);
+  EXPECT_EQ(body(robot, "FL_thigh").joint.armature, 0.01);
+  EXPECT_EQ(body(robot, "FL_shin").joint.damping, 0.1);
+  EXPECT_LT((body(robot, "FL_shin").joint.axis - Vector3::UnitY()).norm(), 1e-15);
+}
+
+// Euler angles turn about x, then the new y and z; quaternions begin with w.
+TEST_F(MjcfReader, PosesAreThoseOfEulerAnglesAndQuaternions) {
+  MadeMjcf mjcf;
+  mjcf.shin = R"(<geom name="e" type="box" size=".01 .02 .03" pos=".1 0 0" euler="90 0 90"/>
+                 <geom name="q" type="box" size=".01 .02 .03" quat="1 0 0 1"/>)";
+  const UrdfRobot robot = tree(mjcf);
+  const Body& shin = body(robot, "FL_shin");
+  ASSERT_EQ(shin.shapes.size(), 3U);
+  const double quarter = std::numbers::pi / 2;
+  Pose X = Pose::Identity();
+  X.translation() = Vector3(0.1, 0, 0);
+  X.linear() = (Eigen::AngleAxisd(quarter, Vector3::UnitX()) * Eigen::AngleAxisd(quarter, Vector3::UnitZ()))
+                   .toRotationMatrix();
+  expect_same_pose(shin.shapes[0].X_BG, X);
+  expect_near(shin.shapes[1].X_BG.linear(), Eigen::AngleAxisd(quarter, Vector3::UnitZ()).toRotationMatrix(),
+              1e-14);
+}
+
+TEST_F(MjcfReader, ACapsuleFromToIsACylinderBetweenTwoSpheres) {
+  MadeMjcf mjcf;
+  mjcf.thigh = R"(<geom name="c" type="capsule" fromto="0 0 0 .06 0 -.08" size=".01"/>)";
+  const UrdfRobot robot = tree(mjcf);
+  const Body& thigh = body(robot, "FL_thigh");
+  ASSERT_EQ(thigh.shapes.size(), 3U);
+  EXPECT_EQ(thigh.shapes[0].type, ShapeType::kCylinder);
+  EXPECT_NEAR(thigh.shapes[0].size[1], 0.05, 1e-15);
+  EXPECT_LT((thigh.shapes[0].X_BG.translation() - Vector3(0.03, 0, -0.04)).norm(), 1e-15);
+  std::vector<double> ends{thigh.shapes[1].X_BG.translation().x(), thigh.shapes[2].X_BG.translation().x()};
+  std::sort(ends.begin(), ends.end());
+  EXPECT_NEAR(ends[0], 0, 1e-15);
+  EXPECT_NEAR(ends[1], 0.06, 1e-15);
+  EXPECT_EQ(thigh.shapes[1].size[0], 0.01);
+}
+
+// The link's frame is that of its joint: at its anchor, and turned back by its reference angle.
+TEST_F(MjcfReader, AJointMayBeOffItsBodyAndItsZeroElsewhere) {
+  MadeMjcf mjcf;
+  mjcf.compiler = "<compiler angle=\"radian\"/>";
+  mjcf.hip_joint = "pos=\"0 0 .05\" ref=\".5\"";
+  const UrdfRobot robot = tree(mjcf);
+  const Body &thigh = body(robot, "FL_thigh"), &shin = body(robot, "FL_shin");
+  EXPECT_LT((thigh.X_PB.translation() - Vector3(0.2, 0.1, 0.05)).norm(), 1e-15);
+  EXPECT_LT((thigh.inertia.p_BC - Vector3(0, 0, -0.15)).norm(), 1e-15);
+  EXPECT_LT((shin.X_PB.translation() - Vector3(0, 0, -0.25)).norm(), 1e-15);
+  // At the reference angle the file's body stands as it is written.
+  expect_near((thigh.X_PB * Eigen::AngleAxisd(0.5, Vector3::UnitY())).linear(), Matrix3::Identity(), 1e-15);
+}
+
+TEST_F(MjcfReader, MassFollowsFromGeomsWhereNoneIsGiven) {
+  MadeMjcf mjcf;
+  mjcf.thigh_inertial = "";
+  mjcf.thigh = R"(<geom type="sphere" size=".05" density="2000" pos="0 0 -.1"/>)";
+  const UrdfRobot robot = tree(mjcf);
+  const SpatialInertia& inertia = body(robot, "FL_thigh").inertia;
+  const double mass = 4.0 / 3 * std::numbers::pi * 0.05 * 0.05 * 0.05 * 2000;
+  EXPECT_NEAR(inertia.mass, mass, 1e-14);
+  EXPECT_LT((inertia.p_BC - Vector3(0, 0, -0.1)).norm(), 1e-15);
+  expect_near(inertia.I_C, 0.4 * mass * 0.0025 * Matrix3::Identity(), 1e-15);
+}
+
+/// A box of edges 2, 4 and 6 about (1, 2, 3), closed, outward.
+std::string box_stl() {
+  const auto corner = [](int i) {
+    return Vector3((i & 1) != 0 ? 2 : 0, (i & 2) != 0 ? 4 : 0, (i & 4) != 0 ? 6 : 0);
+  };
+  std::vector<Vector3> corners;
+  for (const int i : {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                      2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5})
+    corners.push_back(corner(i));
+  return binary_stl(corners);
+}
+
+TEST_F(MjcfReader, MeshesAreWhereTheFileHasThem) {
+  std::filesystem::create_directories(path("assets"));
+  write("assets/box.stl", box_stl());
+  MadeMjcf mjcf;
+  mjcf.compiler = "<compiler meshdir=\"assets\"/>";
+  mjcf.defaults = "<mesh scale=\".01 .01 .01\"/>";
+  mjcf.asset = R"(<mesh file="box.stl"/><material name="red" rgba="1 0 0 1"/>)";
+  mjcf.thigh = R"(<geom name="hit" type="mesh" mesh="box" pos="0 0 .5" group="3"/>
+                  <geom type="mesh" mesh="box" euler="0 0 90" contype="0" conaffinity="0" group="2" material="red"/>)";
+  const UrdfRobot robot = tree(mjcf);
+  const Body& thigh = body(robot, "FL_thigh");
+  ASSERT_EQ(thigh.shapes.size(), 1U);
+  EXPECT_EQ(thigh.shapes[0].type, ShapeType::kBox);
+  EXPECT_LT((thigh.shapes[0].size - Vector3(0.01, 0.02, 0.03)).norm(), 1e-15);
+  EXPECT_LT((thigh.shapes[0].X_BG.translation() - Vector3(0.01, 0.02, 0.53)).norm(), 1e-15);
+  EXPECT_EQ(robot.mesh_vertices.at("hit").size(), 8U);
+  ASSERT_EQ(thigh.visuals.size(), 1U);
+  EXPECT_EQ(thigh.visuals[0].type, VisualType::kMesh);
+  EXPECT_EQ(thigh.visuals[0].mesh, path("assets/box.stl"));
+  EXPECT_EQ(thigh.visuals[0].scale, Vector3::Constant(0.01));
+  EXPECT_EQ(thigh.visuals[0].rgba, Eigen::Vector4d(1, 0, 0, 1));
+  Pose X = Pose::Identity();
+  X.linear() = Eigen::AngleAxisd(std::numbers::pi / 2, Vector3::UnitZ()).toRotationMatrix();
+  expect_same_pose(thigh.visuals[0].X_BG, X);
+}
+
+TEST_F(MjcfReader, AMeshGivesMassWhereNoneIsGiven) {
+  write("box.stl", box_stl());
+  MadeMjcf mjcf;
+  mjcf.asset = R"(<mesh file="box.stl" scale=".01 .01 .01"/>)";
+  mjcf.thigh_inertial = "";
+  mjcf.thigh = R"(<geom type="mesh" mesh="box" density="1000"/>)";
+  const SpatialInertia inertia = body(tree(mjcf), "FL_thigh").inertia;
+  // 2 x 4 x 6 cm of water. Vertices are floats: 1e-7 of each.
+  EXPECT_NEAR(inertia.mass, 0.048, 0.048 * 1e-6);
+  EXPECT_LT((inertia.p_BC - Vector3(0.01, 0.02, 0.03)).norm(), 1e-8);
+  EXPECT_NEAR(inertia.I_C(0, 0), 0.048 / 12 * (0.04 * 0.04 + 0.06 * 0.06), 1e-10);
+  EXPECT_NEAR(inertia.I_C(2, 2), 0.048 / 12 * (0.02 * 0.02 + 0.04 * 0.04), 1e-10);
+}
+
+TEST_F(MjcfReader, MeshesThatAreNotThereAreDroppedAndCounted) {
+  MadeMjcf mjcf;
+  mjcf.asset = R"(<mesh name="gone" file="gone.stl"/><mesh name="dae" file="../gone.dae"/>)";
+  mjcf.thigh = R"(<geom type="mesh" mesh="gone" group="3"/><geom type="mesh" mesh="dae" group="3"/>
+                  <geom type="mesh" mesh="gone" contype="0" conaffinity="0"/>)";
+  const UrdfRobot robot = tree(mjcf);
+  EXPECT_TRUE(body(robot, "FL_thigh").shapes.empty());
+  EXPECT_TRUE(body(robot, "FL_thigh").visuals.empty());
+  for (const char* warning : {"dropped 1 collision mesh(es) whose file is not there",
+                              "dropped 1 collision mesh(es) that are neither STL nor OBJ",
+                              "dropped 1 visual mesh(es) whose file is not there"})
+    EXPECT_TRUE(warns(robot.warnings, warning)) << warning;
+  // But not where a mass hangs on one.
+  mjcf.thigh_inertial = "";
+  EXPECT_EQ(refusal(mjcf).found(), "'../gone.dae'");
+}
+
+TEST_F(MjcfReader, WhatCollidesIsFeltAndGroupsZeroToTwoAreSeen) {
+  MadeMjcf mjcf;
+  mjcf.thigh = R"(<geom name="both" size=".01"/><geom name="felt" size=".02" group="3"/>
+                  <geom name="seen" size=".03" contype="0" conaffinity="0" group="1" rgba="0 1 0 .5"/>
+                  <geom name="neither" size=".04" contype="0" conaffinity="0" group="3"/>
+                  <geom name="affine" size=".05" contype="0" conaffinity="1" group="4"/>
+                  <geom name="bar" type="capsule" fromto="0 0 0 0 0 -.2" size=".01" contype="0" conaffinity="0"/>)";
+  const UrdfRobot robot = tree(mjcf);
+  const Body& thigh = body(robot, "FL_thigh");
+  std::vector<std::string> felt;
+  for (const CollisionShape& shape : thigh.shapes) felt.push_back(shape.name);
+  EXPECT_EQ(felt, (std::vector<std::string>{"both", "felt", "affine"}));
+  ASSERT_EQ(thigh.visuals.size(), 3U);
+  EXPECT_EQ(thigh.visuals[0].size[0], 0.01);
+  EXPECT_FALSE(thigh.visuals[0].rgba.has_value());
+  EXPECT_EQ(thigh.visuals[1].size[0], 0.03);
+  EXPECT_EQ(thigh.visuals[1].rgba, Eigen::Vector4d(0, 1, 0, 0.5));
+  EXPECT_EQ(thigh.visuals[2].type, VisualType::kCapsule);
+  EXPECT_NEAR(thigh.visuals[2].size[1], 0.1, 1e-15);
+}
+
+constexpr const char* kTwoActuators = R"(<actuator>
+  <position name="p" joint="FL_hip" kp="20" gear="2" forcerange="-5 8"/>
+  <position name="q" joint="FR_hip" kp="30"/>
+  <motor name="m" joint="FL_knee" gear="3" ctrlrange="-4 4"/>
+  <motor name="n" joint="FR_knee" gear="3" ctrlrange="-4 4" forcerange="-2 2"/>
+  <general name="g" joint="RL_hip" gaintype="fixed" gainprm="40" biastype="affine" biasprm="0 -40 -3"/>
+  <general name="x" joint="RL_knee" dyntype="filter" dynprm=".1"/>
+  <muscle name="y" joint="RR_hip"/></actuator>)";
+
+TEST_F(MjcfReader, ActuatorsAreServosAndTorquesBehindTheirGears) {
+  MadeMjcf mjcf;
+  mjcf.sections = kTwoActuators;
+  const UrdfRobot robot = tree(mjcf);
+  const auto joint = [&](const std::string& link) { return body(robot, link).joint; };
+  EXPECT_EQ(joint("FL_thigh").kp, 80);
+  EXPECT_EQ(joint("FL_thigh").effort_limit, 16);
+  EXPECT_EQ(joint("FL_shin").kp, 0);
+  EXPECT_EQ(joint("FL_shin").effort_limit, 12);
+  EXPECT_EQ(joint("FR_shin").effort_limit, 6);
+  EXPECT_EQ(joint("RL_thigh").kp, 40);
+  EXPECT_EQ(joint("RL_thigh").kd, 3);
+  EXPECT_EQ(joint("RL_shin").effort_limit, 0);
+  EXPECT_TRUE(warns(robot.warnings, "ignored 1 actuator(s) that are neither motors nor servos of a joint"));
+  EXPECT_TRUE(warns(robot.warnings, "ignored 1 <muscle> in <actuator>"));
+}
+
+TEST_F(MjcfReader, AServosGainsAreTheFilesOrFollowFromThem) {
+  MadeMjcf mjcf;
+  mjcf.sections = kTwoActuators;
+  const auto [robot, report] = load(mjcf);
+  const auto joint = [&, &r = robot](Leg leg, const char* role) {
+    return r.joint((*r.legs)[leg].joint(role));
+  };
+  EXPECT_EQ(joint(Leg::FL, "hip").kp, 80);
+  EXPECT_EQ(joint(Leg::RL, "hip").kd, 3);
+  // Nothing damps FR's: as the rule damps its own stiffness.
+  const Joint rule = joint(Leg::RR, "hip");
+  EXPECT_EQ(joint(Leg::FR, "hip").kp, 30);
+  EXPECT_NEAR(joint(Leg::FR, "hip").kd, rule.kd * 30 / rule.kp, 1e-12);
+  const auto servo = std::find_if(report.inferred.begin(), report.inferred.end(),
+                                  [](const Inference& i) { return i.what == "servo"; });
+  ASSERT_NE(servo, report.inferred.end());
+  EXPECT_NE(servo->reason.find("the file's position actuators"), std::string::npos) << servo->reason;
+}
+
+TEST_F(MjcfReader, JointsThatAreDampedNeedNoDampingOfTheServo) {
+  MadeMjcf mjcf;
+  mjcf.defaults = "<joint damping=\".5\"/>";
+  mjcf.sections = R"(<actuator><position joint="FL_hip" kp="20"/></actuator>)";
+  const auto robot = load(mjcf).robot;
+  EXPECT_EQ(robot.joint((*robot.legs)[Leg::FL].joint("hip")).kd, 0);
+}
+
+// Feet .2 cos(1) + .2 cos(1) = .216 m below the hips: all servo angles are the file's.
+constexpr const char* kKeys = R"(<keyframe>
+  <key name="lying" qpos="0 0 0 1 0 0 0  0 0  0 0  0 0  0 0"/>
+  <key name="home" qpos="0 0 .2 1 0 0 0  1 -2  1 -2  1 -2  1 -2" ctrl="1 2 3"/></keyframe>)";
+
+TEST_F(MjcfReader, TheKeyframeOfTheNameHomeIsTheHomePose) {
+  MadeMjcf mjcf;
+  mjcf.sections = kKeys;
+  const auto [robot, report] = load(mjcf);
+  for (int i = 0; i < robot.joint_count(); ++i) EXPECT_EQ(robot.home[i], i % 2 == 0 ? 1 : -2);
+  EXPECT_NEAR(robot.standing_height, 0.4 * std::cos(1.0), 1e-12);
+  const auto home = std::find_if(report.inferred.begin(), report.inferred.end(),
+                                 [](const Inference& i) { return i.what == "home"; });
+  ASSERT_NE(home, report.inferred.end());
+  EXPECT_EQ(home->value, "the angles of keyframe 'home'");
+}
+
+TEST_F(MjcfReader, AKeyframeInWhichItCannotStandIsNotItsHome) {
+  MadeMjcf mjcf;
+  mjcf.sections = R"(<keyframe><key qpos="0 0 0 1 0 0 0  1.5 -3  1.5 -3  1.5 -3  1.5 -3"/></keyframe>)";
+  const auto [robot, report] = load(mjcf);
+  EXPECT_NEAR(robot.standing_height, 0.72 * 0.4, 1e-12);
+  EXPECT_TRUE(
+      warns(report.warnings, "the first keyframe is not taken for the home pose: its feet are 0.0283"));
+}
+
+TEST_F(MjcfReader, ConnectedBodiesAreALoop) {
+  MadeMjcf mjcf;
+  mjcf.sections = R"(<equality><connect name="tie" body1="FL_shin" body2="FR_shin" anchor="0 0 -.1"/>
+                     <weld body1="RL_shin" body2="RR_shin"/>
+                     <connect body1="RL_shin" body2="RR_shin" anchor="0 0 0" active="false"/></equality>)";
+  const UrdfRobot robot = tree(mjcf);
+  ASSERT_EQ(robot.loops.size(), 1U);
+  EXPECT_EQ(robot.loops[0].name, "tie");
+  EXPECT_LT((robot.loops[0].p_a - Vector3(0, 0, -0.1)).norm(), 1e-15);
+  EXPECT_LT((robot.loops[0].p_b - Vector3(0, 0.2, -0.1)).norm(), 1e-15);
+  EXPECT_TRUE(warns(robot.warnings, "ignored 1 <weld> in <equality>"));
+}
+
+TEST_F(MjcfReader, WhatChangesMotionAndIsNotSimulatedIsCounted) {
+  MadeMjcf mjcf;
+  mjcf.hip_joint = "stiffness=\"3\"";
+  mjcf.trunk += R"(<geom name="egg" type="ellipsoid" size=".1 .2 .3"/>)";
+  mjcf.world = R"(<body name="box" pos="1 0 0"><freejoint/><geom size=".1"/></body>)";
+  mjcf.sections = R"(<tendon><fixed name="t"><joint joint="FL_hip" coef="1"/></fixed></tendon>
+                     <contact><exclude body1="trunk" body2="FL_shin"/></contact>
+                     <custom><numeric name="n" data="1"/></custom>)";
+  const UrdfRobot robot = tree(mjcf);
+  for (const char* warning : {"springs of 4 joint(s) are not simulated", "ignored 1 element(s) of <tendon>",
+                              "ignored 1 element(s) of <contact>",
+                              "dropped 1 geom(s) that are no sphere, capsule, cylinder, box or mesh",
+                              "left out 1 body or bodies beside the robot"})
+    EXPECT_TRUE(warns(robot.warnings, warning)) << warning;
+}
+
+TEST_F(MjcfReader, AttributesThatTheEngineDoesNotKnowAreIgnoredAndCounted) {
+  MadeMjcf mjcf;
+  mjcf.hip_joint = "wobble=\"3\"";
+  EXPECT_TRUE(warns(
+      tree(mjcf).warnings,
+      "ignored 4 attribute(s) 'wobble' of <joint> that the engine does not know, first in joint 'FL_hip'"));
+}
+
+TEST_F(MjcfReader, ABodyOfTheWorldWithoutAJointIsTheBase) {
+  MadeMjcf mjcf;
+  mjcf.trunk_joint = "";
+  EXPECT_TRUE(warns(tree(mjcf).warnings, "took body 'trunk', which has no free joint, for the free base"));
+}
+
+TEST_F(MjcfReader, TheLinesOfErrorsAreTheFiles) {
+  MadeMjcf mjcf;
+  mjcf.shin = "<geom type=\"ball\"/>";
+  const ConfigError error = refusal(mjcf);
+  EXPECT_EQ(error.source(), path("made.xml"));
+  EXPECT_EQ(error.element(), "line 5, geom 'FL_shin_geom_0'");
+  EXPECT_NE(error.found().find("invalid keyword: 'ball'"), std::string::npos) << error.found();
+  // In a file that is included, too.
+  mjcf.shin = "<include file=\"geoms.xml\"/>";
+  write("geoms.xml", "<mujocoinclude>\n\n<geom name=\"g\" type=\"sphere\"/></mujocoinclude>");
+  EXPECT_EQ(refusal(mjcf).source(), path("geoms.xml"));
+  EXPECT_EQ(refusal(mjcf).element(), "line 3, geom 'g'");
+}
+
+TEST_F(MjcfReader, RefusesByName) {
+  struct Case {
+    void (*change)(MadeMjcf&);
+    std::string element, found;
+  };
+  const std::vector<Case> cases{
+      {[](MadeMjcf& m) {
+         m.thigh = "<body name=\"b\"><joint name=\"s\" type=\"slide\"/><geom size=\".1\"/></body>";
+       },
+       "joint 's'", "a slide joint"},
+      {[](MadeMjcf& m) {
+         m.thigh = "<body name=\"b\"><joint name=\"s\" type=\"ball\"/><geom size=\".1\"/></body>";
+       },
+       "joint 's'", "a ball joint"},
+      {[](MadeMjcf& m) { m.thigh = "<joint name=\"second\" axis=\"1 0 0\"/>"; }, "joint 'second'",
+       "a second one on 'FL_thigh'"},
+      {[](MadeMjcf& m) { m.trunk_joint = "<joint name=\"up\" axis=\"0 0 1\"/>"; }, "joint 'up'",
+       "another one"},
+      {[](MadeMjcf& m) { m.world = "<body name=\"arm\"><joint axis=\"0 0 1\"/><geom size=\".1\"/></body>"; },
+       "body 'trunk'", "a second one beside 'arm'"},
+      {[](MadeMjcf& m) { m.thigh = "<composite type=\"grid\" count=\"99 99 1\"/>"; }, "composite",
+       "<composite>"},
+      {[](MadeMjcf& m) { m.asset = "<mesh name=\"m\" file=\"/etc/passwd.stl\"/>"; }, "mesh 'm'",
+       "'/etc/passwd.stl'"},
+      {[](MadeMjcf& m) { m.asset = "<mesh name=\"m\" file=\"a.stl\" scale=\"1 nan 1\"/>"; }, "mesh 'm'",
+       "'1 nan 1'"},
+      {[](MadeMjcf& m) { m.thigh = "<include file=\"made.xml\"/>"; }, "include", "again"},
+      {[](MadeMjcf& m) { m.thigh = "<include file=\"/dev/zero\"/>"; }, "include", "'/dev/zero'"},
+      {[](MadeMjcf& m) { m.sections = "<wings/>"; }, "wings", "unrecognized element"},
+      {[](MadeMjcf& m) { m.sections = "<keyframe><key qpos=\"1 2\"/></keyframe>"; }, "file",
+       "key 0: invalid qpos size"},
+      {[](MadeMjcf& m) { m.thigh_inertial = ""; }, "body 'FL_thigh'", "mass and inertia"},
+  };
+  for (const Case& c : cases) {
+    MadeMjcf mjcf;
+    c.change(mjcf);
+    const ConfigError error = refusal(mjcf);
+    EXPECT_EQ(error.source(), path("made.xml")) << error.what();
+    EXPECT_NE(error.element().find(c.element), std::string::npos) << error.what();
+    EXPECT_NE(error.found().find(c.found), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(MjcfReader, ARobotYamlNamesItByMjcf) {
+  const MadeMjcf mjcf;
+  const std::string xml = file(mjcf);
+  const LoadedRobot inferred = load_robot_with_report(xml);
+  write("robot.yaml", to_yaml(inferred, "made.xml"));
+  const LoadedRobot stated = load_robot_with_report(path("robot.yaml"));
+  EXPECT_TRUE(stated.report.inferred.empty());
+  EXPECT_EQ(stated.robot.source, path("robot.yaml"));
+  EXPECT_LT((stated.robot.home - inferred.robot.home).cwiseAbs().maxCoeff(), 1e-15);
+  // Beside the file it is read along with it.
+  EXPECT_EQ(load_robot(xml).source, path("robot.yaml"));
+  write("robot.yaml", "mjcf: made.xml\nurdf: made.urdf\n");
+  EXPECT_EQ(config_error([&] { (void)load_robot(path("robot.yaml")); }).found(), "both");
+  write("robot.yaml", "mjcf: made.urdf\n");
+  EXPECT_EQ(config_error([&] { (void)load_robot(path("robot.yaml")); }).expected(), "a .xml or .mjcf file");
+}
+
+TEST(MjcfCompilation, WithoutAnEngineThatCanItSaysSo) {
+  const EngineRegistry none(std::vector<std::string>{});
+  EXPECT_FALSE(none.compiles_mjcf());
+  const ConfigError error = config_error([&] { (void)none.compile_mjcf({"robot.xml", "", {}}); });
+  EXPECT_EQ(error.source(), "robot.xml");
+  EXPECT_NE(error.expected().find("an engine that reads MJCF"), std::string::npos);
+  // A program that has no registry either.
+  const MjcfCompiler compiler = set_mjcf_compiler(nullptr);
+  EXPECT_EQ(config_error([&] { (void)load_robot(kOwnMjcf); }).found(), "a program without engines");
+  set_mjcf_compiler(compiler);
+}
+
+/// Positions of the base over two seconds of trot.
+class RobotFile : public BackendTest {
+ protected:
+  static std::vector<Vector3> walk(const RobotDescription& description) {
+    const auto robot = std::make_shared<const RobotDescription>(description);
+    const auto backend = make(robot);
+    std::vector<Vector3> way;
+    const auto watch = [&way](const WalkSample& sample) {
+      way.push_back(sample.world.state().p_WB);
+      return true;
+    };
+    (void)run_walk(*backend,
+                   make_gait_source(choose_gait("trot", {}, std::nullopt, gait_scale(*robot)), robot),
+                   {.seconds = 2}, watch);
+    return way;
+  }
+};
+CROSSGAIT_FOR_EVERY_BACKEND(RobotFile);
+
+TEST_P(RobotFile, WalksTheSameFromAnMjcfAsFromAUrdf) {
+  if (!compiles_mjcf()) GTEST_SKIP() << "no available engine compiles MJCF";
+  const std::vector<Vector3> mjcf = walk(load_robot(kOwnMjcf)), urdf = walk(load_robot(kSameUrdf));
+  ASSERT_EQ(mjcf.size(), urdf.size());
+  double apart = 0;
+  for (std::size_t i = 0; i < urdf.size(); ++i) apart = std::max(apart, (mjcf[i] - urdf[i]).norm());
+  measured("apart, m", apart);
+  EXPECT_LT(apart, 1e-9);  // descriptions agree to 1e-12, and walking lets that grow
+  EXPECT_GT(urdf.back().x(), 0.3);
+}
+
+TEST_P(RobotFile, LooksChangeNoBitOfAWalk) {
+  RobotDescription plain = load_robot(kSameUrdf), seen = plain;
+  for (Body& body : plain.bodies) body.visuals.clear();
+  for (Body& body : seen.bodies) {
+    ASSERT_FALSE(body.visuals.empty()) << body.name;
+    body.visuals.push_back(
+        {VisualType::kMesh, {}, "/nowhere.stl", {2, 2, 2}, Pose::Identity(), std::nullopt});
+  }
+  EXPECT_EQ(walk(plain), walk(seen));
+}
+
+}  // namespace
+}  // namespace crossgait
