@@ -230,7 +230,7 @@ class Taker {
       return scale;
     for (const MjcfElement& e : section.children) {
       if (e.tag != "default") continue;
-      if (const auto found = class_scale(e, class_name, false, scale)) return found;
+      if (auto found = class_scale(e, class_name, false, scale)) return found;
     }
     return std::nullopt;
   }

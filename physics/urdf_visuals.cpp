@@ -102,7 +102,7 @@ class VisualReader {
   Numbers<4> colour_of(const TiXmlElement& visual) const {
     const TiXmlElement* material = visual.FirstChildElement("material");
     if (material == nullptr) return std::nullopt;
-    if (const auto rgba = own_colour(*material)) return rgba;
+    if (auto rgba = own_colour(*material)) return rgba;
     const auto known = colours_.find(attribute_of(*material, "name"));
     return known == colours_.end() ? std::nullopt : Numbers<4>(known->second);
   }
