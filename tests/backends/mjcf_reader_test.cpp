@@ -184,20 +184,18 @@ TEST_F(MjcfReader, PosesAreThoseOfEulerAnglesAndQuaternions) {
               1e-14);
 }
 
-TEST_F(MjcfReader, ACapsuleFromToIsACylinderBetweenTwoSpheres) {
+TEST_F(MjcfReader, ACapsuleGoesFromTo) {
   MadeMjcf mjcf;
   mjcf.thigh = R"(<geom name="c" type="capsule" fromto="0 0 0 .06 0 -.08" size=".01"/>)";
   const UrdfRobot robot = tree(mjcf);
   const Body& thigh = body(robot, "FL_thigh");
-  ASSERT_EQ(thigh.shapes.size(), 3U);
-  EXPECT_EQ(thigh.shapes[0].type, ShapeType::kCylinder);
-  EXPECT_NEAR(thigh.shapes[0].size[1], 0.05, 1e-15);
-  EXPECT_LT((thigh.shapes[0].X_BG.translation() - Vector3(0.03, 0, -0.04)).norm(), 1e-15);
-  std::vector<double> ends{thigh.shapes[1].X_BG.translation().x(), thigh.shapes[2].X_BG.translation().x()};
-  std::sort(ends.begin(), ends.end());
-  EXPECT_NEAR(ends[0], 0, 1e-15);
-  EXPECT_NEAR(ends[1], 0.06, 1e-15);
-  EXPECT_EQ(thigh.shapes[1].size[0], 0.01);
+  ASSERT_EQ(thigh.shapes.size(), 1U);
+  const CollisionShape& shape = thigh.shapes[0];
+  EXPECT_EQ(shape.type, ShapeType::kCapsule);
+  EXPECT_EQ(shape.size[0], 0.01);
+  EXPECT_NEAR(shape.size[1], 0.05, 1e-15);
+  EXPECT_LT((shape.X_BG.translation() - Vector3(0.03, 0, -0.04)).norm(), 1e-15);
+  EXPECT_LT((shape.X_BG.linear().col(2).cross(Vector3(0.6, 0, -0.8))).norm(), 1e-15);
 }
 
 // The link's frame is that of its joint: at its anchor, and turned back by its reference angle.
