@@ -12,6 +12,9 @@
 
 namespace crossgait {
 
+/// In a file, the servos that are not named beside it.
+inline constexpr std::string_view kAllServos = "all";
+
 /// One number for every servo, numbers for some of them by the joint's name, or nothing.
 struct ServoNumbers {
   std::optional<double> all;
