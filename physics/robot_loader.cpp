@@ -45,6 +45,8 @@ class RobotLoader {
   LoadedRobot load() {
     read_frame_and_legs();
     read_loops();
+    read_softness("loop_softness", robot_.loop_softness);
+    read_softness("friction_softness", robot_.friction_softness);
     read_feet();
     name_servos();
     check_before_home();
@@ -209,11 +211,13 @@ class RobotLoader {
                                 b.X_BL * value.at("point_b").vector3()});
       }
     }
-    const auto softness = find("loop_softness");
+  }
+
+  void read_softness(std::string_view key_of_robot, Softness& s) {
+    const auto softness = find(key_of_robot);
     if (!softness) return;
     softness->allow_keys(
         {"time_constant", "damping_ratio", "impedance_min", "impedance_max", "impedance_width"});
-    Softness& s = robot_.loop_softness;
     for (const auto& [key, member] : {std::pair{"time_constant", &s.time_constant},
                                       {"damping_ratio", &s.damping_ratio},
                                       {"impedance_min", &s.impedance_min},
@@ -414,8 +418,8 @@ class RobotLoader {
 };
 
 LoadedRobot load_yaml(const YamlValue& root) {
-  root.allow_keys({"name", "urdf", "frame", "locked", "armature", "servo", "joints", "loop_softness", "legs",
-                   "loops", "home", "standing_height", "stance_offset"});
+  root.allow_keys({"name", "urdf", "frame", "locked", "armature", "servo", "joints", "loop_softness",
+                   "friction_softness", "legs", "loops", "home", "standing_height", "stance_offset"});
   const fs::path urdf = fs::path(root.source()).parent_path() / root.at("urdf").text();
   return RobotLoader(urdf.string(), root.source(), root).load();
 }

@@ -17,12 +17,13 @@ void read_exception(const std::string& name, const YamlValue& values, RobotDescr
   if (body == robot.bodies.end()) values.fail("a moving joint of the URDF", fmt::format("'{}'", name));
   Joint& target = body->joint;
   if (target.actuated) {
-    values.allow_keys({"armature", "damping", "kp", "kd", "effort"});
+    values.allow_keys({"armature", "damping", "friction", "kp", "kd", "effort"});
   } else {
-    values.allow_keys({"armature", "damping"});
+    values.allow_keys({"armature", "damping", "friction"});
   }
   for (const auto& [key, member] : {std::pair{"armature", &target.armature},
                                     {"damping", &target.damping},
+                                    {"friction", &target.friction},
                                     {"kp", &target.kp},
                                     {"kd", &target.kd},
                                     {"effort", &target.effort_limit}}) {

@@ -132,9 +132,9 @@ Json identity_of_robot(const std::string& name_or_file) {
   const auto add_number = [&hash](double value) { hash.add(fmt::format("{:.17g};", value)); };
   for (const Body& b : robot.bodies) {
     hash.add(b.name);
-    for (const double v :
-         {static_cast<double>(b.parent), b.inertia.mass, b.joint.lower, b.joint.upper, b.joint.damping,
-          b.joint.armature, b.joint.actuated ? 1.0 : 0.0, b.joint.kp, b.joint.kd, b.joint.effort_limit})
+    for (const double v : {static_cast<double>(b.parent), b.inertia.mass, b.joint.lower, b.joint.upper,
+                           b.joint.damping, b.joint.friction, b.joint.armature, b.joint.actuated ? 1.0 : 0.0,
+                           b.joint.kp, b.joint.kd, b.joint.effort_limit})
       add_number(v);
     add(b.X_PB.matrix());
     add(b.joint.axis);
@@ -152,10 +152,11 @@ Json identity_of_robot(const std::string& name_or_file) {
     add(loop.p_AP);
     add(loop.p_BP);
   }
-  const Softness& s = robot.loop_softness;
-  for (const double v :
-       {s.time_constant, s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width})
-    add_number(v);
+  for (const Softness& s : {robot.loop_softness, robot.friction_softness}) {
+    for (const double v :
+         {s.time_constant, s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width})
+      add_number(v);
+  }
   add(robot.home);
   add_number(robot.home_height);
   if (robot.legs) {
