@@ -19,6 +19,7 @@ nlohmann::ordered_json to_json(const EngineListing& entry) {
           {"mode", entry.info.mode},
           {"contact_law", entry.info.laws.contact},
           {"loop_law", entry.info.laws.loops},
+          {"joint_friction_law", entry.info.laws.joint_friction},
           {"capabilities",
            {{"soft_contact", entry.info.capabilities.soft_contact},
             {"exact_field_query", entry.info.capabilities.exact_field_query},
@@ -49,7 +50,7 @@ void run(const JsonOption& json) {
                         family.factors.front().name, family.factors.back().name);
     nlohmann::ordered_json factors = nlohmann::ordered_json::array();
     for (const ModelFactor& i : family.factors) {
-      text += fmt::format("  {:14} {}\n", i.name, i.summary);
+      text += fmt::format("  {:19} {}\n", i.name, i.summary);
       factors.push_back({{"name", i.name}, {"summary", i.summary}, {"needs", i.needs}});
     }
     families.push_back({{"from", family.from}, {"to", family.to}, {"factors", factors}});

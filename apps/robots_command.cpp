@@ -63,7 +63,8 @@ ordered_json body_list(const RobotDescription& robot, Table& table) {
     table.add_row(
         {body.name, parent, fmt::format("{:.5f}", body.inertia.mass), base ? "free" : joint.name,
          base ? "" : fmt::format("{:.3g} {:.3g} {:.3g}", joint.axis.x(), joint.axis.y(), joint.axis.z()),
-         joint.actuated ? text(joint.kp) : "", text(joint.armature), text(joint.damping)});
+         joint.actuated ? text(joint.kp) : "", text(joint.armature), text(joint.damping),
+         text(joint.friction)});
     ordered_json entry{{"name", body.name},
                        {"parent", parent},
                        {"mass_kg", body.inertia.mass},
@@ -76,6 +77,7 @@ ordered_json body_list(const RobotDescription& robot, Table& table) {
                         {"kp", joint.kp},
                         {"kd", joint.kd},
                         {"damping", joint.damping},
+                        {"friction", joint.friction},
                         {"armature", joint.armature},
                         {"effort_limit", joint.effort_limit}};
     }
@@ -144,7 +146,8 @@ void show(const RobotsCommand& options) {
   const double h = robot.standing_height, time = std::sqrt(h / -WorldSpec{}.gravity.z());
   ordered_json result = summary(robot);
   Table legs({"leg", "kind", "joints", "foot", "lengths, m"}),
-      bodies({robot.name, "parent", "mass, kg", "joint", "axis", "servo kp", "armature", "damping"});
+      bodies(
+          {robot.name, "parent", "mass, kg", "joint", "axis", "servo kp", "armature", "damping", "friction"});
   result["legs"] = leg_list(robot, legs);
   result["home_rad"] = home_of(robot);
   result["servo"] = {

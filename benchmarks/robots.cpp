@@ -86,6 +86,7 @@ RobotPtr arm(const std::vector<ArmLink>& links) {
     joint.name = "joint" + std::to_string(i);
     joint.axis = Vector3::UnitY();
     joint.damping = link.damping;
+    joint.friction = link.friction;
     joint.armature = link.armature;
     joint.actuated = link.servo;
     joint.kp = link.kp;
@@ -312,6 +313,12 @@ RobotPtr without_loops(const RobotPtr& robot) {
   open.loops.clear();
   open.legs.reset();
   return finished(open);
+}
+
+RobotPtr with_joint_friction(const RobotPtr& robot, double friction) {
+  RobotDescription changed = *robot;
+  for (std::size_t i = 1; i < changed.bodies.size(); ++i) changed.bodies[i].joint.friction = friction;
+  return std::make_shared<const RobotDescription>(std::move(changed));
 }
 
 }  // namespace crossgait::scenes

@@ -33,6 +33,7 @@ struct ArmLink {
   double inertia = 2e-3;  ///< about the centre of mass and the joint's direction, kg m^2
   double armature = 0;    ///< kg m^2
   double damping = 0;     ///< N m s/rad
+  double friction = 0;    ///< dry, N m
   bool servo = false;
   double kp = 0, kd = 0;    ///< N m/rad, N m s/rad
   double effort_limit = 1;  ///< N m
@@ -73,5 +74,7 @@ RobotPtr awkward_robot();
 RobotPtr finished(RobotDescription robot);
 /// The robot without loop closures (and so without legs, which require them).
 RobotPtr without_loops(const RobotPtr& robot);
+/// The robot with this dry friction in every joint, N m.
+RobotPtr with_joint_friction(const RobotPtr& robot, double friction);
 
 }  // namespace crossgait::scenes

@@ -12,6 +12,12 @@
 #include "crossgait/physics/world_spec.h"
 
 namespace crossgait {
+namespace {
+
+// Joints that turn slower change their direction, as far as dry friction is concerned.
+constexpr double kSlow = 0.1;  // rad/s, of scara_quadruped
+
+}  // namespace
 
 LegController::LegController(std::shared_ptr<const RobotDescription> description,
                              const ServoCompensation& compensation)
@@ -21,12 +27,12 @@ LegController::LegController(std::shared_ptr<const RobotDescription> description
       kinematics_(make_leg_kinematics(*robot_)) {
   const RobotDescription& robot = *robot_;
   compensation_.load_depth *= gait_scale(robot).length;
+  const double slow = kSlow / gait_scale(robot).time();
   const std::vector<int> actuated = robot.actuated_joints();
   for (const Leg leg : kLegs) {
     const LegKinematics& kinematics = kinematics_[leg];
     LegServos& servos = servos_[leg];
     servos.stiffness.resize(kinematics.servo_count());
-    servos.damping.resize(kinematics.servo_count());
     for (std::size_t k = 0; k < kinematics.servo_joints().size(); ++k) {
       const int index = kinematics.servo_joints()[k];
       const Joint& joint = robot.joint(index);
@@ -36,10 +42,12 @@ LegController::LegController(std::shared_ptr<const RobotDescription> description
       }
       servos.slots[k] = it - actuated.begin();
       servos.stiffness[static_cast<Eigen::Index>(k)] = joint.kp;
-      servos.damping[static_cast<Eigen::Index>(k)] = joint.kd + joint.damping;
+      servos.drag[k] = {joint.kd + joint.damping, joint.friction, slow};
     }
-    if (kinematics.passive_count() > 0)
-      servos.passive_damping = robot.joint(kinematics.passive_joints()[0]).damping;
+    if (kinematics.passive_count() > 0) {
+      const Joint& elbow = robot.joint(kinematics.passive_joints()[0]);
+      servos.passive_drag = {elbow.damping, elbow.friction, slow};
+    }
     last_[leg].servos = ServoVector::Zero(kinematics.servo_count());
   }
   // Actuated joints that belong to no leg hold their home angle.
@@ -69,10 +77,12 @@ ServoVector LegController::torque(Leg leg, const Vector3& position, const LegPos
   ServoVector torque = -load * jacobian.row(2).transpose();  // the foot pushes down
   if (compensation_.lag && moving_) {
     const LastUpdate& last = last_[leg];
-    ServoVector lag = servos.damping.cwiseProduct((posture.servos - last.servos) / dt);
+    ServoVector lag = (posture.servos - last.servos) / dt;
+    for (Eigen::Index k = 0; k < lag.size(); ++k)
+      lag[k] = servos.drag[static_cast<std::size_t>(k)].torque(lag[k]);
     if (const auto* five_bar = kinematics.as<FiveBarGeometry>()) {
       const Vector3 drag = elbow_drag_force(*five_bar, position, kinematics.home_branch().mode,
-                                            (position - last.position) / dt, servos.passive_damping);
+                                            (position - last.position) / dt, servos.passive_drag);
       lag += jacobian.transpose() * drag;
     }
     const ServoVector bound = compensation_.max_lead * servos.stiffness;

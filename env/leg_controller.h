@@ -63,8 +63,9 @@ class LegController {
 
   struct LegServos {
     std::array<Eigen::Index, 3> slots{};  // of the leg's servos in JointTargets
-    ServoVector stiffness, damping;       // N m/rad; N m s/rad, servo and joint together
-    double passive_damping = 0;           // N m s/rad
+    ServoVector stiffness;                // N m/rad
+    std::array<JointDrag, 3> drag;        // servo and joint together
+    JointDrag passive_drag;
   };
   struct LastUpdate {
     Vector3 position = Vector3::Zero();  // m

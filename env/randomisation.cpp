@@ -1,5 +1,6 @@
 #include "crossgait/env/randomisation.h"
 
+#include <bit>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -37,6 +38,7 @@ constexpr std::array kRandomisationRows{
                      1e6},
     RandomisationRow{kPushCount, "push_count", "-", "pushes at most, whole numbers; 0 for no limit", 0, 0,
                      1e6},
+    RandomisationRow{kJointFriction, "joint_friction", "x", "scale of the joints' dry friction", 1, 0, 10},
 };
 static_assert(kRandomisationRows.size() == kRandomisations);
 
@@ -70,8 +72,8 @@ bool Randomisation::is_on(Randomised what) const {
 }
 
 bool Randomisation::changes_world() const {
-  for (const Randomised what :
-       {kFriction, kMass, kTrunkMass, kServoStiffness, kJointDamping, kEffortLimit, kTerrainSeed}) {
+  for (const Randomised what : {kFriction, kMass, kTrunkMass, kServoStiffness, kJointDamping, kEffortLimit,
+                                kTerrainSeed, kJointFriction}) {
     if (is_on(what)) return true;
   }
   return false;
@@ -95,9 +97,11 @@ void Randomisation::validate() const {
 
 RandomDraw draw(const Randomisation& randomisation, Random& random) noexcept {
   RandomDraw result{};
+  double u = 0;
   for (std::size_t i = 0; i < kRandomisationRows.size(); ++i) {
     const Range& range = randomisation.ranges[i];
-    const double u = random.uniform();
+    u = kRandomisationRows[i].what < kJointFriction ? random.uniform()
+                                                    : Random(std::bit_cast<std::uint64_t>(u)).uniform();
     result.values[i] = kRandomisationRows[i].what == kTerrainSeed && range.max >= 0
                            ? std::floor(range.min + (range.max + 1 - range.min) * u)
                            : range.min + (range.max - range.min) * u;
@@ -122,6 +126,7 @@ WorldSpec randomised_world(const WorldSpec& nominal, const Randomisation& random
     body.joint.kp *= draw[kServoStiffness];
     body.joint.kd *= draw[kServoStiffness];
     body.joint.damping *= draw[kJointDamping];
+    body.joint.friction *= draw[kJointFriction];
     body.joint.effort_limit *= draw[kEffortLimit];
   }
   world.robot = std::move(robot);

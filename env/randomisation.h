@@ -36,6 +36,7 @@ enum class Randomised : std::size_t {
   kPushImpulse,
   kPushInterval,
   kPushCount,
+  kJointFriction,
 };
 
 /// One row of the table.
@@ -51,7 +52,7 @@ std::span<const RandomisationRow> randomisation_rows();
 /// @throws ConfigError listing the known names
 const RandomisationRow& find_randomisation(std::string_view name);
 
-inline constexpr std::size_t kRandomisations = 16;
+inline constexpr std::size_t kRandomisations = 17;
 
 /// A range per row; the neutral ones draw nothing.
 struct Randomisation {
@@ -75,6 +76,8 @@ struct RandomDraw {
 };
 
 /// Draws every row, also the neutral ones, so that turning one on leaves the others' values as they were.
+/// From kJointFriction on rows take their numbers from the one before, so that what `random` gives next is as
+/// it was before they were in the table.
 RandomDraw draw(const Randomisation& randomisation, Random& random) noexcept;
 
 /// Where the draw puts the robot down.

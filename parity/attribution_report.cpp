@@ -95,7 +95,7 @@ std::string describe(const Attribution& a) {
   const std::vector<std::size_t> shown = worth_explaining(a);
   std::string text = fmt::format("From {} to {}, {} starts:\n\n", a.from, a.to, a.starts);
   for (const FactorEffect& e : a.effects)
-    text += fmt::format("  {:14} {}\n", e.factor.name, e.factor.summary);
+    text += fmt::format("  {:19} {}\n", e.factor.name, e.factor.summary);
   text += fmt::format("\n{}\n", way_table(a));
   if (shown.empty()) return text + "No gap is large enough to explain.\n";
   text += effects_table(a, shown) + "\n";

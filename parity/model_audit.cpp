@@ -97,6 +97,20 @@ void audit_armature(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
   armature.append_to(findings);
 }
 
+void audit_joint_friction(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
+  Worst friction("joint friction", "N m");
+  const JointVector x = a.joint_friction(), y = b.joint_friction();
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    friction.add(x[i], y[i], x[i], kRounding, joint_label(a, static_cast<int>(i)));
+  friction.append_to(findings);
+}
+
+// Whether joints with dry friction are meant to move alike.
+bool same_joint_friction(const PhysicsBackend& a, const PhysicsBackend& b) {
+  const bool any = a.robot().has_joint_friction() || b.robot().has_joint_friction();
+  return !any || a.info().laws.joint_friction == b.info().laws.joint_friction;
+}
+
 void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
   Worst heights("height of the ground", "m"), diagonal("diagonal of the height field", "m");
   const HeightField* field = a.spec().terrain.field();
@@ -157,7 +171,7 @@ void audit_feet(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
                                       y = probes::press_feet(b, standing);
   const LegArray<probes::PressedFoot> sliding_a = probes::press_feet(a, sliding),
                                       sliding_b = probes::press_feet(b, sliding);
-  const bool one_law = a.info().laws.contact == b.info().laws.contact;
+  const bool one_law = a.info().laws.contact == b.info().laws.contact && same_joint_friction(a, b);
   for (const Leg leg : kLegs) {
     const std::string element = fmt::format("foot {}", name(leg));
     radius.add(x[leg].depth, y[leg].depth, 0.01, 1e-9, element);
@@ -196,6 +210,7 @@ void audit_shapes(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
 }
 
 void audit_motion(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+  if (!same_joint_friction(a, b)) return;
   Worst motion("motion in the air", "m/s or rad/s");
   const RobotState state = probes::swinging(a);
   const Eigen::VectorXd x = probes::swing(a, state), y = probes::swing(b, state);
@@ -214,6 +229,7 @@ const std::vector<std::string>& audited_quantities() {
                                                     "link placement",
                                                     "joint axis",
                                                     "armature",
+                                                    "joint friction",
                                                     "height of the ground",
                                                     "diagonal of the height field",
                                                     "gravity",
@@ -240,6 +256,7 @@ std::vector<AuditFinding> audit_models(PhysicsBackend& a, PhysicsBackend& b) {
   audit_inertias(a, b, findings);
   audit_geometry(a, b, findings);
   audit_armature(a, b, findings);
+  audit_joint_friction(a, b, findings);
   audit_ground(a, b, findings);
   audit_gravity(a, b, findings);
   audit_servos(a, b, findings);

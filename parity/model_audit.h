@@ -25,13 +25,14 @@ const std::vector<std::string>& audited_quantities();
 ///
 /// Read off: time per step; mass, centre of mass and inertia of each body; poses of the bodies at zero and
 /// with one joint turned at a time (link placement, joint axis); the diagonal of the mass matrix (armature);
-/// heights of the ground at the corners and in the middle of the cells (heights, diagonal). Measured in one
-/// step each: free fall (gravity); torques of each joint pushed off its target, against its stop and turning
-/// (servo stiffness, effort limit, joint damping, servo damping); depth of feet pressed into the ground (foot
-/// radius); force ratio of sliding feet (friction); depth and number of the contact points of every body
-/// pressed into the ground from eight sides (collision shape, contact points); motion of the swinging robot
-/// in the air (loops and what else there may be). Between engines of one contact law also the force on
-/// pressed feet (contact law).
+/// dry friction of the joints; heights of the ground at the corners and in the middle of the cells (heights,
+/// diagonal). Measured in one step each: free fall (gravity); torques of each joint pushed off its target,
+/// against its stop and turning (servo stiffness, effort limit, joint damping, servo damping); depth of feet
+/// pressed into the ground (foot radius); force ratio of sliding feet (friction); depth and number of the
+/// contact points of every body pressed into the ground from eight sides (collision shape, contact points);
+/// motion of the swinging robot in the air (loops and what else there may be; with dry friction in joints
+/// only between engines of one law of it). Between engines of one contact law also the force on pressed feet
+/// (contact law).
 ///
 /// @returns differences beyond 1e-6 of the larger value or rounding (ray tests: 1e-5 m; friction, where
 /// solvers stop early: 1e-3); at most one per quantity, its largest

@@ -40,4 +40,30 @@ void EngineFamily::validate() const {
   }
 }
 
+EngineFamily family_for(EngineFamily family, const RobotDescription& robot) {
+  EngineFamily concerned{family.from, family.to, {}, {}};
+  for (const ModelFactor& factor : family.factors) {
+    if (factor.concerns == nullptr || factor.concerns(robot)) concerned.factors.push_back(factor);
+  }
+  concerned.with = [whole = std::move(family.factors),
+                    with = std::move(family.with)](const std::vector<std::string>& names) {
+    std::set<std::string> wanted(names.begin(), names.end());
+    for (auto factor = whole.rbegin(); factor != whole.rend(); ++factor) {
+      if (wanted.contains(factor->name)) wanted.insert(factor->needs.begin(), factor->needs.end());
+    }
+    std::vector<std::string> in_order;
+    for (const ModelFactor& factor : whole) {
+      if (wanted.contains(factor.name)) in_order.push_back(factor.name);
+    }
+    return with(in_order);
+  };
+  for (ModelFactor& factor : concerned.factors) {
+    std::erase_if(factor.needs, [&](const std::string& need) {
+      return std::none_of(concerned.factors.begin(), concerned.factors.end(),
+                          [&need](const ModelFactor& f) { return f.name == need; });
+    });
+  }
+  return concerned;
+}
+
 }  // namespace crossgait

@@ -33,6 +33,8 @@ std::pair<std::string_view, std::string_view> split_factors(std::string_view nam
 struct ModelFactor {
   std::string name, summary;
   std::vector<std::string> needs;  ///< factors without which it means nothing; they come before it
+  /// Whether it can change anything of this robot's motion; null: of any robot's.
+  bool (*concerns)(const RobotDescription&) = nullptr;
 };
 
 /// Two engines and everything that is different between them.
@@ -46,5 +48,8 @@ struct EngineFamily {
   /// not come before it
   void validate() const;
 };
+
+/// Without the factors that do not concern `robot`, each of which takes part where one that needs it does.
+EngineFamily family_for(EngineFamily family, const RobotDescription& robot);
 
 }  // namespace crossgait

@@ -172,7 +172,6 @@ class MjcfTree {
     joint.damping = source.damping;
     joint.armature = source.armature;
     joint.friction = source.friction;
-    if (joint.friction != 0) warnings_.count("dry friction of ", " joint(s) is not simulated", place);
     if (source.stiffness != 0) warnings_.count("springs of ", " joint(s) are not simulated", place);
     check_joint(joint, path_);
     return joint;

@@ -49,6 +49,18 @@ Eigen::Matrix3Xd centre_of_mass_jacobian(const RobotDescription& robot, const st
   return J;
 }
 
+RobotState at_zero_angles(const RobotDescription& robot) {
+  RobotState state;
+  state.q = JointVector::Zero(robot.joint_count());
+  return state;
+}
+
+// Of what can move: a fixed base takes its six velocities out.
+Eigen::MatrixXd moving_mass_matrix(const RobotDescription& robot, const RobotState& state, bool fixed_base) {
+  const Eigen::Index size = robot.joint_count() + (fixed_base ? 0 : 6);
+  return mass_matrix(robot, state).bottomRightCorner(size, size);
+}
+
 }  // namespace
 
 void forward_kinematics(const RobotDescription& robot, const RobotState& state, std::vector<Pose>& poses) {
@@ -106,20 +118,23 @@ Vector3 foot_position(const RobotDescription& robot, Leg leg, const std::vector<
 }
 
 std::vector<double> translational_inverse_weights(const RobotDescription& robot, bool fixed_base) {
-  RobotState state;
-  state.q = JointVector::Zero(robot.joint_count());
+  const RobotState state = at_zero_angles(robot);
   std::vector<Pose> poses;
   forward_kinematics(robot, state, poses);
 
-  const Eigen::Index first = fixed_base ? 6 : 0;  // a fixed base takes its six velocities out of M and J
-  const Eigen::Index size = 6 + robot.joint_count() - first;
-  const Eigen::LLT<Eigen::MatrixXd> M(mass_matrix(robot, state).bottomRightCorner(size, size));
+  const Eigen::LLT<Eigen::MatrixXd> M(moving_mass_matrix(robot, state, fixed_base));
+  const Eigen::Index size = M.rows();
   std::vector<double> weights;
   for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
     const Eigen::MatrixXd J = centre_of_mass_jacobian(robot, poses, static_cast<int>(i)).rightCols(size);
     weights.push_back(size == 0 ? 0 : (J * M.solve(J.transpose())).trace() / 3);
   }
   return weights;
+}
+
+JointVector joint_inverse_weights(const RobotDescription& robot, bool fixed_base) {
+  const Eigen::LLT<Eigen::MatrixXd> M(moving_mass_matrix(robot, at_zero_angles(robot), fixed_base));
+  return M.solve(Eigen::MatrixXd::Identity(M.rows(), M.rows())).diagonal().tail(robot.joint_count());
 }
 
 }  // namespace crossgait

@@ -29,4 +29,8 @@ Vector3 foot_position(const RobotDescription& robot, Leg leg, const std::vector<
 /// scale of its soft constraints; zero where a body cannot move.
 std::vector<double> translational_inverse_weights(const RobotDescription& robot, bool fixed_base);
 
+/// Inverse weight of every joint, 1/(kg m^2): the diagonal of M^-1 at zero joint angles, armature included.
+/// MuJoCo's dof_invweight0 (mj_setConst), the scale of its dry friction in joints.
+JointVector joint_inverse_weights(const RobotDescription& robot, bool fixed_base);
+
 }  // namespace crossgait

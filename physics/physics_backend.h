@@ -24,8 +24,9 @@ struct Capabilities {
 /// The laws that an engine solves, by name. Engines that agree in all of them solve the same equations, so
 /// that nothing but rounding may lie between them: they are held to the tight tolerances.
 struct Laws {
-  std::string contact;  ///< normal force and friction between robot and terrain: "mujoco", "bullet"
-  std::string loops;    ///< of loop closures: "mujoco" (soft, with its reference acceleration)
+  std::string contact;         ///< normal force and friction between robot and terrain: "mujoco", "bullet"
+  std::string loops;           ///< of loop closures: "mujoco" (soft, with its reference acceleration)
+  std::string joint_friction;  ///< dry friction in joints: "mujoco" (soft), "bullet" (hard); "" for none
 
   bool operator==(const Laws&) const = default;
 };
@@ -103,6 +104,8 @@ class PhysicsBackend {
   Eigen::MatrixXd mass_matrix() const { return do_mass_matrix(); }
   /// Mass properties as the engine holds them, in the frame of RobotDescription.
   SpatialInertia body_inertia(int body) const;
+  /// Dry friction of every joint as the engine holds it, N m; zero where it simulates none.
+  JointVector joint_friction() const { return do_joint_friction(); }
 
   /// Adds an impulse (N s, in W) at the base's centre of mass, spread over the next physics step.
   /// @throws ConfigError if not finite
@@ -129,6 +132,7 @@ class PhysicsBackend {
   virtual SpatialInertia do_body_inertia(int body) const = 0;
   virtual void do_save(std::vector<double>& engine) const = 0;
   virtual void do_restore(const std::vector<double>& engine) = 0;
+  virtual JointVector do_joint_friction() const { return JointVector::Zero(robot().joint_count()); }
 
   void compute_torques(const JointTargets& targets) noexcept;
   [[nodiscard]] StepStatus advance(const JointTargets& targets) noexcept;

@@ -1,5 +1,6 @@
 #include "crossgait/physics/robot.h"
 
+#include <algorithm>
 #include <array>
 
 #include "crossgait/physics/robot_check.h"
@@ -50,6 +51,10 @@ double RobotDescription::total_mass() const {
   double mass = 0;
   for (const Body& body : bodies) mass += body.inertia.mass;
   return mass;
+}
+
+bool RobotDescription::has_joint_friction() const noexcept {
+  return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.joint.friction > 0; });
 }
 
 void RobotDescription::validate() const {

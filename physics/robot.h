@@ -57,7 +57,7 @@ struct Joint {
       -3.14159265358979323846;  ///< rad; limits bound commanded targets, engines do not enforce them
   double upper = 3.14159265358979323846;  ///< rad
   double damping = 0;                     ///< viscous, N m s/rad; explicit on every engine
-  double friction = 0;                    ///< dry, N m; read, but not simulated yet
+  double friction = 0;                    ///< dry (Coulomb), N m; a law of the engine's (docs/conventions.md)
   double armature = 0;                    ///< rotor inertia reflected to the joint, kg m^2
   bool actuated = false;
   double kp = 0;            ///< servo stiffness, N m/rad
@@ -120,8 +120,8 @@ struct LegModel {
   int joint(std::string_view role) const noexcept;
 };
 
-/// Softness of loop closures, in MuJoCo's terms (MuJoCo manual, "Computation > Constraint model >
-/// Parameters").
+/// Softness of a constraint, in MuJoCo's terms (MuJoCo manual, "Computation > Constraint model >
+/// Parameters"). These are its defaults.
 struct Softness {
   double time_constant = 0.02;  ///< s, at least two physics steps
   double damping_ratio = 1.0;
@@ -135,6 +135,10 @@ struct RobotDescription {
   std::vector<Body> bodies;  ///< topological order, base first
   std::vector<LoopClosure> loops;
   Softness loop_softness{0.005, 1.0, 0.95, 0.99, 0.001};
+  /// Of dry friction in joints, which engines with hard joint friction ignore; nothing is ever violated, so
+  /// damping ratio and width do not count. Stiffer than MuJoCo's defaults, with which friction pushes a joint
+  /// on that stops by itself, and stuck joints creep eight times as fast (docs/conventions.md).
+  Softness friction_softness{0.005, 1.0, 0.95, 0.99, 0.001};
   std::optional<LegArray<LegModel>> legs;  ///< absent only for test bodies built in code
   JointVector home;                        ///< joint angles of the home pose, loops closed, rad
   double home_height = 0;                  ///< height of the base origin over flat ground in the home pose, m
@@ -148,6 +152,8 @@ struct RobotDescription {
   /// Joint indices in the order of `JointTargets`.
   std::vector<int> actuated_joints() const;
   double total_mass() const;  ///< kg
+  /// Whether any joint has dry friction.
+  bool has_joint_friction() const noexcept;
 
   /// Checks every invariant stated above (finite, positive masses, physical inertias, tree order, loops
   /// closed at home, unique names). @throws ConfigError naming `source` and the element.

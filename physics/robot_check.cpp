@@ -94,9 +94,11 @@ void check_loops(const RobotDescription& robot) {
     report.finite(loop.p_AP, "point on body a (m)");
     report.finite(loop.p_BP, "point on body b (m)");
   }
-  // MuJoCo manual: time constant and damping ratio positive, impedances inside (0, 1).
-  const Softness& soft = robot.loop_softness;
-  const Reporter report(source_of(robot), "loop_softness");
+}
+
+// MuJoCo manual: time constant and damping ratio positive, impedances inside (0, 1).
+void check_softness(const Softness& soft, std::string_view source, std::string element) {
+  const Reporter report(source, std::move(element));
   report.positive(soft.time_constant, "time_constant (s)", 10);  // as of contacts (world_spec.cpp)
   report.positive(soft.damping_ratio, "damping_ratio", 100);
   report.positive(soft.impedance_width, "impedance_width (m)", 1);
@@ -232,6 +234,8 @@ void check_structure(const RobotDescription& robot) {
   }
   check_bodies(robot);
   check_loops(robot);
+  check_softness(robot.loop_softness, source_of(robot), "loop_softness");
+  check_softness(robot.friction_softness, source_of(robot), "friction_softness");
 }
 
 void check_home(const RobotDescription& robot) {

@@ -47,6 +47,8 @@ class RobotLoader {
   LoadedRobot load() {
     read_frame_and_legs();
     read_loops();
+    read_softness("loop_softness", robot_.loop_softness);
+    read_softness("friction_softness", robot_.friction_softness);
     read_feet();
     name_servos();
     check_before_home();
@@ -217,11 +219,13 @@ class RobotLoader {
         robot_.loops.push_back({loop.name, body_of(a), body_of(b), a.X_BL * loop.p_a, b.X_BL * loop.p_b});
       }
     }
-    const auto softness = find("loop_softness");
+  }
+
+  void read_softness(std::string_view key_of_robot, Softness& s) {
+    const auto softness = find(key_of_robot);
     if (!softness) return;
     softness->allow_keys(
         {"time_constant", "damping_ratio", "impedance_min", "impedance_max", "impedance_width"});
-    Softness& s = robot_.loop_softness;
     for (const auto& [key, member] : {std::pair{"time_constant", &s.time_constant},
                                       {"damping_ratio", &s.damping_ratio},
                                       {"impedance_min", &s.impedance_min},
@@ -459,7 +463,7 @@ YamlValue named_file(const YamlValue& root) {
 
 LoadedRobot load_yaml(const YamlValue& root) {
   root.allow_keys({"name", "urdf", "mjcf", "frame", "locked", "armature", "servo", "drive", "joints",
-                   "loop_softness", "legs", "loops", "home", "standing_height", "stance_offset"});
+                   "loop_softness", "friction_softness", "legs", "loops", "home", "standing_height", "stance_offset"});
   const fs::path file = fs::path(root.source()).parent_path() / named_file(root).text();
   return RobotLoader(file.string(), root.source(), root).load();
 }

@@ -26,13 +26,14 @@ void read_exception(const std::string& name, const YamlValue& values, RobotDescr
   if (i == robot.joint_count()) values.fail("a moving joint of the robot's file", fmt::format("'{}'", name));
   Joint& target = joint_of(robot, i);
   if (target.actuated) {
-    values.allow_keys({"armature", "damping", "kp", "kd", "effort", "corner_speed", "no_load_speed",
-                       "backlash", "delay", "sensor_noise"});
+    values.allow_keys({"armature", "damping", "friction", "kp", "kd", "effort", "corner_speed",
+                       "no_load_speed", "backlash", "delay", "sensor_noise"});
   } else {
-    values.allow_keys({"armature", "damping"});
+    values.allow_keys({"armature", "damping", "friction"});
   }
   for (const auto& [key, member] : {std::pair{"armature", &target.armature},
                                     {"damping", &target.damping},
+                                    {"friction", &target.friction},
                                     {"kp", &target.kp},
                                     {"kd", &target.kd},
                                     {"effort", &target.effort_limit}}) {

@@ -27,6 +27,13 @@ std::string yaml_legs(const RobotDescription& robot) {
   return out;
 }
 
+std::string yaml_softness(std::string_view key, const Softness& s) {
+  return fmt::format(
+      "{}: {{time_constant: {}, damping_ratio: {}, impedance_min: {}, impedance_max: {}, impedance_width: "
+      "{}}}\n",
+      key, s.time_constant, s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width);
+}
+
 std::string yaml_loops(const RobotDescription& robot) {
   if (robot.loops.empty()) return "";
   std::string out = "loops:\n";
@@ -38,11 +45,7 @@ std::string yaml_loops(const RobotDescription& robot) {
                        yaml_quoted(loop.name), link(loop.body_a), yaml_vector(loop.p_AP), link(loop.body_b),
                        yaml_vector(loop.p_BP));
   }
-  const Softness& s = robot.loop_softness;
-  return out + fmt::format(
-                   "loop_softness: {{time_constant: {}, damping_ratio: {}, impedance_min: {}, "
-                   "impedance_max: {}, impedance_width: {}}}\n",
-                   s.time_constant, s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width);
+  return out + yaml_softness("loop_softness", robot.loop_softness);
 }
 
 /// The first servo's, and exceptions to them.
@@ -103,7 +106,8 @@ std::string to_yaml(const LoadedRobot& loaded, const std::string& file) {
   std::vector<std::string> locked;
   for (const std::string& joint : report.locked) locked.push_back(yaml_quoted(joint));
   out += fmt::format("locked: [{}]  # joints held at zero\n", fmt::join(locked, ", "));
-  out += yaml_joints(robot) + yaml_legs(robot) + yaml_loops(robot) + yaml_home(robot);
+  out += yaml_joints(robot) + yaml_softness("friction_softness", robot.friction_softness) + yaml_legs(robot) +
+         yaml_loops(robot) + yaml_home(robot);
   return out + fmt::format(
                    "standing_height: {}  # m, of hips or shoulders above the feet: the scale of gaits\n"
                    "stance_offset: {}  # m, of the feet ahead of the hips\n",

@@ -176,9 +176,6 @@ class TreeBuilder {
     if (source.dynamics) {
       joint.damping = source.dynamics->damping;
       joint.friction = source.dynamics->friction;
-      if (joint.friction != 0) {
-        warnings_.count("dry friction of ", " joint(s) is not simulated", element);
-      }
     }
     check_joint(joint, path_);
     return joint;

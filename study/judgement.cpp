@@ -48,8 +48,9 @@ Judgement judge_behaviour(const BehaviourSpec& spec, const std::string& a, const
       reach_verdict(behaviour, engine_a, engine_b, options.verdict, progress_of(progress, "judging"));
   if (family) {
     const VerdictOptions& how = options.verdict;
-    result.attribution = attribute(behaviour, *family, {how.starts, how.confidence, how.workers},
-                                   progress_of(progress, "explaining"));
+    result.attribution =
+        attribute(behaviour, family_for(*family, *world.robot), {how.starts, how.confidence, how.workers},
+                  progress_of(progress, "explaining"));
   }
   return result;
 }

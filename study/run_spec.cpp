@@ -141,8 +141,8 @@ Json identity_of_robot(const std::string& name_or_file) {
   for (const Body& b : robot.bodies) {
     hash.add(b.name);
     for (const double v : {static_cast<double>(b.parent), b.inertia.mass, b.joint.lower, b.joint.upper,
-                           b.joint.damping, b.joint.armature, b.joint.actuated ? 1.0 : 0.0, b.joint.kp,
-                           b.joint.kd, b.joint.effort_limit, b.joint.friction, b.joint.corner_speed,
+                           b.joint.damping, b.joint.friction, b.joint.armature, b.joint.actuated ? 1.0 : 0.0,
+                           b.joint.kp, b.joint.kd, b.joint.effort_limit, b.joint.corner_speed,
                            b.joint.no_load_speed, b.joint.backlash, b.joint.delay, b.joint.sensor_noise})
       add_number(v);
     add(b.X_PB.matrix());
@@ -162,10 +162,11 @@ Json identity_of_robot(const std::string& name_or_file) {
     add(loop.p_AP);
     add(loop.p_BP);
   }
-  const Softness& s = robot.loop_softness;
-  for (const double v :
-       {s.time_constant, s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width})
-    add_number(v);
+  for (const Softness& s : {robot.loop_softness, robot.friction_softness}) {
+    for (const double v :
+         {s.time_constant, s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width})
+      add_number(v);
+  }
   add(robot.home);
   add_number(robot.home_height);
   if (robot.legs) {

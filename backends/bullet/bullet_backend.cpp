@@ -19,7 +19,9 @@ EngineInfo make_info(const ContactFactors& factors) {
   info.capabilities.soft_contact = !factors.hard_normal;
   info.capabilities.allocates = factors.narrowphase || factors.sweeps;  // both are Bullet's own code
   // What lies between the two laws is a law of its own.
-  info.laws = {matched ? "mujoco" : info.name, "mujoco"};
+  info.laws = {.contact = matched ? "mujoco" : info.name,
+               .loops = "mujoco",
+               .joint_friction = factors.hard_joint_friction ? "bullet" : "mujoco"};
   if (matched) {
     info.mode = "MuJoCo's contact law in Bullet's dynamics";
   } else if (factors == ContactFactors::native()) {
@@ -147,6 +149,8 @@ class BulletBackend final : public PhysicsBackend {
     X.translation() = X_BP.linear() * vector(link.m_dVector);
     return from_principal(link.m_mass, {X, vector(link.m_inertiaLocal)});
   }
+
+  JointVector do_joint_friction() const override { return solver_->joint_friction(); }
 
   void do_save(std::vector<double>& engine) const override {
     const btMultiBody& b = body();

@@ -97,49 +97,59 @@ Vector3 solve_cone_block(const Matrix3& H, const Vector3& g, double friction, co
   return std::max(0.0, ray.N / ray.D) * ray.d;
 }
 
-int ConeProblem::solve(double tolerance, int max_sweeps) noexcept {
+ConeProblem::Sweep ConeProblem::sweep() noexcept {
   const Eigen::Index rows = 3 * contacts;
-  x.head(rows).setZero();
-  for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
-    double change = 0, largest = 0;
-    for (int c = 0; c < contacts; ++c) {
-      const Eigen::Index i = 3 * c;
-      const Matrix3 H = A.block<3, 3>(i, i);
-      const Vector3 old = x.segment<3>(i);
-      Vector3 g = b.segment<3>(i) - H * old;
-      // A is symmetric: its columns are contiguous, its rows are not.
-      for (int k = 0; k < 3; ++k) g[k] += A.col(i + k).head(rows).dot(x.head(rows));
-      const Vector3 next = solve_cone_block(H, g, friction, old);
-      x.segment<3>(i) = next;
-      change = std::max(change, (next - old).lpNorm<Eigen::Infinity>());
-      largest = std::max(largest, next.lpNorm<Eigen::Infinity>());
-    }
-    if (change <= tolerance * largest) return sweep;
+  Sweep result;
+  for (int c = 0; c < contacts; ++c) {
+    const Eigen::Index i = 3 * c;
+    const Matrix3 H = A.block<3, 3>(i, i);
+    const Vector3 old = x.segment<3>(i);
+    Vector3 g = b.segment<3>(i) - H * old;
+    // A is symmetric: its columns are contiguous, its rows are not.
+    for (int k = 0; k < 3; ++k) g[k] += A.col(i + k).head(rows).dot(x.head(rows));
+    const Vector3 next = solve_cone_block(H, g, friction, old);
+    x.segment<3>(i) = next;
+    result.change = std::max(result.change, (next - old).lpNorm<Eigen::Infinity>());
+    result.largest = std::max(result.largest, next.lpNorm<Eigen::Infinity>());
+  }
+  return result;
+}
+
+ConeProblem::Sweep ConeProblem::sweep_coulomb() noexcept {
+  const Eigen::Index rows = 3 * contacts;
+  // A is symmetric: its columns are contiguous, its rows are not.
+  const auto gradient = [&](Eigen::Index i) { return b[i] + A.col(i).head(rows).dot(x.head(rows)); };
+  Sweep result;
+  for (Eigen::Index i = 0; i < rows; i += 3) {
+    const Vector3 old = x.segment<3>(i);
+    x[i] = std::max(0.0, x[i] - gradient(i) / A(i, i));
+    // One step size for both directions, or friction would not oppose slip.
+    const double step = 1 / std::max(A(i + 1, i + 1), A(i + 2, i + 2));
+    const double u = x[i + 1] - step * gradient(i + 1), v = x[i + 2] - step * gradient(i + 2);
+    const double limit = friction * x[i], size = std::hypot(u, v);
+    const double scale = size > limit ? limit / size : 1;
+    x[i + 1] = scale * u;
+    x[i + 2] = scale * v;
+    result.change = std::max(result.change, (x.segment<3>(i) - old).lpNorm<Eigen::Infinity>());
+    result.largest = std::max(result.largest, x.segment<3>(i).lpNorm<Eigen::Infinity>());
+  }
+  return result;
+}
+
+int ConeProblem::solve(double tolerance, int max_sweeps) noexcept {
+  x.head(3 * contacts).setZero();
+  for (int count = 1; count <= max_sweeps; ++count) {
+    const auto [change, largest] = sweep();
+    if (change <= tolerance * largest) return count;
   }
   return max_sweeps;
 }
 
 int ConeProblem::solve_coulomb(double tolerance, int max_sweeps) noexcept {
-  const Eigen::Index rows = 3 * contacts;
-  x.head(rows).setZero();
-  // A is symmetric: its columns are contiguous, its rows are not.
-  const auto gradient = [&](Eigen::Index i) { return b[i] + A.col(i).head(rows).dot(x.head(rows)); };
-  for (int sweep = 1; sweep <= max_sweeps; ++sweep) {
-    double change = 0, largest = 0;
-    for (Eigen::Index i = 0; i < rows; i += 3) {
-      const Vector3 old = x.segment<3>(i);
-      x[i] = std::max(0.0, x[i] - gradient(i) / A(i, i));
-      // One step size for both directions, or friction would not oppose slip.
-      const double step = 1 / std::max(A(i + 1, i + 1), A(i + 2, i + 2));
-      const double u = x[i + 1] - step * gradient(i + 1), v = x[i + 2] - step * gradient(i + 2);
-      const double limit = friction * x[i], size = std::hypot(u, v);
-      const double scale = size > limit ? limit / size : 1;
-      x[i + 1] = scale * u;
-      x[i + 2] = scale * v;
-      change = std::max(change, (x.segment<3>(i) - old).lpNorm<Eigen::Infinity>());
-      largest = std::max(largest, x.segment<3>(i).lpNorm<Eigen::Infinity>());
-    }
-    if (change <= tolerance * largest) return sweep;
+  x.head(3 * contacts).setZero();
+  for (int count = 1; count <= max_sweeps; ++count) {
+    const auto [change, largest] = sweep_coulomb();
+    if (change <= tolerance * largest) return count;
   }
   return max_sweeps;
 }

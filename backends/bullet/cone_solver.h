@@ -30,6 +30,14 @@ struct ConeProblem {
   /// normal that opposes w best. Projected Gauss-Seidel over rows, from zero (Jourdan, Alart and Jean 1998).
   /// No minimum of anything: the cone of `solve` lets a sliding contact lift, this does not.
   int solve_coulomb(double tolerance, int max_sweeps) noexcept;
+
+  /// How much impulses changed in a sweep, and how large they are.
+  struct Sweep {
+    double change = 0, largest = 0;
+  };
+  /// One sweep of either, from `x`.
+  Sweep sweep() noexcept;
+  Sweep sweep_coulomb() noexcept;
 };
 
 /// The block problem: argmin 1/2 x'Hx + g'x over one cone. `start` seeds the search on the cone's surface.

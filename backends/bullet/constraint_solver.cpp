@@ -14,6 +14,8 @@ ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const ContactFactors& 
       joints_(model.body(), model.armature(), model.loop_points(),
               SoftLaw(spec.robot->loop_softness, spec.physics_dt), spec.physics_dt),
       contact_law_(spec.contact.softness, spec.physics_dt),
+      friction_law_(spec.robot->friction_softness, spec.physics_dt),
+      frictional_joints_(model.frictional_joints()),
       features_(model.contact_features()),
       margins_(contact_margins(features_, model.body().getNumLinks())),
       torque_(JointVector::Zero(spec.robot->joint_count())) {
@@ -27,6 +29,10 @@ ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const ContactFactors& 
   correction_.setZero(n);
   rows_.setZero(n, ConeProblem::kMaxRows);
   projected_.setZero(n, ConeProblem::kMaxRows);
+  joint_friction_.count = static_cast<int>(frictional_joints_.size());
+  joint_rows_.setZero(n, joint_friction_.count);
+  projected_joints_.setZero(n, joint_friction_.count);
+  if (factors_.sweeps) make_friction_motors();
 }
 
 DofVector ConstraintSolver::bullet_velocity() const noexcept {
@@ -51,9 +57,10 @@ void ConstraintSolver::begin_step(const JointVector& torque) noexcept {
 void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_count,
                                            btPersistentManifold** manifolds, int manifold_count,
                                            btTypedConstraint** constraints, int constraint_count,
-                                           btMultiBodyConstraint** multibody_constraints,
-                                           int multibody_constraint_count, const btContactSolverInfo& info,
-                                           btIDebugDraw* drawer, btDispatcher* dispatcher) {
+                                           btMultiBodyConstraint** /*multibody_constraints*/,
+                                           int /*multibody_constraint_count*/,
+                                           const btContactSolverInfo& info, btIDebugDraw* drawer,
+                                           btDispatcher* dispatcher) {
   if (!pending_) return;  // Bullet also calls for empty groups
   pending_ = false;
   const DofVector after_dynamics = bullet_velocity();
@@ -74,9 +81,9 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
     return;
   }
   correction_ = joints_.velocity() - after_dynamics;
-  btMultiBodyConstraintSolver::solveMultiBodyGroup(bodies, body_count, manifolds, manifold_count, constraints,
-                                                   constraint_count, multibody_constraints,
-                                                   multibody_constraint_count, info, drawer, dispatcher);
+  btMultiBodyConstraintSolver::solveMultiBodyGroup(
+      bodies, body_count, manifolds, manifold_count, constraints, constraint_count, motor_list_.data(),
+      static_cast<int>(motor_list_.size()), info, drawer, dispatcher);
   if (!bullet_velocity().allFinite()) {
     finite_ = false;
     set_velocity(DofVector::Zero(before_.size()));

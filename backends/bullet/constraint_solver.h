@@ -1,11 +1,15 @@
-// Bullet's constraint solver with Crossgait's joint stage, and contacts made of either engine's factors.
+// Bullet's constraint solver with Crossgait's joint stage, and contacts and dry friction in joints made of
+// either engine's factors.
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+#include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
 
+#include "crossgait/backends/bullet/bounded_rows.h"
 #include "crossgait/backends/bullet/cone_solver.h"
 #include "crossgait/backends/bullet/contact_factors.h"
 #include "crossgait/backends/bullet/joint_stage.h"
@@ -18,7 +22,7 @@ namespace crossgait::bullet {
 std::vector<double> contact_margins(const std::vector<LinkFeature>& features, int links);
 
 /// Bullet's world calls it once per step, after its forward dynamics and collision detection. The joint stage
-/// replaces Bullet's joint rows; contacts follow the factors.
+/// replaces Bullet's rows for armature and loops; contacts and joint friction follow the factors.
 class ConstraintSolver final : public btMultiBodyConstraintSolver {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
@@ -32,6 +36,8 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   bool finite() const noexcept { return finite_; }
   const ContactList& contacts() const noexcept { return contacts_; }
   const JointStage& joints() const noexcept { return joints_; }
+  /// Dry friction of every joint, N m.
+  JointVector joint_friction() const;
 
   void solveMultiBodyGroup(btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
                            int manifold_count, btTypedConstraint** constraints, int constraint_count,
@@ -54,8 +60,14 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   // All but Bullet's own sweeps: contact_law.cpp
   void solve_contacts() noexcept;
   void assemble_contacts() noexcept;
+  void respond(Eigen::Index column, Eigen::MatrixXd& rows, Eigen::MatrixXd& projected) const noexcept;
   double set_row(int contact, int axis) noexcept;
   void apply_contacts() noexcept;
+
+  // joint_friction.cpp
+  void assemble_joint_friction() noexcept;
+  void add_joint_friction(DofVector& change) const noexcept;
+  void make_friction_motors();
 
   // Bullet's own sweeps: native_contact.cpp
   btScalar solveGroupCacheFriendlySetup(btCollisionObject** bodies, int body_count,
@@ -76,7 +88,10 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   ContactFactors factors_;
   MultibodyModel& model_;
   JointStage joints_;
-  SoftLaw contact_law_;
+  SoftLaw contact_law_, friction_law_;
+  std::vector<FrictionalJoint> frictional_joints_;
+  std::vector<std::unique_ptr<btMultiBodyJointMotor>> friction_motors_;  // Bullet's own rows: one per joint
+  std::vector<btMultiBodyConstraint*> motor_list_;                       // the same, as Bullet takes them
   std::vector<LinkFeature> features_;
   std::vector<double> margins_;
   std::vector<double> reach_;  // of each link's features (base first) from its centre of mass, m
@@ -87,9 +102,11 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   JointVector torque_;
   DeepestPoints<ContactPoint> points_;
   ConeProblem cone_;
+  BoundedRows joint_friction_;
   PointJacobian J_;
   Eigen::MatrixXd rows_;                               // dofs x 3 contacts: half_solve(J')
   Eigen::MatrixXd projected_;                          // the same after project()
+  Eigen::MatrixXd joint_rows_, projected_joints_;      // likewise: dofs x joints with friction
   std::array<Eigen::Matrix3d, kMaxContacts> frames_;   // rows: normal, two tangents
   std::array<Vector3, kMaxContacts> velocity_before_;  // in that frame
   ContactList contacts_;

@@ -44,10 +44,16 @@ const std::vector<FactorRow>& factor_rows() {
       {{"hard_normal", "penetration stops at once, not like a spring and damper", {}}, &F::hard_normal},
       // A spring at a point that does not touch would push or pull through the air.
       {{"speculative", "points just above the ground count", {"hard_normal"}}, &F::speculative},
+      {{"hard_joint_friction",
+        "dry friction stops a joint at once, not like a damper",
+        {},
+        [](const RobotDescription& robot) { return robot.has_joint_friction(); }},
+       &F::hard_joint_friction},
       // Bullet's own code has all of the others built in.
       {{"sweeps",
         "Bullet's own rows and sweeps, not a converged solution",
-        {"narrowphase", "surface", "coulomb", "hard_friction", "hard_normal", "speculative"}},
+        {"narrowphase", "surface", "coulomb", "hard_friction", "hard_normal", "speculative",
+         "hard_joint_friction"}},
        &F::sweeps},
   };
   return kRows;

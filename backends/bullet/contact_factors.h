@@ -1,5 +1,5 @@
-// What the contact of `bullet` is made of, piece by piece, so that a difference from MuJoCo can be traced to
-// one.
+// What contact and joint friction of `bullet` are made of, piece by piece, so that a difference from MuJoCo
+// can be traced to one.
 #pragma once
 
 #include <string>
@@ -19,12 +19,13 @@ struct ContactFactors {
   bool hard_friction = false;  ///< friction stops slip at once, not like a damper
   bool hard_normal = false;    ///< penetration stops at once and a fifth of it is undone, not like a spring
   bool speculative = false;    ///< points just above the ground count: they may close the gap and no more
-  bool sweeps = false;         ///< Bullet's own rows and projected Gauss-Seidel sweeps, not a converged solve
+  bool hard_joint_friction = false;  ///< dry friction stops a joint at once, not like a damper
+  bool sweeps = false;  ///< Bullet's own rows and projected Gauss-Seidel sweeps, not a converged solve
 
   /// MuJoCo's contact law in Bullet's dynamics.
   static constexpr ContactFactors matched() { return {}; }
   /// Bullet as it ships.
-  static constexpr ContactFactors native() { return {true, true, true, true, true, true, true}; }
+  static constexpr ContactFactors native() { return {true, true, true, true, true, true, true, true}; }
 
   bool operator==(const ContactFactors&) const = default;
 };

@@ -1,6 +1,6 @@
-// Contact solved by Crossgait in Bullet's dynamics. With MuJoCo's factors contacts are placed midway
-// between the surfaces, softened like MuJoCo's, and solved over true friction cones; any of these can be
-// Bullet's.
+// Contact, along with dry friction in joints, solved by Crossgait in Bullet's dynamics. With MuJoCo's factors
+// contacts are placed midway between the surfaces, softened like MuJoCo's, and solved over true friction
+// cones; any of these can be Bullet's.
 #include <algorithm>
 #include <cmath>
 
@@ -32,13 +32,17 @@ Matrix3 contact_frame(const Vector3& normal) {
 }  // namespace
 
 void ConstraintSolver::solve_contacts() noexcept {
-  if (points_.count == 0) {
+  if (points_.count == 0 && frictional_joints_.empty()) {
     set_velocity(joints_.velocity());
     return;
   }
   assemble_contacts();
   const double tolerance = std::max(kRoundingFloor, kSweepTolerance * spec_.solver.tolerance);
-  if (factors_.coulomb) {
+  if (!frictional_joints_.empty()) {
+    assemble_joint_friction();
+    joint_friction_.solve(cone_, factors_.coulomb, tolerance, kMaxSweeps);
+    cone_.x.head(3 * points_.count) = joint_friction_.contact_impulses().head(3 * points_.count);
+  } else if (factors_.coulomb) {
     cone_.solve_coulomb(tolerance, kMaxSweeps);
   } else {
     cone_.solve(tolerance, kMaxSweeps);
@@ -83,9 +87,7 @@ void ConstraintSolver::assemble_contacts() noexcept {
       const double target = set_row(i, r);
       cone_.b[row] = J_.row(r).dot(joints_.velocity()) - target;
       rows_.col(row) = J_.row(r).transpose();
-      inertia.half_solve(rows_.col(row));
-      projected_.col(row) = rows_.col(row);
-      joints_.project(projected_.col(row));
+      respond(row, rows_, projected_);
     }
   }
   for (Eigen::Index c = 0; c < rows; ++c) {
@@ -97,9 +99,18 @@ void ConstraintSolver::assemble_contacts() noexcept {
   cone_.friction = std::max(spec_.contact.friction, kMinFriction);
 }
 
+// From a row's J', in a column, the response of the machine to it: half_solve(J'), and what remains of it.
+void ConstraintSolver::respond(Eigen::Index column, Eigen::MatrixXd& rows,
+                               Eigen::MatrixXd& projected) const noexcept {
+  joints_.inertia().half_solve(rows.col(column));
+  projected.col(column) = rows.col(column);
+  joints_.project(projected.col(column));
+}
+
 void ConstraintSolver::apply_contacts() noexcept {
   const Eigen::Index rows = 3 * points_.count;
   DofVector change = projected_.leftCols(rows) * cone_.x.head(rows);
+  if (joint_friction_.count > 0) add_joint_friction(change);
   joints_.inertia().finish_solve(change);
   set_velocity(joints_.velocity() + change);
   for (int i = 0; i < points_.count; ++i) {

@@ -67,6 +67,16 @@ JointVector MultibodyModel::armature() const {
   return armature;
 }
 
+std::vector<FrictionalJoint> MultibodyModel::frictional_joints() const {
+  const JointVector inverse_weights = joint_inverse_weights(*spec_.robot, spec_.fixed_base);
+  std::vector<FrictionalJoint> joints;
+  for (int i = 0; i < spec_.robot->joint_count(); ++i) {
+    const double friction = spec_.robot->joint(i).friction;
+    if (friction > 0) joints.push_back({i, friction, inverse_weights[i]});
+  }
+  return joints;
+}
+
 std::vector<LoopPoints> MultibodyModel::loop_points() const {
   std::vector<LoopPoints> loops;
   for (const LoopClosure& loop : spec_.robot->loops) {

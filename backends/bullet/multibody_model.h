@@ -24,6 +24,13 @@ struct LinkFeature {
   SphereCentres centres(const btMultiBody& body, const Terrain& terrain, double margin) const noexcept;
 };
 
+/// A joint with dry friction.
+struct FrictionalJoint {
+  int link = -1;              ///< Bullet link that it moves
+  double friction = 0;        ///< N m
+  double inverse_weight = 0;  ///< MuJoCo's, 1/(kg m^2)
+};
+
 /// Bullet keeps link frames at the centre of mass along principal axes; bodies and links count apart by one
 /// (body i + 1 is link i, body 0 is the base).
 class MultibodyModel {
@@ -35,6 +42,7 @@ class MultibodyModel {
   /// Pose of the principal frame P in the body's own frame.
   const Pose& X_BP(int body) const { return X_BP_[static_cast<std::size_t>(body)]; }
   JointVector armature() const;
+  std::vector<FrictionalJoint> frictional_joints() const;
   std::vector<LoopPoints> loop_points() const;
   /// Those of all bodies that can move.
   std::vector<LinkFeature> contact_features() const;

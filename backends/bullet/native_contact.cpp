@@ -1,6 +1,7 @@
-// Native mode: Bullet's contact rows and projected Gauss-Seidel sweeps, as Bullet ships them: hard contact
-// (position error reduction erp2 = 0.2, no softness), friction bounded by the normal impulse of the sweep.
-// The one change: rows respond through the joint stage (armature, closed loops) instead of the bare tree.
+// Native mode: Bullet's rows and projected Gauss-Seidel sweeps, as Bullet ships them: hard contact (position
+// error reduction erp2 = 0.2, no softness), friction bounded by the normal impulse of the sweep, motors for
+// the dry friction of joints. The one change: rows respond through the joint stage (armature, closed loops)
+// instead of the bare tree.
 #include <algorithm>
 #include <cmath>
 
@@ -37,6 +38,9 @@ btScalar ConstraintSolver::solveGroupCacheFriendlySetup(btCollisionObject** bodi
   const btScalar result = btMultiBodyConstraintSolver::solveGroupCacheFriendlySetup(
       bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info, drawer);
   set_velocity(joints_.velocity());
+  for (int i = 0; i < m_multiBodyNonContactConstraints.size(); ++i) {
+    refer_to_joint_stage(m_multiBodyNonContactConstraints[i]);
+  }
   for (int i = 0; i < m_multiBodyNormalContactConstraints.size(); ++i) {
     refer_to_joint_stage(m_multiBodyNormalContactConstraints[i]);
   }

@@ -1,6 +1,7 @@
 #include "crossgait/backends/mujoco/model_xml.h"
 
 #include <iterator>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -39,9 +40,11 @@ std::string placement(const Pose& X) {
   return fmt::format("pos='{}' quat='{}'", numbers(X.translation()), quaternion(X));
 }
 
-std::string softness(const Softness& s) {
-  return fmt::format("solref='{:.17g} {:.17g}' solimp='{:.17g} {:.17g} {:.17g} 0.5 2'", s.time_constant,
-                     s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width);
+// @param suffix of the attributes' names: "" or "friction"
+std::string softness(const Softness& s, std::string_view suffix = "") {
+  return fmt::format("solref{}='{:.17g} {:.17g}' solimp{}='{:.17g} {:.17g} {:.17g} 0.5 2'", suffix,
+                     s.time_constant, s.damping_ratio, suffix, s.impedance_min, s.impedance_max,
+                     s.impedance_width);
 }
 
 std::string contact_attributes(const ContactSpec& contact, int type, int affinity, int group) {
@@ -95,8 +98,11 @@ void add_body(Xml& xml, const WorldSpec& spec, int index) {
   xml.add("<body name='{}' {}>", body_name(index),
           placement(index > 0 ? from_origin(robot, body.parent, body.X_PB) : Pose::Identity()));
   if (index > 0) {
-    xml.add("<joint name='{}' type='hinge' axis='{}' armature='{:.17g}' limited='false'/>",
-            joint_name(index - 1), numbers(body.joint.axis), body.joint.armature);
+    xml.add(
+        "<joint name='{}' type='hinge' axis='{}' armature='{:.17g}' frictionloss='{:.17g}' {} "
+        "limited='false'/>",
+        joint_name(index - 1), numbers(body.joint.axis), body.joint.armature, body.joint.friction,
+        softness(robot.friction_softness, "friction"));
   } else if (!spec.fixed_base) {
     xml.add("<freejoint/>");
   }

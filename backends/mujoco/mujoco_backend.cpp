@@ -43,7 +43,7 @@ class MujocoBackend final : public PhysicsBackend {
                                   "MuJoCo",
                                   mj_versionString(),
                                   "soft contact, elliptic cones, Newton",
-                                  {.contact = "mujoco", .loops = "mujoco"},
+                                  {.contact = "mujoco", .loops = "mujoco", .joint_friction = "mujoco"},
                                   {.soft_contact = true, .exact_field_query = true}};
     return kInfo;
   }
@@ -217,6 +217,14 @@ class MujocoBackend final : public PhysicsBackend {
                           {make_pose(quaternion(m.body_iquat + 4 * id),
                                      vector(m.body_ipos + 3 * id) + body_origin(robot(), body)),
                            vector(m.body_inertia + 3 * id)});
+  }
+
+  JointVector do_joint_friction() const override {
+    JointVector friction(robot().joint_count());
+    for (std::size_t i = 0; i < v_address_.size(); ++i) {
+      friction[static_cast<Eigen::Index>(i)] = model_->dof_frictionloss[v_address_[i]];
+    }
+    return friction;
   }
 
   // Positions and velocities alone do not continue bit for bit: the solver starts from the last acceleration.

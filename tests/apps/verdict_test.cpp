@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/backends/registry.h"
+#include "crossgait/physics/data_path.h"
 #include "crossgait/tests/apps/run_program.h"
 
 namespace crossgait {
@@ -91,7 +92,8 @@ TEST(VerdictCommand, FromStoredRunsGivesTheSameAndMakesNoRun) {
 
 TEST(VerdictCommand, ExplainsWhereThereIsAFamily) {
   if (engine_families().empty()) GTEST_SKIP() << "no engine is made of factors";
-  const EngineFamily& family = engine_families().front();
+  const EngineFamily family =
+      family_for(engine_families().front(), load_robot(find_robot("scara_quadruped")));
   const json verdict =
       run_json("verdict --explain --engines " + family.from + "," + family.to + " " + kShort);
   const json& attribution = verdict["attribution"];

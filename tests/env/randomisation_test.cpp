@@ -66,9 +66,10 @@ TEST(Randomisation, SeedsAreWholeAndIncludeBothEnds) {
 }
 
 TEST(Randomisation, ScalesMassesServosAndFriction) {
-  const WorldSpec nominal = scenes::world_of(scenes::quadruped());
+  const WorldSpec nominal = scenes::world_of(scenes::with_joint_friction(scenes::quadruped(), 0.02));
   Randomisation r;
   r[Randomised::kFriction] = {0.5, 0.5};
+  r[Randomised::kJointFriction] = {2, 2};
   r[Randomised::kTrunkMass] = {1.2, 1.2};
   r[Randomised::kMass] = {0.8, 1.25};
   r[Randomised::kServoStiffness] = {2, 2};
@@ -94,9 +95,29 @@ TEST(Randomisation, ScalesMassesServosAndFriction) {
     EXPECT_LE(factor, 1.25);
     EXPECT_DOUBLE_EQ(after.joint.kp, 2 * before.joint.kp);
     EXPECT_DOUBLE_EQ(after.joint.damping, 3 * before.joint.damping);
+    EXPECT_DOUBLE_EQ(after.joint.friction, 0.04);
     EXPECT_DOUBLE_EQ(after.joint.effort_limit, 4 * before.joint.effort_limit);
   }
   EXPECT_NE(factors[0], factors[1]);  // each body its own
+}
+
+TEST(Randomisation, JointFrictionIsDrawnBesideWhatWasThereBefore) {
+  Randomisation off, on;
+  on[Randomised::kJointFriction] = {0.5, 1.5};
+  Random a(7), b(7), plain(7);
+  double sum = 0;
+  for (int i = 0; i < 1000; ++i) {
+    (void)draw(off, a);
+    const double scale = draw(on, b)[Randomised::kJointFriction];
+    ASSERT_GE(scale, 0.5);
+    ASSERT_LT(scale, 1.5);
+    sum += scale;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(Randomised::kJointFriction); ++k)
+      (void)plain.uniform();
+  }
+  EXPECT_NEAR(sum / 1000, 1, 0.05);  // five standard deviations
+  EXPECT_TRUE(a == plain);
+  EXPECT_TRUE(b == plain);
 }
 
 TEST(Randomisation, UnknownNamesListTheKnown) {

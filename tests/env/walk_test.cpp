@@ -158,9 +158,56 @@ TEST(ElbowDrag, IsThePowerThatTheElbowsDissipate) {
   const double left = rate(before.elbow_left, after.elbow_left),
                right = rate(before.elbow_right, after.elbow_right);
   const Vector3 torque =
-      leg_jacobian(g, at).transpose() * elbow_drag_force(g, foot, kDefaultMode, velocity, d);
+      leg_jacobian(g, at).transpose() * elbow_drag_force(g, foot, kDefaultMode, velocity, {.damping = d});
   EXPECT_NEAR(torque.dot(rates), d * (left * left + right * right),
               1e-7);  // h^2 and rounding / h of the differences
+}
+
+TEST(ElbowDrag, TakesDryFrictionByTheSignOfTheElbowsRates) {
+  const FiveBarGeometry g = five_bar_geometry(*robot(), Leg::FL);
+  const Vector3 foot(0.012, 0.015, -0.062), velocity(0.3, -0.1, -0.2);
+  // Elbows turn at several rad/s: with a slowness of 1e-6 friction counts in full, and its power is friction
+  // times the sum of their speeds, a damper's the sum of their squares.
+  const auto power = [&](const JointDrag& elbow) {
+    return elbow_drag_force(g, foot, kDefaultMode, velocity, elbow).dot(velocity);
+  };
+  const double h = 1e-6;
+  const LegAngles before = solve_leg(g, foot - h * velocity).angles,
+                  after = solve_leg(g, foot + h * velocity).angles;
+  const double left = (after.elbow_left - before.elbow_left) / (2 * h),
+               right = (after.elbow_right - before.elbow_right) / (2 * h);
+  ASSERT_GT(std::min(std::abs(left), std::abs(right)), 0.1);
+  EXPECT_NEAR(power({.friction = 0.05, .slow = 1e-6}), 0.05 * (std::abs(left) + std::abs(right)), 1e-7);
+  EXPECT_EQ(power({.damping = 0.02, .friction = 0, .slow = 0.1}), power({.damping = 0.02}));
+}
+
+TEST(JointDrag, IsSmoothWhereTheJointTurnsRound) {
+  const JointDrag drag{.damping = 0.5, .friction = 2, .slow = 0.1};
+  EXPECT_EQ(drag.torque(0), 0);
+  EXPECT_NEAR(drag.torque(10), 5 + 2, 2e-4);  // (slow / rate)^2 / 2 of the friction is missing
+  EXPECT_EQ(drag.torque(-3), -drag.torque(3));
+  EXPECT_NEAR(drag.dry(0.1), 2 / std::sqrt(2.0), 1e-12);
+}
+
+TEST(LegController, LeadsByTheDryFrictionOfItsServos) {
+  // A friction of f asks servos of stiffness kp for f / kp more in the direction they turn.
+  constexpr double kFriction = 0.02;
+  RobotDescription rubbing = *robot();
+  for (const LegModel& leg : *rubbing.legs) {
+    for (const int i : leg.servos) rubbing.bodies[static_cast<std::size_t>(i) + 1].joint.friction = kFriction;
+  }
+  LegController smooth(robot()), dry(std::make_shared<const RobotDescription>(rubbing));
+  const std::vector<int> actuated = robot()->actuated_joints();
+  LegArray<Vector3> feet;
+  for (int step = 0; step < 3; ++step) {
+    feet.fill(Vector3(0.0004 * step, 0.0001 * step, -0.06));
+    const JointVector a = smooth.update(feet, 2e-3).q, b = dry.update(feet, 2e-3).q;
+    for (Eigen::Index k = 0; k < a.size(); ++k) {
+      const double lead = std::abs(b[k] - a[k]) * robot()->joint(actuated[static_cast<std::size_t>(k)]).kp;
+      EXPECT_NEAR(lead, step == 0 ? 0 : kFriction, 0.02 * kFriction)
+          << k;  // some are not much faster than slow
+    }
+  }
 }
 
 TEST(Walk, AcceptsOnlyTimingThatCanBe) {

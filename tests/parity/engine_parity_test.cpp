@@ -132,6 +132,49 @@ TEST_P(MatchedPair, ASerialRobotTrotsTheSame) {
   EXPECT_GE(d.most_contacts, 4);
 }
 
+// Dry friction in joints: stuck, sliding and turning round, with loops and without.
+TEST_P(MatchedPair, APendulumWithJointFrictionSwingsTheSame) {
+  for (const double friction : {0.003, 0.05, 0.3}) {
+    const scenes::ArmLink link{.friction = friction};
+    WorldSpec spec = scenes::world_of(scenes::arm({link, link}));
+    spec.fixed_base = true;
+    RobotState start = home_of(spec);
+    start.q << 1.2, -0.5;
+    SCOPED_TRACE(friction);
+    EXPECT_LT(run(
+                  spec, &start, [](double) { return JointTargets{}; }, 2)
+                  .joints,
+              kLength);
+  }
+}
+
+TEST_P(MatchedPair, JointFrictionTrotsTheSame) {
+  for (const double friction : {0.01, 0.1}) {  // a hundredth of the servos' torque, and a tenth
+    SCOPED_TRACE(friction);
+    expect_walk(trot(scenes::world_of(scenes::with_joint_friction(scenes::quadruped(), friction)), 5));
+  }
+  for (const double friction : {0.2, 2.0}) {
+    SCOPED_TRACE(friction);
+    const Difference d =
+        trot(scenes::world_of(scenes::with_joint_friction(scenes::serial_quadruped(), friction)), 5);
+    EXPECT_LT(d.position, kLength);
+    EXPECT_LT(d.joints, kAngle);
+    EXPECT_LT(d.attitude, kAngle);
+    EXPECT_LT(d.force, 17 * kForce);  // it weighs 17 times as much
+    EXPECT_EQ(d.counts, 0);
+  }
+}
+
+TEST_P(MatchedPair, JointFrictionOfAnySoftnessIsTheSame) {
+  for (const Softness& softness :
+       {Softness{}, Softness{0.002, 1, 0.99, 0.99, 0.001}, Softness{0.05, 0.3, 0.2, 0.6, 0.1}}) {
+    RobotDescription robot = *scenes::with_joint_friction(scenes::quadruped(), 0.03);
+    robot.friction_softness = softness;
+    robot.bodies[4].joint.friction = 0;  // one without, between others
+    expect_walk(trot(scenes::world_of(std::make_shared<const RobotDescription>(robot)), 1));
+  }
+}
+
 TEST_P(MatchedPair, FallsTheSame) {
   // On its belly with folded legs, on its side, its back and its nose: trunk, knees and feet touch.
   WorldSpec spec = scenes::world_of(scenes::quadruped());

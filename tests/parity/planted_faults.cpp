@@ -71,6 +71,8 @@ std::vector<PlantedFault> planted_faults() {
        "effort limit", "joint FL_tilt"},
       {"damping of one elbow +2 %", of_robot([](R& r) { joint(r, kJoint).damping *= 1.02; }), "joint damping",
        kJointName},
+      {"dry friction of .01 N m in one elbow", of_robot([](R& r) { joint(r, kJoint).friction = 0.01; }),
+       "joint friction", kJointName},
       {"one foot .2 mm larger", of_robot([](R& r) {
          LegModel& leg = (*r.legs)[Leg::RR];
          for (CollisionShape& shape : r.bodies[static_cast<std::size_t>(leg.foot_body)].shapes) {

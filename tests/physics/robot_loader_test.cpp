@@ -125,6 +125,12 @@ TEST(RobotLoader, ReadsTheSoftnessOfLoops) {
   const Softness softness = load_robot(scratch.path("robot.yaml")).loop_softness;
   EXPECT_EQ(softness.time_constant, 0.004);
   EXPECT_EQ(softness.impedance_max, 0.99);
+  EXPECT_EQ(load_robot(scratch.path("robot.yaml")).friction_softness.time_constant, 0.005);
+  scratch.replace("robot.yaml", "loop_softness:", "friction_softness: {time_constant: 0.02}\nloop_softness:");
+  const RobotDescription robot = load_robot(scratch.path("robot.yaml"));
+  EXPECT_EQ(robot.friction_softness.time_constant, 0.02);
+  EXPECT_EQ(robot.friction_softness.impedance_min, RobotDescription().friction_softness.impedance_min);
+  EXPECT_EQ(robot.loop_softness.time_constant, 0.004);
 }
 
 TEST(RobotLoader, PutsFurtherJointsBehindTheLegs) {

@@ -60,10 +60,10 @@ TEST_F(Judgements, AreAnAuditAndAVerdict) {
 
 TEST_F(Judgements, ExplainWithTheFamilyOfTheTwoEngines) {
   if (engine_families().empty()) GTEST_SKIP() << "no engine is made of factors";
-  const EngineFamily& family = engine_families().front();
   JudgementOptions how = options(true);
   how.explain = true;
   BehaviourSpec spec = short_trot();
+  const EngineFamily family = family_for(engine_families().front(), *world_of(spec).robot);
   std::get<WalkConfig>(spec.what).timing = {.seconds = 0.1, .settle_seconds = 0.05};
   const Judgement whole = judge_behaviour(spec, family.from, family.to, how);
   ASSERT_TRUE(whole.attribution.has_value());

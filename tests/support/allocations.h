@@ -15,8 +15,10 @@
 
 namespace crossgait {
 
-inline std::size_t allocations_of_a_trot(const Engine& engine, const Terrain& terrain) {
-  WorldSpec spec = scenes::world_of(scenes::quadruped());
+/// @param joint_friction  N m
+inline std::size_t allocations_of_a_trot(const Engine& engine, const Terrain& terrain,
+                                         double joint_friction = 0) {
+  WorldSpec spec = scenes::world_of(scenes::with_joint_friction(scenes::quadruped(), joint_friction));
   spec.terrain = terrain;
   const auto backend = engine.make(spec);
   const scenes::Trot trot(backend->robot());

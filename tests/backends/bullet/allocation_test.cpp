@@ -26,6 +26,7 @@ TEST(NativeAllocation, NoneOfCrossgaitsOwnPerStep) {
   const Engine native = native_engine();
   EXPECT_EQ(allocations_of_a_trot(native, Terrain()), 0U);
   EXPECT_EQ(allocations_of_a_trot(native, make_terrain("rough", 2)), 0U);
+  EXPECT_EQ(allocations_of_a_trot(native, Terrain(), 0.02), 0U);
   EXPECT_EQ(allocations_of_pushes_and_refused_targets(native), 0U);
 }
 

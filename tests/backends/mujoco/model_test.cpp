@@ -38,6 +38,39 @@ TEST(MujocoModel, InverseWeightsAreThoseOfTheDescription) {
   std::printf("measured inverse weights, relative: %.3g\n", worst);
 }
 
+TEST(MujocoModel, InverseWeightsOfJointsAreThoseOfTheDescription) {
+  for (const bool fixed : {false, true}) {
+    for (const scenes::RobotPtr& robot :
+         {scenes::quadruped(), scenes::long_quadruped(), scenes::awkward_robot()}) {
+      WorldSpec spec = scenes::world_of(robot);
+      spec.fixed_base = fixed;
+      const ModelPtr m = compile_model(spec);
+      const JointVector expected = joint_inverse_weights(*robot, fixed);
+      for (int i = 0; i < robot->joint_count(); ++i) {
+        const int dof = m->jnt_dofadr[mj_name2id(m.get(), mjOBJ_JOINT, joint_name(i).c_str())];
+        EXPECT_NEAR(m->dof_invweight0[dof] / expected[i], 1, 1e-10) << robot->name << " joint " << i;
+      }
+    }
+  }
+}
+
+TEST(MujocoModel, HoldsTheJointsDryFriction) {
+  RobotDescription robot = *scenes::quadruped();
+  robot.friction_softness = {0.03, 0.7, 0.5, 0.99, 0.01};
+  for (int i = 0; i < robot.joint_count(); ++i)
+    robot.bodies[static_cast<std::size_t>(i) + 1].joint.friction = 0.01 * i;
+  const ModelPtr m = compile_model(scenes::world_of(std::make_shared<const RobotDescription>(robot)));
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const int dof = m->jnt_dofadr[mj_name2id(m.get(), mjOBJ_JOINT, joint_name(i).c_str())];
+    EXPECT_EQ(m->dof_frictionloss[dof], 0.01 * i);
+    EXPECT_EQ(m->dof_solref[mjNREF * dof], 0.03);
+    EXPECT_EQ(m->dof_solref[mjNREF * dof + 1], 0.7);
+    EXPECT_EQ(m->dof_solimp[mjNIMP * dof], 0.5);
+    EXPECT_EQ(m->dof_solimp[mjNIMP * dof + 1], 0.99);
+    EXPECT_EQ(m->dof_solimp[mjNIMP * dof + 2], 0.01);
+  }
+}
+
 TEST(MujocoModel, DoesNothingOnItsOwn) {
   WorldSpec spec = scenes::world_of(scenes::quadruped());
   spec.physics_dt = 5e-4;
