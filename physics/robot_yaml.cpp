@@ -65,6 +65,8 @@ std::string yaml_joints(const RobotDescription& robot) {
     const Joint& joint = robot.joint(i);
     std::vector<std::string> values;
     if (joint.armature != usual.armature) values.push_back(fmt::format("armature: {}", joint.armature));
+    if (joint.damping != 0) values.push_back(fmt::format("damping: {}", joint.damping));
+    if (joint.friction != 0) values.push_back(fmt::format("friction: {}", joint.friction));
     if (joint.actuated) {
       if (joint.kp != usual.kp) values.push_back(fmt::format("kp: {}", joint.kp));
       if (joint.kd != usual.kd) values.push_back(fmt::format("kd: {}", joint.kd));
