@@ -463,7 +463,8 @@ YamlValue named_file(const YamlValue& root) {
 
 LoadedRobot load_yaml(const YamlValue& root) {
   root.allow_keys({"name", "urdf", "mjcf", "frame", "locked", "armature", "servo", "drive", "joints",
-                   "loop_softness", "friction_softness", "legs", "loops", "home", "standing_height", "stance_offset"});
+                   "loop_softness", "friction_softness", "legs", "loops", "home", "standing_height",
+                   "stance_offset"});
   const fs::path file = fs::path(root.source()).parent_path() / named_file(root).text();
   return RobotLoader(file.string(), root.source(), root).load();
 }

@@ -43,7 +43,7 @@ TEST(VerdictCommand, KeepsItsContract) {
   EXPECT_EQ(verdict["a"], available_engines().front());
   EXPECT_EQ(verdict["b"], available_engines().back());
   EXPECT_TRUE(verdict["models"].empty()) << verdict["models"];
-  EXPECT_EQ(verdict["statistics"].size(), 8U);
+  EXPECT_EQ(verdict["statistics"].size(), 11U);
   for (const json& s : verdict["statistics"]) {
     for (const char* key : {"name", "unit", "mean_a", "mean_b", "gap", "spread_a", "spread_b", "spread",
                             "floor", "score", "word"}) {
@@ -57,7 +57,7 @@ TEST(VerdictCommand, KeepsItsContract) {
 TEST(VerdictCommand, JudgesPolicies) {
   if (!has_two_engines()) GTEST_SKIP() << "one engine alone";
   const json verdict = run_json("verdict --policy zero" + kShort);
-  ASSERT_EQ(verdict["statistics"].size(), 9U);
+  ASSERT_EQ(verdict["statistics"].size(), 12U);
   EXPECT_EQ(verdict["statistics"][8]["name"], "total reward");
   EXPECT_EQ(verdict["behaviour"], "policy zero on flat, 0.2 s");
 }

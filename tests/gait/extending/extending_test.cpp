@@ -64,7 +64,9 @@ TEST(NewParameter, IsInTheEnvironmentsLayouts) {
   ASSERT_EQ(action.size(), 17u);
   EXPECT_EQ(action.entries[4].name, "delta.swing_outward");
   Layout observation;
-  find_observation_block("parameters").describe({{}, c.adapted(), action}, observation);
+  find_observation_block("parameters")
+      .describe({.actuated_joints = {}, .home = {}, .parameters = c.adapted(), .action = action},
+                observation);
   ASSERT_EQ(observation.size(), 5u);
   EXPECT_EQ(observation.entries[4].name, "param.swing_outward");
 }
