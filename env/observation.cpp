@@ -49,7 +49,7 @@ std::string delta_unit(const ParameterRow& row) {
 
 // A thousandth of a radian tells one home from another, and is beyond what machines round apart.
 std::string from_home(const std::string& unit, double home) {
-  return fmt::format("{} from {:.3f}", unit, home);
+  return fmt::format("{} from {:.3f}", unit, std::round(1e3 * home) / 1e3 + 0.0);  // no "-0.000"
 }
 
 void put(double*& out, double value) { *out++ = value; }

@@ -226,6 +226,13 @@ TEST_P(JointPolicies, OfSwishNetworksRunFromABundle) {
   }
 }
 
+TEST(JointActionLayout, IsTheSameForHomesThatRoundTheSame) {
+  JointActionTable table{{0, 1, 2}, {-1e-17, 0, 0.0004}, {0.5, 0.5, 0.5}};
+  const std::vector<std::string> servos{"a", "b", "c"};
+  for (const LayoutEntry& entry : joint_action_layout(servos, table, 1).entries)
+    EXPECT_EQ(entry.unit, "0.5 rad from 0.000");
+}
+
 TEST(JointActionSettings, NameWhatIsWrong) {
   const auto complaint = [](const std::function<void(EnvConfig&)>& change) {
     EnvConfig config = joints_of("serial_quadruped");
