@@ -72,7 +72,8 @@ TEST_P(PlantedFaults, CornersOfACylinderAreNamed) {
     ASSERT_EQ(cylinder.type, ShapeType::kCylinder);
     cylinder.type = ShapeType::kHull;  // with 32 corners, which lie on its rims
     for (int i = 0; i < kMaxHullVertices; ++i) {
-      const double angle = 2 * M_PI * (i / 2) / (kMaxHullVertices / 2.0);
+      const int corner = i / 2;
+      const double angle = 2 * M_PI * corner / (kMaxHullVertices / 2.0);
       cylinder.vertices.emplace_back(cylinder.size[0] * std::cos(angle), cylinder.size[0] * std::sin(angle),
                                      i % 2 == 0 ? cylinder.size[1] : -cylinder.size[1]);
     }
