@@ -126,6 +126,11 @@ std::vector<Corruption> body_corruptions() {
        "positive definite inertia"},
       {"ImpossibleInertia", [](auto& r) { r.bodies[1].inertia.I_C(0, 0) *= 10; }, "body 'FL_tilt_link'",
        "inertia of a real body"},
+  };
+}
+
+std::vector<Corruption> shape_corruptions() {
+  return {
       {"ZeroRadius", [](auto& r) { r.bodies[0].shapes[0].size[0] = 0; }, "collision shape 'trunk_front_left'",
        "size (m) > 0"},
       {"FlatBox", [](auto& r) { r.bodies[0].shapes[0].type = ShapeType::kBox; },
@@ -211,6 +216,7 @@ std::vector<Corruption> whole_robot_corruptions() {
 
 const auto kCorruption = [](const auto& info) { return info.param.name; };
 INSTANTIATE_TEST_SUITE_P(Body, CorruptRobot, ::testing::ValuesIn(body_corruptions()), kCorruption);
+INSTANTIATE_TEST_SUITE_P(Shape, CorruptRobot, ::testing::ValuesIn(shape_corruptions()), kCorruption);
 INSTANTIATE_TEST_SUITE_P(Joint, CorruptRobot, ::testing::ValuesIn(joint_corruptions()), kCorruption);
 INSTANTIATE_TEST_SUITE_P(Whole, CorruptRobot, ::testing::ValuesIn(whole_robot_corruptions()), kCorruption);
 
