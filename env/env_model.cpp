@@ -3,6 +3,7 @@
 #include "crossgait/env/gait_source.h"
 #include "crossgait/env/time_steps.h"
 #include "crossgait/physics/data_path.h"
+#include "crossgait/physics/drives.h"
 
 namespace crossgait {
 namespace {
@@ -15,6 +16,9 @@ WorldSpec nominal_world(const EnvConfig& config) {
   if (!config.servos.empty()) {
     auto robot = std::make_shared<RobotDescription>(*world.robot);
     config.servos.apply(*robot, config.source);
+    RobotDescription named = *robot;  // what is wrong with a delay is said of the file that set it
+    named.source = config.source;
+    static_cast<void>(Drives(named, config.physics_dt));
     world.robot = std::move(robot);
   }
   world.terrain =

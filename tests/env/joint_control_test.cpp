@@ -265,6 +265,10 @@ TEST(JointActionSettings, NameWhatIsWrong) {
               c.servos.effort.by_name = {{"FL_nose", 1}};
             }).find("servos.effort: expected servos of the robot: "),
             std::string::npos);
+  EXPECT_EQ(
+      complaint([](EnvConfig& c) { c.servos.delay.all = 1.5e-3; }),
+      "environment: delay of joint 'FL_abduction': expected a whole number of physics steps of 0.001 s, at "
+      "most 1000, found 0.0015 s");
   EXPECT_NE(complaint([](EnvConfig& c) {
               c.randomisation[Randomised::kStartPhase] = {0, 1};
             }).find("start_phase: expected action: gait"),
