@@ -75,64 +75,8 @@ Json to_json(const std::vector<SpeedBand>& bands) {
   return result;
 }
 
-Json to_json(const WalkConfig& c) {
-  return {{"kind", "walk"},
-          {"robot", identity_of_robot(c.robot)},
-          {"terrain", terrain_json(c.terrain)},
-          {"terrain_seed", c.terrain_seed},
-          {"friction", c.friction},
-          {"physics_dt", c.physics_dt},
-          {"gait", c.gait.name()},
-          {"parameters", to_json(c.gait.parameters)},
-          {"bands", to_json(c.gait.bands)},
-          {"command", to_json(c.gait.command)},
-          {"compensation", c.compensation},
-          {"heading_hold", c.heading_hold},
-          {"ends", outcome_names(c.ends)},
-          {"seconds", c.timing.seconds},
-          {"control_dt", c.timing.control_dt},
-          {"settle_seconds", c.timing.settle_seconds}};
-}
-
-Json to_json(const PolicyConfig& c) {
-  // With everything that follows from the robot, so that a default which changes makes another run.
-  EnvConfig config = EnvModel::make(c.environment)->stated();
-  // The run says which engine; robot and terrain stand beside it by their contents.
-  config.engine.clear();
-  config.robot.clear();
-  config.terrain.clear();
-  return {{"kind", "policy"},
-          {"robot", identity_of_robot(c.environment.robot)},
-          {"terrain", terrain_json(c.environment.terrain)},
-          {"environment", to_yaml(config)},
-          {"policy", content_of(c.policy)}};
-}
-
-// @param r  stated for its robot
-Json to_json(const StartRanges& r) {
-  return {{"position_m", *r.position_m},
-          {"heading_rad", r.heading_rad},
-          {"tilt_rad", r.tilt_rad},
-          {"push_mps", *r.push_mps}};
-}
-
-std::string robot_of(const BehaviourSpec& spec) {
-  if (const auto* walk = std::get_if<WalkConfig>(&spec.what)) return walk->robot;
-  return std::get<PolicyConfig>(spec.what).environment.robot;
-}
-
-}  // namespace
-
-std::string file_hash(const std::string& path) {
-  Fnv1a hash;
-  std::set<std::string> seen;
-  add_file(hash, path, seen);
-  return hash.hex();
-}
-
 // What engines are told of it, whatever the files look like that say it.
-Json identity_of_robot(const std::string& name_or_file) {
-  const RobotDescription robot = load_robot(find_robot(name_or_file));
+Json identity_of(const RobotDescription& robot) {
   Fnv1a hash;
   const auto add = [&hash](const auto& values) {
     for (Eigen::Index i = 0; i < values.size(); ++i) hash.add(fmt::format("{:.17g};", values.data()[i]));
@@ -180,9 +124,70 @@ Json identity_of_robot(const std::string& name_or_file) {
   return {{"name", robot.name}, {"description", hash.hex()}};
 }
 
+Json to_json(const WalkConfig& c, const RobotDescription& robot) {
+  return {{"kind", "walk"},
+          {"robot", identity_of(robot)},
+          {"terrain", terrain_json(c.terrain)},
+          {"terrain_seed", c.terrain_seed},
+          {"friction", c.friction},
+          {"physics_dt", c.physics_dt},
+          {"gait", c.gait.name()},
+          {"parameters", to_json(c.gait.parameters)},
+          {"bands", to_json(c.gait.bands)},
+          {"command", to_json(c.gait.command)},
+          {"compensation", c.compensation},
+          {"heading_hold", c.heading_hold},
+          {"ends", outcome_names(c.ends)},
+          {"seconds", c.timing.seconds},
+          {"control_dt", c.timing.control_dt},
+          {"settle_seconds", c.timing.settle_seconds}};
+}
+
+Json to_json(const PolicyConfig& c, const RobotDescription& robot) {
+  // With everything that follows from the robot, so that a default which changes makes another run.
+  EnvConfig config = EnvModel::make(c.environment)->stated();
+  // The run says which engine; robot and terrain stand beside it by their contents.
+  config.engine.clear();
+  config.robot.clear();
+  config.terrain.clear();
+  return {{"kind", "policy"},
+          {"robot", identity_of(robot)},
+          {"terrain", terrain_json(c.environment.terrain)},
+          {"environment", to_yaml(config)},
+          {"policy", content_of(c.policy)}};
+}
+
+// @param r  stated for its robot
+Json to_json(const StartRanges& r) {
+  return {{"position_m", *r.position_m},
+          {"heading_rad", r.heading_rad},
+          {"tilt_rad", r.tilt_rad},
+          {"push_mps", *r.push_mps}};
+}
+
+RobotDescription robot_of(const BehaviourSpec& spec) {
+  if (const auto* walk = std::get_if<WalkConfig>(&spec.what)) return load_robot(find_robot(walk->robot));
+  const EnvConfig& c = std::get<PolicyConfig>(spec.what).environment;
+  return c.at_its_place(c.robot, [&c] { return load_robot(find_robot(c.robot)); });
+}
+
+}  // namespace
+
+std::string file_hash(const std::string& path) {
+  Fnv1a hash;
+  std::set<std::string> seen;
+  add_file(hash, path, seen);
+  return hash.hex();
+}
+
+Json identity_of_robot(const std::string& name_or_file) {
+  return identity_of(load_robot(find_robot(name_or_file)));
+}
+
 Json to_json(const BehaviourSpec& spec) {
-  return {{"behaviour", std::visit([](const auto& what) { return to_json(what); }, spec.what)},
-          {"starts", to_json(spec.starts.stated_for(load_robot(find_robot(robot_of(spec)))))},
+  const RobotDescription robot = robot_of(spec);
+  return {{"behaviour", std::visit([&](const auto& what) { return to_json(what, robot); }, spec.what)},
+          {"starts", to_json(spec.starts.stated_for(robot))},
           {"seed", spec.seed}};
 }
 
