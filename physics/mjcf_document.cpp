@@ -9,6 +9,7 @@
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/read_budget.h"
 #include "crossgait/physics/text.h"
+#include "crossgait/physics/urdf_elements.h"
 
 namespace crossgait {
 namespace {
@@ -88,13 +89,8 @@ void MjcfDocument::read(const std::string& path, int depth, MjcfElement& into) {
   const std::string& file = files_.emplace_back(path);
   const std::string text = read_text_file(path, {kMjcfBudget.bytes - bytes_, 0, 0});
   bytes_ += text.size();
-  check_xml_budget(text, kMjcfBudget, path);  // TinyXML calls itself for elements inside elements
   TiXmlDocument document;
-  document.Parse(text.c_str(), nullptr, TIXML_ENCODING_UTF8);
-  if (document.Error()) {
-    throw ConfigError(path, fmt::format("line {}", document.ErrorRow()), "well-formed XML",
-                      document.ErrorDesc());
-  }
+  parse_xml(text, kMjcfBudget, path, document);
   const TiXmlElement* root = document.RootElement();
   const std::string tag = root == nullptr ? "none" : printable_text(root->ValueStr(), 200);
   if (tag != "mujoco" && (is_main || tag != "mujocoinclude")) {

@@ -170,13 +170,8 @@ class UrdfCheck {
 
 CheckedUrdf check_urdf(const std::string& text, const std::string& source, UrdfWarnings& warnings) {
   if (source.ends_with(".xacro")) fail_as_xacro(source, "file", "a xacro file");
-  check_xml_budget(text, kUrdfBudget, source);  // TinyXML calls itself for elements inside elements
   TiXmlDocument document;
-  document.Parse(text.c_str(), nullptr, TIXML_ENCODING_UTF8);
-  if (document.Error()) {
-    throw ConfigError(source, fmt::format("line {}", document.ErrorRow()), "well-formed XML",
-                      document.ErrorDesc());
-  }
+  parse_xml(text, kUrdfBudget, source, document);
   const TiXmlElement* robot = document.FirstChildElement("robot");
   if (robot == nullptr) throw ConfigError(source, "file", "a <robot> element", "none");
   if (const TiXmlElement* xacro = find_xacro(*robot)) {

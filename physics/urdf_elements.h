@@ -4,11 +4,18 @@
 #include <string>
 #include <string_view>
 
+#include "crossgait/physics/read_budget.h"
 #include "crossgait/physics/urdf_warnings.h"
 
+class TiXmlDocument;
 class TiXmlElement;
 
 namespace crossgait {
+
+/// XML within a budget, which is checked first: TinyXML calls itself for elements inside elements.
+/// @throws ConfigError naming `source` and the line where it is not well-formed
+void parse_xml(const std::string& text, const ReadBudget& budget, const std::string& source,
+               TiXmlDocument& document);
 
 /// The attribute of that name, or "".
 std::string attribute_of(const TiXmlElement& element, const char* name);
