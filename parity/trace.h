@@ -30,10 +30,24 @@ struct TraceSample {
 
 using Trace = std::vector<TraceSample>;
 
-/// Writes a trace as it comes, sample by sample: columns time, p_WB.{x,y,z}, q_WB.{w,x,y,z}, v_WB.{x,y,z},
-/// w_WB.{x,y,z}, q.<joint>..., target.<joint>..., contact.<leg>, load.<leg>, and where the first sample knows
-/// them planned.<leg> (1: meant to stand) and param.<name>. SI units, 17 significant digits, so that reading
-/// it back loses nothing. The file appears whole with `finish`, or not at all.
+/// What a trace holds as a table: columns time, p_WB.{x,y,z}, q_WB.{w,x,y,z}, v_WB.{x,y,z}, w_WB.{x,y,z},
+/// q.<joint>..., target.<joint>..., contact.<leg>, load.<leg>, and where its first sample knows them
+/// planned.<leg> (1: meant to stand) and param.<name>. SI units.
+class TraceColumns {
+ public:
+  TraceColumns(const RobotDescription& robot, const TraceSample& first);
+
+  const std::vector<std::string>& names() const { return names_; }
+  /// Appends a sample's numbers, one per name.
+  void append(const TraceSample& sample, std::vector<double>& numbers) const;
+
+ private:
+  bool planned_, parameters_;
+  std::vector<std::string> names_;
+};
+
+/// Writes a trace as it comes, sample by sample, with 17 significant digits, so that reading it back loses
+/// nothing. The file appears whole with `finish`, or not at all.
 class TraceWriter {
  public:
   /// @throws ConfigError if the file cannot be written; so do the others
@@ -42,12 +56,13 @@ class TraceWriter {
   void finish();
 
  private:
-  void begin(bool planned, bool parameters);
+  void begin(const TraceSample& first);
 
   std::shared_ptr<const RobotDescription> robot_;
   AtomicFile file_;
+  std::optional<TraceColumns> columns_;  // once there is a sample
+  std::vector<double> numbers_;
   std::string row_;
-  bool begun_ = false, planned_ = false, parameters_ = false;
 };
 
 }  // namespace crossgait

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -22,6 +23,15 @@ fs::path models_beside_program() {
   return error ? fs::path() : (program.parent_path() / CROSSGAIT_MODELS_FROM_PROGRAM).lexically_normal();
 }
 
+/// share/crossgait/models beside the library that this code was linked into.
+fs::path models_beside_library() {
+  Dl_info library{};
+  if (dladdr(reinterpret_cast<const void*>(&models_beside_library), &library) == 0) return {};
+  std::error_code error;
+  const fs::path file = fs::canonical(library.dli_fname, error);
+  return error ? fs::path() : file.parent_path() / "share/crossgait/models";
+}
+
 bool is_folder(const fs::path& path) {
   std::error_code error;
   return fs::is_directory(path, error);
@@ -37,6 +47,7 @@ std::string models_dir(std::string_view built_in) {
     }
     return given;
   }
+  if (const fs::path packaged = models_beside_library(); is_folder(packaged)) return packaged.string();
   const fs::path installed = models_beside_program();
   if (is_folder(installed)) return installed.string();
   if (is_folder(built_in)) return std::string(built_in);

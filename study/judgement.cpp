@@ -32,16 +32,21 @@ WorldSpec world_of(const BehaviourSpec& spec) {
 
 Judgement judge_behaviour(const BehaviourSpec& spec, const std::string& a, const std::string& b,
                           const JudgementOptions& options, const StageProgress& progress) {
+  Behaviour behaviour = make_behaviour(spec);
+  if (!options.stored_runs.empty())
+    behaviour = with_store(std::move(behaviour), spec, std::make_shared<RunStore>(options.stored_runs));
+  return judge_behaviour(behaviour, world_of(spec), a, b, options, progress);
+}
+
+Judgement judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, const std::string& a,
+                          const std::string& b, const JudgementOptions& options,
+                          const StageProgress& progress) {
   options.verdict.validate();
   const Engine engine_a = find_engine(a), engine_b = find_engine(b);
   std::optional<EngineFamily> family;
   if (options.explain) family = find_family(engine_a, engine_b);
-  Behaviour behaviour = make_behaviour(spec);
-  if (!options.stored_runs.empty())
-    behaviour = with_store(std::move(behaviour), spec, std::make_shared<RunStore>(options.stored_runs));
 
   Judgement result;
-  const WorldSpec world = world_of(spec);
   const auto world_a = engine_a.make(world), world_b = engine_b.make(world);
   result.models = audit_models(*world_a, *world_b);
   result.verdict =

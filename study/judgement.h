@@ -37,6 +37,12 @@ Progress progress_of(const StageProgress& progress, const std::string& stage);
 Judgement judge_behaviour(const BehaviourSpec& spec, const std::string& a, const std::string& b,
                           const JudgementOptions& options = {}, const StageProgress& progress = {});
 
+/// The same of a behaviour that is no specification's, whose runs nothing stores.
+/// @param world  that it takes place in
+Judgement judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, const std::string& a,
+                          const std::string& b, const JudgementOptions& options = {},
+                          const StageProgress& progress = {});
+
 /// The family whose ends are `a` and `b`, either way round; an engine of the same laws may stand for an end.
 /// @throws ConfigError if there is none
 EngineFamily find_family(const Engine& a, const Engine& b);

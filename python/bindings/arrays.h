@@ -1,0 +1,54 @@
+// NumPy arrays in and out.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <initializer_list>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include "crossgait/physics/error.h"
+
+namespace crossgait::python {
+
+namespace nb = nanobind;
+
+/// What functions take: float64 or float32, of any shape, in C order.
+using AnyArray = nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>;
+
+/// A new array that owns its numbers, which are left as they come, and a view of them.
+template <typename T>
+struct NewArray {
+  T* data;
+  nb::ndarray<nb::numpy, T> array;
+
+  explicit NewArray(std::initializer_list<std::size_t> shape) {
+    std::size_t size = 1;
+    for (const std::size_t n : shape) size *= n;
+    data = new T[size];
+    nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<T*>(p); });
+    array = nb::ndarray<nb::numpy, T>(data, shape.size(), shape.begin(), owner);
+  }
+};
+
+/// The numbers of `array` as doubles: those of the array itself, or `copy` of float32.
+/// @throws ConfigError naming `what` unless there are `size` of them, of either type
+inline std::span<const double> doubles(const AnyArray& array, std::size_t size, const char* what,
+                                       std::vector<double>& copy) {
+  const auto wrong = [&](const std::string& found) {
+    return ConfigError(what, "array", std::to_string(size) + " numbers, float64 or float32", found);
+  };
+  if (array.size() != size) throw wrong(std::to_string(array.size()) + " numbers");
+  if (array.dtype() == nb::dtype<double>()) return {static_cast<const double*>(array.data()), size};
+  if (array.dtype() != nb::dtype<float>()) throw wrong("another type");
+  copy.resize(size);
+  std::copy_n(static_cast<const float*>(array.data()), size, copy.begin());
+  return copy;
+}
+
+}  // namespace crossgait::python

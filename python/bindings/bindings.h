@@ -1,0 +1,20 @@
+// The parts of the extension module, a function each. What they bind is documented in the headers of the core and, for
+// people who write Python, in the docstrings.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace crossgait::python {
+
+namespace nb = nanobind;
+
+void bind_errors(nb::module_& m);
+void bind_engines(nb::module_& m);
+void bind_robot(nb::module_& m);
+void bind_terrain(nb::module_& m);
+void bind_world(nb::module_& m);
+void bind_environment(nb::module_& m);
+void bind_vector_environment(nb::module_& m);
+void bind_studies(nb::module_& m);
+
+}  // namespace crossgait::python

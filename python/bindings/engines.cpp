@@ -1,0 +1,40 @@
+#include "crossgait/backends/registry.h"
+#include "crossgait/python/bindings/bindings.h"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+namespace crossgait::python {
+namespace {
+
+nb::dict laws(const EngineInfo& info) {
+  nb::dict result;
+  result["contact"] = info.laws.contact;
+  result["loops"] = info.laws.loops;
+  result["joint_friction"] = info.laws.joint_friction;
+  return result;
+}
+
+}  // namespace
+
+void bind_engines(nb::module_& m) {
+  nb::class_<EngineListing>(m, "Engine", "A physics engine in one mode, by the name that it is chosen by.")
+      .def_ro("name", &EngineListing::name, "What other functions take as `engine`.")
+      .def_ro("summary", &EngineListing::summary)
+      .def_ro("available", &EngineListing::available, "Whether worlds can be made in it here.")
+      .def_ro("reason", &EngineListing::reason, "Why not, where not.")
+      .def_prop_ro("engine", [](const EngineListing& e) { return e.info.engine; }, "Name of its library.")
+      .def_prop_ro("version", [](const EngineListing& e) { return e.info.version; }, "Of its library.")
+      .def_prop_ro("mode", [](const EngineListing& e) { return e.info.mode; }, "Its contact mode in words.")
+      .def_prop_ro(
+          "laws", [](const EngineListing& e) { return laws(e.info); },
+          nb::sig("def laws(self) -> dict[str, str]"),
+          "The laws that it solves: engines that agree in all of them solve the same equations.")
+      .def("__repr__", [](const EngineListing& e) {
+        return "<crossgait.Engine '" + e.name + "': " + (e.available ? e.info.mode : e.reason) + ">";
+      });
+  m.def("engines", &known_engines, "Every engine that Crossgait knows, available or not; the first is the default.");
+  m.def("available_engines", &available_engines, "Names of those that are available. The first is the default.");
+}
+
+}  // namespace crossgait::python

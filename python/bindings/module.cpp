@@ -1,0 +1,18 @@
+// crossgait._core: the C++ core as Python sees it.
+#include "crossgait/python/bindings/bindings.h"
+
+#include "crossgait/study/version.h"
+
+NB_MODULE(_core, m) {
+  using namespace crossgait::python;
+  m.doc() = "The C++ core of Crossgait. Use the package crossgait, which gives these names.";
+  m.attr("__version__") = std::string(crossgait::crossgait_version()).c_str();
+  bind_errors(m);
+  bind_engines(m);
+  bind_robot(m);
+  bind_terrain(m);
+  bind_world(m);
+  bind_environment(m);
+  bind_vector_environment(m);
+  bind_studies(m);
+}

@@ -1,0 +1,242 @@
+// The commands as functions: what they return is what `--json` writes, without the provenance of a command line.
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/benchmarks/bench.h"
+#include "crossgait/parity/report.h"
+#include "crossgait/physics/data_path.h"
+#include "crossgait/python/bindings/arrays.h"
+#include "crossgait/python/bindings/bindings.h"
+#include "crossgait/python/bindings/job.h"
+#include "crossgait/python/bindings/json.h"
+#include "crossgait/python/bindings/walk_config.h"
+#include "crossgait/study/judgement.h"
+#include "crossgait/study/provenance.h"
+#include "crossgait/study/rollout.h"
+#include "crossgait/study/tune.h"
+#include "crossgait/study/walk.h"
+
+namespace crossgait::python {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A result as JSON and as the table that a command prints.
+struct Report {
+  Json json;
+  std::string text;
+};
+
+nb::tuple to_python(const Report& report) { return nb::make_tuple(python::to_python(report.json), report.text); }
+
+Json provenance(const nlohmann::json& subject, const std::vector<std::string>& engines) {
+  Provenance made;
+  made.command = "python";
+  made.subject = subject;
+  for (const std::string& name : engines) made.engines.push_back(find_engine(name).info);
+  return to_json(made);
+}
+
+/// Traces of several runs as tables of numbers.
+class Recorder {
+ public:
+  Recorder(std::size_t runs, std::shared_ptr<const RobotDescription> robot) : robot_(std::move(robot)), tables_(runs) {}
+
+  void add(std::size_t run, const TraceSample& sample) {
+    if (!columns_) columns_.emplace(*robot_, sample);
+    columns_->append(sample, tables_[run]);
+  }
+  nb::object take() const {
+    nb::list tables;
+    for (const std::vector<double>& numbers : tables_) {
+      const std::size_t width = columns_ ? columns_->names().size() : 1;
+      const NewArray<double> table({numbers.size() / width, width});
+      std::copy(numbers.begin(), numbers.end(), table.data);
+      tables.append(table.array);
+    }
+    return nb::make_tuple(columns_ ? columns_->names() : std::vector<std::string>(), tables);
+  }
+
+ private:
+  std::shared_ptr<const RobotDescription> robot_;
+  std::optional<TraceColumns> columns_;
+  std::vector<std::vector<double>> tables_;
+};
+
+std::shared_ptr<Recorder> recorder(bool trace, std::size_t runs, const std::string& robot) {
+  if (!trace) return nullptr;
+  return std::make_shared<Recorder>(runs, std::make_shared<const RobotDescription>(load_robot(find_robot(robot))));
+}
+
+SampleObserver observer(const std::shared_ptr<Recorder>& recorder) {
+  if (!recorder) return {};
+  return [recorder](std::size_t run, const TraceSample& sample) { recorder->add(run, sample); };
+}
+
+nb::object traces_of(const std::shared_ptr<Recorder>& recorder) { return recorder ? recorder->take() : nb::none(); }
+
+nb::tuple walk_in(const WalkConfig& config, const std::string& engine, bool trace, const nb::object& progress) {
+  const auto record = recorder(trace, 1, config.robot);
+  const Report report = run_job(
+      [config, engine, record](const StageProgress& told) -> Report {
+        const WalkRun run = walk(config, engine, progress_of(told, "walking"), observer(record));
+        if (run.interrupted) throw Interrupted();
+        Json json = crossgait::report(run);
+        json["provenance"] =
+            provenance({{"behaviour", to_json(BehaviourSpec{config, {}, 0}).at("behaviour")}}, {engine});
+        return {json, describe(run)};
+      },
+      progress);
+  return nb::make_tuple(to_python(report), traces_of(record));
+}
+
+nb::tuple compare_in(const WalkConfig& config, const std::vector<std::string>& engines, bool trace,
+                     const DivergenceTolerances& tolerances, const nb::object& progress) {
+  const auto record = recorder(trace, engines.size(), config.robot);
+  CompareOptions options;
+  options.tolerances = tolerances;
+  const Report report = run_job(
+      [=](const StageProgress& told) -> Report {
+        const WalkComparison result = compare_walks(config, engines, options, told, observer(record));
+        if (result.interrupted) throw Interrupted();
+        Json json = crossgait::report(result);
+        json["provenance"] =
+            provenance({{"behaviour", to_json(BehaviourSpec{config, {}, 0}).at("behaviour")}}, engines);
+        return {json, describe(result.comparison)};
+      },
+      progress);
+  return nb::make_tuple(to_python(report), traces_of(record));
+}
+
+JudgementOptions judgement_options(std::size_t starts, double limit, double confidence, std::size_t workers,
+                                   bool explain, const std::string& runs) {
+  JudgementOptions options;
+  options.verdict = {starts, limit, confidence, workers};
+  options.explain = explain;
+  options.stored_runs = runs;
+  return options;
+}
+
+nb::tuple judge(const BehaviourSpec& spec, const std::string& a, const std::string& b,
+                const JudgementOptions& options, const nb::object& progress) {
+  return to_python(run_job(
+      [=](const StageProgress& told) -> Report {
+        const Judgement judgement = judge_behaviour(spec, a, b, options, told);
+        Json json = to_json(judgement);
+        json["provenance"] = provenance(to_json(spec), {a, b});
+        return {json, describe(judgement)};
+      },
+      progress));
+}
+
+void bind_judgements(nb::module_& m) {
+  nb::class_<StartRanges>(m, "StartRanges", "How far apart the starts of a verdict lie.")
+      .def("__init__",
+           [](StartRanges* self, std::optional<double> position_m, double heading_rad, std::optional<double> push_mps) {
+             new (self) StartRanges{position_m, heading_rad, StartRanges().tilt_rad, push_mps};
+           },
+           nb::kw_only(), nb::arg("position_m") = nb::none(), nb::arg("heading_rad") = StartRanges().heading_rad,
+           nb::arg("push_mps") = nb::none());
+  m.def("_judge_walk",
+        [](const WalkConfig& walk, const std::string& a, const std::string& b, const StartRanges& starts_from,
+           std::uint64_t seed, std::size_t starts, double limit, double confidence, std::size_t workers, bool explain,
+           const std::string& runs, const nb::object& progress) {
+          return judge({walk, starts_from, seed}, a, b,
+                       judgement_options(starts, limit, confidence, workers, explain, runs), progress);
+        });
+  m.def("_judge_policy",
+        [](const EnvConfig& environment, const std::string& policy, const std::string& a, const std::string& b,
+           const StartRanges& starts_from, std::uint64_t seed, std::size_t starts, double limit, double confidence,
+           std::size_t workers, bool explain, const std::string& runs, const nb::object& progress) {
+          return judge({PolicyConfig{environment, policy}, starts_from, seed}, a, b,
+                       judgement_options(starts, limit, confidence, workers, explain, runs), progress);
+        });
+}
+
+nb::tuple rollout(const EnvConfig& config, const std::vector<std::string>& policies, const EpisodeOptions& options,
+                  const nb::object& progress) {
+  return to_python(run_job(
+      [=](const StageProgress& told) -> Report {
+        const Rollout result = roll_out(config, policies, options, progress_of(told, "rolling out"));
+        if (result.interrupted) throw Interrupted();
+        return {to_json(result), describe(result)};
+      },
+      progress));
+}
+
+nb::tuple transfer(const EnvConfig& config, const std::string& policy, const std::vector<std::string>& engines,
+                   const std::vector<std::string>& terrains, const EpisodeOptions& options,
+                   const nb::object& progress) {
+  return to_python(run_job(
+      [=](const StageProgress& told) -> Report {
+        const Transfer result =
+            transfer_policy(config, policy, engines, terrains, options, progress_of(told, "transferring"));
+        if (result.interrupted) throw Interrupted();
+        return {to_json(result), describe(result)};
+      },
+      progress));
+}
+
+nb::tuple tune(const EnvConfig& config, const std::vector<std::string>& engines, const TuneOptions& options,
+               const nb::object& progress) {
+  const auto tuned = std::make_shared<EnvConfig>();
+  const Report report = run_job(
+      [=](const StageProgress& told) -> Report {
+        const Tuning result = tune_gait(config, engines, options, progress_of(told, "tuning"));
+        if (result.interrupted) throw Interrupted();
+        *tuned = result.tuned;
+        return {to_json(result), describe(result)};
+      },
+      progress);
+  return nb::make_tuple(to_python(report), *tuned);
+}
+
+nb::tuple bench(const std::vector<std::string>& engines, const std::vector<std::string>& sections, bool quick,
+                const nb::object& progress) {
+  return to_python(run_job(
+      [=](const StageProgress& told) -> Report {
+        const Json json = benchmarks::run_bench({engines, sections, quick}, progress_of(told, "measuring"));
+        if (json.contains("interrupted")) throw Interrupted();
+        return {json, benchmarks::describe_bench(json)};
+      },
+      progress));
+}
+
+}  // namespace
+
+void bind_studies(nb::module_& m) {
+  bind_walk_config(m);
+  m.def("_walk", &walk_in);
+  m.def("_compare", [](const WalkConfig& walk, const std::vector<std::string>& engines, bool trace, double position,
+                       double joint, double attitude, const nb::object& progress) {
+    DivergenceTolerances tolerances;
+    tolerances.position = position;
+    tolerances.joint = joint;
+    tolerances.attitude = attitude;
+    return compare_in(walk, engines, trace, tolerances, progress);
+  });
+  bind_judgements(m);
+  m.def("_rollout", [](const EnvConfig& config, const std::vector<std::string>& policies, std::size_t episodes,
+                       std::size_t workers, std::uint64_t seed, const nb::object& progress) {
+    return rollout(config, policies, {episodes, workers, seed}, progress);
+  });
+  m.def("_transfer", [](const EnvConfig& config, const std::string& policy, const std::vector<std::string>& engines,
+                        const std::vector<std::string>& terrains, std::size_t episodes, std::size_t workers,
+                        std::uint64_t seed, const nb::object& progress) {
+    return transfer(config, policy, engines, terrains, {episodes, workers, seed}, progress);
+  });
+  m.def("_tune", [](const EnvConfig& config, const std::vector<std::string>& engines, std::size_t iterations,
+                    std::size_t population, std::size_t terrains, std::size_t unseen, std::size_t workers,
+                    std::uint64_t seed, const nb::object& progress) {
+    return tune(config, engines, {iterations, population, terrains, unseen, workers, seed}, progress);
+  });
+  m.def("_bench", &bench);
+}
+
+}  // namespace crossgait::python

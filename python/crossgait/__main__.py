@@ -1,0 +1,18 @@
+"""The program `crossgait`, as the package carries it."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import NoReturn
+
+
+def main() -> NoReturn:
+    """Become the program, with the arguments of this one."""
+    program = Path(__file__).parent / "bin" / "crossgait"
+    os.execv(program, ["crossgait", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    main()
