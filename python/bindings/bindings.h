@@ -1,5 +1,5 @@
-// The parts of the extension module, a function each. What they bind is documented in the headers of the core and, for
-// people who write Python, in the docstrings.
+// The parts of the extension module, a function each. What they bind is documented in the headers of the core
+// and, for people who write Python, in the docstrings.
 #pragma once
 
 #include <nanobind/nanobind.h>

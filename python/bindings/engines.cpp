@@ -1,8 +1,8 @@
-#include "crossgait/backends/registry.h"
-#include "crossgait/python/bindings/bindings.h"
-
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/python/bindings/bindings.h"
 
 namespace crossgait::python {
 namespace {
@@ -23,9 +23,12 @@ void bind_engines(nb::module_& m) {
       .def_ro("summary", &EngineListing::summary)
       .def_ro("available", &EngineListing::available, "Whether worlds can be made in it here.")
       .def_ro("reason", &EngineListing::reason, "Why not, where not.")
-      .def_prop_ro("engine", [](const EngineListing& e) { return e.info.engine; }, "Name of its library.")
-      .def_prop_ro("version", [](const EngineListing& e) { return e.info.version; }, "Of its library.")
-      .def_prop_ro("mode", [](const EngineListing& e) { return e.info.mode; }, "Its contact mode in words.")
+      .def_prop_ro(
+          "engine", [](const EngineListing& e) { return e.info.engine; }, "Name of its library.")
+      .def_prop_ro(
+          "version", [](const EngineListing& e) { return e.info.version; }, "Of its library.")
+      .def_prop_ro(
+          "mode", [](const EngineListing& e) { return e.info.mode; }, "Its contact mode in words.")
       .def_prop_ro(
           "laws", [](const EngineListing& e) { return laws(e.info); },
           nb::sig("def laws(self) -> dict[str, str]"),
@@ -33,8 +36,10 @@ void bind_engines(nb::module_& m) {
       .def("__repr__", [](const EngineListing& e) {
         return "<crossgait.Engine '" + e.name + "': " + (e.available ? e.info.mode : e.reason) + ">";
       });
-  m.def("engines", &known_engines, "Every engine that Crossgait knows, available or not; the first is the default.");
-  m.def("available_engines", &available_engines, "Names of those that are available. The first is the default.");
+  m.def("engines", &known_engines,
+        "Every engine that Crossgait knows, available or not; the first is the default.");
+  m.def("available_engines", &available_engines,
+        "Names of those that are available. The first is the default.");
 }
 
 }  // namespace crossgait::python

@@ -10,7 +10,8 @@ namespace {
 
 // Bytes that are no UTF-8 (names of files may hold any) as \xNN.
 nb::object text(const std::string& bytes) {
-  return nb::steal(PyUnicode_DecodeUTF8(bytes.data(), static_cast<Py_ssize_t>(bytes.size()), "backslashreplace"));
+  return nb::steal(
+      PyUnicode_DecodeUTF8(bytes.data(), static_cast<Py_ssize_t>(bytes.size()), "backslashreplace"));
 }
 
 void translate(const std::exception_ptr& thrown, void*) {

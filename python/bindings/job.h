@@ -19,8 +19,9 @@ namespace nb = nanobind;
 /// What runs on a thread of its own, and the thread that waits for it.
 class Job {
  public:
-  /// `work` may throw, and asks its argument now and then whether to go on, which then throws Interrupted. It owns what
-  /// it uses: if the caller is interrupted, it goes on until it asks next, and the next job waits for that.
+  /// `work` may throw, and asks its argument now and then whether to go on, which then throws Interrupted. It
+  /// owns what it uses: if the caller is interrupted, it goes on until it asks next, and the next job waits
+  /// for that.
   /// @param progress  Python's function of a stage and a share, or None
   static void run(std::function<void(const StageProgress&)> work, const nb::object& progress);
 };
@@ -30,7 +31,8 @@ template <typename Make>
 auto run_job(Make make, const nb::object& progress) {
   using Value = std::invoke_result_t<Make, const StageProgress&>;
   const auto value = std::make_shared<std::optional<Value>>();
-  Job::run([value, make = std::move(make)](const StageProgress& told) { value->emplace(make(told)); }, progress);
+  Job::run([value, make = std::move(make)](const StageProgress& told) { value->emplace(make(told)); },
+           progress);
   return std::move(**value);
 }
 

@@ -1,6 +1,5 @@
 // crossgait._core: the C++ core as Python sees it.
 #include "crossgait/python/bindings/bindings.h"
-
 #include "crossgait/study/version.h"
 
 NB_MODULE(_core, m) {

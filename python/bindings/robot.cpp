@@ -14,7 +14,8 @@ namespace {
 
 Robot load(const std::string& name_or_file) {
   LoadedRobot loaded = load_robot_with_report(find_robot(name_or_file));
-  return {name_or_file, std::make_shared<const RobotDescription>(std::move(loaded.robot)), std::move(loaded.report)};
+  return {name_or_file, std::make_shared<const RobotDescription>(std::move(loaded.robot)),
+          std::move(loaded.report)};
 }
 
 std::vector<std::string> joint_names(const RobotDescription& robot, bool actuated_only) {
@@ -112,45 +113,63 @@ nb::list inferences(const Robot& robot) {
 
 void bind_robot(nb::module_& m) {
   nb::class_<Robot>(m, "Robot", "A robot, read from its URDF, MJCF or robot.yaml. Immutable.")
-      .def_static("load", &load, nb::arg("name_or_file"),
-                  "A bundled robot by its name (`crossgait.robots()`), or the robot of a .urdf, .xml (MJCF) or .yaml "
-                  "file. What the file does not say is inferred: see `inferred`. Raises ConfigError.")
+      .def_static(
+          "load", &load, nb::arg("name_or_file"),
+          "A bundled robot by its name (`crossgait.robots()`), or the robot of a .urdf, .xml (MJCF) or .yaml "
+          "file. What the file does not say is inferred: see `inferred`. Raises ConfigError.")
       .def_prop_ro("name", [](const Robot& r) { return r.description->name; })
       .def_ro("source", &Robot::from, "The name or file that it was loaded by.")
       .def_prop_ro("mass_kg", [](const Robot& r) { return r.description->total_mass(); })
-      .def_prop_ro("joints", [](const Robot& r) { return joint_names(*r.description, false); },
-                   "Names of all joints, in the order of `State.q`.")
-      .def_prop_ro("servos", [](const Robot& r) { return joint_names(*r.description, true); },
-                   "Names of the driven joints, in the order of targets.")
-      .def_prop_ro("servo_indices", [](const Robot& r) { return r.description->actuated_joints(); },
-                   "Where the driven joints stand among all.")
+      .def_prop_ro(
+          "joints", [](const Robot& r) { return joint_names(*r.description, false); },
+          "Names of all joints, in the order of `State.q`.")
+      .def_prop_ro(
+          "servos", [](const Robot& r) { return joint_names(*r.description, true); },
+          "Names of the driven joints, in the order of targets.")
+      .def_prop_ro(
+          "servo_indices", [](const Robot& r) { return r.description->actuated_joints(); },
+          "Where the driven joints stand among all.")
       .def_prop_ro("bodies", [](const Robot& r) { return body_names(*r.description); })
-      .def_prop_ro("home", [](const Robot& r) { return Eigen::VectorXd(r.description->home); },
-                   "Joint angles of the home pose, rad.")
-      .def_prop_ro("home_height", [](const Robot& r) { return r.description->home_height; },
-                   "Of the base over flat ground in the home pose, m.")
-      .def_prop_ro("standing_height", [](const Robot& r) { return r.description->standing_height; },
-                   "How deep below the hips the feet of a standing leg are, m: what gaits scale with.")
+      .def_prop_ro(
+          "home", [](const Robot& r) { return Eigen::VectorXd(r.description->home); },
+          "Joint angles of the home pose, rad.")
+      .def_prop_ro(
+          "home_height", [](const Robot& r) { return r.description->home_height; },
+          "Of the base over flat ground in the home pose, m.")
+      .def_prop_ro(
+          "standing_height", [](const Robot& r) { return r.description->standing_height; },
+          "How deep below the hips the feet of a standing leg are, m: what gaits scale with.")
       .def_prop_ro("inferred", &inferences, nb::sig("def inferred(self) -> list[tuple[str, str, str]]"),
                    "What its files did not say: (what, value, reason).")
-      .def_prop_ro("warnings", [](const Robot& r) { return r.report.warnings; },
-                   "What is doubtful about its files.")
-      .def_prop_ro("visuals", [](const Robot& r) { return visuals(*r.description); },
-                   nb::sig("def visuals(self) -> list[dict[str, typing.Any]]"),
-                   "What its bodies look like: body (index), type, size (m), mesh (file), scale, pose (4 x 4, in the "
-                   "body's frame), rgba or None.")
-      .def_prop_ro("collisions", [](const Robot& r) { return collisions(*r.description); },
-                   nb::sig("def collisions(self) -> list[dict[str, typing.Any]]"),
-                   "What touches the ground: body (index), name, type, size (m), pose (4 x 4), vertices (N x 3, m, of a "
-                   "hull).")
-      .def("to_yaml", [](const Robot& r) { return to_yaml({*r.description, r.report}, r.report.file); },
-           "The whole robot.yaml: with it beside the robot's file nothing is inferred.")
+      .def_prop_ro(
+          "warnings", [](const Robot& r) { return r.report.warnings; }, "What is doubtful about its files.")
+      .def_prop_ro(
+          "visuals", [](const Robot& r) { return visuals(*r.description); },
+          nb::sig("def visuals(self) -> list[dict[str, typing.Any]]"),
+          "What its bodies look like: body (index), type, size (m), mesh (file), scale, pose (4 x 4, in the "
+          "body's frame), rgba or None.")
+      .def_prop_ro(
+          "collisions", [](const Robot& r) { return collisions(*r.description); },
+          nb::sig("def collisions(self) -> list[dict[str, typing.Any]]"),
+          "What touches the ground: body (index), name, type, size (m), pose (4 x 4), vertices (N x 3, m, of "
+          "a "
+          "hull).")
+      .def(
+          "to_yaml",
+          [](const Robot& r) {
+            return to_yaml({*r.description, r.report}, r.report.file);
+          },
+          "The whole robot.yaml: with it beside the robot's file nothing is inferred.")
       .def("__repr__", [](const Robot& r) {
-        return "<crossgait.Robot '" + r.description->name + "': " + std::to_string(r.description->joint_count()) +
-               " joints, " + std::to_string(r.description->total_mass()) + " kg>";
+        return "<crossgait.Robot '" + r.description->name +
+               "': " + std::to_string(r.description->joint_count()) + " joints, " +
+               std::to_string(r.description->total_mass()) + " kg>";
       });
-  m.def("robots", [] { return robot_names(); }, "Names of the robots that come with Crossgait.");
-  m.def("models_dir", [] { return models_dir(); }, "The folder of the robots and terrains that come with Crossgait.");
+  m.def(
+      "robots", [] { return robot_names(); }, "Names of the robots that come with Crossgait.");
+  m.def(
+      "models_dir", [] { return models_dir(); },
+      "The folder of the robots and terrains that come with Crossgait.");
 }
 
 }  // namespace crossgait::python

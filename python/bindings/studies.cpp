@@ -1,4 +1,5 @@
-// The commands as functions: what they return is what `--json` writes, without the provenance of a command line.
+// The commands as functions: what they return is what `--json` writes, without the provenance of a command
+// line.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -27,13 +28,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// A function of a stage and a share, or None.
+const auto kProgress = nb::arg("progress").none();
+
 /// A result as JSON and as the table that a command prints.
 struct Report {
   Json json;
   std::string text;
 };
 
-nb::tuple to_python(const Report& report) { return nb::make_tuple(python::to_python(report.json), report.text); }
+nb::tuple to_python(const Report& report) {
+  return nb::make_tuple(python::to_python(report.json), report.text);
+}
 
 Json provenance(const nlohmann::json& subject, const std::vector<std::string>& engines) {
   Provenance made;
@@ -46,7 +52,8 @@ Json provenance(const nlohmann::json& subject, const std::vector<std::string>& e
 /// Traces of several runs as tables of numbers.
 class Recorder {
  public:
-  Recorder(std::size_t runs, std::shared_ptr<const RobotDescription> robot) : robot_(std::move(robot)), tables_(runs) {}
+  Recorder(std::size_t runs, std::shared_ptr<const RobotDescription> robot)
+      : robot_(std::move(robot)), tables_(runs) {}
 
   void add(std::size_t run, const TraceSample& sample) {
     if (!columns_) columns_.emplace(*robot_, sample);
@@ -71,7 +78,8 @@ class Recorder {
 
 std::shared_ptr<Recorder> recorder(bool trace, std::size_t runs, const std::string& robot) {
   if (!trace) return nullptr;
-  return std::make_shared<Recorder>(runs, std::make_shared<const RobotDescription>(load_robot(find_robot(robot))));
+  return std::make_shared<Recorder>(runs,
+                                    std::make_shared<const RobotDescription>(load_robot(find_robot(robot))));
 }
 
 SampleObserver observer(const std::shared_ptr<Recorder>& recorder) {
@@ -79,9 +87,12 @@ SampleObserver observer(const std::shared_ptr<Recorder>& recorder) {
   return [recorder](std::size_t run, const TraceSample& sample) { recorder->add(run, sample); };
 }
 
-nb::object traces_of(const std::shared_ptr<Recorder>& recorder) { return recorder ? recorder->take() : nb::none(); }
+nb::object traces_of(const std::shared_ptr<Recorder>& recorder) {
+  return recorder ? recorder->take() : nb::none();
+}
 
-nb::tuple walk_in(const WalkConfig& config, const std::string& engine, bool trace, const nb::object& progress) {
+nb::tuple walk_in(const WalkConfig& config, const std::string& engine, bool trace,
+                  const nb::object& progress) {
   const auto record = recorder(trace, 1, config.robot);
   const Report report = run_job(
       [config, engine, record](const StageProgress& told) -> Report {
@@ -137,30 +148,41 @@ nb::tuple judge(const BehaviourSpec& spec, const std::string& a, const std::stri
 
 void bind_judgements(nb::module_& m) {
   nb::class_<StartRanges>(m, "StartRanges", "How far apart the starts of a verdict lie.")
-      .def("__init__",
-           [](StartRanges* self, std::optional<double> position_m, double heading_rad, std::optional<double> push_mps) {
-             new (self) StartRanges{position_m, heading_rad, StartRanges().tilt_rad, push_mps};
-           },
-           nb::kw_only(), nb::arg("position_m") = nb::none(), nb::arg("heading_rad") = StartRanges().heading_rad,
-           nb::arg("push_mps") = nb::none());
-  m.def("_judge_walk",
-        [](const WalkConfig& walk, const std::string& a, const std::string& b, const StartRanges& starts_from,
-           std::uint64_t seed, std::size_t starts, double limit, double confidence, std::size_t workers, bool explain,
-           const std::string& runs, const nb::object& progress) {
-          return judge({walk, starts_from, seed}, a, b,
-                       judgement_options(starts, limit, confidence, workers, explain, runs), progress);
-        });
-  m.def("_judge_policy",
-        [](const EnvConfig& environment, const std::string& policy, const std::string& a, const std::string& b,
-           const StartRanges& starts_from, std::uint64_t seed, std::size_t starts, double limit, double confidence,
-           std::size_t workers, bool explain, const std::string& runs, const nb::object& progress) {
-          return judge({PolicyConfig{environment, policy}, starts_from, seed}, a, b,
-                       judgement_options(starts, limit, confidence, workers, explain, runs), progress);
-        });
+      .def(
+          "__init__",
+          [](StartRanges* self, std::optional<double> position_m, double heading_rad,
+             std::optional<double> push_mps) {
+            new (self) StartRanges{position_m, heading_rad, StartRanges().tilt_rad, push_mps};
+          },
+          nb::kw_only(), nb::arg("position_m") = nb::none(),
+          nb::arg("heading_rad") = StartRanges().heading_rad, nb::arg("push_mps") = nb::none());
+  m.def(
+      "_judge_walk",
+      [](const WalkConfig& walk, const std::string& a, const std::string& b, const StartRanges& starts_from,
+         std::uint64_t seed, std::size_t starts, double limit, double confidence, std::size_t workers,
+         bool explain, const std::string& runs, const nb::object& progress) {
+        return judge({walk, starts_from, seed}, a, b,
+                     judgement_options(starts, limit, confidence, workers, explain, runs), progress);
+      },
+      nb::arg("walk"), nb::arg("a"), nb::arg("b"), nb::arg("starts_from"), nb::arg("seed"), nb::arg("starts"),
+      nb::arg("limit"), nb::arg("confidence"), nb::arg("workers"), nb::arg("explain"), nb::arg("runs"),
+      kProgress);
+  m.def(
+      "_judge_policy",
+      [](const EnvConfig& environment, const std::string& policy, const std::string& a, const std::string& b,
+         const StartRanges& starts_from, std::uint64_t seed, std::size_t starts, double limit,
+         double confidence, std::size_t workers, bool explain, const std::string& runs,
+         const nb::object& progress) {
+        return judge({PolicyConfig{environment, policy}, starts_from, seed}, a, b,
+                     judgement_options(starts, limit, confidence, workers, explain, runs), progress);
+      },
+      nb::arg("environment"), nb::arg("policy"), nb::arg("a"), nb::arg("b"), nb::arg("starts_from"),
+      nb::arg("seed"), nb::arg("starts"), nb::arg("limit"), nb::arg("confidence"), nb::arg("workers"),
+      nb::arg("explain"), nb::arg("runs"), kProgress);
 }
 
-nb::tuple rollout(const EnvConfig& config, const std::vector<std::string>& policies, const EpisodeOptions& options,
-                  const nb::object& progress) {
+nb::tuple rollout(const EnvConfig& config, const std::vector<std::string>& policies,
+                  const EpisodeOptions& options, const nb::object& progress) {
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
         const Rollout result = roll_out(config, policies, options, progress_of(told, "rolling out"));
@@ -170,9 +192,9 @@ nb::tuple rollout(const EnvConfig& config, const std::vector<std::string>& polic
       progress));
 }
 
-nb::tuple transfer(const EnvConfig& config, const std::string& policy, const std::vector<std::string>& engines,
-                   const std::vector<std::string>& terrains, const EpisodeOptions& options,
-                   const nb::object& progress) {
+nb::tuple transfer(const EnvConfig& config, const std::string& policy,
+                   const std::vector<std::string>& engines, const std::vector<std::string>& terrains,
+                   const EpisodeOptions& options, const nb::object& progress) {
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
         const Transfer result =
@@ -212,31 +234,47 @@ nb::tuple bench(const std::vector<std::string>& engines, const std::vector<std::
 
 void bind_studies(nb::module_& m) {
   bind_walk_config(m);
-  m.def("_walk", &walk_in);
-  m.def("_compare", [](const WalkConfig& walk, const std::vector<std::string>& engines, bool trace, double position,
-                       double joint, double attitude, const nb::object& progress) {
-    DivergenceTolerances tolerances;
-    tolerances.position = position;
-    tolerances.joint = joint;
-    tolerances.attitude = attitude;
-    return compare_in(walk, engines, trace, tolerances, progress);
-  });
+  m.def("_walk", &walk_in, nb::arg("walk"), nb::arg("engine"), nb::arg("trace"), kProgress);
+  m.def(
+      "_compare",
+      [](const WalkConfig& walk, const std::vector<std::string>& engines, bool trace, double position,
+         double joint, double attitude, const nb::object& progress) {
+        DivergenceTolerances tolerances;
+        tolerances.position = position;
+        tolerances.joint = joint;
+        tolerances.attitude = attitude;
+        return compare_in(walk, engines, trace, tolerances, progress);
+      },
+      nb::arg("walk"), nb::arg("engines"), nb::arg("trace"), nb::arg("position"), nb::arg("joint"),
+      nb::arg("attitude"), kProgress);
   bind_judgements(m);
-  m.def("_rollout", [](const EnvConfig& config, const std::vector<std::string>& policies, std::size_t episodes,
-                       std::size_t workers, std::uint64_t seed, const nb::object& progress) {
-    return rollout(config, policies, {episodes, workers, seed}, progress);
-  });
-  m.def("_transfer", [](const EnvConfig& config, const std::string& policy, const std::vector<std::string>& engines,
-                        const std::vector<std::string>& terrains, std::size_t episodes, std::size_t workers,
-                        std::uint64_t seed, const nb::object& progress) {
-    return transfer(config, policy, engines, terrains, {episodes, workers, seed}, progress);
-  });
-  m.def("_tune", [](const EnvConfig& config, const std::vector<std::string>& engines, std::size_t iterations,
-                    std::size_t population, std::size_t terrains, std::size_t unseen, std::size_t workers,
-                    std::uint64_t seed, const nb::object& progress) {
-    return tune(config, engines, {iterations, population, terrains, unseen, workers, seed}, progress);
-  });
-  m.def("_bench", &bench);
+  m.def(
+      "_rollout",
+      [](const EnvConfig& config, const std::vector<std::string>& policies, std::size_t episodes,
+         std::size_t workers, std::uint64_t seed, const nb::object& progress) {
+        return rollout(config, policies, {episodes, workers, seed}, progress);
+      },
+      nb::arg("environment"), nb::arg("policies"), nb::arg("episodes"), nb::arg("workers"), nb::arg("seed"),
+      kProgress);
+  m.def(
+      "_transfer",
+      [](const EnvConfig& config, const std::string& policy, const std::vector<std::string>& engines,
+         const std::vector<std::string>& terrains, std::size_t episodes, std::size_t workers,
+         std::uint64_t seed, const nb::object& progress) {
+        return transfer(config, policy, engines, terrains, {episodes, workers, seed}, progress);
+      },
+      nb::arg("environment"), nb::arg("policy"), nb::arg("engines"), nb::arg("terrains"), nb::arg("episodes"),
+      nb::arg("workers"), nb::arg("seed"), kProgress);
+  m.def(
+      "_tune",
+      [](const EnvConfig& config, const std::vector<std::string>& engines, std::size_t iterations,
+         std::size_t population, std::size_t terrains, std::size_t unseen, std::size_t workers,
+         std::uint64_t seed, const nb::object& progress) {
+        return tune(config, engines, {iterations, population, terrains, unseen, workers, seed}, progress);
+      },
+      nb::arg("environment"), nb::arg("engines"), nb::arg("iterations"), nb::arg("population"),
+      nb::arg("terrains"), nb::arg("unseen"), nb::arg("workers"), nb::arg("seed"), kProgress);
+  m.def("_bench", &bench, nb::arg("engines"), nb::arg("sections"), nb::arg("quick"), kProgress);
 }
 
 }  // namespace crossgait::python

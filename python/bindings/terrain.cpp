@@ -18,9 +18,9 @@ Terrain of_heights(const Heights& heights, double size_x, double size_y, const s
   if (rows * columns > static_cast<std::size_t>(kMaxHeightSamples))
     throw ConfigError(name, "heights", "at most 4096 x 4096 samples",
                       std::to_string(rows) + " x " + std::to_string(columns));
-  return {name, std::make_shared<const HeightField>(static_cast<int>(columns), static_cast<int>(rows), size_x, size_y,
-                                                    std::vector<float>(heights.data(), heights.data() + rows * columns),
-                                                    name)};
+  return {name, std::make_shared<const HeightField>(
+                    static_cast<int>(columns), static_cast<int>(rows), size_x, size_y,
+                    std::vector<float>(heights.data(), heights.data() + rows * columns), name)};
 }
 
 // A view: the owner is the Terrain's Python object, whose field nothing changes.
@@ -29,9 +29,10 @@ nb::object heights_of(nb::handle self) {
   const HeightField* field = terrain.field();
   if (field == nullptr) return nb::none();
   using View = nb::ndarray<nb::numpy, const float, nb::ndim<2>>;
-  return nb::cast(View(field->heights().data(),
-                       {static_cast<std::size_t>(field->rows()), static_cast<std::size_t>(field->columns())}, self),
-                  nb::rv_policy::reference);
+  return nb::cast(
+      View(field->heights().data(),
+           {static_cast<std::size_t>(field->rows()), static_cast<std::size_t>(field->columns())}, self),
+      nb::rv_policy::reference);
 }
 
 using Coordinates = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -50,26 +51,33 @@ Eigen::VectorXd height_at(const Terrain& terrain, const Coordinates& x, const Co
 
 void bind_terrain(nb::module_& m) {
   nb::class_<Terrain>(m, "Terrain", "The ground: an infinite plane or a height field. Immutable.")
-      .def("__init__",
-           [](Terrain* self, const std::string& text, std::uint64_t seed) {
-             new (self) Terrain(make_terrain(text, seed));
-           },
-           nb::arg("text") = "flat", nb::kw_only(), nb::arg("seed") = 0,
-           "`NAME`, `NAME:key=value,...`, `FILE.png` or `FILE.csv`, as `crossgait terrain --list` shows them. Raises "
-           "ConfigError.")
-      .def_static("from_heights", &of_heights, nb::arg("heights"), nb::kw_only(), nb::arg("size_x"), nb::arg("size_y"),
-                  nb::arg("name") = "heights",
-                  "Of an array of heights in m, rows along y from the smallest, columns along x, centred on the world's "
+      .def(
+          "__init__",
+          [](Terrain* self, const std::string& text, std::uint64_t seed) {
+            new (self) Terrain(make_terrain(text, seed));
+          },
+          nb::arg("text") = "flat", nb::kw_only(), nb::arg("seed") = 0,
+          "`NAME`, `NAME:key=value,...`, `FILE.png` or `FILE.csv`, as `crossgait terrain --list` shows them. "
+          "Raises "
+          "ConfigError.")
+      .def_static("from_heights", &of_heights, nb::arg("heights"), nb::kw_only(), nb::arg("size_x"),
+                  nb::arg("size_y"), nb::arg("name") = "heights",
+                  "Of an array of heights in m, rows along y from the smallest, columns along x, centred on "
+                  "the world's "
                   "origin; its extent is size_x by size_y m.")
       .def_prop_ro("name", &Terrain::name, "The text that it was made from.")
       .def_prop_ro("scale", &Terrain::scale, "Of a file: what its samples were taken to measure.")
-      .def_prop_ro("size", [](const Terrain& t) { return t.field() == nullptr
-                                 ? nb::object(nb::none())
-                                 : nb::object(nb::make_tuple(t.field()->size_x(), t.field()->size_y())); },
-                   nb::sig("def size(self) -> tuple[float, float] | None"), "Extent along x and y, m; None: infinite.")
-      .def_prop_ro("heights", &heights_of,
-                   nb::sig("def heights(self) -> numpy.typing.NDArray[numpy.float32] | None"),
-                   "Samples in m, rows along y, columns along x, read-only and without a copy; None of the plane.")
+      .def_prop_ro(
+          "size",
+          [](const Terrain& t) {
+            return t.field() == nullptr
+                       ? nb::object(nb::none())
+                       : nb::object(nb::make_tuple(t.field()->size_x(), t.field()->size_y()));
+          },
+          nb::sig("def size(self) -> tuple[float, float] | None"), "Extent along x and y, m; None: infinite.")
+      .def_prop_ro(
+          "heights", &heights_of, nb::sig("def heights(self) -> numpy.typing.NDArray[numpy.float32] | None"),
+          "Samples in m, rows along y, columns along x, read-only and without a copy; None of the plane.")
       .def("height", &height_at, nb::arg("x"), nb::arg("y"), "Heights in m over points of the world, m.")
       .def("__repr__", [](const Terrain& t) { return "<crossgait.Terrain '" + t.name() + "'>"; });
 }

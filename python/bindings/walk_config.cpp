@@ -50,7 +50,8 @@ WalkConfig make(const Arguments& a) {
   config.friction = a.friction;
   config.physics_dt = a.physics_dt;
   const std::optional<VelocityCommand> command =
-      a.command ? std::optional(VelocityCommand{(*a.command)[0], (*a.command)[1], (*a.command)[2]}) : std::nullopt;
+      a.command ? std::optional(VelocityCommand{(*a.command)[0], (*a.command)[1], (*a.command)[2]})
+                : std::nullopt;
   config.gait =
       choose_gait(a.gait, assignments(a.parameters), command, gait_scale(load_robot(find_robot(a.robot))));
   config.compensation = a.compensation;
@@ -70,23 +71,38 @@ nb::dict parameters_of(const WalkConfig& config) {
 }  // namespace
 
 void bind_walk_config(nb::module_& m) {
-  nb::class_<WalkConfig>(m, "Walk", "What to walk, before any engine is chosen: the options of `crossgait walk`.")
-      .def("__init__",
-           [](WalkConfig* self, const std::string& gait, const Velocity& command, const Settings& parameters,
-              const std::string& robot, const std::string& terrain, std::uint64_t seed, double friction,
-              double seconds, double physics_dt, double control_dt, double settle, bool compensation,
-              bool heading_hold, const std::vector<std::string>& ends) {
-             new (self) WalkConfig(make({robot, terrain, seed, friction, physics_dt, gait, parameters, command,
-                                         {seconds, control_dt, settle}, compensation, heading_hold, ends}));
-           },
-           nb::arg("gait") = "trot", nb::kw_only(), nb::arg("command") = nb::none(),
-           nb::arg("parameters") = Settings(), nb::arg("robot") = "scara_quadruped", nb::arg("terrain") = "flat",
-           nb::arg("seed") = 0, nb::arg("friction") = 0.6, nb::arg("seconds") = 5.0, nb::arg("physics_dt") = 1e-3,
-           nb::arg("control_dt") = 2e-3, nb::arg("settle") = 0.5, nb::arg("compensation") = true,
-           nb::arg("heading_hold") = true, nb::arg("ends") = std::vector<std::string>(),
-           "`gait` by name, or auto with a `command` (forward m/s, left m/s, yaw rate rad/s); `parameters` change the "
-           "gait's own, by name (`swing` is bezier or matched); `seed` is of a random terrain; `ends` are outcomes that "
-           "end the walk. Raises ConfigError.")
+  nb::class_<WalkConfig>(m, "Walk",
+                         "What to walk, before any engine is chosen: the options of `crossgait walk`.")
+      .def(
+          "__init__",
+          [](WalkConfig* self, const std::string& gait, const Velocity& command, const Settings& parameters,
+             const std::string& robot, const std::string& terrain, std::uint64_t seed, double friction,
+             double seconds, double physics_dt, double control_dt, double settle, bool compensation,
+             bool heading_hold, const std::vector<std::string>& ends) {
+            new (self) WalkConfig(make({robot,
+                                        terrain,
+                                        seed,
+                                        friction,
+                                        physics_dt,
+                                        gait,
+                                        parameters,
+                                        command,
+                                        {seconds, control_dt, settle},
+                                        compensation,
+                                        heading_hold,
+                                        ends}));
+          },
+          nb::arg("gait") = "trot", nb::kw_only(), nb::arg("command") = nb::none(),
+          nb::arg("parameters") = Settings(), nb::arg("robot") = "scara_quadruped",
+          nb::arg("terrain") = "flat", nb::arg("seed") = 0, nb::arg("friction") = 0.6,
+          nb::arg("seconds") = 5.0, nb::arg("physics_dt") = 1e-3, nb::arg("control_dt") = 2e-3,
+          nb::arg("settle") = 0.5, nb::arg("compensation") = true, nb::arg("heading_hold") = true,
+          nb::arg("ends") = std::vector<std::string>(),
+          "`gait` by name, or auto with a `command` (forward m/s, left m/s, yaw rate rad/s); `parameters` "
+          "change the "
+          "gait's own, by name (`swing` is bezier or matched); `seed` is of a random terrain; `ends` are "
+          "outcomes that "
+          "end the walk. Raises ConfigError.")
       .def_ro("robot", &WalkConfig::robot)
       .def_ro("terrain", &WalkConfig::terrain)
       .def_prop_ro("gait", [](const WalkConfig& c) { return c.gait.name(); })
@@ -94,7 +110,8 @@ void bind_walk_config(nb::module_& m) {
       .def_prop_ro("parameters", &parameters_of, nb::sig("def parameters(self) -> dict[str, float]"),
                    "Of the gait, all of them.")
       .def("environment", &WalkConfig::environment,
-           "The environment in which the zero policy walks like this. Raises ConfigError for what an environment cannot "
+           "The environment in which the zero policy walks like this. Raises ConfigError for what an "
+           "environment cannot "
            "do.");
 }
 

@@ -25,9 +25,9 @@ JointVector joint_vector(const Vector& values, const char* what) {
   return values;
 }
 
-std::unique_ptr<PhysicsBackend> make_world(const Robot& robot, const Terrain& terrain, const std::string& engine,
-                                           double friction, double physics_dt, const Vector3& gravity,
-                                           bool fixed_base) {
+std::unique_ptr<PhysicsBackend> make_world(const Robot& robot, const Terrain& terrain,
+                                           const std::string& engine, double friction, double physics_dt,
+                                           const Vector3& gravity, bool fixed_base) {
   WorldSpec spec;
   spec.robot = robot.description;
   spec.terrain = terrain;
@@ -50,9 +50,9 @@ const char* step(PhysicsBackend& world, const Vector& targets, int substeps) {
     status = world.step(joints, substeps);
   }
   if (status == StepStatus::kInvalidTargets)
-    throw ConfigError("world", "targets",
-                      std::to_string(world.robot().actuated_joints().size()) + " finite numbers, rad",
-                      std::to_string(targets.size()) + " numbers" + (targets.allFinite() ? "" : ", not all finite"));
+    throw ConfigError(
+        "world", "targets", std::to_string(world.robot().actuated_joints().size()) + " finite numbers, rad",
+        std::to_string(targets.size()) + " numbers" + (targets.allFinite() ? "" : ", not all finite"));
   return status == StepStatus::kOk ? "ok" : "diverged";
 }
 
@@ -66,39 +66,47 @@ std::vector<Eigen::Matrix4d> poses(const RobotDescription& robot, const RobotSta
 
 std::vector<Eigen::Matrix4d> body_poses(const Robot& robot, const RobotState& state) {
   if (state.q.size() != robot.description->joint_count())
-    throw ConfigError("state", "q", std::to_string(robot.description->joint_count()) + " joint angles of " +
-                                        robot.description->name,
-                      std::to_string(state.q.size()));
+    throw ConfigError(
+        "state", "q",
+        std::to_string(robot.description->joint_count()) + " joint angles of " + robot.description->name,
+        std::to_string(state.q.size()));
   return poses(*robot.description, state);
 }
 
 void bind_state(nb::module_& m) {
-  nb::class_<RobotState>(m, "State",
-                         "Configuration and velocity of a robot: a value, which no step changes. World frame W: z up; "
-                         "base frame B at the base link's origin.")
+  nb::class_<RobotState>(
+      m, "State",
+      "Configuration and velocity of a robot: a value, which no step changes. World frame W: z up; "
+      "base frame B at the base link's origin.")
       .def(nb::init<>())
       .def("__copy__", [](const RobotState& s) { return RobotState(s); })
       .def("__deepcopy__", [](const RobotState& s, nb::handle) { return RobotState(s); })
       .def_rw("time", &RobotState::time, "Simulated seconds since reset.")
       .def_rw("p_WB", &RobotState::p_WB, "Position of the base, m.")
-      .def_prop_rw("q_WB", [](const RobotState& s) { return wxyz(s.q_WB); },
-                   [](RobotState& s, const Eigen::Vector4d& q) { s.q_WB = Quaternion(q[0], q[1], q[2], q[3]); },
-                   "Orientation of the base, unit quaternion w, x, y, z.")
+      .def_prop_rw(
+          "q_WB", [](const RobotState& s) { return wxyz(s.q_WB); },
+          [](RobotState& s, const Eigen::Vector4d& q) { s.q_WB = Quaternion(q[0], q[1], q[2], q[3]); },
+          "Orientation of the base, unit quaternion w, x, y, z.")
       .def_rw("v_WB", &RobotState::v_WB, "Velocity of the base's origin, m/s.")
       .def_rw("w_WB", &RobotState::w_WB, "Angular velocity of the base in W, rad/s.")
-      .def_prop_rw("q", [](const RobotState& s) { return Eigen::VectorXd(s.q); },
-                   [](RobotState& s, const Vector& q) { s.q = joint_vector(q, "q"); }, "Joint angles, rad.")
-      .def_prop_rw("qd", [](const RobotState& s) { return Eigen::VectorXd(s.qd); },
-                   [](RobotState& s, const Vector& qd) { s.qd = joint_vector(qd, "qd"); }, "Joint velocities, rad/s.")
-      .def_prop_ro("roll_pitch_yaw", [](const RobotState& s) { return roll_pitch_yaw(s.q_WB); }, "rad.")
+      .def_prop_rw(
+          "q", [](const RobotState& s) { return Eigen::VectorXd(s.q); },
+          [](RobotState& s, const Vector& q) { s.q = joint_vector(q, "q"); }, "Joint angles, rad.")
+      .def_prop_rw(
+          "qd", [](const RobotState& s) { return Eigen::VectorXd(s.qd); },
+          [](RobotState& s, const Vector& qd) { s.qd = joint_vector(qd, "qd"); }, "Joint velocities, rad/s.")
+      .def_prop_ro(
+          "roll_pitch_yaw", [](const RobotState& s) { return roll_pitch_yaw(s.q_WB); }, "rad.")
       .def("__repr__", [](const RobotState& s) {
-        return "<crossgait.State at " + std::to_string(s.time) + " s, base at (" + std::to_string(s.p_WB.x()) + ", " +
-               std::to_string(s.p_WB.y()) + ", " + std::to_string(s.p_WB.z()) + ") m>";
+        return "<crossgait.State at " + std::to_string(s.time) + " s, base at (" +
+               std::to_string(s.p_WB.x()) + ", " + std::to_string(s.p_WB.y()) + ", " +
+               std::to_string(s.p_WB.z()) + ") m>";
       });
 }
 
 void bind_contacts(nb::module_& m) {
-  nb::class_<Contact>(m, "Contact", "A contact point between the robot and the ground in the last physics step.")
+  nb::class_<Contact>(m, "Contact",
+                      "A contact point between the robot and the ground in the last physics step.")
       .def_ro("body", &Contact::body, "Index into `Robot.bodies`.")
       .def_ro("leg", &Contact::leg, "0 to 3 for the foot of FL, FR, RL, RR; -1 for anything else.")
       .def_ro("p_WP", &Contact::p_WP, "m.")
@@ -128,38 +136,57 @@ void bind_world(nb::module_& m) {
       .def(nb::new_(&make_world), nb::arg("robot"), nb::arg("terrain") = Terrain(), nb::arg("engine") = "",
            nb::kw_only(), nb::arg("friction") = 0.6, nb::arg("physics_dt") = 1e-3,
            nb::arg("gravity") = Vector3(0, 0, -9.81), nb::arg("fixed_base") = false,
-           "The robot in its home pose. `engine` \"\" is the first that is available; `friction` the Coulomb coefficient "
+           "The robot in its home pose. `engine` \"\" is the first that is available; `friction` the Coulomb "
+           "coefficient "
            "between robot and ground; times in s, gravity in m/s^2. Raises ConfigError.")
       .def_prop_ro("engine", [](const PhysicsBackend& w) { return w.info().name; })
-      .def_prop_ro("physics_dt", [](const PhysicsBackend& w) { return w.spec().physics_dt; }, "s.")
-      .def("reset", [](PhysicsBackend& w) { w.reset(); }, "Into the home pose, over the world's origin.")
-      .def("reset", [](PhysicsBackend& w, const RobotState& state) { w.reset(state); }, nb::arg("state"),
-           "Into this state. Raises ConfigError.")
+      .def_prop_ro(
+          "physics_dt", [](const PhysicsBackend& w) { return w.spec().physics_dt; }, "s.")
+      .def(
+          "reset", [](PhysicsBackend& w) { w.reset(); }, "Into the home pose, over the world's origin.")
+      .def(
+          "reset", [](PhysicsBackend& w, const RobotState& state) { w.reset(state); }, nb::arg("state"),
+          "Into this state. Raises ConfigError.")
       .def("step", &step, nb::arg("targets"), nb::arg("substeps") = 1,
-           "Advances by physics steps, servos holding `targets` (rad, in the order of `Robot.servos`). Returns \"ok\", or "
-           "\"diverged\", after which the state keeps its last good value until reset or restore. Raises ConfigError for "
+           "Advances by physics steps, servos holding `targets` (rad, in the order of `Robot.servos`). "
+           "Returns \"ok\", or "
+           "\"diverged\", after which the state keeps its last good value until reset or restore. Raises "
+           "ConfigError for "
            "targets of the wrong number or that are not finite, and changes nothing then.")
       .def_prop_ro("state", [](const PhysicsBackend& w) { return RobotState(w.state()); })
-      .def_prop_ro("torques", [](const PhysicsBackend& w) { return Eigen::VectorXd(w.torques()); },
-                   "Of every joint in the last physics step, N m.")
-      .def_prop_ro("contacts", [](const PhysicsBackend& w) {
-             return std::vector<Contact>(w.contacts().begin(), w.contacts().end());
-           }, "Contact points of the last physics step.")
-      .def_prop_ro("foot_contacts", [](const PhysicsBackend& w) {
-             const LegArray<FootContact> feet = w.foot_contacts();
-             return std::vector<FootContact>(feet.begin(), feet.end());
-           }, "Of the feet FL, FR, RL, RR.")
-      .def("body_pose", [](const PhysicsBackend& w, int body) {
-             if (body < 0 || body > w.robot().joint_count())
-               throw nb::index_error(("body " + std::to_string(body)).c_str());
-             return Eigen::Matrix4d(w.body_pose(body).matrix());
-           }, nb::arg("body"), "Pose in W as the engine has it, 4 x 4.")
+      .def_prop_ro(
+          "torques", [](const PhysicsBackend& w) { return Eigen::VectorXd(w.torques()); },
+          "Of every joint in the last physics step, N m.")
+      .def_prop_ro(
+          "contacts",
+          [](const PhysicsBackend& w) {
+            return std::vector<Contact>(w.contacts().begin(), w.contacts().end());
+          },
+          "Contact points of the last physics step.")
+      .def_prop_ro(
+          "foot_contacts",
+          [](const PhysicsBackend& w) {
+            const LegArray<FootContact> feet = w.foot_contacts();
+            return std::vector<FootContact>(feet.begin(), feet.end());
+          },
+          "Of the feet FL, FR, RL, RR.")
+      .def(
+          "body_pose",
+          [](const PhysicsBackend& w, int body) {
+            if (body < 0 || body > w.robot().joint_count())
+              throw nb::index_error(("body " + std::to_string(body)).c_str());
+            return Eigen::Matrix4d(w.body_pose(body).matrix());
+          },
+          nb::arg("body"), "Pose in W as the engine has it, 4 x 4.")
       .def("mass_matrix", &PhysicsBackend::mass_matrix,
-           "Joint-space inertia with armature; rows and columns v_WB, w_WB, qd (the joints alone with a fixed base).")
+           "Joint-space inertia with armature; rows and columns v_WB, w_WB, qd (the joints alone with a "
+           "fixed base).")
       .def("terrain_height", &PhysicsBackend::terrain_height, nb::arg("x"), nb::arg("y"),
            "Of the engine's own ground under a point, m; NaN where there is none.")
-      .def("push", [](PhysicsBackend& w, const Vector3& impulse) { w.apply_push(impulse); }, nb::arg("impulse"),
-           "An impulse (N s, in W) at the base's centre of mass, spread over the next physics step.")
+      .def(
+          "push", [](PhysicsBackend& w, const Vector3& impulse) { w.apply_push(impulse); },
+          nb::arg("impulse"),
+          "An impulse (N s, in W) at the base's centre of mass, spread over the next physics step.")
       .def("save", &PhysicsBackend::save)
       .def("restore", &PhysicsBackend::restore, nb::arg("snapshot"),
            "Raises ConfigError if it is of another engine or robot.")
