@@ -207,13 +207,17 @@ std::string canonical_json(const RunSpec& run) { return to_json(run).dump(); }
 
 std::string run_hash(const RunSpec& run) { return fnv1a_hex(canonical_json(run)); }
 
+Behaviour make_behaviour(const WalkConfig& config, const WalkSetup& setup, const StartRanges& starts,
+                         std::uint64_t seed) {
+  const auto terrain = [text = config.terrain, first = config.terrain_seed](std::size_t k) {
+    return make_terrain(text, first + k);
+  };
+  return walk_behaviour(config.world(), setup, terrain, starts, seed);
+}
+
 Behaviour make_behaviour(const BehaviourSpec& spec) {
-  if (const auto* walk = std::get_if<WalkConfig>(&spec.what)) {
-    const auto terrain = [text = walk->terrain, seed = walk->terrain_seed](std::size_t k) {
-      return make_terrain(text, seed + k);
-    };
-    return walk_behaviour(walk->world(), walk->setup(), terrain, spec.starts, spec.seed);
-  }
+  if (const auto* walk = std::get_if<WalkConfig>(&spec.what))
+    return make_behaviour(*walk, walk->setup(), spec.starts, spec.seed);
   const auto& [environment, policy] = std::get<PolicyConfig>(spec.what);
   const PolicyFactory factory = policy_factory(policy);
   static_cast<void>(factory(EnvModel::make(environment)->interface));  // a bad one before long runs

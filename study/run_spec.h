@@ -61,6 +61,10 @@ std::string file_hash(const std::string& path);
 /// The behaviour that a specification describes. @throws ConfigError for what cannot be read or made
 Behaviour make_behaviour(const BehaviourSpec& spec);
 
+/// The same of any walk: on the ground of `config`, whose random terrains differ from start to start.
+Behaviour make_behaviour(const WalkConfig& config, const WalkSetup& setup, const StartRanges& starts,
+                         std::uint64_t seed);
+
 /// Makes the run. @throws ConfigError, also where Crossgait or the engine is of another version
 RunResult run(const RunSpec& spec);
 

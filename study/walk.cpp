@@ -31,16 +31,21 @@ WalkRun walk(const WalkConfig& config, const std::string& engine, const Progress
   return record_walk(*world, config.setup(), progress, observer);
 }
 
+Comparison compare_walks(const WorldSpec& world, const WalkSetup& setup,
+                         const std::vector<std::string>& engines, const DivergenceTolerances& tolerances,
+                         const StageProgress& progress, const SampleObserver& observer) {
+  check_engines(engines);
+  std::vector<std::unique_ptr<PhysicsBackend>> worlds;
+  for (const std::string& engine : engines) worlds.push_back(find_engine(engine).make(world));
+  return compare_engines(worlds, setup, tolerances, progress_of(progress, "comparing"), observer);
+}
+
 WalkComparison compare_walks(const WalkConfig& config, const std::vector<std::string>& engines,
                              const CompareOptions& options, const StageProgress& progress,
                              const SampleObserver& observer) {
-  check_engines(engines);
-  const WorldSpec spec = config.world();
-  std::vector<std::unique_ptr<PhysicsBackend>> worlds;
-  for (const std::string& engine : engines) worlds.push_back(find_engine(engine).make(spec));
   WalkComparison result;
-  result.comparison = compare_engines(worlds, config.setup(), options.tolerances,
-                                      progress_of(progress, "comparing"), observer);
+  result.comparison =
+      compare_walks(config.world(), config.setup(), engines, options.tolerances, progress, observer);
   result.interrupted = result.comparison.interrupted;
   if (!options.verdict || result.interrupted) return result;
   const Behaviour behaviour = make_behaviour({config, {}, config.terrain_seed});

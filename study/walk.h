@@ -33,6 +33,11 @@ WalkComparison compare_walks(const WalkConfig& config, const std::vector<std::st
                              const CompareOptions& options = {}, const StageProgress& progress = {},
                              const SampleObserver& observer = {});
 
+/// The same of any walk in its world, without verdicts.
+Comparison compare_walks(const WorldSpec& world, const WalkSetup& setup,
+                         const std::vector<std::string>& engines, const DivergenceTolerances& tolerances = {},
+                         const StageProgress& progress = {}, const SampleObserver& observer = {});
+
 /// With their schemas: docs/schemas/walk.json and compare.json.
 nlohmann::ordered_json report(const WalkRun& run);
 nlohmann::ordered_json report(const WalkComparison& result);

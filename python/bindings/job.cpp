@@ -96,11 +96,13 @@ bool wait(Shared& shared, std::string& stage, double& share) {
 
 }  // namespace
 
+void Job::wait_for_leftovers() {
+  const nb::gil_scoped_release release;
+  leftovers().wait();
+}
+
 void Job::run(std::function<void(const StageProgress&)> work, const nb::object& progress) {
-  {
-    const nb::gil_scoped_release release;
-    leftovers().wait();
-  }
+  wait_for_leftovers();
   const auto shared = std::make_shared<Shared>();
   std::thread thread([shared, work = std::move(work)]() mutable {
     work_on(*shared, work);

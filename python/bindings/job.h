@@ -24,6 +24,8 @@ class Job {
   /// for that.
   /// @param progress  Python's function of a stage and a share, or None
   static void run(std::function<void(const StageProgress&)> work, const nb::object& progress);
+  /// Returns when nothing that was interrupted is at work any more.
+  static void wait_for_leftovers();
 };
 
 /// The value of `make(progress)`, made with the interpreter's lock released.

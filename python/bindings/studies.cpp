@@ -13,6 +13,7 @@
 #include "crossgait/parity/report.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/python/bindings/arrays.h"
+#include "crossgait/python/bindings/behaviour.h"
 #include "crossgait/python/bindings/bindings.h"
 #include "crossgait/python/bindings/job.h"
 #include "crossgait/python/bindings/json.h"
@@ -91,34 +92,41 @@ nb::object traces_of(const std::shared_ptr<Recorder>& recorder) {
   return recorder ? recorder->take() : nb::none();
 }
 
-nb::tuple walk_in(const WalkConfig& config, const std::string& engine, bool trace,
-                  const nb::object& progress) {
-  const auto record = recorder(trace, 1, config.robot);
+// What a walk is made of, for whoever wants to make it again. Of a function in Python only its world can be
+// said.
+nlohmann::json subject_json(const Subject& subject) {
+  if (const auto* walk = std::get_if<WalkConfig>(&subject))
+    return {{"behaviour", to_json(BehaviourSpec{*walk, {}, 0}).at("behaviour")}};
+  return {{"python", std::get<PythonBehaviour>(subject).name}};
+}
+
+nb::tuple walk_in(const Subject& subject, const std::string& engine, bool trace, const nb::object& progress) {
+  const auto record = recorder(trace, 1, config_of(subject).robot);
   const Report report = run_job(
-      [config, engine, record](const StageProgress& told) -> Report {
-        const WalkRun run = walk(config, engine, progress_of(told, "walking"), observer(record));
+      [subject, engine, record](const StageProgress& told) -> Report {
+        const auto world = find_engine(engine).make(config_of(subject).world());
+        const WalkRun run =
+            record_walk(*world, setup_of(subject), progress_of(told, "walking"), observer(record));
         if (run.interrupted) throw Interrupted();
         Json json = crossgait::report(run);
-        json["provenance"] =
-            provenance({{"behaviour", to_json(BehaviourSpec{config, {}, 0}).at("behaviour")}}, {engine});
+        json["provenance"] = provenance(subject_json(subject), {engine});
         return {json, describe(run)};
       },
       progress);
   return nb::make_tuple(to_python(report), traces_of(record));
 }
 
-nb::tuple compare_in(const WalkConfig& config, const std::vector<std::string>& engines, bool trace,
+nb::tuple compare_in(const Subject& subject, const std::vector<std::string>& engines, bool trace,
                      const DivergenceTolerances& tolerances, const nb::object& progress) {
-  const auto record = recorder(trace, engines.size(), config.robot);
-  CompareOptions options;
-  options.tolerances = tolerances;
+  const auto record = recorder(trace, engines.size(), config_of(subject).robot);
   const Report report = run_job(
       [=](const StageProgress& told) -> Report {
-        const WalkComparison result = compare_walks(config, engines, options, told, observer(record));
-        if (result.interrupted) throw Interrupted();
+        WalkComparison result;
+        result.comparison = compare_walks(config_of(subject).world(), setup_of(subject), engines, tolerances,
+                                          told, observer(record));
+        if (result.comparison.interrupted) throw Interrupted();
         Json json = crossgait::report(result);
-        json["provenance"] =
-            provenance({{"behaviour", to_json(BehaviourSpec{config, {}, 0}).at("behaviour")}}, engines);
+        json["provenance"] = provenance(subject_json(subject), engines);
         return {json, describe(result.comparison)};
       },
       progress);
@@ -146,6 +154,25 @@ nb::tuple judge(const BehaviourSpec& spec, const std::string& a, const std::stri
       progress));
 }
 
+nb::tuple judge(const PythonBehaviour& behaviour, const StartRanges& starts_from, std::uint64_t seed,
+                const std::string& a, const std::string& b, const JudgementOptions& options,
+                const nb::object& progress) {
+  if (!options.stored_runs.empty())
+    throw ConfigError("verdict", "runs",
+                      "none: what a function in Python does has no identity to be found by",
+                      options.stored_runs);
+  return to_python(run_job(
+      [=](const StageProgress& told) -> Report {
+        const Judgement judgement =
+            judge_behaviour(make_behaviour(behaviour.walk, behaviour.setup(), starts_from, seed),
+                            behaviour.walk.world(), a, b, options, told);
+        Json json = to_json(judgement);
+        json["provenance"] = provenance(subject_json(behaviour), {a, b});
+        return {json, describe(judgement)};
+      },
+      progress));
+}
+
 void bind_judgements(nb::module_& m) {
   nb::class_<StartRanges>(m, "StartRanges", "How far apart the starts of a verdict lie.")
       .def(
@@ -158,11 +185,13 @@ void bind_judgements(nb::module_& m) {
           nb::arg("heading_rad") = StartRanges().heading_rad, nb::arg("push_mps") = nb::none());
   m.def(
       "_judge_walk",
-      [](const WalkConfig& walk, const std::string& a, const std::string& b, const StartRanges& starts_from,
+      [](const Subject& walk, const std::string& a, const std::string& b, const StartRanges& starts_from,
          std::uint64_t seed, std::size_t starts, double limit, double confidence, std::size_t workers,
          bool explain, const std::string& runs, const nb::object& progress) {
-        return judge({walk, starts_from, seed}, a, b,
-                     judgement_options(starts, limit, confidence, workers, explain, runs), progress);
+        const JudgementOptions options = judgement_options(starts, limit, confidence, workers, explain, runs);
+        if (const auto* config = std::get_if<WalkConfig>(&walk))
+          return judge({*config, starts_from, seed}, a, b, options, progress);
+        return judge(std::get<PythonBehaviour>(walk), starts_from, seed, a, b, options, progress);
       },
       nb::arg("walk"), nb::arg("a"), nb::arg("b"), nb::arg("starts_from"), nb::arg("seed"), nb::arg("starts"),
       nb::arg("limit"), nb::arg("confidence"), nb::arg("workers"), nb::arg("explain"), nb::arg("runs"),
@@ -234,10 +263,13 @@ nb::tuple bench(const std::vector<std::string>& engines, const std::vector<std::
 
 void bind_studies(nb::module_& m) {
   bind_walk_config(m);
+  bind_behaviour(m);
+  // Jobs whose callers were interrupted may still call into the interpreter.
+  nb::module_::import_("atexit").attr("register")(nb::cpp_function(&Job::wait_for_leftovers));
   m.def("_walk", &walk_in, nb::arg("walk"), nb::arg("engine"), nb::arg("trace"), kProgress);
   m.def(
       "_compare",
-      [](const WalkConfig& walk, const std::vector<std::string>& engines, bool trace, double position,
+      [](const Subject& walk, const std::vector<std::string>& engines, bool trace, double position,
          double joint, double attitude, const nb::object& progress) {
         DivergenceTolerances tolerances;
         tolerances.position = position;

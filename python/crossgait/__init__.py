@@ -1,14 +1,21 @@
-"""One quadruped stack over several physics engines."""
+"""One quadruped stack over several physics engines, and a verdict on what depends on the engine.
+
+    >>> import crossgait
+    >>> crossgait.walk("trot", engine="bullet", seconds=2).mean_speed_mps > 0.2
+    True
+"""
 
 from __future__ import annotations
 
 from crossgait._core import (
+    Behaviour,
     Contact,
     Engine,
     EnvironmentConfig,
     FootContact,
     Robot,
     Snapshot,
+    StartRanges,
     State,
     Terrain,
     Walk,
@@ -21,23 +28,44 @@ from crossgait._core import (
     robots,
 )
 from crossgait.errors import ConfigError
+from crossgait.results import Bench, CompareResult, Result, Rollout, Transfer, Tuning, Verdict, WalkResult
+from crossgait.studies import bench, compare, rollout, transfer, tune, verdict, walk
+from crossgait.traces import Trace
 
 __all__ = [
+    "Behaviour",
+    "Bench",
+    "CompareResult",
     "ConfigError",
     "Contact",
     "Engine",
     "EnvironmentConfig",
     "FootContact",
+    "Result",
     "Robot",
+    "Rollout",
     "Snapshot",
+    "StartRanges",
     "State",
     "Terrain",
+    "Trace",
+    "Transfer",
+    "Tuning",
+    "Verdict",
     "Walk",
+    "WalkResult",
     "World",
     "__version__",
     "available_engines",
+    "bench",
     "body_poses",
+    "compare",
     "engines",
     "models_dir",
     "robots",
+    "rollout",
+    "transfer",
+    "tune",
+    "verdict",
+    "walk",
 ]

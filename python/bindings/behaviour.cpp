@@ -1,0 +1,179 @@
+#include "crossgait/python/bindings/behaviour.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+#include <nanobind/eigen/dense.h>
+#include <nanobind/stl/string.h>
+
+#include "crossgait/env/standing.h"
+#include "crossgait/physics/error.h"
+
+namespace crossgait::python {
+namespace {
+
+// What a function in Python returned, as numbers. To be called with the interpreter's lock held.
+Eigen::MatrixXd numbers(const nb::object& returned, const std::string& name, Eigen::Index rows,
+                        Eigen::Index columns) {
+  const auto expected = columns == 1 ? fmt::format("{} numbers", rows)
+                                     : fmt::format("an array of {} x {} numbers", rows, columns);
+  Eigen::MatrixXd values;
+  try {
+    if (columns == 1) {
+      values = nb::cast<Eigen::VectorXd>(returned);
+    } else {
+      values = nb::cast<Eigen::MatrixXd>(returned);
+    }
+  } catch (const nb::cast_error&) {
+    throw ConfigError(name, "targets", expected, nb::repr(returned).c_str());
+  }
+  if (values.rows() != rows || values.cols() != columns)
+    throw ConfigError(name, "targets", expected, fmt::format("{} x {}", values.rows(), values.cols()));
+  if (!values.allFinite()) throw ConfigError(name, "targets", "finite numbers", nb::repr(returned).c_str());
+  return values;
+}
+
+// One run's controller.
+class Controller {
+ public:
+  Controller(const PythonBehaviour& behaviour, const RobotDescription& robot)
+      : name_(behaviour.name), controller_(make(behaviour.make)) {
+    state_.q = robot.home;
+    state_.qd = JointVector::Zero(robot.joint_count());
+  }
+
+  void look(const RobotState& state) { state_ = state; }
+  Eigen::MatrixXd operator()(Eigen::Index rows, Eigen::Index columns) const {
+    const nb::gil_scoped_acquire acquire;
+    return numbers(controller_.get()(state_), name_, rows, columns);
+  }
+
+ private:
+  static SharedObject make(const SharedObject& maker) {
+    const nb::gil_scoped_acquire acquire;
+    return SharedObject(maker.get()());
+  }
+
+  std::string name_;
+  SharedObject controller_;
+  RobotState state_;
+};
+
+TargetSource joint_source(const PythonBehaviour& behaviour,
+                          const std::shared_ptr<const RobotDescription>& robot) {
+  const auto controller = std::make_shared<Controller>(behaviour, *robot);
+  const std::vector<int> servos = robot->actuated_joints();
+  const auto count = static_cast<Eigen::Index>(servos.size());
+  const auto command = behaviour.walk.gait.command;
+  return {[robot](const Terrain& terrain, const Placement& placement) {
+            return standing_on(terrain, placement, *robot, robot->home);
+          },
+          [robot, servos](double, ControlTargets& out) { out.joints.q = robot->home(servos); },
+          [controller, count, command](double, ControlTargets& out) {
+            out.joints.q = (*controller)(count, 1);
+            out.velocity = command;
+          },
+          [controller](const RobotState& state, double) { controller->look(state); }};
+}
+
+TargetSource feet_source(const PythonBehaviour& behaviour,
+                         const std::shared_ptr<const RobotDescription>& robot) {
+  const auto controller = std::make_shared<Controller>(behaviour, *robot);
+  const auto feet = [controller](double) {
+    const Eigen::MatrixXd rows = (*controller)(kLegCount, 3);
+    LegArray<Vector3> positions;
+    for (const Leg leg : kLegs) positions[leg] = rows.row(static_cast<Eigen::Index>(index(leg)));
+    return positions;
+  };
+  const ServoCompensation compensation =
+      behaviour.walk.compensation ? ServoCompensation{} : ServoCompensation::none();
+  TargetSource source = make_feet_source(feet, robot, compensation);
+  source.advance = [move = std::move(source.advance), command = behaviour.walk.gait.command](
+                       double dt, ControlTargets& out) {
+    move(dt, out);
+    out.velocity = command;
+  };
+  source.look = [controller](const RobotState& state, double) { controller->look(state); };
+  return source;
+}
+
+// The collector has to see what a behaviour holds: functions of a module hold whatever is in it.
+int traverse(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  if (nb::inst_ready(self)) Py_VISIT(nb::inst_ptr<PythonBehaviour>(self)->make.get().ptr());
+  return 0;
+}
+
+int clear(PyObject* self) {
+  nb::inst_ptr<PythonBehaviour>(self)->make = SharedObject(nb::none());
+  return 0;
+}
+
+PyType_Slot kSlots[] = {{Py_tp_traverse, reinterpret_cast<void*>(traverse)},
+                        {Py_tp_clear, reinterpret_cast<void*>(clear)},
+                        {0, nullptr}};
+
+Targets targets_of(const std::string& text) {
+  if (text == "joints") return Targets::kJoints;
+  if (text == "feet") return Targets::kFeet;
+  throw ConfigError("behaviour", "targets", "joints or feet", text);
+}
+
+}  // namespace
+
+SharedObject::SharedObject(nb::object object)
+    : object_(new nb::object(std::move(object)), [](const nb::object* held) {
+        const nb::gil_scoped_acquire acquire;
+        delete held;
+      }) {}
+
+WalkSetup PythonBehaviour::setup() const {
+  return {name,
+          [*this](const std::shared_ptr<const RobotDescription>& robot) {
+            return targets == Targets::kJoints ? joint_source(*this, robot) : feet_source(*this, robot);
+          },
+          walk.timing, walk.ends};
+}
+
+const WalkConfig& config_of(const Subject& subject) {
+  const auto* behaviour = std::get_if<PythonBehaviour>(&subject);
+  return behaviour != nullptr ? behaviour->walk : std::get<WalkConfig>(subject);
+}
+
+WalkSetup setup_of(const Subject& subject) {
+  return std::visit([](const auto& s) { return s.setup(); }, subject);
+}
+
+void bind_behaviour(nb::module_& m) {
+  nb::class_<PythonBehaviour>(
+      m, "Behaviour", "A controller of your own: what `walk`, `compare` and `verdict` take beside gaits.")
+      .def(
+          "__init__",
+          [](PythonBehaviour* self, const nb::callable& make, const WalkConfig& walk,
+             const std::string& targets, const std::string& name) {
+            new (self) PythonBehaviour{walk, name, targets_of(targets), SharedObject(make)};
+          },
+          nb::arg("make"), nb::arg("walk") = WalkConfig(), nb::kw_only(), nb::arg("targets") = "joints",
+          nb::arg("name") = "behaviour",
+          nb::sig("def __init__(self, make: collections.abc.Callable[[], collections.abc.Callable[[State], "
+                  "numpy.typing.ArrayLike]], walk: Walk = ..., *, targets: str = 'joints', name: str = "
+                  "'behaviour') "
+                  "-> None"),
+          "`make` returns a fresh controller for every run: a function of the `State` at the beginning of a "
+          "control "
+          "step that returns targets for it; what it remembers is its own. With targets=\"joints\" those are "
+          "servo "
+          "angles in rad in the order of `Robot.servos`, and the robot begins in its home pose; with "
+          "\"feet\" they are "
+          "4 x 3 foot centres (FL, FR, RL, RR) in the leg frames (x forward, y left, z up), m, and the robot "
+          "begins with "
+          "its feet where the first call, of the home pose, says. `walk` says robot, ground, friction, time "
+          "steps and "
+          "how long; its command, if it has one, is what progress and heading are judged by. The same "
+          "controller must "
+          "return the same targets for the same states: verdicts repeat runs.")
+      .def_ro("name", &PythonBehaviour::name)
+      .def_ro("walk", &PythonBehaviour::walk);
+}
+
+}  // namespace crossgait::python

@@ -1,0 +1,49 @@
+// What moves: a walk of Crossgait's own gaits, or whatever a function in Python wants.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include <nanobind/nanobind.h>
+
+#include "crossgait/study/walk_config.h"
+
+namespace crossgait::python {
+
+namespace nb = nanobind;
+
+/// A Python object that any thread may hold and let go of.
+class SharedObject {
+ public:
+  explicit SharedObject(nb::object object);
+  /// To be called with the interpreter's lock held.
+  const nb::object& get() const { return *object_; }
+
+ private:
+  std::shared_ptr<const nb::object> object_;
+};
+
+enum class Targets { kJoints, kFeet };
+
+/// A controller in Python, in the world and with the timing of `walk`, whose gait is not used.
+struct PythonBehaviour {
+  WalkConfig walk;
+  std::string name;
+  Targets targets = Targets::kJoints;
+  SharedObject make;  ///< returns a fresh function of a State, which returns targets
+
+  /// Its runs call into the interpreter from whatever thread they are on.
+  WalkSetup setup() const;
+};
+
+using Subject = std::variant<WalkConfig, PythonBehaviour>;
+
+const WalkConfig& config_of(const Subject& subject);
+WalkSetup setup_of(const Subject& subject);
+
+void bind_behaviour(nb::module_& m);
+
+}  // namespace crossgait::python

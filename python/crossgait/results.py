@@ -1,0 +1,252 @@
+"""What studies return: the same numbers as the commands' JSON, as objects to look at."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from crossgait.traces import Trace
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from crossgait._core import EnvironmentConfig
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True, repr=False)
+class Result:
+    """One study's result. `str(result)` is the table that the command prints."""
+
+    document: Json  #: what `--json` writes
+    text: str
+
+    def to_dict(self) -> Json:
+        """Return a copy of the document, keys as in docs/schemas."""
+        copy: Json = json.loads(json.dumps(self.document))
+        return copy
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the document as JSON. The file appears whole or not at all."""
+        target = Path(path)
+        with tempfile.NamedTemporaryFile("w", dir=target.parent, prefix=target.name, delete=False) as file:
+            json.dump(self.document, file, indent=2)
+            file.write("\n")
+        os.chmod(file.name, 0o644)
+        os.replace(file.name, target)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the result's main table."""
+        import pandas as pd
+
+        return pd.DataFrame(self._rows()).set_index(self._row_name)
+
+    def plot(self) -> Figure:
+        """Draw it with matplotlib."""
+        from crossgait import plots
+
+        drawer: Callable[[Any], Figure] = getattr(plots, self._plot)
+        return drawer(self)
+
+    _row_name = "name"
+    _plot = ""
+
+    def _rows(self) -> list[Json]:
+        raise NotImplementedError
+
+    def _headline(self) -> str:
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        return f"<crossgait.{type(self).__name__}: {self._headline()}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p><b>{html.escape(self._headline())}</b></p><pre>{html.escape(self.text)}</pre>"
+
+
+def _flat(summary: Json) -> Json:
+    """One level of keys: `duty_factor.FL`."""
+    row: Json = {}
+    for key, value in summary.items():
+        if key in ("schema", "provenance"):
+            continue
+        if isinstance(value, dict):
+            row.update({f"{key}.{name}": item for name, item in value.items()})
+        elif isinstance(value, list):
+            row.update({f"{key}.{axis}": item for axis, item in zip("xyz", value, strict=False)})
+        else:
+            row[key] = value
+    return row
+
+
+@dataclass(frozen=True, repr=False)
+class WalkResult(Result):
+    """One walk in one engine. Its numbers are attributes too: `result.mean_speed_mps`."""
+
+    trace: Trace | None = None  #: if it was asked for
+
+    _row_name = "backend"
+    _plot = "plot_walk"
+
+    def __getattr__(self, name: str) -> Any:
+        if not name.startswith("_") and name in self.document:
+            return self.document[name]
+        raise AttributeError(name)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.document]
+
+    def _rows(self) -> list[Json]:
+        return [_flat(self.document)]
+
+    def _headline(self) -> str:
+        d = self.document
+        return (
+            f"{d['gait']} on {d['terrain']} in {d['backend']}: {d['outcome']}, "
+            f"{d['mean_speed_mps']:.3f} m/s over {d['simulated_seconds']:g} s"
+        )
+
+
+@dataclass(frozen=True, repr=False)
+class CompareResult(Result):
+    """The same walk in several engines."""
+
+    traces: dict[str, Trace] = field(default_factory=dict)  #: by engine, if they were asked for
+
+    _row_name = "backend"
+    _plot = "plot_compare"
+
+    @property
+    def engines(self) -> list[str]:
+        """Names, in the order of the runs."""
+        return [run["backend"] for run in self.document["runs"]]
+
+    @property
+    def pairs(self) -> list[Json]:
+        """How far every two of them lie apart."""
+        pairs: list[Json] = self.document["pairs"]
+        return pairs
+
+    def _rows(self) -> list[Json]:
+        return [_flat(run) for run in self.document["runs"]]
+
+    def _headline(self) -> str:
+        run = self.document["runs"][0]
+        apart = ", ".join(f"{p['a']} and {p['b']} {p['max_position_difference_m']:.2g} m" for p in self.pairs)
+        return f"{run['gait']} on {run['terrain']}, largest differences: {apart}"
+
+
+@dataclass(frozen=True, repr=False)
+class Verdict(Result):
+    """Whether a behaviour depends on the engine (docs/verdict.md)."""
+
+    _plot = "plot_verdict"
+
+    @property
+    def word(self) -> str:
+        """`agrees`, `engine-dependent` or `unresolved`."""
+        word: str = self.document["word"]
+        return word
+
+    def statistic(self, name: str) -> Json:
+        """The judgement of one statistic. Raises KeyError."""
+        for row in self.document["statistics"]:
+            if row["name"] == name:
+                statistic: Json = row
+                return statistic
+        raise KeyError(name)
+
+    @property
+    def causes(self) -> dict[str, list[str]]:
+        """Modelling factors to blame, by statistic; empty unless it was explained."""
+        attribution = self.document.get("attribution", {"statistics": []})
+        return {row["name"]: row["leading"] for row in attribution["statistics"] if row["leading"]}
+
+    def _rows(self) -> list[Json]:
+        rows = []
+        for s in self.document["statistics"]:
+            row = {"name": s["name"], "unit": s["unit"]}
+            row |= {self.document["a"]: s["mean_a"], self.document["b"]: s["mean_b"]}
+            row |= {"gap": s["gap"]["estimate"], "spread": s["spread"], "floor": s["floor"]}
+            score = s["score"]
+            row |= {"score": score["estimate"], "low": score["low"], "high": score["high"], "word": s["word"]}
+            rows.append(row)
+        return rows
+
+    def _headline(self) -> str:
+        d = self.document
+        return f"{d['behaviour']}: {d['word']} between {d['a']} and {d['b']}, {d['starts']} starts"
+
+
+@dataclass(frozen=True, repr=False)
+class Rollout(Result):
+    """Whole episodes of policies in one engine."""
+
+    _row_name = "policy"
+    _plot = "plot_rollout"
+
+    def _rows(self) -> list[Json]:
+        return [
+            {"policy": run["policy"], **_flat(episode)} for run in self.document["policies"] for episode in run["episodes"]
+        ]
+
+    def _headline(self) -> str:
+        names = ", ".join(run["policy"] for run in self.document["policies"])
+        episodes = len(self.document["policies"][0]["episodes"])
+        return f"{episodes} episodes of {names}"
+
+
+@dataclass(frozen=True, repr=False)
+class Transfer(Result):
+    """One policy, and none, over engines and grounds."""
+
+    _row_name = "terrain"
+    _plot = "plot_transfer"
+
+    def _rows(self) -> list[Json]:
+        return [_flat(cell) for cell in self.document["cells"]]
+
+    def _headline(self) -> str:
+        engines = dict.fromkeys(cell["backend"] for cell in self.document["cells"])
+        return f"{self.document['policy']} in {', '.join(engines)}"
+
+
+@dataclass(frozen=True, repr=False)
+class Tuning(Result):
+    """Gait parameters that were searched for."""
+
+    environment: EnvironmentConfig | None = None  #: with the tuned parameters
+
+    _row_name = "generation"
+    _plot = "plot_tuning"
+
+    def _rows(self) -> list[Json]:
+        return [{"generation": i, "best": score} for i, score in enumerate(self.document["history"])]
+
+    def _headline(self) -> str:
+        return f"tuned to {self.document['score']:.3f} m/s"
+
+
+@dataclass(frozen=True, repr=False)
+class Bench(Result):
+    """Speed and accuracy of the engines on the same motions."""
+
+    _row_name = "scene"
+    _plot = "plot_bench"
+
+    def _rows(self) -> list[Json]:
+        return [_flat(row) for row in self.document.get("speed", {}).get("scenes", [])]
+
+    def _headline(self) -> str:
+        return f"benchmark of {', '.join(b if isinstance(b, str) else b['name'] for b in self.document['backends'])}"

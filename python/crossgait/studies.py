@@ -1,0 +1,257 @@
+"""The commands of `crossgait` as functions: the same results, as objects."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any
+
+from crossgait import _core
+from crossgait._core import Behaviour, EnvironmentConfig, StartRanges, Walk
+from crossgait.errors import ConfigError
+from crossgait.progress import Progress, ProgressBar, shown
+from crossgait.results import Bench, CompareResult, Rollout, Transfer, Tuning, Verdict, WalkResult
+from crossgait.traces import Trace
+
+Subject = Walk | Behaviour | str
+_Report = tuple[dict[str, Any], str]
+
+
+def _subject(subject: Subject, options: dict[str, Any]) -> Walk | Behaviour:
+    if isinstance(subject, str):
+        return Walk(subject, **options)
+    if options:
+        raise TypeError(f"a {type(subject).__name__} says itself what {', '.join(options)} are")
+    return subject
+
+
+def _default_engine() -> str:
+    available = _core.available_engines()
+    if not available:
+        raise ConfigError("engines", "available", "at least one engine", "none: see crossgait.engines()")
+    return available[0]
+
+
+def _two_engines(engines: Sequence[str] | None) -> tuple[str, str]:
+    if engines is None:
+        by_name = {engine.name: engine for engine in _core.engines() if engine.available}
+        first = _default_engine()
+        engines = [first, *(n for n, e in by_name.items() if e.laws != by_name[first].laws)][:2]
+    if len(engines) != 2 or engines[0] == engines[1]:
+        raise ConfigError("verdict", "engines", "two different engines", ", ".join(engines))
+    return engines[0], engines[1]
+
+
+def _workers(workers: int | None) -> int:
+    return workers if workers is not None else len(os.sched_getaffinity(0))
+
+
+class _Shown:
+    """Progress of one call; its bar is gone afterwards."""
+
+    def __init__(self, progress: Progress | bool | None) -> None:
+        self.progress = shown(progress)
+
+    def __enter__(self) -> Progress | None:
+        return self.progress
+
+    def __exit__(self, *_: object) -> None:
+        if isinstance(self.progress, ProgressBar):
+            self.progress.close()
+
+
+def walk(
+    subject: Subject = "trot",
+    *,
+    engine: str | None = None,
+    trace: bool = False,
+    progress: Progress | bool | None = None,
+    **options: Any,
+) -> WalkResult:
+    """Walk in one engine.
+
+    Args:
+        subject: a gait's name, a `Walk`, or a `Behaviour` of your own.
+        engine: see `crossgait.engines()`; the first by default.
+        trace: also keep every control step.
+        progress: a function, False, True or None (a bar where somebody is looking).
+        options: of `Walk`, with a gait's name.
+
+    Raises:
+        ConfigError: for what cannot be read or made.
+    """
+    what = _subject(subject, options)
+    name = engine or _default_engine()
+    with _Shown(progress) as told:
+        (document, text), recorded = _core._walk(what, name, trace, told)
+    if recorded is None:
+        return WalkResult(document, text)
+    names, tables = recorded
+    return WalkResult(document, text, Trace(names, tables[0], name=name))
+
+
+def compare(
+    subject: Subject = "trot",
+    *,
+    engines: Sequence[str] | None = None,
+    trace: bool = False,
+    position_tolerance: float = 1e-3,
+    joint_tolerance: float = 1e-2,
+    attitude_tolerance: float = 1e-2,
+    progress: Progress | bool | None = None,
+    **options: Any,
+) -> CompareResult:
+    """Walk the same in several engines, side by side.
+
+    Args:
+        subject: as `walk`.
+        engines: two or more; all that are available by default.
+        trace: also keep every control step of every engine.
+        position_tolerance: when two engines of different laws count as apart, m.
+        joint_tolerance: the same for joint angles, rad.
+        attitude_tolerance: the same for orientation, rad.
+        progress: as `walk`.
+        options: as `walk`.
+    """
+    what = _subject(subject, options)
+    names = list(engines) if engines is not None else _core.available_engines()
+    with _Shown(progress) as told:
+        (document, text), recorded = _core._compare(
+            what, names, trace, position_tolerance, joint_tolerance, attitude_tolerance, told
+        )
+    traces = {}
+    if recorded is not None:
+        columns, tables = recorded
+        traces = {name: Trace(columns, table, name=name) for name, table in zip(names, tables, strict=True)}
+    return CompareResult(document, text, traces)
+
+
+def verdict(
+    subject: Subject = "trot",
+    *,
+    engines: Sequence[str] | None = None,
+    environment: EnvironmentConfig | None = None,
+    explain: bool = False,
+    starts: int = 12,
+    limit: float = 1.0,
+    confidence: float = 0.95,
+    start_ranges: StartRanges | None = None,
+    seed: int = 0,
+    workers: int | None = None,
+    runs: str | os.PathLike[str] = "",
+    progress: Progress | bool | None = None,
+    **options: Any,
+) -> Verdict:
+    """Judge whether a behaviour depends on the engine (docs/verdict.md).
+
+    Args:
+        subject: as `walk`; with an `environment` a policy, as `crossgait verdict --policy` takes it.
+        engines: two; the first that there is and the first of other laws by default.
+        environment: of a policy.
+        explain: also say what the gap comes from.
+        starts: from which both engines run, at least 4.
+        limit: gap over spread up to which engines agree.
+        confidence: of all words together.
+        start_ranges: how far starts lie apart.
+        seed: of the starts, and of a random terrain.
+        workers: threads; as many as the process may use by default. Results do not depend on them.
+        runs: a file of runs to take and to add to; "": none.
+        progress: as `walk`.
+        options: as `walk`.
+    """
+    a, b = _two_engines(engines)
+    ranges = start_ranges if start_ranges is not None else StartRanges()
+    how = (starts, limit, confidence, _workers(workers), explain, os.fspath(runs))
+    with _Shown(progress) as told:
+        if environment is None:
+            if isinstance(subject, str):
+                options.setdefault("seed", seed)
+            document, text = _core._judge_walk(_subject(subject, options), a, b, ranges, seed, *how, told)
+        elif isinstance(subject, str) and not options:
+            document, text = _core._judge_policy(environment, subject, a, b, ranges, seed, *how, told)
+        else:
+            raise TypeError("with an environment the subject is a policy's name or file, and nothing else is said")
+    return Verdict(document, text)
+
+
+def rollout(
+    policies: str | Sequence[str] = "zero",
+    environment: EnvironmentConfig | None = None,
+    *,
+    episodes: int = 3,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: Progress | bool | None = None,
+) -> Rollout:
+    """Run whole episodes of policies, all on the same worlds.
+
+    Args:
+        policies: `zero`, `random`, or files of policies.
+        environment: its engine is the one they run in.
+        episodes: of every policy.
+        seed: of the first episode.
+        workers: as `verdict`.
+        progress: as `walk`.
+    """
+    names = [policies] if isinstance(policies, str) else list(policies)
+    config = environment if environment is not None else EnvironmentConfig.parse("")
+    with _Shown(progress) as told:
+        document, text = _core._rollout(config, names, episodes, _workers(workers), seed, told)
+    return Rollout(document, text)
+
+
+def transfer(
+    policy: str,
+    environment: EnvironmentConfig | None = None,
+    *,
+    engines: Sequence[str] | None = None,
+    terrains: Sequence[str] = ("flat", "rough"),
+    episodes: int = 3,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: Progress | bool | None = None,
+) -> Transfer:
+    """Run one policy, and none, in every engine on every ground."""
+    config = environment if environment is not None else EnvironmentConfig.parse("")
+    names = list(engines) if engines is not None else _core.available_engines()
+    with _Shown(progress) as told:
+        document, text = _core._transfer(
+            config, policy, names, list(terrains), episodes, _workers(workers), seed, told
+        )
+    return Transfer(document, text)
+
+
+def tune(
+    environment: EnvironmentConfig | None = None,
+    *,
+    engines: Sequence[str] | None = None,
+    iterations: int = 10,
+    population: int = 16,
+    terrains: int = 2,
+    unseen: int = 3,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: Progress | bool | None = None,
+) -> Tuning:
+    """Search for faster gait parameters in the environment's engine, and check them in all `engines`."""
+    config = environment if environment is not None else EnvironmentConfig.parse("")
+    names = list(engines) if engines is not None else _core.available_engines()
+    with _Shown(progress) as told:
+        (document, text), tuned = _core._tune(
+            config, names, iterations, population, terrains, unseen, _workers(workers), seed, told
+        )
+    return Tuning(document, text, tuned)
+
+
+def bench(
+    *,
+    engines: Sequence[str] | None = None,
+    sections: Sequence[str] = (),
+    quick: bool = False,
+    progress: Progress | bool | None = None,
+) -> Bench:
+    """Measure speed and accuracy of the engines; `sections` of speed, accuracy, analytic, feet, or all."""
+    names = list(engines) if engines is not None else _core.available_engines()
+    with _Shown(progress) as told:
+        document, text = _core._bench(names, list(sections), quick, told)
+    return Bench(document, text)
