@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
@@ -49,6 +50,23 @@ inline std::span<const double> doubles(const AnyArray& array, std::size_t size, 
   copy.resize(size);
   std::copy_n(static_cast<const float*>(array.data()), size, copy.begin());
   return copy;
+}
+
+/// Whatever NumPy makes numbers of, as float64 in C order: arrays of any type, lists. @throws as
+/// numpy.asarray does
+inline nb::ndarray<const double, nb::c_contig, nb::device::cpu> numbers_of(const nb::object& values) {
+  nb::ndarray<const double, nb::c_contig, nb::device::cpu> array;
+  if (nb::try_cast(values, array, false)) return array;
+  const nb::object numpy = nb::module_::import_("numpy");
+  return nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(
+      numpy.attr("ascontiguousarray")(values, numpy.attr("float64")));
+}
+
+/// The same as a vector. @throws ConfigError naming `what` unless it has one dimension
+inline Eigen::Map<const Eigen::VectorXd> vector_of(
+    const nb::ndarray<const double, nb::c_contig, nb::device::cpu>& array, const char* what) {
+  if (array.ndim() != 1) throw ConfigError(what, "array", "one dimension", std::to_string(array.ndim()));
+  return {array.data(), static_cast<Eigen::Index>(array.size())};
 }
 
 }  // namespace crossgait::python

@@ -8,6 +8,7 @@
 
 #include "crossgait/env/standing.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/python/bindings/arrays.h"
 
 namespace crossgait::python {
 namespace {
@@ -17,18 +18,17 @@ Eigen::MatrixXd numbers(const nb::object& returned, const std::string& name, Eig
                         Eigen::Index columns) {
   const auto expected = columns == 1 ? fmt::format("{} numbers", rows)
                                      : fmt::format("an array of {} x {} numbers", rows, columns);
-  Eigen::MatrixXd values;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values;
   try {
-    if (columns == 1) {
-      values = nb::cast<Eigen::VectorXd>(returned);
-    } else {
-      values = nb::cast<Eigen::MatrixXd>(returned);
-    }
-  } catch (const nb::cast_error&) {
+    const auto array = numbers_of(returned);
+    const std::size_t second = array.ndim() == 2 ? array.shape(1) : 1;
+    if (array.ndim() != (columns == 1 ? 1 : 2) || array.shape(0) != static_cast<std::size_t>(rows) ||
+        second != static_cast<std::size_t>(columns))
+      throw ConfigError(name, "targets", expected, nb::repr(returned).c_str());
+    values = Eigen::Map<const decltype(values)>(array.data(), rows, columns);
+  } catch (const nb::python_error&) {
     throw ConfigError(name, "targets", expected, nb::repr(returned).c_str());
   }
-  if (values.rows() != rows || values.cols() != columns)
-    throw ConfigError(name, "targets", expected, fmt::format("{} x {}", values.rows(), values.cols()));
   if (!values.allFinite()) throw ConfigError(name, "targets", "finite numbers", nb::repr(returned).c_str());
   return values;
 }

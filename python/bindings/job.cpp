@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include <nanobind/stl/string.h>
+
 namespace crossgait::python {
 namespace {
 

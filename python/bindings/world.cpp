@@ -8,31 +8,38 @@
 #include "crossgait/backends/registry.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/multibody.h"
+#include "crossgait/python/bindings/arrays.h"
 #include "crossgait/python/bindings/bindings.h"
 #include "crossgait/python/bindings/robot.h"
 
 namespace crossgait::python {
 namespace {
 
-using Vector = Eigen::Ref<const Eigen::VectorXd>;
-
 Eigen::Vector4d wxyz(const Quaternion& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 
-JointVector joint_vector(const Vector& values, const char* what) {
+JointVector joint_vector(const nb::object& given, const char* what) {
+  const auto array = numbers_of(given);
+  const auto values = vector_of(array, what);
   if (values.size() > kMaxJoints)
     throw ConfigError("world", what, "at most " + std::to_string(kMaxJoints) + " numbers",
                       std::to_string(values.size()));
   return values;
 }
 
+Vector3 vector3(const nb::object& given, const char* what) {
+  const auto array = numbers_of(given);
+  if (array.size() != 3) throw ConfigError("world", what, "3 numbers", std::to_string(array.size()));
+  return {array.data()[0], array.data()[1], array.data()[2]};
+}
+
 std::unique_ptr<PhysicsBackend> make_world(const Robot& robot, const Terrain& terrain,
                                            const std::string& engine, double friction, double physics_dt,
-                                           const Vector3& gravity, bool fixed_base) {
+                                           const nb::object& gravity, bool fixed_base) {
   WorldSpec spec;
   spec.robot = robot.description;
   spec.terrain = terrain;
   spec.physics_dt = physics_dt;
-  spec.gravity = gravity;
+  spec.gravity = vector3(gravity, "gravity");
   spec.fixed_base = fixed_base;
   spec.contact.friction = friction;
   const nb::gil_scoped_release release;
@@ -41,7 +48,7 @@ std::unique_ptr<PhysicsBackend> make_world(const Robot& robot, const Terrain& te
   return world;
 }
 
-const char* step(PhysicsBackend& world, const Vector& targets, int substeps) {
+const char* step(PhysicsBackend& world, const nb::object& targets, int substeps) {
   if (substeps < 1) throw ConfigError("world", "substeps", "at least 1", std::to_string(substeps));
   const JointTargets joints{joint_vector(targets, "targets")};
   StepStatus status = StepStatus::kOk;
@@ -52,7 +59,7 @@ const char* step(PhysicsBackend& world, const Vector& targets, int substeps) {
   if (status == StepStatus::kInvalidTargets)
     throw ConfigError(
         "world", "targets", std::to_string(world.robot().actuated_joints().size()) + " finite numbers, rad",
-        std::to_string(targets.size()) + " numbers" + (targets.allFinite() ? "" : ", not all finite"));
+        std::to_string(joints.q.size()) + " numbers" + (joints.q.allFinite() ? "" : ", not all finite"));
   return status == StepStatus::kOk ? "ok" : "diverged";
 }
 
@@ -91,10 +98,11 @@ void bind_state(nb::module_& m) {
       .def_rw("w_WB", &RobotState::w_WB, "Angular velocity of the base in W, rad/s.")
       .def_prop_rw(
           "q", [](const RobotState& s) { return Eigen::VectorXd(s.q); },
-          [](RobotState& s, const Vector& q) { s.q = joint_vector(q, "q"); }, "Joint angles, rad.")
+          [](RobotState& s, const nb::object& q) { s.q = joint_vector(q, "q"); }, "Joint angles, rad.")
       .def_prop_rw(
           "qd", [](const RobotState& s) { return Eigen::VectorXd(s.qd); },
-          [](RobotState& s, const Vector& qd) { s.qd = joint_vector(qd, "qd"); }, "Joint velocities, rad/s.")
+          [](RobotState& s, const nb::object& qd) { s.qd = joint_vector(qd, "qd"); },
+          "Joint velocities, rad/s.")
       .def_prop_ro(
           "roll_pitch_yaw", [](const RobotState& s) { return roll_pitch_yaw(s.q_WB); }, "rad.")
       .def("__repr__", [](const RobotState& s) {
@@ -135,7 +143,7 @@ void bind_world(nb::module_& m) {
   nb::class_<PhysicsBackend>(m, "World", "A robot on a terrain in one engine. Not for two threads at once.")
       .def(nb::new_(&make_world), nb::arg("robot"), nb::arg("terrain") = Terrain(), nb::arg("engine") = "",
            nb::kw_only(), nb::arg("friction") = 0.6, nb::arg("physics_dt") = 1e-3,
-           nb::arg("gravity") = Vector3(0, 0, -9.81), nb::arg("fixed_base") = false,
+           nb::arg("gravity") = nb::make_tuple(0.0, 0.0, -9.81), nb::arg("fixed_base") = false,
            "The robot in its home pose. `engine` \"\" is the first that is available; `friction` the Coulomb "
            "coefficient "
            "between robot and ground; times in s, gravity in m/s^2. Raises ConfigError.")
@@ -184,7 +192,8 @@ void bind_world(nb::module_& m) {
       .def("terrain_height", &PhysicsBackend::terrain_height, nb::arg("x"), nb::arg("y"),
            "Of the engine's own ground under a point, m; NaN where there is none.")
       .def(
-          "push", [](PhysicsBackend& w, const Vector3& impulse) { w.apply_push(impulse); },
+          "push",
+          [](PhysicsBackend& w, const nb::object& impulse) { w.apply_push(vector3(impulse, "push")); },
           nb::arg("impulse"),
           "An impulse (N s, in W) at the base's centre of mass, spread over the next physics step.")
       .def("save", &PhysicsBackend::save)

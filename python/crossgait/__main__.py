@@ -7,10 +7,12 @@ import sys
 from pathlib import Path
 from typing import NoReturn
 
+from crossgait import _core
+
 
 def main() -> NoReturn:
     """Become the program, with the arguments of this one."""
-    program = Path(__file__).parent / "bin" / "crossgait"
+    program = Path(_core.__file__).parent / "bin" / "crossgait"
     os.execv(program, ["crossgait", *sys.argv[1:]])
 
 

@@ -1,0 +1,22 @@
+"""What tests share."""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("MPLBACKEND", "Agg")
+
+import pytest
+
+import crossgait
+
+
+@pytest.fixture(params=crossgait.available_engines())
+def engine(request: pytest.FixtureRequest) -> str:
+    """Every engine that is available here."""
+    return str(request.param)
+
+
+@pytest.fixture(scope="session")
+def scara() -> crossgait.Robot:
+    return crossgait.Robot.load("scara_quadruped")

@@ -1,0 +1,91 @@
+from __future__ import annotations
+
+import gc
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import crossgait
+from crossgait import ConfigError, Robot, Terrain
+
+
+@pytest.mark.parametrize("name", crossgait.robots())
+def test_bundled_robots(name: str) -> None:
+    robot = Robot.load(name)
+    assert robot.name == name
+    assert robot.mass_kg > 0
+    assert [robot.joints[i] for i in robot.servo_indices] == robot.servos
+    assert robot.home.shape == (len(robot.joints),)
+    assert {shape["body"] for shape in robot.visuals} <= set(range(len(robot.bodies)))
+    assert robot.collisions
+
+
+def test_a_urdf_is_inferred_and_its_yaml_infers_nothing(tmp_path: Path) -> None:
+    folder = Path(crossgait.models_dir()) / "robots" / "serial_quadruped"
+    urdf = next(folder.glob("*.urdf"))
+    bare = tmp_path / urdf.name
+    bare.write_text(urdf.read_text())
+    robot = Robot.load(str(bare))
+    assert robot.inferred
+    assert all(what and value and reason for what, value, reason in robot.inferred)
+    (tmp_path / "robot.yaml").write_text(robot.to_yaml())
+    stated = Robot.load(str(tmp_path / "robot.yaml"))
+    assert stated.inferred == []
+    assert np.allclose(stated.home, robot.home, atol=1e-15)  # a file's last digit
+
+
+def test_a_missing_robot_says_what_there_is() -> None:
+    with pytest.raises(ConfigError) as caught:
+        Robot.load("dog")
+    assert "scara_quadruped" in caught.value.expected
+    assert str(caught.value) == (
+        f"{caught.value.source}: {caught.value.element}: "
+        f"expected {caught.value.expected}, found {caught.value.found}"
+    )
+    assert isinstance(caught.value, ValueError)
+
+
+def test_the_plane_has_no_heights() -> None:
+    flat = Terrain()
+    assert flat.heights is None
+    assert flat.size is None
+    assert np.array_equal(flat.height(np.array([0.0, 5.0]), np.array([1.0, -2.0])), [0, 0])
+
+
+def test_heights_are_a_view_that_keeps_the_terrain() -> None:
+    heights = Terrain("rough", seed=3).heights
+    gc.collect()
+    assert heights is not None
+    again = Terrain("rough", seed=3).heights
+    assert again is not None
+    assert np.array_equal(heights, again)
+    assert not heights.flags.writeable
+    other = Terrain("rough", seed=4).heights
+    assert other is not None
+    assert not np.array_equal(heights, other)
+
+
+def test_a_terrain_of_an_array() -> None:
+    heights = np.zeros((3, 5), dtype=np.float32)
+    heights[:, 4] = 0.5  # rises towards +x
+    terrain = Terrain.from_heights(heights, size_x=4, size_y=2)
+    assert terrain.size == (4, 2)
+    x = np.array([-2.0, 1.0, 1.5, 2.0])
+    assert np.allclose(terrain.height(x, np.zeros(4)), [0, 0, 0.25, 0.5])
+    kept = terrain.heights
+    assert kept is not None
+    assert np.array_equal(kept, heights)
+    heights[0, 0] = 9
+    assert kept[0, 0] == 0
+
+
+def test_bad_terrains_are_refused() -> None:
+    with pytest.raises(ConfigError, match="roug"):
+        Terrain("roug")
+    with pytest.raises(ConfigError):
+        Terrain.from_heights(np.full((2, 2), np.nan, dtype=np.float32), size_x=1, size_y=1)
+    with pytest.raises(ConfigError):
+        Terrain.from_heights(np.zeros((2, 2), dtype=np.float32), size_x=-1, size_y=1)
+    with pytest.raises(ConfigError, match="as many"):
+        Terrain().height(np.zeros(2), np.zeros(3))

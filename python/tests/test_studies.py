@@ -1,0 +1,244 @@
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import crossgait
+from crossgait import Behaviour, ConfigError, EnvironmentConfig, Robot, State, Trace, Walk
+
+
+def command(*arguments: str) -> Any:
+    """The program's JSON."""
+    done = subprocess.run(
+        [sys.executable, "-m", "crossgait", *arguments, "--json", "-"], capture_output=True, text=True, check=True
+    )
+    return json.loads(done.stdout)
+
+
+def without_the_run(document: Any) -> Any:
+    """Without provenance, whose command differs, and wall time."""
+    if isinstance(document, dict):
+        return {k: without_the_run(v) for k, v in document.items() if k not in ("provenance", "wall_seconds")}
+    return [without_the_run(item) for item in document] if isinstance(document, list) else document
+
+
+def test_walk_is_the_command(engine: str) -> None:
+    walked = crossgait.walk("trot", engine=engine, seconds=1, terrain="rough", seed=3, command=(0.2, 0, 0.1))
+    told = command(
+        "walk", "--engine", engine, "--seconds", "1", "--terrain", "rough", "--seed", "3", "--command", ".2,0,.1"
+    )
+    assert without_the_run(walked.to_dict()) == without_the_run(told)
+
+
+def test_gait_parameters_are_those_of_set() -> None:
+    walked = crossgait.walk("walk", seconds=1, parameters={"step_height": 0.03, "swing": "bezier"})
+    told = command("walk", "--gait", "walk", "--seconds", "1", "--set", "step_height=.03", "--set", "swing=bezier")
+    assert without_the_run(walked.to_dict()) == without_the_run(told)
+    assert Walk("walk", parameters={"step_height": 0.03}).parameters["step_height"] == 0.03
+
+
+def test_compare_is_the_command() -> None:
+    result = crossgait.compare("trot", seconds=1)
+    assert without_the_run(result.to_dict()) == without_the_run(command("compare", "--seconds", "1"))
+    assert list(result.to_frame().index) == crossgait.available_engines() == result.engines
+
+
+def test_verdict_is_the_command() -> None:
+    engines = [e.name for e in crossgait.engines() if e.available]
+    if len({tuple(e.laws.items()) for e in crossgait.engines() if e.available}) < 2:
+        pytest.skip("needs engines of two laws")
+    verdict = crossgait.verdict("trot", seconds=0.5, starts=4, explain=True)
+    told = command("verdict", "--seconds", ".5", "--starts", "4", "--explain")
+    assert without_the_run(verdict.to_dict()) == without_the_run(told)
+    assert verdict.word in ("agrees", "engine-dependent", "unresolved")
+    assert verdict.statistic("distance")["unit"] == "m"
+    assert set(verdict.causes) <= {s["name"] for s in verdict.document["statistics"]}
+    assert {verdict.document["a"], verdict.document["b"]} <= set(engines)
+
+
+def test_rollout_is_the_command(tmp_path: Path) -> None:
+    config = EnvironmentConfig.parse('{"policy_dt": 0.02, "episode_seconds": 1, "terrain": "rough"}')
+    (tmp_path / "env.yaml").write_text(config.to_yaml())
+    result = crossgait.rollout(["random", "zero"], config, episodes=2, seed=7)
+    told = command(
+        *("rollout", "--policy", "random,zero", "--config", str(tmp_path / "env.yaml")),
+        *("--episodes", "2", "--seed", "7"),
+    )
+    assert without_the_run(result.to_dict()) == without_the_run(told)
+    assert len(result.to_frame()) == 4
+
+
+def test_transfer_and_tune_come_back_as_objects() -> None:
+    config = EnvironmentConfig.parse('{"policy_dt": 0.02, "episode_seconds": 0.5, "adapt": [step_length]}')
+    transfer = crossgait.transfer("zero", config, terrains=["flat"], episodes=1)
+    assert len(transfer.to_frame()) == len(crossgait.available_engines())
+    tuning = crossgait.tune(
+        config, engines=crossgait.available_engines()[:1], iterations=1, population=4, terrains=1, unseen=1
+    )
+    assert tuning.environment is not None
+    assert "step_length" in tuning.environment.to_yaml()
+
+
+def test_a_trace_is_the_commands_file(tmp_path: Path) -> None:
+    result = crossgait.walk("trot", seconds=0.5, trace=True)
+    assert result.trace is not None
+    command("walk", "--seconds", ".5", "--trace", str(tmp_path / "a.csv"))
+    result.trace.to_csv(tmp_path / "b.csv")
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    again = Trace.read_csv(tmp_path / "a.csv")
+    assert np.array_equal(again.values, result.trace.values)
+    assert again.names == result.trace.names
+    frame = again.to_frame()
+    assert frame.index.name == "time"
+    assert np.array_equal(frame["p_WB.x"], again["p_WB.x"])
+    assert list(again.group("contact")) == ["FL", "FR", "RL", "RR"]
+    with pytest.raises(ConfigError, match=r"p_WB\.w"):
+        again["p_WB.w"]
+
+
+@pytest.mark.parametrize(
+    ("text", "what"), [("a,b\n1,2\n", "time"), ("time,a\n0,x\n", "line 2"), ("time,a\n0\n", "line 2"), ("time\nnan\n", "finite")]
+)
+def test_bad_traces_are_refused(tmp_path: Path, text: str, what: str) -> None:
+    (tmp_path / "t.csv").write_text(text)
+    with pytest.raises(ConfigError, match=what):
+        Trace.read_csv(tmp_path / "t.csv")
+
+
+def test_results_show_themselves(tmp_path: Path) -> None:
+    walked = crossgait.walk("trot", seconds=0.5, trace=True)
+    assert "trot on flat" in repr(walked)
+    assert "<pre>" in walked._repr_html_()
+    assert walked.mean_speed_mps == walked.document["mean_speed_mps"]
+    with pytest.raises(AttributeError):
+        _ = walked.no_such_number
+    walked.save(tmp_path / "walk.json")
+    assert json.loads((tmp_path / "walk.json").read_text()) == walked.document
+    assert walked.plot().axes
+    compared = crossgait.compare("trot", seconds=0.5, trace=True)
+    assert len(compared.plot().axes) == 4
+    with pytest.raises(ConfigError, match="trace"):
+        crossgait.walk("trot", seconds=0.1).plot()
+
+
+def test_a_name_in_a_result_is_text_in_a_notebook() -> None:
+    hostile = Behaviour(lambda: lambda state: np.zeros(12), Walk(seconds=0.1), name="<script>alert(1)</script>")
+    assert "<script>" not in crossgait.walk(hostile)._repr_html_()
+
+
+def sway(robot: Robot) -> Any:
+    home = robot.home[robot.servo_indices]
+
+    def make() -> Any:
+        calls = 0
+
+        def controller(state: State) -> np.ndarray:
+            nonlocal calls
+            calls += 1  # its own, anew in every run
+            return np.asarray(home + 0.05 * np.sin(0.02 * calls))
+
+        return controller
+
+    return make
+
+
+def test_a_behaviour_of_ones_own_is_walked_compared_and_judged(scara: Robot) -> None:
+    behaviour = Behaviour(sway(scara), Walk(seconds=0.5), name="sway")
+    once, twice = crossgait.walk(behaviour), crossgait.walk(behaviour)
+    assert without_the_run(once.document) == without_the_run(twice.document)
+    assert once.document["gait"] == "sway"
+    compared = crossgait.compare(behaviour)
+    same = [pair for pair in compared.pairs if pair["same_laws"]]
+    assert all(pair["max_position_difference_m"] < 1e-10 for pair in same)  # rounding; measured 1e-13
+    judged = crossgait.verdict(behaviour, starts=4)
+    assert judged.document["behaviour"].startswith("sway")
+    assert without_the_run(judged.document) == without_the_run(crossgait.verdict(behaviour, starts=4, workers=1).document)
+
+
+def test_feet_of_a_gait_walk_as_the_gait(scara: Robot) -> None:
+    """Standing feet below the hips: it stays where it is."""
+    feet = np.tile([0.0, 0.0, -0.062], (4, 1))
+    behaviour = Behaviour(lambda: lambda state: feet, Walk(seconds=1), targets="feet")
+    result = crossgait.walk(behaviour)
+    assert result.outcome == "walked"
+    assert abs(result.distance_m) < 5e-3  # settles by some millimetres
+    assert result.duty_factor == {"FL": 1, "FR": 1, "RL": 1, "RR": 1}
+
+
+def test_what_a_behaviour_raises_comes_out() -> None:
+    def broken(state: State) -> float:
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        crossgait.walk(Behaviour(lambda: broken))
+    with pytest.raises(KeyError, match="mine"):
+        crossgait.verdict(Behaviour(lambda: broken, Walk(seconds=0.1)), starts=4)
+
+
+@pytest.mark.parametrize(("returned", "what"), [([1, 2], "12 numbers"), ("home", "12 numbers"), ([np.nan] * 12, "finite")])
+def test_wrong_targets_of_a_behaviour_are_refused(returned: Any, what: str) -> None:
+    with pytest.raises(ConfigError, match=what) as caught:
+        crossgait.walk(Behaviour(lambda: lambda state: returned, name="mine"))
+    assert caught.value.source == "mine"
+
+
+def test_options_belong_to_gaits_by_name() -> None:
+    with pytest.raises(TypeError, match="seconds"):
+        crossgait.walk(Walk(), seconds=3)
+    with pytest.raises(ConfigError, match="gait"):
+        crossgait.walk("trott")
+    with pytest.raises(ConfigError, match="two different engines"):
+        crossgait.verdict("trot", engines=["mujoco"])
+
+
+def test_progress_is_told_and_ends_what_it_raises_in() -> None:
+    told: list[tuple[str, float]] = []
+
+    def stop(stage: str, share: float) -> None:
+        told.append((stage, share))
+        if share > 0:
+            raise StopIteration("enough")
+
+    with pytest.raises(StopIteration, match="enough"):
+        crossgait.walk("trot", seconds=60, progress=stop)
+    assert told[-1][0] == "walking"
+    assert 0 < told[-1][1] < 1
+    crossgait.walk("trot", seconds=0.1)  # and the next one works
+
+
+def test_ctrl_c_ends_long_calls() -> None:
+    program = """
+import os, signal, threading, time, crossgait
+threading.Timer(1, lambda: (begin.append(time.monotonic()), os.kill(os.getpid(), signal.SIGINT))).start()
+begin = []
+try:
+    crossgait.verdict("trot", seconds=60, starts=50, progress=False)
+except KeyboardInterrupt:
+    print(time.monotonic() - begin[0])
+print(crossgait.walk("trot", seconds=.1).outcome)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=300, check=True)
+    seconds, outcome = done.stdout.split()
+    assert float(seconds) < 1  # 0.09 s on an idle machine
+    assert outcome == "walked"
+    assert done.stderr == ""
+
+
+def test_pickled_configurations_are_the_same() -> None:
+    import pickle
+
+    config = EnvironmentConfig.parse('{"terrain": "rough", "policy_dt": 0.02}')
+    assert pickle.loads(pickle.dumps(config)).to_yaml() == config.to_yaml()
+    error = ConfigError("a", "b", "c", "d")
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)
+
+
+def test_the_program_is_there() -> None:
+    done = subprocess.run([sys.executable, "-m", "crossgait", "--version"], capture_output=True, text=True, check=True)
+    assert crossgait.__version__ in done.stdout
