@@ -13,8 +13,11 @@ void bind_engines(nb::module_& m);
 void bind_robot(nb::module_& m);
 void bind_terrain(nb::module_& m);
 void bind_world(nb::module_& m);
+void bind_kinematics(nb::module_& m);
+void bind_gait(nb::module_& m);
 void bind_environment(nb::module_& m);
 void bind_vector_environment(nb::module_& m);
+void bind_policy(nb::module_& m);
 void bind_studies(nb::module_& m);
 
 }  // namespace crossgait::python

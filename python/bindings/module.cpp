@@ -1,11 +1,13 @@
 // crossgait._core: the C++ core as Python sees it.
+#include <nanobind/stl/string.h>
+
 #include "crossgait/python/bindings/bindings.h"
 #include "crossgait/study/version.h"
 
 NB_MODULE(_core, m) {
   using namespace crossgait::python;
   m.doc() = "The C++ core of Crossgait. Use the package crossgait, which gives these names.";
-  m.attr("__version__") = std::string(crossgait::crossgait_version()).c_str();
+  m.def("version", [] { return std::string(crossgait::crossgait_version()); }, "Of Crossgait.");
   bind_errors(m);
   bind_engines(m);
   bind_robot(m);
@@ -13,5 +15,8 @@ NB_MODULE(_core, m) {
   bind_world(m);
   bind_environment(m);
   bind_vector_environment(m);
+  bind_policy(m);
   bind_studies(m);
+  bind_kinematics(m);
+  bind_gait(m);  // of the walks of studies
 }

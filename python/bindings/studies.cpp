@@ -28,6 +28,7 @@ namespace crossgait::python {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using Pair = nb::typed<nb::tuple, nb::any, nb::any>;
 
 // A function of a stage and a share, or None.
 const auto kProgress = nb::arg("progress").none();
@@ -38,7 +39,7 @@ struct Report {
   std::string text;
 };
 
-nb::tuple to_python(const Report& report) {
+Pair to_python(const Report& report) {
   return nb::make_tuple(python::to_python(report.json), report.text);
 }
 
@@ -100,7 +101,7 @@ nlohmann::json subject_json(const Subject& subject) {
   return {{"python", std::get<PythonBehaviour>(subject).name}};
 }
 
-nb::tuple walk_in(const Subject& subject, const std::string& engine, bool trace, const nb::object& progress) {
+Pair walk_in(const Subject& subject, const std::string& engine, bool trace, const nb::object& progress) {
   const auto record = recorder(trace, 1, config_of(subject).robot);
   const Report report = run_job(
       [subject, engine, record](const StageProgress& told) -> Report {
@@ -116,7 +117,7 @@ nb::tuple walk_in(const Subject& subject, const std::string& engine, bool trace,
   return nb::make_tuple(to_python(report), traces_of(record));
 }
 
-nb::tuple compare_in(const Subject& subject, const std::vector<std::string>& engines, bool trace,
+Pair compare_in(const Subject& subject, const std::vector<std::string>& engines, bool trace,
                      const DivergenceTolerances& tolerances, const nb::object& progress) {
   const auto record = recorder(trace, engines.size(), config_of(subject).robot);
   const Report report = run_job(
@@ -142,7 +143,7 @@ JudgementOptions judgement_options(std::size_t starts, double limit, double conf
   return options;
 }
 
-nb::tuple judge(const BehaviourSpec& spec, const std::string& a, const std::string& b,
+Pair judge(const BehaviourSpec& spec, const std::string& a, const std::string& b,
                 const JudgementOptions& options, const nb::object& progress) {
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
@@ -154,7 +155,7 @@ nb::tuple judge(const BehaviourSpec& spec, const std::string& a, const std::stri
       progress));
 }
 
-nb::tuple judge(const PythonBehaviour& behaviour, const StartRanges& starts_from, std::uint64_t seed,
+Pair judge(const PythonBehaviour& behaviour, const StartRanges& starts_from, std::uint64_t seed,
                 const std::string& a, const std::string& b, const JudgementOptions& options,
                 const nb::object& progress) {
   if (!options.stored_runs.empty())
@@ -210,7 +211,7 @@ void bind_judgements(nb::module_& m) {
       nb::arg("explain"), nb::arg("runs"), kProgress);
 }
 
-nb::tuple rollout(const EnvConfig& config, const std::vector<std::string>& policies,
+Pair rollout(const EnvConfig& config, const std::vector<std::string>& policies,
                   const EpisodeOptions& options, const nb::object& progress) {
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
@@ -221,7 +222,7 @@ nb::tuple rollout(const EnvConfig& config, const std::vector<std::string>& polic
       progress));
 }
 
-nb::tuple transfer(const EnvConfig& config, const std::string& policy,
+Pair transfer(const EnvConfig& config, const std::string& policy,
                    const std::vector<std::string>& engines, const std::vector<std::string>& terrains,
                    const EpisodeOptions& options, const nb::object& progress) {
   return to_python(run_job(
@@ -234,7 +235,7 @@ nb::tuple transfer(const EnvConfig& config, const std::string& policy,
       progress));
 }
 
-nb::tuple tune(const EnvConfig& config, const std::vector<std::string>& engines, const TuneOptions& options,
+Pair tune(const EnvConfig& config, const std::vector<std::string>& engines, const TuneOptions& options,
                const nb::object& progress) {
   const auto tuned = std::make_shared<EnvConfig>();
   const Report report = run_job(
@@ -248,7 +249,7 @@ nb::tuple tune(const EnvConfig& config, const std::vector<std::string>& engines,
   return nb::make_tuple(to_python(report), *tuned);
 }
 
-nb::tuple bench(const std::vector<std::string>& engines, const std::vector<std::string>& sections, bool quick,
+Pair bench(const std::vector<std::string>& engines, const std::vector<std::string>& sections, bool quick,
                 const nb::object& progress) {
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {

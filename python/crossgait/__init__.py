@@ -1,8 +1,8 @@
 """One quadruped stack over several physics engines, and a verdict on what depends on the engine.
 
-    >>> import crossgait
-    >>> crossgait.walk("trot", engine="bullet", seconds=2).mean_speed_mps > 0.2
-    True
+>>> import crossgait
+>>> crossgait.walk("trot", engine="bullet", seconds=2).mean_speed_mps > 0.2
+True
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from crossgait._core import (
     Engine,
     EnvironmentConfig,
     FootContact,
+    GaitGenerator,
+    Leg,
     Robot,
     Snapshot,
     StartRanges,
@@ -20,17 +22,22 @@ from crossgait._core import (
     Terrain,
     Walk,
     World,
-    __version__,
     available_engines,
     body_poses,
     engines,
+    gait_parameters,
+    gaits,
+    legs,
     models_dir,
     robots,
+    version,
 )
 from crossgait.errors import ConfigError
 from crossgait.results import Bench, CompareResult, Result, Rollout, Transfer, Tuning, Verdict, WalkResult
 from crossgait.studies import bench, compare, rollout, transfer, tune, verdict, walk
 from crossgait.traces import Trace
+
+__version__ = version()
 
 __all__ = [
     "Behaviour",
@@ -41,6 +48,8 @@ __all__ = [
     "Engine",
     "EnvironmentConfig",
     "FootContact",
+    "GaitGenerator",
+    "Leg",
     "Result",
     "Robot",
     "Rollout",
@@ -61,6 +70,9 @@ __all__ = [
     "body_poses",
     "compare",
     "engines",
+    "gait_parameters",
+    "gaits",
+    "legs",
     "models_dir",
     "robots",
     "rollout",

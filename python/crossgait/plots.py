@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib import pyplot as plt
@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from crossgait.errors import ConfigError
-from crossgait.traces import Trace
+from crossgait.traces import Numbers, Trace
 
 if TYPE_CHECKING:
     from crossgait.results import Bench, CompareResult, Rollout, Transfer, Tuning, Verdict, WalkResult
@@ -22,9 +22,7 @@ _LEGS = ("FL", "FR", "RL", "RR")
 
 
 def _new(rows: int, height: float, *, share_x: bool = False) -> tuple[Figure, list[Axes]]:
-    figure, axes = plt.subplots(
-        rows, 1, figsize=(8, height), sharex=share_x, squeeze=False, layout="constrained"
-    )
+    figure, axes = plt.subplots(rows, 1, figsize=(8, height), sharex=share_x, squeeze=False, layout="constrained")
     column = [row[0] for row in axes]
     for ax in column:
         ax.spines[["top", "right"]].set_visible(False)
@@ -32,13 +30,14 @@ def _new(rows: int, height: float, *, share_x: bool = False) -> tuple[Figure, li
     return figure, column
 
 
-def roll_pitch_yaw(trace: Trace) -> np.ndarray[Any, np.dtype[np.float64]]:
+def roll_pitch_yaw(trace: Trace) -> Numbers:
     """Attitude of the base, N x 3, degrees (Z-Y-X convention)."""
     w, x, y, z = (trace[f"q_WB.{axis}"] for axis in "wxyz")
     roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
     pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1, 1))
     yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    return np.degrees(np.stack([roll, pitch, np.unwrap(yaw)], axis=1))
+    attitude: Numbers = np.degrees(np.stack([roll, pitch, np.unwrap(yaw)], axis=1))
+    return attitude
 
 
 def _draw_traces(traces: list[Trace], title: str) -> Figure:
@@ -169,7 +168,13 @@ def plot_bench(result: Bench) -> Figure:
     figure, (ax,) = _new(1, 4)
     for colour, engine in zip(_PALETTE, engines, strict=False):
         ratio = {row["scene"]: row["ratio"] for row in rows if row["backend"] == engine}
-        ax.plot(range(len(scenes)), [ratio.get(scene, np.nan) for scene in scenes], "o-", color=colour, label=engine)
+        ax.plot(
+            range(len(scenes)),
+            [ratio.get(scene, np.nan) for scene in scenes],
+            "o-",
+            color=colour,
+            label=engine,
+        )
     ax.set_xticks(range(len(scenes)), scenes)
     ax.set_yscale("log")
     ax.set_ylabel(f"time of a step over {engines[0]}'s")

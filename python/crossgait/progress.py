@@ -41,7 +41,13 @@ class ProgressBar:
 def _new_bar(stage: str) -> Any:
     from tqdm.auto import tqdm
 
-    return tqdm(total=100, desc=stage, unit="%", leave=False, bar_format="{desc}: {percentage:3.0f} %|{bar}| {remaining}")
+    return tqdm(
+        total=100,
+        desc=stage,
+        unit="%",
+        leave=False,
+        bar_format="{desc}: {percentage:3.0f} %|{bar}| {remaining}",
+    )
 
 
 def _in_notebook() -> bool:
@@ -56,6 +62,7 @@ def shown(progress: Progress | bool | None) -> Progress | None:
     Args:
         progress: a function; False for none; True for a bar; None for a bar where somebody is looking (a terminal or
             a notebook) and tqdm is installed.
+
     """
     if progress is None:
         if not (sys.stderr.isatty() or _in_notebook()):

@@ -198,7 +198,9 @@ class Rollout(Result):
 
     def _rows(self) -> list[Json]:
         return [
-            {"policy": run["policy"], **_flat(episode)} for run in self.document["policies"] for episode in run["episodes"]
+            {"policy": run["policy"], **_flat(episode)}
+            for run in self.document["policies"]
+            for episode in run["episodes"]
         ]
 
     def _headline(self) -> str:

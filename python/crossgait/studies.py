@@ -79,6 +79,7 @@ def walk(
 
     Raises:
         ConfigError: for what cannot be read or made.
+
     """
     what = _subject(subject, options)
     name = engine or _default_engine()
@@ -112,6 +113,7 @@ def compare(
         attitude_tolerance: the same for orientation, rad.
         progress: as `walk`.
         options: as `walk`.
+
     """
     what = _subject(subject, options)
     names = list(engines) if engines is not None else _core.available_engines()
@@ -158,6 +160,7 @@ def verdict(
         runs: a file of runs to take and to add to; "": none.
         progress: as `walk`.
         options: as `walk`.
+
     """
     a, b = _two_engines(engines)
     ranges = start_ranges if start_ranges is not None else StartRanges()
@@ -192,6 +195,7 @@ def rollout(
         seed: of the first episode.
         workers: as `verdict`.
         progress: as `walk`.
+
     """
     names = [policies] if isinstance(policies, str) else list(policies)
     config = environment if environment is not None else EnvironmentConfig.parse("")
@@ -215,9 +219,7 @@ def transfer(
     config = environment if environment is not None else EnvironmentConfig.parse("")
     names = list(engines) if engines is not None else _core.available_engines()
     with _Shown(progress) as told:
-        document, text = _core._transfer(
-            config, policy, names, list(terrains), episodes, _workers(workers), seed, told
-        )
+        document, text = _core._transfer(config, policy, names, list(terrains), episodes, _workers(workers), seed, told)
     return Transfer(document, text)
 
 

@@ -21,7 +21,7 @@ Numbers = npt.NDArray[np.float64]
 
 
 class Trace:
-    """A table of numbers, a row per control step; columns as in `crossgait walk --trace` (docs/command-line.md), SI units."""
+    """A table of numbers, a row per control step; columns as `crossgait walk --trace` has them, SI units."""
 
     def __init__(self, names: list[str], values: Numbers, *, name: str = "") -> None:
         self.names = names

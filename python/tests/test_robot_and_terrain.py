@@ -40,8 +40,7 @@ def test_a_missing_robot_says_what_there_is() -> None:
         Robot.load("dog")
     assert "scara_quadruped" in caught.value.expected
     assert str(caught.value) == (
-        f"{caught.value.source}: {caught.value.element}: "
-        f"expected {caught.value.expected}, found {caught.value.found}"
+        f"{caught.value.source}: {caught.value.element}: expected {caught.value.expected}, found {caught.value.found}"
     )
     assert isinstance(caught.value, ValueError)
 

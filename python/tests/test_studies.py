@@ -16,7 +16,10 @@ from crossgait import Behaviour, ConfigError, EnvironmentConfig, Robot, State, T
 def command(*arguments: str) -> Any:
     """The program's JSON."""
     done = subprocess.run(
-        [sys.executable, "-m", "crossgait", *arguments, "--json", "-"], capture_output=True, text=True, check=True
+        [sys.executable, "-m", "crossgait", *arguments, "--json", "-"],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     return json.loads(done.stdout)
 
@@ -31,7 +34,17 @@ def without_the_run(document: Any) -> Any:
 def test_walk_is_the_command(engine: str) -> None:
     walked = crossgait.walk("trot", engine=engine, seconds=1, terrain="rough", seed=3, command=(0.2, 0, 0.1))
     told = command(
-        "walk", "--engine", engine, "--seconds", "1", "--terrain", "rough", "--seed", "3", "--command", ".2,0,.1"
+        "walk",
+        "--engine",
+        engine,
+        "--seconds",
+        "1",
+        "--terrain",
+        "rough",
+        "--seed",
+        "3",
+        "--command",
+        ".2,0,.1",
     )
     assert without_the_run(walked.to_dict()) == without_the_run(told)
 
@@ -103,7 +116,13 @@ def test_a_trace_is_the_commands_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "what"), [("a,b\n1,2\n", "time"), ("time,a\n0,x\n", "line 2"), ("time,a\n0\n", "line 2"), ("time\nnan\n", "finite")]
+    ("text", "what"),
+    [
+        ("a,b\n1,2\n", "time"),
+        ("time,a\n0,x\n", "line 2"),
+        ("time,a\n0\n", "line 2"),
+        ("time\nnan\n", "finite"),
+    ],
 )
 def test_bad_traces_are_refused(tmp_path: Path, text: str, what: str) -> None:
     (tmp_path / "t.csv").write_text(text)
@@ -158,7 +177,9 @@ def test_a_behaviour_of_ones_own_is_walked_compared_and_judged(scara: Robot) -> 
     assert all(pair["max_position_difference_m"] < 1e-10 for pair in same)  # rounding; measured 1e-13
     judged = crossgait.verdict(behaviour, starts=4)
     assert judged.document["behaviour"].startswith("sway")
-    assert without_the_run(judged.document) == without_the_run(crossgait.verdict(behaviour, starts=4, workers=1).document)
+    assert without_the_run(judged.document) == without_the_run(
+        crossgait.verdict(behaviour, starts=4, workers=1).document
+    )
 
 
 def test_feet_of_a_gait_walk_as_the_gait(scara: Robot) -> None:
@@ -181,7 +202,9 @@ def test_what_a_behaviour_raises_comes_out() -> None:
         crossgait.verdict(Behaviour(lambda: broken, Walk(seconds=0.1)), starts=4)
 
 
-@pytest.mark.parametrize(("returned", "what"), [([1, 2], "12 numbers"), ("home", "12 numbers"), ([np.nan] * 12, "finite")])
+@pytest.mark.parametrize(
+    ("returned", "what"), [([1, 2], "12 numbers"), ("home", "12 numbers"), ([np.nan] * 12, "finite")]
+)
 def test_wrong_targets_of_a_behaviour_are_refused(returned: Any, what: str) -> None:
     with pytest.raises(ConfigError, match=what) as caught:
         crossgait.walk(Behaviour(lambda: lambda state: returned, name="mine"))
