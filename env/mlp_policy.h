@@ -19,6 +19,8 @@ class MlpPolicy final : public Policy {
   /// @param path  a policy bundle
   /// @throws ConfigError if it is none, is for another interface, or does not reproduce its golden pairs
   MlpPolicy(const std::string& path, const PolicyInterface& interface);
+  /// @param source  what stands for the file in messages, and whose last part is the policy's name
+  MlpPolicy(const PolicyBundle& bundle, const std::string& source, const PolicyInterface& interface);
 
  private:
   struct Layer {
@@ -26,7 +28,6 @@ class MlpPolicy final : public Policy {
     Eigen::VectorXf bias, values;
   };
 
-  MlpPolicy(const PolicyBundle& bundle, const std::string& path, const PolicyInterface& interface);
   void check_golden(const PolicyBundle& bundle, const std::string& path);
   void do_reset(std::uint64_t seed) noexcept override;
   void do_act(std::span<const double> observation, std::span<double> action) noexcept override;

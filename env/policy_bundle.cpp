@@ -10,6 +10,7 @@
 #include "crossgait/env/safetensors.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/random.h"
+#include "crossgait/physics/read_budget.h"
 
 namespace crossgait {
 namespace {
@@ -124,20 +125,60 @@ Eigen::VectorXd MlpNetwork::evaluate(const Eigen::VectorXd& observation) const {
   return x;
 }
 
-void write_policy_bundle(const std::string& path, const MlpNetwork& network,
-                         const PolicyInterface& interface) {
-  check_fit(path, network, interface);
-  const MlpNetwork stored = rounded(network);
-  check_numbers(path, stored);
+PolicyBundle make_policy_bundle(const MlpNetwork& network, const PolicyInterface& interface,
+                                const std::string& source) {
+  check_fit(source, network, interface);
+  PolicyBundle bundle{.network = rounded(network),
+                      .observation_names = interface.observation.names(),
+                      .action_names = interface.action.names(),
+                      .layout_hash = layout_hash(interface.observation, interface.action),
+                      .policy_dt = interface.policy_dt,
+                      .golden_observation = {},
+                      .golden_action = {}};
+  check_numbers(source, bundle.network);
+  bundle.golden_observation = golden_observations(bundle.network, interface.observation.size());
+  bundle.golden_action.resize(bundle.golden_observation.rows(), bundle.network.layers.back().bias.size());
+  for (Eigen::Index row = 0; row < bundle.golden_observation.rows(); ++row) {
+    const Eigen::VectorXd action = bundle.network.evaluate(bundle.golden_observation.row(row));
+    for (Eigen::Index i = 0; i < action.size(); ++i) {
+      const LayoutEntry& entry = interface.action.entries[static_cast<std::size_t>(i)];
+      bundle.golden_action(row, i) = std::clamp(action[i], entry.min, entry.max);
+    }
+  }
+  return bundle;
+}
+
+PolicyBundle with_golden_pairs(PolicyBundle bundle, const Eigen::MatrixXd& observation,
+                               const Eigen::MatrixXd& action, const std::string& source) {
+  const auto rows = static_cast<std::size_t>(observation.rows());
+  if (rows < 1 || rows > kMaxGoldenPairs) {
+    throw ConfigError(source, "golden pairs", fmt::format("1 to {}", kMaxGoldenPairs), std::to_string(rows));
+  }
+  const auto check = [&](std::string_view element, const Eigen::MatrixXd& found, std::size_t columns) {
+    const std::vector shape{static_cast<std::size_t>(found.rows()), static_cast<std::size_t>(found.cols())};
+    if (shape != std::vector{rows, columns}) {
+      throw ConfigError(source, element, "shape " + describe_shape({rows, columns}), describe_shape(shape));
+    }
+    if (!found.allFinite()) throw ConfigError(source, element, "finite numbers", "others");
+  };
+  check("golden.observation", observation, bundle.observation_names.size());
+  check("golden.action", action, bundle.action_names.size());
+  bundle.golden_observation = observation;
+  bundle.golden_action = action;
+  return bundle;
+}
+
+void write_policy_bundle(const std::string& path, const PolicyBundle& bundle) {
+  const MlpNetwork& network = bundle.network;
   TensorFile file;
   file.metadata = {{"format", std::string(bundle_names::kFormat)},
                    {"activation", name_of(bundle_names::kActivations, network.activation)},
                    {"output", name_of(bundle_names::kOutputs, network.output)},
                    {"layout_version", std::to_string(kLayoutVersion)},
-                   {"layout_hash", layout_hash(interface.observation, interface.action)},
-                   {"observation_names", nlohmann::json(interface.observation.names()).dump()},
-                   {"action_names", nlohmann::json(interface.action.names()).dump()},
-                   {"policy_dt", fmt::format("{}", interface.policy_dt)}};
+                   {"layout_hash", bundle.layout_hash},
+                   {"observation_names", nlohmann::json(bundle.observation_names).dump()},
+                   {"action_names", nlohmann::json(bundle.action_names).dump()}};
+  if (bundle.policy_dt) file.metadata["policy_dt"] = fmt::format("{}", *bundle.policy_dt);
   if (std::isfinite(network.observation_clip)) {
     file.metadata["observation_clip"] = fmt::format("{}", network.observation_clip);
   }
@@ -146,22 +187,18 @@ void write_policy_bundle(const std::string& path, const MlpNetwork& network,
     file.tensors["observation.mean"] = to_tensor(network.observation_mean, kF64);
     file.tensors["observation.std"] = to_tensor(network.observation_std, kF64);
   }
-  for (std::size_t k = 0; k < stored.layers.size(); ++k) {
-    file.tensors[fmt::format("layer.{}.weight", k)] = to_tensor(stored.layers[k].weight, kF32);
-    file.tensors[fmt::format("layer.{}.bias", k)] = to_tensor(stored.layers[k].bias, kF32);
+  for (std::size_t k = 0; k < network.layers.size(); ++k) {
+    file.tensors[fmt::format("layer.{}.weight", k)] = to_tensor(network.layers[k].weight, kF32);
+    file.tensors[fmt::format("layer.{}.bias", k)] = to_tensor(network.layers[k].bias, kF32);
   }
-  const Eigen::MatrixXd observations = golden_observations(stored, interface.observation.size());
-  Eigen::MatrixXd actions(observations.rows(), static_cast<Eigen::Index>(interface.action.size()));
-  for (Eigen::Index row = 0; row < observations.rows(); ++row) {
-    const Eigen::VectorXd action = stored.evaluate(observations.row(row));
-    for (Eigen::Index i = 0; i < action.size(); ++i) {
-      const LayoutEntry& entry = interface.action.entries[static_cast<std::size_t>(i)];
-      actions(row, i) = std::clamp(action[i], entry.min, entry.max);
-    }
-  }
-  file.tensors["golden.observation"] = to_tensor(observations, kF64);
-  file.tensors["golden.action"] = to_tensor(actions, kF64);
+  file.tensors["golden.observation"] = to_tensor(bundle.golden_observation, kF64);
+  file.tensors["golden.action"] = to_tensor(bundle.golden_action, kF64);
   write_safetensors(path, file);
+}
+
+void write_policy_bundle(const std::string& path, const MlpNetwork& network,
+                         const PolicyInterface& interface) {
+  write_policy_bundle(path, make_policy_bundle(network, interface, path));
 }
 
 }  // namespace crossgait

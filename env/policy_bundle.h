@@ -50,9 +50,21 @@ PolicyBundle read_policy_bundle(const std::string& path);
 /// @throws ConfigError saying in which entry the layouts differ, unless the bundle is for this interface
 void check_interface(const PolicyBundle& bundle, const PolicyInterface& interface, const std::string& path);
 
-/// Writes a network for `interface`, with golden pairs of its own choice.
-/// @throws ConfigError if the network does not fit the interface or is not finite, or the place cannot be
-/// written
+/// A network for `interface`, its weights and biases rounded to single precision as a file holds them, with
+/// golden pairs of its own choice.
+/// @param source  what stands for the file in messages
+/// @throws ConfigError if the network does not fit the interface or is not finite
+PolicyBundle make_policy_bundle(const MlpNetwork& network, const PolicyInterface& interface,
+                                const std::string& source);
+
+/// `bundle` with other golden pairs: raw observations, and the actions of whoever made the network.
+/// @throws ConfigError unless they are finite, 1 to `kMaxGoldenPairs` rows of the bundle's sizes
+PolicyBundle with_golden_pairs(PolicyBundle bundle, const Eigen::MatrixXd& observation,
+                               const Eigen::MatrixXd& action, const std::string& source);
+
+/// @throws ConfigError if the place cannot be written
+void write_policy_bundle(const std::string& path, const PolicyBundle& bundle);
+/// Of `make_policy_bundle`.
 void write_policy_bundle(const std::string& path, const MlpNetwork& network,
                          const PolicyInterface& interface);
 

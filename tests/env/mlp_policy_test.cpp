@@ -304,6 +304,48 @@ TEST_F(MlpPolicyTest, GoldenActionsBeyondTheLimitsCountAsAtThem) {
   EXPECT_NO_THROW((void)make_policy(path("p.safetensors"), tiny_interface()));
 }
 
+TEST_F(MlpPolicyTest, BundlesAreWrittenAsTheyAreRead) {
+  write_policy_bundle(path("p.safetensors"), random_network(small_interface(), {8, 4}), small_interface());
+  PolicyBundle bundle = read_policy_bundle(path("p.safetensors"));
+  write_policy_bundle(path("q.safetensors"), bundle);
+  EXPECT_EQ(read_safetensors(path("q.safetensors")), read_safetensors(path("p.safetensors")));
+  bundle.policy_dt.reset();
+  write_policy_bundle(path("q.safetensors"), bundle);
+  EXPECT_FALSE(read_policy_bundle(path("q.safetensors")).policy_dt);
+}
+
+TEST_F(MlpPolicyTest, ABundleInMemoryIsAPolicyOfTheNameOfItsSource) {
+  const PolicyBundle bundle = make_policy_bundle(tiny_network(), tiny_interface(), "somewhere/net.onnx");
+  MlpPolicy policy(bundle, "somewhere/net.onnx", tiny_interface());
+  EXPECT_EQ(policy.name(), "net.onnx");
+  EXPECT_EQ(act_on(policy, {0.2, 0.6}), act_on(*make(tiny_network()), {0.2, 0.6}));
+}
+
+TEST_F(MlpPolicyTest, GoldenPairsMayBeGiven) {
+  const PolicyBundle own = make_policy_bundle(tiny_network(), tiny_interface(), "p");
+  const Eigen::MatrixXd observation = Eigen::MatrixXd::Constant(3, 2, 0.25);
+  const Eigen::MatrixXd action = own.network.evaluate(observation.row(0)).replicate(3, 1);
+  write_policy_bundle(path("p.safetensors"), with_golden_pairs(own, observation, action, "p"));
+  const PolicyBundle read = read_policy_bundle(path("p.safetensors"));
+  EXPECT_EQ(read.golden_observation, observation);
+  EXPECT_EQ(read.golden_action, action);
+  EXPECT_NO_THROW((void)make_policy(path("p.safetensors"), tiny_interface()));
+}
+
+TEST_F(MlpPolicyTest, RefusesGoldenPairsThatDoNotFit) {
+  const PolicyBundle own = make_policy_bundle(tiny_network(), tiny_interface(), "p");
+  const auto error_of = [&](const Eigen::MatrixXd& observation, const Eigen::MatrixXd& action) {
+    return std::string(config_error([&] { (void)with_golden_pairs(own, observation, action, "p"); }).what());
+  };
+  const auto zeros = [](int rows, int columns) { return Eigen::MatrixXd::Zero(rows, columns).eval(); };
+  EXPECT_EQ(error_of(zeros(0, 2), zeros(0, 1)), "p: golden pairs: expected 1 to 256, found 0");
+  EXPECT_EQ(error_of(zeros(257, 2), zeros(257, 1)), "p: golden pairs: expected 1 to 256, found 257");
+  EXPECT_EQ(error_of(zeros(3, 1), zeros(3, 1)), "p: golden.observation: expected shape [3, 2], found [3, 1]");
+  EXPECT_EQ(error_of(zeros(3, 2), zeros(2, 1)), "p: golden.action: expected shape [3, 1], found [2, 1]");
+  EXPECT_EQ(error_of(zeros(3, 2), Eigen::MatrixXd::Constant(3, 1, std::nan(""))),
+            "p: golden.action: expected finite numbers, found others");
+}
+
 TEST_F(MlpPolicyTest, RefusesToWriteANetworkThatDoesNotFit) {
   const auto error_of = [&](const MlpNetwork& network) {
     const std::string file = path("p");
