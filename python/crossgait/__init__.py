@@ -33,6 +33,7 @@ from crossgait._core import (
     version,
 )
 from crossgait.errors import ConfigError
+from crossgait.policies import Policy
 from crossgait.results import Bench, CompareResult, Result, Rollout, Transfer, Tuning, Verdict, WalkResult
 from crossgait.studies import bench, compare, rollout, transfer, tune, verdict, walk
 from crossgait.traces import Trace
@@ -50,6 +51,7 @@ __all__ = [
     "FootContact",
     "GaitGenerator",
     "Leg",
+    "Policy",
     "Result",
     "Robot",
     "Rollout",

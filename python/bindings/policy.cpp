@@ -1,0 +1,226 @@
+// Policies, and the networks that bundles hold.
+#include "crossgait/env/policy.h"
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include <nanobind/eigen/dense.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "crossgait/env/env_model.h"
+#include "crossgait/env/mlp_policy.h"
+#include "crossgait/env/policy_bundle_names.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/python/bindings/arrays.h"
+#include "crossgait/python/bindings/bindings.h"
+#include "crossgait/python/bindings/environment.h"
+
+namespace crossgait::python {
+namespace {
+
+using LayerArrays = std::pair<Eigen::MatrixXd, Eigen::VectorXd>;    // weight, bias
+using Normalisation = std::pair<Eigen::VectorXd, Eigen::VectorXd>;  // mean, std
+
+/// A policy with room for observations of float32.
+struct PythonPolicy {
+  std::unique_ptr<Policy> policy;
+  std::vector<double> observation = {};
+};
+
+template <typename Value, std::size_t size>
+Value value_of(const std::array<std::pair<std::string_view, Value>, size>& table, const char* element,
+               const std::string& name) {
+  std::string known;
+  for (const auto& [text, value] : table) {
+    if (text == name) return value;
+    known += (known.empty() ? "" : ", ") + std::string(text);
+  }
+  throw ConfigError("network", element, known, name);
+}
+
+template <typename Value, std::size_t size>
+std::string name_of(const std::array<std::pair<std::string_view, Value>, size>& table, Value value) {
+  for (const auto& [text, known] : table) {
+    if (known == value) return std::string(text);
+  }
+  return {};
+}
+
+MlpNetwork make_network(const std::vector<LayerArrays>& layers, const std::string& activation,
+                        const std::string& output, const std::optional<Normalisation>& normalisation,
+                        std::optional<double> clip) {
+  MlpNetwork network;
+  for (const auto& [weight, bias] : layers) network.layers.push_back({weight, bias});
+  network.activation = value_of(bundle_names::kActivations, "activation", activation);
+  network.output = value_of(bundle_names::kOutputs, "output", output);
+  if (normalisation) std::tie(network.observation_mean, network.observation_std) = *normalisation;
+  if (clip) network.observation_clip = *clip;
+  return network;
+}
+
+Eigen::MatrixXd evaluate(const MlpNetwork& network, const Eigen::MatrixXd& observations) {
+  const auto inputs = network.layers.empty() ? 0 : network.layers.front().weight.cols();
+  if (inputs == 0 || observations.cols() != inputs) {
+    throw ConfigError("network", "observations", "[n, " + std::to_string(inputs) + "]",
+                      "[n, " + std::to_string(observations.cols()) + "]");
+  }
+  Eigen::MatrixXd actions(observations.rows(), network.layers.back().bias.size());
+  for (Eigen::Index i = 0; i < observations.rows(); ++i)
+    actions.row(i) = network.evaluate(observations.row(i));
+  return actions;
+}
+
+PythonPolicy make_from_text(const std::string& text, const PolicyInterface& interface) {
+  return {make_policy(text, interface)};
+}
+
+PythonPolicy make_from_bundle(const PolicyBundle& bundle, const std::string& source,
+                              const PolicyInterface& interface) {
+  return {std::make_unique<MlpPolicy>(bundle, source, interface)};
+}
+
+nb::object act(PythonPolicy& self, const AnyArray& observation) {
+  const PolicyInterface& interface = self.policy->interface();
+  const auto numbers = doubles(observation, interface.observation.size(), "observation", self.observation);
+  const NewArray<double> action({interface.action.size()});
+  self.policy->act(numbers, {action.data, interface.action.size()});
+  return nb::cast(action.array);
+}
+
+void check_trained_for(const PolicyInterface& interface, const std::vector<std::string>& observation_names,
+                       const std::vector<std::string>& action_names, const std::string& layout_hash,
+                       std::optional<double> policy_dt, const std::string& source) {
+  PolicyBundle stated;
+  stated.observation_names = observation_names;
+  stated.action_names = action_names;
+  stated.layout_hash = layout_hash;
+  stated.policy_dt = policy_dt;
+  check_interface(stated, interface, source);
+}
+
+void bind_interface(nb::module_& m) {
+  nb::class_<PolicyInterface>(m, "PolicyInterface",
+                              "What a policy runs on: the layouts of an environment and its pace. Immutable.")
+      .def(nb::new_([](const EnvConfig& config) { return EnvModel::make(config)->interface; }),
+           nb::arg("config"), "Of an environment. Raises ConfigError.")
+      .def_prop_ro(
+          "observation_layout", [](const PolicyInterface& i) { return layout(i.observation); },
+          nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float]]"),
+          "(name, unit, min, max) of every number.")
+      .def_prop_ro(
+          "action_layout", [](const PolicyInterface& i) { return layout(i.action); },
+          nb::sig("def action_layout(self) -> list[tuple[str, str, float, float]]"))
+      .def_prop_ro("layout_hash",
+                   [](const PolicyInterface& i) { return layout_hash(i.observation, i.action); })
+      .def_ro("policy_dt", &PolicyInterface::policy_dt, "s between two actions.");
+  m.attr("LAYOUT_VERSION") = kLayoutVersion;
+}
+
+void bind_network(nb::module_& m) {
+  nb::class_<MlpNetwork>(m, "MlpNetwork",
+                         "A multilayer perceptron as bundles hold it: clip((x - mean) / std, +-clip), layers "
+                         "with the activation after all but the last, then the output function. Immutable.")
+      .def(nb::new_(&make_network), nb::arg("layers"), nb::kw_only(), nb::arg("activation") = "tanh",
+           nb::arg("output") = "linear", nb::arg("normalisation") = nb::none(), nb::arg("clip") = nb::none(),
+           "`layers`: (weight [out, in], bias [out]) each; `activation`: tanh, elu, relu, swish or silu; "
+           "`output`: linear or tanh; `normalisation`: (mean, std); `clip`: of the normalised observation. "
+           "Raises ConfigError for an unknown name.")
+      .def_prop_ro(
+          "layers",
+          [](const MlpNetwork& n) {
+            std::vector<LayerArrays> layers;
+            for (const MlpLayer& layer : n.layers) layers.emplace_back(layer.weight, layer.bias);
+            return layers;
+          },
+          "(weight [out, in], bias [out]) of every layer, in arrays of their own.")
+      .def_prop_ro("activation",
+                   [](const MlpNetwork& n) { return name_of(bundle_names::kActivations, n.activation); })
+      .def_prop_ro("output", [](const MlpNetwork& n) { return name_of(bundle_names::kOutputs, n.output); })
+      .def_prop_ro(
+          "normalisation",
+          [](const MlpNetwork& n) -> std::optional<Normalisation> {
+            if (n.observation_mean.size() == 0) return std::nullopt;
+            return Normalisation{n.observation_mean, n.observation_std};
+          },
+          "(mean, std) of the observation, or None.")
+      .def_prop_ro(
+          "clip",
+          [](const MlpNetwork& n) -> std::optional<double> {
+            if (!std::isfinite(n.observation_clip)) return std::nullopt;
+            return n.observation_clip;
+          },
+          "Of the normalised observation, +-, or None.")
+      .def("evaluate", &evaluate, nb::arg("observations"),
+           "Outputs [n, act] of raw observations [n, obs], in double precision and not clipped to the "
+           "action's bounds. Raises ConfigError for another width.");
+}
+
+void bind_bundle(nb::module_& m) {
+  nb::class_<PolicyBundle>(
+      m, "PolicyBundle",
+      "A network with the layout that it was trained for and golden pairs: what a bundle's file holds.")
+      .def(nb::new_(&make_policy_bundle), nb::arg("network"), nb::arg("interface"),
+           nb::arg("source") = "policy",
+           "Weights and biases are rounded to single precision, as files hold them; golden pairs are of its "
+           "own choice. `source` stands for the file in messages. Raises ConfigError unless the network "
+           "fits the interface and is finite.")
+      .def_static("read", &read_policy_bundle, nb::arg("path"),
+                  "Raises ConfigError unless everything is there.")
+      .def(
+          "write", [](const PolicyBundle& b, const std::string& path) { write_policy_bundle(path, b); },
+          nb::arg("path"), "Whole or not at all. Raises ConfigError.")
+      .def(
+          "with_golden_pairs",
+          [](const PolicyBundle& b, const Eigen::MatrixXd& observation, const Eigen::MatrixXd& action,
+             const std::string& source) { return with_golden_pairs(b, observation, action, source); },
+          nb::arg("observation"), nb::arg("action"), nb::arg("source") = "policy",
+          "The same with other golden pairs: raw observations [n, obs] and the actions [n, act] of whoever "
+          "made the network. Raises ConfigError.")
+      .def_ro("network", &PolicyBundle::network)
+      .def_ro("observation_names", &PolicyBundle::observation_names)
+      .def_ro("action_names", &PolicyBundle::action_names)
+      .def_ro("layout_hash", &PolicyBundle::layout_hash)
+      .def_ro("policy_dt", &PolicyBundle::policy_dt, "s, or None if it was trained for none.")
+      .def_prop_ro("golden_observation", [](const PolicyBundle& b) { return b.golden_observation; })
+      .def_prop_ro("golden_action", [](const PolicyBundle& b) { return b.golden_action; });
+  m.def("check_interface", &check_trained_for, nb::arg("interface"), nb::kw_only(),
+        nb::arg("observation_names"), nb::arg("action_names"), nb::arg("layout_hash"),
+        nb::arg("policy_dt") = nb::none(), nb::arg("source") = "policy",
+        "Raises ConfigError saying what differs first, unless a policy that states this was trained for the "
+        "interface.");
+}
+
+}  // namespace
+
+void bind_policy(nb::module_& m) {
+  bind_interface(m);
+  bind_network(m);
+  bind_bundle(m);
+  nb::class_<PythonPolicy>(m, "Policy", "One instance serves one environment at a time: it may remember.")
+      .def(nb::new_(&make_from_text), nb::arg("text"), nb::arg("interface"),
+           "zero, random, FILE.safetensors or FILE.yaml (docs/policies.md). Raises ConfigError.")
+      .def_static("of_bundle", &make_from_bundle, nb::arg("bundle"), nb::arg("source"), nb::arg("interface"),
+                  "Raises ConfigError if the bundle is for another interface or its network does not give "
+                  "its golden actions.")
+      .def(
+          "reset", [](PythonPolicy& p, std::uint64_t seed) { p.policy->reset(seed); }, nb::arg("seed"),
+          "An episode begins.")
+      .def("act", &act, nb::arg("observation"),
+           nb::sig("def act(self, observation: numpy.typing.NDArray[typing.Any]) -> "
+                   "numpy.typing.NDArray[numpy.float64]"),
+           "The action, in an array of its own, finite and within its bounds. Raises ConfigError for an "
+           "observation of another size or type.")
+      .def_prop_ro("name", [](const PythonPolicy& p) { return p.policy->name(); })
+      .def_prop_ro("interface", [](const PythonPolicy& p) { return p.policy->interface(); });
+}
+
+}  // namespace crossgait::python
