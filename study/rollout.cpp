@@ -28,21 +28,28 @@ EnvFactory env_factory(const EnvConfig& config) {
   };
 }
 
-PolicyFactory policy_factory(const std::string& policy) {
-  return [policy](const PolicyInterface& interface) { return make_policy(policy, interface); };
+NamedPolicy find_policy(const std::string& text) {
+  return {text, [text](const PolicyInterface& interface) { return make_policy(text, interface); }};
 }
 
 Rollout roll_out(const EnvConfig& config, const std::vector<std::string>& policies,
                  const EpisodeOptions& options, const Progress& progress) {
+  std::vector<NamedPolicy> named;
+  for (const std::string& policy : policies) named.push_back(find_policy(policy));
+  return roll_out(config, named, options, progress);
+}
+
+Rollout roll_out(const EnvConfig& config, const std::vector<NamedPolicy>& policies,
+                 const EpisodeOptions& options, const Progress& progress) {
   Rollout rollout{config, options.seed, {}};
   const EnvFactory environments = env_factory(config);
   const double count = static_cast<double>(policies.size());
-  for (const std::string& policy : policies) {
+  for (const NamedPolicy& policy : policies) {
     const double done = static_cast<double>(rollout.policies.size());
     rollout.interrupted = interrupted_at(progress, done / count);
     if (rollout.interrupted) break;
-    PolicyEpisodes run{policy,
-                       evaluate_policy(environments, policy_factory(policy), options.episodes, options.seed,
+    PolicyEpisodes run{policy.name,
+                       evaluate_policy(environments, policy.make, options.episodes, options.seed,
                                        options.workers, part_of(progress, done / count, (done + 1) / count)),
                        {}};
     rollout.interrupted = run.episodes.size() < options.episodes;
@@ -57,7 +64,7 @@ Rollout roll_out(const EnvConfig& config, const std::vector<std::string>& polici
 void watch_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed,
                    const std::function<void(const TraceSample&)>& observer) {
   const auto env = env_factory(config)();
-  const auto own = policy_factory(policy)(env->interface());
+  const auto own = find_policy(policy).make(env->interface());
   run_episode(*env, *own, derived_seed(seed, 0), [&observer](const QuadrupedEnv& e) {
     TraceSample sample(e.backend(), e.targets());
     sample.parameters = e.info().parameters;
@@ -72,10 +79,10 @@ Trace trace_episode(const EnvConfig& config, const std::string& policy, std::uin
   return trace;
 }
 
-Transfer transfer_policy(const EnvConfig& config, const std::string& policy,
+Transfer transfer_policy(const EnvConfig& config, const NamedPolicy& policy,
                          const std::vector<std::string>& engines, const std::vector<std::string>& terrains,
                          const EpisodeOptions& options, const Progress& progress) {
-  Transfer transfer{policy, options.seed, engines, terrains, {}};
+  Transfer transfer{policy.name, options.seed, engines, terrains, {}};
   const double all = static_cast<double>(terrains.size() * engines.size());
   for (const std::string& terrain : terrains) {
     for (const std::string& engine : engines) {
@@ -86,17 +93,17 @@ Transfer transfer_policy(const EnvConfig& config, const std::string& policy,
       const auto done = static_cast<double>(transfer.cells.size());
       transfer.interrupted = interrupted_at(progress, done / all);
       if (transfer.interrupted) return transfer;
-      const auto evaluate = [&](const std::string& which, double from, double to) {
+      const auto evaluate = [&](const NamedPolicy& which, double from, double to) {
         const auto episodes =
-            evaluate_policy(environments, policy_factory(which), options.episodes, options.seed,
-                            options.workers, part_of(progress, (done + from) / all, (done + to) / all));
+            evaluate_policy(environments, which.make, options.episodes, options.seed, options.workers,
+                            part_of(progress, (done + from) / all, (done + to) / all));
         transfer.interrupted = episodes.size() < options.episodes;
         return sum_up(episodes);
       };
-      const bool alone = policy == "zero";  // then it is its own baseline
+      const bool alone = policy.name == "zero";  // then it is its own baseline
       TransferCell cell{terrain, engine, evaluate(policy, 0, alone ? 1 : 0.5), {}};
       if (transfer.interrupted) return transfer;
-      cell.baseline = alone ? cell.policy : evaluate("zero", 0.5, 1);
+      cell.baseline = alone ? cell.policy : evaluate(find_policy("zero"), 0.5, 1);
       if (transfer.interrupted) return transfer;
       transfer.cells.push_back(std::move(cell));
     }

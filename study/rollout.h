@@ -34,8 +34,18 @@ struct Rollout {
   bool interrupted = false;  ///< before its end, by a Progress that threw Interrupted
 };
 
+/// A policy, and what tables call it.
+struct NamedPolicy {
+  std::string name;
+  PolicyFactory make;
+};
+/// As `make_policy` takes it.
+NamedPolicy find_policy(const std::string& text);
+
 /// Every policy on the same worlds. An interruption leaves the episodes that are finished. @throws
 /// ConfigError
+Rollout roll_out(const EnvConfig& config, const std::vector<NamedPolicy>& policies,
+                 const EpisodeOptions& options, const Progress& progress = {});
 Rollout roll_out(const EnvConfig& config, const std::vector<std::string>& policies,
                  const EpisodeOptions& options, const Progress& progress = {});
 
@@ -60,14 +70,19 @@ struct Transfer {
 };
 
 /// An interruption leaves the cells that are finished. @throws ConfigError
-Transfer transfer_policy(const EnvConfig& config, const std::string& policy,
+Transfer transfer_policy(const EnvConfig& config, const NamedPolicy& policy,
                          const std::vector<std::string>& engines, const std::vector<std::string>& terrains,
                          const EpisodeOptions& options, const Progress& progress = {});
+inline Transfer transfer_policy(const EnvConfig& config, const std::string& policy,
+                                const std::vector<std::string>& engines,
+                                const std::vector<std::string>& terrains, const EpisodeOptions& options,
+                                const Progress& progress = {}) {
+  return transfer_policy(config, find_policy(policy), engines, terrains, options, progress);
+}
 
 /// Makes environments of one configuration, which share its model, in the engine that it names.
 /// @throws ConfigError
 EnvFactory env_factory(const EnvConfig& config);
-PolicyFactory policy_factory(const std::string& policy);
 
 /// Keys as in docs/schemas.
 nlohmann::ordered_json to_json(const Evaluation& evaluation);

@@ -219,7 +219,7 @@ Behaviour make_behaviour(const BehaviourSpec& spec) {
   if (const auto* walk = std::get_if<WalkConfig>(&spec.what))
     return make_behaviour(*walk, walk->setup(), spec.starts, spec.seed);
   const auto& [environment, policy] = std::get<PolicyConfig>(spec.what);
-  const PolicyFactory factory = policy_factory(policy);
+  const PolicyFactory factory = find_policy(policy).make;
   static_cast<void>(factory(EnvModel::make(environment)->interface));  // a bad one before long runs
   return policy_behaviour(environment, factory, std::filesystem::path(policy).filename(), spec.starts,
                           spec.seed);

@@ -45,7 +45,7 @@ Evaluation walk(EnvConfig config, std::uint64_t first, std::size_t terrains) {
   std::vector<EpisodeSummary> episodes;
   for (std::size_t k = 0; k < terrains; ++k) {
     config.terrain_seed = first + k;
-    const auto one = evaluate_policy(env_factory(config), policy_factory("zero"), 1, 0);
+    const auto one = evaluate_policy(env_factory(config), find_policy("zero").make, 1, 0);
     episodes.insert(episodes.end(), one.begin(), one.end());
   }
   return sum_up(episodes);

@@ -97,22 +97,6 @@ TargetSource feet_source(const PythonBehaviour& behaviour,
   return source;
 }
 
-// The collector has to see what a behaviour holds: functions of a module hold whatever is in it.
-int traverse(PyObject* self, visitproc visit, void* arg) {
-  Py_VISIT(Py_TYPE(self));
-  if (nb::inst_ready(self)) Py_VISIT(nb::inst_ptr<PythonBehaviour>(self)->make.get().ptr());
-  return 0;
-}
-
-int clear(PyObject* self) {
-  nb::inst_ptr<PythonBehaviour>(self)->make = SharedObject(nb::none());
-  return 0;
-}
-
-PyType_Slot kSlots[] = {{Py_tp_traverse, reinterpret_cast<void*>(traverse)},
-                        {Py_tp_clear, reinterpret_cast<void*>(clear)},
-                        {0, nullptr}};
-
 Targets targets_of(const std::string& text) {
   if (text == "joints") return Targets::kJoints;
   if (text == "feet") return Targets::kFeet;

@@ -26,6 +26,21 @@ class SharedObject {
   std::shared_ptr<const nb::object> object_;
 };
 
+/// The collector has to see what a class with a member `make` holds: functions of a module hold whatever is
+/// in it.
+template <typename Holder>
+inline PyType_Slot kHolderSlots[] = {
+    {Py_tp_traverse, reinterpret_cast<void*>(+[](PyObject* self, visitproc visit, void* arg) -> int {
+       Py_VISIT(Py_TYPE(self));
+       if (nb::inst_ready(self)) Py_VISIT(nb::inst_ptr<Holder>(self)->make.get().ptr());
+       return 0;
+     })},
+    {Py_tp_clear, reinterpret_cast<void*>(+[](PyObject* self) -> int {
+       nb::inst_ptr<Holder>(self)->make = SharedObject(nb::none());
+       return 0;
+     })},
+    {0, nullptr}};
+
 enum class Targets { kJoints, kFeet };
 
 /// A controller in Python, in the world and with the timing of `walk`, whose gait is not used.

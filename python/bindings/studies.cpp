@@ -17,6 +17,7 @@
 #include "crossgait/python/bindings/bindings.h"
 #include "crossgait/python/bindings/job.h"
 #include "crossgait/python/bindings/json.h"
+#include "crossgait/python/bindings/python_policy.h"
 #include "crossgait/python/bindings/walk_config.h"
 #include "crossgait/study/judgement.h"
 #include "crossgait/study/provenance.h"
@@ -39,9 +40,7 @@ struct Report {
   std::string text;
 };
 
-Pair to_python(const Report& report) {
-  return nb::make_tuple(python::to_python(report.json), report.text);
-}
+Pair to_python(const Report& report) { return nb::make_tuple(python::to_python(report.json), report.text); }
 
 Json provenance(const nlohmann::json& subject, const std::vector<std::string>& engines) {
   Provenance made;
@@ -118,7 +117,7 @@ Pair walk_in(const Subject& subject, const std::string& engine, bool trace, cons
 }
 
 Pair compare_in(const Subject& subject, const std::vector<std::string>& engines, bool trace,
-                     const DivergenceTolerances& tolerances, const nb::object& progress) {
+                const DivergenceTolerances& tolerances, const nb::object& progress) {
   const auto record = recorder(trace, engines.size(), config_of(subject).robot);
   const Report report = run_job(
       [=](const StageProgress& told) -> Report {
@@ -144,7 +143,7 @@ JudgementOptions judgement_options(std::size_t starts, double limit, double conf
 }
 
 Pair judge(const BehaviourSpec& spec, const std::string& a, const std::string& b,
-                const JudgementOptions& options, const nb::object& progress) {
+           const JudgementOptions& options, const nb::object& progress) {
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
         const Judgement judgement = judge_behaviour(spec, a, b, options, told);
@@ -155,13 +154,17 @@ Pair judge(const BehaviourSpec& spec, const std::string& a, const std::string& b
       progress));
 }
 
-Pair judge(const PythonBehaviour& behaviour, const StartRanges& starts_from, std::uint64_t seed,
-                const std::string& a, const std::string& b, const JudgementOptions& options,
-                const nb::object& progress) {
+void refuse_stored_runs(const JudgementOptions& options) {
   if (!options.stored_runs.empty())
     throw ConfigError("verdict", "runs",
                       "none: what a function in Python does has no identity to be found by",
                       options.stored_runs);
+}
+
+Pair judge(const PythonBehaviour& behaviour, const StartRanges& starts_from, std::uint64_t seed,
+           const std::string& a, const std::string& b, const JudgementOptions& options,
+           const nb::object& progress) {
+  refuse_stored_runs(options);
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
         const Judgement judgement =
@@ -170,6 +173,42 @@ Pair judge(const PythonBehaviour& behaviour, const StartRanges& starts_from, std
         Json json = to_json(judgement);
         json["provenance"] = provenance(subject_json(behaviour), {a, b});
         return {json, describe(judgement)};
+      },
+      progress));
+}
+
+// `work(policies, progress)`, and what a policy in Python raised, if one did.
+template <typename Work>
+Report with_policies(const std::vector<PolicyChoice>& choices, const StageProgress& told, const Work& work) {
+  const auto failure = std::make_shared<FirstFailure>();
+  std::vector<NamedPolicy> policies;
+  for (const PolicyChoice& choice : choices) policies.push_back(named(choice, failure));
+  try {
+    Report report = work(policies, until(failure, told));
+    failure->rethrow();
+    return report;
+  } catch (const Interrupted&) {
+    failure->rethrow();
+    throw;
+  }
+}
+
+Pair judge(const EnvConfig& environment, const PythonPolicy& policy, const StartRanges& starts_from,
+           std::uint64_t seed, const std::string& a, const std::string& b, const JudgementOptions& options,
+           const nb::object& progress) {
+  refuse_stored_runs(options);
+  return to_python(run_job(
+      [=](const StageProgress& told) {
+        return with_policies(
+            {policy}, told, [&](const auto& policies, const StageProgress& listening) -> Report {
+              const Behaviour behaviour = policy_behaviour(environment, policies.front().make,
+                                                           policies.front().name, starts_from, seed);
+              const Judgement judgement =
+                  judge_behaviour(behaviour, EnvModel::make(environment)->world, a, b, options, listening);
+              Json json = to_json(judgement);
+              json["provenance"] = provenance({{"python", policy.name}}, {a, b});
+              return {json, describe(judgement)};
+            });
       },
       progress));
 }
@@ -199,44 +238,53 @@ void bind_judgements(nb::module_& m) {
       kProgress);
   m.def(
       "_judge_policy",
-      [](const EnvConfig& environment, const std::string& policy, const std::string& a, const std::string& b,
+      [](const EnvConfig& environment, const PolicyChoice& policy, const std::string& a, const std::string& b,
          const StartRanges& starts_from, std::uint64_t seed, std::size_t starts, double limit,
          double confidence, std::size_t workers, bool explain, const std::string& runs,
          const nb::object& progress) {
-        return judge({PolicyConfig{environment, policy}, starts_from, seed}, a, b,
-                     judgement_options(starts, limit, confidence, workers, explain, runs), progress);
+        const JudgementOptions options = judgement_options(starts, limit, confidence, workers, explain, runs);
+        if (const auto* text = std::get_if<std::string>(&policy))
+          return judge({PolicyConfig{environment, *text}, starts_from, seed}, a, b, options, progress);
+        return judge(environment, std::get<PythonPolicy>(policy), starts_from, seed, a, b, options, progress);
       },
       nb::arg("environment"), nb::arg("policy"), nb::arg("a"), nb::arg("b"), nb::arg("starts_from"),
       nb::arg("seed"), nb::arg("starts"), nb::arg("limit"), nb::arg("confidence"), nb::arg("workers"),
       nb::arg("explain"), nb::arg("runs"), kProgress);
 }
 
-Pair rollout(const EnvConfig& config, const std::vector<std::string>& policies,
-                  const EpisodeOptions& options, const nb::object& progress) {
+Pair rollout(const EnvConfig& config, const std::vector<PolicyChoice>& choices, const EpisodeOptions& options,
+             const nb::object& progress) {
   return to_python(run_job(
-      [=](const StageProgress& told) -> Report {
-        const Rollout result = roll_out(config, policies, options, progress_of(told, "rolling out"));
-        if (result.interrupted) throw Interrupted();
-        return {to_json(result), describe(result)};
+      [=](const StageProgress& told) {
+        return with_policies(choices, told,
+                             [&](const auto& policies, const StageProgress& listening) -> Report {
+                               const Rollout result =
+                                   roll_out(config, policies, options, progress_of(listening, "rolling out"));
+                               if (result.interrupted) throw Interrupted();
+                               return {to_json(result), describe(result)};
+                             });
       },
       progress));
 }
 
-Pair transfer(const EnvConfig& config, const std::string& policy,
-                   const std::vector<std::string>& engines, const std::vector<std::string>& terrains,
-                   const EpisodeOptions& options, const nb::object& progress) {
+Pair transfer(const EnvConfig& config, const PolicyChoice& choice, const std::vector<std::string>& engines,
+              const std::vector<std::string>& terrains, const EpisodeOptions& options,
+              const nb::object& progress) {
   return to_python(run_job(
-      [=](const StageProgress& told) -> Report {
-        const Transfer result =
-            transfer_policy(config, policy, engines, terrains, options, progress_of(told, "transferring"));
-        if (result.interrupted) throw Interrupted();
-        return {to_json(result), describe(result)};
+      [=](const StageProgress& told) {
+        return with_policies(
+            {choice}, told, [&](const auto& policies, const StageProgress& listening) -> Report {
+              const Transfer result = transfer_policy(config, policies.front(), engines, terrains, options,
+                                                      progress_of(listening, "transferring"));
+              if (result.interrupted) throw Interrupted();
+              return {to_json(result), describe(result)};
+            });
       },
       progress));
 }
 
 Pair tune(const EnvConfig& config, const std::vector<std::string>& engines, const TuneOptions& options,
-               const nb::object& progress) {
+          const nb::object& progress) {
   const auto tuned = std::make_shared<EnvConfig>();
   const Report report = run_job(
       [=](const StageProgress& told) -> Report {
@@ -250,7 +298,7 @@ Pair tune(const EnvConfig& config, const std::vector<std::string>& engines, cons
 }
 
 Pair bench(const std::vector<std::string>& engines, const std::vector<std::string>& sections, bool quick,
-                const nb::object& progress) {
+           const nb::object& progress) {
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
         const Json json = benchmarks::run_bench({engines, sections, quick}, progress_of(told, "measuring"));
@@ -265,6 +313,7 @@ Pair bench(const std::vector<std::string>& engines, const std::vector<std::strin
 void bind_studies(nb::module_& m) {
   bind_walk_config(m);
   bind_behaviour(m);
+  bind_python_policy(m);
   // Jobs whose callers were interrupted may still call into the interpreter.
   nb::module_::import_("atexit").attr("register")(nb::cpp_function(&Job::wait_for_leftovers));
   m.def("_walk", &walk_in, nb::arg("walk"), nb::arg("engine"), nb::arg("trace"), kProgress);
@@ -283,7 +332,7 @@ void bind_studies(nb::module_& m) {
   bind_judgements(m);
   m.def(
       "_rollout",
-      [](const EnvConfig& config, const std::vector<std::string>& policies, std::size_t episodes,
+      [](const EnvConfig& config, const std::vector<PolicyChoice>& policies, std::size_t episodes,
          std::size_t workers, std::uint64_t seed, const nb::object& progress) {
         return rollout(config, policies, {episodes, workers, seed}, progress);
       },
@@ -291,7 +340,7 @@ void bind_studies(nb::module_& m) {
       kProgress);
   m.def(
       "_transfer",
-      [](const EnvConfig& config, const std::string& policy, const std::vector<std::string>& engines,
+      [](const EnvConfig& config, const PolicyChoice& policy, const std::vector<std::string>& engines,
          const std::vector<std::string>& terrains, std::size_t episodes, std::size_t workers,
          std::uint64_t seed, const nb::object& progress) {
         return transfer(config, policy, engines, terrains, {episodes, workers, seed}, progress);

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from typing import Any
 
 from crossgait import _core
-from crossgait._core import Behaviour, EnvironmentConfig, StartRanges, Walk
+from crossgait._core import Behaviour, EnvironmentConfig, FunctionPolicy, StartRanges, Walk
 from crossgait.errors import ConfigError
 from crossgait.progress import Progress, ProgressBar, shown
 from crossgait.results import Bench, CompareResult, Rollout, Transfer, Tuning, Verdict, WalkResult
 from crossgait.traces import Trace
 
 Subject = Walk | Behaviour | str
-_Report = tuple[dict[str, Any], str]
+Policy = str | FunctionPolicy  #: a name (zero, random), a file, or a policy of your own
 
 
 def _subject(subject: Subject, options: dict[str, Any]) -> Walk | Behaviour:
@@ -129,7 +129,7 @@ def compare(
 
 
 def verdict(
-    subject: Subject = "trot",
+    subject: Subject | Policy = "trot",
     *,
     engines: Sequence[str] | None = None,
     environment: EnvironmentConfig | None = None,
@@ -147,7 +147,7 @@ def verdict(
     """Judge whether a behaviour depends on the engine (docs/verdict.md).
 
     Args:
-        subject: as `walk`; with an `environment` a policy, as `crossgait verdict --policy` takes it.
+        subject: as `walk`; with an `environment` a policy: a name, a file, or a `FunctionPolicy`.
         engines: two; the first that there is and the first of other laws by default.
         environment: of a policy.
         explain: also say what the gap comes from.
@@ -166,19 +166,19 @@ def verdict(
     ranges = start_ranges if start_ranges is not None else StartRanges()
     how = (starts, limit, confidence, _workers(workers), explain, os.fspath(runs))
     with _Shown(progress) as told:
-        if environment is None:
+        if environment is None and not isinstance(subject, FunctionPolicy):
             if isinstance(subject, str):
                 options.setdefault("seed", seed)
             document, text = _core._judge_walk(_subject(subject, options), a, b, ranges, seed, *how, told)
-        elif isinstance(subject, str) and not options:
+        elif environment is not None and isinstance(subject, Policy) and not options:
             document, text = _core._judge_policy(environment, subject, a, b, ranges, seed, *how, told)
         else:
-            raise TypeError("with an environment the subject is a policy's name or file, and nothing else is said")
+            raise TypeError("a policy is judged in an environment, which says all that options would")
     return Verdict(document, text)
 
 
 def rollout(
-    policies: str | Sequence[str] = "zero",
+    policies: Policy | Sequence[Policy] = "zero",
     environment: EnvironmentConfig | None = None,
     *,
     episodes: int = 3,
@@ -189,7 +189,7 @@ def rollout(
     """Run whole episodes of policies, all on the same worlds.
 
     Args:
-        policies: `zero`, `random`, or files of policies.
+        policies: `zero`, `random`, files of policies, or a `FunctionPolicy` of your own.
         environment: its engine is the one they run in.
         episodes: of every policy.
         seed: of the first episode.
@@ -197,15 +197,15 @@ def rollout(
         progress: as `walk`.
 
     """
-    names = [policies] if isinstance(policies, str) else list(policies)
+    chosen = [policies] if isinstance(policies, Policy) else list(policies)
     config = environment if environment is not None else EnvironmentConfig.parse("")
     with _Shown(progress) as told:
-        document, text = _core._rollout(config, names, episodes, _workers(workers), seed, told)
+        document, text = _core._rollout(config, chosen, episodes, _workers(workers), seed, told)
     return Rollout(document, text)
 
 
 def transfer(
-    policy: str,
+    policy: Policy,
     environment: EnvironmentConfig | None = None,
     *,
     engines: Sequence[str] | None = None,

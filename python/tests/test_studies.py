@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import crossgait
-from crossgait import Behaviour, ConfigError, EnvironmentConfig, Robot, State, Trace, Walk
+from crossgait import Behaviour, ConfigError, EnvironmentConfig, FunctionPolicy, Robot, State, Trace, Walk
 
 
 def command(*arguments: str) -> Any:
@@ -209,6 +209,60 @@ def test_wrong_targets_of_a_behaviour_are_refused(returned: Any, what: str) -> N
     with pytest.raises(ConfigError, match=what) as caught:
         crossgait.walk(Behaviour(lambda: lambda state: returned, name="mine"))
     assert caught.value.source == "mine"
+
+
+def zeros(size: int) -> Any:
+    return lambda: lambda observation: np.zeros(size)
+
+
+def test_a_policy_of_ones_own_is_the_zero_policy_if_it_says_zero() -> None:
+    config = EnvironmentConfig.parse('{"policy_dt": 0.02, "episode_seconds": 0.5}')
+    mine = FunctionPolicy(zeros(16), "mine")
+    rollout = crossgait.rollout([mine, "zero"], config, episodes=2).document["policies"]
+    assert [run["policy"] for run in rollout] == ["mine", "zero"]
+    assert without_the_run(rollout[0]["episodes"]) == without_the_run(rollout[1]["episodes"])
+    judged = crossgait.verdict(mine, environment=config, starts=4)
+    zero = crossgait.verdict("zero", environment=config, starts=4)
+    assert without_the_run(judged.document["statistics"]) == without_the_run(zero.document["statistics"])
+    cells = crossgait.transfer(mine, config, terrains=["flat"], episodes=1).document["cells"]
+    assert all(cell["policy"]["mean_speed_mps"] == cell["baseline"]["mean_speed_mps"] for cell in cells)
+
+
+def test_a_policy_of_ones_own_remembers_within_an_episode_alone() -> None:
+    config = EnvironmentConfig.parse('{"policy_dt": 0.02, "episode_seconds": 0.2}')
+    lengths: list[int] = []
+
+    def make() -> Any:
+        lengths.append(0)
+
+        def act(observation: np.ndarray) -> np.ndarray:
+            lengths[-1] += 1
+            return np.full(16, 1e3 if lengths[-1] == 1 else np.nan)  # clipped; counts as zero
+
+        return act
+
+    episodes = crossgait.rollout(FunctionPolicy(make), config, episodes=3, workers=1).document["policies"][0][
+        "episodes"
+    ]
+    assert lengths == [10, 10, 10]
+    assert all(episode["invalid_actions"] == 0 for episode in episodes)  # policies' actions are made valid before
+
+
+def test_what_a_policy_raises_comes_out() -> None:
+    config = EnvironmentConfig.parse('{"policy_dt": 0.02, "episode_seconds": 0.2}')
+
+    def broken(observation: np.ndarray) -> np.ndarray:
+        raise ZeroDivisionError("mine")
+
+    for call in (crossgait.rollout, crossgait.transfer):
+        with pytest.raises(ZeroDivisionError, match="mine"):
+            call(FunctionPolicy(lambda: broken), config)
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        crossgait.verdict(FunctionPolicy(lambda: broken), environment=config, starts=4)
+    with pytest.raises(ConfigError, match="16 numbers"):
+        crossgait.rollout(FunctionPolicy(zeros(3)), config)
+    with pytest.raises(TypeError, match="environment"):
+        crossgait.verdict(FunctionPolicy(zeros(16)))
 
 
 def test_options_belong_to_gaits_by_name() -> None:

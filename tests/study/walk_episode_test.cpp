@@ -55,7 +55,7 @@ TEST_P(WalkAndEpisode, HaveTheSameNumbersToTheLastBit) {
     SCOPED_TRACE(config.gait.name() + " of " + config.robot + " on " + config.terrain);
     const MotionSummary walked = walk(config, GetParam()).summary;
     const auto env = env_factory(environment_of(config))();
-    const auto zero = policy_factory("zero")(env->interface());
+    const auto zero = find_policy("zero").make(env->interface());
     const EpisodeSummary episode = run_episode(*env, *zero, 5);
     EXPECT_EQ(differences(walked, episode.motion), "");
     EXPECT_EQ(to_json(walked), to_json(episode.motion));
@@ -83,7 +83,7 @@ TEST_P(WalkAndEpisode, LongerPolicyStepsChangeNothingOfThem) {
   EnvConfig environment = environment_of(config);
   environment.policy_dt = 0.02;
   const auto env = env_factory(environment)();
-  const auto zero = policy_factory("zero")(env->interface());
+  const auto zero = find_policy("zero").make(env->interface());
   EXPECT_EQ(differences(walk(config, GetParam()).summary, run_episode(*env, *zero, 1).motion), "");
 }
 

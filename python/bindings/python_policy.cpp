@@ -1,0 +1,97 @@
+#include "crossgait/python/bindings/python_policy.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nanobind/stl/string.h>
+
+#include "crossgait/python/bindings/arrays.h"
+
+namespace crossgait::python {
+namespace {
+
+class FunctionPolicy final : public Policy {
+ public:
+  FunctionPolicy(const PythonPolicy& policy, const PolicyInterface& interface,
+                 std::shared_ptr<FirstFailure> failure)
+      : Policy(policy.name, interface), make_(policy.make), failure_(std::move(failure)) {}
+
+ private:
+  template <typename Call>
+  void guarded(const Call& call) noexcept {
+    if (failure_->noted()) return;
+    const nb::gil_scoped_acquire acquire;
+    try {
+      call();
+    } catch (...) {
+      failure_->note(std::current_exception());
+    }
+  }
+
+  void do_reset(std::uint64_t) noexcept override {
+    guarded([this] { act_.emplace(make_.get()()); });
+  }
+
+  void do_act(std::span<const double> observation, std::span<double> action) noexcept override {
+    std::fill(action.begin(), action.end(), 0.0);
+    guarded([&] {
+      const NewArray<double> seen({observation.size()});
+      std::copy(observation.begin(), observation.end(), seen.data);
+      const nb::object returned = act_->get()(seen.array);
+      const auto numbers = numbers_of(returned);
+      if (numbers.ndim() != 1 || numbers.size() != action.size())
+        throw ConfigError(name(), "action", fmt::format("{} numbers", action.size()),
+                          nb::repr(returned).c_str());
+      std::copy_n(numbers.data(), action.size(), action.begin());
+    });
+  }
+
+  SharedObject make_;
+  std::optional<SharedObject> act_;
+  std::shared_ptr<FirstFailure> failure_;
+};
+
+}  // namespace
+
+NamedPolicy PythonPolicy::named(const std::shared_ptr<FirstFailure>& failure) const {
+  return {name, [*this, failure](const PolicyInterface& interface) {
+            return std::make_unique<FunctionPolicy>(*this, interface, failure);
+          }};
+}
+
+NamedPolicy named(const PolicyChoice& choice, const std::shared_ptr<FirstFailure>& failure) {
+  const auto* text = std::get_if<std::string>(&choice);
+  return text != nullptr ? find_policy(*text) : std::get<PythonPolicy>(choice).named(failure);
+}
+
+StageProgress until(const std::shared_ptr<FirstFailure>& failure, const StageProgress& progress) {
+  return [failure, progress](const std::string& stage, double share) {
+    if (failure->noted()) throw Interrupted();
+    progress(stage, share);
+  };
+}
+
+void bind_python_policy(nb::module_& m) {
+  nb::class_<PythonPolicy>(
+      m, "FunctionPolicy", nb::type_slots(kHolderSlots<PythonPolicy>),
+      "A policy of your own: what `rollout`, `transfer` and `verdict` take beside files.")
+      .def(
+          "__init__",
+          [](PythonPolicy* self, const nb::callable& make, const std::string& name) {
+            new (self) PythonPolicy{name, SharedObject(make)};
+          },
+          nb::arg("make"), nb::arg("name") = "function",
+          nb::sig("def __init__(self, make: collections.abc.Callable[[], collections.abc.Callable[["
+                  "numpy.typing.NDArray[numpy.float64]], numpy.typing.ArrayLike]], name: str = 'function') "
+                  "-> None"),
+          "`make` returns a fresh function for every episode, so that what it remembers (a recurrent "
+          "network's state) is "
+          "its own: of an observation (float64, as the environment gives it) it returns an action. Entries "
+          "are clipped "
+          "to their bounds; what is not finite counts as zero.")
+      .def_ro("name", &PythonPolicy::name);
+}
+
+}  // namespace crossgait::python

@@ -1,0 +1,55 @@
+// A policy that is a function in Python: what no bundle expresses.
+#pragma once
+
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <variant>
+
+#include "crossgait/python/bindings/behaviour.h"
+#include "crossgait/study/judgement.h"
+#include "crossgait/study/rollout.h"
+
+namespace crossgait::python {
+
+/// The first exception of functions that are called where nothing may be thrown.
+class FirstFailure {
+ public:
+  void note(const std::exception_ptr& error) noexcept {
+    const std::scoped_lock lock(mutex_);
+    if (!error_) error_ = error;
+  }
+  bool noted() const noexcept {
+    const std::scoped_lock lock(mutex_);
+    return error_ != nullptr;
+  }
+  void rethrow() const {
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::exception_ptr error_;
+};
+
+/// What makes a controller for every episode.
+struct PythonPolicy {
+  std::string name;
+  SharedObject make;  ///< returns a fresh function of an observation, which returns an action
+
+  /// What its policies raise goes to `failure`, and their actions are zero from then on.
+  NamedPolicy named(const std::shared_ptr<FirstFailure>& failure) const;
+};
+
+/// A policy by name or file, or one in Python.
+using PolicyChoice = std::variant<std::string, PythonPolicy>;
+
+NamedPolicy named(const PolicyChoice& choice, const std::shared_ptr<FirstFailure>& failure);
+
+/// `progress`, which ends the work once a policy has failed.
+StageProgress until(const std::shared_ptr<FirstFailure>& failure, const StageProgress& progress);
+
+void bind_python_policy(nb::module_& m);
+
+}  // namespace crossgait::python
