@@ -34,15 +34,15 @@ void activate(MlpActivation activation, Eigen::VectorXf& values) noexcept {
 MlpPolicy::MlpPolicy(const std::string& path, const PolicyInterface& interface)
     : MlpPolicy(read_policy_bundle(path), path, interface) {}
 
-MlpPolicy::MlpPolicy(const PolicyBundle& bundle, const std::string& path, const PolicyInterface& interface)
-    : Policy(std::filesystem::path(path).filename(), interface),
+MlpPolicy::MlpPolicy(const PolicyBundle& bundle, const std::string& source, const PolicyInterface& interface)
+    : Policy(std::filesystem::path(source).filename(), interface),
       activation_(bundle.network.activation),
       output_(bundle.network.output),
       mean_(bundle.network.observation_mean),
       std_(bundle.network.observation_std),
       clip_(bundle.network.observation_clip),
       input_(static_cast<Eigen::Index>(interface.observation.size())) {
-  check_interface(bundle, interface, path);
+  check_interface(bundle, interface, source);
   if (mean_.size() == 0) {
     mean_ = Eigen::VectorXd::Zero(input_.size());
     std_ = Eigen::VectorXd::Ones(input_.size());
@@ -50,10 +50,11 @@ MlpPolicy::MlpPolicy(const PolicyBundle& bundle, const std::string& path, const 
   for (const MlpLayer& layer : bundle.network.layers) {
     layers_.push_back({layer.weight.cast<float>(), layer.bias.cast<float>(), layer.bias.cast<float>()});
     if (!layers_.back().weight.allFinite() || !layers_.back().bias.allFinite()) {
-      throw ConfigError(path, "layers", "weights and biases in the range of single precision", "larger ones");
+      throw ConfigError(source, "layers", "weights and biases in the range of single precision",
+                        "larger ones");
     }
   }
-  check_golden(bundle, path);
+  check_golden(bundle, source);
 }
 
 void MlpPolicy::check_golden(const PolicyBundle& bundle, const std::string& path) {

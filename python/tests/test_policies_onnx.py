@@ -430,6 +430,14 @@ def refuse_product_of_layers(file):
     file.node("Mul", [dense(file, output="y"), dense(file, output="z", bias=BIAS + 1)], "action")
 
 
+def refuse_steeper_swish(file):
+    """X times sigmoid(2 x)."""
+    dense(file, output="y")
+    file.node("Mul", ["y", file.constant("two", single(2))], "steep")
+    file.node("Sigmoid", ["steep"], "gate")
+    dense(file, file.node("Mul", ["y", "gate"], "h"), weight=np.eye(ACTIONS), bias=BIAS)
+
+
 def refuse_narrow_limits(file):
     dense(file, output="y")
     file.node("Clip", ["y", file.constant("low", single(-0.5)), file.constant("high", single(1))], "action")
@@ -495,6 +503,7 @@ def refuse_constant_output(file):
         (refuse_mixed_activations, "node 'Tanh_t'.*the same activation everywhere, found tanh and relu"),
         (refuse_skip_connection, "node 'Add_action'.*skip connection"),
         (refuse_product_of_layers, "node 'Mul_action'"),
+        (refuse_steeper_swish, r"node 'Mul_h' \(Mul\): expected x times sigmoid\(x\), which is swish"),
         (refuse_narrow_limits, "node 'Clip_action'.*limits as wide as those of .*, -1 to 1, found -0.5 to 1"),
         (refuse_uneven_clip, "node 'Clip_seen'.*the same up and down"),
         (refuse_hidden_limits, "node 'Clip_h'.*found clip"),
