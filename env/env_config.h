@@ -95,6 +95,9 @@ EnvConfig joint_environment();
 EnvConfig load_env_config(const std::string& path);
 /// The same from text; `source` stands for the file in messages.
 EnvConfig parse_env_config(const std::string& text, const std::string& source);
+/// `base` with what `text` says in the place of its own, key by key. `action` and `preset` are what a
+/// configuration begins with, and no keys here. @throws ConfigError
+EnvConfig override_env_config(const EnvConfig& base, const std::string& text, const std::string& source);
 /// The configuration as YAML that `parse_env_config` reads back unchanged. Files are named by their whole
 /// path, so that it may be kept anywhere.
 std::string to_yaml(const EnvConfig& config);

@@ -261,14 +261,14 @@ EnvConfig read_beginning(const YamlValue& root) {
   return guide_environment();
 }
 
-EnvConfig read_config(const YamlValue& root) {
+// What the file says, on top of `config`.
+EnvConfig read_onto(EnvConfig config, const YamlValue& root) {
   root.allow_keys({"preset",         "engine",     "backend",      "robot",           "terrain",
                    "terrain_seed",   "friction",   "servos",       "action",          "joints",
                    "gait",           "parameters", "adapt",        "ranges",          "delta_scales",
                    "residual_scale", "command",    "heading_hold", "observation",     "reward",
                    "physics_dt",     "control_dt", "policy_dt",    "episode_seconds", "settle_seconds",
                    "tilt_limit_deg", "ends",       "randomisation"});
-  EnvConfig config = read_beginning(root);
   config.source = root.source();
   read_world(root, config);
   read_servos(root, config);
@@ -289,10 +289,23 @@ EnvConfig read_config(const YamlValue& root) {
 
 }  // namespace
 
-EnvConfig load_env_config(const std::string& path) { return read_config(YamlValue::load(path)); }
+EnvConfig load_env_config(const std::string& path) {
+  const YamlValue root = YamlValue::load(path);
+  return read_onto(read_beginning(root), root);
+}
 
 EnvConfig parse_env_config(const std::string& text, const std::string& source) {
-  return read_config(YamlValue::parse(text, source));
+  const YamlValue root = YamlValue::parse(text, source);
+  return read_onto(read_beginning(root), root);
+}
+
+EnvConfig override_env_config(const EnvConfig& base, const std::string& text, const std::string& source) {
+  const YamlValue root = YamlValue::parse(text, source);
+  for (const char* key : {"action", "preset"}) {
+    if (const auto value = root.find(key))
+      value->fail("no such key on top of another configuration", value->text());
+  }
+  return read_onto(base, root);
 }
 
 }  // namespace crossgait

@@ -73,14 +73,17 @@ class QuadrupedEnv {
 
   /// Of the last step; of the start after `reset`.
   const StepInfo& info() const noexcept { return episode_.info; }
-  /// The world; before the first `reset` only where the configuration does not randomise it.
-  const PhysicsBackend& backend() const noexcept { return *backend_; }
+  /// The world. @throws ConfigError before the first `reset` where the configuration randomises it
+  const PhysicsBackend& backend() const {
+    if (backend_ == nullptr) require_begun("world");
+    return *backend_;
+  }
   /// The gait that actions adapt; null where they command joints.
   const AdaptiveGaitController* gait() const noexcept;
   const FootStates& feet() const noexcept { return feet_; }
   const ControlTargets& targets() const noexcept { return episode_.loop.targets(); }
-  /// The episode so far.
-  MotionSummary summary() const { return episode_.loop.statistics().summary(*backend_); }
+  /// The episode so far. @throws ConfigError as `backend` does
+  MotionSummary summary() const { return episode_.loop.statistics().summary(backend()); }
 
   /// Asks for another velocity from the next step on. @throws ConfigError if it is not finite
   void set_command(const VelocityCommand& command);

@@ -50,6 +50,7 @@ void VectorEnv::step(std::span<const double> actions, const VectorStep& out) {
   check_size(kSource, "truncated", out.truncated.size(), size());
   if (!out.final_observations.empty())
     check_size(kSource, "final_observations", out.final_observations.size(), size() * observation_size());
+  if (!out.final_infos.empty()) check_size(kSource, "final_infos", out.final_infos.size(), size());
   pool_.run(size(), [&](std::size_t i) { step_one(i, actions, out); });
 }
 
@@ -73,7 +74,14 @@ void VectorEnv::step_one(std::size_t i, std::span<const double> actions, const V
   if (auto_reset_ == AutoReset::kNextStep) return;
   if (!out.final_observations.empty())
     std::copy(observation.begin(), observation.end(), row(out.final_observations, i).begin());
+  if (!out.final_infos.empty()) out.final_infos[i] = environments_[i]->info();
   begin_episode(i, observation);
+}
+
+std::uint64_t VectorEnv::episode_seed(std::size_t i) const {
+  const Slot& slot = slots_.at(i);
+  if (slot.episode == 0) throw ConfigError(kSource, "episode_seed", "a reset before it", "none");
+  return derived_seed(slot.seed, slot.episode - 1);
 }
 
 std::uint64_t VectorEnv::diverged() const noexcept {

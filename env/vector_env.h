@@ -33,6 +33,8 @@ struct VectorStep {
   /// environments x observation_size, or empty; rows of environments whose episode ended in this step under
   /// kSameStep, others untouched
   std::span<double> final_observations = {};
+  /// environments, or empty; what the step that ended the episode did, where `final_observations` has a row
+  std::span<StepInfo> final_infos = {};
 };
 
 /// N environments of one configuration. Results are the same bit for bit for any number of workers:
@@ -47,6 +49,9 @@ class VectorEnv {
   std::size_t observation_size() const noexcept { return environments_.front()->observation_size(); }
   std::size_t action_size() const noexcept { return environments_.front()->action_size(); }
   const QuadrupedEnv& environment(std::size_t i) const { return *environments_.at(i); }
+  /// Seed of the episode that the environment is in: what `QuadrupedEnv::reset` takes to repeat it.
+  /// @throws ConfigError before the first `reset`
+  std::uint64_t episode_seed(std::size_t i) const;
 
   /// Begins an episode everywhere. @throws ConfigError for a wrong size or an impossible draw
   void reset(std::uint64_t seed, std::span<double> observations);
@@ -54,6 +59,12 @@ class VectorEnv {
   /// One policy step everywhere. @param actions  environments x action_size
   /// @throws ConfigError for a wrong size (before anything changes), or if a reset makes an impossible draw
   void step(std::span<const double> actions, const VectorStep& out);
+
+  /// Asks one environment for another velocity, until its episode ends. @throws ConfigError if it is not
+  /// finite
+  void set_command(std::size_t i, const VelocityCommand& command) {
+    environments_.at(i)->set_command(command);
+  }
 
   /// Episodes that ended because the engine diverged, since construction. Each began anew like any other.
   std::uint64_t diverged() const noexcept;

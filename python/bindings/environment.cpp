@@ -12,6 +12,7 @@
 #include "crossgait/python/bindings/bindings.h"
 #include "crossgait/python/bindings/json.h"
 #include "crossgait/python/bindings/robot.h"
+#include "crossgait/python/bindings/step_info.h"
 
 namespace crossgait::python {
 
@@ -21,27 +22,13 @@ nb::object layout(const Layout& layout) {
   return entries;
 }
 
-nb::dict info(const QuadrupedEnv& env) {
-  const StepInfo& step = env.info();
-  nb::dict result;
-  result["time"] = step.time;
-  result["distance"] = step.distance;
-  result["lateral"] = step.lateral;
-  result["power"] = step.power;
-  result["limit_factor"] = step.limit_factor;
-  result["ik_clamped"] = step.ik_clamped;
-  result["invalid_actions"] = step.invalid_actions;
-  result["outcome"] = name(step.outcome).data();
-  return result;
-}
-
 namespace {
 
 Environment make_environment(const EnvConfig& config, const std::string& engine) {
   const nb::gil_scoped_release release;
   auto model = EnvModel::make(config);
   auto env = std::make_unique<QuadrupedEnv>(model, find_engine(engine.empty() ? config.engine : engine));
-  return {std::move(model), std::move(env), {}};
+  return {std::move(model), std::move(env)};
 }
 
 nb::object reset(Environment& self, std::uint64_t seed) {
@@ -49,6 +36,7 @@ nb::object reset(Environment& self, std::uint64_t seed) {
   {
     const nb::gil_scoped_release release;
     self.env->reset(seed, {observation.data, self.env->observation_size()});
+    self.bounds.find({observation.data, self.env->observation_size()}, self.outside);
   }
   return nb::cast(observation.array);
 }
@@ -60,25 +48,27 @@ nb::tuple step(Environment& self, const AnyArray& action) {
   {
     const nb::gil_scoped_release release;
     result = self.env->step(numbers, {observation.data, self.env->observation_size()});
+    self.bounds.find({observation.data, self.env->observation_size()}, self.outside);
   }
   return nb::make_tuple(nb::cast(observation.array), result.reward, result.terminated, result.truncated);
 }
 
-nb::dict reward_terms_of(const Environment& self) {
-  nb::dict terms;
-  for (std::size_t i = 0; i < kRewardTerms; ++i) {
-    if (self.env->config().reward[i] != 0)
-      terms[reward_terms()[i].name.data()] = self.env->info().reward_terms[i];
-  }
-  return terms;
+nb::dict info_of(const Environment& self) {
+  return info(self.env->info(), self.env->config().reward, self.bounds.names(self.outside));
 }
 
-nb::object parameters_of(const Environment& self) {
-  if (!self.env->info().parameters) return nb::none();
+nb::object parameters_of(const QuadrupedEnv& env) {
+  if (!env.info().parameters) return nb::none();
   nb::dict parameters;
   for (const ParameterRow& row : gait_parameters())
-    parameters[row.name.data()] = (*self.env->info().parameters).*row.member;
+    parameters[row.name.data()] = (*env.info().parameters).*row.member;
   return parameters;
+}
+
+using Bounds = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+void set_observation_bounds(Environment& self, const Bounds& low, const Bounds& high) {
+  self.bounds.set(self.env->observation_layout(), {low.data(), low.size()}, {high.data(), high.size()});
 }
 
 void bind_config(nb::module_& m) {
@@ -104,36 +94,96 @@ void bind_config(nb::module_& m) {
       .def_ro("episode_seconds", &EnvConfig::episode_seconds, "s.")
       .def_prop_ro(
           "action", [](const EnvConfig& c) { return std::string(name(c.action)); }, "gait or joints.")
+      .def(
+          "updated",
+          [](const EnvConfig& c, const std::string& text, const std::string& source) {
+            return override_env_config(c, text, source);
+          },
+          nb::arg("text"), nb::arg("source") = "environment",
+          "With what `text` (YAML or JSON) says in the place of its own, key by key. Raises ConfigError.")
+      .def(
+          "__eq__", [](const EnvConfig& a, const EnvConfig& b) { return to_yaml(a) == to_yaml(b); },
+          nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
+      .def("__hash__", [](const EnvConfig& c) { return std::hash<std::string>()(to_yaml(c)); })
       .def("__getstate__", [](const EnvConfig& c) { return to_yaml(c); })
       .def("__setstate__", [](EnvConfig& c, const std::string& text) {
         new (&c) EnvConfig(parse_env_config(text, "environment"));
       });
 }
 
-}  // namespace
-
-void bind_environment(nb::module_& m) {
-  bind_config(m);
-  nb::class_<QuadrupedEnv::Saved>(m, "SavedEpisode",
-                                  "An instant of an episode: restoring it continues bit for bit.");
-  nb::class_<Environment>(
-      m, "Environment",
-      "The reinforcement-learning environment itself; crossgait.envs has it as Gymnasium's. Not for "
-      "two threads at once.")
-      .def(nb::new_(&make_environment), nb::arg("config"), nb::arg("engine") = "",
-           "`engine` \"\" is the one that the configuration names. Raises ConfigError.")
-      .def_prop_ro("config", [](const Environment& e) { return e.env->config(); })
-      .def_prop_ro("engine", [](const Environment& e) { return e.env->engine().name(); })
+// What there is to see of an environment, whoever steps it.
+template <typename T>
+void bind_reading(nb::class_<T>& c) {
+  c.def_prop_ro("config", [](const T& e) { return e.look().config(); })
+      .def_prop_ro("engine", [](const T& e) { return e.look().engine().name(); })
       .def_prop_ro(
-          "layout_hash", [](const Environment& e) { return e.model->layout; },
-          "What a policy is trained for.")
+          "layout_hash", [](const T& e) { return e.look().model().layout; }, "What a policy is trained for.")
       .def_prop_ro(
-          "observation_layout", [](const Environment& e) { return layout(e.env->observation_layout()); },
+          "observation_layout", [](const T& e) { return layout(e.look().observation_layout()); },
           nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float]]"),
           "(name, unit, min, max) of every number; infinite where nothing bounds it.")
       .def_prop_ro(
-          "action_layout", [](const Environment& e) { return layout(e.env->action_layout()); },
+          "action_layout", [](const T& e) { return layout(e.look().action_layout()); },
           nb::sig("def action_layout(self) -> list[tuple[str, str, float, float]]"))
+      .def_prop_ro(
+          "parameters", [](const T& e) { return parameters_of(e.look()); },
+          nb::sig("def parameters(self) -> dict[str, float] | None"),
+          "Of the gait as adapted so far; None where actions command joints.")
+      .def_prop_ro(
+          "state", [](const T& e) { return RobotState(e.look().backend().state()); },
+          "Of the robot, as the engine has it.")
+      .def_prop_ro(
+          "robot",
+          [](const T& e) {
+            return Robot{e.look().config().robot, e.look().model().world.robot, {}};
+          },
+          "Nominal, with the environment's servos.")
+      .def_prop_ro(
+          "terrain", [](const T& e) { return e.look().backend().spec().terrain; }, "Of this episode.")
+      .def_prop_ro("foot_contacts",
+                   [](const T& e) {
+                     const LegArray<FootContact>& feet = e.look().info().contacts;
+                     return std::vector<FootContact>(feet.begin(), feet.end());
+                   })
+      .def(
+          "summary", [](const T& e) { return to_python(to_json(e.look().summary())); },
+          nb::sig("def summary(self) -> dict[str, typing.Any]"),
+          "The episode so far, with the keys of `crossgait walk --json`.");
+}
+
+void bind_view(nb::module_& m) {
+  nb::class_<EnvironmentView> view(m, "EnvironmentView",
+                                   "One of the environments of a VectorEnvironment, which alone steps it.");
+  bind_reading(view);
+  view.def_prop_ro(
+          "episode_seed", [](const EnvironmentView& v) { return v.envs->episode_seed(v.index); },
+          "What `Environment.reset` takes to repeat its episode.")
+      .def(
+          "set_command",
+          [](EnvironmentView& v, double vx, double vy, double yaw_rate) {
+            v.envs->set_command(v.index, {vx, vy, yaw_rate});
+          },
+          nb::arg("vx"), nb::arg("vy") = 0, nb::arg("yaw_rate") = 0,
+          "Asks for another velocity until its episode ends, m/s and rad/s.");
+}
+
+}  // namespace
+
+void bind_environment(nb::module_& m) {
+  m.def("derived_seed", &derived_seed, nb::arg("seed"), nb::arg("index"),
+        "Seed of the index-th thing that hangs on `seed`: an environment of a vector, an episode of a rollout.");
+  bind_config(m);
+  nb::class_<QuadrupedEnv::Saved>(m, "SavedEpisode",
+                                  "An instant of an episode: restoring it continues bit for bit.");
+  bind_view(m);
+  nb::class_<Environment> environment(
+      m, "Environment",
+      "The reinforcement-learning environment itself; crossgait.envs has it as Gymnasium's. Not for "
+      "two threads at once.");
+  bind_reading(environment);
+  environment
+      .def(nb::new_(&make_environment), nb::arg("config"), nb::arg("engine") = "",
+           "`engine` \"\" is the one that the configuration names. Raises ConfigError.")
       .def("reset", &reset, nb::arg("seed"),
            nb::sig("def reset(self, seed: int) -> numpy.typing.NDArray[numpy.float64]"),
            "Begins an episode and returns its first observation, in an array of its own.")
@@ -143,33 +193,10 @@ void bind_environment(nb::module_& m) {
            "One policy step: (observation, reward, terminated, truncated). Entries of the action are clipped "
            "to their "
            "bounds; not finite counts as zero. The observation is an array of its own. Raises ConfigError.")
-      .def_prop_ro(
-          "info", [](const Environment& e) { return info(*e.env); },
-          nb::sig("def info(self) -> dict[str, typing.Any]"), "Of the last step.")
-      .def_prop_ro("reward_terms", &reward_terms_of, nb::sig("def reward_terms(self) -> dict[str, float]"),
-                   "Of the last step, weighted; those that have a weight.")
-      .def_prop_ro("parameters", &parameters_of, nb::sig("def parameters(self) -> dict[str, float] | None"),
-                   "Of the gait as adapted so far; None where actions command joints.")
-      .def_prop_ro(
-          "state", [](const Environment& e) { return RobotState(e.env->backend().state()); },
-          "Of the robot, as the engine has it.")
-      .def_prop_ro(
-          "robot",
-          [](const Environment& e) {
-            return Robot{e.env->config().robot, e.model->world.robot, {}};
-          },
-          "Nominal, with the environment's servos.")
-      .def_prop_ro(
-          "terrain", [](const Environment& e) { return e.env->backend().spec().terrain; }, "Of this episode.")
-      .def_prop_ro("foot_contacts",
-                   [](const Environment& e) {
-                     return std::vector<FootContact>(e.env->info().contacts.begin(),
-                                                     e.env->info().contacts.end());
-                   })
-      .def(
-          "summary", [](const Environment& e) { return to_python(to_json(e.env->summary())); },
-          nb::sig("def summary(self) -> dict[str, typing.Any]"),
-          "The episode so far, with the keys of `crossgait walk --json`.")
+      .def_prop_ro("info", &info_of, nb::sig("def info(self) -> dict[str, typing.Any]"),
+                   "Of the last step; of the start after `reset`.")
+      .def("set_observation_bounds", &set_observation_bounds, nb::arg("low"), nb::arg("high"),
+           "Names of numbers beyond them are `out_of_bounds` of `info` from the next step on.")
       .def(
           "set_command",
           [](Environment& e, double vx, double vy, double yaw_rate) {

@@ -1,9 +1,13 @@
 // Environments as Python holds them.
 #pragma once
 
+#include <memory>
+#include <vector>
+
 #include <nanobind/nanobind.h>
 
-#include "crossgait/env/quadruped_env.h"
+#include "crossgait/env/vector_env.h"
+#include "crossgait/python/bindings/observation_bounds.h"
 
 namespace crossgait::python {
 
@@ -11,13 +15,22 @@ namespace crossgait::python {
 struct Environment {
   std::shared_ptr<const EnvModel> model;
   std::unique_ptr<QuadrupedEnv> env;
-  std::vector<double> action;  ///< of float32
+  std::vector<double> action = {};  ///< of float32
+  ObservationBounds bounds = {};
+  std::vector<std::size_t> outside = {};  ///< of the last observation
+
+  const QuadrupedEnv& look() const { return *env; }
+};
+
+/// One of the environments of a VectorEnv, which outlives it and alone steps it.
+struct EnvironmentView {
+  VectorEnv* envs;
+  std::size_t index;
+
+  const QuadrupedEnv& look() const { return envs->environment(index); }
 };
 
 /// A layout as names, units and bounds.
 nanobind::object layout(const Layout& layout);
-
-/// `info` of the last step: what Python's environments return beside observation and reward.
-nanobind::dict info(const QuadrupedEnv& env);
 
 }  // namespace crossgait::python

@@ -6,6 +6,7 @@
 #include "crossgait/python/bindings/arrays.h"
 #include "crossgait/python/bindings/bindings.h"
 #include "crossgait/python/bindings/environment.h"
+#include "crossgait/python/bindings/step_info.h"
 
 namespace crossgait::python {
 namespace {
@@ -14,7 +15,25 @@ namespace {
 struct VectorEnvironment {
   std::unique_ptr<VectorEnv> envs;
   AutoReset auto_reset;
-  std::vector<double> actions;  // of float32
+  std::vector<double> actions = {};  // of float32
+  ObservationBounds bounds = {};
+  // Of the last step: numbers out of bounds, and what it did where it ended an episode that has begun anew.
+  std::vector<std::vector<std::size_t>> outside = {}, final_outside = {};
+  std::vector<StepInfo> final_infos = {};
+  std::vector<std::uint8_t> ended = {};
+
+  void find_outside(const double* observations, std::vector<std::vector<std::size_t>>& found) const {
+    const std::size_t width = envs->observation_size();
+    for (std::size_t i = 0; i < found.size(); ++i) bounds.find({observations + i * width, width}, found[i]);
+  }
+  void note_ended(const bool* terminated, const bool* truncated, const double* observations) {
+    const std::size_t width = envs->observation_size();
+    for (std::size_t i = 0; i < ended.size(); ++i) {
+      ended[i] = terminated[i] || truncated[i] ? 1 : 0;
+      if (ended[i] != 0) bounds.find({observations + i * width, width}, final_outside[i]);
+    }
+  }
+  const RewardTerms& weights() const { return envs->environment(0).config().reward; }
 };
 
 AutoReset auto_reset_of(const std::string& name) {
@@ -28,7 +47,12 @@ VectorEnvironment make(const EnvConfig& config, std::size_t environments, const 
   const VectorEnvOptions options{environments, workers, auto_reset_of(auto_reset)};
   const nb::gil_scoped_release release;
   const Engine made_in = find_engine(engine.empty() ? config.engine : engine);
-  return {std::make_unique<VectorEnv>(config, made_in, options), options.auto_reset, {}};
+  VectorEnvironment made{std::make_unique<VectorEnv>(config, made_in, options), options.auto_reset};
+  made.outside.resize(environments);
+  made.final_outside.resize(environments);
+  made.ended.resize(environments);
+  if (made.auto_reset == AutoReset::kSameStep) made.final_infos.resize(environments);
+  return made;
 }
 
 nb::object reset(VectorEnvironment& self, std::uint64_t seed) {
@@ -37,6 +61,8 @@ nb::object reset(VectorEnvironment& self, std::uint64_t seed) {
   {
     const nb::gil_scoped_release release;
     self.envs->reset(seed, {observations.data, size});
+    self.find_outside(observations.data, self.outside);
+    std::fill(self.ended.begin(), self.ended.end(), 0);
   }
   return nb::cast(observations.array);
 }
@@ -58,10 +84,47 @@ nb::tuple step(VectorEnvironment& self, const AnyArray& actions) {
                               {rewards.data, count},
                               flags(terminated),
                               flags(truncated),
-                              {last.data, keeps_final ? count * width : 0}});
+                              {last.data, keeps_final ? count * width : 0},
+                              self.final_infos});
+    self.find_outside(observations.data, self.outside);
+    if (keeps_final) self.note_ended(terminated.data, truncated.data, last.data);
   }
   return nb::make_tuple(nb::cast(observations.array), nb::cast(rewards.array), nb::cast(terminated.array),
                         nb::cast(truncated.array), keeps_final ? nb::cast(last.array) : nb::none());
+}
+
+nb::dict infos_of(const VectorEnvironment& self) {
+  return infos(
+      self.envs->size(), self.weights(), [&](std::size_t i) { return &self.envs->environment(i).info(); },
+      [&](std::size_t i) { return self.bounds.names(self.outside[i]); });
+}
+
+nb::dict final_infos_of(const VectorEnvironment& self) {
+  return infos(
+      self.envs->size(), self.weights(),
+      [&](std::size_t i) { return self.ended[i] != 0 ? &self.final_infos[i] : nullptr; },
+      [&](std::size_t i) { return self.bounds.names(self.final_outside[i]); });
+}
+
+nb::dict info_of(const VectorEnvironment& self, std::size_t i) {
+  return info(self.envs->environment(i).info(), self.weights(), self.bounds.names(self.outside.at(i)));
+}
+
+nb::object final_info_of(const VectorEnvironment& self, std::size_t i) {
+  if (self.ended.at(i) == 0) return nb::none();
+  return info(self.final_infos[i], self.weights(), self.bounds.names(self.final_outside[i]));
+}
+
+using Bounds = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+void set_observation_bounds(VectorEnvironment& self, const Bounds& low, const Bounds& high) {
+  self.bounds.set(self.envs->environment(0).observation_layout(), {low.data(), low.size()},
+                  {high.data(), high.size()});
+}
+
+EnvironmentView environment_of(VectorEnvironment& self, std::size_t i) {
+  static_cast<void>(self.envs->environment(i));  // throws std::out_of_range
+  return {self.envs.get(), i};
 }
 
 }  // namespace
@@ -100,16 +163,20 @@ void bind_vector_environment(nb::module_& m) {
            "arrays, the caller's to keep. With same_step rows of `final_observations` are set where an "
            "episode ended in "
            "this step, and mean nothing elsewhere; with next_step it is None. Raises ConfigError.")
-      .def(
-          "info", [](const VectorEnvironment& v, std::size_t i) { return info(v.envs->environment(i)); },
-          nb::arg("environment"), nb::sig("def info(self, environment: int) -> dict[str, typing.Any]"),
-          "Of one environment's last step.")
-      .def(
-          "state",
-          [](const VectorEnvironment& v, std::size_t i) {
-            return RobotState(v.envs->environment(i).backend().state());
-          },
-          nb::arg("environment"), "Of one environment's robot.")
+      .def("set_observation_bounds", &set_observation_bounds, nb::arg("low"), nb::arg("high"),
+           "Names of numbers beyond them are `out_of_bounds` of infos from the next step on.")
+      .def("environment", &environment_of, nb::arg("index"), nb::keep_alive<0, 1>(),
+           "One of them, to look at. Raises IndexError.")
+      .def("infos", &infos_of, nb::sig("def infos(self) -> dict[str, typing.Any]"),
+           "Of the last step, as Gymnasium's vector environments have it: an array for every key, and a mask "
+           "for its name with an underscore.")
+      .def("final_infos", &final_infos_of, nb::sig("def final_infos(self) -> dict[str, typing.Any]"),
+           "With same_step, of the episodes that the last step ended.")
+      .def("info", &info_of, nb::arg("index"), nb::sig("def info(self, index: int) -> dict[str, typing.Any]"),
+           "Of one environment's last step.")
+      .def("final_info", &final_info_of, nb::arg("index"),
+           nb::sig("def final_info(self, index: int) -> dict[str, typing.Any] | None"),
+           "With same_step, of one environment's episode if the last step ended it.")
       .def_prop_ro(
           "diverged", [](const VectorEnvironment& v) { return v.envs->diverged(); },
           "Episodes that ended because the engine diverged.")

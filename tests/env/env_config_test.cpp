@@ -118,6 +118,33 @@ TEST(EnvConfig, KeysOfOneKindOfActionAreErrorsWithTheOther) {
             "env.yaml: line 1, observation[0].scale: ");
 }
 
+TEST(EnvConfig, WhatComesOnTopReplacesKeyByKey) {
+  const EnvConfig base = parse_env_config(
+      "robot: serial_quadruped\naction: joints\njoints: {scale: .3, limit: 2}\nreward: {fall: -1}\n",
+      "env.yaml");
+  EnvConfig expected = base;
+  expected.terrain = "rough";
+  expected.joints.limit = 1;
+  EXPECT_EQ(to_yaml(override_env_config(base, "{terrain: rough, joints: {limit: 1}}", "keywords")),
+            to_yaml(expected));
+  EXPECT_EQ(to_yaml(override_env_config(base, "{}", "keywords")), to_yaml(base));
+  const auto complaint_on_top = [&base](const char* text) -> std::string {
+    try {
+      static_cast<void>(override_env_config(base, text, "keywords"));
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(complaint_on_top("action: joints"),
+            "keywords: line 1, action: expected no such key on top of another configuration, found joints");
+  EXPECT_EQ(complaint_on_top("gait: walk"),
+            "keywords: line 1, gait: expected this key with action: gait alone, found action: joints");
+  EXPECT_EQ(complaint_on_top("physics_dt: -1"),
+            "keywords: line 1, physics_dt: expected a time step in [1e-06, 0.1] s, found -1");
+  EXPECT_NE(complaint_on_top("terrane: flat").find("unknown key 'terrane'"), std::string::npos);
+}
+
 TEST(EnvConfig, TheEngineMayGoByItsOldKey) {
   EXPECT_EQ(parse_env_config("backend: bullet\n", "env.yaml").engine, "bullet");
   EXPECT_EQ(parse_env_config("engine: bullet\n", "env.yaml").engine, "bullet");

@@ -326,6 +326,11 @@ TEST_P(Environment, NothingMovesBeforeTheFirstReset) {
   EXPECT_TRUE(scenes::identical(before, env.backend().home_state()));
   EXPECT_THROW(env.step(zeros(env), seen), ConfigError);
   EXPECT_THROW((void)env.save(), ConfigError);
+  EnvConfig randomised;
+  randomised.randomisation[Randomised::kFriction] = {0.5, 0.6};
+  const QuadrupedEnv worldless = make_env(randomised);
+  EXPECT_THROW((void)worldless.backend(), ConfigError);
+  EXPECT_THROW((void)worldless.summary(), ConfigError);
   EXPECT_TRUE(scenes::identical(env.backend().state(), before));
   env.reset(0, seen);
   EXPECT_DOUBLE_EQ(env.backend().state().time, env.config().settle_seconds);

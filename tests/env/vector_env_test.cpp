@@ -24,10 +24,12 @@ struct Arrays {
         finals(observations.size(), -1),
         rewards(env.size()),
         terminated(env.size()),
-        truncated(env.size()) {}
-  VectorStep view() { return {observations, rewards, terminated, truncated, finals}; }
+        truncated(env.size()),
+        final_infos(env.size()) {}
+  VectorStep view() { return {observations, rewards, terminated, truncated, finals, final_infos}; }
   std::vector<double> observations, finals, rewards;
   std::vector<std::uint8_t> terminated, truncated;
+  std::vector<StepInfo> final_infos;
 };
 
 class Vectors : public BackendTest {
@@ -108,10 +110,12 @@ class Single {
       return;
     }
     last = seen;
+    last_info = env_.info();
     begin();
   }
 
   const QuadrupedEnv& env() const { return env_; }
+  std::uint64_t episode_seed() const { return derived_seed(seed_, episode_ - 1); }
 
  private:
   void begin() {
@@ -126,6 +130,7 @@ class Single {
 
  public:
   std::vector<double> seen, last;
+  std::optional<StepInfo> last_info;
   StepResult result;
   int terminated = 0, truncated = 0;
 };
@@ -185,6 +190,8 @@ TEST_P(Vectors, AreSingleEnvironmentsBitForBitOverSeveralEpisodes) {
         EXPECT_EQ(arrays.terminated[i], single.result.terminated ? 1 : 0);
         EXPECT_EQ(arrays.truncated[i], single.result.truncated ? 1 : 0);
         expect_same_info(env.environment(i).info(), single.env().info());
+        if (single.last_info) expect_same_info(arrays.final_infos[i], *single.last_info);
+        EXPECT_EQ(env.episode_seed(i), single.episode_seed());
       }
     }
     int terminated = 0, truncated = 0;
@@ -292,6 +299,21 @@ TEST(WorkerPool, CallsEveryIndexOnceAndReportsTheFirstError) {
   }
   EXPECT_EQ(done, 100);
   pool.run(1, [](std::size_t) {});  // and goes on
+}
+
+TEST_P(Vectors, ACommandIsOneEnvironmentsOwn) {
+  EnvConfig config = short_episodes();
+  config.command = VelocityCommand{};
+  config.observation = {"command"};
+  VectorEnv env = make_env(config, {.environments = 3});
+  Arrays arrays(env);
+  env.reset(1, arrays.observations);
+  env.set_command(1, {.vx = 0.1, .vy = 0, .yaw_rate = 0.2});
+  env.step(std::vector<double>(3 * env.action_size()), arrays.view());
+  EXPECT_EQ(arrays.observations, (std::vector<double>{0, 0, 0, 0.1, 0, 0.2, 0, 0, 0}));
+  EXPECT_THROW(env.set_command(1, {.vx = NAN}), ConfigError);
+  EXPECT_THROW(env.set_command(3, {}), std::out_of_range);
+  EXPECT_THROW(static_cast<void>(make_env(config, {.environments = 1}).episode_seed(0)), ConfigError);
 }
 
 TEST(WorkerPool, WithoutAllItsThreadsIsAnErrorAndDoesNotWaitForEver) {

@@ -1,0 +1,27 @@
+// Which numbers of an observation lie outside the bounds that Python gave them.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <nanobind/nanobind.h>
+
+#include "crossgait/env/layout.h"
+
+namespace crossgait::python {
+
+class ObservationBounds {
+ public:
+  /// Nothing lies outside before. @throws ConfigError unless there are as many of each as `layout` has entries
+  void set(const Layout& layout, std::span<const double> low, std::span<const double> high);
+  /// Indices of those outside, replacing `outside`.
+  void find(std::span<const double> observation, std::vector<std::size_t>& outside) const;
+  /// Their names, a tuple of str.
+  nanobind::tuple names(const std::vector<std::size_t>& outside) const;
+
+ private:
+  std::vector<double> low_, high_;
+  std::vector<std::string> names_;
+};
+
+}  // namespace crossgait::python

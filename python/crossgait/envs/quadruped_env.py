@@ -1,0 +1,158 @@
+"""One environment as Gymnasium's."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from crossgait import _core
+from crossgait.envs.configuration import ConfigLike, make_config
+from crossgait.envs.not_copyable import NotCopyable
+from crossgait.envs.render_mode import known_render_mode
+from crossgait.envs.seeds import episode_seed, refuse_options
+from crossgait.envs.spaces import action_space, observation_dtype, observation_space
+from crossgait.layout import EnvironmentLayout
+
+if TYPE_CHECKING:
+    from crossgait.rendering import EnvironmentRenderer
+
+Observation = npt.NDArray[np.float64] | npt.NDArray[np.float32]
+
+
+class QuadrupedEnv(NotCopyable, gymnasium.Env[Any, Any]):
+    """A quadruped whose gait a policy adjusts, or whose joints it commands: docs/environment.md.
+
+    `reset(seed=s)` begins the episode that the core begins with seed s, the same bits in every process; without a seed
+    `np_random` draws one. Observations are new arrays in every step. Numbers beyond the observation space are as they
+    are, and named in `info["out_of_bounds"]`.
+
+    Attributes:
+        core: the environment of the core, with `state`, `robot`, `terrain`, `foot_contacts`, `summary()`, `save()`,
+            `restore()`.
+        layout: names, units and bounds of observation and action.
+
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 50}  # noqa: RUF012
+    #: "gait" or "joints".
+    action: ClassVar[str]
+
+    def __init__(
+        self,
+        config: ConfigLike = None,
+        *,
+        engine: str | None = None,
+        terrain: str | None = None,
+        dtype: npt.DTypeLike = np.float64,
+        render_mode: str | None = None,
+        width: int = 640,
+        height: int = 480,
+        **keys: Any,
+    ) -> None:
+        """Read the configuration and build the world; nothing moves before `reset`.
+
+        Args:
+            config: the path of a YAML file, a mapping of its keys, an `EnvironmentConfig`, or None for the defaults.
+            engine: in the place of the configuration's; see `crossgait.available_engines()`.
+            terrain: the same; as `crossgait.Terrain` takes it.
+            dtype: of observations, float64 or float32.
+            render_mode: "rgb_array" or "human" (a window).
+            width: of frames, pixels.
+            height: of frames, pixels.
+            keys: any other key of the configuration, in the place of what it says.
+
+        Raises:
+            ConfigError: for a configuration that is wrong, naming the key.
+
+        """
+        made = make_config(self.action, config, {"engine": engine, "terrain": terrain} | keys)
+        self.core = _core.Environment(made)
+        self.layout = EnvironmentLayout.of(self.core)
+        self.core.set_observation_bounds(*self.layout.observation.finite_bounds())
+        self._dtype = observation_dtype(dtype)
+        self._single = self._dtype == np.float32
+        self.observation_space = observation_space(self.layout, self._dtype)
+        self.action_space = action_space(self.layout)
+        self.metadata = self.metadata | {"render_fps": max(1, round(1 / made.policy_dt))}
+        self.render_mode = known_render_mode(render_mode, self.metadata["render_modes"])
+        self._frame_size = (width, height)
+        self._renderer: EnvironmentRenderer | None = None
+        self._episode_seed: int | None = None
+
+    @property
+    def config(self) -> _core.EnvironmentConfig:
+        """What it is made of."""
+        return self.core.config
+
+    @property
+    def episode_seed(self) -> int | None:
+        """What `reset` takes to repeat the present episode; None before the first."""
+        return self._episode_seed
+
+    @property
+    def parameters(self) -> dict[str, float] | None:
+        """Of the gait as adapted so far; None where actions command joints."""
+        return self.core.parameters
+
+    def set_command(self, vx: float, vy: float = 0, yaw_rate: float = 0) -> None:
+        """Ask for another velocity from the next step to the end of the episode, m/s and rad/s."""
+        self.core.set_command(vx, vy, yaw_rate)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin an episode. Raises ConfigError for any option: there are none."""
+        super().reset(seed=seed)
+        refuse_options(options)
+        self._episode_seed = episode_seed(seed, self.np_random)
+        observation = self.core.reset(self._episode_seed)
+        if self.render_mode == "human":
+            self.render()
+        return self._seen(observation), self.core.info
+
+    def step(self, action: npt.ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """One policy step. Entries of the action are clipped to their bounds; not finite counts as zero."""
+        if not isinstance(action, np.ndarray):
+            action = np.asarray(action, dtype=np.float64)
+        observation, reward, terminated, truncated = self.core.step(action)
+        if self.render_mode == "human":
+            self.render()
+        return self._seen(observation), reward, terminated, truncated, self.core.info
+
+    def _seen(self, observation: npt.NDArray[np.float64]) -> Observation:
+        return observation.astype(np.float32) if self._single else observation
+
+    def render(self) -> npt.NDArray[np.uint8] | None:
+        """A frame (height x width x 3) with "rgb_array"; with "human" into the window."""
+        if self.render_mode is None:
+            gymnasium.logger.warn('render() without a render_mode: make the environment with "rgb_array" or "human"')
+            return None
+        if self._renderer is None:
+            from crossgait.rendering import EnvironmentRenderer
+
+            self._renderer = EnvironmentRenderer(*self._frame_size)
+        if self.render_mode == "human":
+            self._renderer.show(self.core)
+            return None
+        return self._renderer.frame(self.core)
+
+    def close(self) -> None:
+        """Close window and renderer."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+
+class AdaptiveGaitEnv(QuadrupedEnv):
+    """Actions adjust a gait: changes of its parameters, and residuals of the foot targets."""
+
+    action = "gait"
+
+
+class JointControlEnv(QuadrupedEnv):
+    """Actions are targets of the joints about their home."""
+
+    action = "joints"

@@ -1,0 +1,202 @@
+"""Many environments as one of Gymnasium's vector environments, stepped on threads of the core."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from crossgait import _core
+from crossgait.envs.configuration import ConfigLike, make_config
+from crossgait.envs.not_copyable import NotCopyable
+from crossgait.envs.quadruped_env import Observation
+from crossgait.envs.render_mode import known_render_mode
+from crossgait.envs.seeds import episode_seed, refuse_options
+from crossgait.envs.spaces import action_space, observation_dtype, observation_space
+from crossgait.errors import ConfigError
+from crossgait.layout import EnvironmentLayout
+
+if TYPE_CHECKING:
+    from crossgait.rendering import EnvironmentRenderer
+
+Flags = npt.NDArray[np.bool_]
+
+_AUTO_RESET = {AutoresetMode.NEXT_STEP: "next_step", AutoresetMode.SAME_STEP: "same_step"}
+
+
+def _known_autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
+    known = [m for m in _AUTO_RESET if mode in (m, m.value)]
+    if not known:
+        raise ConfigError("vector environment", "autoreset_mode", "NextStep or SameStep", str(mode))
+    return known[0]
+
+
+class QuadrupedVectorEnv(NotCopyable, VectorEnv[Any, Any, npt.NDArray[Any]]):
+    """`num_envs` environments of one configuration.
+
+    Results are the same, bit for bit, for any number of `workers`, and those of single environments: `reset(seed=s)`
+    gives environment i the seed `derived_seed(s, i)`, and its k-th episode `derived_seed` of that and k, which a single
+    environment's `reset(seed=...)` takes (`episode_seeds` has them). All arrays are new in every step.
+
+    Attributes:
+        core: the vector environment of the core; `core.environment(i)` looks at one of them.
+        layout: names, units and bounds of one observation and action.
+
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012
+        "render_modes": ["rgb_array"],
+        "render_fps": 50,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
+    #: "gait" or "joints".
+    action: ClassVar[str]
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        config: ConfigLike = None,
+        *,
+        engine: str | None = None,
+        terrain: str | None = None,
+        workers: int | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        max_episode_steps: int | None = None,
+        dtype: npt.DTypeLike = np.float64,
+        render_mode: str | None = None,
+        width: int = 640,
+        height: int = 480,
+        **keys: Any,
+    ) -> None:
+        """Build `num_envs` worlds; nothing moves before `reset`.
+
+        Args:
+            num_envs: how many.
+            config: as of `QuadrupedEnv`; so are engine, terrain, dtype, width, height and keys.
+            engine: the engine of all.
+            terrain: the ground of all.
+            workers: threads; as many as the process may use cores, but no more than environments, unless given.
+            autoreset_mode: what happens at the end of an episode, NEXT_STEP or SAME_STEP.
+            max_episode_steps: ends episodes earlier than the configuration does.
+            dtype: of observations.
+            render_mode: "rgb_array".
+            width: of frames, pixels.
+            height: of frames, pixels.
+            keys: keys of the configuration.
+
+        Raises:
+            ConfigError: for what is wrong, naming the key.
+
+        """
+        made = make_config(self.action, config, {"engine": engine, "terrain": terrain} | keys)
+        if max_episode_steps is not None:
+            seconds = min(made.episode_seconds, max_episode_steps * made.policy_dt)
+            made = make_config(self.action, made, {"episode_seconds": seconds})
+        mode = _known_autoreset_mode(autoreset_mode)
+        if num_envs < 1:
+            raise ConfigError("vector environment", "num_envs", "at least 1", str(num_envs))
+        if workers is None:
+            workers = min(num_envs, len(os.sched_getaffinity(0)))
+        self.core = _core.VectorEnvironment(made, num_envs, workers=workers, auto_reset=_AUTO_RESET[mode])
+        self.layout = EnvironmentLayout.of(self.core.environment(0))
+        self.core.set_observation_bounds(*self.layout.observation.finite_bounds())
+        self.num_envs = num_envs
+        self._dtype = observation_dtype(dtype)
+        self.single_observation_space = observation_space(self.layout, self._dtype)
+        self.single_action_space = action_space(self.layout)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.metadata = self.metadata | {
+            "autoreset_mode": mode,
+            "render_fps": max(1, round(1 / made.policy_dt)),
+        }
+        self.render_mode = known_render_mode(render_mode, self.metadata["render_modes"])
+        self._frame_size = (width, height)
+        self._renderer: EnvironmentRenderer | None = None
+
+    @property
+    def config(self) -> _core.EnvironmentConfig:
+        """What all are made of."""
+        return self.core.environment(0).config
+
+    @property
+    def episode_seeds(self) -> npt.NDArray[np.uint64]:
+        """What a single environment's `reset` takes to repeat the episode that each is in."""
+        seeds = (self.core.environment(i).episode_seed for i in range(self.num_envs))
+        return np.fromiter(seeds, np.uint64, self.num_envs)
+
+    def set_command(self, vx: npt.ArrayLike, vy: npt.ArrayLike = 0, yaw_rate: npt.ArrayLike = 0) -> None:
+        """Ask for other velocities to the end of each episode, m/s and rad/s: one for all or one each."""
+        columns = [np.broadcast_to(np.asarray(v, np.float64), (self.num_envs,)) for v in (vx, vy, yaw_rate)]
+        for i, command in enumerate(zip(*columns, strict=True)):
+            self.core.environment(i).set_command(*map(float, command))
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin an episode everywhere. Raises ConfigError for any option: there are none."""
+        if isinstance(seed, Sequence | np.ndarray):
+            raise ConfigError("reset", "seed", "one integer, from which every environment's follows", repr(seed))
+        super().reset(seed=seed)
+        refuse_options(options)
+        observations = self.core.reset(episode_seed(seed, self.np_random))
+        return self._seen(observations), self.core.infos()
+
+    def step(self, actions: npt.ArrayLike) -> tuple[Observation, npt.NDArray[np.float64], Flags, Flags, dict[str, Any]]:
+        """One policy step everywhere. With SAME_STEP, `final_obs` and `final_info` are those of ended episodes."""
+        if not isinstance(actions, np.ndarray):
+            actions = np.asarray(actions, dtype=np.float64)
+        observations, rewards, terminated, truncated, final = self.core.step(actions)
+        infos = self.core.infos()
+        if final is not None:
+            ended = terminated | truncated
+            if ended.any():
+                infos |= self._final(ended, self._seen(final))
+        return self._seen(observations), rewards, terminated, truncated, infos
+
+    def _final(self, ended: Flags, observations: Observation) -> dict[str, Any]:
+        final = np.full(self.num_envs, None, dtype=object)
+        for i in np.flatnonzero(ended):
+            final[i] = observations[i].copy()
+        return {
+            "final_obs": final,
+            "_final_obs": ended,
+            "final_info": self.core.final_infos(),
+            "_final_info": ended.copy(),
+        }
+
+    def _seen(self, observations: npt.NDArray[np.float64]) -> Observation:
+        return observations.astype(self._dtype, copy=False)
+
+    def render(self) -> tuple[npt.NDArray[np.uint8], ...] | None:
+        """A frame (height x width x 3) of every environment; None without a render_mode."""
+        if self.render_mode is None:
+            return None
+        if self._renderer is None:
+            from crossgait.rendering import EnvironmentRenderer
+
+            self._renderer = EnvironmentRenderer(*self._frame_size)
+        return tuple(self._renderer.frame(self.core.environment(i)) for i in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Close the renderer."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+
+class AdaptiveGaitVectorEnv(QuadrupedVectorEnv):
+    """Of `AdaptiveGaitEnv`."""
+
+    action = "gait"
+
+
+class JointControlVectorEnv(QuadrupedVectorEnv):
+    """Of `JointControlEnv`."""
+
+    action = "joints"

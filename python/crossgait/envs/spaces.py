@@ -1,0 +1,32 @@
+"""Gymnasium's spaces of a layout."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+
+from crossgait.errors import ConfigError
+from crossgait.layout import EnvironmentLayout
+
+
+def observation_dtype(dtype: npt.DTypeLike) -> np.dtype[Any]:
+    """float64 or float32. Raises ConfigError for anything else."""
+    made = np.dtype(dtype)
+    if made not in (np.float64, np.float32):
+        raise ConfigError("environment", "dtype", "float64 or float32", made.name)
+    return made
+
+
+def observation_space(layout: EnvironmentLayout, dtype: np.dtype[Any]) -> spaces.Box:
+    """Finite bounds: crossgait.layout says which."""
+    low, high = layout.observation.finite_bounds()
+    return spaces.Box(low.astype(dtype), high.astype(dtype), dtype=dtype.type)
+
+
+def action_space(layout: EnvironmentLayout) -> spaces.Box:
+    """Of float32, in the layout's bounds."""
+    low, high = layout.action.low, layout.action.high
+    return spaces.Box(low.astype(np.float32), high.astype(np.float32), dtype=np.float32)

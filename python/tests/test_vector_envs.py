@@ -1,0 +1,226 @@
+from __future__ import annotations
+
+import copy
+import itertools
+import pickle
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import data_equivalence
+from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
+from gymnasium.wrappers.vector import DictInfoToList, NormalizeObservation, RecordEpisodeStatistics
+
+import crossgait.envs
+from crossgait import ConfigError, _core
+
+GAIT, JOINTS = "Crossgait/AdaptiveGait-v0", "Crossgait/JointControl-v0"
+# Episodes of 8 policy steps, each another; some fall before.
+SHORT = {
+    "policy_dt": 0.02,
+    "episode_seconds": 0.16,
+    "settle_seconds": 0.02,
+    "tilt_limit_deg": 6,
+    "residual_scale": 0.03,
+    "randomisation": {"start_yaw": [-1, 1]},
+}
+
+
+def make_native(num_envs: int, env_id: str = GAIT, **settings: Any) -> crossgait.envs.QuadrupedVectorEnv:
+    envs = gymnasium.make_vec(env_id, num_envs=num_envs, vectorization_mode="vector_entry_point", **settings)
+    assert isinstance(envs, crossgait.envs.QuadrupedVectorEnv)
+    return envs
+
+
+def random_actions(envs: VectorEnv[Any, Any, Any], count: int) -> np.ndarray:
+    return np.random.default_rng(0).uniform(-1, 1, (count, *envs.action_space.shape))
+
+
+class WithSeedsOf(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """Begins its k-th episode with derived_seed(seed, k), as environments of the core's vector do."""
+
+    def __init__(self, env: gymnasium.Env[Any, Any], seed: int) -> None:
+        super().__init__(env)
+        self.seeds = (_core.derived_seed(seed, k) for k in itertools.count())
+
+    def reset(self, **_: Any) -> tuple[Any, dict[str, Any]]:
+        return self.env.reset(seed=next(self.seeds))
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_all_is_what_gymnasium_makes_of_single_environments(mode: AutoresetMode, engine: str) -> None:
+    """Observations, rewards, flags, infos, final ones too, over several episodes: equal to the last bit."""
+    count, seed = 3, 11
+    native = make_native(count, engine=engine, autoreset_mode=mode, workers=2, **SHORT)
+    singles = [
+        lambda i=i: WithSeedsOf(
+            gymnasium.make(GAIT, engine=engine, disable_env_checker=True, **SHORT), _core.derived_seed(seed, i)
+        )
+        for i in range(count)
+    ]
+    sync = SyncVectorEnv(singles, autoreset_mode=mode)
+    assert native.metadata["autoreset_mode"] == sync.metadata["autoreset_mode"] == mode
+    assert native.observation_space == sync.observation_space
+    assert native.action_space == sync.action_space
+    assert data_equivalence(native.reset(seed=seed), sync.reset(), exact=True)
+    terminated = truncated = 0
+    for actions in random_actions(native, 60):
+        a, b = native.step(actions), sync.step(actions)
+        assert data_equivalence(a, b, exact=True)
+        terminated, truncated = terminated + int(a[2].sum()), truncated + int(a[3].sum())
+        assert ("final_obs" in a[4]) == (mode == AutoresetMode.SAME_STEP and bool((a[2] | a[3]).any()))
+    assert min(terminated, truncated) > 0
+    assert terminated + truncated > 3 * count
+
+
+def test_workers_change_nothing() -> None:
+    runs = []
+    for workers in (1, 2, 5):
+        envs = make_native(5, JOINTS, workers=workers, terrain="rough", episode_seconds=0.1)
+        assert envs.core.workers == workers
+        seen = [envs.reset(seed=2)[0].tobytes()]
+        for actions in random_actions(envs, 12):
+            observations, rewards, *_ = envs.step(actions)
+            seen += [observations.tobytes(), rewards.tobytes()]
+        runs.append(seen)
+    assert runs[0] == runs[1] == runs[2]
+    assert len(set(runs[0])) > 20
+
+
+def test_its_bits_are_the_cores() -> None:
+    envs = make_native(3, terrain="rough")
+    core = _core.VectorEnvironment(envs.config, 3)
+    assert envs.reset(seed=4)[0].tobytes() == core.reset(4).tobytes()
+    for actions in random_actions(envs, 50):
+        for a, b in zip(envs.step(actions)[:4], core.step(actions)[:4], strict=True):
+            assert a.tobytes() == b.tobytes()
+
+
+def test_every_episode_can_be_had_again_alone() -> None:
+    envs = make_native(3, autoreset_mode="SameStep", **SHORT)
+    single = gymnasium.make(GAIT, **SHORT).unwrapped
+    observations, _ = envs.reset(seed=8)
+    for actions in [None, *random_actions(envs, 9)]:
+        if actions is not None:
+            observations, _, terminated, truncated, _ = envs.step(actions)
+            begun = np.flatnonzero(terminated | truncated)
+        else:
+            begun = np.arange(3)
+        for i in begun:
+            assert single.reset(seed=int(envs.episode_seeds[i]))[0].tobytes() == observations[i].tobytes()
+
+
+def test_further_resets_follow_from_the_seed() -> None:
+    one, other = make_native(2, **SHORT), make_native(2, **SHORT)
+    seen = [[envs.reset(seed=s)[0].tobytes() for s in (1, None, None)] for envs in (one, other)]
+    assert seen[0] == seen[1]
+    assert len(set(seen[0])) == 3
+    with pytest.raises(ConfigError, match="one integer"):
+        one.reset(seed=[1, 2])  # type: ignore[arg-type]
+    with pytest.raises(ConfigError, match="options"):
+        one.reset(options={"reset_mask": np.array([True, False])})
+
+
+def test_asynchronous_ones_of_gymnasium_are_synchronous_ones() -> None:
+    settings = {"terrain": "rough", "policy_dt": 0.02, "episode_seconds": 0.1}
+    sync = gymnasium.make_vec(GAIT, 2, "sync", **settings)
+    processes = gymnasium.make_vec(GAIT, 2, "async", {"context": "spawn"}, **settings)
+    try:
+        assert data_equivalence(processes.reset(seed=1), sync.reset(seed=1), exact=True)
+        for actions in random_actions(sync, 8):
+            assert data_equivalence(processes.step(actions), sync.step(actions), exact=True)
+    finally:
+        processes.close()
+
+
+def test_arrays_that_were_returned_stay_as_they_were() -> None:
+    envs = make_native(2, autoreset_mode="SameStep", **SHORT)
+    kept, copies = [], []
+    envs.reset(seed=0)
+    for actions in random_actions(envs, 20):
+        kept.append(envs.step(actions))
+        copies.append(copy.deepcopy(kept[-1]))
+    assert data_equivalence(tuple(kept), tuple(copies), exact=True)
+
+
+def test_settings() -> None:
+    envs = make_native(4, JOINTS, dtype=np.float32, max_episode_steps=3, terrain="rough")
+    assert envs.single_observation_space.dtype == np.float32
+    assert envs.reset(seed=0)[0].dtype == np.float32
+    ends = [bool(envs.step(np.zeros((4, 12)))[3].all()) for _ in range(4)]
+    assert ends == [False, False, True, False]
+    assert envs.metadata["render_fps"] == 50
+    assert envs.layout.observation.index("command.vx") == 45
+    assert pickle.loads(pickle.dumps(envs.spec)).kwargs["num_envs"] == 4
+    envs.close()
+    envs.close()
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"autoreset_mode": AutoresetMode.DISABLED}, "NextStep or SameStep"),
+        ({"num_envs": 0}, "num_envs: expected at least 1"),
+        ({"workers": 0}, "workers"),
+        ({"terrain": "moon"}, "moon"),
+        ({"render_mode": "human"}, "render_mode"),
+    ],
+)
+def test_what_is_wrong_is_said(settings: dict[str, Any], words: str) -> None:
+    with pytest.raises(ConfigError, match=words):
+        crossgait.envs.AdaptiveGaitVectorEnv(**{"num_envs": 2} | settings)
+
+
+def test_commands_are_one_for_all_or_one_each() -> None:
+    envs = make_native(3, JOINTS, observation=["command"])
+    envs.reset(seed=0)
+    envs.set_command([0.1, 0.2, 0.3], yaw_rate=0.5)
+    expected = [[0.1, 0, 0.5], [0.2, 0, 0.5], [0.3, 0, 0.5]]
+    assert envs.step(np.zeros((3, 12)))[0].tolist() == expected
+
+
+def test_numbers_out_of_bounds_are_named_for_each() -> None:
+    envs = make_native(3, JOINTS, observation=["command"], autoreset_mode="SameStep", episode_seconds=0.04)
+    envs.reset(seed=0)
+    envs.core.environment(1).set_command(1e3)
+    infos = envs.step(np.zeros((3, 12)))[4]
+    assert infos["out_of_bounds"].tolist() == [(), ("command.vx",), ()]
+    infos = envs.step(np.zeros((3, 12)))[4]
+    assert infos["final_info"]["out_of_bounds"].tolist() == [(), ("command.vx",), ()]
+    assert infos["out_of_bounds"].tolist() == [(), (), ()]
+
+
+def test_one_of_them_can_be_looked_at() -> None:
+    envs = make_native(2)
+    with pytest.raises(ConfigError, match="a reset before it"):
+        _ = envs.episode_seeds
+    envs.reset(seed=0)
+    view = envs.core.environment(1)
+    del envs  # it keeps what it looks at
+    assert view.state.time == pytest.approx(0.5)  # settle_seconds
+    assert view.summary()["outcome"] == "walked"
+    with pytest.raises(IndexError):
+        make_native(2).core.environment(2)
+
+
+def test_environments_refuse_copies() -> None:
+    envs = make_native(2)
+    for copied in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="AdaptiveGaitVectorEnv cannot be copied or pickled"):
+            copied(envs)
+
+
+def test_wrappers_work() -> None:
+    envs = NormalizeObservation(RecordEpisodeStatistics(make_native(2, **SHORT)))
+    envs.reset(seed=0)
+    lengths = []
+    for actions in random_actions(envs, 30):
+        _, _, terminated, truncated, infos = envs.step(actions)
+        if (terminated | truncated).any():
+            lengths += infos["episode"]["l"][infos["_episode"]].tolist()
+    assert lengths
+    assert max(lengths) == 8
+    listed = DictInfoToList(make_native(2, **SHORT))
+    _, infos = listed.reset(seed=0)
+    assert [info["time"] for info in infos] == [0, 0]
