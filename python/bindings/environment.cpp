@@ -171,7 +171,8 @@ void bind_view(nb::module_& m) {
 
 void bind_environment(nb::module_& m) {
   m.def("derived_seed", &derived_seed, nb::arg("seed"), nb::arg("index"),
-        "Seed of the index-th thing that hangs on `seed`: an environment of a vector, an episode of a rollout.");
+        "Seed of the index-th thing that hangs on `seed`: an environment of a vector, an episode of a "
+        "rollout.");
   bind_config(m);
   nb::class_<QuadrupedEnv::Saved>(m, "SavedEpisode",
                                   "An instant of an episode: restoring it continues bit for bit.");

@@ -12,7 +12,8 @@ namespace crossgait::python {
 
 class ObservationBounds {
  public:
-  /// Nothing lies outside before. @throws ConfigError unless there are as many of each as `layout` has entries
+  /// Nothing lies outside before. @throws ConfigError unless there are as many of each as `layout` has
+  /// entries
   void set(const Layout& layout, std::span<const double> low, std::span<const double> high);
   /// Indices of those outside, replacing `outside`.
   void find(std::span<const double> observation, std::vector<std::size_t>& outside) const;
