@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import nbclient
+import nbformat
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -31,6 +33,15 @@ def run(arguments: list[str], folder: Path) -> str:
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_run(example: Path, tmp_path: Path) -> None:
     assert run([str(example)], tmp_path)
+
+
+def test_the_notebook_runs(tmp_path: Path) -> None:
+    notebook = nbformat.read(ROOT / "python/examples/verdict.ipynb", as_version=4)
+    done = nbclient.NotebookClient(notebook, timeout=900, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    shown = [output for cell in done.cells if cell.cell_type == "code" for output in cell.outputs]
+    assert all(output.output_type != "error" for output in shown)
+    assert any("text/html" in output.get("data", {}) for output in shown)  # the verdict shows itself
+    assert any("image/png" in output.get("data", {}) for output in shown)
 
 
 @pytest.mark.parametrize("block", BLOCKS)
