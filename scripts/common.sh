@@ -24,6 +24,17 @@ run_quietly() {
   rm -f "$log"
 }
 
+# python_venv FOLDER REQUIREMENTS: a virtual environment with these packages; installs what has changed.
+python_venv() {
+  local venv=$1 requirements=$2 wanted
+  wanted=$(sha256sum python/*requirements.txt)
+  [[ ! -e $venv/installed || $(cat "$venv/installed") != "$wanted" ]] || return 0
+  [[ -x $venv/bin/python ]] || run_quietly "making $venv" python3 -m venv "$venv"
+  echo "Installing $requirements into $venv (a minute or two, the first time)"
+  run_quietly "installing $requirements" "$venv/bin/python" -m pip install --quiet --requirement "$requirements"
+  echo "$wanted" >"$venv/installed"
+}
+
 # build PRESET [TARGET...]: configures and builds; everything if no target is named.
 build() {
   local preset=$1 progress=(--quiet)
