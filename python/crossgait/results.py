@@ -5,12 +5,11 @@ from __future__ import annotations
 import html
 import json
 import os
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from crossgait.files import written_whole
 from crossgait.traces import Trace
 
 if TYPE_CHECKING:
@@ -36,12 +35,9 @@ class Result:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the document as JSON. The file appears whole or not at all."""
-        target = Path(path)
-        with tempfile.NamedTemporaryFile("w", dir=target.parent, prefix=target.name, delete=False) as file:
+        with written_whole(path) as beside, open(beside, "w") as file:
             json.dump(self.document, file, indent=2)
             file.write("\n")
-        os.chmod(file.name, 0o644)
-        os.replace(file.name, target)
 
     def to_frame(self) -> pd.DataFrame:
         """Return the result's main table."""

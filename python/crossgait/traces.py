@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,9 +12,12 @@ import numpy as np
 import numpy.typing as npt
 
 from crossgait.errors import ConfigError
+from crossgait.files import written_whole
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from crossgait._core import Robot
 
 Numbers = npt.NDArray[np.float64]
 
@@ -61,17 +63,38 @@ class Trace:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write what `crossgait plot` reads. The file appears whole or not at all."""
-        target = Path(path)
-        with tempfile.NamedTemporaryFile("w", dir=target.parent, prefix=target.name, delete=False) as file:
-            try:
-                file.write(",".join(self.names) + "\n")
-                for row in self.values:
-                    file.write(",".join(f"{value:.17g}" for value in row) + "\n")
-            except BaseException:
-                os.unlink(file.name)
-                raise
-        os.chmod(file.name, 0o644)
-        os.replace(file.name, target)
+        with written_whole(path) as beside, open(beside, "w") as file:
+            file.write(",".join(self.names) + "\n")
+            for row in self.values:
+                file.write(",".join(f"{value:.17g}" for value in row) + "\n")
+
+    def to_mcap(self, path: str | os.PathLike[str], robot: Robot | str) -> None:
+        """Write an MCAP file for Foxglove: frames and shapes of the bodies, footfalls, and every column to plot.
+
+        Args:
+            path: the file appears whole or not at all.
+            robot: that walked; as `Robot.load` takes it, or a robot.
+
+        Raises:
+            ConfigError: if it was another robot.
+            ImportError: without mcap (`pip install crossgait[mcap]`).
+
+        """
+        from crossgait import trace_mcap, trace_scene
+
+        trace_mcap.write(self, path, trace_scene.the_robot(self, robot))
+
+    def to_rerun(self, path: str | os.PathLike[str], robot: Robot | str) -> None:
+        """Write an .rrd file for Rerun: as `to_mcap`.
+
+        Raises:
+            ConfigError: if it was another robot.
+            ImportError: without rerun-sdk (`pip install crossgait[rerun]`).
+
+        """
+        from crossgait import trace_rerun, trace_scene
+
+        trace_rerun.write(self, path, trace_scene.the_robot(self, robot))
 
     @classmethod
     def read_csv(cls, path: str | os.PathLike[str]) -> Trace:
