@@ -1,7 +1,7 @@
 """Traces for Foxglove: MCAP files (`crossgait[mcap]`) with Foxglove's JSON schemas.
 
-`/tf` has the poses of all bodies, `/robot` their shapes, `/footfalls` where feet came down, and each group of columns
-is a topic of its own: the plot of joint angle FL_tilt is `/q.FL_tilt`.
+`/tf` has the poses of all bodies, `/robot` their shapes, `/ground` the ground, `/footfalls` where feet came down, and
+each group of columns is a topic of its own: the plot of joint angle FL_tilt is `/q.FL_tilt`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ except ImportError as error:
 
 from crossgait import _core, trace_scene
 from crossgait.files import written_whole
-from crossgait.trace_scene import MEDIA_TYPES, Shape
+from crossgait.trace_scene import MEDIA_TYPES, Ground, Shape
 from crossgait.traces import Numbers, Trace
 
 Json = dict[str, Any]
@@ -75,7 +75,13 @@ _SCHEMAS = {
                     _object(pose=_POSE, size=_VECTOR, bottom_scale=_NUMBER, top_scale=_NUMBER, color=_COLOUR)
                 ),
                 triangles=_array(
-                    _object(pose=_POSE, points=_array(_VECTOR), color=_COLOUR, indices=_array({"type": "integer"}))
+                    _object(
+                        pose=_POSE,
+                        points=_array(_VECTOR),
+                        color=_COLOUR,
+                        colors=_array(_COLOUR),
+                        indices=_array({"type": "integer"}),
+                    )
                 ),
                 models=_array(
                     _object(
@@ -93,7 +99,7 @@ _SCHEMAS = {
 }
 
 
-def write(trace: Trace, path: str | os.PathLike[str], robot: _core.Robot) -> None:
+def write(trace: Trace, path: str | os.PathLike[str], robot: _core.Robot, terrain: _core.Terrain | None = None) -> None:
     """Write `trace`, of `robot`. The file appears whole or not at all."""
     times = np.rint(trace.time * 1e9).astype(np.int64).tolist()  # ns
     poses = trace_scene.poses(trace, robot)
@@ -101,6 +107,9 @@ def write(trace: Trace, path: str | os.PathLike[str], robot: _core.Robot) -> Non
         file = _File(stream)
         _write_transforms(file.topic("/tf", "foxglove.FrameTransforms"), times, robot.bodies, poses)
         _write_shapes(file.topic("/robot", "foxglove.SceneUpdate"), times, robot)
+        ground = trace_scene.ground(terrain, trace)
+        if ground is not None:
+            _write_ground(file.topic("/ground", "foxglove.SceneUpdate"), times, ground)
         footfalls = trace_scene.footfalls(trace, robot, poses)
         _write_footfalls(file.topic("/footfalls", "foxglove.SceneUpdate"), times, footfalls)
         for group, columns in trace_scene.columns(trace).items():
@@ -158,6 +167,18 @@ def _write_shapes(topic: _Topic, times: list[int], robot: _core.Robot) -> None:
         for kind, primitive in _primitives(shape):
             entities[shape.body][kind].append(primitive)
     topic.add(times[0], {"deletions": [], "entities": entities})
+
+
+def _write_ground(topic: _Topic, times: list[int], ground: Ground) -> None:
+    entity = _entity(times[0], "world", "ground")
+    surface = {
+        "pose": _pose(np.eye(4)),
+        "points": [_vector(vertex) for vertex in ground.vertices],
+        "colors": [_colour(rgba) for rgba in ground.rgba],
+        "indices": ground.triangles.ravel().tolist(),
+    }
+    entity["triangles"].append(surface)
+    topic.add(times[0], {"deletions": [], "entities": [entity]})
 
 
 def _write_footfalls(topic: _Topic, times: list[int], footfalls: dict[str, tuple[Any, Numbers]]) -> None:

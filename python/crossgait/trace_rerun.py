@@ -1,7 +1,8 @@
 """Traces for Rerun: .rrd files (`crossgait[rerun]`).
 
-`world/robot/BODY` has the pose of each body and its shapes, `world/footfalls/LEG` where its foot came down so far, and
-each column is a plot of its own: joint angle FL_tilt is `trace/q/FL_tilt`. The timeline is `time`, simulated seconds.
+`world/robot/BODY` has the pose of each body and its shapes, `world/ground` the ground, `world/footfalls/LEG` where its
+foot came down so far, and each column is a plot of its own: joint angle FL_tilt is `trace/q/FL_tilt`. The timeline is
+`time`, simulated seconds.
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ except ImportError as error:
 
 from crossgait import _core, trace_scene
 from crossgait.files import written_whole
-from crossgait.trace_scene import MEDIA_TYPES, Shape
+from crossgait.trace_scene import MEDIA_TYPES, Ground, Shape
 from crossgait.traces import Trace
 
 _FOOTFALL_RADIUS = 0.006  # m
 _FOOTFALL_COLOUR = (230, 90, 25)
 
 
-def write(trace: Trace, path: str | os.PathLike[str], robot: _core.Robot) -> None:
+def write(trace: Trace, path: str | os.PathLike[str], robot: _core.Robot, terrain: _core.Terrain | None = None) -> None:
     """Write `trace`, of `robot`. The file appears whole or not at all."""
     times = np.rint(trace.time * 1e9).astype("timedelta64[ns]")
     poses = trace_scene.poses(trace, robot)
@@ -41,6 +42,9 @@ def write(trace: Trace, path: str | os.PathLike[str], robot: _core.Robot) -> Non
             recording.send_columns(body, [_timeline(times)], columns)
         for i, shape in enumerate(trace_scene.shapes(robot)):
             _log_shape(recording, f"{bodies[shape.body]}/shape_{i}", shape)
+        ground = trace_scene.ground(terrain, trace)
+        if ground is not None:
+            recording.log("world/ground", _mesh(ground), static=True)
         for leg, (rows, positions) in trace_scene.footfalls(trace, robot, poses).items():
             _send_footfalls(recording, rr.new_entity_path(["world", "footfalls", leg]), times[rows], positions)
         for group, numbers in trace_scene.columns(trace).items():
@@ -62,6 +66,11 @@ def _send_footfalls(recording: rr.RecordingStream, entity: str, times: Any, posi
     counts = range(1, len(times) + 1)
     so_far = np.concatenate([positions[:count] for count in counts])
     recording.send_columns(entity, [_timeline(times)], rr.Points3D.columns(positions=so_far).partition(counts))
+
+
+def _mesh(ground: Ground) -> rr.Mesh3D:
+    colours = np.rint(255 * ground.rgba).astype(np.uint8)
+    return rr.Mesh3D(vertex_positions=ground.vertices, triangle_indices=ground.triangles, vertex_colors=colours)
 
 
 def _log_shape(recording: rr.RecordingStream, entity: str, shape: Shape) -> None:

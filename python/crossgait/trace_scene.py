@@ -29,6 +29,10 @@ MEDIA_TYPES = {
     ".stl": "model/stl",
 }
 _PLAIN = np.array([0.75, 0.75, 0.78, 1.0])
+#: How far beyond the base's way the ground is shown, m.
+MARGIN = 1.0
+# Colours of the ground, of its lowest and its highest point.
+_LOWEST, _HIGHEST = np.array([0.23, 0.32, 0.29, 1.0]), np.array([0.89, 0.84, 0.70, 1.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,6 +135,39 @@ def footfalls(trace: Trace, robot: _core.Robot, poses: Numbers) -> dict[str, tup
         X_WB = poses[rows, 0]
         result[name] = rows, X_WB[:, :3, 3] + np.einsum("nij,nj->ni", X_WB[:, :3, :3], p_BF)
     return result
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """A surface in W."""
+
+    vertices: Numbers  #: N x 3, m
+    triangles: Indices  #: T x 3 indices of vertices, counter-clockwise seen from above
+    rgba: Numbers  #: of the vertices, N x 4, 0 to 1: by height
+
+
+def ground(terrain: _core.Terrain | None, trace: Trace) -> Ground | None:
+    """A height field as far as `MARGIN` from where the base went; None of a plane, for which viewers have a grid."""
+    if terrain is None or terrain.heights is None or terrain.size is None or len(trace) == 0:
+        return None
+    heights = terrain.heights.astype(np.float64)
+    y, x = (np.linspace(-size / 2, size / 2, n) for size, n in zip(terrain.size[::-1], heights.shape, strict=True))
+    row, column = _near(y, trace["p_WB.y"]), _near(x, trace["p_WB.x"])
+    x, y, z = x[column], y[row], heights[row, column]
+    vertices = np.stack([*np.meshgrid(x, y), z], axis=-1).reshape(-1, 3)
+    a = (np.arange(len(y) - 1)[:, None] * len(x) + np.arange(len(x) - 1)).ravel()
+    b, c, d = a + 1, a + len(x) + 1, a + len(x)
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    share = (vertices[:, 2:] - heights.min()) / max(float(np.ptp(heights)), 1e-9)
+    return Ground(vertices, triangles, _LOWEST + share * (_HIGHEST - _LOWEST))
+
+
+def _near(samples: Numbers, way: Numbers) -> slice:
+    """Those within the margin of the way, and two at least."""
+    begin = int(np.searchsorted(samples, way.min() - MARGIN))
+    end = int(np.searchsorted(samples, way.max() + MARGIN))
+    begin = min(begin, len(samples) - 2)
+    return slice(begin, max(end, begin + 2))
 
 
 def columns(trace: Trace) -> dict[str, dict[str, Numbers]]:

@@ -17,7 +17,7 @@ from crossgait.files import written_whole
 if TYPE_CHECKING:
     import pandas as pd
 
-    from crossgait._core import Robot
+    from crossgait._core import Robot, Terrain
 
 Numbers = npt.NDArray[np.float64]
 
@@ -68,12 +68,13 @@ class Trace:
             for row in self.values:
                 file.write(",".join(f"{value:.17g}" for value in row) + "\n")
 
-    def to_mcap(self, path: str | os.PathLike[str], robot: Robot | str) -> None:
+    def to_mcap(self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None) -> None:
         """Write an MCAP file for Foxglove: frames and shapes of the bodies, footfalls, and every column to plot.
 
         Args:
             path: the file appears whole or not at all.
             robot: that walked; as `Robot.load` takes it, or a robot.
+            terrain: that it walked on, drawn as far as 1 m from its way; flat ground is not drawn.
 
         Raises:
             ConfigError: if it was another robot.
@@ -82,9 +83,9 @@ class Trace:
         """
         from crossgait import trace_mcap, trace_scene
 
-        trace_mcap.write(self, path, trace_scene.the_robot(self, robot))
+        trace_mcap.write(self, path, trace_scene.the_robot(self, robot), terrain)
 
-    def to_rerun(self, path: str | os.PathLike[str], robot: Robot | str) -> None:
+    def to_rerun(self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None) -> None:
         """Write an .rrd file for Rerun: as `to_mcap`.
 
         Raises:
@@ -94,7 +95,7 @@ class Trace:
         """
         from crossgait import trace_rerun, trace_scene
 
-        trace_rerun.write(self, path, trace_scene.the_robot(self, robot))
+        trace_rerun.write(self, path, trace_scene.the_robot(self, robot), terrain)
 
     @classmethod
     def read_csv(cls, path: str | os.PathLike[str]) -> Trace:

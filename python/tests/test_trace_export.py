@@ -144,6 +144,37 @@ def test_feet_come_down_on_flat_ground(trace: crossgait.Trace, mcap: Any, rrd: A
         assert np.allclose(points[-1], [list(p.values()) for _, p in mine], rtol=0, atol=1e-7)
 
 
+def test_the_ground_is_where_the_walk_met_it(trace: crossgait.Trace, tmp_path: Path) -> None:
+    terrain = crossgait.Terrain("rough", seed=3)
+    ground = trace_scene.ground(terrain, trace)
+    assert ground is not None
+    x, y, z = ground.vertices.T
+    # Samples of the field are in single precision.
+    assert np.allclose(terrain.height(x, y), z, rtol=0, atol=1e-7)
+    for name, values in (("x", x), ("y", y)):
+        way = trace[f"p_WB.{name}"]
+        spacing = np.diff(np.unique(values)).max()
+        assert way.min() - values.min() == pytest.approx(trace_scene.MARGIN, abs=spacing)
+        assert values.max() - way.max() == pytest.approx(trace_scene.MARGIN, abs=spacing)
+    a, b, c = (ground.vertices[ground.triangles[:, i]] for i in range(3))
+    upwards = np.cross(b - a, c - a)[:, 2] / 2
+    # Seen from above they cover the rectangle once.
+    assert np.all(upwards > 0)
+    assert np.sum(upwards) == pytest.approx(np.ptp(x) * np.ptp(y))
+
+    trace.to_mcap(tmp_path / "walk.mcap", ROBOT, terrain)
+    [(_, scene)] = messages(tmp_path / "walk.mcap")["/ground"]
+    [surface] = scene["entities"][0]["triangles"]
+    assert np.array_equal([list(point.values()) for point in surface["points"]], ground.vertices)
+    assert surface["indices"] == ground.triangles.ravel().tolist()
+    trace.to_rerun(tmp_path / "walk.rrd", ROBOT, terrain)
+    [mesh] = chunks(tmp_path / "walk.rrd")["/world/ground"]
+    positions = mesh.column("Mesh3D:vertex_positions").to_pylist()[0]
+    # Rerun keeps them in single precision; they lie within 2 m of the origin.
+    assert np.allclose(positions, ground.vertices, rtol=0, atol=2e-7)
+    assert trace_scene.ground(crossgait.Terrain("flat"), trace) is None
+
+
 def test_rerun_has_every_column_to_the_last_bit(trace: crossgait.Trace, rrd: Any) -> None:
     for name in trace.names[1:]:
         group, _, key = name.partition(".")
