@@ -191,9 +191,11 @@ Json to_json(const BehaviourSpec& spec) {
           {"seed", spec.seed}};
 }
 
-Json to_json(const RunSpec& spec) {
+Json to_json(const RunSpec& spec) { return to_json(spec, to_json(spec.behaviour)); }
+
+Json to_json(const RunSpec& spec, Json behaviour) {
   const Variation& v = spec.variation;
-  Json run = to_json(spec.behaviour);
+  Json run = std::move(behaviour);
   run["schema"] = {{"name", "run"}, {"version", 1}};
   run["crossgait"] = spec.crossgait;
   run["engine"] = spec.engine;

@@ -47,6 +47,8 @@ struct RunResult {
 /// Everything that the result of a run depends on, and nothing else: keys sorted, no spaces, numbers with as
 /// many digits as bring them back. A policy file stands with the hash of its bytes. `schema` is run/1.
 nlohmann::json to_json(const RunSpec& spec);
+/// The same where its behaviour is described already: `behaviour` is `to_json(spec.behaviour)`.
+nlohmann::json to_json(const RunSpec& spec, nlohmann::json behaviour);
 std::string canonical_json(const RunSpec& run);
 /// 64-bit FNV-1a of the canonical JSON, as 16 hexadecimal digits.
 std::string run_hash(const RunSpec& run);

@@ -25,6 +25,16 @@ RunResult result_of(const ordered_json& line) {
 
 }  // namespace
 
+std::string stored_run(const nlohmann::json& run, const RunResult& result) {
+  if (result.names.size() != result.values.size()) {
+    throw ConfigError("run", "result", fmt::format("{} numbers, one per name", result.names.size()),
+                      fmt::format("{}", result.values.size()));
+  }
+  ordered_json line{{"hash", fnv1a_hex(run.dump())}, {"run", run}};
+  for (std::size_t i = 0; i < result.names.size(); ++i) line["result"][result.names[i]] = result.values[i];
+  return line.dump();
+}
+
 RunStore::RunStore(std::string path) : path_(std::move(path)) {
   std::error_code error;
   if (!std::filesystem::exists(path_, error)) return;
@@ -37,7 +47,7 @@ RunStore::RunStore(std::string path) : path_(std::move(path)) {
       const std::string_view run = std::string_view(text).substr(begin, end - begin);
       check_json_budget(run, kRunBudget, path_, static_cast<int>(number));
       const auto line = ordered_json::parse(run);
-      runs_[line.at("hash").get<std::string>()] = result_of(line);
+      if (!line.contains("error")) runs_[line.at("hash").get<std::string>()] = result_of(line);
     } catch (const ordered_json::exception& problem) {
       throw ConfigError(path_, fmt::format("line {}", number), "a stored run", problem.what());
     }
@@ -59,16 +69,10 @@ std::optional<RunResult> RunStore::find(const RunSpec& run) const {
 }
 
 void RunStore::add(const RunSpec& run, const RunResult& result) {
-  if (result.names.size() != result.values.size()) {
-    throw ConfigError(path_, "result", fmt::format("{} numbers, one per name", result.names.size()),
-                      fmt::format("{}", result.values.size()));
-  }
   // Once: it reads robot, terrain and policy.
   const nlohmann::json spec = to_json(run);
   const std::string hash = fnv1a_hex(spec.dump());
-  ordered_json line{{"hash", hash}, {"run", spec}};
-  for (std::size_t i = 0; i < result.names.size(); ++i) line["result"][result.names[i]] = result.values[i];
-  const std::string bytes = line.dump() + "\n";
+  const std::string bytes = stored_run(spec, result) + "\n";
   const std::scoped_lock lock(mutex_);
   std::error_code error;
   if (std::filesystem::exists(path_, error)) std::filesystem::resize_file(path_, whole_bytes_, error);

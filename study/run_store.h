@@ -12,8 +12,12 @@
 
 namespace crossgait {
 
-/// A file that only grows. Each line is {"hash", "run", "result": {statistic: value}}; a last line that was
-/// cut off is made again. One process at a time.
+/// A line of a store, without its end: {"hash", "run", "result": {statistic: value}}.
+/// @param run  `to_json(RunSpec)`  @throws ConfigError if names and values differ in number
+std::string stored_run(const nlohmann::json& run, const RunResult& result);
+
+/// A file that only grows, a `stored_run` on each line; a last line that was cut off is made again. Runs that
+/// a sweep could not make have an "error" for a result, and count as not stored. One process at a time.
 class RunStore {
  public:
   /// Reads what is there; a file that is not there is made with the first run.
@@ -22,8 +26,8 @@ class RunStore {
 
   std::size_t size() const;
   std::optional<RunResult> find(const RunSpec& run) const;
-  /// Appends it. May be called from several threads. @throws ConfigError if it cannot be written, or
-  /// names and values differ in number
+  /// Appends it. May be called from several threads. @throws ConfigError if it cannot be written, and as
+  /// `stored_run`
   void add(const RunSpec& run, const RunResult& result);
 
  private:

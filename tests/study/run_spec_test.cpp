@@ -11,6 +11,8 @@
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/hash.h"
+#include "crossgait/study/run_maker.h"
+#include "crossgait/study/run_store.h"
 #include "crossgait/tests/env/policy_interfaces.h"
 #include "crossgait/tests/physics/scratch_folder.h"
 #include "crossgait/tests/support/backend_test.h"
@@ -328,6 +330,21 @@ TEST_P(Runs, RepeatWhatTheBehaviourDoes) {
       for (std::size_t i = 0; i < result.names.size(); ++i)
         EXPECT_EQ(result.names[i], behaviour.statistics[i].name);
     }
+  }
+}
+
+TEST_P(Runs, AreTheSameWhenManyOfOneBehaviourAreMade) {
+  for (const RunSpec& spec : {in_this_engine(walk_run()), in_this_engine(policy_run())}) {
+    const RunMaker maker(spec.behaviour);
+    for (std::size_t k = 0; k < 2; ++k) {
+      RunSpec varied = spec;
+      varied.variation = variations()[k];
+      varied.start = k;
+      EXPECT_EQ(maker.describe(GetParam(), variations()[k], k), to_json(varied));
+      EXPECT_EQ(maker.make(GetParam(), variations()[k], k), stored_run(to_json(varied), run(varied)));
+    }
+    for (const Variation& variation : variations())
+      EXPECT_EQ(maker.allows(variation), make_behaviour(spec.behaviour).allows(variation)) << variation.name;
   }
 }
 

@@ -55,6 +55,19 @@ class StoredRuns : public ScratchFolder {
   std::atomic<int> made_ = 0;
 };
 
+TEST_F(StoredRuns, ThatFailedCountAsNotThere) {
+  const std::string failed = run_hash(run_of(0));
+  write("runs.jsonl", R"({"hash":")" + failed +
+                          R"(","run":null,"error":"signal SIGSEGV"})"
+                          "\n");
+  RunStore store(file());
+  EXPECT_EQ(store.size(), 0U);
+  EXPECT_FALSE(store.find(run_of(0)));
+  store.add(run_of(0), {{"distance"}, {0.1}});
+  EXPECT_EQ(RunStore(file()).find(run_of(0))->values, std::vector<double>{0.1});
+  EXPECT_EQ(lines().size(), 2U);
+}
+
 TEST_F(StoredRuns, AreNotMadeAgain) {
   const auto first = six();
   EXPECT_EQ(made_, 6);
