@@ -7,7 +7,8 @@
 NB_MODULE(_core, m) {
   using namespace crossgait::python;
   m.doc() = "The C++ core of Crossgait. Use the package crossgait, which gives these names.";
-  m.def("version", [] { return std::string(crossgait::crossgait_version()); }, "Of Crossgait.");
+  m.def(
+      "version", [] { return std::string(crossgait::crossgait_version()); }, "Of Crossgait.");
   bind_errors(m);
   bind_engines(m);
   bind_robot(m);
@@ -17,6 +18,7 @@ NB_MODULE(_core, m) {
   bind_vector_environment(m);
   bind_policy(m);
   bind_studies(m);
+  bind_run_spec(m);
   bind_kinematics(m);
   bind_gait(m);  // of the walks of studies
 }

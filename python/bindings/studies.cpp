@@ -222,7 +222,11 @@ void bind_judgements(nb::module_& m) {
             new (self) StartRanges{position_m, heading_rad, StartRanges().tilt_rad, push_mps};
           },
           nb::kw_only(), nb::arg("position_m") = nb::none(),
-          nb::arg("heading_rad") = StartRanges().heading_rad, nb::arg("push_mps") = nb::none());
+          nb::arg("heading_rad") = StartRanges().heading_rad, nb::arg("push_mps") = nb::none())
+      .def_ro("position_m", &StartRanges::position_m, "Each way along x and y; None: by the robot's size.")
+      .def_ro("heading_rad", &StartRanges::heading_rad, "Each way.")
+      .def_ro("push_mps", &StartRanges::push_mps,
+              "The speed that one push would give to the robot; None: by its size.");
   m.def(
       "_judge_walk",
       [](const Subject& walk, const std::string& a, const std::string& b, const StartRanges& starts_from,

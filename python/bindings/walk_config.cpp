@@ -68,6 +68,11 @@ nb::dict parameters_of(const WalkConfig& config) {
   return parameters;
 }
 
+Velocity command_of(const WalkConfig& config) {
+  const std::optional<VelocityCommand>& c = config.gait.command;
+  return c ? Velocity({c->vx, c->vy, c->yaw_rate}) : std::nullopt;
+}
+
 }  // namespace
 
 void bind_walk_config(nb::module_& m) {
@@ -106,7 +111,16 @@ void bind_walk_config(nb::module_& m) {
       .def_ro("robot", &WalkConfig::robot)
       .def_ro("terrain", &WalkConfig::terrain)
       .def_prop_ro("gait", [](const WalkConfig& c) { return c.gait.name(); })
+      .def_prop_ro("command", &command_of)
+      .def_ro("seed", &WalkConfig::terrain_seed)
+      .def_ro("friction", &WalkConfig::friction)
       .def_prop_ro("seconds", [](const WalkConfig& c) { return c.timing.seconds; })
+      .def_ro("physics_dt", &WalkConfig::physics_dt)
+      .def_prop_ro("control_dt", [](const WalkConfig& c) { return c.timing.control_dt; })
+      .def_prop_ro("settle", [](const WalkConfig& c) { return c.timing.settle_seconds; })
+      .def_ro("compensation", &WalkConfig::compensation)
+      .def_ro("heading_hold", &WalkConfig::heading_hold)
+      .def_prop_ro("ends", [](const WalkConfig& c) { return outcome_names(c.ends); })
       .def_prop_ro("parameters", &parameters_of, nb::sig("def parameters(self) -> dict[str, float]"),
                    "Of the gait, all of them.")
       .def("environment", &WalkConfig::environment,

@@ -1,0 +1,71 @@
+// Runs by their specification: their hash, and the line of a store that they become.
+#include <algorithm>
+
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/hash.h"
+#include "crossgait/physics/text.h"
+#include "crossgait/python/bindings/bindings.h"
+#include "crossgait/study/run_maker.h"
+
+namespace crossgait::python {
+namespace {
+
+std::vector<std::string> variation_names() {
+  std::vector<std::string> names;
+  for (const Variation& variation : variations()) names.push_back(variation.name);
+  return names;
+}
+
+const Variation& find_variation(const std::string& name) {
+  const auto& all = variations();
+  const auto it =
+      std::find_if(all.begin(), all.end(), [&name](const Variation& v) { return v.name == name; });
+  if (it == all.end()) throw ConfigError("run", "variation", "a name of crossgait._core._variations()", name);
+  return *it;
+}
+
+}  // namespace
+
+void bind_run_spec(nb::module_& m) {
+  m.def("_variations", &variation_names, "Names of the variations of a verdict; the first is nominal.");
+  nb::class_<RunMaker>(m, "_RunMaker", "Runs of one behaviour, whose robot and files are read once.")
+      .def_static(
+          "of_walk",
+          [](const WalkConfig& walk, const StartRanges& starts_from, std::uint64_t seed) {
+            return new RunMaker({walk, starts_from, seed});
+          },
+          nb::arg("walk"), nb::arg("starts_from"), nb::arg("seed"), nb::rv_policy::take_ownership)
+      .def_static(
+          "of_policy",
+          [](const EnvConfig& environment, const std::string& policy, const StartRanges& starts_from,
+             std::uint64_t seed) {
+            return new RunMaker({PolicyConfig{environment, policy}, starts_from, seed});
+          },
+          nb::arg("environment"), nb::arg("policy"), nb::arg("starts_from"), nb::arg("seed"),
+          nb::rv_policy::take_ownership)
+      .def(
+          "describe",
+          [](const RunMaker& r, const std::string& engine, const std::string& variation, std::size_t start) {
+            const std::string json = r.describe(engine, find_variation(variation), start).dump();
+            return std::pair(fnv1a_hex(json), json);
+          },
+          nb::arg("engine"), nb::arg("variation"), nb::arg("start"),
+          "Hash and canonical JSON of a run. Raises ConfigError.")
+      .def(
+          "allows",
+          [](const RunMaker& r, const std::string& variation) { return r.allows(find_variation(variation)); },
+          nb::arg("variation"), "Whether it keeps time steps whole. Raises ConfigError.")
+      .def(
+          "make",
+          [](const RunMaker& r, const std::string& engine, const std::string& variation, std::size_t start) {
+            return r.make(engine, find_variation(variation), start);
+          },
+          nb::arg("engine"), nb::arg("variation"), nb::arg("start"), nb::call_guard<nb::gil_scoped_release>(),
+          "Makes the run, and returns its line of a store of runs. Raises ConfigError.");
+}
+
+}  // namespace crossgait::python
