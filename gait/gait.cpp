@@ -45,7 +45,8 @@ constexpr Phases kEndPhases{
 
 // Preferred parameters were searched for on scara_quadruped (docs/gaits.md has what was measured). Where both
 // legs of an end or a side swing together nothing but speed keeps the body from tipping over them: those
-// gaits swing for a twentieth of a second.
+// gaits swing for a twentieth of a second. The bound's feet stand forward for the speed that it loses in hard
+// contact, and so for its own speed alone.
 constexpr std::array kGaits{
     Gait{.name = "trot",
          .summary = "diagonal pairs in turn",
@@ -59,6 +60,7 @@ constexpr std::array kGaits{
          .preferred = {.step_height = 0.045,
                        .cycle_time = 0.6,
                        .body_height = 0.065,
+                       .swing_shape = 0.1,
                        .duty_factor = 0.85,
                        .load_share = 1,
                        .swing = SwingCurve::kMatched},
@@ -79,12 +81,14 @@ constexpr std::array kGaits{
     Gait{.name = "bound",
          .summary = "front legs, all four, rear legs, all four",
          .offset = kEnds,
-         .preferred = {.step_height = 0.05,
+         .preferred = {.step_height = 0.047,
+                       .step_length = 0.05,
                        .cycle_time = 0.2,
                        .body_height = 0.065,
-                       .swing_shape = 0.8,
+                       .swing_shape = 0.85,
                        .duty_factor = 0.75,
-                       .load_share = 0.5},
+                       .load_share = 0.9,
+                       .stance_offset = 0.007},
          .preferred_serial = kSerialInPairs,
          .phases = kEndPhases},
     Gait{.name = "pronk",
