@@ -25,17 +25,19 @@ constexpr GaitParameters guide(double duty_factor, double cycle_time) {
 
 // What stiff serial legs walk with, at the table's size (docs/gaits.md): swings of .28 h, for they do not sag
 // like soft five-bars, a load share above 1, for what gives way beside the servos is the ground, and cycles
-// of 2.45 sqrt(h / g).
-constexpr GaitParameters serial(double cycle_time, double duty_factor, double step_length) {
+// of 2.45 sqrt(h / g). The trot sets its feet down with less speed forward
+// (swing_shape) than the others: hard contact takes what speed a landing foot has (docs/gaits.md).
+constexpr GaitParameters serial(double cycle_time, double duty_factor, double step_length,
+                                double swing_shape = 0.6) {
   return {.step_height = 0.0174,
           .step_length = step_length,
           .cycle_time = cycle_time,
-          .swing_shape = 0.6,
+          .swing_shape = swing_shape,
           .duty_factor = duty_factor,
           .load_share = 1.2};
 }
-constexpr GaitParameters kSerialTrot = serial(0.195, 0.6, 0.028), kSerialWalk = serial(0.465, 0.85, 0.03),
-                         kSerialInPairs = serial(0.14, 0.75, 0.022);
+constexpr GaitParameters kSerialTrot = serial(0.195, 0.6, 0.028, 0.85),
+                         kSerialWalk = serial(0.465, 0.85, 0.03), kSerialInPairs = serial(0.14, 0.75, 0.022);
 
 using Phases = std::array<GaitPhase, kMaxGaitPhases>;
 constexpr Phases kTrotPhases{{{"pair_a_swing", 0}, {"pair_b_swing", 0.5}}};
