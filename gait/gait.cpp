@@ -25,17 +25,19 @@ constexpr GaitParameters guide(double duty_factor, double cycle_time) {
 
 // What stiff serial legs walk with, at the table's size (docs/gaits.md): swings of .28 h, for they do not sag
 // like soft five-bars, a load share above 1, for what gives way beside the servos is the ground, and cycles
-// of 2.45 sqrt(h / g).
-constexpr GaitParameters serial(double cycle_time, double duty_factor, double step_length) {
+// of 2.45 sqrt(h / g). The trot sets its feet down with less speed forward
+// (swing_shape) than the others: hard contact takes what speed a landing foot has (docs/gaits.md).
+constexpr GaitParameters serial(double cycle_time, double duty_factor, double step_length,
+                                double swing_shape = 0.6) {
   return {.step_height = 0.0174,
           .step_length = step_length,
           .cycle_time = cycle_time,
-          .swing_shape = 0.6,
+          .swing_shape = swing_shape,
           .duty_factor = duty_factor,
           .load_share = 1.2};
 }
-constexpr GaitParameters kSerialTrot = serial(0.195, 0.6, 0.028), kSerialWalk = serial(0.465, 0.85, 0.03),
-                         kSerialInPairs = serial(0.14, 0.75, 0.022);
+constexpr GaitParameters kSerialTrot = serial(0.195, 0.6, 0.028, 0.85),
+                         kSerialWalk = serial(0.465, 0.85, 0.03), kSerialInPairs = serial(0.14, 0.75, 0.022);
 
 using Phases = std::array<GaitPhase, kMaxGaitPhases>;
 constexpr Phases kTrotPhases{{{"pair_a_swing", 0}, {"pair_b_swing", 0.5}}};
@@ -45,7 +47,8 @@ constexpr Phases kEndPhases{
 
 // Preferred parameters were searched for on scara_quadruped (docs/gaits.md has what was measured). Where both
 // legs of an end or a side swing together nothing but speed keeps the body from tipping over them: those
-// gaits swing for a twentieth of a second.
+// gaits swing for a twentieth of a second. The bound's feet stand forward for the speed that it loses in hard
+// contact, and so for its own speed alone.
 constexpr std::array kGaits{
     Gait{.name = "trot",
          .summary = "diagonal pairs in turn",
@@ -59,6 +62,7 @@ constexpr std::array kGaits{
          .preferred = {.step_height = 0.045,
                        .cycle_time = 0.6,
                        .body_height = 0.065,
+                       .swing_shape = 0.1,
                        .duty_factor = 0.85,
                        .load_share = 1,
                        .swing = SwingCurve::kMatched},
@@ -79,12 +83,14 @@ constexpr std::array kGaits{
     Gait{.name = "bound",
          .summary = "front legs, all four, rear legs, all four",
          .offset = kEnds,
-         .preferred = {.step_height = 0.05,
+         .preferred = {.step_height = 0.047,
+                       .step_length = 0.05,
                        .cycle_time = 0.2,
                        .body_height = 0.065,
-                       .swing_shape = 0.8,
+                       .swing_shape = 0.85,
                        .duty_factor = 0.75,
-                       .load_share = 0.5},
+                       .load_share = 0.9,
+                       .stance_offset = 0.007},
          .preferred_serial = kSerialInPairs,
          .phases = kEndPhases},
     Gait{.name = "pronk",

@@ -31,7 +31,7 @@ struct GaitParameters {
   double stance_width =
       0;  ///< each foot stands half of it outward from its own leg's plane, m; see foot_spacing
   double foot_clearance = 0;     ///< additional lift, m
-  double swing_shape = 0.1;      ///< place of the inner control points of the Bezier swing, -
+  double swing_shape = 0.3;      ///< place of the inner control points of the Bezier swing, -
   double lateral_offset_fl = 0;  ///< further outward shift of a single foot, m
   double lateral_offset_fr = 0;
   double lateral_offset_rl = 0;
@@ -39,7 +39,7 @@ struct GaitParameters {
   double duty_factor = 0.6;  ///< share of the cycle that every foot stands, -
   /// Share of the load on the standing legs that their servos are to make up for (env/servo_compensation.h),
   /// -. It moves no target: what a gait needs of its servos is as much its own as its steps are.
-  double load_share = 0.8;
+  double load_share = 1;
   double stance_offset = 0;  ///< forward shift of every foot, m: brings them under the centre of mass
   SwingCurve swing = SwingCurve::kBezier;
 };

@@ -41,13 +41,14 @@ CROSSGAIT_FOR_EVERY_BACKEND(GaitWalk);
 TEST_P(GaitWalk, EveryGaitWalksForwardForTwentySeconds) {
   // Shares of the nominal speed that are asked for, and how much of their swings feet may drag at most: some
   // less, and some more, than was measured in the worse engine (docs/gaits.md), to see a gait get worse
-  // without pinning how well it does. The guide's drag, which is why they are not the default.
+  // without pinning how well it does; for trot and bound what is asked of them (.97 and .94 were measured).
+  // The guide's drag, which is why they are not the default.
   struct Bound {
     double least_speed, most_drag;
   };
   const std::map<std::string, Bound> bounds{
       {"trot", {0.95, 0.05}},      {"walk", {0.9, 0.1}},      {"pace", {0.85, 0.1}},
-      {"bound", {0.8, 0.1}},       {"pronk", {0.8, 0.1}},     {"gallop", {0.8, 0.2}},
+      {"bound", {0.9, 0.1}},       {"pronk", {0.8, 0.1}},     {"gallop", {0.8, 0.2}},
       {"trot:guide", {0.85, 0.5}}, {"walk:guide", {0.75, 1}}, {"gallop:guide", {0.3, 1}}};
   for (const Gait& gait : gaits()) {
     const MotionSummary s = walk(std::string(gait.name), 20).summary;
@@ -69,9 +70,13 @@ TEST_P(GaitWalk, TrotTracksItsSpeedAndItsHeading) {
     const double ratio = s.mean_speed_mps / speed;
     measured("trot at " + std::to_string(speed) + " m/s, speed over commanded", ratio);
     measured("trot at " + std::to_string(speed) + " m/s, drag", s.drag.value());
+    measured("trot at " + std::to_string(speed) + " m/s, slip per path", s.slip_per_path.value());
     measured("trot at " + std::to_string(speed) + " m/s, heading error, deg", s.heading_error_deg.value());
     EXPECT_NEAR(ratio, 1, 0.05);  // of which starting takes .01
-    EXPECT_LT(s.drag, 0.07);
+    EXPECT_LT(s.drag, 0.05);      // .032 at .35 m/s, .047 at .6
+    // Soft friction creeps by the time, so that what is slow slips by more of its way: .077 at .1 m/s, and
+    // .08 at most. Going backward is no target of the search that found the trot.
+    EXPECT_LT(s.slip_per_path, speed > 0 ? 0.08 : 0.1);
     EXPECT_LT(s.heading_error_deg, 5);
     EXPECT_LT(s.rms_pitch_deg, 3);
   }

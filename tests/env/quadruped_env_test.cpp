@@ -133,7 +133,11 @@ TEST_P(Environment, EndsByTiltingAndByLeavingTheGround) {
   leaving.reset(0, seen);
   while (!(r = leaving.step(zeros(leaving), seen)).done()) EXPECT_EQ(r.reward, 0);
   EXPECT_TRUE(r.terminated);
-  EXPECT_TRUE(leaving.info().outcome == Outcome::kLeftTerrain || leaving.info().outcome == Outcome::kFell);
+  // A leg that hangs over the edge, .2 m ahead, may tilt or tear the robot just before its base is beyond.
+  const Outcome outcome = leaving.info().outcome;
+  EXPECT_TRUE(outcome == Outcome::kLeftTerrain || outcome == Outcome::kFell ||
+              outcome == Outcome::kCameApart);
+  EXPECT_GT(leaving.info().distance, 0.15);
   EXPECT_EQ(r.reward, -10);
   for (const double x : seen) EXPECT_TRUE(std::isfinite(x));
 }

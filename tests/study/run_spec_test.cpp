@@ -54,7 +54,7 @@ TEST(RunSpec, HasOneTextThatStays) {
       R"("ends":["diverged"],"friction":0.6,"gait":"trot","heading_hold":true,)"
       R"("kind":"walk","parameters":{"body_height":0.062,"cycle_time":0.24,"duty_factor":0.6,"foot_clearance":0.0,)"
       R"("lateral_offset_fl":0.0,"lateral_offset_fr":0.0,"lateral_offset_rl":0.0,"lateral_offset_rr":0.0,)"
-      R"("load_share":0.8,"stance_offset":0.0,"stance_width":0.0,"step_height":0.04,"step_length":0.04,"swing":"bezier","swing_shape":0.1},)"
+      R"("load_share":1.0,"stance_offset":0.0,"stance_width":0.0,"step_height":0.04,"step_length":0.04,"swing":"bezier","swing_shape":0.3},)"
       R"("physics_dt":0.001,)"
       R"("robot":{"description":"","name":"scara_quadruped"},"seconds":0.3,"settle_seconds":0.1,)"
       R"("terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"crossgait":"","engine":"mujoco","engine_version":"2.2.2",)"
