@@ -39,7 +39,7 @@ Rollout roll_out(const EnvConfig& config, const std::vector<std::string>& polici
   return roll_out(config, named, options, progress);
 }
 
-Rollout roll_out(const EnvConfig& config, const std::vector<NamedPolicy>& policies,
+Rollout roll_out(const EnvConfig& config, std::span<const NamedPolicy> policies,
                  const EpisodeOptions& options, const Progress& progress) {
   Rollout rollout{config, options.seed, {}};
   const EnvFactory environments = env_factory(config);

@@ -1,6 +1,7 @@
 // Policies over whole episodes in one engine, and one policy over engines and grounds.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,7 @@ NamedPolicy find_policy(const std::string& text);
 
 /// Every policy on the same worlds. An interruption leaves the episodes that are finished. @throws
 /// ConfigError
-Rollout roll_out(const EnvConfig& config, const std::vector<NamedPolicy>& policies,
+Rollout roll_out(const EnvConfig& config, std::span<const NamedPolicy> policies,
                  const EpisodeOptions& options, const Progress& progress = {});
 Rollout roll_out(const EnvConfig& config, const std::vector<std::string>& policies,
                  const EpisodeOptions& options, const Progress& progress = {});
