@@ -1,0 +1,294 @@
+"""What a sweep is of: a file that spans a grid of runs (docs/sweeps.md)."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from crossgait import _core
+from crossgait._core import EnvironmentConfig, StartRanges, Terrain, Walk
+from crossgait.errors import ConfigError
+from crossgait.sweep.runs import Run, Subject, maker_of, run_of
+from crossgait.sweep.strict_yaml import read_yaml, write_yaml
+
+Json = dict[str, Any]
+
+
+class _Kind(NamedTuple):
+    """What a key may hold; a list of such is an axis of the grid."""
+
+    expected: str
+    holds: Callable[[Any], bool]
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _is_count(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 2**63
+
+
+def _is_command(value: Any) -> bool:
+    return value is None or (isinstance(value, list) and len(value) == 3 and all(map(_is_number, value)))
+
+
+_TEXT = _Kind("text", lambda v: isinstance(v, str))
+_NUMBER = _Kind("a finite number", _is_number)
+_FLAG = _Kind("true or false", lambda v: isinstance(v, bool))
+_COUNT = _Kind("a whole number from 0", _is_count)
+_COMMAND = _Kind("[forward m/s, left m/s, yaw rate rad/s] or null", _is_command)
+_NAMES = _Kind("a list of names", lambda v: isinstance(v, list) and all(isinstance(name, str) for name in v))
+_SETTING = _Kind("a finite number or text", lambda v: _is_number(v) or isinstance(v, str))
+_ANYTHING = _Kind("a value", lambda v: not isinstance(v, list))
+_OPTIONAL = _Kind("a finite number or null", lambda v: v is None or _is_number(v))
+
+#: Keys of a walk, in the order of the grid: the last one changes first. `parameters` maps settings.
+_WALK: dict[str, _Kind | None] = {
+    "robot": _TEXT,
+    "terrain": _TEXT,
+    "gait": _TEXT,
+    "command": _COMMAND,
+    "parameters": None,
+    "friction": _NUMBER,
+    "seconds": _NUMBER,
+    "physics_dt": _NUMBER,
+    "control_dt": _NUMBER,
+    "settle": _NUMBER,
+    "compensation": _FLAG,
+    "heading_hold": _FLAG,
+    "ends": _NAMES,
+}
+_POLICY: dict[str, _Kind | None] = {"environment": _TEXT, "set": None, "policy": _TEXT}
+_STUDY = ("engines", "variations", "starts", "seeds", "start_ranges", "walks", "policies")
+_RANGES = ("position_m", "heading_rad", "push_mps")
+
+
+@dataclass(frozen=True)
+class Study:
+    """A grid of runs, everything said."""
+
+    source: str  #: the file
+    document: Json  #: as in the file, with every default
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Study:
+        """Read a file. Raises ConfigError naming file, key, what was expected and what was found."""
+        source = os.fspath(path)
+        return Study(source, _with_defaults(source, read_yaml(path)))
+
+    def to_yaml(self) -> str:
+        """The whole study, with every default."""
+        return write_yaml(self.document)
+
+    def subjects(self) -> Iterator[Subject]:
+        """What moves, each with every seed. Raises ConfigError."""
+        ranges = json.dumps(self.document["start_ranges"])
+        for i, block in enumerate(self.document["walks"]):
+            for options in self._grid(block, _WALK, f"walks[{i}]"):
+                for seed in self.document["seeds"]:
+                    yield Subject(self._walk(options, seed, f"walks[{i}]"), "", "", ranges, seed)
+        for i, block in enumerate(self.document["policies"]):
+            for options in self._grid(block, _POLICY, f"policies[{i}]"):
+                environment = self._environment(options, f"policies[{i}]")
+                policy = self._policy(options["policy"], f"policies[{i}].policy")
+                for seed in self.document["seeds"]:
+                    yield Subject("", environment, policy, ranges, seed)
+
+    def runs(self) -> list[Run]:
+        """All runs, each once, in the order of the grid: subject, engine, variation, start.
+
+        Variations under which a behaviour's time steps are no whole numbers are left out, as a verdict does.
+
+        Raises:
+            ConfigError: for a robot, terrain or environment that cannot be read.
+
+        """
+        maker_of.cache_clear()  # files may have changed since
+        asked = self.document["starts"]
+        starts = range(asked) if isinstance(asked, int) else asked
+        runs: dict[str, Run] = {}
+        for subject in self.subjects():
+            try:
+                maker_of(subject)
+            except ConfigError as error:
+                raise self._error("grid", error) from error
+            variations = [v for v in self.document["variations"] if _allows(subject, v)]
+            for engine, variation in itertools.product(self.document["engines"], variations):
+                for start in starts:
+                    run = run_of(subject, engine, variation, start)
+                    runs.setdefault(run.hash, run)
+        return list(runs.values())
+
+    def _error(self, where: str, error: ConfigError) -> ConfigError:
+        return ConfigError(self.source, f"{where}, {error.source}: {error.element}", error.expected, error.found)
+
+    def _grid(self, block: Json, kinds: dict[str, _Kind | None], where: str) -> Iterator[Json]:
+        axes = [
+            _settings(self.source, value, _SETTING if key == "parameters" else _ANYTHING, f"{where}.{key}")
+            if (kind := kinds[key]) is None
+            else _choices(self.source, value, kind, f"{where}.{key}")
+            for key, value in block.items()
+        ]
+        for values in itertools.product(*axes):
+            yield dict(zip(block, values, strict=True))
+
+    def _beside(self, text: str) -> str:
+        """A file from the study's folder; anything else, such as a bundled robot's name, as it is."""
+        folder = Path(self.source).resolve().parent
+        for name, settings in ((text, ""), _split(text)):  # FILE.png:height=.05
+            if name and (folder / name).is_file():
+                return str(folder / name) + settings
+        return text
+
+    def _walk(self, options: Json, seed: int, where: str) -> str:
+        own = {**options, "robot": self._beside(options["robot"]), "terrain": self._beside(options["terrain"])}
+        try:
+            Walk(**own, seed=seed)
+            Terrain(own["terrain"], seed=seed)
+        except ConfigError as error:
+            raise self._error(where, error) from error
+        return json.dumps(own)
+
+    def _environment(self, options: Json, where: str) -> str:
+        named = options["environment"]
+        try:
+            config = EnvironmentConfig.load(self._beside(named)) if named else EnvironmentConfig.parse("{}")
+            own = {
+                key: self._beside(value) if key in ("robot", "terrain") and isinstance(value, str) else value
+                for key, value in options["set"].items()
+            }
+            return config.updated(json.dumps(own), f"{where}.set").to_yaml()
+        except ConfigError as error:
+            raise self._error(where, error) from error
+
+    def _policy(self, text: str, where: str) -> str:
+        found = self._beside(text)
+        if found not in ("zero", "random") and not Path(found).is_file():
+            raise ConfigError(self.source, where, "zero, random, or a policy's file", text)
+        return found
+
+
+def _split(text: str) -> tuple[str, str]:
+    name, colon, settings = text.rpartition(":")
+    return name, colon + settings
+
+
+def _allows(subject: Subject, variation: str) -> bool:
+    if variation == _core._variations()[0]:
+        return True
+    try:
+        return maker_of(subject).allows(variation)
+    except ConfigError:
+        return True  # its runs say what is wrong
+
+
+def _choices(source: str, value: Any, kind: _Kind, where: str) -> list[Any]:
+    if kind.holds(value):
+        return [value]
+    if isinstance(value, list) and value:
+        for i, item in enumerate(value):
+            if not kind.holds(item):
+                raise ConfigError(source, f"{where}[{i}]", kind.expected, _shown(item))
+        return value
+    raise ConfigError(source, where, f"{kind.expected}, or a list of such", _shown(value))
+
+
+def _settings(source: str, value: Any, kind: _Kind, where: str) -> list[Json]:
+    """Of mappings, whose values may be axes too. A value that is a list itself stands in one of its own."""
+    grid: list[Json] = []
+    for i, mapping in enumerate(value if isinstance(value, list) else [value]):
+        here = f"{where}[{i}]" if isinstance(value, list) else where
+        _check_mapping(source, mapping, here)
+        axes = []
+        for key, item in mapping.items():
+            nested = kind is _ANYTHING and isinstance(item, list) and item
+            axes.append(item if nested else _choices(source, item, kind, f"{here}.{key}"))
+        grid += [dict(zip(mapping, values, strict=True)) for values in itertools.product(*axes)]
+    if not grid:
+        raise ConfigError(source, where, "settings, or a list of such", _shown(value))
+    return grid
+
+
+def _check_mapping(source: str, value: Any, where: str) -> None:
+    if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
+        raise ConfigError(source, where, "keys and their values", _shown(value))
+
+
+def _check_keys(source: str, value: Any, known: tuple[str, ...], where: str) -> None:
+    _check_mapping(source, value, where)
+    for key in value:
+        if key not in known:
+            at = f"{where}.{key}" if where != "study" else key
+            raise ConfigError(source, at, f"one of {', '.join(known)}", "an unknown key")
+
+
+def _shown(value: Any) -> str:
+    text = json.dumps(value, default=str)
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+def _with_defaults(source: str, given: Any) -> Json:
+    given = {} if given is None else given
+    _check_keys(source, given, _STUDY, "study")
+    if not given.get("walks") and not given.get("policies"):
+        raise ConfigError(source, "study", "walks, policies, or both", "neither")
+    variations = given.get("variations", [_core._variations()[0]])
+    variations = _core._variations() if variations == "all" else variations
+    available = _core.available_engines()
+    document: Json = {
+        "engines": _names(source, given.get("engines", available), available, "engines"),
+        "variations": _names(source, variations, _core._variations(), "variations"),
+        "starts": _starts(source, given.get("starts", 1)),
+        "seeds": _choices(source, given.get("seeds", 0), _COUNT, "seeds"),
+        "start_ranges": _ranges(source, given.get("start_ranges", {})),
+    }
+    walk = Walk()
+    defaults = {key: {} if key == "parameters" else getattr(walk, key) for key in _WALK}
+    document["walks"] = _blocks(source, given.get("walks", []), defaults, "walks")
+    defaults = {"environment": "", "set": {}, "policy": "zero"}
+    document["policies"] = _blocks(source, given.get("policies", []), defaults, "policies")
+    return document
+
+
+def _names(source: str, value: Any, known: list[str], where: str) -> list[str]:
+    names: list[str] = _choices(source, value, _TEXT, where)
+    for name in names:
+        if name not in known:
+            raise ConfigError(source, where, f"of {', '.join(known)}", name)
+    return names
+
+
+def _starts(source: str, value: Any) -> int | list[int]:
+    if not isinstance(value, list):
+        if not _is_count(value) or value == 0:
+            raise ConfigError(source, "starts", "how many, or a list of their numbers", _shown(value))
+        return int(value)
+    return _choices(source, value, _COUNT, "starts")
+
+
+def _ranges(source: str, value: Any) -> Json:
+    _check_keys(source, value, _RANGES, "start_ranges")
+    default = StartRanges()
+    ranges = {key: value.get(key, getattr(default, key)) for key in _RANGES}
+    for key, item in ranges.items():
+        kind = _NUMBER if key == "heading_rad" else _OPTIONAL
+        if not kind.holds(item) or (item is not None and item < 0):
+            raise ConfigError(source, f"start_ranges.{key}", f"{kind.expected}, not negative", _shown(item))
+    return ranges
+
+
+def _blocks(source: str, value: Any, defaults: Json, where: str) -> list[Json]:
+    if not isinstance(value, list):
+        raise ConfigError(source, where, "a list of blocks", _shown(value))
+    blocks = []
+    for i, block in enumerate(value):
+        _check_keys(source, block, tuple(defaults), f"{where}[{i}]")
+        blocks.append({key: block.get(key, default) for key, default in defaults.items()})
+    return blocks

@@ -1,0 +1,162 @@
+"""What a study's file spans, and what is wrong with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from sweep_studies import SHORT, study
+
+import crossgait
+from crossgait import ConfigError, _core
+from crossgait.sweep import Study, row_of
+
+pytest.importorskip("yaml")
+ENGINES = crossgait.available_engines()
+
+
+def test_a_grid_is_the_product_of_its_lists(tmp_path: Path) -> None:
+    runs = study(
+        tmp_path,
+        """
+starts: [0, 7]
+seeds: [1, 2, 3]
+walks:
+  - gait: [trot, walk]
+    command: [[0.2, 0, 0], [0.3, 0, 0.1], null]
+    parameters: {step_height: [0.02, 0.03], cycle_time: 0.5}
+  - terrain: [rough, "rough:amplitude=.01"]
+    ends: [[fell], [fell, collapsed]]
+    command: [0.2, 0, 0]
+""",
+    ).runs()
+    assert len(runs) == (2 * 3 * 2 + 2 * 2) * 3 * 2 * len(ENGINES)
+    assert len({run.hash for run in runs}) == len(runs)
+    assert [run.start for run in runs[:4]] == [0, 7, 0, 7]
+
+
+def test_the_documents_study_is_one(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs/sweeps.md").read_text()
+    text = page.split("```yaml\n")[1].split("```")[0].replace("[mujoco, bullet]", f"[{ENGINES[0]}]")
+    (tmp_path / "environment.yaml").write_text("{policy_dt: .02}")
+    (tmp_path / "trained.safetensors").write_bytes(b"what is in it shows when it runs")
+    assert len(study(tmp_path, text).runs()) == (2 * 2 * 2 * 2 + 2 * 2) * 12
+
+
+def test_runs_that_are_said_twice_are_one(tmp_path: Path) -> None:
+    text = "engines: [ENGINE]\nwalks:\n  - {gait: trot}\n  - {gait: [trot, trot], terrain: flat}\n".replace(
+        "ENGINE", ENGINES[0]
+    )
+    assert len(study(tmp_path, text).runs()) == 1
+
+
+def test_a_study_with_every_default_is_the_same_study(tmp_path: Path) -> None:
+    text = (
+        "starts: 2\nvariations: all\nwalks: [{}]\npolicies: [{set: {terrain: [flat, rough], episode_seconds: 1e0}}]\n"
+    )
+    first = study(tmp_path, text)
+    stated = study(tmp_path, first.to_yaml())
+    assert stated.document == first.document
+    assert [run.hash for run in stated.runs()] == [run.hash for run in first.runs()]
+    assert set(first.document["walks"][0]) >= {"robot", "terrain", "gait", "command", "parameters", "seconds", "ends"}
+
+
+def test_policies_are_run_in_environments_with_changes(tmp_path: Path) -> None:
+    (tmp_path / "env.yaml").write_text("{policy_dt: .02, terrain: rough}")
+    runs = study(
+        tmp_path,
+        """
+engines: [ENGINE]
+policies:
+  - environment: env.yaml
+    set: {friction: [0.4, 0.6], episode_seconds: 0.2, adapt: [[step_length], [step_length, step_height]]}
+    policy: [zero, random]
+""".replace("ENGINE", ENGINES[0]),
+    ).runs()
+    assert len(runs) == 8
+    assert '"result":{' in row_of(runs[0])
+    assert "terrain: 'rough'" in runs[0].subject.environment
+
+
+def test_files_are_found_from_the_studys_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    heights = "0,0,0,0\n" * 4
+    (tmp_path / "ground.csv").write_text(heights)
+    text = "engines: [ENGINE]\nwalks: [{terrain: 'ground.csv', seconds: 0.1}]\n".replace("ENGINE", ENGINES[0])
+    path = tmp_path / "study.yaml"
+    path.write_text(text)
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    (run,) = Study.load(path).runs()
+    moved = tmp_path / "moved"
+    moved.mkdir()
+    for name in ("study.yaml", "ground.csv"):
+        (tmp_path / name).rename(moved / name)
+    (again,) = Study.load(moved / "study.yaml").runs()
+    assert again.hash == run.hash  # a file counts by its contents
+    (moved / "ground.csv").write_text(heights.replace("0,0\n", "0,.01\n"))
+    (other,) = Study.load(moved / "study.yaml").runs()
+    assert other.hash != run.hash
+
+
+def test_variations_that_no_time_step_allows_are_left_out(tmp_path: Path) -> None:
+    text = "engines: [ENGINE]\nvariations: all\nwalks: [{physics_dt: 0.002, control_dt: 0.002}]\n".replace(
+        "ENGINE", ENGINES[0]
+    )
+    names = [run.variation for run in study(tmp_path, text).runs()]
+    assert names == [name for name in _core._variations() if name != "twice the time step"]
+
+
+@pytest.mark.parametrize(
+    ("text", "element", "expected"),
+    [
+        ("", "study", "walks"),
+        ("[1]", "study", "keys"),
+        ("walks: [{gait: trot}]\nseed: 3", "seed", "one of engines"),
+        ("walks: [{gate: trot}]", "walks[0].gate", "one of robot"),
+        ("walks: [{seconds: long}]", "walks[0].seconds", "finite number"),
+        ("walks: [{seconds: [1, .nan]}]", "walks[0].seconds[1]", "finite number"),
+        ("walks: [{seconds: []}]", "walks[0].seconds", "list"),
+        ("walks: [{compensation: 1}]", "walks[0].compensation", "true or false"),
+        ("walks: [{command: [1, 2]}]", "walks[0].command", "yaw rate"),
+        ("walks: [{parameters: {step_height: [true]}}]", "walks[0].parameters.step_height[0]", "number"),
+        ("walks: [{parameters: [3]}]", "walks[0].parameters[0]", "keys"),
+        ("walks: {gait: trot}", "walks", "list of blocks"),
+        ("walks: [{gait: trott}]", "walks[0], ", "trot"),
+        ("walks: [{terrain: lava}]", "walks[0], ", "flat"),
+        ("walks: [{robot: nobody}]", "walks[0], ", "scara_quadruped"),
+        ("walks: [{parameters: {step_hight: 1}}]", "walks[0], ", ""),
+        ("walks: [{}]\nengines: [ode]", "engines", ENGINES[0]),
+        ("walks: [{}]\nvariations: some", "variations", "as asked"),
+        ("walks: [{}]\nstarts: 0", "starts", "how many"),
+        ("walks: [{}]\nstarts: [-1]", "starts[0]", "whole number"),
+        ("walks: [{}]\nseeds: 1.5", "seeds", "whole number"),
+        ("walks: [{}]\nstart_ranges: {heading: 1}", "start_ranges.heading", "one of"),
+        ("walks: [{}]\nstart_ranges: {heading_rad: null}", "start_ranges.heading_rad", "finite"),
+        ("walks: [{}]\nstart_ranges: {push_mps: -1}", "start_ranges.push_mps", "not negative"),
+        ("policies: [{policy: nowhere.yaml}]", "policies[0].policy", "policy's file"),
+        ("policies: [{environment: nowhere.yaml}]", "policies[0], ", ""),
+        ("policies: [{set: {frction: 1}}]", "policies[0], ", ""),
+        ("walks: [{gait: trot, gait: walk}]", "line 1", "YAML"),
+        ("walks: [", "line 1", "YAML"),
+        ("walks: !!python/object:os.system [{}]", "line 1", "YAML"),
+    ],
+)
+def test_what_is_wrong_with_a_study_is_said(tmp_path: Path, text: str, element: str, expected: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        study(tmp_path, text).runs()
+    error = caught.value
+    assert error.source == str(tmp_path / "study.yaml")
+    assert error.element.startswith(element)
+    assert expected in error.expected
+    assert error.found
+
+
+def test_a_missing_study_is_said(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="readable"):
+        Study.load(tmp_path / "none.yaml")
+
+
+def test_numbers_are_those_of_yaml_1_2(tmp_path: Path) -> None:
+    text = SHORT.format(engine=ENGINES[0]).replace("0.2\n", "2e-1\n")
+    hashes = [run.hash for run in study(tmp_path, text).runs()]
+    assert hashes == [run.hash for run in study(tmp_path, SHORT.format(engine=ENGINES[0])).runs()]
