@@ -198,7 +198,7 @@ def rollout(
 
     """
     chosen = [policies] if isinstance(policies, Policy) else list(policies)
-    config = environment if environment is not None else EnvironmentConfig.parse("")
+    config = environment if environment is not None else EnvironmentConfig.parse("{}")
     with _Shown(progress) as told:
         document, text = _core._rollout(config, chosen, episodes, _workers(workers), seed, told)
     return Rollout(document, text)
@@ -216,7 +216,7 @@ def transfer(
     progress: Progress | bool | None = None,
 ) -> Transfer:
     """Run one policy, and none, in every engine on every ground."""
-    config = environment if environment is not None else EnvironmentConfig.parse("")
+    config = environment if environment is not None else EnvironmentConfig.parse("{}")
     names = list(engines) if engines is not None else _core.available_engines()
     with _Shown(progress) as told:
         document, text = _core._transfer(config, policy, names, list(terrains), episodes, _workers(workers), seed, told)
@@ -236,7 +236,7 @@ def tune(
     progress: Progress | bool | None = None,
 ) -> Tuning:
     """Search for faster gait parameters in the environment's engine, and check them in all `engines`."""
-    config = environment if environment is not None else EnvironmentConfig.parse("")
+    config = environment if environment is not None else EnvironmentConfig.parse("{}")
     names = list(engines) if engines is not None else _core.available_engines()
     with _Shown(progress) as told:
         (document, text), tuned = _core._tune(

@@ -87,6 +87,14 @@ def test_rollout_is_the_command(tmp_path: Path) -> None:
     assert len(result.to_frame()) == 4
 
 
+def test_without_an_environment_it_is_the_default() -> None:
+    assert "episode_seconds: 20" in crossgait.EnvironmentConfig.parse("{}").stated().to_yaml()
+    with pytest.raises(ConfigError, match="policy"):
+        crossgait.rollout("no-such-policy")
+    with pytest.raises(ConfigError, match="policy"):
+        crossgait.transfer("no-such-policy")
+
+
 def test_transfer_and_tune_come_back_as_objects() -> None:
     config = EnvironmentConfig.parse('{"policy_dt": 0.02, "episode_seconds": 0.5, "adapt": [step_length]}')
     transfer = crossgait.transfer("zero", config, terrains=["flat"], episodes=1)
