@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +13,7 @@ from sweep_studies import SHORT, lines, serial_rows, study
 
 import crossgait
 
+os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # a test tells nobody
 pytest.importorskip("yaml")
 ray = pytest.importorskip("ray", reason="needs Ray: pip install crossgait[ray]")
 
