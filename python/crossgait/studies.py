@@ -42,6 +42,14 @@ def _two_engines(engines: Sequence[str] | None) -> tuple[str, str]:
     return engines[0], engines[1]
 
 
+def _engines(engines: Sequence[str] | None) -> list[str]:
+    return list(engines) if engines is not None else _core.available_engines()
+
+
+def _environment(environment: EnvironmentConfig | None) -> EnvironmentConfig:
+    return environment if environment is not None else EnvironmentConfig.parse("{}")
+
+
 def _workers(workers: int | None) -> int:
     return workers if workers is not None else len(os.sched_getaffinity(0))
 
@@ -116,7 +124,7 @@ def compare(
 
     """
     what = _subject(subject, options)
-    names = list(engines) if engines is not None else _core.available_engines()
+    names = _engines(engines)
     with _Shown(progress) as told:
         (document, text), recorded = _core._compare(
             what, names, trace, position_tolerance, joint_tolerance, attitude_tolerance, told
@@ -198,7 +206,7 @@ def rollout(
 
     """
     chosen = [policies] if isinstance(policies, Policy) else list(policies)
-    config = environment if environment is not None else EnvironmentConfig.parse("{}")
+    config = _environment(environment)
     with _Shown(progress) as told:
         document, text = _core._rollout(config, chosen, episodes, _workers(workers), seed, told)
     return Rollout(document, text)
@@ -216,8 +224,8 @@ def transfer(
     progress: Progress | bool | None = None,
 ) -> Transfer:
     """Run one policy, and none, in every engine on every ground."""
-    config = environment if environment is not None else EnvironmentConfig.parse("{}")
-    names = list(engines) if engines is not None else _core.available_engines()
+    config = _environment(environment)
+    names = _engines(engines)
     with _Shown(progress) as told:
         document, text = _core._transfer(config, policy, names, list(terrains), episodes, _workers(workers), seed, told)
     return Transfer(document, text)
@@ -236,8 +244,8 @@ def tune(
     progress: Progress | bool | None = None,
 ) -> Tuning:
     """Search for faster gait parameters in the environment's engine, and check them in all `engines`."""
-    config = environment if environment is not None else EnvironmentConfig.parse("{}")
-    names = list(engines) if engines is not None else _core.available_engines()
+    config = _environment(environment)
+    names = _engines(engines)
     with _Shown(progress) as told:
         (document, text), tuned = _core._tune(
             config, names, iterations, population, terrains, unseen, _workers(workers), seed, told
@@ -253,7 +261,7 @@ def bench(
     progress: Progress | bool | None = None,
 ) -> Bench:
     """Measure speed and accuracy of the engines; `sections` of speed, accuracy, analytic, feet, or all."""
-    names = list(engines) if engines is not None else _core.available_engines()
+    names = _engines(engines)
     with _Shown(progress) as told:
         document, text = _core._bench(names, list(sections), quick, told)
     return Bench(document, text)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy.typing as npt
 
 from crossgait._core import LAYOUT_VERSION, PolicyBundle
 from crossgait.errors import ConfigError
+from crossgait.files import written_whole
 from crossgait.layout import Layout
 from crossgait.policies import onnx_session
 
@@ -79,26 +79,13 @@ def run(model: onnx.ModelProto, observations: npt.NDArray[np.float32], source: s
 
 def write(model: onnx.ModelProto, path: str | os.PathLike[str]) -> None:
     """Write the whole file or nothing. Raises ConfigError."""
-    path = os.fspath(path)
-    folder = os.path.dirname(path) or "."
     try:
-        handle, temporary = tempfile.mkstemp(dir=folder, prefix=".crossgait-", suffix=".onnx")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(model.SerializeToString())
-            os.chmod(temporary, 0o666 & ~_umask())
-            os.replace(temporary, path)
-        except BaseException:
-            os.unlink(temporary)
-            raise
+        with written_whole(path) as file:
+            file.write_bytes(model.SerializeToString())
     except OSError as error:
-        raise ConfigError(path, "file", "a place that can be written", error.strerror or str(error)) from error
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+        raise ConfigError(
+            os.fspath(path), "file", "a place that can be written", error.strerror or str(error)
+        ) from error
 
 
 def _metadata(bundle: PolicyBundle) -> dict[str, str]:
