@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -11,18 +11,15 @@ import numpy.typing as npt
 from crossgait import _core
 from crossgait.envs.configuration import ConfigLike, make_config
 from crossgait.envs.not_copyable import NotCopyable
-from crossgait.envs.render_mode import known_render_mode
+from crossgait.envs.render_mode import Drawn, known_render_mode
 from crossgait.envs.seeds import episode_seed, refuse_options
 from crossgait.envs.spaces import action_space, observation_dtype, observation_space
 from crossgait.layout import EnvironmentLayout
 
-if TYPE_CHECKING:
-    from crossgait.rendering import EnvironmentRenderer
-
 Observation = npt.NDArray[np.float64] | npt.NDArray[np.float32]
 
 
-class QuadrupedEnv(NotCopyable, gymnasium.Env[Any, Any]):
+class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
     """A quadruped whose gait a policy adjusts, or whose joints it commands: docs/environment.md.
 
     `reset(seed=s)` begins the episode that the core begins with seed s, the same bits in every process; without a seed
@@ -79,7 +76,6 @@ class QuadrupedEnv(NotCopyable, gymnasium.Env[Any, Any]):
         self.metadata = self.metadata | {"render_fps": max(1, round(1 / made.policy_dt))}
         self.render_mode = known_render_mode(render_mode, self.metadata["render_modes"])
         self._frame_size = (width, height)
-        self._renderer: EnvironmentRenderer | None = None
         self._episode_seed: int | None = None
 
     @property
@@ -130,20 +126,15 @@ class QuadrupedEnv(NotCopyable, gymnasium.Env[Any, Any]):
         if self.render_mode is None:
             gymnasium.logger.warn('render() without a render_mode: make the environment with "rgb_array" or "human"')
             return None
-        if self._renderer is None:
-            from crossgait.rendering import EnvironmentRenderer
-
-            self._renderer = EnvironmentRenderer(*self._frame_size)
+        renderer = self._open_renderer()
         if self.render_mode == "human":
-            self._renderer.show(self.core)
+            renderer.show(self.core)
             return None
-        return self._renderer.frame(self.core)
+        return renderer.frame(self.core)
 
     def close(self) -> None:
         """Close window and renderer."""
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
+        self._close_renderer()
 
 
 class AdaptiveGaitEnv(QuadrupedEnv):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -15,14 +15,11 @@ from crossgait import _core
 from crossgait.envs.configuration import ConfigLike, make_config
 from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.quadruped_env import Observation
-from crossgait.envs.render_mode import known_render_mode
+from crossgait.envs.render_mode import Drawn, known_render_mode
 from crossgait.envs.seeds import episode_seed, refuse_options
 from crossgait.envs.spaces import action_space, observation_dtype, observation_space
 from crossgait.errors import ConfigError
 from crossgait.layout import EnvironmentLayout
-
-if TYPE_CHECKING:
-    from crossgait.rendering import EnvironmentRenderer
 
 Flags = npt.NDArray[np.bool_]
 
@@ -36,7 +33,7 @@ def _known_autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
     return known[0]
 
 
-class QuadrupedVectorEnv(NotCopyable, VectorEnv[Any, Any, npt.NDArray[Any]]):
+class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any]]):
     """`num_envs` environments of one configuration.
 
     Results are the same, bit for bit, for any number of `workers`, and those of single environments: `reset(seed=s)`
@@ -117,7 +114,6 @@ class QuadrupedVectorEnv(NotCopyable, VectorEnv[Any, Any, npt.NDArray[Any]]):
         }
         self.render_mode = known_render_mode(render_mode, self.metadata["render_modes"])
         self._frame_size = (width, height)
-        self._renderer: EnvironmentRenderer | None = None
 
     @property
     def config(self) -> _core.EnvironmentConfig:
@@ -177,17 +173,12 @@ class QuadrupedVectorEnv(NotCopyable, VectorEnv[Any, Any, npt.NDArray[Any]]):
         """A frame (height x width x 3) of every environment; None without a render_mode."""
         if self.render_mode is None:
             return None
-        if self._renderer is None:
-            from crossgait.rendering import EnvironmentRenderer
-
-            self._renderer = EnvironmentRenderer(*self._frame_size)
-        return tuple(self._renderer.frame(self.core.environment(i)) for i in range(self.num_envs))
+        renderer = self._open_renderer()
+        return tuple(renderer.frame(self.core.environment(i)) for i in range(self.num_envs))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the renderer."""
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
+        self._close_renderer()
 
 
 class AdaptiveGaitVectorEnv(QuadrupedVectorEnv):

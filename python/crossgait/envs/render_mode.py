@@ -1,10 +1,14 @@
-"""What `render_mode` may be."""
+"""What `render_mode` may be, and the renderer that is made for the first frame."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from crossgait.errors import ConfigError
+
+if TYPE_CHECKING:
+    from crossgait.rendering import EnvironmentRenderer
 
 
 def known_render_mode(mode: str | None, modes: Sequence[str]) -> str | None:
@@ -12,3 +16,22 @@ def known_render_mode(mode: str | None, modes: Sequence[str]) -> str | None:
     if mode is not None and mode not in modes:
         raise ConfigError("environment", "render_mode", " or ".join(map(repr, modes)), repr(mode))
     return mode
+
+
+class Drawn:
+    """Has a renderer from its first frame on. `_frame_size` is width and height."""
+
+    _frame_size: tuple[int, int]
+    _renderer: EnvironmentRenderer | None = None
+
+    def _open_renderer(self) -> EnvironmentRenderer:
+        if self._renderer is None:
+            from crossgait.rendering import EnvironmentRenderer
+
+            self._renderer = EnvironmentRenderer(*self._frame_size)
+        return self._renderer
+
+    def _close_renderer(self) -> None:
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
