@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "crossgait/physics/principal_inertia.h"
+#include "crossgait/physics/state.h"
 
 namespace crossgait::mujoco {
 namespace {
@@ -154,8 +155,10 @@ std::string model_xml(const WorldSpec& spec) {
       "jacobian='dense' iterations='{}' tolerance='{:.17g}' impratio='{:.17g}'/>",
       spec.physics_dt, numbers(spec.gravity), spec.solver.iterations, spec.solver.tolerance,
       spec.contact.impratio);
-  // Room for every shape of a fallen robot.
-  xml.add("<size nconmax='256' njmax='1024'/>");
+  // As much room as can be needed (terrain_collision.h): MuJoCo's own memory grows with the square of the rows.
+  const std::size_t loops = spec.robot->loops.size();
+  const auto joints = static_cast<std::size_t>(spec.robot->joint_count());
+  xml.add("<size nconmax='{}' njmax='{}'/>", kMaxContacts, 3 * kMaxContacts + 3 * loops + joints);
   if (const HeightField* field = spec.terrain.field()) {
     // Elevation scale 1 m (heights are metres); the second figure is the depth of the solid below the lowest
     // point.
