@@ -143,6 +143,12 @@ Vector3 body_origin(const RobotDescription& robot, int body) {
   return body == 0 ? robot.bodies[0].inertia.p_BC : Vector3::Zero();
 }
 
+double elevation_scale(const HeightField& field) {
+  double scale = 1;
+  while (scale < field.max() - field.min()) scale *= 2;
+  return scale;
+}
+
 std::string model_xml(const WorldSpec& spec) {
   Xml xml;
   // Masses and inertias are the description's own; MuJoCo must neither infer, bound nor balance them.
@@ -157,10 +163,10 @@ std::string model_xml(const WorldSpec& spec) {
   // Room for every shape of a fallen robot.
   xml.add("<size nconmax='256' njmax='1024'/>");
   if (const HeightField* field = spec.terrain.field()) {
-    // Elevation scale 1 m (heights are metres); the second figure is the depth of the solid below the lowest
-    // point.
+    // The second figure is the depth of the solid below the lowest point.
     xml.add("<asset><hfield name='terrain' nrow='{}' ncol='{}' size='{:.17g} {:.17g} {:.17g} 0.1'/></asset>",
-            field->rows(), field->columns(), field->size_x() / 2, field->size_y() / 2, 1.0);
+            field->rows(), field->columns(), field->size_x() / 2, field->size_y() / 2,
+            elevation_scale(*field));
   }
   xml.add("<worldbody>");
   add_terrain(xml, spec);

@@ -19,6 +19,11 @@ std::string shape_name(int body, int shape);
 /// integrate the centre of mass would disagree.
 Vector3 body_origin(const RobotDescription& robot, int body);
 
+/// Metres per unit of a height field's data: the smallest power of two, so that dividing by it is exact, from 1
+/// on that holds the field's relief. Since 2.3.3 MuJoCo looks for contacts in the box between 0 and 1 of the data
+/// alone.
+double elevation_scale(const HeightField& field);
+
 /// MuJoCo's mapping of the contact intent: solref = (time_constant, damping_ratio), solimp = (impedance_min,
 /// impedance_max, impedance_width, 0.5, 2), elliptic cones, condim 3, sliding friction alone. Newton's
 /// method, Euler integration; damping and servo torques come from outside, so joints carry armature only.

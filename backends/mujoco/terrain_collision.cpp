@@ -16,7 +16,7 @@ struct TableEntry {
   static mjfCollision& place() { return mjCOLLISIONFUNC[kGround][kShape]; }
   static inline mjfCollision original = nullptr;
 
-  static int collide(const mjModel* m, const mjData* d, mjContact* contacts, int ground, int geom,
+  static int collide(const mjModel* m, CollisionData* d, FoundContact* contacts, int ground, int geom,
                      mjtNum margin) {
     // A sphere on a plane MuJoCo does to rounding as we do: only whether it is one of the deepest is ours to
     // say.
@@ -71,16 +71,16 @@ void TerrainCollision::find(const mjData& data) noexcept {
   found_ = true;
 }
 
-int TerrainCollision::write(const mjData& data, int geom, mjContact* contacts) noexcept {
+int TerrainCollision::write(const mjData& data, int geom, FoundContact* contacts) noexcept {
   if (!found_) find(data);
   int count = 0;
   for (const Point& point : points_) {
     if (point.geom != geom || count == mjMAXCONPAIR) continue;
-    mjContact& contact = contacts[count++];
+    FoundContact& contact = contacts[count++];
     contact.dist = point.distance;
     mju_copy3(contact.pos, point.position.data());
-    mju_copy3(contact.frame, point.normal.data());
-    mju_zero3(contact.frame + 3);  // MuJoCo completes the tangents
+    mju_copy3(normal_of(contact), point.normal.data());
+    mju_zero3(tangent_of(contact));  // MuJoCo completes the tangents
   }
   return count;
 }

@@ -5,6 +5,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "crossgait/backends/mujoco/version.h"
 #include "crossgait/physics/contact_features.h"
 #include "crossgait/physics/state.h"
 
@@ -28,7 +29,7 @@ class TerrainCollision {
   int dropped() const noexcept { return points_.dropped; }
 
   /// Fills in those of one geom, at most mjMAXCONPAIR. @returns how many
-  int write(const mjData& data, int geom, mjContact* contacts) noexcept;
+  int write(const mjData& data, int geom, FoundContact* contacts) noexcept;
 
  private:
   struct Point {
