@@ -21,9 +21,7 @@ class FileSystem {
   FileSystem& operator=(FileSystem&&) = delete;
 
   /// @param name  without a folder, and not there yet; at most 2000 files
-  void add(const std::string& name, const std::string& bytes) {
-    add_file(*files_, name, bytes);
-  }
+  void add(const std::string& name, const std::string& bytes) { add_file(*files_, name, bytes); }
   const mjVFS* get() const { return files_.get(); }
 
  private:

@@ -48,10 +48,12 @@ class MujocoBackend final : public PhysicsBackend {
  public:
   /// @param loop_bias  see kHasLoopBias
   MujocoBackend(const WorldSpec& world, bool loop_bias)
-      : PhysicsBackend(world), takes_bias_away_(kHasLoopBias && !loop_bias), collision_(robot(), spec().fixed_base, spec().terrain) {
+      : PhysicsBackend(world),
+        takes_bias_away_(kHasLoopBias && !loop_bias),
+        collision_(robot(), spec().fixed_base, spec().terrain) {
     install_terrain_collision();
     model_ = compile_model(spec());
-    collision_.set_model(*model_);
+    collision_.set_model(*model_, robot());
     in_mujoco(who(), [this] {
       data_.reset(mj_makeData(model_.get()));
       query_.reset(mj_makeData(model_.get()));
@@ -75,10 +77,12 @@ class MujocoBackend final : public PhysicsBackend {
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       bodies_[b] = mj_name2id(&m, mjOBJ_BODY, body_name(static_cast<int>(b)).c_str());
       for (std::size_t k = 0; k < robot().bodies[b].shapes.size(); ++k) {
-        const int geom =
-            mj_name2id(&m, mjOBJ_GEOM, shape_name(static_cast<int>(b), static_cast<int>(k)).c_str());
-        owners_[static_cast<std::size_t>(geom)] = {
-            static_cast<int>(b), leg_of_shape(robot(), static_cast<int>(b), static_cast<int>(k))};
+        const int body = static_cast<int>(b), shape = static_cast<int>(k);
+        for (int part = 0;; ++part) {
+          const int geom = mj_name2id(&m, mjOBJ_GEOM, shape_name(body, shape, part).c_str());
+          if (geom < 0) break;
+          owners_[static_cast<std::size_t>(geom)] = {body, leg_of_shape(robot(), body, shape)};
+        }
       }
     }
     // MuJoCo orders joints depth first, the description leg by leg.

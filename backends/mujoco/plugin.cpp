@@ -54,7 +54,8 @@ std::vector<EngineFamily> families() {
 }
 
 constexpr EnginePlugin kPlugin{
-    // Further releases come last, so that who asks for no engine in particular gets the same ones with and without.
+    // Further releases come last, so that who asks for no engine in particular gets the same ones with and
+    // without.
     .rank = kName == "mujoco" ? 0 : 20,
     .header_version = [] { return version_of(mjVERSION_HEADER); },
     .library_version = [] { return version_of(mj_version()); },

@@ -1,6 +1,6 @@
-// Everything that differs between MuJoCo 2.2.2 and 4.0.0 as far as Crossgait goes, and nothing else of it: the
-// rest of the folder is one source for all. What a release changed is decided by the headers' mjVERSION_HEADER,
-// which grows from release to release (222, 316; from 3.5.0 on in thousands: 3005000).
+// Everything that differs between MuJoCo 2.2.2 and 4.0.0 as far as Crossgait goes, and nothing else of it:
+// the rest of the folder is one source for all. What a release changed is decided by the headers'
+// mjVERSION_HEADER, which grows from release to release (222, 316; from 3.5.0 on in thousands: 3005000).
 #pragma once
 
 #include <cstddef>
@@ -23,8 +23,8 @@ MJAPI mjfLogHandler _mjPRIVATE_setTlsLogHandler(mjfLogHandler);  // NOLINT(bugpr
 
 namespace crossgait::mujoco {
 
-/// Since 3.7.0 the reference acceleration of a loop's rows contains what the motion itself makes of them, J' v,
-/// the time derivative of the constraint's Jacobian times velocity. MuJoCo has no switch for it.
+/// Since 3.7.0 the reference acceleration of a loop's rows contains what the motion itself makes of them, J'
+/// v, the time derivative of the constraint's Jacobian times velocity. MuJoCo has no switch for it.
 inline constexpr bool kHasLoopBias = mjVERSION_HEADER >= 3007000;
 
 /// What one thread does with MuJoCo's messages. It comes before what the process does (mju_user_error,
@@ -37,8 +37,8 @@ struct ThreadHandlers {
 #endif
 };
 
-/// Errors of this thread go to `kOnError` from now on; all else is dropped (MuJoCo's default prints, and writes
-/// a log file into the working directory). @returns what was there before
+/// Errors of this thread go to `kOnError` from now on; all else is dropped (MuJoCo's default prints, and
+/// writes a log file into the working directory). @returns what was there before
 template <void (*kOnError)(const char* message)>
 ThreadHandlers take_errors() noexcept {
 #if mjVERSION_HEADER < 3010000
@@ -74,6 +74,17 @@ using FoundContact = mjPreContact;
 inline mjtNum* normal_of(FoundContact& contact) { return contact.normal; }
 inline mjtNum* tangent_of(FoundContact& contact) { return contact.tangent; }
 #endif
+
+/// How many contacts a collision routine may find between a plane and one cylinder or box. Since 3.9.0 MuJoCo
+/// has room for no more than its own routines find (a sphere 1, a capsule 2), and some releases write beyond
+/// it.
+inline constexpr int kMaxPlaneContacts = mjVERSION_HEADER < 3009000 ? mjMAXCONPAIR : 4;
+
+/// What makes Newton's method as exact as up to 3.10: it stopped after the step that gained less than the
+/// tolerance, and stops before it since 3.11.0 (the Newton decrement). It converges quadratically.
+constexpr double solver_tolerance(double tolerance) {
+  return mjVERSION_HEADER < 3011000 ? tolerance : tolerance * tolerance;
+}
 
 /// A file in memory. @param name  without a folder, and not there yet; at most 2000 files
 inline void add_file(mjVFS& files, const std::string& name, const std::string& bytes) {

@@ -27,6 +27,15 @@ class PlantedFaults : public BackendTest {
     const std::vector<std::string> names = available_engines();
     return GetParam() != names.front() ? names.front() : names.back();
   }
+  /// The same among those of the same law of the loops, without which their softness is no fault of the
+  /// model; the audited one itself where it is alone.
+  static std::string reference_of_same_loops() {
+    std::vector<std::string> names = available_engines();
+    const std::string law = find_engine(GetParam()).info.laws.loops;
+    std::erase_if(names,
+                  [&law](const std::string& name) { return find_engine(name).info.laws.loops != law; });
+    return GetParam() != names.front() ? names.front() : names.back();
+  }
 };
 CROSSGAIT_FOR_EVERY_BACKEND(PlantedFaults);
 
@@ -50,7 +59,7 @@ TEST_P(PlantedFaults, AreNamed) {
     const WorldSpec sound = world_on(fault.terrain);
     WorldSpec faulty = sound;
     fault.plant(faulty);
-    const auto a = make_backend(reference(), sound), b = make(faulty);
+    const auto a = make_backend(reference_of_same_loops(), sound), b = make(faulty);
     const std::vector<AuditFinding> findings = audit_models(*a, *b);
     EXPECT_FALSE(findings.empty());
     if (findings.empty()) continue;
