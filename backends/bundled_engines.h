@@ -10,6 +10,7 @@ struct BundledEngine {
   std::string name;                ///< its folder's, and its plug-in's: "bullet"
   std::vector<std::string> names;  ///< that its plug-in offers: "bullet:matched", "bullet"
   std::string missing;             ///< why there is no plug-in; empty if it was built
+  std::string library;  ///< where its library comes from, for who has none; empty where it is known
 };
 
 /// Written by CMake (cmake/CrossgaitBundledEngine.cmake).

@@ -24,12 +24,12 @@ EngineListing unavailable(const std::string& name, const std::string& file, cons
   return listing;
 }
 
-// The names that a plug-in would have offered, as far as its file's name tells.
-std::vector<std::string> names_of(const std::string& plugin) {
+// What a plug-in would have offered, as far as its file's name tells.
+BundledEngine engine_of(const std::string& plugin) {
   for (const BundledEngine& engine : bundled_engines()) {
-    if (engine.name == plugin) return engine.names;
+    if (engine.name == plugin) return engine;
   }
-  return {plugin};
+  return {plugin, {plugin}, "", ""};
 }
 
 const EngineRegistry& shared_registry() {
@@ -71,9 +71,10 @@ EngineRegistry::EngineRegistry(const std::vector<std::string>& folders) {
 void EngineRegistry::add_plugin(const std::string& file, Offers& offers) {
   const LoadedPlugin loaded = load_plugin(file);
   if (loaded.plugin == nullptr) {
-    for (const std::string& name : names_of(plugin_name(file))) {
-      listings_.push_back(unavailable(name, loaded.file, loaded.reason));
-    }
+    const BundledEngine engine = engine_of(plugin_name(file));
+    const std::string reason =
+        engine.library.empty() ? loaded.reason : fmt::format("{} ({})", loaded.reason, engine.library);
+    for (const std::string& name : engine.names) listings_.push_back(unavailable(name, loaded.file, reason));
     return;
   }
   plugins_.push_back(loaded.plugin);
@@ -89,7 +90,10 @@ void EngineRegistry::add_plugin(const std::string& file, Offers& offers) {
                          first ? "" : "already offered by " + place->second});
   }
   for (EngineFamily& family : loaded.plugin->families()) {
-    if (own.contains(family.from) && own.contains(family.to)) families_.push_back(std::move(family));
+    const auto is_own = [&own](const std::string& name) {
+      return own.contains(std::string(split_factors(name).first));
+    };
+    if (is_own(family.from) && is_own(family.to)) families_.push_back(std::move(family));
   }
 }
 

@@ -21,19 +21,43 @@ function(crossgait_bundled_engine name)
       set(missing "${ARG_TITLE} was not found when Crossgait was built (Debian: ${ARG_DEBIAN})")
     endif()
   endif()
+  crossgait_list_engine(${name} NAMES ${ARG_NAMES} MISSING "${missing}")
+  if(NOT missing)
+    crossgait_build_engine(${name} SOURCES ${ARG_SOURCES} LIBRARIES ${ARG_LIBRARIES})
+  endif()
+endfunction()
+
+# crossgait_list_engine(NAME NAMES names... [MISSING reason] [LIBRARY where it comes from]): a row of bundled_engines.cpp.
+function(crossgait_list_engine name)
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "MISSING;LIBRARY" "NAMES")
   list(TRANSFORM ARG_NAMES REPLACE "(.+)" "\"\\1\"")
   list(JOIN ARG_NAMES ", " names)
-  set_property(GLOBAL APPEND PROPERTY CROSSGAIT_BUNDLED_ENGINES "{\"${name}\", {${names}}, \"${missing}\"}")
-  if(missing)
-    message(STATUS "Engine ${name}: ${missing}")
-    return()
+  set_property(GLOBAL APPEND PROPERTY CROSSGAIT_BUNDLED_ENGINES "{\"${name}\", {${names}}, \"${ARG_MISSING}\", \"${ARG_LIBRARY}\"}")
+  if(ARG_MISSING)
+    message(STATUS "Engine ${name}: ${ARG_MISSING}")
+  else()
+    message(STATUS "Engine ${name}: built")
   endif()
-  message(STATUS "Engine ${name}: built")
+endfunction()
 
-  crossgait_library(backend_${name} INTERNAL SOURCES ${ARG_SOURCES} PUBLIC crossgait::physics
+# crossgait_engine_target(NAME VARIABLE): the end of the names of an engine's targets, which may hold no @.
+function(crossgait_engine_target name variable)
+  string(REPLACE "@" "-" target ${name})
+  set(${variable} ${target} PARENT_SCOPE)
+endfunction()
+
+# crossgait_build_engine(NAME SOURCES files... LIBRARIES targets...): the targets of an engine that was found.
+# CROSSGAIT_ENGINE_NAME is NAME as a text in its code: one folder may hold several releases of an engine.
+function(crossgait_build_engine name)
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "" "SOURCES;LIBRARIES")
+  crossgait_engine_target(${name} target)
+  crossgait_library(backend_${target} INTERNAL SOURCES ${ARG_SOURCES} PUBLIC crossgait::physics
                     PRIVATE fmt::fmt ${ARG_LIBRARIES})
-  crossgait_engine(${name} SOURCES plugin.cpp LIBRARIES crossgait::backend_${name} ${ARG_LIBRARIES} fmt::fmt crossgait_options)
-  set_target_properties(crossgait_engine_${name} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${CROSSGAIT_ENGINES_FOLDER})
-  install(TARGETS crossgait_engine_${name} LIBRARY DESTINATION ${CROSSGAIT_ENGINES_INSTALL_FOLDER})
+  crossgait_engine(${target} SOURCES plugin.cpp LIBRARIES crossgait::backend_${target} ${ARG_LIBRARIES} fmt::fmt crossgait_options)
+  target_compile_definitions(crossgait_backend_${target} PRIVATE CROSSGAIT_ENGINE_NAME="${name}")
+  target_compile_definitions(crossgait_engine_${target} PRIVATE CROSSGAIT_ENGINE_NAME="${name}")
+  set_target_properties(crossgait_engine_${target} PROPERTIES OUTPUT_NAME "crossgait_engine_${name}"
+                        LIBRARY_OUTPUT_DIRECTORY ${CROSSGAIT_ENGINES_FOLDER})
+  install(TARGETS crossgait_engine_${target} LIBRARY DESTINATION ${CROSSGAIT_ENGINES_INSTALL_FOLDER})
   set_property(GLOBAL APPEND PROPERTY CROSSGAIT_BUILT_ENGINES ${name})
 endfunction()

@@ -111,6 +111,10 @@ bool same_joint_friction(const PhysicsBackend& a, const PhysicsBackend& b) {
   return !any || a.info().laws.joint_friction == b.info().laws.joint_friction;
 }
 
+bool same_loops(const PhysicsBackend& a, const PhysicsBackend& b) {
+  return a.robot().loops.empty() || a.info().laws.loops == b.info().laws.loops;
+}
+
 void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
   Worst heights("height of the ground", "m"), diagonal("diagonal of the height field", "m");
   const HeightField* field = a.spec().terrain.field();
@@ -210,7 +214,7 @@ void audit_shapes(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
 }
 
 void audit_motion(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
-  if (!same_joint_friction(a, b)) return;
+  if (!same_joint_friction(a, b) || !same_loops(a, b)) return;
   Worst motion("motion in the air", "m/s or rad/s");
   const RobotState state = probes::swinging(a);
   const Eigen::VectorXd x = probes::swing(a, state), y = probes::swing(b, state);

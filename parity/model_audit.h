@@ -30,9 +30,9 @@ const std::vector<std::string>& audited_quantities();
 /// against its stop and turning (servo stiffness, effort limit, joint damping, servo damping); depth of feet
 /// pressed into the ground (foot radius); force ratio of sliding feet (friction); depth and number of the
 /// contact points of every body pressed into the ground from eight sides (collision shape, contact points);
-/// motion of the swinging robot in the air (loops and what else there may be; with dry friction in joints
-/// only between engines of one law of it). Between engines of one contact law also the force on pressed feet
-/// (contact law).
+/// motion of the swinging robot in the air (loops and what else there may be; with loops or dry friction in
+/// joints only between engines of one law of them). Between engines of one contact law also the force on
+/// pressed feet (contact law).
 ///
 /// @returns differences beyond 1e-6 of the larger value or rounding (ray tests: 1e-5 m; friction, where
 /// solvers stop early: 1e-3); at most one per quantity, its largest

@@ -55,6 +55,12 @@ std::vector<ContactFeature> contact_features(const RobotDescription& robot, bool
   return features;
 }
 
+int feature_count(const CollisionShape& shape) {
+  std::vector<ContactFeature> features;
+  add_features(shape, {}, features);
+  return static_cast<int>(features.size());
+}
+
 SphereCentres sphere_centres(const ContactFeature& feature, const Vector3& centre, const Vector3& axis,
                              const Terrain& terrain, double margin) noexcept {
   SphereCentres centres;

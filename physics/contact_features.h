@@ -33,6 +33,9 @@ struct ContactFeature {
 /// Those of every shape of every body that can move, in the order of bodies and shapes.
 std::vector<ContactFeature> contact_features(const RobotDescription& robot, bool fixed_base);
 
+/// How many a shape has.
+int feature_count(const CollisionShape& shape);
+
 /// How far from the shape's origin a feature reaches, m.
 inline double reach(const ContactFeature& feature) {
   return feature.p_GC.norm() + feature.rim + feature.radius;

@@ -1,17 +1,8 @@
 #include "crossgait/backends/mujoco/engine_call.h"
 
+#include <algorithm>
 #include <csetjmp>
 #include <cstring>
-
-// MuJoCo's handlers of one thread, which come before those of the process (mju_user_error, mju_user_warning).
-// The library exports them for its Python bindings; no public header declares them.
-extern "C" {
-using MujocoHandler = void (*)(const char* message);
-MJAPI MujocoHandler _mjPRIVATE__get_tls_error_fn();        // NOLINT(bugprone-reserved-identifier)
-MJAPI void _mjPRIVATE__set_tls_error_fn(MujocoHandler);    // NOLINT(bugprone-reserved-identifier)
-MJAPI MujocoHandler _mjPRIVATE__get_tls_warning_fn();      // NOLINT(bugprone-reserved-identifier)
-MJAPI void _mjPRIVATE__set_tls_warning_fn(MujocoHandler);  // NOLINT(bugprone-reserved-identifier)
-}
 
 namespace crossgait::mujoco {
 namespace {
@@ -21,7 +12,7 @@ struct Call {
   CalledFor who;
   ErrorText* error;
   Call* outer;  // a callback may make a call within a call
-  MujocoHandler outer_error, outer_warning;
+  ThreadHandlers outer_handlers;
   std::jmp_buf way_out;
 };
 
@@ -33,45 +24,33 @@ struct Call {
 void leave_call(const char* message) {
   Call& call = *current;
   if (call.error != nullptr) {
-    std::strncpy(call.error->data(), message, call.error->size() - 1);
-    call.error->back() = '\0';
+    const std::size_t length = std::min(std::strlen(message), call.error->size() - 1);
+    std::memcpy(call.error->data(), message, length);
+    (*call.error)[length] = '\0';
   }
   std::longjmp(call.way_out, 1);  // over C alone
 }
 
 void throw_error(const char* message) { throw std::runtime_error(fmt::format("MuJoCo: {}", message)); }
 
-// MuJoCo's default prints, and writes a log file into the working directory.
-void ignore_warning(const char* /*message*/) {}
-
 }  // namespace
 
 bool run_in_mujoco(const CalledFor& who, void (*call)(void* data), void* data, ErrorText* error) noexcept {
-  Call here{who, error, current, _mjPRIVATE__get_tls_error_fn(), _mjPRIVATE__get_tls_warning_fn(), {}};
+  Call here{who, error, current, take_errors<leave_call>(), {}};
   current = &here;
-  _mjPRIVATE__set_tls_error_fn(leave_call);
-  _mjPRIVATE__set_tls_warning_fn(ignore_warning);
   volatile bool finished = false;
   if (setjmp(here.way_out) == 0) {
     call(data);
     finished = true;
   }
-  _mjPRIVATE__set_tls_error_fn(here.outer_error);
-  _mjPRIVATE__set_tls_warning_fn(here.outer_warning);
+  give_back(here.outer_handlers);
   current = here.outer;
   return finished;
 }
 
-ThrowMujocoErrors::ThrowMujocoErrors() noexcept
-    : error_(_mjPRIVATE__get_tls_error_fn()), warning_(_mjPRIVATE__get_tls_warning_fn()) {
-  _mjPRIVATE__set_tls_error_fn(throw_error);
-  _mjPRIVATE__set_tls_warning_fn(ignore_warning);
-}
+ThrowMujocoErrors::ThrowMujocoErrors() noexcept : before_(take_errors<throw_error>()) {}
 
-ThrowMujocoErrors::~ThrowMujocoErrors() {
-  _mjPRIVATE__set_tls_error_fn(error_);
-  _mjPRIVATE__set_tls_warning_fn(warning_);
-}
+ThrowMujocoErrors::~ThrowMujocoErrors() { give_back(before_); }
 
 TerrainCollision* collision_of(const mjModel* model) noexcept {
   return current != nullptr && current->who.model == model ? current->who.collision : nullptr;

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include "crossgait/backends/mujoco/version.h"
+
 namespace crossgait::mujoco {
 
 class TerrainCollision;
@@ -56,8 +58,7 @@ class ThrowMujocoErrors {
   ThrowMujocoErrors& operator=(const ThrowMujocoErrors&) = delete;
 
  private:
-  void (*error_)(const char*);
-  void (*warning_)(const char*);
+  ThreadHandlers before_;
 };
 
 /// What finds the contacts of `model`, if this thread is within a call for that model; otherwise none.

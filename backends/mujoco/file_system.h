@@ -6,6 +6,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include "crossgait/backends/mujoco/version.h"
+
 namespace crossgait::mujoco {
 
 /// Megabytes large in 2.2.2: not for the stack.
@@ -19,10 +21,7 @@ class FileSystem {
   FileSystem& operator=(FileSystem&&) = delete;
 
   /// @param name  without a folder, and not there yet; at most 2000 files
-  void add(const std::string& name, const std::string& bytes) {
-    mj_makeEmptyFileVFS(files_.get(), name.c_str(), static_cast<int>(bytes.size()));
-    bytes.copy(static_cast<char*>(files_->filedata[files_->nfile - 1]), bytes.size());
-  }
+  void add(const std::string& name, const std::string& bytes) { add_file(*files_, name, bytes); }
   const mjVFS* get() const { return files_.get(); }
 
  private:

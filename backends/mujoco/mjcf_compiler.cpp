@@ -8,6 +8,7 @@
 #include "crossgait/backends/mujoco/engine_call.h"
 #include "crossgait/backends/mujoco/file_system.h"
 #include "crossgait/backends/mujoco/model.h"
+#include "crossgait/backends/mujoco/version.h"
 #include "crossgait/physics/principal_inertia.h"
 
 namespace crossgait::mujoco {
@@ -34,9 +35,9 @@ class Reader {
     for (int i = 0; i < m_.nbody; ++i) model.bodies.push_back(body(i));
     for (int i = 0; i < m_.njnt; ++i) model.joints.push_back(joint(i));
     for (int i = 0; i < m_.ngeom; ++i) model.geoms.push_back(geom(i));
-    for (int i = 0; i < m_.nu; ++i) model.actuators.push_back(actuator(i));
+    for (int i = 0; i < actuator_count(m_); ++i) model.actuators.push_back(actuator(i));
     for (int i = 0; i < m_.neq; ++i) {
-      if (m_.eq_type[i] == mjEQ_CONNECT && m_.eq_active[i] != 0) model.connects.push_back(connect(i));
+      if (m_.eq_type[i] == mjEQ_CONNECT && is_active(m_, i)) model.connects.push_back(connect(i));
     }
     for (int i = 0; i < m_.nkey; ++i) {
       const mjtNum* q = m_.key_qpos + static_cast<std::ptrdiff_t>(i) * m_.nq;
@@ -141,13 +142,14 @@ class Reader {
     const int transmission = m_.actuator_trntype[i];
     if (transmission == mjTRN_JOINT || transmission == mjTRN_JOINTINPARENT)
       actuator.joint = m_.actuator_trnid[2 * i];
-    const double gear = m_.actuator_gear[6 * i];
+    const double gear = m_.actuator_gear[6 * first_force(m_, i)];
     const double gain = m_.actuator_gainprm[static_cast<std::ptrdiff_t>(i) * mjNGAIN];
     const mjtNum* bias = m_.actuator_biasprm + static_cast<std::ptrdiff_t>(i) * mjNBIAS;
     if (is_plain && m_.actuator_biastype[i] == mjBIAS_NONE) {
       actuator.kind = MjcfActuatorKind::kMotor;
-      if (m_.actuator_ctrllimited[i] != 0)
-        actuator.effort = std::abs(gear * gain) * largest(m_.actuator_ctrlrange + 2 * i);
+      const int control = first_control(m_, i);
+      if (m_.actuator_ctrllimited[control] != 0)
+        actuator.effort = std::abs(gear * gain) * largest(m_.actuator_ctrlrange + 2 * control);
     } else if (is_plain && m_.actuator_biastype[i] == mjBIAS_AFFINE && bias[1] <= 0 && bias[2] <= 0) {
       actuator.kind = MjcfActuatorKind::kServo;
       actuator.kp = -bias[1] * gear * gear;
@@ -161,9 +163,13 @@ class Reader {
   }
 
   MjcfConnect connect(int i) const {
+    const int a = m_.eq_obj1id[i], b = m_.eq_obj2id[i];
+    if (joins_sites(m_, i)) {
+      return {name_of(mjOBJ_EQUALITY, i), m_.site_bodyid[a], m_.site_bodyid[b], vector_at(m_.site_pos, a),
+              vector_at(m_.site_pos, b)};
+    }
     const mjtNum* anchors = m_.eq_data + static_cast<std::ptrdiff_t>(i) * mjNEQDATA;
-    return {name_of(mjOBJ_EQUALITY, i), m_.eq_obj1id[i], m_.eq_obj2id[i], vector_at(anchors, 0),
-            vector_at(anchors, 1)};
+    return {name_of(mjOBJ_EQUALITY, i), a, b, vector_at(anchors, 0), vector_at(anchors, 1)};
   }
 
   const mjModel& m_;

@@ -36,8 +36,9 @@ void set_loop_anchors(mjModel& m, const RobotDescription& robot) {
 
 void fill_heights(mjModel& m, const HeightField& field) {
   const auto heights = field.heights();
+  const double scale = elevation_scale(field);
   for (std::size_t i = 0; i < heights.size(); ++i) {
-    m.hfield_data[i] = static_cast<float>(static_cast<double>(heights[i]) - field.min());
+    m.hfield_data[i] = static_cast<float>((static_cast<double>(heights[i]) - field.min()) / scale);
   }
 }
 

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "crossgait/backends/mujoco/version.h"
+#include "crossgait/physics/contact_features.h"
 #include "crossgait/physics/principal_inertia.h"
 #include "crossgait/physics/state.h"
 
@@ -112,9 +114,11 @@ void add_body(Xml& xml, const WorldSpec& spec, int index) {
           placement(from_origin(robot, index, inertia.X_BP)), body.inertia.mass, numbers(inertia.moments));
   const std::string contact = contact_attributes(spec.contact, kRobotBit, kTerrainBit, kRobotGroup);
   for (std::size_t k = 0; k < body.shapes.size(); ++k) {
-    xml.add("<geom name='{}' {} {} {}/>", shape_name(index, static_cast<int>(k)),
-            shape_geometry(body.shapes[k]), placement(from_origin(robot, index, body.shapes[k].X_BG)),
-            contact);
+    const CollisionShape& shape = body.shapes[k];
+    for (int part = 0; part <= part_of(shape, feature_count(shape) - 1); ++part) {
+      xml.add("<geom name='{}' {} {} {}/>", shape_name(index, static_cast<int>(k), part),
+              shape_geometry(shape), placement(from_origin(robot, index, shape.X_BG)), contact);
+    }
   }
   for (int child = index + 1; child <= robot.joint_count(); ++child) {
     if (robot.bodies[static_cast<std::size_t>(child)].parent == index) add_body(xml, spec, child);
@@ -138,10 +142,23 @@ void add_loops(Xml& xml, const RobotDescription& robot) {
 
 std::string body_name(int body) { return fmt::format("body{}", body); }
 std::string joint_name(int joint) { return fmt::format("joint{}", joint); }
-std::string shape_name(int body, int shape) { return fmt::format("shape{}_{}", body, shape); }
+std::string shape_name(int body, int shape, int part) {
+  return fmt::format("shape{}_{}_{}", body, shape, part);
+}
+
+int part_of(const CollisionShape& shape, int feature) {
+  const int contacts = shape.type == ShapeType::kCylinder ? 3 : 1;  // of a feature
+  return feature / (kMaxPlaneContacts / contacts);
+}
 
 Vector3 body_origin(const RobotDescription& robot, int body) {
   return body == 0 ? robot.bodies[0].inertia.p_BC : Vector3::Zero();
+}
+
+double elevation_scale(const HeightField& field) {
+  double scale = 1;
+  while (scale < field.max() - field.min()) scale *= 2;
+  return scale;
 }
 
 std::string model_xml(const WorldSpec& spec) {
@@ -153,17 +170,17 @@ std::string model_xml(const WorldSpec& spec) {
   xml.add(
       "<option timestep='{:.17g}' gravity='{}' integrator='Euler' solver='Newton' cone='elliptic' "
       "jacobian='dense' iterations='{}' tolerance='{:.17g}' impratio='{:.17g}'/>",
-      spec.physics_dt, numbers(spec.gravity), spec.solver.iterations, spec.solver.tolerance,
+      spec.physics_dt, numbers(spec.gravity), spec.solver.iterations, solver_tolerance(spec.solver.tolerance),
       spec.contact.impratio);
   // As much room as can be needed (terrain_collision.h): MuJoCo's own memory grows with the square of the rows.
   const std::size_t loops = spec.robot->loops.size();
   const auto joints = static_cast<std::size_t>(spec.robot->joint_count());
   xml.add("<size nconmax='{}' njmax='{}'/>", kMaxContacts, 3 * kMaxContacts + 3 * loops + joints);
   if (const HeightField* field = spec.terrain.field()) {
-    // Elevation scale 1 m (heights are metres); the second figure is the depth of the solid below the lowest
-    // point.
+    // The second figure is the depth of the solid below the lowest point.
     xml.add("<asset><hfield name='terrain' nrow='{}' ncol='{}' size='{:.17g} {:.17g} {:.17g} 0.1'/></asset>",
-            field->rows(), field->columns(), field->size_x() / 2, field->size_y() / 2, 1.0);
+            field->rows(), field->columns(), field->size_x() / 2, field->size_y() / 2,
+            elevation_scale(*field));
   }
   xml.add("<worldbody>");
   add_terrain(xml, spec);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include <mujoco/mujoco.h>
 
@@ -11,6 +12,7 @@
 #include "crossgait/backends/mujoco/model.h"
 #include "crossgait/backends/mujoco/model_xml.h"
 #include "crossgait/backends/mujoco/terrain_collision.h"
+#include "crossgait/backends/mujoco/version.h"
 #include "crossgait/physics/principal_inertia.h"
 
 namespace crossgait::mujoco {
@@ -22,13 +24,36 @@ struct ShapeOwner {
   int body = -1, leg = -1;
 };
 
+EngineInfo make_info(bool loop_bias) {
+  const bool without = kHasLoopBias && !loop_bias;
+  return {CROSSGAIT_ENGINE_NAME + std::string(without ? "-loop_bias" : ""),
+          "MuJoCo",
+          mj_versionString(),
+          "soft contact, elliptic cones, Newton",
+          {.contact = "mujoco",
+           .loops = kHasLoopBias && loop_bias ? "mujoco with velocity bias" : "mujoco",
+           .joint_friction = "mujoco"},
+          {.soft_contact = true, .exact_field_query = true}};
+}
+
+/// The loops' rows as MuJoCo had them before it knew J' v: a_ref = -b v - k d(r) r.
+void take_loop_bias_away(mjData& d) noexcept {
+  for (int i = 0; i < d.ne; ++i) {
+    const mjtNum* const kbip = d.efc_KBIP + 4 * i;  // stiffness, damping, impedance
+    d.efc_aref[i] = -kbip[1] * d.efc_vel[i] - kbip[0] * kbip[2] * (d.efc_pos[i] - d.efc_margin[i]);
+  }
+}
+
 class MujocoBackend final : public PhysicsBackend {
  public:
-  explicit MujocoBackend(const WorldSpec& world)
-      : PhysicsBackend(world), collision_(robot(), spec().fixed_base, spec().terrain) {
+  /// @param loop_bias  see kHasLoopBias
+  MujocoBackend(const WorldSpec& world, bool loop_bias)
+      : PhysicsBackend(world),
+        takes_bias_away_(kHasLoopBias && !loop_bias),
+        collision_(robot(), spec().fixed_base, spec().terrain) {
     install_terrain_collision();
     model_ = compile_model(spec());
-    collision_.set_model(*model_);
+    collision_.set_model(*model_, robot());
     in_mujoco(who(), [this] {
       data_.reset(mj_makeData(model_.get()));
       query_.reset(mj_makeData(model_.get()));
@@ -38,16 +63,11 @@ class MujocoBackend final : public PhysicsBackend {
     reset();
   }
 
-  static const EngineInfo& the_info() {
-    static const EngineInfo kInfo{"mujoco",
-                                  "MuJoCo",
-                                  mj_versionString(),
-                                  "soft contact, elliptic cones, Newton",
-                                  {.contact = "mujoco", .loops = "mujoco", .joint_friction = "mujoco"},
-                                  {.soft_contact = true, .exact_field_query = true}};
-    return kInfo;
+  static const EngineInfo& the_info(bool loop_bias) {
+    static const EngineInfo kWith = make_info(true), kWithout = make_info(false);
+    return loop_bias ? kWith : kWithout;
   }
-  const EngineInfo& info() const override { return the_info(); }
+  const EngineInfo& info() const override { return the_info(!takes_bias_away_); }
 
  private:
   void index_elements() {
@@ -57,10 +77,12 @@ class MujocoBackend final : public PhysicsBackend {
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       bodies_[b] = mj_name2id(&m, mjOBJ_BODY, body_name(static_cast<int>(b)).c_str());
       for (std::size_t k = 0; k < robot().bodies[b].shapes.size(); ++k) {
-        const int geom =
-            mj_name2id(&m, mjOBJ_GEOM, shape_name(static_cast<int>(b), static_cast<int>(k)).c_str());
-        owners_[static_cast<std::size_t>(geom)] = {
-            static_cast<int>(b), leg_of_shape(robot(), static_cast<int>(b), static_cast<int>(k))};
+        const int body = static_cast<int>(b), shape = static_cast<int>(k);
+        for (int part = 0;; ++part) {
+          const int geom = mj_name2id(&m, mjOBJ_GEOM, shape_name(body, shape, part).c_str());
+          if (geom < 0) break;
+          owners_[static_cast<std::size_t>(geom)] = {body, leg_of_shape(robot(), body, shape)};
+        }
       }
     }
     // MuJoCo orders joints depth first, the description leg by leg.
@@ -103,6 +125,16 @@ class MujocoBackend final : public PhysicsBackend {
     }
   }
 
+  void step_once() noexcept {
+    if (!takes_bias_away_) {
+      mj_step(model_.get(), data_.get());
+      return;
+    }
+    mj_step1(model_.get(), data_.get());
+    take_loop_bias_away(*data_);
+    mj_step2(model_.get(), data_.get());
+  }
+
   StepStatus do_step(const JointVector& tau, const Vector3& push) noexcept override {
     mjData& d = *data_;
     for (std::size_t i = 0; i < v_address_.size(); ++i) {
@@ -110,7 +142,7 @@ class MujocoBackend final : public PhysicsBackend {
     }
     mju_copy3(d.xfrc_applied + 6 * base_body_, push.data());
     collision_.begin();
-    if (!try_in_mujoco(who(), [this] { mj_step(model_.get(), data_.get()); })) return StepStatus::kDiverged;
+    if (!try_in_mujoco(who(), [this] { step_once(); })) return StepStatus::kDiverged;
     // On a bad state MuJoCo warns and silently resets itself.
     const bool bad = d.warning[mjWARN_BADQPOS].number > 0 || d.warning[mjWARN_BADQVEL].number > 0 ||
                      d.warning[mjWARN_BADQACC].number > 0;
@@ -165,11 +197,9 @@ class MujocoBackend final : public PhysicsBackend {
     const double top = spec().terrain.field() != nullptr ? spec().terrain.field()->max() + 1 : 1;
     const std::array<mjtNum, 3> from{x, y, top}, down{0, 0, -1};
     constexpr std::array<mjtByte, 6> kTerrainOnly{1, 0, 0, 0, 0, 0};
-    int geom = -1;
     double distance = -1;
     in_mujoco(who(), [&] {
-      distance =
-          mj_ray(model_.get(), query_.get(), from.data(), down.data(), kTerrainOnly.data(), 1, -1, &geom);
+      distance = ray(model_.get(), query_.get(), from.data(), down.data(), kTerrainOnly.data());
     });
     return distance < 0 ? std::numeric_limits<double>::quiet_NaN() : top - distance;
   }
@@ -177,10 +207,10 @@ class MujocoBackend final : public PhysicsBackend {
   // A copy of the configuration for questions between steps, so that asking never disturbs the simulation.
   const mjData& refreshed_query() const {
     in_mujoco(who(), [this] {
-      mju_copy(query_->qpos, data_->qpos, model_->nq);
+      mju_copy(query_->qpos, data_->qpos, static_cast<int>(model_->nq));
       mj_kinematics(model_.get(), query_.get());
       mj_comPos(model_.get(), query_.get());
-      mj_crb(model_.get(), query_.get());
+      find_inertia(model_.get(), query_.get());
     });
     return *query_;
   }
@@ -194,9 +224,9 @@ class MujocoBackend final : public PhysicsBackend {
 
   Eigen::MatrixXd do_mass_matrix() const override {
     const mjData& d = refreshed_query();
-    const int nv = model_->nv, joints = robot().joint_count(), base = nv - joints;
+    const int nv = static_cast<int>(model_->nv), joints = robot().joint_count(), base = nv - joints;
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> M(nv, nv);
-    mj_fullM(model_.get(), M.data(), d.qM);
+    copy_inertia(model_.get(), &d, M.data());
     // Columns of S: MuJoCo's velocities (base: of its centre of mass, and angular in B; joints depth first)
     // per unit of ours.
     Eigen::MatrixXd S = Eigen::MatrixXd::Zero(nv, nv);
@@ -244,8 +274,8 @@ class MujocoBackend final : public PhysicsBackend {
     mjData& d = *data_;
     in_mujoco(who(), [this] { mj_resetData(model_.get(), data_.get()); });
     const double* next = engine.data();
-    const auto take = [&next](mjtNum* to, int count) {
-      mju_copy(to, next, count);
+    const auto take = [&next](mjtNum* to, auto count) {
+      mju_copy(to, next, static_cast<int>(count));
       next += count;
     };
     take(d.qpos, m.nq);
@@ -256,6 +286,7 @@ class MujocoBackend final : public PhysicsBackend {
     take(&d.time, 1);
   }
 
+  bool takes_bias_away_;
   mutable TerrainCollision collision_;  // questions between steps look for no contacts
   ModelPtr model_;
   DataPtr data_;
@@ -268,9 +299,9 @@ class MujocoBackend final : public PhysicsBackend {
 
 }  // namespace
 
-Engine engine() {
-  return {MujocoBackend::the_info(),
-          [](const WorldSpec& spec) { return std::make_unique<MujocoBackend>(spec); }};
+Engine engine(bool loop_bias) {
+  return {MujocoBackend::the_info(loop_bias),
+          [loop_bias](const WorldSpec& spec) { return std::make_unique<MujocoBackend>(spec, loop_bias); }};
 }
 
 }  // namespace crossgait::mujoco

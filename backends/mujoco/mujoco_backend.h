@@ -5,6 +5,7 @@
 
 namespace crossgait::mujoco {
 
-Engine engine();
+/// @param loop_bias  false: without what newer releases add to the law of the loops (version.h)
+Engine engine(bool loop_bias = true);
 
 }  // namespace crossgait::mujoco

@@ -1,9 +1,12 @@
-// The plug-in libcrossgait_engine_mujoco.so.
+// The plug-ins libcrossgait_engine_mujoco.so and, of further releases, libcrossgait_engine_mujoco@VERSION.so.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include "crossgait/backends/mujoco/mjcf_compiler.h"
 #include "crossgait/backends/mujoco/mujoco_backend.h"
+#include "crossgait/backends/mujoco/version.h"
 #include "crossgait/physics/engine_plugin.h"
 #include "crossgait/physics/error.h"
 
@@ -16,15 +19,44 @@ std::string version_of(int number) {
   return fmt::format("{}.{}.{}", number / (base * base), number / base % base, number % base);
 }
 
+constexpr std::string_view kName = CROSSGAIT_ENGINE_NAME;
+
+/// Changes of the law of the loops, one after the other, as far as there are any.
 std::optional<Engine> find(std::string_view name) {
-  const auto [base, changes] = split_factors(name);
-  if (base != "mujoco") return std::nullopt;
-  if (!changes.empty()) throw ConfigError("engine", "mujoco", "no factors: it has none", changes);
-  return engine();
+  auto [base, changes] = split_factors(name);
+  if (base != kName) return std::nullopt;
+  bool loop_bias = true;
+  while (!changes.empty()) {
+    const std::size_t end = std::min(changes.find_first_of("+-", 1), changes.size());
+    const std::string_view change = changes.substr(0, end);
+    if (!kHasLoopBias) throw ConfigError("engine", kName, "no factors: it has none", change);
+    if (change != (loop_bias ? "-loop_bias" : "+loop_bias")) {
+      throw ConfigError("engine", kName, loop_bias ? "-loop_bias" : "+loop_bias",
+                        fmt::format("\"{}\"", change));
+    }
+    loop_bias = !loop_bias;
+    changes.remove_prefix(end);
+  }
+  return engine(loop_bias);
+}
+
+std::vector<EngineFamily> families() {
+  if (!kHasLoopBias) return {};
+  EngineFamily family;
+  family.from = engine(false).name();
+  family.to = engine(true).name();
+  family.factors = {{"loop_bias",
+                     "loops' accelerations count what the motion makes of them (since MuJoCo 3.7)",
+                     {},
+                     [](const RobotDescription& robot) { return !robot.loops.empty(); }}};
+  family.with = [](const std::vector<std::string>& names) { return engine(!names.empty()); };
+  return {family};
 }
 
 constexpr EnginePlugin kPlugin{
-    .rank = 0,
+    // Further releases come last, so that who asks for no engine in particular gets the same ones with and
+    // without.
+    .rank = kName == "mujoco" ? 0 : 20,
     .header_version = [] { return version_of(mjVERSION_HEADER); },
     .library_version = [] { return version_of(mj_version()); },
     .engines =
@@ -32,7 +64,7 @@ constexpr EnginePlugin kPlugin{
           return std::vector<OfferedEngine>{
               {engine().info, "MuJoCo: soft contact, elliptic friction cones, Newton solver"}};
         },
-    .families = [] { return std::vector<EngineFamily>(); },
+    .families = families,
     .find = find,
     .compile_mjcf = compile_text,
 };

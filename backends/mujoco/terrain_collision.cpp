@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <string>
 #include <utility>
 
 #include "crossgait/backends/mujoco/convert.h"
@@ -16,7 +17,7 @@ struct TableEntry {
   static mjfCollision& place() { return mjCOLLISIONFUNC[kGround][kShape]; }
   static inline mjfCollision original = nullptr;
 
-  static int collide(const mjModel* m, const mjData* d, mjContact* contacts, int ground, int geom,
+  static int collide(const mjModel* m, CollisionData* d, FoundContact* contacts, int ground, int geom,
                      mjtNum margin) {
     // A sphere on a plane MuJoCo does to rounding as we do: only whether it is one of the deepest is ours to
     // say.
@@ -42,11 +43,19 @@ void install_row() {
 TerrainCollision::TerrainCollision(const RobotDescription& robot, bool fixed_base, const Terrain& terrain)
     : features_(contact_features(robot, fixed_base)), terrain_(terrain) {}
 
-void TerrainCollision::set_model(const mjModel& model) {
+void TerrainCollision::set_model(const mjModel& model, const RobotDescription& robot) {
   geoms_.clear();
   reach_.assign(static_cast<std::size_t>(model.ngeom), 0);
-  for (const ContactFeature& feature : features_) {
-    geoms_.push_back(mj_name2id(&model, mjOBJ_GEOM, shape_name(feature.body, feature.shape).c_str()));
+  int number = 0;  // among those of its shape
+  for (std::size_t i = 0; i < features_.size(); ++i) {
+    const ContactFeature& feature = features_[i];
+    const bool same_shape =
+        i > 0 && features_[i - 1].body == feature.body && features_[i - 1].shape == feature.shape;
+    number = same_shape ? number + 1 : 0;
+    const CollisionShape& shape =
+        robot.bodies[static_cast<std::size_t>(feature.body)].shapes[static_cast<std::size_t>(feature.shape)];
+    const std::string name = shape_name(feature.body, feature.shape, part_of(shape, number));
+    geoms_.push_back(mj_name2id(&model, mjOBJ_GEOM, name.c_str()));
     double& farthest = reach_[static_cast<std::size_t>(geoms_.back())];
     farthest = std::max(farthest, reach(feature));
   }
@@ -71,16 +80,16 @@ void TerrainCollision::find(const mjData& data) noexcept {
   found_ = true;
 }
 
-int TerrainCollision::write(const mjData& data, int geom, mjContact* contacts) noexcept {
+int TerrainCollision::write(const mjData& data, int geom, FoundContact* contacts) noexcept {
   if (!found_) find(data);
   int count = 0;
   for (const Point& point : points_) {
-    if (point.geom != geom || count == mjMAXCONPAIR) continue;
-    mjContact& contact = contacts[count++];
+    if (point.geom != geom || count == kMaxPlaneContacts) continue;
+    FoundContact& contact = contacts[count++];
     contact.dist = point.distance;
     mju_copy3(contact.pos, point.position.data());
-    mju_copy3(contact.frame, point.normal.data());
-    mju_zero3(contact.frame + 3);  // MuJoCo completes the tangents
+    mju_copy3(normal_of(contact), point.normal.data());
+    mju_zero3(tangent_of(contact));  // MuJoCo completes the tangents
   }
   return count;
 }

@@ -5,6 +5,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "crossgait/backends/mujoco/version.h"
 #include "crossgait/physics/contact_features.h"
 #include "crossgait/physics/state.h"
 
@@ -17,8 +18,8 @@ class TerrainCollision {
   /// @param terrain  has to outlive this
   TerrainCollision(const RobotDescription& robot, bool fixed_base, const Terrain& terrain);
 
-  /// Once the model is compiled, before its first step.
-  void set_model(const mjModel& model);
+  /// Once the model of the robot is compiled, before its first step.
+  void set_model(const mjModel& model, const RobotDescription& robot);
   /// Before every call that makes MuJoCo look for contacts.
   void begin() noexcept {
     found_ = false;
@@ -27,8 +28,8 @@ class TerrainCollision {
   /// How many points were too many, of the last step.
   int dropped() const noexcept { return points_.dropped; }
 
-  /// Fills in those of one geom, at most mjMAXCONPAIR. @returns how many
-  int write(const mjData& data, int geom, mjContact* contacts) noexcept;
+  /// Fills in those of one geom, at most kMaxPlaneContacts. @returns how many
+  int write(const mjData& data, int geom, FoundContact* contacts) noexcept;
 
  private:
   struct Point {

@@ -27,6 +27,15 @@ class PlantedFaults : public BackendTest {
     const std::vector<std::string> names = available_engines();
     return GetParam() != names.front() ? names.front() : names.back();
   }
+  /// The same among those of the same law of the loops, without which their softness is no fault of the
+  /// model; the audited one itself where it is alone.
+  static std::string reference_of_same_loops() {
+    std::vector<std::string> names = available_engines();
+    const std::string law = find_engine(GetParam()).info.laws.loops;
+    std::erase_if(names,
+                  [&law](const std::string& name) { return find_engine(name).info.laws.loops != law; });
+    return GetParam() != names.front() ? names.front() : names.back();
+  }
 };
 CROSSGAIT_FOR_EVERY_BACKEND(PlantedFaults);
 
@@ -50,7 +59,7 @@ TEST_P(PlantedFaults, AreNamed) {
     const WorldSpec sound = world_on(fault.terrain);
     WorldSpec faulty = sound;
     fault.plant(faulty);
-    const auto a = make_backend(reference(), sound), b = make(faulty);
+    const auto a = make_backend(reference_of_same_loops(), sound), b = make(faulty);
     const std::vector<AuditFinding> findings = audit_models(*a, *b);
     EXPECT_FALSE(findings.empty());
     if (findings.empty()) continue;
@@ -118,6 +127,16 @@ std::size_t index_of(const std::vector<Statistic>& statistics, const std::string
   return static_cast<std::size_t>(it - statistics.begin());
 }
 
+// Those whose ends differ in the law of contact, which is what the faults below are made of.
+std::vector<EngineFamily> contact_families() {
+  std::vector<EngineFamily> chosen;
+  for (const EngineFamily& family : engine_families()) {
+    if (find_engine(family.from).info.laws.contact != find_engine(family.to).info.laws.contact)
+      chosen.push_back(family);
+  }
+  return chosen;
+}
+
 // Every two ends of a family are two engines that differ.
 TEST(PlantedBehaviours, ACarefulCrawlAgrees) {
   for (const EngineFamily& family : engine_families()) {
@@ -134,7 +153,7 @@ TEST(PlantedBehaviours, ACarefulCrawlAgrees) {
 
 // Friction that only damps slip lets a robot glide down a slope without a step.
 TEST(PlantedBehaviours, AGlideOnSoftFrictionIsTheEnginesAndItsFrictionIsNamed) {
-  for (const EngineFamily& ends : engine_families()) {
+  for (const EngineFamily& ends : contact_families()) {
     const WorldSpec spec = world_on("slope:angle=20");
     const auto stand = [](std::shared_ptr<const RobotDescription> robot) {
       LegArray<Vector3> feet = standing_feet("trot", *robot);
@@ -153,7 +172,7 @@ TEST(PlantedBehaviours, AGlideOnSoftFrictionIsTheEnginesAndItsFrictionIsNamed) {
 
 // The last engine of a family with all but one of its factors out of action: the one left is to be named.
 TEST(PlantedBehaviours, ASingleHiddenFactorIsNamed) {
-  for (const EngineFamily& ends : engine_families()) {
+  for (const EngineFamily& ends : contact_families()) {
     for (const std::string hidden : {"coulomb", "hard_friction", "hard_normal"}) {
       EngineFamily family = shortened(ends);
       family.with = [with = family.with, hidden](const std::vector<std::string>& names) {

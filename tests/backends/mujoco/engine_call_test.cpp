@@ -28,8 +28,14 @@ struct ControlCallback {
 
 /// MuJoCo's own error for a stack that is too small, with part of the stack taken.
 void overflow_stack(const mjModel* /*m*/, mjData* d) {
+#if mjVERSION_HEADER < 300
   mj_stackAlloc(d, d->nstack / 2);
   mj_stackAlloc(d, d->nstack);
+#else
+  mj_markStack(d);
+  mj_stackAllocByte(d, static_cast<std::size_t>(d->narena) / 2, 8);
+  mj_stackAllocByte(d, static_cast<std::size_t>(d->narena), 8);
+#endif
 }
 
 WorldSpec on_a_field() {

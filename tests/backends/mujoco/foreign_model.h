@@ -2,27 +2,23 @@
 #pragma once
 
 #include <array>
-#include <cstring>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include "crossgait/backends/mujoco/file_system.h"
 #include "crossgait/backends/mujoco/model.h"
 
 namespace crossgait::mujoco {
 
 /// @param xml  MJCF text
 inline ModelPtr compile_text(const std::string& xml) {
-  const auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "model.xml", static_cast<int>(xml.size()));
-  std::memcpy(files->filedata[0], xml.data(), xml.size());
+  FileSystem files;
+  files.add("model.xml", xml);
   std::array<char, 1000> error{};
   ModelPtr model(mj_loadXML("model.xml", files.get(), error.data(), static_cast<int>(error.size())));
-  mj_deleteVFS(files.get());
   EXPECT_NE(model, nullptr) << error.data();
   return model;
 }
