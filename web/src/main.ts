@@ -79,10 +79,10 @@ class Stage {
     this.show();
   }
 
-  private divergences<T>(make: (words: string, at: number) => T): T[] {
+  private divergences<T>(make: (words: string, at: number, names: string) => T): T[] {
     return this.motion.pairs.flatMap(({ a, b, first_divergence: first }) => {
       const names = `${this.motion.runs[a]!.name} and ${this.motion.runs[b]!.name}`;
-      return first ? [make(`${names} part: ${first.quantity} beyond ${first.tolerance}, at ${first.time_s.toFixed(3)} s`, first.time_s)] : [];
+      return first ? [make(`${names} part: ${first.quantity} beyond ${first.tolerance}, at ${first.time_s.toFixed(3)} s`, first.time_s, names)] : [];
     });
   }
   private tools(runs: Run[]): HTMLElement[] {
@@ -103,8 +103,8 @@ class Stage {
       this.view.paint();
       this.view.look("quarter");
     });
-    const parted = this.divergences((words, at) =>
-      button(`parting ${at.toFixed(3)} s`, `${words}. Go there (p)`, () => {
+    const parted = this.divergences((words, at, names) =>
+      button(`${names} part at ${at.toFixed(3)} s`, `${words}. Go there (p)`, () => {
         this.player.playing = false;
         this.player.seek(at);
       }),

@@ -18,10 +18,10 @@ interface Key {
   colour: () => string;
 }
 
-function key(label: string, dashed: boolean, colour: () => string, title = label): Key {
+function key(label: string, dashed: boolean, colour: () => string, title = label, hidden = false): Key {
   const value = h("output", { "aria-label": title }, "");
   const mark = h("i", { class: dashed ? "mark dashed" : "mark" });
-  const element = h("span", { class: "key", title }, mark, label ? `${label} ` : "", value);
+  const element = h("span", { class: "key", title, hidden }, mark, label ? `${label} ` : "", value);
   return { element, value, colour };
 }
 
@@ -167,9 +167,11 @@ class SeriesPlot extends TimePlot {
     const keys = panel.series.map((s, i) => {
       const name = runs[s.run]!.name;
       // Engines are known by their colours, which the gait diagram and the list below the robot name.
-      const label = several && s.other === undefined ? "" : s.label;
+      const label = several && s.other === undefined && !s.dashed ? "" : s.label;
       const colour = s.other === undefined ? () => theme.colour(s.run) : () => theme.colour(i);
-      return key(label, s.dashed, colour, `${s.label} ${s.other === undefined ? name : ""}`.trim());
+      // Of targets one entry will do: they are beside the angles of the same colour.
+      const again = s.dashed && panel.series.findIndex((other) => other.dashed) < i;
+      return key(label, s.dashed, colour, `${s.label} ${s.other === undefined ? name : ""}`.trim(), again);
     });
     super(player, panel.leg ? `${panel.leg}: ${panel.title.toLowerCase()}` : panel.title, panel.unit === "-" ? "" : panel.unit, keys, marks);
     this.data = join(runs, panel, numbers);
