@@ -11,7 +11,7 @@ import {
   Line,
   LineBasicMaterial,
   Mesh,
-  MeshStandardMaterial,
+  MeshLambertMaterial,
   Object3D,
   Quaternion,
   SphereGeometry,
@@ -76,7 +76,7 @@ class Arrow extends Group {
 
   constructor(
     private readonly radius: number,
-    material: MeshStandardMaterial,
+    material: MeshLambertMaterial,
   ) {
     super();
     this.shaft = new Mesh(new CylinderGeometry(radius, radius, 1, 10).translate(0, 0.5, 0).rotateX(Math.PI / 2), material);
@@ -102,8 +102,8 @@ export class RobotView extends Group {
   readonly arrows = new Group();
   readonly trails = new Group();
   private readonly robot = new Group();
-  private readonly materials: { material: MeshStandardMaterial; own: Color }[] = [];
-  private readonly arrowMaterial = new MeshStandardMaterial({ roughness: 0.6 });
+  private readonly materials: { material: MeshLambertMaterial; own: Color }[] = [];
+  private readonly arrowMaterial = new MeshLambertMaterial();
   private readonly trailMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.9 });
   private readonly from = new Quaternion();
   private readonly to = new Quaternion();
@@ -186,7 +186,7 @@ export class RobotView extends Group {
   private meshOf(shape: Shape, geometry: BufferGeometry): Mesh {
     const [r, g, b] = shape.rgba ?? PLAIN;
     const own = new Color(r, g, b);
-    const material = new MeshStandardMaterial({ color: own, roughness: 0.62, metalness: 0.05, flatShading: shape.type === "mesh" });
+    const material = new MeshLambertMaterial({ color: own, flatShading: shape.type === "mesh" });
     this.materials.push({ material, own });
     const mesh = new Mesh(geometry, material);
     mesh.position.set(...shape.position);

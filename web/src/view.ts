@@ -9,7 +9,7 @@ import {
   LineBasicMaterial,
   LineSegments,
   Mesh,
-  MeshStandardMaterial,
+  MeshLambertMaterial,
   PerspectiveCamera,
   PlaneGeometry,
   Scene as ThreeScene,
@@ -94,8 +94,10 @@ export class View {
   readonly shown: boolean[];
   private readonly renderer: WebGLRenderer;
   private readonly groups: Group[] = [];
-  private readonly grounds: { whole: Group; strip: Group }[] = [];
-  private readonly groundMaterial = new MeshStandardMaterial({ roughness: 0.95 });
+  private ground: Group | null = null;
+  /** Of every run, made when they first stand side by side. */
+  private strips: Group[] = [];
+  private readonly groundMaterial = new MeshLambertMaterial({ vertexColors: true });
   private readonly gridMaterial = new LineBasicMaterial();
   private readonly sun = new DirectionalLight(0xffffff, 2.2);
   private readonly sky = new HemisphereLight(0xffffff, 0x8d8a80, 1.5);
@@ -105,15 +107,16 @@ export class View {
   constructor(
     private readonly motion: Motion,
     private readonly runs: Run[],
-    numbers: Numbers,
+    private readonly numbers: Numbers,
     readonly canvas: HTMLCanvasElement,
   ) {
     this.shown = runs.map(() => true);
     // Kept after drawing, so that it can be printed and copied.
     this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
     this.renderer.shadowMap.enabled = true;
+    this.renderer.debug.checkShaderErrors = false; // asking waits until they are compiled
     this.camera.up.set(0, 0, 1);
-    this.build(numbers);
+    this.build();
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
     this.watched.copy(this.base());
@@ -128,9 +131,9 @@ export class View {
     return this.motion.scene.standing_height || 0.2;
   }
 
-  private build(numbers: Numbers): void {
+  private build(): void {
     const { scene } = this.motion;
-    const parts = new RobotParts(scene, numbers);
+    const parts = new RobotParts(scene, this.numbers);
     const loads: number[] = [];
     for (const { forces } of this.runs) {
       for (let i = 0; i < forces.length; i += 3) loads.push(Math.hypot(forces[i]!, forces[i + 1]!, forces[i + 2]!));
@@ -142,29 +145,29 @@ export class View {
       const group = new Group();
       const robot = new RobotView(run, parts, perNewton);
       robot.name = run.name;
-      const ground = { whole: this.groundOf(numbers, scene.reach), strip: this.groundOf(numbers, 2.6 * this.size) };
-      group.add(robot, ground.whole, ground.strip);
+      group.add(robot);
       this.three.add(group);
       this.robots.push(robot);
       this.groups.push(group);
-      this.grounds.push(ground);
     }
+    this.ground = this.groundOf(scene.reach);
+    this.three.add(this.ground);
     const reach = 6 * this.size;
     this.sun.castShadow = true;
-    this.sun.shadow.mapSize.set(2048, 2048);
+    this.sun.shadow.mapSize.set(1024, 1024);
     Object.assign(this.sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.01, far: 12 * reach });
     this.sun.shadow.normalBias = 0.01 * this.size;
     this.sky.position.set(0, 0, 1);
     this.three.add(this.sun, this.sun.target, this.sky);
   }
 
-  private groundOf(numbers: Numbers, beside: number): Group {
+  private groundOf(beside: number): Group {
     const { ground, way, reach } = this.motion.scene;
     const group = new Group();
     const [x0, x1] = [way[0] - reach, way[2] + reach];
     const [y0, y1] = [way[1] - beside, way[3] + beside];
     if (ground) {
-      group.add(new Mesh(fieldGeometry(ground, numbers, y0, y1), this.groundMaterial));
+      group.add(new Mesh(fieldGeometry(ground, this.numbers, y0, y1), this.groundMaterial));
     } else {
       const plane = new PlaneGeometry(x1 - x0, y1 - y0).translate((x0 + x1) / 2, (y0 + y1) / 2, 0);
       plane.setAttribute("color", new BufferAttribute(new Float32Array(12).fill(1), 3));
@@ -181,18 +184,24 @@ export class View {
     const several = this.runs.length > 1;
     const [, y0, , y1] = this.motion.scene.way;
     const apart = y1 - y0 + 5.4 * this.size;
-    this.groundMaterial.vertexColors = true;
     this.groundMaterial.color.set(theme.variable("--ground"));
     this.gridMaterial.color.set(theme.variable("--grid"));
     this.three.background = new Color(theme.variable("--sky"));
     this.sky.intensity = theme.name === "dark" ? 1.1 : 1.7;
+    if (this.sideBySide && this.strips.length === 0) {
+      this.strips = this.groups.map((group) => {
+        const strip = this.groundOf(2.6 * this.size);
+        group.add(strip);
+        return strip;
+      });
+    }
+    if (this.ground) this.ground.visible = !this.sideBySide;
+    for (const strip of this.strips) strip.visible = this.sideBySide;
     const seen = this.shown.flatMap((shown, i) => (shown ? [i] : []));
     this.groups.forEach((group, i) => {
       group.visible = this.shown[i]!;
       const place = seen.indexOf(i);
       group.position.y = this.sideBySide ? ((seen.length - 1) / 2 - place) * apart : 0;
-      this.grounds[i]!.whole.visible = !this.sideBySide && place === 0;
-      this.grounds[i]!.strip.visible = this.sideBySide;
       const robot = this.robots[i]!;
       robot.paint(theme.colour(i), !several, several && !this.sideBySide && place > 0);
       robot.arrows.visible = this.forces;
