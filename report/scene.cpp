@@ -109,6 +109,12 @@ class Shapes {
     if (is_new) {
       const TriangleMesh mesh = read_mesh_triangles(file);
       vertices_ += mesh.vertices.size();
+      triangles_ += mesh.triangles.size() / 3;
+      if (triangles_ > kMeshBudget.values) {
+        throw ConfigError(file, "file",
+                          fmt::format("at most {} triangles in all meshes of a robot", kMeshBudget.values),
+                          "more");
+      }
       if (vertices_ > kMaxRobotMeshVertices) {
         throw ConfigError(file, "file",
                           fmt::format("at most {} vertices in all meshes of a robot", kMaxRobotMeshVertices),
@@ -124,7 +130,7 @@ class Shapes {
   ordered_json& notes_;
   ordered_json meshes_ = ordered_json::array();
   std::map<std::string, std::size_t> known_;
-  std::size_t vertices_ = 0;
+  std::size_t vertices_ = 0, triangles_ = 0;
 };
 
 ordered_json legs_of(const RobotDescription& robot) {

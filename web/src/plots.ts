@@ -75,7 +75,7 @@ abstract class TimePlot {
       if (over.hasPointerCapture(event.pointerId)) seek(event);
     });
     this.recolour();
-    this.show();
+    queueMicrotask(() => this.show()); // behind the plot's own, in which it finds its scales
   }
   resize(): void {
     const width = this.holder.clientWidth;
@@ -104,7 +104,7 @@ abstract class TimePlot {
     return {
       width,
       height: this.height,
-      padding: [6, 10, 0, 0],
+      padding: [6, 18, 0, 0],
       legend: { show: false },
       cursor: { y: false, points: { show: false }, drag: { x: false, y: false }, bind: NOTHING },
       axes: axes(unit),
@@ -183,7 +183,7 @@ class SeriesPlot extends TimePlot {
     const series: uPlot.Series[] = this.panel.series.map((s, i) => ({
       stroke: () => this.keys[i]!.colour(),
       // Engines that agree lie on each other: those behind are wider.
-      width: s.dashed ? 1 : several && s.other === undefined ? 1.1 + (0.8 * (count - 1 - s.run)) : 1.4,
+      width: s.dashed ? 1 : several ? 1.1 + 0.8 * Math.max(0, count - 1 - i) : 1.4,
       ...(s.dashed ? { dash: [5, 4] } : {}),
       points: { show: false },
       spanGaps: !this.panel.log,
@@ -192,7 +192,11 @@ class SeriesPlot extends TimePlot {
       scales: { x: { time: false }, y: this.panel.log ? { distr: 3 } : {} },
       series: [{}, ...series],
     });
-    if (this.panel.log) options.axes![1]!.values = (_, at) => at.map((v) => (v === null || !isPower(v) ? "" : v.toExponential(0)));
+    if (this.panel.log) {
+      options.axes![1]!.splits = (_u, _axis, low, high) => powers(low, high);
+      options.axes![1]!.filter = (_, at) => at; // they are few already
+      options.axes![1]!.values = (_, at) => at.map((v) => v.toExponential(0).replace("-", "\u2212"));
+    }
     return new uPlot(options, this.data as uPlot.AlignedData, this.holder);
   }
   protected showValues(): void {
@@ -211,9 +215,13 @@ class SeriesPlot extends TimePlot {
   }
 }
 
-function isPower(value: number): boolean {
-  const exponent = Math.log10(value);
-  return Math.abs(exponent - Math.round(exponent)) < 1e-9;
+/** Powers of ten between two numbers, at most eight, evenly apart. */
+function powers(low: number, high: number): number[] {
+  const [first, last] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
+  const apart = Math.max(1, Math.ceil((last - first) / 7));
+  const found: number[] = [];
+  for (let exponent = first; exponent <= last; exponent += apart) found.push(10 ** exponent);
+  return found;
 }
 
 /** Which feet were on the ground, and which were meant to be. */

@@ -71,6 +71,18 @@ test("a comparison of three engines loads, small and soon", async () => {
     return new Set(new Uint32Array(context.getImageData(0, 0, 64, 64).data.buffer)).size;
   });
   assert.ok(pixels > 100, `a picture of ${pixels} colours`);
+  // Every plot is drawn, also those that nobody has scrolled to.
+  const drawn = await page.evaluate(() => {
+    const shown = window.crossgait.plots.all.filter((p) => p.element.offsetParent);
+    for (const plot of shown) plot.ensure();
+    return [shown.length, document.querySelectorAll(".plot canvas").length];
+  });
+  await page.waitForTimeout(200);
+  assert.ok(drawn[0] >= 18 && drawn[1] === drawn[0], `${drawn[1]} of ${drawn[0]} plots`);
+  await page.evaluate(() => window.crossgait.player.seek(2));
+  await page.evaluate(() => document.querySelectorAll(".panel:not([hidden])").forEach((panel) => panel.scrollIntoView()));
+  await page.waitForFunction(() => window.crossgait.plots.all.some((p) => p.visible && p.panel?.group === "differences"));
+  await expectCursorsAt(page, 2);
   assert.deepEqual(problems, []);
   await page.close();
 });
