@@ -9,10 +9,8 @@
 
 namespace crossgait::apps {
 
-void PageOption::add_to(CLI::App& command) {
-  add_output_option(command, "--report", path_,
-                    "Write a page that replays it in 3D, with plots, as one HTML file")
-      ->type_name("FILE.html");
+void PageOption::add_to(CLI::App& command, const std::string& help) {
+  add_output_option(command, "--report", path_, help)->type_name("FILE.html");
 }
 
 void PageOption::check(const WalkConfig& config) const {

@@ -73,8 +73,9 @@ nlohmann::ordered_json verdict_document(const nlohmann::json& verdict, const std
             {"left_out", texts(verdict, "left_out")},
             {"statistics", std::move(statistics)},
             {"models", std::move(models)},
-            {"attribution",
-             verdict.contains("attribution") ? attribution(verdict.at("attribution")) : ordered_json()}};
+            {"attribution", verdict.contains("attribution") && !verdict.at("attribution").is_null()
+                                ? attribution(verdict.at("attribution"))
+                                : ordered_json()}};
   } catch (const Json::exception& problem) {
     throw ConfigError(file, "verdict", "a result as `crossgait verdict --json` writes it", problem.what());
   }

@@ -77,6 +77,18 @@ TEST_F(Report, AComparisonShowsWhatItSays) {
   EXPECT_EQ(document.at("sentences").size(), pairs.size());
 }
 
+TEST_F(Report, AVerdictAndItsResultGiveTheSamePage) {
+  if (available_engines().size() < 2) GTEST_SKIP() << "one engine";
+  const std::string verdict = "verdict --seconds .1 --settle .1 --starts 4";
+  ASSERT_EQ(run_program(verdict + " --report report_v.html --json report_v.json").exit_code, 0);
+  ASSERT_EQ(run_program("report report_v.json --out report_v_again.html").exit_code, 0);
+  const json document = document_of("report_v.html");
+  EXPECT_EQ(document, document_of("report_v_again.html"));
+  EXPECT_EQ(document.at("verdicts").at(0).at("statistics").size(),
+            json::parse(read_file("report_v.json")).at("statistics").size());
+  EXPECT_TRUE(document.at("motion").is_null());
+}
+
 TEST_F(Report, ARobotWithAHostileNameIsShownNotRun) {
   const std::string folder = std::string(CROSSGAIT_SOURCE_DIR) + "/models/robots/scara_quadruped/";
   std::string yaml = read_file(folder + "robot.yaml");

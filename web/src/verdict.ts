@@ -69,7 +69,7 @@ function attribution(verdict: Verdict): HTMLElement | null {
 
 export function verdictSection(verdict: Verdict): HTMLElement {
   const axis = new Axis(verdict);
-  const header = ["statistic", verdict.a, verdict.b, "gap", "\u00b1", "spread", "gap over spread", "verdict"];
+  const header = ["statistic", verdict.a, verdict.b, "gap", "\u00b1", "spread or floor", "gap over it", "verdict"];
   const rows = verdict.statistics.map((s) =>
     h(
       "tr",
@@ -92,7 +92,7 @@ export function verdictSection(verdict: Verdict): HTMLElement {
     h("h2", {}, `${verdict.a} and ${verdict.b} `, h("span", { class: `word ${verdict.word}` }, verdict.word)),
     h("p", {}, `${verdict.behaviour}, ${verdict.starts} starts. The gap between the engines over the spread within each: up to ${verdict.limit} (shaded) they agree. Intervals hold together with ${100 * verdict.confidence} % confidence.`),
     h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ...header.map((text) => h("th", { scope: "col" }, text)))), h("tbody", {}, ...rows, scale))),
-    h("p", { class: "muted" }, `The spread is that of ${verdict.variations.join(", ")}${verdict.left_out.length > 0 ? `; left out: ${verdict.left_out.join("; ")}` : ""}.`),
+    h("p", { class: "muted" }, `Spread over the starts and over: ${verdict.variations.join(", ")}${verdict.left_out.length > 0 ? `; left out: ${verdict.left_out.join("; ")}` : ""}.`),
     models.length > 0 ? h("div", {}, h("h3", {}, "The two engines hold different machines"), h("ul", {}, ...models)) : null,
     attribution(verdict),
   );
