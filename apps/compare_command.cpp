@@ -8,12 +8,14 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/interruption.h"
+#include "crossgait/apps/page_option.h"
 #include "crossgait/apps/walk_options.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/report.h"
 #include "crossgait/parity/verdict_report.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/report/verdict_document.h"
 #include "crossgait/study/rollout.h"
 #include "crossgait/study/walk.h"
 
@@ -26,6 +28,7 @@ struct CompareCommand {
   CompareOptions compare;
   bool require = false;
   std::string trace;
+  PageOption page;
   JsonOption json;
 };
 
@@ -36,26 +39,42 @@ std::string trace_path(const std::string& path, std::string backend) {
   return (p.parent_path() / (p.stem().string() + "." + backend + p.extension().string())).string();
 }
 
-// One trace per engine, where they are asked for.
-class Traces {
+// One trace per engine, and the steps of all for a page, where they are asked for.
+class Recorders {
  public:
-  Traces(const CompareCommand& options, const std::string& robot, const std::vector<std::string>& engines) {
+  Recorders(const CompareCommand& options, const WalkConfig& config,
+            const std::vector<std::string>& engines) {
+    if (options.page.asked()) page_.emplace(config, engines.size());
     if (options.trace.empty()) return;
-    const auto description = std::make_shared<const RobotDescription>(load_robot(find_robot(robot)));
+    const auto description = std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot)));
     for (const std::string& engine : engines)
       writers_.push_back(std::make_unique<TraceWriter>(description, trace_path(options.trace, engine)));
   }
-  SampleObserver observer() const {
-    if (writers_.empty()) return {};
-    return [this](std::size_t run, const TraceSample& sample) { writers_[run]->add(sample); };
+  SampleObserver observer() {
+    if (writers_.empty() && !page_) return {};
+    return [this](std::size_t run, const TraceSample& sample) {
+      if (!writers_.empty()) writers_[run]->add(sample);
+      if (page_) page_->add(run, sample);
+    };
   }
-  void finish() {
+  void finish_traces() {
     for (const auto& writer : writers_) writer->finish();
   }
+  std::optional<PageRecorder>& page() { return page_; }
 
  private:
   std::vector<std::unique_ptr<TraceWriter>> writers_;
+  std::optional<PageRecorder> page_;
 };
+
+ReportPage page_of(const WalkComparison& result, PageRecorder& recorder, const Provenance& provenance) {
+  ReportPage page = recorder.page(result.comparison.runs, result.comparison.pairs);
+  page.sentences = describe_pairs(result.comparison);
+  for (const Verdict& verdict : result.verdicts)
+    page.verdicts.push_back(verdict_document(to_json(verdict), "verdict"));
+  page.provenances.push_back(to_json(provenance));
+  return page;
+}
 
 std::int64_t steps_of(const Comparison& comparison, const std::string& engine) {
   const auto run = std::find_if(comparison.runs.begin(), comparison.runs.end(),
@@ -107,11 +126,13 @@ void run(const CompareCommand& options) {
   check_required(options, engines);
   const Provenance provenance =
       options.json.provenance({WalkOptions::subject(config), engines, {{"--engines", engines}}});
-  Traces traces(options, config.robot, engines);
+  options.page.check(config);
+  Recorders recorders(options, config, engines);
   Stages stages;
   const WalkComparison result =
-      compare_walks(config, engines, options.compare, stages.progress(), traces.observer());
-  traces.finish();
+      compare_walks(config, engines, options.compare, stages.progress(), recorders.observer());
+  recorders.finish_traces();
+  if (recorders.page()) options.page.write(page_of(result, *recorders.page(), provenance));
   options.json.emit(
       describe(result.comparison) + (options.compare.verdict ? describe_verdicts(result) : kHint),
       report(result), provenance);
@@ -155,6 +176,7 @@ void add_compare_command(CLI::App& program) {
       ->check(CLI::PositiveNumber);
   add_output_option(*command, "--trace", options->trace,
                     "Write one CSV per engine: FILE.csv becomes FILE.<engine>.csv");
+  options->page.add_to(*command);
   command->add_flag("--require", options->require,
                     "Exit code 1 if engines of the same laws are not the same within 1e-6 m and rad");
   command->add_flag(

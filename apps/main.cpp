@@ -47,6 +47,7 @@ void add_commands(CLI::App& program, std::vector<std::string>& again) {
   add_gait_command(program);
   add_workspace_command(program);
   add_plot_command(program);
+  add_report_command(program, again);
   add_env_command(program);
   add_rollout_command(program);
   add_transfer_command(program);

@@ -10,6 +10,7 @@
 #include "crossgait/apps/command.h"
 #include "crossgait/apps/trace_figure.h"
 #include "crossgait/parity/schema.h"
+#include "crossgait/parity/stances.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
@@ -21,8 +22,8 @@ struct PlotCommandOptions {
   std::string trace, out;
   std::vector<std::string> what{"all"};
   std::string robot = "scara_quadruped";
-  double shortest = 0.02;  // contact in the gait diagram, s
-  bool constant = false;   // also parameters that never change
+  double shortest = kShortestContact;  // contact in the gait diagram, s
+  bool constant = false;               // also parameters that never change
   JsonOption json;
 };
 

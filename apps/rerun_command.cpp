@@ -3,22 +3,8 @@
 
 #include "crossgait/apps/command.h"
 #include "crossgait/physics/error.h"
-#include "crossgait/physics/text.h"
 
 namespace crossgait::apps {
-namespace {
-
-Recorded read_result(const std::string& file) {
-  const std::string text = read_text_file(file, kResultBudget);
-  check_json_budget(text, kResultBudget, file);
-  nlohmann::json result = nlohmann::json::parse(text, nullptr, false);
-  if (!result.is_object())
-    throw ConfigError(file, "file", "a result as `--json` writes it", "no JSON object");
-  return {file, std::move(result)};
-}
-
-}  // namespace
-
 void add_rerun_command(CLI::App& program, std::vector<std::string>& again) {
   CLI::App* command =
       program.add_subcommand("rerun", "Make a stored result again, and say whether it is the same");

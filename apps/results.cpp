@@ -16,6 +16,7 @@
 #include "crossgait/backends/registry.h"
 #include "crossgait/physics/atomic_file.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/text.h"
 #include "crossgait/study/run_spec.h"
 
 namespace crossgait::apps {
@@ -173,6 +174,15 @@ void JsonOption::emit(const std::string& text, ordered_json json, const Provenan
 
 void JsonOption::emit(const std::string& text, ordered_json json) const {
   emit(text, std::move(json), provenance());
+}
+
+Recorded read_result(const std::string& file) {
+  const std::string text = read_text_file(file, kResultBudget);
+  check_json_budget(text, kResultBudget, file);
+  Json result = Json::parse(text, nullptr, false);
+  if (!result.is_object())
+    throw ConfigError(file, "file", "a result as `--json` writes it", "no JSON object");
+  return {file, std::move(result)};
 }
 
 void make_again(Recorded recorded) { recorded_result = std::move(recorded); }

@@ -74,6 +74,8 @@ struct Recorded {
   nlohmann::json result;
 };
 void make_again(Recorded recorded);
+/// @throws ConfigError if the file is no JSON object, or beyond kResultBudget
+Recorded read_result(const std::string& file);
 
 /// @throws std::runtime_error if standard output does not take it
 void print(const std::string& text);

@@ -7,6 +7,7 @@
 
 #include "crossgait/gait/parameters.h"
 #include "crossgait/ik/leg_kinematics.h"
+#include "crossgait/parity/stances.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/math.h"
 #include "crossgait/physics/multibody.h"
@@ -52,12 +53,6 @@ Panel time_panel(std::string title, std::string y_label) {
   return panel;
 }
 
-/// Time from each row to the next; the last row lasts as long as the one before.
-double row_end(const std::vector<double>& time, std::size_t row) {
-  if (row + 1 < time.size()) return time[row + 1];
-  return row > 0 ? 2 * time[row] - time[row - 1] : time[row];
-}
-
 Vector3 vector_at(const TraceTable& trace, const std::string& prefix, std::size_t row) {
   return {trace.column(prefix + ".x")[row], trace.column(prefix + ".y")[row],
           trace.column(prefix + ".z")[row]};
@@ -90,27 +85,6 @@ std::vector<const std::vector<double>*> joint_columns(const TraceTable& trace,
   columns.reserve(static_cast<std::size_t>(robot.joint_count()));
   for (int i = 0; i < robot.joint_count(); ++i) columns.push_back(&trace.column("q." + robot.joint(i).name));
   return columns;
-}
-
-/// A time in which a foot is on the ground.
-struct Stance {
-  double begin = 0, end = 0;  // s
-};
-
-/// @param contact  1 where there is contact  @param shortest  gaps, then stances, below it are left out, s
-std::vector<Stance> stances(const std::vector<double>& time, const std::vector<double>& contact,
-                            double shortest) {
-  std::vector<Stance> all;
-  for (std::size_t i = 0; i < contact.size(); ++i) {
-    if (contact[i] == 0) continue;
-    // A foot that bounces off for less than `shortest` has not left.
-    const bool touches_down = i == 0 || contact[i - 1] == 0;
-    if (touches_down && (all.empty() || time[i] - all.back().end >= shortest))
-      all.push_back({time[i], time[i]});
-    all.back().end = row_end(time, i);
-  }
-  std::erase_if(all, [shortest](const Stance& s) { return s.end - s.begin < shortest; });
-  return all;
 }
 
 }  // namespace

@@ -8,10 +8,12 @@
 
 #include "crossgait/apps/env_options.h"
 #include "crossgait/apps/interruption.h"
+#include "crossgait/apps/page_option.h"
 #include "crossgait/apps/walk_options.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/report/verdict_document.h"
 #include "crossgait/study/judgement.h"
 #include "crossgait/study/run_store.h"
 
@@ -24,6 +26,7 @@ struct VerdictCommand {
   StartRanges starts;
   JudgementOptions judgement;
   std::string policy, config;
+  PageOption page;
   JsonOption json;
 };
 
@@ -61,6 +64,7 @@ std::string what_is_kept(const std::string& stored_runs) {
 
 void run(const VerdictCommand& options) {
   const std::vector<std::string> engines = two_engines(options.engines);
+  if (options.page.asked()) require_page();
   const BehaviourSpec spec = behaviour(options);
   const Provenance provenance = options.json.provenance({to_json(spec), engines, {{"--engines", engines}}});
   Stages stages;
@@ -69,6 +73,13 @@ void run(const VerdictCommand& options) {
     judgement = judge_behaviour(spec, engines[0], engines[1], options.judgement, stages.progress());
   } catch (const Interrupted&) {
     throw EndedEarly(what_is_kept(options.judgement.stored_runs));
+  }
+  if (options.page.asked()) {
+    ReportPage page;
+    page.title = judgement->verdict.behaviour;
+    page.verdicts.push_back(verdict_document(to_json(*judgement), "verdict"));
+    page.provenances.push_back(to_json(provenance));
+    options.page.write(page);
   }
   options.json.emit(describe(*judgement), to_json(*judgement), provenance);
 }
@@ -139,6 +150,7 @@ void add_verdict_command(CLI::App& program) {
     config->excludes(command->get_option(other));
   command->add_flag("--explain", options->judgement.explain,
                     "Also say what the gap comes from, one modelling factor at a time");
+  options->page.add_to(*command, "Write a page that shows it between the limits, as one HTML file");
   options->json.add_to(*command);
   on_run(*command, [options] { run(*options); });
 }

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/interruption.h"
+#include "crossgait/apps/page_option.h"
 #include "crossgait/apps/walk_options.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/report.h"
@@ -18,6 +19,7 @@ struct WalkCommand {
   std::string engine = first_available();
   WalkOptions walk;
   std::string trace;
+  PageOption page;
   JsonOption json;
 };
 
@@ -25,16 +27,27 @@ void run(const WalkCommand& options) {
   const WalkConfig config = options.walk.make();
   const Provenance provenance = options.json.provenance(
       {options.walk.subject(config), {options.engine}, {{"--engine", {options.engine}}}});
+  options.page.check(config);
   const auto robot = std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot)));
   std::optional<TraceWriter> trace;
   if (!options.trace.empty()) trace.emplace(robot, options.trace);
-  const SampleObserver observer = [&trace](std::size_t, const TraceSample& sample) { trace->add(sample); };
+  std::optional<PageRecorder> recorder;
+  if (options.page.asked()) recorder.emplace(config, 1);
+  const SampleObserver observer = [&](std::size_t, const TraceSample& sample) {
+    if (trace) trace->add(sample);
+    if (recorder) recorder->add(0, sample);
+  };
 
   ProgressLine progress(fmt::format("{} in {}", config.gait.name(), options.engine));
   const WalkRun run = walk(
       config, options.engine, [&](double share) { progress.update(share); },
-      trace ? observer : SampleObserver());
+      trace || recorder ? observer : SampleObserver());
   if (trace) trace->finish();
+  if (recorder) {
+    ReportPage page = recorder->page({run}, {});
+    page.provenances.push_back(to_json(provenance));
+    options.page.write(page);
+  }
   options.json.emit(describe(run), report(run), provenance);
   if (run.interrupted) throw EndedEarly(how_far(run.summary.simulated_seconds, config.timing.seconds));
 }
@@ -54,6 +67,7 @@ void add_walk_command(CLI::App& program) {
   options->walk.add_to(*command);
   add_output_option(*command, "--trace", options->trace,
                     "Write state, targets and contacts of every control step as CSV");
+  options->page.add_to(*command);
   options->json.add_to(*command);
   on_run(*command, [options] { run(*options); });
 }

@@ -74,7 +74,6 @@ MotionSummary walk_once(const WorldSpec& world, const WalkSetup& setup, const St
   if (trace != nullptr) {
     observer = [trace](const WalkSample& sample) {
       trace->emplace_back(sample.world, sample.targets);
-      trace->back().torques = sample.world.torques();
       return true;
     };
   }

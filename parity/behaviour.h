@@ -59,7 +59,7 @@ struct Behaviour {
   std::vector<Statistic> statistics;
   /// @returns one value per statistic. @throws ConfigError
   std::function<std::vector<double>(const Engine& engine, const Variation& variation, std::size_t start)> run;
-  /// The same as a trace with torques, as asked, without the time to settle, so that the first touch is on
+  /// The same as a trace, as asked, without the time to settle, so that the first touch is on
   /// it. Empty for behaviours that record none.
   std::function<Trace(const Engine& engine, std::size_t start)> trace;
   double physics_dt = 0, control_dt = 0;  ///< s, as asked

@@ -169,10 +169,25 @@ nlohmann::ordered_json to_json(const Comparison& comparison) {
   return result;
 }
 
+std::vector<std::vector<std::string>> statistics_table(const std::vector<WalkRun>& runs) {
+  std::vector<std::vector<std::string>> table;
+  for (const Row& row : rows()) {
+    std::vector<std::string>& cells = table.emplace_back(1, row.label);
+    for (const WalkRun& run : runs) cells.push_back(row.value(run.summary));
+  }
+  return table;
+}
+
 std::string describe(const WalkRun& run) {
   Table table({heading(run), run.engine.name});
-  for (const Row& row : rows()) table.add_row({row.label, row.value(run.summary)});
+  for (std::vector<std::string>& cells : statistics_table({run})) table.add_row(std::move(cells));
   return table.str();
+}
+
+std::vector<std::string> describe_pairs(const Comparison& comparison) {
+  std::vector<std::string> sentences;
+  for (const PairDifference& pair : comparison.pairs) sentences.push_back(sentence(comparison, pair));
+  return sentences;
 }
 
 std::string describe(const Comparison& comparison) {
@@ -180,13 +195,9 @@ std::string describe(const Comparison& comparison) {
   std::vector<std::string> header{heading(comparison.runs.front())};
   for (const WalkRun& run : comparison.runs) header.push_back(run.engine.name);
   Table table(std::move(header));
-  for (const Row& row : rows()) {
-    std::vector<std::string> cells{row.label};
-    for (const WalkRun& run : comparison.runs) cells.push_back(row.value(run.summary));
-    table.add_row(std::move(cells));
-  }
+  for (std::vector<std::string>& cells : statistics_table(comparison.runs)) table.add_row(std::move(cells));
   std::string text = table.str() + "\n";
-  for (const PairDifference& pair : comparison.pairs) text += sentence(comparison, pair) + "\n";
+  for (const std::string& line : describe_pairs(comparison)) text += line + "\n";
   return text;
 }
 

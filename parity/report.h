@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -16,8 +17,12 @@ nlohmann::ordered_json to_json(const Comparison& comparison);
 
 /// "walked", "fell at 1.23 s".
 std::string outcome_in_words(const MotionSummary& motion);
+/// What the tables below hold: a row per statistic, its label (with the unit) and then a cell per run.
+std::vector<std::vector<std::string>> statistics_table(const std::vector<WalkRun>& runs);
 /// A table of one run's statistics.
 std::string describe(const WalkRun& run);
+/// How far each pair lies apart, a sentence per pair.
+std::vector<std::string> describe_pairs(const Comparison& comparison);
 /// Statistics of all runs side by side, then how far each pair lies apart, in words.
 std::string describe(const Comparison& comparison);
 

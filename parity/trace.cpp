@@ -8,11 +8,16 @@
 
 namespace crossgait {
 TraceSample::TraceSample(const PhysicsBackend& world, const ControlTargets& control)
-    : state(world.state()), targets(control.joints), plan(control.plan), parameters(control.parameters) {
+    : state(world.state()),
+      targets(control.joints),
+      torques(world.torques()),
+      plan(control.plan),
+      parameters(control.parameters) {
   const LegArray<FootContact> feet = world.foot_contacts();
   for (const Leg leg : kLegs) {
     contact[leg] = feet[leg].touching;
     load[leg] = feet[leg].force.norm();
+    force[leg] = feet[leg].force;
   }
 }
 

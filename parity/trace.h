@@ -18,7 +18,9 @@ struct TraceSample {
   JointTargets targets;
   LegArray<bool> contact{};
   LegArray<double> load{};  ///< magnitude of the force on each foot, N
-  JointVector torques;      ///< of the last physics step, N m; empty where the recorder did not ask for them
+  /// On each foot, in W, N.
+  LegArray<Vector3> force{{Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), Vector3::Zero()}};
+  JointVector torques;  ///< of the last physics step, N m; empty in samples that no world made
 
   std::optional<LegArray<LegPlan>> plan;     ///< what the legs were meant to do, where that is known
   std::optional<GaitParameters> parameters;  ///< of the gait, where there is one

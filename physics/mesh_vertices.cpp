@@ -1,8 +1,10 @@
 #include "crossgait/physics/mesh_vertices.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <string_view>
 #include <tuple>
 
@@ -42,6 +44,12 @@ class MeshVertices {
 
   [[noreturn]] void fail(std::size_t line, std::string_view expected, std::string_view found) const {
     throw ConfigError(path_, line == 0 ? "file" : fmt::format("line {}", line), expected, found);
+  }
+
+  /// In the order of the file.
+  std::vector<Vector3> all() {
+    if (vertices_.empty()) fail(0, "a mesh with vertices", "none");
+    return std::move(vertices_);
   }
 
   std::vector<Vector3> sorted() {
@@ -110,6 +118,48 @@ void read_stl(const std::string& text, MeshVertices& vertices) {
   }
 }
 
+/// Equal corners become one.
+TriangleMesh weld(const std::vector<Vector3>& corners) {
+  TriangleMesh mesh;
+  std::map<std::tuple<double, double, double>, std::uint32_t> known;
+  for (const Vector3& v : corners) {
+    const auto [it, is_new] =
+        known.try_emplace({v.x(), v.y(), v.z()}, static_cast<std::uint32_t>(mesh.vertices.size()));
+    if (is_new) mesh.vertices.push_back(v);
+    mesh.triangles.push_back(it->second);
+  }
+  return mesh;
+}
+
+/// Lines "f a b c ...", where each is a vertex's number from 1, or from the end if negative, and what follows
+/// a slash is of no interest.
+void read_faces(std::string_view text, const std::string& path, TriangleMesh& mesh) {
+  std::ptrdiff_t vertices = 0;  // up to this line
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    const std::string_view keyword = next_word(line);
+    if (keyword == "v") ++vertices;
+    if (keyword != "f") continue;
+    std::vector<std::uint32_t> corners;
+    for (std::string_view word = next_word(line); !word.empty(); word = next_word(line)) {
+      const auto value = parse_number(word.substr(0, word.find('/')));
+      const double index = value ? (*value < 0 ? static_cast<double>(vertices) + *value : *value - 1) : -1;
+      if (!(index >= 0 && index < static_cast<double>(mesh.vertices.size())) || index != std::floor(index)) {
+        throw ConfigError(path, fmt::format("line {}", number),
+                          fmt::format("numbers of the {} vertices", mesh.vertices.size()),
+                          fmt::format("'{}'", word));
+      }
+      corners.push_back(static_cast<std::uint32_t>(index));
+    }
+    for (std::size_t i = 2; i < corners.size(); ++i) {
+      if (mesh.triangles.size() >= 3 * kMeshBudget.values)
+        throw ConfigError(path, "file", fmt::format("at most {} triangles", kMeshBudget.values), "more");
+      mesh.triangles.insert(mesh.triangles.end(), {corners[0], corners[i - 1], corners[i]});
+    }
+  }
+}
+
 }  // namespace
 
 bool is_mesh_format(const std::string& path) {
@@ -126,6 +176,23 @@ std::vector<Vector3> read_mesh_vertices(const std::string& path) {
     read_lines(text, "v", vertices);
   }
   return vertices.sorted();
+}
+
+TriangleMesh read_mesh_triangles(const std::string& path) {
+  const std::string text = read_text_file(path, kMeshBudget);
+  MeshVertices vertices(path);
+  TriangleMesh mesh;
+  if (lower_extension(path) == ".stl") {
+    read_stl(text, vertices);
+    mesh = weld(vertices.all());
+  } else {
+    read_lines(text, "v", vertices);
+    mesh.vertices = vertices.all();
+    read_faces(text, path, mesh);
+  }
+  if (mesh.triangles.empty() || mesh.triangles.size() % 3 != 0)
+    throw ConfigError(path, "file", "whole triangles", fmt::format("{} corners", mesh.triangles.size()));
+  return mesh;
 }
 
 }  // namespace crossgait

@@ -1,6 +1,7 @@
-// The vertices of a mesh file.
+// The vertices and triangles of a mesh file.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,5 +18,15 @@ bool is_mesh_format(const std::string& path);
 /// or
 ///   coordinates that are no finite numbers
 std::vector<Vector3> read_mesh_vertices(const std::string& path);
+
+/// A surface: its corners, and triangles as indices of three corners each.
+struct TriangleMesh {
+  std::vector<Vector3> vertices;
+  std::vector<std::uint32_t> triangles;
+};
+
+/// What such a file looks like; polygons of an OBJ come as fans of triangles. At least one triangle.
+/// @throws ConfigError as above, and for faces of corners that are not there
+TriangleMesh read_mesh_triangles(const std::string& path);
 
 }  // namespace crossgait

@@ -11,6 +11,7 @@
 #include <valijson/validator.hpp>
 
 #include "crossgait/backends/registry.h"
+#include "crossgait/report/page_template.h"
 #include "crossgait/tests/apps/run_program.h"
 
 namespace crossgait {
@@ -111,6 +112,18 @@ GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Schemas);
 INSTANTIATE_TEST_SUITE_P(EveryCommand, Schemas, testing::ValuesIn(cases()), [](const auto& test) {
   return test.param.schema + "_" + std::to_string(test.index);
 });
+
+TEST(SchemaFiles, HoldForTheDocumentOfAPage) {
+  if (page_template().empty() || available_engines().empty()) GTEST_SKIP() << "no page, or no engine";
+  ASSERT_EQ(run_program("compare --seconds .1 --terrain rough --verdict --report schema_page.html").exit_code,
+            0);
+  const std::string page = read_file("schema_page.html");
+  const std::size_t begin = page.find('>', page.find("id=\"document\"")) + 1;
+  json document = json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+  EXPECT_EQ(violations(read_schema("report"), document), "");
+  document["motion"]["runs"][0].erase("poses");
+  EXPECT_NE(violations(read_schema("report"), document), "");
+}
 
 TEST(SchemaFiles, AreOfTheStoredResultsToo) {
   std::ifstream file(std::string(CROSSGAIT_SOURCE_DIR) + "/benchmarks/results/amd-epyc-2-cores.json");

@@ -17,8 +17,8 @@ struct Folder {
   bool knows_backends;                        ///< may speak of engines, and of the interface to them
 };
 
-const std::vector<std::string_view> kEverything{"physics", "backends", "ik",   "gait",  "env",
-                                                "parity",  "study",    "apps", "tests", "benchmarks"};
+const std::vector<std::string_view> kEverything{"physics", "backends", "ik",   "gait",  "env",       "parity",
+                                                "study",   "report",   "apps", "tests", "benchmarks"};
 
 /// Programs that measure speed stand beside what they measure and may use what tests do.
 constexpr std::string_view kPrograms = "benchmarks/programs";
@@ -34,6 +34,7 @@ const std::vector<Folder>& folders() {
       {"apps", kEverything, true},
       {"tests", kEverything, true},
       {"study", {"physics", "backends", "ik", "gait", "env", "parity"}, true},
+      {"report", {"physics", "ik", "gait", "env", "parity", "study"}, true},
       {"benchmarks", {"physics", "backends", "ik", "gait", "env", "parity"}, true},
       {kPrograms, kEverything, true},
   };

@@ -42,6 +42,25 @@ TEST_F(MeshFiles, MayBeBinaryAndBeginAsText) {
   EXPECT_EQ(read_mesh_vertices(write("b.stl", binary_stl(kTwoTriangles) + "end")), kSquare);
 }
 
+TEST_F(MeshFiles, HaveTrianglesThatShareCorners) {
+  for (const TriangleMesh& mesh : {read_mesh_triangles(write("a.stl", binary_stl(kTwoTriangles))),
+                                   read_mesh_triangles(write("b.stl", text_stl(kTwoTriangles)))}) {
+    EXPECT_EQ(mesh.vertices.size(), 4U);
+    ASSERT_EQ(mesh.triangles.size(), 6U);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(mesh.vertices.at(mesh.triangles[i]), kTwoTriangles[i]);
+  }
+  // A polygon becomes a fan; numbers may have others behind slashes, and count from the end.
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  const TriangleMesh fan = read_mesh_triangles(write("c.obj", corners + "f 1/7/8 2//9 3 -1\r\n"));
+  EXPECT_EQ(fan.triangles, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
+  for (const char* face : {"f 1 2 5\n", "f 0 1 2\n", "f 1 2 -5\n", "f 1 2 x\n", "f 1 2 2.5\n"}) {
+    const ConfigError error = config_error([&] { read_mesh_triangles(write("d.obj", corners + face)); });
+    EXPECT_EQ(error.source(), path("d.obj"));
+    EXPECT_EQ(error.element(), "line 5") << face;
+  }
+  EXPECT_EQ(config_error([&] { read_mesh_triangles(write("e.obj", corners)); }).element(), "file");
+}
+
 TEST_F(MeshFiles, AreRefusedByFileAndLine) {
   const auto what = [&](const std::string& name, const std::string& bytes) {
     const std::string file = write(name, bytes);

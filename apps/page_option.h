@@ -1,0 +1,45 @@
+// `--report FILE.html` of the commands that walk, and what they put into the page.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "crossgait/apps/command.h"
+#include "crossgait/parity/comparison.h"
+#include "crossgait/report/page.h"
+#include "crossgait/study/walk_config.h"
+
+namespace crossgait::apps {
+
+class PageOption {
+ public:
+  void add_to(CLI::App& command,
+              const std::string& help = "Write a page that replays it in 3D, with plots, as one HTML file");
+  bool asked() const { return !path_.empty(); }
+
+  /// Before anything long. @throws ConfigError if no page could be made, or of so long a walk
+  void check(const WalkConfig& config) const;
+  void write(const ReportPage& page) const;
+
+ private:
+  std::string path_;
+};
+
+/// Keeps the steps of every run for a page.
+class PageRecorder {
+ public:
+  /// @param runs  how many there are
+  PageRecorder(const WalkConfig& config, std::size_t runs);
+  void add(std::size_t run, const TraceSample& sample) { recorders_[run].add(sample); }
+
+  /// @param walked  the runs, in the same order; the recorder is empty then
+  ReportPage page(const std::vector<WalkRun>& walked, const std::vector<PairDifference>& pairs);
+
+ private:
+  std::shared_ptr<const RobotDescription> robot_;
+  Terrain terrain_;
+  std::vector<RunRecorder> recorders_;
+};
+
+}  // namespace crossgait::apps

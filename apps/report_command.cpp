@@ -1,0 +1,165 @@
+// crossgait report: stored results and traces as a page that replays in 3D.
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/apps/command.h"
+#include "crossgait/parity/schema.h"
+#include "crossgait/parity/table.h"
+#include "crossgait/physics/atomic_file.h"
+#include "crossgait/physics/data_path.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/read_budget.h"
+#include "crossgait/report/page.h"
+#include "crossgait/report/verdict_document.h"
+
+namespace crossgait::apps {
+namespace {
+
+using Json = nlohmann::json;
+
+struct ReportCommand {
+  std::vector<std::string> files;
+  std::string out, robot = "scara_quadruped", terrain = "flat";
+  std::uint64_t seed = 0;
+};
+
+std::string schema_of(const Recorded& recorded) {
+  try {
+    return recorded.result.at("schema").at("name").get<std::string>();
+  } catch (const Json::exception& problem) {
+    throw ConfigError(recorded.file, "schema", "a result as `--json` writes it", problem.what());
+  }
+}
+
+// "rms_roll_deg" stays as it is: its unit is in its name.
+std::string cell(const Json& value) {
+  if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+  return value.is_string() ? value.get<std::string>() : value.is_null() ? "-" : value.dump();
+}
+
+// Of runs as `walk` and `compare` write them.
+StatisticsTable table_of(const std::vector<Json>& runs, const std::string& file) {
+  try {
+    StatisticsTable table;
+    const Json& first = runs.at(0);
+    table.header = {
+        fmt::format("{} on {}", first.at("gait").get<std::string>(), first.at("terrain").get<std::string>())};
+    for (const Json& run : runs) table.header.push_back(run.at("backend").get<std::string>());
+    for (const auto& [key, value] : first.items()) {
+      if (value.is_structured() || key == "backend" || key == "gait" || key == "terrain") continue;
+      std::vector<std::string>& row = table.rows.emplace_back(1, key);
+      for (const Json& run : runs) row.push_back(cell(run.at(key)));
+    }
+    return table;
+  } catch (const std::exception& problem) {
+    throw ConfigError(file, "runs", "those of `crossgait walk` or `compare`", problem.what());
+  }
+}
+
+void add_result(ReportPage& page, const Recorded& recorded) {
+  const Json& result = recorded.result;
+  const std::string kind = schema_of(recorded);
+  if (result.contains("provenance")) page.provenances.emplace_back(result.at("provenance"));
+  if (kind == "verdict") {
+    page.verdicts.push_back(verdict_document(result, recorded.file));
+  } else if (kind == "walk") {
+    page.tables.push_back(table_of({result}, recorded.file));
+  } else if (kind == "compare") {
+    page.tables.push_back(table_of(result.value("runs", std::vector<Json>()), recorded.file));
+    for (const Json& verdict : result.value("verdicts", std::vector<Json>()))
+      page.verdicts.push_back(verdict_document(verdict, recorded.file));
+  } else {
+    throw ConfigError(recorded.file, "schema.name", "walk, compare or verdict", kind);
+  }
+}
+
+bool is_trace(const std::string& file) { return std::filesystem::path(file).extension() == ".csv"; }
+
+Motion motion_of(const ReportCommand& options, const std::vector<std::string>& traces) {
+  Motion motion{std::make_shared<const RobotDescription>(load_robot_and_tell(options.robot)),
+                make_terrain(options.terrain, options.seed),
+                {},
+                {}};
+  for (const std::string& file : traces)
+    motion.runs.push_back({std::filesystem::path(file).stem().string(), "", TraceTable(file)});
+  return motion;
+}
+
+std::string title_of(const ReportPage& page) {
+  if (!page.verdicts.empty()) return page.verdicts.front().at("behaviour").get<std::string>();
+  if (!page.tables.empty()) return page.tables.front().header.front();
+  std::vector<std::string> names;
+  for (const RecordedRun& run : page.motion->runs) names.push_back(run.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+void run(const ReportCommand& options, std::vector<std::string>& again) {
+  require_page();
+  std::vector<std::string> traces;
+  std::vector<Recorded> results;
+  for (const std::string& file : options.files) {
+    if (is_trace(file)) {
+      traces.push_back(file);
+    } else {
+      results.push_back(read_result(file));
+    }
+  }
+  if (traces.empty() && results.size() == 1 && schema_of(results.front()) != "verdict") {
+    // A walk is the same to the last bit when it is made again, which is how its motion is known.
+    again = command_of(results.front().result, results.front().file);
+    if (again.front() != "walk" && again.front() != "compare")
+      throw ConfigError(results.front().file, "provenance.command", "walk, compare or verdict",
+                        again.front());
+    again.push_back("--report=" + options.out);
+    make_again(std::move(results.front()));
+    return;
+  }
+  ReportPage page;
+  for (const Recorded& recorded : results) add_result(page, recorded);
+  if (!traces.empty()) page.motion = motion_of(options, traces);
+  page.title = title_of(page);
+  const std::string html = report_html(page);
+  write_file_atomically(options.out, html);
+  print(fmt::format("{}: {}, {} and {} in {}\n", options.out, page.title, counted(traces.size(), "trace"),
+                    counted(results.size(), "result"), size_in_words(html.size())));
+}
+
+}  // namespace
+
+void add_report_command(CLI::App& program, std::vector<std::string>& again) {
+  CLI::App* command = program.add_subcommand(
+      "report", "A page that replays walks in 3D, with plots, or shows a verdict: one HTML file");
+  command->footer(
+      "\nThe result of one `walk` or `compare` is made again, as `crossgait rerun` does, and replayed. "
+      "Traces "
+      "(--trace)\n"
+      "are replayed as they are, on the robot and ground of the options, together with the numbers of "
+      "results "
+      "beside them.\n"
+      "`walk` and `compare` write the page at once with --report.\n"
+      "\nExamples:\n"
+      "  crossgait compare --terrain rough --report compare.html\n"
+      "  crossgait compare --terrain rough --json compare.json && crossgait report compare.json --out "
+      "compare.html\n"
+      "  crossgait report walk.mujoco.csv walk.bullet.csv --terrain rough --out traces.html\n"
+      "  crossgait verdict --explain --json verdict.json && crossgait report verdict.json --out "
+      "verdict.html");
+  auto options = std::make_shared<ReportCommand>();
+  command
+      ->add_option("files", options->files, "Results (--json of walk, compare, verdict) and traces (--trace)")
+      ->type_name("FILE.json|TRACE.csv")
+      ->required();
+  add_output_option(*command, "--out", options->out, "The page")->type_name("FILE.html")->required();
+  add_robot_option(*command, options->robot);
+  command->add_option("--terrain", options->terrain, "The ground that traces walked on")
+      ->type_name("NAME[:k=v,...]|FILE.png|FILE.csv")
+      ->capture_default_str();
+  add_seed_option(*command, "--seed", options->seed, "Seed of a random terrain")->capture_default_str();
+  on_run(*command, [options, &again] { run(*options, again); });
+}
+
+}  // namespace crossgait::apps

@@ -1,0 +1,25 @@
+// When feet were on the ground, from the rows of a trace.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace crossgait {
+
+/// A time in which a foot is on the ground.
+struct Stance {
+  double begin = 0, end = 0;  ///< s
+};
+
+/// What `shortest` is where nobody says otherwise, s: hard contacts bounce for some milliseconds.
+inline constexpr double kShortestContact = 0.02;
+
+/// Time from each row to the next, s; the last row lasts as long as the one before.
+double row_end(const std::vector<double>& time, std::size_t row);
+
+/// @param contact  1 where there is contact, one per time
+/// @param shortest  gaps, then stances, below it are left out, s
+std::vector<Stance> stances(const std::vector<double>& time, const std::vector<double>& contact,
+                            double shortest);
+
+}  // namespace crossgait

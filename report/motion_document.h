@@ -1,0 +1,40 @@
+// Runs of one robot on one ground, as a page replays them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "crossgait/parity/divergence.h"
+#include "crossgait/physics/robot.h"
+#include "crossgait/physics/terrain.h"
+#include "crossgait/report/page_numbers.h"
+#include "crossgait/report/recorded_run.h"
+
+namespace crossgait {
+
+struct Motion {
+  std::shared_ptr<const RobotDescription> robot;
+  Terrain terrain;
+  std::vector<RecordedRun> runs;  ///< at least one
+  /// What is known of every two runs, in order (as `Comparison::pairs`); empty: found in the traces.
+  std::vector<PairDifference> pairs;
+};
+
+/// Shortest time between two frames, s: more of them than a screen shows in slow motion at a tenth.
+inline constexpr double kFrameTime = 0.01;
+inline constexpr std::size_t kMaxFrames = 20'000;  ///< of a run
+
+/// Rows of a trace that are frames: those at least a frame time behind the last one, and the last row.
+std::vector<std::size_t> frame_rows(const std::vector<double>& time);
+
+/// Keys: `scene` (scene.h), `runs`, `pairs`, `panels` (panels.h) and `notes`. Of a run: `name`, `engine`,
+/// `time` (s, of every frame), `poses` (of every body in W at every frame: x, y, z in m, then the quaternion
+/// x, y, z, w), `feet` (centres in W, m: frame, leg, x y z), `forces` (on feet in W, N, alike),
+/// `force_directions` (false: only the magnitudes are known, as z), `contact` and `planned` (by leg, pairs
+/// begin, end of stances in s). Of a pair: indices `a` and `b` of runs, `first_divergence` or null.
+/// @throws ConfigError for a trace that is not of the robot, or a robot without legs
+nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& numbers);
+
+}  // namespace crossgait

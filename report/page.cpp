@@ -1,0 +1,77 @@
+#include "crossgait/report/page.h"
+
+#include <string_view>
+
+#include "crossgait/parity/schema.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/report/page_template.h"
+#include "crossgait/study/version.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::ordered_json;
+
+// Where web/page.html has its document and the numbers of it.
+constexpr std::string_view kDocument = "@CROSSGAIT_DOCUMENT@", kNumbers = "@CROSSGAIT_NUMBERS@";
+
+ordered_json to_json(const StatisticsTable& table) {
+  return {{"header", table.header}, {"rows", table.rows}};
+}
+
+}  // namespace
+
+void require_page() {
+  if (page_template().empty()) {
+    throw ConfigError("report", "page",
+                      "a Crossgait that was built with Node.js (CMake: CROSSGAIT_WITH_PAGE)", "one without");
+  }
+}
+
+nlohmann::ordered_json report_document(const ReportPage& page, PageNumbers& numbers) {
+  ordered_json document{{"title", page.title},
+                        {"crossgait", crossgait_version()},
+                        {"sentences", page.sentences},
+                        {"motion", page.motion ? motion_document(*page.motion, numbers) : ordered_json()},
+                        {"tables", ordered_json::array()},
+                        {"verdicts", page.verdicts},
+                        {"provenances", page.provenances}};
+  for (const StatisticsTable& table : page.tables) document["tables"].push_back(to_json(table));
+  return with_schema("report", document);
+}
+
+std::string script_text(const nlohmann::ordered_json& json) {
+  // Names from files may hold anything, bytes that are no UTF-8 as well.
+  const std::string plain = json.dump(-1, ' ', true, ordered_json::error_handler_t::replace);
+  std::string text;
+  text.reserve(plain.size());
+  for (const char c : plain) {
+    // Outside its strings JSON has none of these.
+    if (c == '<') {
+      text += "\\u003c";
+    } else if (c == '>') {
+      text += "\\u003e";
+    } else if (c == '&') {
+      text += "\\u0026";
+    } else {
+      text += c;
+    }
+  }
+  return text;
+}
+
+std::string report_html(const ReportPage& page) {
+  require_page();
+  PageNumbers numbers;
+  const std::string document = script_text(report_document(page, numbers));
+  const std::string_view html = page_template();
+  const std::size_t at = html.find(kDocument), then = html.find(kNumbers);
+  std::string text(html.substr(0, at));
+  text += document;
+  text += html.substr(at + kDocument.size(), then - at - kDocument.size());
+  text += numbers.base64();
+  text += html.substr(then + kNumbers.size());
+  return text;
+}
+
+}  // namespace crossgait

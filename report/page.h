@@ -1,0 +1,42 @@
+// One HTML file that shows what a command found: the motion in 3D, plots, statistics, where it comes from.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "crossgait/report/motion_document.h"
+
+namespace crossgait {
+
+struct StatisticsTable {
+  std::vector<std::string> header;  ///< first the heading, then a name per run
+  std::vector<std::vector<std::string>> rows;
+};
+
+struct ReportPage {
+  std::string title;
+  std::vector<std::string> sentences;  ///< what was found, in words
+  std::optional<Motion> motion;
+  std::vector<StatisticsTable> tables;
+  std::vector<nlohmann::ordered_json> verdicts;     ///< as `verdict_document` makes them
+  std::vector<nlohmann::ordered_json> provenances;  ///< of each result, as commands write it
+};
+
+/// @throws ConfigError if Crossgait was built without the page, before anything long is done for one
+void require_page();
+
+/// The document within the page: `schema` ("report", 1), the members above, `crossgait` (the version) and
+/// `motion` as `motion_document` makes it, or null. Numbers of it are in `numbers`.
+nlohmann::ordered_json report_document(const ReportPage& page, PageNumbers& numbers);
+
+/// `json` in a form that a <script> element can hold: it ends no element and begins no comment, whatever it
+/// says.
+std::string script_text(const nlohmann::ordered_json& json);
+
+/// The page. @throws ConfigError as `require_page` and `motion_document` do
+std::string report_html(const ReportPage& page);
+
+}  // namespace crossgait

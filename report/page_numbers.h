@@ -1,0 +1,28 @@
+// The numbers of a page: too many for JSON, which refers to them instead.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace crossgait {
+
+/// Numbers of four bytes one behind the other, little endian. What `add` returns, {"at", "count"}, says where
+/// they are, counted in numbers.
+class PageNumbers {
+ public:
+  /// As floats: of 7 digits, more than a picture shows.
+  nlohmann::ordered_json add(std::span<const double> values);
+  nlohmann::ordered_json add(std::span<const std::uint32_t> values);
+
+  const std::vector<std::uint32_t>& words() const { return words_; }
+  std::string base64() const;
+
+ private:
+  std::vector<std::uint32_t> words_;
+};
+
+}  // namespace crossgait

@@ -1,0 +1,166 @@
+#include "crossgait/report/panels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "crossgait/gait/parameters.h"
+#include "crossgait/physics/multibody.h"
+#include "crossgait/report/motion_document.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double kToMillimetres = 1e3;
+constexpr std::string_view kParameter = "param.";
+
+ordered_json difference_panel(const char* title, const char* unit) {
+  return {{"group", "differences"},
+          {"title", title},
+          {"unit", unit},
+          {"log", true},
+          {"series", ordered_json::array()}};
+}
+
+std::string in_words(std::string_view name) {
+  std::string words(name);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
+}  // namespace
+
+PanelMaker::PanelMaker(const Motion& motion, const std::vector<std::vector<std::size_t>>& frames,
+                       PageNumbers& numbers)
+    : motion_(motion), frames_(frames), numbers_(numbers) {
+  differences_ = ordered_json::array({difference_panel("Bases apart", "m"),
+                                      difference_panel("Joints apart, the largest", "rad"),
+                                      difference_panel("Attitudes apart", "rad")});
+  add_base();
+  add_feet();
+  add_joints();
+  add_parameters();
+}
+
+void PanelMaker::add(const char* group, const std::string& title, const std::string& unit,
+                     const std::vector<Series>& series, std::string_view leg) {
+  if (series.empty()) return;
+  ordered_json panel{{"group", group}, {"title", title}, {"unit", unit}, {"log", false}};
+  if (!leg.empty()) panel["leg"] = leg;
+  for (const Series& s : series)
+    panel["series"].push_back(
+        {{"run", s.run}, {"label", s.label}, {"dashed", s.dashed}, {"values", numbers_.add(s.values)}});
+  panels_.push_back(std::move(panel));
+}
+
+std::vector<PanelMaker::Series> PanelMaker::columns(const std::string& column, double scale,
+                                                    const std::string& label, bool dashed) const {
+  std::vector<Series> all;
+  for (std::size_t run = 0; run < frames_.size(); ++run) {
+    const TraceTable& trace = motion_.runs[run].trace;
+    if (!trace.has(column)) continue;
+    Series& series = all.emplace_back(Series{run, label, dashed, {}});
+    for (const std::size_t row : frames_[run]) series.values.push_back(scale * trace.column(column)[row]);
+  }
+  return all;
+}
+
+void PanelMaker::add_base() {
+  std::vector<Series> roll, pitch, forward, left;
+  for (std::size_t run = 0; run < frames_.size(); ++run) {
+    const SampleReader reader(motion_.runs[run].trace, *motion_.robot);
+    for (std::vector<Series>* series : {&roll, &pitch, &forward, &left})
+      series->push_back({run, "", false, {}});
+    for (const std::size_t row : frames_[run]) {
+      const RobotState state = reader.at(row).state;
+      const Vector3 rpy = roll_pitch_yaw(state.q_WB);
+      const double c = std::cos(rpy.z()), s = std::sin(rpy.z());
+      roll.back().values.push_back(kDegreesPerRadian * rpy.x());
+      pitch.back().values.push_back(kDegreesPerRadian * rpy.y());
+      forward.back().values.push_back(c * state.v_WB.x() + s * state.v_WB.y());
+      left.back().values.push_back(c * state.v_WB.y() - s * state.v_WB.x());
+    }
+  }
+  add("base", "Roll", "deg", roll);
+  add("base", "Pitch", "deg", pitch);
+  add("base", "Height of the base", "mm", columns("p_WB.z", kToMillimetres));
+  add("base", "Speed along the heading", "m/s", forward);
+  add("base", "Speed to the left", "m/s", left);
+  add("base", "Yaw rate", "deg/s", columns("w_WB.z", kDegreesPerRadian));
+}
+
+void PanelMaker::add_feet() {
+  const RobotDescription& robot = *motion_.robot;
+  std::vector<Pose> poses;
+  LegArray<std::vector<Series>> clearance;
+  for (std::size_t run = 0; run < frames_.size(); ++run) {
+    const SampleReader reader(motion_.runs[run].trace, robot);
+    for (const Leg leg : kLegs) clearance[leg].push_back({run, "", false, {}});
+    for (const std::size_t row : frames_[run]) {
+      forward_kinematics(robot, reader.at(row).state, poses);
+      for (const Leg leg : kLegs) {
+        const Vector3 p = foot_position(robot, leg, poses);
+        const double ground = motion_.terrain.height(p.x(), p.y());
+        clearance[leg].back().values.push_back(kToMillimetres *
+                                               (p.z() - (*robot.legs)[leg].foot_radius - ground));
+      }
+    }
+  }
+  for (const Leg leg : kLegs) {
+    add("feet", "Foot above the ground", "mm", clearance[leg], name(leg));
+    add("feet", "Force on the foot", "N", columns(fmt::format("load.{}", name(leg)), 1), name(leg));
+  }
+}
+
+void PanelMaker::add_joints() {
+  const RobotDescription& robot = *motion_.robot;
+  for (const Leg leg : kLegs) {
+    const LegModel& model = (*robot.legs)[leg];
+    for (std::size_t k = 0; k < model.servos.size(); ++k) {
+      const std::string role = in_words(model.roles()[k].name), joint = robot.joint(model.servos[k]).name;
+      std::vector<Series> angle = columns("q." + joint, kDegreesPerRadian);
+      for (Series& target : columns("target." + joint, kDegreesPerRadian, "target", true))
+        angle.push_back(std::move(target));
+      add("joints", "Angle of " + role, "deg", angle, name(leg));
+    }
+    for (std::size_t k = 0; k < model.servos.size(); ++k) {
+      const std::string role = in_words(model.roles()[k].name), joint = robot.joint(model.servos[k]).name;
+      add("joints", "Torque of " + role, "N m", columns("torque." + joint, 1), name(leg));
+    }
+  }
+}
+
+void PanelMaker::add_parameters() {
+  for (const ParameterRow& parameter : gait_parameters()) {
+    const std::string column = fmt::format("{}{}", kParameter, parameter.name);
+    std::vector<Series> series = columns(column, 1);
+    const auto constant = [&](const Series& s) {
+      return s.values == std::vector<double>(s.values.size(), series.front().values.front());
+    };
+    if (std::all_of(series.begin(), series.end(), constant)) continue;
+    add("parameters", in_words(parameter.name), std::string(parameter.unit), series);
+  }
+}
+
+void PanelMaker::add_pair(std::size_t a, std::size_t b, const PairPanels& differences) {
+  const std::string label = motion_.runs[a].name + " and " + motion_.runs[b].name;
+  std::size_t panel = 0;
+  for (const std::vector<double>* values :
+       {&differences.position_m, &differences.joint_rad, &differences.attitude_rad}) {
+    differences_[panel++]["series"].push_back(
+        {{"run", a}, {"other", b}, {"label", label}, {"dashed", false}, {"values", numbers_.add(*values)}});
+  }
+}
+
+nlohmann::ordered_json PanelMaker::finish() {
+  for (ordered_json& panel : differences_) {
+    if (!panel["series"].empty()) panels_.push_back(std::move(panel));
+  }
+  return std::move(panels_);
+}
+
+}  // namespace crossgait

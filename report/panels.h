@@ -1,0 +1,57 @@
+// What a page plots over time, in units for people.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "crossgait/report/page_numbers.h"
+
+namespace crossgait {
+
+struct Motion;
+
+/// How far two runs lie apart, per frame of the first.
+struct PairPanels {
+  std::vector<double> position_m, joint_rad, attitude_rad;
+};
+
+/// Makes the list of panels: objects with `group` (base, feet, joints, parameters, differences), `title`,
+/// `unit`, `log` and `series`; those of a leg say which (`leg`). A series has `run` (its time and colour),
+/// `label`, `dashed` and `values`, one per frame or fewer; one of differences has `other`, too, the second
+/// run.
+class PanelMaker {
+ public:
+  /// `motion` and `numbers` stay the caller's. @param frames  rows of each run
+  PanelMaker(const Motion& motion, const std::vector<std::vector<std::size_t>>& frames, PageNumbers& numbers);
+
+  void add_pair(std::size_t a, std::size_t b, const PairPanels& differences);
+  nlohmann::ordered_json finish();
+
+ private:
+  struct Series {
+    std::size_t run;
+    std::string label;
+    bool dashed;
+    std::vector<double> values;
+  };
+  void add(const char* group, const std::string& title, const std::string& unit,
+           const std::vector<Series>& series, std::string_view leg = {});
+  /// The same column of every run that has it, times `scale`.
+  std::vector<Series> columns(const std::string& column, double scale, const std::string& label = {},
+                              bool dashed = false) const;
+  void add_base();
+  void add_feet();
+  void add_joints();
+  void add_parameters();
+
+  const Motion& motion_;
+  const std::vector<std::vector<std::size_t>>& frames_;
+  PageNumbers& numbers_;
+  nlohmann::ordered_json panels_ = nlohmann::ordered_json::array();
+  nlohmann::ordered_json differences_;  // three panels, to which pairs add their series
+};
+
+}  // namespace crossgait

@@ -1,0 +1,61 @@
+// One run to be replayed: its trace, whichever engine or file it came from.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "crossgait/parity/trace.h"
+#include "crossgait/parity/trace_table.h"
+
+namespace crossgait {
+
+struct RecordedRun {
+  std::string name;    ///< of the engine, or the file's
+  std::string engine;  ///< "MuJoCo 2.2.2"; empty where that is not known
+  TraceTable trace;
+};
+
+/// Most control steps of a run that is kept for a page: 200 s at 2 ms, of which a page shows every second
+/// frame.
+inline constexpr std::size_t kMaxPageSteps = 100'000;
+
+/// Keeps the steps of a walk: the columns of TraceColumns, `force.<leg>.{x,y,z}` (on the foot, in W, N) and
+/// `torque.<joint>` (of the last physics step, N m).
+class RunRecorder {
+ public:
+  explicit RunRecorder(std::shared_ptr<const RobotDescription> robot) : robot_(std::move(robot)) {}
+  /// @throws ConfigError beyond kMaxPageSteps
+  void add(const TraceSample& sample);
+  /// What was kept, which is gone then. @throws ConfigError if that is nothing
+  TraceTable take(const std::string& source);
+
+ private:
+  void begin(const TraceSample& first);
+
+  std::shared_ptr<const RobotDescription> robot_;
+  std::optional<TraceColumns> columns_;
+  std::vector<std::string> names_;
+  std::vector<std::vector<double>> values_;
+  std::vector<double> row_;
+};
+
+/// The rows of a trace as samples: state, loads, and forces where there are columns of them.
+class SampleReader {
+ public:
+  /// Both stay the caller's. @throws ConfigError for a column that is missing: the trace is of another robot,
+  /// or an orientation that is none
+  SampleReader(const TraceTable& trace, const RobotDescription& robot);
+
+  TraceSample at(std::size_t row) const;
+  bool has_forces() const { return !forces_.empty(); }
+
+ private:
+  using Column = const std::vector<double>*;
+  std::vector<Column> columns(const std::string& prefix, std::string_view axes) const;
+
+  const TraceTable& trace_;
+  std::vector<Column> position_, orientation_, velocity_, turning_, angles_, loads_, contacts_, forces_;
+};
+
+}  // namespace crossgait

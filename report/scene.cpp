@@ -1,0 +1,203 @@
+#include "crossgait/report/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/mesh_vertices.h"
+#include "crossgait/physics/read_budget.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Most samples of the ground in one page, 2 MB of them; more are thinned.
+constexpr int kMaxGroundSamples = 400'000;
+
+ordered_json list(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
+
+ordered_json placed(const char* type, const Vector3& size, const Pose& X_BG) {
+  const Quaternion q(X_BG.linear());
+  return {{"type", type},
+          {"size", list(size)},
+          {"position", list(X_BG.translation())},
+          {"quaternion", {q.x(), q.y(), q.z(), q.w()}},
+          {"rgba", nullptr}};
+}
+
+const char* word(VisualType type) {
+  switch (type) {
+    case VisualType::kSphere:
+      return "sphere";
+    case VisualType::kBox:
+      return "box";
+    case VisualType::kCylinder:
+      return "cylinder";
+    case VisualType::kCapsule:
+      return "capsule";
+    case VisualType::kMesh:
+      return "mesh";
+  }
+  return "";
+}
+
+const char* word(ShapeType type) {
+  switch (type) {
+    case ShapeType::kSphere:
+      return "sphere";
+    case ShapeType::kBox:
+      return "box";
+    case ShapeType::kCylinder:
+      return "cylinder";
+    case ShapeType::kCapsule:
+      return "capsule";
+    case ShapeType::kHull:
+      return "hull";
+  }
+  return "";
+}
+
+std::vector<double> coordinates(const std::vector<Vector3>& points) {
+  std::vector<double> numbers;
+  numbers.reserve(3 * points.size());
+  for (const Vector3& p : points) numbers.insert(numbers.end(), p.data(), p.data() + 3);
+  return numbers;
+}
+
+/// The shapes of all bodies. A mesh that several shapes show is there once.
+class Shapes {
+ public:
+  Shapes(PageNumbers& numbers, ordered_json& notes) : numbers_(numbers), notes_(notes) {}
+
+  ordered_json of(const Body& body) {
+    ordered_json shapes = ordered_json::array();
+    for (const VisualShape& visual : body.visuals) {
+      if (visual.type == VisualType::kMesh && !is_mesh_format(visual.mesh)) {
+        notes_.push_back(fmt::format("{} of {} is no STL or OBJ mesh and not shown",
+                                     std::filesystem::path(visual.mesh).filename().string(), body.name));
+        continue;
+      }
+      ordered_json shape = placed(word(visual.type), visual.size, visual.X_BG);
+      if (visual.rgba)
+        shape["rgba"] = {(*visual.rgba)[0], (*visual.rgba)[1], (*visual.rgba)[2], (*visual.rgba)[3]};
+      if (visual.type == VisualType::kMesh) {
+        shape["mesh"] = index_of(visual.mesh);
+        shape["scale"] = list(visual.scale);
+      }
+      shapes.push_back(std::move(shape));
+    }
+    if (!shapes.empty()) return shapes;
+    for (const CollisionShape& collision : body.shapes) {
+      ordered_json shape = placed(word(collision.type), collision.size, collision.X_BG);
+      if (collision.type == ShapeType::kHull)
+        shape["vertices"] = numbers_.add(coordinates(collision.vertices));
+      shapes.push_back(std::move(shape));
+    }
+    return shapes;
+  }
+  ordered_json meshes() { return std::move(meshes_); }
+
+ private:
+  std::size_t index_of(const std::string& file) {
+    const auto [it, is_new] = known_.try_emplace(file, known_.size());
+    if (is_new) {
+      const TriangleMesh mesh = read_mesh_triangles(file);
+      vertices_ += mesh.vertices.size();
+      triangles_ += mesh.triangles.size() / 3;
+      if (triangles_ > kMeshBudget.values) {
+        throw ConfigError(file, "file",
+                          fmt::format("at most {} triangles in all meshes of a robot", kMeshBudget.values),
+                          "more");
+      }
+      if (vertices_ > kMaxRobotMeshVertices) {
+        throw ConfigError(file, "file",
+                          fmt::format("at most {} vertices in all meshes of a robot", kMaxRobotMeshVertices),
+                          "more");
+      }
+      meshes_.push_back({{"vertices", numbers_.add(coordinates(mesh.vertices))},
+                         {"triangles", numbers_.add(std::span<const std::uint32_t>(mesh.triangles))}});
+    }
+    return it->second;
+  }
+
+  PageNumbers& numbers_;
+  ordered_json& notes_;
+  ordered_json meshes_ = ordered_json::array();
+  std::map<std::string, std::size_t> known_;
+  std::size_t vertices_ = 0, triangles_ = 0;
+};
+
+ordered_json legs_of(const RobotDescription& robot) {
+  ordered_json legs = ordered_json::array();
+  if (!robot.legs) return legs;
+  for (const Leg leg : kLegs) {
+    const LegModel& model = (*robot.legs)[leg];
+    legs.push_back({{"name", name(leg)},
+                    {"body", model.foot_body},
+                    {"foot", list(model.p_BF)},
+                    {"radius", model.foot_radius}});
+  }
+  return legs;
+}
+
+/// First and last sample of a row (or column) of the field within `reach` of the way, at least two.
+std::pair<int, int> near_way(double cell, int count, double from, double to) {
+  const double middle = cell * (count - 1) / 2;
+  // Clamped before they are whole numbers: a trace may say that the base was anywhere.
+  const double first = std::clamp(std::floor((from + middle) / cell), 0.0, count - 2.0);
+  const double last = std::clamp(std::ceil((to + middle) / cell), first + 1, count - 1.0);
+  return {static_cast<int>(first), static_cast<int>(last)};
+}
+
+ordered_json ground_of(const HeightField& field, const Way& way, double reach, PageNumbers& numbers,
+                       ordered_json& notes) {
+  const auto [c0, c1] = near_way(field.cell_x(), field.columns(), way.min[0] - reach, way.max[0] + reach);
+  const auto [r0, r1] = near_way(field.cell_y(), field.rows(), way.min[1] - reach, way.max[1] + reach);
+  const double samples = static_cast<double>(c1 - c0 + 1) * (r1 - r0 + 1);
+  const int stride = static_cast<int>(std::ceil(std::sqrt(std::max(1.0, samples / kMaxGroundSamples))));
+  if (stride > 1) notes.push_back(fmt::format("of the ground, every {}th sample is shown", stride));
+  const int columns = (c1 - c0) / stride + 1, rows = (r1 - r0) / stride + 1;
+  std::vector<double> heights;
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < columns; ++c) heights.push_back(field.at(c0 + c * stride, r0 + r * stride));
+  }
+  return {{"columns", columns},
+          {"rows", rows},
+          {"x", c0 * field.cell_x() - field.size_x() / 2},
+          {"y", r0 * field.cell_y() - field.size_y() / 2},
+          {"cell_x", stride * field.cell_x()},
+          {"cell_y", stride * field.cell_y()},
+          {"heights", numbers.add(heights)}};
+}
+
+}  // namespace
+
+nlohmann::ordered_json scene_document(const RobotDescription& robot, const Terrain& terrain, const Way& way,
+                                      PageNumbers& numbers) {
+  ordered_json notes = ordered_json::array(), bodies = ordered_json::array();
+  Shapes shapes(numbers, notes);
+  for (const Body& body : robot.bodies) bodies.push_back({{"name", body.name}, {"shapes", shapes.of(body)}});
+  // About two lengths of a quadruped, whose legs are half as long as it is.
+  const double reach = robot.standing_height > 0 ? 8 * robot.standing_height : 1;
+  ordered_json scene{{"robot", robot.name},
+                     {"terrain", terrain.name()},
+                     {"standing_height", robot.standing_height},
+                     {"reach", reach},
+                     {"way", {way.min[0], way.min[1], way.max[0], way.max[1]}},
+                     {"bodies", std::move(bodies)},
+                     {"meshes", shapes.meshes()},
+                     {"legs", legs_of(robot)},
+                     {"ground", nullptr}};
+  if (const HeightField* field = terrain.field())
+    scene["ground"] = ground_of(*field, way, reach, numbers, notes);
+  scene["notes"] = std::move(notes);
+  return scene;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,140 @@
+// `crossgait report` and `--report`: the page that is written, and what is refused.
+#include <algorithm>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/report/page_template.h"
+#include "crossgait/tests/apps/run_program.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+class Report : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (page_template().empty()) GTEST_SKIP() << "built without the page";
+    if (available_engines().empty()) GTEST_SKIP() << "no engine";
+  }
+};
+
+// The document of a page, as its script finds it.
+json document_of(const std::string& page) {
+  const std::string text = read_file(page), before = "<script id=\"document\" type=\"application/json\">";
+  const std::size_t begin = text.find(before) + before.size();
+  return json::parse(text.substr(begin, text.find("</script>", begin) - begin));
+}
+
+TEST_F(Report, AWalkAndItsResultGiveTheSamePage) {
+  ASSERT_EQ(run_program("walk --seconds .3 --report report_walk.html --json report_walk.json").exit_code, 0);
+  const ProgramResult again = run_program("report report_walk.json --out report_again.html");
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  json one = document_of("report_walk.html"), two = document_of("report_again.html");
+  // Nothing but the time of the clock, in the table, differs.
+  for (json* document : {&one, &two})
+    document->at("tables").at(0).at("rows").erase(document->at("tables").at(0).at("rows").size() - 1);
+  EXPECT_EQ(one, two);
+  EXPECT_EQ(one.at("motion").at("runs").size(), 1U);
+  EXPECT_EQ(one.at("provenances").at(0).at("command"), "walk");
+  const std::string first = read_file("report_walk.html"), second = read_file("report_again.html");
+  EXPECT_EQ(first.substr(first.find("id=\"numbers\"")), second.substr(second.find("id=\"numbers\"")));
+}
+
+TEST_F(Report, TracesOfSeveralRunsAreReplayedTogether) {
+  ASSERT_EQ(
+      run_program("walk --seconds .3 --terrain rough --trace report_a.csv --json report_a.json").exit_code,
+      0);
+  ASSERT_EQ(
+      run_program("walk --seconds .3 --terrain rough --set step_length=.05 --trace report_b.csv").exit_code,
+      0);
+  const ProgramResult result =
+      run_program("report report_a.csv report_b.csv report_a.json --terrain rough --out report_traces.html");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json document = document_of("report_traces.html");
+  EXPECT_EQ(document.at("motion").at("runs").at(1).at("name"), "report_b");
+  EXPECT_FALSE(document.at("motion").at("runs").at(0).at("force_directions"));
+  EXPECT_FALSE(document.at("motion").at("pairs").at(0).at("first_divergence").is_null());
+  EXPECT_FALSE(document.at("motion").at("scene").at("ground").is_null());
+  EXPECT_EQ(document.at("tables").at(0).at("header").size(), 2U);
+}
+
+TEST_F(Report, AComparisonShowsWhatItSays) {
+  if (available_engines().size() < 2) GTEST_SKIP() << "one engine";
+  ASSERT_EQ(
+      run_program("compare --seconds .3 --report report_compare.html --json report_compare.json").exit_code,
+      0);
+  const json document = document_of("report_compare.html"),
+             result = json::parse(read_file("report_compare.json"));
+  const json& pairs = document.at("motion").at("pairs");
+  ASSERT_EQ(pairs.size(), result.at("pairs").size());
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    EXPECT_EQ(pairs[i].at("first_divergence"), result.at("pairs")[i].at("first_divergence"));
+  EXPECT_EQ(document.at("sentences").size(), pairs.size());
+}
+
+TEST_F(Report, AVerdictAndItsResultGiveTheSamePage) {
+  if (available_engines().size() < 2) GTEST_SKIP() << "one engine";
+  const std::string verdict = "verdict --seconds .1 --settle .1 --starts 4";
+  ASSERT_EQ(run_program(verdict + " --report report_v.html --json report_v.json").exit_code, 0);
+  ASSERT_EQ(run_program("report report_v.json --out report_v_again.html").exit_code, 0);
+  const json document = document_of("report_v.html");
+  EXPECT_EQ(document, document_of("report_v_again.html"));
+  EXPECT_EQ(document.at("verdicts").at(0).at("statistics").size(),
+            json::parse(read_file("report_v.json")).at("statistics").size());
+  EXPECT_TRUE(document.at("motion").is_null());
+}
+
+TEST_F(Report, ARobotWithAHostileNameIsShownNotRun) {
+  const std::string folder = std::string(CROSSGAIT_SOURCE_DIR) + "/models/robots/scara_quadruped/";
+  std::string yaml = read_file(folder + "robot.yaml");
+  const std::string name = "name: scara_quadruped\nurdf: robot.urdf";
+  ASSERT_NE(yaml.find(name), std::string::npos);
+  yaml.replace(yaml.find(name), name.size(),
+               "name: \"</script><script>alert(1)</script>\"\nurdf: " + folder + "robot.urdf");
+  write_file("report_hostile.yaml", yaml);
+  const ProgramResult result =
+      run_program("walk --seconds .1 --robot report_hostile.yaml --report report_hostile.html");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(read_file("report_hostile.html").find("<script>alert"), std::string::npos);
+  EXPECT_EQ(document_of("report_hostile.html").at("motion").at("scene").at("robot"),
+            "</script><script>alert(1)</script>");
+}
+
+TEST_F(Report, BadInputLeavesNoPage) {
+  write_file("report_broken.json", "{\"schema\": ");
+  write_file("report_other.json", R"({"schema": {"name": "ik", "version": 2}})");
+  write_file("report_none.json", "{}");
+  write_file("report_verdict.json", R"({"schema": {"name": "verdict", "version": 1}, "statistics": [{}]})");
+  write_file("report_walk_alone.json", R"({"schema": {"name": "walk", "version": 1}})");
+  write_file(
+      "report_walk_as_tune.json",
+      R"({"schema": {"name": "walk", "version": 1}, "provenance": {"command": "tune", "arguments": []}})");
+  write_file("report_short.csv", "time,q.a\n0,1\n1\n");
+  write_file("report_strange.csv", "time,q.a\n0,1\n");
+  const std::string out = " --out report_never.html";
+  expect_bad_input("report report_broken.json" + out, {"report_broken.json", "JSON"});
+  expect_bad_input("report report_other.json report_none.json" + out,
+                   {"report_other.json", "schema.name", "ik"});
+  expect_bad_input("report report_none.json" + out, {"report_none.json", "schema"});
+  expect_bad_input("report report_verdict.json" + out, {"report_verdict.json", "verdict"});
+  expect_bad_input("report report_walk_alone.json" + out, {"report_walk_alone.json", "provenance"});
+  expect_bad_input("report report_walk_as_tune.json" + out, {"provenance.command", "tune"});
+  expect_bad_input("report report_short.csv" + out, {"report_short.csv", "line 3"});
+  expect_bad_input("report report_strange.csv" + out, {"report_strange.csv", "p_WB.x"});
+  expect_bad_input("report no_such.csv" + out, {"no_such.csv"});
+  expect_bad_input("walk --seconds 300 --report report_never.html", {"--report", "200 s", "300 s"});
+  EXPECT_FALSE(fs::exists("report_never.html"));
+}
+
+TEST(ReportWithoutAPage, SaysSo) {
+  if (!page_template().empty()) GTEST_SKIP() << "built with the page";
+  expect_bad_input("walk --seconds .1 --report no_page.html", {"report", "Node.js", "CROSSGAIT_WITH_PAGE"});
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,281 @@
+// What a page holds: where bodies and feet are, and text that stays text.
+#include "crossgait/report/page.h"
+
+#include <bit>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/physics/data_path.h"
+#include "crossgait/physics/multibody.h"
+#include "crossgait/report/page_template.h"
+#include "crossgait/report/scene.h"
+#include "crossgait/report/verdict_document.h"
+#include "crossgait/study/walk.h"
+#include "crossgait/tests/physics/config_error.h"
+#include "crossgait/tests/physics/mesh_bytes.h"
+#include "crossgait/tests/physics/scratch_folder.h"
+#include "crossgait/tests/support/backend_test.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::shared_ptr<const RobotDescription> scara() {
+  return std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped")));
+}
+
+std::vector<double> floats(const PageNumbers& numbers, const ordered_json& reference) {
+  const std::size_t at = reference.at("at"), count = reference.at("count");
+  std::vector<double> values;
+  for (std::size_t i = at; i < at + count; ++i) values.push_back(std::bit_cast<float>(numbers.words().at(i)));
+  return values;
+}
+
+Vector3 vector_at(const std::vector<double>& values, std::size_t at) {
+  return {values.at(at), values.at(at + 1), values.at(at + 2)};
+}
+
+struct Walked {
+  std::vector<TraceSample> samples;
+  TraceTable trace;
+};
+
+Walked walk_in(const std::string& engine, const WalkConfig& config,
+               const std::shared_ptr<const RobotDescription>& robot) {
+  RunRecorder recorder(robot);
+  std::vector<TraceSample> samples;
+  walk(config, engine, {}, [&](std::size_t, const TraceSample& sample) {
+    recorder.add(sample);
+    samples.push_back(sample);
+  });
+  return {samples, recorder.take(engine)};
+}
+
+WalkConfig short_rough_walk() {
+  WalkConfig config;
+  config.terrain = "rough:size_x=4,size_y=4";
+  config.timing.seconds = 0.6;
+  return config;
+}
+
+/// One upright stand of the bundled robot, with whatever else a test asks for.
+TraceTable standing(const RobotDescription& robot, std::size_t rows, double x = 0) {
+  RunRecorder recorder(std::make_shared<const RobotDescription>(robot));
+  TraceSample sample;
+  sample.state.q = robot.home;
+  sample.targets.q = JointVector::Zero(static_cast<Eigen::Index>(robot.actuated_joints().size()));
+  sample.torques = JointVector::Zero(robot.joint_count());
+  for (std::size_t i = 0; i < rows; ++i) {
+    sample.state.time = 0.002 * static_cast<double>(i);
+    sample.state.p_WB = {x * static_cast<double>(i), 0, robot.home_height};
+    recorder.add(sample);
+  }
+  return recorder.take("standing");
+}
+
+class PageOfEngine : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(PageOfEngine);
+
+TEST_P(PageOfEngine, BodiesAndFeetAreWhereTheTraceHasThem) {
+  const auto robot = scara();
+  const WalkConfig config = short_rough_walk();
+  const Walked walked = walk_in(GetParam(), config, robot);
+  PageNumbers numbers;
+  const ordered_json document =
+      motion_document({robot, config.world().terrain, {{GetParam(), "", walked.trace}}, {}}, numbers);
+  const ordered_json &run = document.at("runs").at(0), &legs = document.at("scene").at("legs");
+  const std::vector<double> times = floats(numbers, run.at("time")), poses = floats(numbers, run.at("poses")),
+                            feet = floats(numbers, run.at("feet")),
+                            forces = floats(numbers, run.at("forces"));
+  const std::vector<std::size_t> rows = frame_rows(walked.trace.time());
+  ASSERT_EQ(rows.size(), times.size());
+  ASSERT_GT(rows.size(), 50U);
+  EXPECT_EQ(rows.back() + 1, walked.samples.size());
+  EXPECT_TRUE(run.at("force_directions"));
+
+  std::vector<Pose> bodies;
+  for (std::size_t frame = 0; frame < rows.size(); ++frame) {
+    const TraceSample& sample = walked.samples[rows[frame]];
+    EXPECT_NEAR(times[frame], sample.state.time, 1e-6);  // floats of some seconds
+    forward_kinematics(*robot, sample.state, bodies);
+    for (const Leg leg : kLegs) {
+      const std::size_t i = index(leg);
+      // The foot as a viewer finds it: its place in its body, at that body's pose.
+      const std::size_t body = legs.at(i).at("body"), at = 7 * (frame * bodies.size() + body);
+      const std::vector<double> centre = legs.at(i).at("foot");
+      const Quaternion q(poses.at(at + 6), poses.at(at + 3), poses.at(at + 4), poses.at(at + 5));
+      const Vector3 shown = vector_at(poses, at) + q * vector_at(centre, 0);
+      const Vector3 truth = foot_position(*robot, leg, bodies);
+      // Floats have 7 digits: a tenth of a micrometre here. 1e-4 m is what nobody sees in a picture.
+      EXPECT_LT((shown - truth).norm(), 1e-6) << name(leg) << " at " << times[frame] << " s";
+      EXPECT_LT((vector_at(feet, 12 * frame + 3 * i) - truth).norm(), 1e-6);
+      EXPECT_LT((vector_at(forces, 12 * frame + 3 * i) - sample.force[leg]).norm(),
+                1e-5 * (1 + sample.load[leg]));
+      EXPECT_NEAR(sample.force[leg].norm(), sample.load[leg], 1e-9 * (1 + sample.load[leg]));
+    }
+  }
+}
+
+TEST(Scene, TheGroundIsTheTerrainUnderTheWay) {
+  const auto robot = scara();
+  const WalkConfig config = short_rough_walk();
+  const Terrain terrain = config.world().terrain;
+  PageNumbers numbers;
+  const ordered_json scene = scene_document(*robot, terrain, {{0, 0}, {0.2, 0.1}}, numbers);
+  const ordered_json& ground = scene.at("ground");
+  const std::vector<double> heights = floats(numbers, ground.at("heights"));
+  const int columns = ground.at("columns"), rows = ground.at("rows");
+  ASSERT_EQ(heights.size(), static_cast<std::size_t>(columns * rows));
+  const double x = ground.at("x"), y = ground.at("y"), cell_x = ground.at("cell_x"),
+               cell_y = ground.at("cell_y");
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < columns; ++c) {
+      // Samples are corners of the field, whose heights are floats: but for the place of the corner they are
+      // exact.
+      EXPECT_NEAR(heights[static_cast<std::size_t>(r * columns + c)],
+                  terrain.height(x + c * cell_x, y + r * cell_y), 1e-9);
+    }
+  }
+  const double reach = scene.at("reach");
+  EXPECT_LE(x, -reach);
+  EXPECT_GE(x + (columns - 1) * cell_x, 0.2 + reach);
+  EXPECT_LE(y, -reach);
+  EXPECT_GE(y + (rows - 1) * cell_y, 0.1 + reach);
+  EXPECT_LT((columns - 1) * cell_x, 0.2 + 2 * reach + 2 * cell_x + 1e-9) << "no more of it than is near";
+}
+
+TEST(Motion, RunsApartAreMeasuredAndTheirPartingIsFound) {
+  const auto robot = scara();
+  PageNumbers numbers;
+  // The second base moves by .1 mm every step: beyond the default 1 mm at the eleventh.
+  const ordered_json document = motion_document(
+      {robot, {}, {{"a", "", standing(*robot, 100)}, {"b", "", standing(*robot, 100, 1e-4)}}, {}}, numbers);
+  const ordered_json& first = document.at("pairs").at(0).at("first_divergence");
+  EXPECT_EQ(first.at("quantity"), "position");
+  EXPECT_NEAR(first.at("time_s").get<double>(), 0.022, 0.0021);  // a step's rounding either way
+  for (const ordered_json& panel : document.at("panels")) {
+    if (panel.at("title") != "Bases apart") continue;
+    const std::vector<double> apart = floats(numbers, panel.at("series").at(0).at("values"));
+    EXPECT_NEAR(apart.back(), 99e-4, 1e-8);
+    EXPECT_TRUE(panel.at("log"));
+    return;
+  }
+  ADD_FAILURE() << "no panel of the bases";
+}
+
+TEST(Motion, TracesAtDifferentTimesAreReplayedWithoutDifferences) {
+  const auto robot = scara();
+  TraceTable slower = standing(*robot, 50);
+  std::vector<std::vector<double>> columns;
+  for (const std::string& column : slower.names()) columns.push_back(slower.column(column));
+  for (double& time : columns.front()) time *= 1.5;
+  PageNumbers numbers;
+  const ordered_json document = motion_document(
+      {robot, {}, {{"a", "", standing(*robot, 50)}, {"b", "", TraceTable("b", slower.names(), columns)}}, {}},
+      numbers);
+  EXPECT_TRUE(document.at("pairs").empty());
+  EXPECT_EQ(document.at("notes").size(), 1U);
+}
+
+TEST(Motion, FramesAreAHundredASecondAndTheLastRow) {
+  std::vector<double> time;
+  for (int i = 0; i <= 502; ++i) time.push_back(0.5 + 0.002 * i);
+  const std::vector<std::size_t> rows = frame_rows(time);
+  ASSERT_EQ(rows.size(), 102U);
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) EXPECT_EQ(rows[i], 5 * i);
+  EXPECT_EQ(rows.back(), 502U);
+  std::vector<double> longer;
+  for (int i = 0; i < 90'000; ++i) longer.push_back(0.02 * i);
+  EXPECT_LE(frame_rows(longer).size(), kMaxFrames);
+}
+
+TEST(Motion, RefusesTracesThatAreNotOfTheRobot) {
+  const auto robot = scara();
+  PageNumbers numbers;
+  const auto other = std::make_shared<const RobotDescription>(load_robot(find_robot("serial_quadruped")));
+  const Motion wrong{other, {}, {{"a", "", standing(*robot, 3)}}, {}};
+  const ConfigError error = config_error([&] { motion_document(wrong, numbers); });
+  EXPECT_NE(std::string(error.what()).find("q."), std::string::npos) << error.what();
+}
+
+TEST(Motion, RefusesOrientationsThatAreNone) {
+  const auto robot = scara();
+  TraceTable good = standing(*robot, 3);
+  std::vector<std::vector<double>> columns;
+  for (const std::string& column : good.names()) columns.push_back(good.column(column));
+  columns[4][1] = 0;  // q_WB.w
+  PageNumbers numbers;
+  const Motion bad{robot, {}, {{"a", "", TraceTable("a.csv", good.names(), columns)}}, {}};
+  const ConfigError error = config_error([&] { motion_document(bad, numbers); });
+  EXPECT_EQ(error.source(), "a.csv");
+  EXPECT_NE(error.element().find("0.002"), std::string::npos) << error.what();
+}
+
+class SceneOfMeshes : public ScratchFolder {};
+
+TEST_F(SceneOfMeshes, AMeshIsThereOnceWithItsTriangles) {
+  RobotDescription robot = *scara();
+  const std::string file =
+      write("tetra.stl", binary_stl({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}}));
+  VisualShape visual;
+  visual.type = VisualType::kMesh;
+  visual.mesh = file;
+  visual.scale = {0.01, 0.01, 0.01};
+  robot.bodies[0].visuals = {visual, visual};
+  visual.mesh = write("other.dae", "<COLLADA/>");
+  robot.bodies[1].visuals = {visual};
+  PageNumbers numbers;
+  const ordered_json scene = scene_document(robot, {}, {}, numbers);
+  ASSERT_EQ(scene.at("meshes").size(), 1U);
+  const ordered_json& mesh = scene.at("meshes").at(0);
+  EXPECT_EQ(mesh.at("vertices").at("count"), 3 * 4) << "equal corners are one";
+  EXPECT_EQ(mesh.at("triangles").at("count"), 6);
+  EXPECT_EQ(scene.at("bodies").at(0).at("shapes").at(1).at("mesh"), 0);
+  EXPECT_EQ(scene.at("notes").size(), 1U) << "a mesh that is not read is named";
+  EXPECT_EQ(scene.at("bodies").at(1).at("shapes").size(), robot.bodies[1].shapes.size());
+}
+
+TEST(PageNumbersAreBase64, AsInTheStandard) {
+  PageNumbers numbers;
+  EXPECT_EQ(numbers.base64(), "");
+  numbers.add(std::span<const std::uint32_t>(std::vector<std::uint32_t>{0x006e614dU}));  // "Man\0"
+  EXPECT_EQ(numbers.base64(), "TWFuAA==");
+  numbers.add(std::span<const std::uint32_t>(std::vector<std::uint32_t>{0x4d006e61U}));
+  EXPECT_EQ(numbers.base64(), "TWFuAGFuAE0=");
+}
+
+TEST(ScriptText, EndsNoElementWhateverItSays) {
+  const std::string hostile = "</script><!-- &amp; \xe2\x80\xa8 \xe2\x80\xa9 \xff \"";
+  const std::string text = script_text({{"name", hostile}});
+  for (const char* bad : {"<", ">", "&", "\xe2\x80\xa8", "\xff"})
+    EXPECT_EQ(text.find(bad), std::string::npos) << bad;
+  const std::string back = nlohmann::json::parse(text).at("name");
+  EXPECT_TRUE(back.starts_with("</script><!-- &amp; \xe2\x80\xa8 \xe2\x80\xa9 ")) << back;
+}
+
+TEST(ReportPage, HoldsADocumentWhoseTitleIsHarmless) {
+  if (page_template().empty()) GTEST_SKIP() << "built without the page";
+  ReportPage page;
+  page.title = "<script>alert(1)</script>";
+  const std::string html = report_html(page);
+  EXPECT_EQ(html.find("<script>alert"), std::string::npos);
+  EXPECT_NE(html.find("\\u003cscript\\u003ealert(1)"), std::string::npos);
+  EXPECT_EQ(html.find("@CROSSGAIT_"), std::string::npos) << "both places are filled";
+  // Nothing that a browser would fetch.
+  for (const char* fetched : {"src=\"http", "href=\"http", "url(http", "import("})
+    EXPECT_EQ(html.find(fetched), std::string::npos) << fetched;
+}
+
+TEST(VerdictDocument, NamesTheFileOfWhatIsNone) {
+  for (const char* text : {"{}", R"({"statistics": 3})", R"({"statistics": [{"name": 7}]})",
+                           R"({"statistics": [], "behaviour": "b", "a": "x", "b": "y", "word": 1})"}) {
+    const ConfigError error = config_error([&] { verdict_document(nlohmann::json::parse(text), "v.json"); });
+    EXPECT_EQ(error.source(), "v.json") << text;
+  }
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,201 @@
+// What the page shows: the document that report/page.h describes, and the numbers that it refers to.
+
+/** Where numbers are, counted in numbers of four bytes. */
+export interface Reference {
+  at: number;
+  count: number;
+}
+
+export interface Shape {
+  type: "sphere" | "box" | "cylinder" | "capsule" | "mesh" | "hull";
+  size: [number, number, number];
+  position: [number, number, number];
+  quaternion: [number, number, number, number];
+  rgba: [number, number, number, number] | null;
+  mesh?: number;
+  scale?: [number, number, number];
+  vertices?: Reference;
+}
+
+export interface Ground {
+  columns: number;
+  rows: number;
+  x: number;
+  y: number;
+  cell_x: number;
+  cell_y: number;
+  heights: Reference;
+}
+
+export interface Scene {
+  robot: string;
+  terrain: string;
+  standing_height: number;
+  reach: number;
+  way: [number, number, number, number];
+  bodies: { name: string; shapes: Shape[] }[];
+  meshes: { vertices: Reference; triangles: Reference }[];
+  legs: { name: string; body: number; foot: [number, number, number]; radius: number }[];
+  ground: Ground | null;
+  notes: string[];
+}
+
+export interface RunDocument {
+  name: string;
+  engine: string;
+  time: Reference;
+  poses: Reference;
+  feet: Reference;
+  forces: Reference;
+  force_directions: boolean;
+  contact: number[][] | null;
+  planned: number[][] | null;
+}
+
+export interface Pair {
+  a: number;
+  b: number;
+  first_divergence: { quantity: string; time_s: number; tolerance: number } | null;
+}
+
+export interface Panel {
+  group: "base" | "feet" | "joints" | "parameters" | "differences";
+  title: string;
+  unit: string;
+  log: boolean;
+  leg?: string;
+  series: { run: number; other?: number; label: string; dashed: boolean; values: Reference }[];
+}
+
+export interface Motion {
+  scene: Scene;
+  runs: RunDocument[];
+  pairs: Pair[];
+  panels: Panel[];
+  notes: string[];
+}
+
+export interface Interval {
+  estimate: number;
+  low: number;
+  high: number;
+}
+
+export interface Verdict {
+  behaviour: string;
+  a: string;
+  b: string;
+  word: string;
+  starts: number;
+  limit: number;
+  confidence: number;
+  variations: string[];
+  left_out: string[];
+  statistics: {
+    name: string;
+    unit: string;
+    mean_a: number;
+    mean_b: number;
+    gap: Interval;
+    spread: number;
+    floor: number;
+    score: Interval;
+    word: string;
+  }[];
+  models: { quantity: string; element: string; a: number; b: number; unit: string }[];
+  attribution: {
+    from: string;
+    to: string;
+    statistics: {
+      name: string;
+      unit: string;
+      gap: Interval;
+      leading: string[];
+      factors: { name: string; effect: Interval }[];
+    }[];
+    factors: { name: string; summary: string }[];
+  } | null;
+}
+
+export interface Provenance {
+  crossgait?: string;
+  command?: string;
+  arguments?: string[];
+  engines?: { name: string; engine: string; version: string }[];
+  hash?: string;
+  [key: string]: unknown;
+}
+
+export interface ReportDocument {
+  title: string;
+  crossgait: string;
+  sentences: string[];
+  motion: Motion | null;
+  tables: { header: string[]; rows: string[][] }[];
+  verdicts: Verdict[];
+  provenances: Provenance[];
+}
+
+function textOf(id: string): string {
+  return document.getElementById(id)?.textContent ?? "";
+}
+
+function bytesOf(base64: string): ArrayBuffer {
+  // Browsers from 2025 on do it at once.
+  const native = (Uint8Array as { fromBase64?: (text: string) => Uint8Array<ArrayBuffer> }).fromBase64;
+  if (native) return native(base64).buffer;
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  return bytes.buffer;
+}
+
+/** The numbers of the page, without a copy. */
+export class Numbers {
+  private readonly bytes = bytesOf(textOf("numbers"));
+
+  floats(where: Reference): Float32Array {
+    return new Float32Array(this.bytes, 4 * where.at, where.count);
+  }
+  indices(where: Reference): Uint32Array {
+    return new Uint32Array(this.bytes, 4 * where.at, where.count);
+  }
+}
+
+/** One run with its numbers at hand. */
+export class Run {
+  readonly name: string;
+  readonly time: Float32Array;
+  readonly poses: Float32Array;
+  readonly feet: Float32Array;
+  readonly forces: Float32Array;
+
+  constructor(
+    readonly index: number,
+    readonly document: RunDocument,
+    numbers: Numbers,
+  ) {
+    this.name = document.name;
+    this.time = numbers.floats(document.time);
+    this.poses = numbers.floats(document.poses);
+    this.feet = numbers.floats(document.feet);
+    this.forces = numbers.floats(document.forces);
+  }
+
+  /** The last frame that is not after `time`, or the first. */
+  frameAt(time: number): number {
+    let low = 0;
+    let high = this.time.length - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      // Half a microsecond: times are floats.
+      if ((this.time[middle] as number) <= time + 5e-7) low = middle;
+      else high = middle - 1;
+    }
+    return low;
+  }
+}
+
+export function readDocument(): ReportDocument {
+  return JSON.parse(textOf("document")) as ReportDocument;
+}

@@ -1,0 +1,212 @@
+// A run's robot, its feet's paths and the forces on them, as objects of three.js.
+import {
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  CapsuleGeometry,
+  Color,
+  ConeGeometry,
+  CylinderGeometry,
+  Group,
+  Line,
+  LineBasicMaterial,
+  Mesh,
+  MeshLambertMaterial,
+  Object3D,
+  Quaternion,
+  SphereGeometry,
+  Vector3,
+} from "three";
+import { ConvexGeometry } from "three/addons/geometries/ConvexGeometry.js";
+import type { Numbers, Run, Scene, Shape } from "./document";
+
+const PLAIN: [number, number, number, number] = [0.62, 0.64, 0.67, 1];
+/** Length of a foot's path behind it, s. */
+const TRAIL = 1.2;
+const UP = new Vector3(0, 0, 1);
+const POSE = 7; // numbers
+
+export function geometryOf(shape: Shape, scene: Scene, numbers: Numbers): BufferGeometry {
+  const [a, b, c] = shape.size;
+  switch (shape.type) {
+    case "box":
+      return new BoxGeometry(2 * a, 2 * b, 2 * c);
+    case "sphere":
+      return new SphereGeometry(a, 24, 16);
+    case "cylinder": // three.js has its axis along y
+      return new CylinderGeometry(a, a, 2 * b, 24).rotateX(Math.PI / 2);
+    case "capsule":
+      return new CapsuleGeometry(a, 2 * b, 8, 20).rotateX(Math.PI / 2);
+    case "hull": {
+      const xyz = numbers.floats(shape.vertices!);
+      const points: Vector3[] = [];
+      for (let i = 0; i < xyz.length; i += 3) points.push(new Vector3(xyz[i], xyz[i + 1], xyz[i + 2]));
+      return new ConvexGeometry(points);
+    }
+    case "mesh": {
+      const mesh = scene.meshes[shape.mesh!]!;
+      const geometry = new BufferGeometry();
+      geometry.setAttribute("position", new BufferAttribute(numbers.floats(mesh.vertices), 3));
+      geometry.setIndex(new BufferAttribute(numbers.indices(mesh.triangles), 1));
+      geometry.scale(...shape.scale!);
+      geometry.computeVertexNormals();
+      return geometry;
+    }
+  }
+}
+
+/** What the runs of one page share. */
+export class RobotParts {
+  readonly shapes: { body: number; shape: Shape; geometry: BufferGeometry }[] = [];
+
+  constructor(
+    readonly scene: Scene,
+    numbers: Numbers,
+  ) {
+    scene.bodies.forEach((body, index) => {
+      for (const shape of body.shapes)
+        this.shapes.push({ body: index, shape, geometry: geometryOf(shape, scene, numbers) });
+    });
+  }
+}
+
+class Arrow extends Group {
+  private readonly shaft: Mesh;
+  private readonly head: Mesh;
+
+  constructor(
+    private readonly radius: number,
+    material: MeshLambertMaterial,
+  ) {
+    super();
+    this.shaft = new Mesh(new CylinderGeometry(radius, radius, 1, 10).translate(0, 0.5, 0).rotateX(Math.PI / 2), material);
+    this.head = new Mesh(new ConeGeometry(2.6 * radius, 6 * radius, 14).rotateX(Math.PI / 2), material);
+    this.add(this.shaft, this.head);
+  }
+  /** From the origin along `vector`, which is as long as the arrow. */
+  point(vector: Vector3, longest: number): void {
+    vector.clampLength(0, longest);
+    const length = vector.length();
+    this.visible = length > 3 * this.radius;
+    if (!this.visible) return;
+    this.quaternion.setFromUnitVectors(UP, vector.clone().divideScalar(length));
+    this.shaft.scale.z = Math.max(1e-6, length - 6 * this.radius);
+    this.head.position.z = length - 3 * this.radius;
+  }
+}
+
+export class RobotView extends Group {
+  readonly bodies: Object3D[] = [];
+  /** Centres of the feet, moving with their bodies. */
+  readonly feet: Object3D[] = [];
+  readonly arrows = new Group();
+  readonly trails = new Group();
+  private readonly robot = new Group();
+  private readonly materials: { material: MeshLambertMaterial; own: Color }[] = [];
+  private readonly arrowMaterial = new MeshLambertMaterial();
+  private readonly trailMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.9 });
+  private readonly from = new Quaternion();
+  private readonly to = new Quaternion();
+
+  /** @param metresPerNewton of arrows */
+  constructor(
+    readonly run: Run,
+    private readonly parts: RobotParts,
+    private readonly metresPerNewton: number,
+  ) {
+    super();
+    for (const body of parts.scene.bodies) {
+      const object = new Group();
+      object.name = body.name;
+      this.bodies.push(object);
+      this.robot.add(object);
+    }
+    for (const { body, shape, geometry } of parts.shapes) this.bodies[body]!.add(this.meshOf(shape, geometry));
+    const size = parts.scene.standing_height || 0.2;
+    parts.scene.legs.forEach((leg, index) => {
+      const foot = new Object3D();
+      foot.name = `foot ${leg.name}`;
+      foot.position.set(...leg.foot);
+      this.bodies[leg.body]!.add(foot);
+      this.feet.push(foot);
+      this.arrows.add(new Arrow(0.03 * size, this.arrowMaterial));
+      this.trails.add(this.trailOf(index));
+    });
+    this.add(this.robot, this.arrows, this.trails);
+  }
+
+  /** In its own colours, or in those of the run if there are several. */
+  paint(colour: string, own: boolean, ghost: boolean): void {
+    const paint = new Color(colour);
+    for (const { material, own: its } of this.materials) {
+      // Dark parts stay darker, so that the shape can still be read.
+      material.color.copy(its);
+      if (!own) material.color.lerp(paint, 0.72);
+      material.transparent = ghost;
+      material.opacity = ghost ? 0.38 : 1;
+      material.needsUpdate = true;
+    }
+    this.arrowMaterial.color.copy(own ? new Color("#d55e00") : paint);
+    this.trailMaterial.color.copy(paint);
+    this.robot.traverse((object) => (object.castShadow = !ghost));
+  }
+
+  /** @param share of the way to the frame behind it, 0 to 1 */
+  show(frame: number, share: number): void {
+    const { poses, time } = this.run;
+    const next = Math.min(frame + 1, time.length - 1);
+    const count = this.bodies.length;
+    this.bodies.forEach((object, body) => {
+      const a = POSE * (frame * count + body);
+      const b = POSE * (next * count + body);
+      const mixed = (k: number) => (poses[a + k] as number) * (1 - share) + (poses[b + k] as number) * share;
+      object.position.set(mixed(0), mixed(1), mixed(2));
+      this.from.fromArray(poses, a + 3);
+      if (share > 0) this.from.slerp(this.to.fromArray(poses, b + 3), share);
+      object.quaternion.copy(this.from);
+    });
+    this.updateMatrixWorld();
+    this.showFeet(frame);
+  }
+
+  private showFeet(frame: number): void {
+    const legs = this.parts.scene.legs;
+    const { feet, forces, time } = this.run;
+    let first = frame;
+    while (first > 0 && (time[frame] as number) - (time[first] as number) < TRAIL) --first;
+    legs.forEach((leg, index) => {
+      const at = 3 * (frame * legs.length + index);
+      const arrow = this.arrows.children[index] as Arrow;
+      arrow.position.set(feet[at]!, feet[at + 1]!, feet[at + 2]! - leg.radius);
+      arrow.point(new Vector3(forces[at], forces[at + 1], forces[at + 2]).multiplyScalar(this.metresPerNewton), 3 * (this.parts.scene.standing_height || 0.2));
+      (this.trails.children[index] as Line).geometry.setDrawRange(first, frame - first + 1);
+    });
+  }
+
+  private meshOf(shape: Shape, geometry: BufferGeometry): Mesh {
+    const [r, g, b] = shape.rgba ?? PLAIN;
+    const own = new Color(r, g, b);
+    const material = new MeshLambertMaterial({ color: own, flatShading: shape.type === "mesh" });
+    this.materials.push({ material, own });
+    const mesh = new Mesh(geometry, material);
+    mesh.position.set(...shape.position);
+    mesh.quaternion.set(...shape.quaternion);
+    mesh.receiveShadow = true;
+    return mesh;
+  }
+
+  private trailOf(leg: number): Line {
+    const legs = this.parts.scene.legs.length;
+    const frames = this.run.time.length;
+    const points = new Float32Array(3 * frames);
+    for (let i = 0; i < frames; ++i) {
+      const at = 3 * (i * legs + leg);
+      points.set(this.run.feet.subarray(at, at + 3), 3 * i);
+    }
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(points, 3));
+    const line = new Line(geometry, this.trailMaterial);
+    line.frustumCulled = false; // what is drawn of it changes
+    return line;
+  }
+}

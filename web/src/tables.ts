@@ -1,0 +1,46 @@
+// What was found, in words and tables, and where it comes from.
+import type { Provenance, ReportDocument } from "./document";
+import { h } from "./dom";
+
+function table(header: string[], rows: string[][]): HTMLElement {
+  const cells = (row: string[], tag: "th" | "td") =>
+    row.map((text, i) => h(i === 0 ? "th" : tag, { scope: tag === "th" ? "col" : i === 0 ? "row" : false }, text));
+  return h(
+    "div",
+    { class: "scroll" },
+    h("table", {}, h("thead", {}, h("tr", {}, ...cells(header, "th"))), h("tbody", {}, ...rows.map((row) => h("tr", {}, ...cells(row, "td"))))),
+  );
+}
+
+export function findings(report: ReportDocument): HTMLElement | null {
+  if (report.tables.length === 0 && report.sentences.length === 0) return null;
+  return h(
+    "section",
+    { class: "group" },
+    h("h2", {}, "Statistics"),
+    ...report.tables.map(({ header, rows }) => table(header, rows)),
+    ...report.sentences.map((sentence) => h("p", {}, sentence)),
+  );
+}
+
+// As it can be typed again.
+function commandLine(p: Provenance): string {
+  const words = [p.command ?? "", ...(p.arguments ?? [])].map((word) =>
+    /^[\w.,:=/+@%-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`,
+  );
+  return `crossgait ${words.join(" ")}`;
+}
+
+export function origin(report: ReportDocument): HTMLElement {
+  const parts = report.provenances.map((p) =>
+    h(
+      "div",
+      { class: "origin" },
+      h("code", {}, commandLine(p)),
+      h("p", {}, `Crossgait ${p.crossgait ?? "?"}; ${(p.engines ?? []).map((e) => `${e.name} (${e.engine} ${e.version})`).join(", ") || "no engine"}; hash ${p.hash ?? "?"}`),
+      h("details", {}, h("summary", {}, "All that the result depends on"), h("pre", {}, JSON.stringify(p, null, 1))),
+    ),
+  );
+  const note = report.provenances.length === 0 ? "Made from files that do not say how they came to be." : null;
+  return h("footer", {}, h("h2", {}, "Where this comes from"), ...parts, note ? h("p", {}, note) : null, h("p", { class: "muted" }, `Page written by Crossgait ${report.crossgait}. SI units; angles in degrees where a plot says so. World frame: x forward, y left, z up.`));
+}

@@ -1,0 +1,210 @@
+// The page in a real browser: node --test test/, with the pages that scripts/test-page has written in $PAGES.
+import assert from "node:assert/strict";
+import { mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { chromium } from "playwright-core";
+
+const pages = process.env.PAGES;
+const arguments_ = ["--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+  "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+const profile = mkdtempSync(join(tmpdir(), "crossgait-page-"));
+let browser;
+
+before(async () => {
+  browser = await chromium.launchPersistentContext(profile, { executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: arguments_ });
+});
+after(async () => {
+  await browser?.close();
+  rmSync(profile, { recursive: true, force: true });
+});
+
+/** Opens a page; whatever it complains of or asks the network for fails the test at its end. */
+async function open(name, { width = 1440, height = 900, scheme = "light" } = {}) {
+  const page = await browser.newPage();
+  await page.setViewportSize({ width, height });
+  await page.emulateMedia({ colorScheme: scheme });
+  const problems = [];
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && !isOfTheDriver(message.text()) && problems.push(message.text()));
+  page.on("pageerror", (error) => problems.push(error.message));
+  page.on("request", (request) => /^(file|data|blob):/.test(request.url()) || problems.push(`fetched ${request.url()}`));
+  await page.goto(`file://${join(pages, name)}`);
+  await page.waitForFunction(() => window.crossgait);
+  return { page, problems };
+}
+
+// Software rendering has a word to say about reading pixels back, which nothing here is to blame for.
+function isOfTheDriver(text) {
+  return text.includes("GPU stall due to ReadPixels");
+}
+
+/** Rows of a trace as objects. */
+function readTrace(name) {
+  const [head, ...lines] = readFileSync(join(pages, name), "utf8").trim().split("\n");
+  const names = head.split(",");
+  return lines.map((line) => Object.fromEntries(line.split(",").map((cell, i) => [names[i], Number(cell)])));
+}
+
+const time = (page) => page.evaluate(() => window.crossgait.player.time);
+const cursors = (page) => page.evaluate(() => window.crossgait.plots.all.filter((p) => p.visible).map((p) => p.cursorTime));
+
+async function expectCursorsAt(page, at) {
+  const found = await cursors(page);
+  assert.ok(found.length >= 3, "plots are there");
+  // A pixel of the narrowest plot: 5 s over 230 of them.
+  for (const t of found) assert.ok(Math.abs(t - at) < 0.03, `cursor at ${t} s, replay at ${at} s`);
+}
+
+test("a comparison of three engines loads, small and soon", async () => {
+  assert.ok(statSync(join(pages, "compare.html")).size <= 3e6, "at most 3 MB for 5 s");
+  const { page, problems } = await open("compare.html");
+  assert.match(await page.title(), /trot on rough/);
+  assert.equal(await page.evaluate(() => window.crossgait.view.robots.length), 3);
+  const pixels = await page.evaluate(() => {
+    const { canvas } = window.crossgait.view;
+    window.crossgait.view.drawNow();
+    const copy = document.createElement("canvas");
+    [copy.width, copy.height] = [64, 64];
+    const context = copy.getContext("2d");
+    context.drawImage(canvas, 0, 0, 64, 64);
+    return new Set(new Uint32Array(context.getImageData(0, 0, 64, 64).data.buffer)).size;
+  });
+  assert.ok(pixels > 100, `a picture of ${pixels} colours`);
+  // Every plot is drawn, also those that nobody has scrolled to.
+  const drawn = await page.evaluate(() => {
+    const shown = window.crossgait.plots.all.filter((p) => p.element.offsetParent);
+    for (const plot of shown) plot.ensure();
+    return [shown.length, document.querySelectorAll(".plot canvas").length];
+  });
+  await page.waitForTimeout(200);
+  assert.ok(drawn[0] >= 18 && drawn[1] === drawn[0], `${drawn[1]} of ${drawn[0]} plots`);
+  await page.evaluate(() => window.crossgait.player.seek(2));
+  await page.evaluate(() => document.querySelectorAll(".panel:not([hidden])").forEach((panel) => panel.scrollIntoView()));
+  await page.waitForFunction(() => window.crossgait.plots.all.some((p) => p.visible && p.panel?.group === "differences"));
+  await expectCursorsAt(page, 2);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("feet are where the trace has them", async () => {
+  const { page, problems } = await open("walk.html");
+  const trace = readTrace("walk.csv");
+  for (const row of [0, 500, 1235, trace.length - 1]) {
+    const at = trace[row];
+    const shown = await page.evaluate((t) => {
+      const { player, view, runs } = window.crossgait;
+      player.playing = false;
+      player.seek(t);
+      const robot = view.robots[0];
+      const frame = runs[0].frameAt(t);
+      const place = (object) => object.getWorldPosition(object.position.clone()).toArray();
+      return { time: runs[0].time[frame], base: place(robot.bodies[0]), feet: robot.feet.map(place), said: Array.from(runs[0].feet.subarray(12 * frame, 12 * frame + 12)) };
+    }, at.time);
+    const near = trace.reduce((a, b) => (Math.abs(b.time - shown.time) < Math.abs(a.time - shown.time) ? b : a));
+    assert.ok(Math.abs(near.time - at.time) <= 0.0101, "a frame every hundredth of a second");
+    ["x", "y", "z"].forEach((axis, i) => assert.ok(Math.abs(shown.base[i] - near[`p_WB.${axis}`]) < 1e-5, "base"));
+    // Bodies come from poses, feet from the feet of the trace: two ways to one place. 1e-4 m is what nobody sees.
+    shown.feet.forEach((foot, leg) => foot.forEach((value, i) => assert.ok(Math.abs(value - shown.said[3 * leg + i]) < 1e-4, `foot ${leg}`)));
+  }
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("it plays, and cursor and robot move together", async () => {
+  const { page, problems } = await open("compare.html");
+  const begin = await time(page);
+  await page.keyboard.press(" ");
+  // Pictures take their time without a graphics card.
+  await page.waitForFunction((t) => window.crossgait.player.time > t + 0.1, begin);
+  await page.keyboard.press(" ");
+  const now = await time(page);
+  assert.ok(now > begin + 0.1, `played from ${begin} to ${now} s`);
+  await page.waitForTimeout(100);
+  assert.equal(await time(page), now, "paused");
+  await expectCursorsAt(page, now);
+  await page.keyboard.press("ArrowRight");
+  const step = (await time(page)) - now;
+  assert.ok(step > 0 && step <= 0.0151, `a frame on: ${step} s`);
+  await page.keyboard.press("Home");
+  assert.equal(await time(page), begin);
+  await page.keyboard.press("p");
+  const parted = await page.evaluate(() => window.crossgait.report.motion.pairs.find((p) => p.first_divergence).first_divergence.time_s);
+  assert.equal(await time(page), parted, "where the engines part");
+  const plot = page.locator(".plot .u-over").nth(1);
+  const box = await plot.boundingBox();
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  const middle = await time(page);
+  assert.ok(middle > 2.5 && middle < 3.5, `the middle of the plot is ${middle} s`);
+  await expectCursorsAt(page, middle);
+  await page.keyboard.press("End");
+  const x = await page.evaluate(() => window.crossgait.view.robots.map((r) => r.bodies[0].position.x));
+  for (const at of x) assert.ok(at > 1, `walked ${at} m`);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("keys alone reach everything, and turn and part the view", async () => {
+  const { page, problems } = await open("compare.html");
+  const reached = new Set();
+  for (let i = 0; i < 40; ++i) {
+    await page.keyboard.press("Tab");
+    reached.add(await page.evaluate(() => document.activeElement.getAttribute("aria-label") ?? document.activeElement.textContent));
+  }
+  for (const name of ["Play or pause (space)", "Time, s", "Speed", "Light or dark (t)", "FR"]) assert.ok(reached.has(name), `${name} among ${[...reached]}`);
+  const unnamed = await page.evaluate(() => [...document.querySelectorAll("button, input, select, canvas[tabindex]")].filter((e) => !(e.getAttribute("aria-label") || e.textContent || e.closest("label")?.textContent)).length);
+  assert.equal(unnamed, 0, "every control has a name");
+  const place = () => page.evaluate(() => window.crossgait.view.camera.position.toArray());
+  const first = await place();
+  await page.keyboard.press("d");
+  assert.notDeepEqual(await place(), first);
+  const ys = () => page.evaluate(() => window.crossgait.view.robots.map((r) => r.parent.position.y));
+  assert.deepEqual(await ys(), [0, 0, 0]);
+  await page.keyboard.press("b");
+  const apart = await ys();
+  assert.ok(apart[0] > apart[1] && apart[1] > apart[2], `side by side: ${apart}`);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("light and dark, by the system and by hand; and a phone", async () => {
+  for (const scheme of ["light", "dark"]) {
+    const { page, problems } = await open("compare.html", { scheme });
+    const colours = () => page.evaluate(() => [getComputedStyle(document.body).backgroundColor, window.crossgait.view.three.background.getHexString()]);
+    const before_ = await colours();
+    const brightness = Number(before_[0].match(/\d+/)[0]);
+    assert.ok(scheme === "light" ? brightness > 200 : brightness < 60, before_[0]);
+    await page.keyboard.press("t");
+    const after_ = await colours();
+    assert.notEqual(after_[0], before_[0]);
+    assert.notEqual(after_[1], before_[1]);
+    assert.deepEqual(problems, []);
+    await page.close();
+  }
+  const { page, problems } = await open("compare.html", { width: 390, height: 844 });
+  assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 390, "nothing sticks out");
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("text out of files is shown, never run", async () => {
+  const { page, problems } = await open("hostile.html");
+  assert.equal(await page.evaluate(() => window.hostile), undefined);
+  assert.ok((await page.textContent("header")).includes("</script><script>window.hostile = 1</script>"));
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("a verdict shows every statistic between the limits", async () => {
+  const { page, problems } = await open("verdict.html");
+  const result = JSON.parse(readFileSync(join(pages, "verdict.json"), "utf8"));
+  assert.equal(await page.locator("svg .dot").count(), result.statistics.length);
+  for (const [i, { score, word }] of result.statistics.entries()) {
+    const row = page.locator(".verdict tbody tr").nth(i);
+    assert.equal(await row.locator(".word").textContent(), word);
+    const [x, from, width] = await row.evaluate((r) => [r.querySelector(".dot").cx.baseVal.value, r.querySelector(".within").x.baseVal.value, r.querySelector(".within").width.baseVal.value]);
+    assert.equal(x >= from && x <= from + width, Math.abs(score.estimate) <= result.limit, `${word} ${score.estimate}`);
+  }
+  assert.deepEqual(problems, []);
+  await page.close();
+});
