@@ -35,6 +35,18 @@ python_venv() {
   echo "$wanted" >"$venv/installed"
 }
 
+# python_package VENV: Crossgait's Python package in this virtual environment, from this tree.
+python_package() {
+  local venv=$1
+  scripts/install-dependencies --python
+  python_venv "$venv" python/requirements.txt
+  # As in the other builds, so that what they have compiled is taken from the cache.
+  [[ -e build/python/build.ninja ]] || echo "Building build/python (some minutes, the first time)"
+  CCACHE_BASEDIR=$PWD run_quietly "building the Python package" "$venv/bin/python" -m pip install --quiet \
+    --no-build-isolation --no-deps --config-settings build-dir=build/python \
+    --config-settings cmake.define.CROSSGAIT_WERROR=ON .
+}
+
 # build PRESET [TARGET...]: configures and builds; everything if no target is named.
 build() {
   local preset=$1 progress=(--quiet)
