@@ -172,7 +172,8 @@ std::string model_xml(const WorldSpec& spec) {
       "jacobian='dense' iterations='{}' tolerance='{:.17g}' impratio='{:.17g}'/>",
       spec.physics_dt, numbers(spec.gravity), spec.solver.iterations, solver_tolerance(spec.solver.tolerance),
       spec.contact.impratio);
-  // As much room as can be needed (terrain_collision.h): MuJoCo's own memory grows with the square of the rows.
+  // As much room as can be needed (terrain_collision.h): MuJoCo's own memory grows with the square of the
+  // rows.
   const std::size_t loops = spec.robot->loops.size();
   const auto joints = static_cast<std::size_t>(spec.robot->joint_count());
   xml.add("<size nconmax='{}' njmax='{}'/>", kMaxContacts, 3 * kMaxContacts + 3 * loops + joints);

@@ -1,7 +1,7 @@
 // The vector environment alone, for python/benchmarks/against_others.py to hold Python's against in turns.
 //   vector_env_steps ENGINE ENVIRONMENTS POLICY_DT WORKERS
-// For every number of steps read from standard input: resets, makes so many steps with zero actions, and prints
-// CPU seconds of the process and seconds on the wall.
+// For every number of steps read from standard input: resets, makes so many steps with zero actions, and
+// prints CPU seconds of the process and seconds on the wall.
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
