@@ -11,6 +11,12 @@ namespace {
 
 using motions::at;
 
+// A time step too long for loops whose time constant is 5 ms, s. Where their velocity bias counts they open
+// at 12 ms and the engine diverges at 16; elsewhere they open at 16 and at 20.
+double step_that_opens_loops(const std::string& engine) {
+  return find_engine(engine).info.laws.loops.find("velocity bias") != std::string::npos ? 0.012 : 0.02;
+}
+
 class Motion : public BackendTest {
  protected:
   static MotionSummary run(const WorldSpec& spec, const TargetSource& source, const WalkTiming& timing,
@@ -64,12 +70,12 @@ TEST_P(Motion, ThatDivergesWhileItSettlesEndsBeforeItBegins) {
 
 TEST_P(Motion, ComesApartWhereTheTimeStepIsTooLongForItsLoops) {
   WorldSpec spec = flat();
-  spec.physics_dt = 0.02;  // the loops' time constant is 5 ms
-  const MotionSummary m = run(spec, motions::trot(spec.robot), {.seconds = 2, .control_dt = 0.02});
+  spec.physics_dt = step_that_opens_loops(GetParam());
+  const MotionSummary m = run(spec, motions::trot(spec.robot), {.seconds = 2, .control_dt = spec.physics_dt});
   EXPECT_EQ(m.outcome, Outcome::kCameApart);
   EXPECT_TRUE(m.failed());
   EXPECT_GT(m.max_loop_gap_m, OutcomeLimits{}.loop_gap * spec.robot->home_height);
-  EXPECT_DOUBLE_EQ(m.simulated_seconds, 2);  // which ends no walk
+  EXPECT_NEAR(m.simulated_seconds, 2, spec.physics_dt);  // which ends no walk
   measured("largest loop gap, m", m.max_loop_gap_m);
 }
 
@@ -247,7 +253,7 @@ class EpisodeEnds : public BackendTest {
     plain.reward.fill(0);
     plain.reward[find_reward_term("fall")] = -10;
     EnvConfig coarse = plain;
-    coarse.physics_dt = coarse.control_dt = coarse.policy_dt = 0.02;
+    coarse.physics_dt = coarse.control_dt = coarse.policy_dt = step_that_opens_loops(GetParam());
     EnvConfig toppled = plain;
     toppled.tilt_limit_deg = 1.5;  // a trot pitches by 5 degrees
     EnvConfig small = plain;       // stands, and slides off
