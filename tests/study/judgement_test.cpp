@@ -32,7 +32,14 @@ class Judgements : public ScratchFolder {
     if (available_engines().size() < 2) GTEST_SKIP() << "one engine alone";
   }
   static std::string a() { return available_engines().front(); }
-  static std::string b() { return available_engines().back(); }
+  // The last one that holds contacts by another law, if there is one.
+  static std::string b() {
+    const std::vector<std::string> all = available_engines();
+    const auto other = std::find_if(all.rbegin(), all.rend(), [](const std::string& name) {
+      return find_engine(name).info.laws.contact != find_engine(a()).info.laws.contact;
+    });
+    return other == all.rend() ? all.back() : *other;
+  }
   JudgementOptions options(bool stored = false, std::size_t workers = 1) const {
     JudgementOptions o;
     o.verdict.starts = 4;
@@ -124,6 +131,8 @@ TEST_F(Judgements, LookAtTheWorldOfThePolicysConfiguration) {
 }
 
 TEST_F(Judgements, AuditThatWorldAndNoOther) {
+  if (find_engine(a()).info.laws.contact == find_engine(b()).info.laws.contact)
+    GTEST_SKIP() << "engines of one contact law alone";
   // Where engines are known to hold the same differently: a steep slope, on which neither gets to friction's
   // limit. The worlds of a walk's defaults have no finding.
   PolicyConfig config;
