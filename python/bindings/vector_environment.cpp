@@ -74,7 +74,8 @@ nb::tuple step(VectorEnvironment& self, const AnyArray& actions) {
   const NewArray<double> observations({count, width}), rewards({count}),
       last({keeps_final ? count : 0, width});
   const NewArray<bool> terminated({count}), truncated({count});
-  static_assert(sizeof(bool) == sizeof(std::uint8_t));  // and the core writes 0 or 1
+  std::fill_n(last.data, keeps_final ? count * width : 0, 0.0);  // of those whose episode goes on
+  static_assert(sizeof(bool) == sizeof(std::uint8_t));           // and the core writes 0 or 1
   const auto flags = [count](const NewArray<bool>& array) {
     return std::span(reinterpret_cast<std::uint8_t*>(array.data), count);
   };
