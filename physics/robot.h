@@ -1,6 +1,7 @@
 // The engine-free description of a robot: the single source from which every engine's model is built.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -21,6 +22,12 @@ struct SpatialInertia {
 
 enum class ShapeType { kSphere, kBox, kCylinder, kCapsule, kHull };
 
+/// In documents and in Python.
+constexpr std::string_view name(ShapeType type) {
+  constexpr std::array<std::string_view, 5> kNames{"sphere", "box", "cylinder", "capsule", "hull"};
+  return kNames.at(static_cast<std::size_t>(type));
+}
+
 /// Most vertices of a hull. MuJoCo takes 50 contacts of two geoms.
 inline constexpr int kMaxHullVertices = 32;
 
@@ -37,6 +44,12 @@ struct CollisionShape {
 };
 
 enum class VisualType { kSphere, kBox, kCylinder, kCapsule, kMesh };
+
+/// In documents and in Python.
+constexpr std::string_view name(VisualType type) {
+  constexpr std::array<std::string_view, 5> kNames{"sphere", "box", "cylinder", "capsule", "mesh"};
+  return kNames.at(static_cast<std::size_t>(type));
+}
 
 /// What a body looks like. No engine sees it.
 struct VisualShape {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -22,45 +23,13 @@ constexpr int kMaxGroundSamples = 400'000;
 
 ordered_json list(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
-ordered_json placed(const char* type, const Vector3& size, const Pose& X_BG) {
+ordered_json placed(std::string_view type, const Vector3& size, const Pose& X_BG) {
   const Quaternion q(X_BG.linear());
   return {{"type", type},
           {"size", list(size)},
           {"position", list(X_BG.translation())},
           {"quaternion", {q.x(), q.y(), q.z(), q.w()}},
           {"rgba", nullptr}};
-}
-
-const char* word(VisualType type) {
-  switch (type) {
-    case VisualType::kSphere:
-      return "sphere";
-    case VisualType::kBox:
-      return "box";
-    case VisualType::kCylinder:
-      return "cylinder";
-    case VisualType::kCapsule:
-      return "capsule";
-    case VisualType::kMesh:
-      return "mesh";
-  }
-  return "";
-}
-
-const char* word(ShapeType type) {
-  switch (type) {
-    case ShapeType::kSphere:
-      return "sphere";
-    case ShapeType::kBox:
-      return "box";
-    case ShapeType::kCylinder:
-      return "cylinder";
-    case ShapeType::kCapsule:
-      return "capsule";
-    case ShapeType::kHull:
-      return "hull";
-  }
-  return "";
 }
 
 std::vector<double> coordinates(const std::vector<Vector3>& points) {
@@ -83,7 +52,7 @@ class Shapes {
                                      std::filesystem::path(visual.mesh).filename().string(), body.name));
         continue;
       }
-      ordered_json shape = placed(word(visual.type), visual.size, visual.X_BG);
+      ordered_json shape = placed(name(visual.type), visual.size, visual.X_BG);
       if (visual.rgba)
         shape["rgba"] = {(*visual.rgba)[0], (*visual.rgba)[1], (*visual.rgba)[2], (*visual.rgba)[3]};
       if (visual.type == VisualType::kMesh) {
@@ -94,7 +63,7 @@ class Shapes {
     }
     if (!shapes.empty()) return shapes;
     for (const CollisionShape& collision : body.shapes) {
-      ordered_json shape = placed(word(collision.type), collision.size, collision.X_BG);
+      ordered_json shape = placed(name(collision.type), collision.size, collision.X_BG);
       if (collision.type == ShapeType::kHull)
         shape["vertices"] = numbers_.add(coordinates(collision.vertices));
       shapes.push_back(std::move(shape));

@@ -3,6 +3,7 @@
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
 #include "crossgait/physics/data_path.h"
@@ -30,38 +31,6 @@ std::vector<std::string> body_names(const RobotDescription& robot) {
   std::vector<std::string> names;
   for (const Body& body : robot.bodies) names.push_back(body.name);
   return names;
-}
-
-const char* name(VisualType type) {
-  switch (type) {
-    case VisualType::kSphere:
-      return "sphere";
-    case VisualType::kBox:
-      return "box";
-    case VisualType::kCylinder:
-      return "cylinder";
-    case VisualType::kCapsule:
-      return "capsule";
-    case VisualType::kMesh:
-      break;
-  }
-  return "mesh";
-}
-
-const char* name(ShapeType type) {
-  switch (type) {
-    case ShapeType::kSphere:
-      return "sphere";
-    case ShapeType::kBox:
-      return "box";
-    case ShapeType::kCylinder:
-      return "cylinder";
-    case ShapeType::kCapsule:
-      return "capsule";
-    case ShapeType::kHull:
-      break;
-  }
-  return "hull";
 }
 
 nb::list visuals(const RobotDescription& robot) {
