@@ -24,6 +24,12 @@ std::pair<std::string_view, std::string_view> split_factors(std::string_view nam
   return {name.substr(0, end), name.substr(end)};
 }
 
+std::string_view take_change(std::string_view& changes) {
+  const std::string_view first = changes.substr(0, changes.find_first_of("+-", 1));
+  changes.remove_prefix(first.size());
+  return first;
+}
+
 void EngineFamily::validate() const {
   constexpr std::size_t kMost = 10;
   if (factors.empty() || factors.size() > kMost) {

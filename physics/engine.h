@@ -27,6 +27,9 @@ Engine with_change(Engine engine, std::function<void(WorldSpec&)> change);
 
 /// A name and the factors behind it: "bullet:matched+surface" -> "bullet:matched" and "+surface".
 std::pair<std::string_view, std::string_view> split_factors(std::string_view name);
+/// Takes the first change, its sign included, off `changes`, which are not empty: "+surface-coulomb" gives
+/// "+surface".
+std::string_view take_change(std::string_view& changes);
 
 /// One modelling choice in which two engines differ and that can be changed on its own: a factor, as in a
 /// factorial experiment.

@@ -1,7 +1,5 @@
 #include "crossgait/backends/bullet/contact_factors.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -61,16 +59,12 @@ const std::vector<FactorRow>& factor_rows() {
 
 ContactFactors changed(ContactFactors base, std::string_view changes, std::string_view backend) {
   while (!changes.empty()) {
-    const char sign = changes.front();
-    const std::size_t end = std::min(changes.find_first_of("+-", 1), changes.size());
-    const FactorRow& row = find_row(changes.substr(1, end - 1), backend);
-    bool& factor = base.*row.member;
-    if (factor == (sign == '+')) {
-      throw ConfigError("engine", backend, "changes that change something",
-                        fmt::format("{}{}", sign, row.factor.name));
-    }
-    factor = sign == '+';
-    changes.remove_prefix(end);
+    const std::string_view change = take_change(changes);
+    bool& factor = base.*find_row(change.substr(1), backend).member;
+    const bool adds = change.front() == '+';
+    if (factor == adds)
+      throw ConfigError("engine", backend, "changes that change something", std::string(change));
+    factor = adds;
   }
   check_meaning(base, backend);
   return base;

@@ -1,6 +1,4 @@
 // The plug-ins libcrossgait_engine_mujoco.so and, of further releases, libcrossgait_engine_mujoco@VERSION.so.
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -27,15 +25,13 @@ std::optional<Engine> find(std::string_view name) {
   if (base != kName) return std::nullopt;
   bool loop_bias = true;
   while (!changes.empty()) {
-    const std::size_t end = std::min(changes.find_first_of("+-", 1), changes.size());
-    const std::string_view change = changes.substr(0, end);
+    const std::string_view change = take_change(changes);
     if (!kHasLoopBias) throw ConfigError("engine", kName, "no factors: it has none", change);
     if (change != (loop_bias ? "-loop_bias" : "+loop_bias")) {
       throw ConfigError("engine", kName, loop_bias ? "-loop_bias" : "+loop_bias",
                         fmt::format("\"{}\"", change));
     }
     loop_bias = !loop_bias;
-    changes.remove_prefix(end);
   }
   return engine(loop_bias);
 }

@@ -118,6 +118,14 @@ TEST(Engines, HaveFactorsBehindTheirNames) {
   EXPECT_EQ(split_factors(""), Parts("", ""));
 }
 
+TEST(Engines, HaveTheirChangesTakenOneByOne) {
+  std::string_view changes = "+cone-step+";
+  EXPECT_EQ(take_change(changes), "+cone");
+  EXPECT_EQ(take_change(changes), "-step");
+  EXPECT_EQ(take_change(changes), "+");
+  EXPECT_EQ(changes, "");
+}
+
 TEST(EngineFamilies, HaveOneToTenFactorsEachAfterThoseItNeeds) {
   EngineFamily family;
   const auto refusal = [&family] { return config_error([&] { family.validate(); }).element(); };
