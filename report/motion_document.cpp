@@ -42,17 +42,21 @@ ordered_json stances_of(const TraceTable& trace, std::string_view group, double 
   return legs;
 }
 
-ordered_json run_document(const RecordedRun& run, const SampleReader& reader, const RobotDescription& robot,
-                          const std::vector<std::size_t>& frames, PageNumbers& numbers) {
+/// Fills in where the feet are.
+ordered_json run_document(const RecordedRun& run, const RobotDescription& robot, RunFrames& frames,
+                          PageNumbers& numbers) {
+  const SampleReader& reader = frames.reader;
   std::vector<double> times, poses, feet, forces;
   std::vector<Pose> bodies;
-  for (const std::size_t row : frames) {
+  for (const std::size_t row : frames.rows) {
     const TraceSample sample = reader.at(row);
+    LegArray<Vector3>& p_WF = frames.p_WF.emplace_back();
     times.push_back(sample.state.time);
     forward_kinematics(robot, sample.state, bodies);
     for (const Pose& X : bodies) append(poses, X);
     for (const Leg leg : kLegs) {
-      append(feet, foot_position(robot, leg, bodies));
+      p_WF[leg] = foot_position(robot, leg, bodies);
+      append(feet, p_WF[leg]);
       append(forces, reader.has_forces() ? sample.force[leg] : Vector3(0, 0, sample.load[leg]));
     }
   }
@@ -133,21 +137,17 @@ std::vector<std::size_t> frame_rows(const std::vector<double>& time) {
 nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& numbers) {
   const RobotDescription& robot = *motion.robot;
   if (!robot.legs) throw ConfigError(robot.source, "legs", "a robot with four legs", "none");
-  std::vector<SampleReader> readers;
-  std::vector<std::vector<std::size_t>> frames;
-  readers.reserve(motion.runs.size());
-  for (const RecordedRun& run : motion.runs) {
-    readers.emplace_back(run.trace, robot);
-    frames.push_back(frame_rows(run.trace.time()));
-  }
+  std::vector<RunFrames> frames;
+  for (const RecordedRun& run : motion.runs)
+    frames.push_back({SampleReader(run.trace, robot), frame_rows(run.trace.time()), {}});
   ordered_json notes = ordered_json::array(), runs = ordered_json::array(), pairs = ordered_json::array();
   for (std::size_t i = 0; i < motion.runs.size(); ++i)
-    runs.push_back(run_document(motion.runs[i], readers[i], robot, frames[i], numbers));
+    runs.push_back(run_document(motion.runs[i], robot, frames[i], numbers));
 
   PanelMaker panels(motion, frames, numbers);
   std::size_t pair = 0;
-  for (std::size_t i = 0; i < readers.size(); ++i) {
-    for (std::size_t k = i + 1; k < readers.size(); ++k, ++pair) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    for (std::size_t k = i + 1; k < frames.size(); ++k, ++pair) {
       const std::string& a = motion.runs[i].name;
       const std::string& b = motion.runs[k].name;
       const std::size_t rows = common_rows(motion.runs[i].trace, motion.runs[k].trace);
@@ -157,7 +157,7 @@ nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& number
         continue;
       }
       PairDifference found;
-      panels.add_pair(i, k, pair_panels(readers[i], readers[k], rows, frames[i], found));
+      panels.add_pair(i, k, pair_panels(frames[i].reader, frames[k].reader, rows, frames[i].rows, found));
       const PairDifference& known = motion.pairs.empty() ? found : motion.pairs[pair];
       pairs.push_back(
           {{"a", i}, {"b", k}, {"first_divergence", divergence_document(known.first_divergence)}});

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "crossgait/gait/parameters.h"
-#include "crossgait/physics/multibody.h"
 #include "crossgait/report/motion_document.h"
 
 namespace crossgait {
@@ -34,8 +33,7 @@ std::string in_words(std::string_view name) {
 
 }  // namespace
 
-PanelMaker::PanelMaker(const Motion& motion, const std::vector<std::vector<std::size_t>>& frames,
-                       PageNumbers& numbers)
+PanelMaker::PanelMaker(const Motion& motion, const std::vector<RunFrames>& frames, PageNumbers& numbers)
     : motion_(motion), frames_(frames), numbers_(numbers) {
   differences_ = ordered_json::array({difference_panel("Bases apart", "m"),
                                       difference_panel("Joints apart, the largest", "rad"),
@@ -64,7 +62,8 @@ std::vector<PanelMaker::Series> PanelMaker::columns(const std::string& column, d
     const TraceTable& trace = motion_.runs[run].trace;
     if (!trace.has(column)) continue;
     Series& series = all.emplace_back(Series{run, label, dashed, {}});
-    for (const std::size_t row : frames_[run]) series.values.push_back(scale * trace.column(column)[row]);
+    for (const std::size_t row : frames_[run].rows)
+      series.values.push_back(scale * trace.column(column)[row]);
   }
   return all;
 }
@@ -72,11 +71,10 @@ std::vector<PanelMaker::Series> PanelMaker::columns(const std::string& column, d
 void PanelMaker::add_base() {
   std::vector<Series> roll, pitch, forward, left;
   for (std::size_t run = 0; run < frames_.size(); ++run) {
-    const SampleReader reader(motion_.runs[run].trace, *motion_.robot);
     for (std::vector<Series>* series : {&roll, &pitch, &forward, &left})
       series->push_back({run, "", false, {}});
-    for (const std::size_t row : frames_[run]) {
-      const RobotState state = reader.at(row).state;
+    for (const std::size_t row : frames_[run].rows) {
+      const RobotState state = frames_[run].reader.at(row).state;
       const Vector3 rpy = roll_pitch_yaw(state.q_WB);
       const double c = std::cos(rpy.z()), s = std::sin(rpy.z());
       roll.back().values.push_back(kDegreesPerRadian * rpy.x());
@@ -94,19 +92,15 @@ void PanelMaker::add_base() {
 }
 
 void PanelMaker::add_feet() {
-  const RobotDescription& robot = *motion_.robot;
-  std::vector<Pose> poses;
+  const LegArray<LegModel>& legs = *motion_.robot->legs;
   LegArray<std::vector<Series>> clearance;
   for (std::size_t run = 0; run < frames_.size(); ++run) {
-    const SampleReader reader(motion_.runs[run].trace, robot);
-    for (const Leg leg : kLegs) clearance[leg].push_back({run, "", false, {}});
-    for (const std::size_t row : frames_[run]) {
-      forward_kinematics(robot, reader.at(row).state, poses);
-      for (const Leg leg : kLegs) {
-        const Vector3 p = foot_position(robot, leg, poses);
+    for (const Leg leg : kLegs) {
+      Series& series = clearance[leg].emplace_back(Series{run, "", false, {}});
+      for (const LegArray<Vector3>& feet : frames_[run].p_WF) {
+        const Vector3& p = feet[leg];
         const double ground = motion_.terrain.height(p.x(), p.y());
-        clearance[leg].back().values.push_back(kToMillimetres *
-                                               (p.z() - (*robot.legs)[leg].foot_radius - ground));
+        series.values.push_back(kToMillimetres * (p.z() - legs[leg].foot_radius - ground));
       }
     }
   }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/report/page_numbers.h"
+#include "crossgait/report/recorded_run.h"
 
 namespace crossgait {
 
@@ -24,8 +25,8 @@ struct PairPanels {
 /// run.
 class PanelMaker {
  public:
-  /// `motion` and `numbers` stay the caller's. @param frames  rows of each run
-  PanelMaker(const Motion& motion, const std::vector<std::vector<std::size_t>>& frames, PageNumbers& numbers);
+  /// All of it stays the caller's. @param frames  of each run
+  PanelMaker(const Motion& motion, const std::vector<RunFrames>& frames, PageNumbers& numbers);
 
   void add_pair(std::size_t a, std::size_t b, const PairPanels& differences);
   nlohmann::ordered_json finish();
@@ -48,7 +49,7 @@ class PanelMaker {
   void add_parameters();
 
   const Motion& motion_;
-  const std::vector<std::vector<std::size_t>>& frames_;
+  const std::vector<RunFrames>& frames_;
   PageNumbers& numbers_;
   nlohmann::ordered_json panels_ = nlohmann::ordered_json::array();
   nlohmann::ordered_json differences_;  // three panels, to which pairs add their series

@@ -58,4 +58,11 @@ class SampleReader {
   std::vector<Column> position_, orientation_, velocity_, turning_, angles_, loads_, contacts_, forces_;
 };
 
+/// What a page shows of a run.
+struct RunFrames {
+  SampleReader reader;
+  std::vector<std::size_t> rows;        ///< of the trace, one per frame
+  std::vector<LegArray<Vector3>> p_WF;  ///< centres of the feet at each frame, m
+};
+
 }  // namespace crossgait
