@@ -18,6 +18,8 @@ namespace {
 
 /// Kinds of unknown attributes that are taken out before a file counts as not understood.
 constexpr int kMostUnknown = 32;
+/// Text that is given to the engine for that, all rounds together: a large file has fewer of them.
+constexpr std::size_t kMostText = 4 * kMjcfBudget.bytes;
 
 /// The number that follows `before`, with or without "= ", or 0.
 std::size_t number_after(std::string_view text, std::string_view before) {
@@ -43,10 +45,12 @@ class Compilation {
   Compilation(MjcfDocument& document, UrdfWarnings& warnings) : document_(document), warnings_(warnings) {}
 
   MjcfModel run(const std::vector<MjcfFile>& files) {
+    std::size_t given = 0;
     for (int round = 0;; ++round) {
       MjcfText text{document_.path(), "", files};
       MjcfPrint print = document_.print();
       text.xml = std::move(print.xml);
+      given += text.xml.size();
       try {
         return compile_mjcf(text);
       } catch (const ConfigError&) {
@@ -56,7 +60,8 @@ class Compilation {
         const std::size_t line = number_after(words, "line");
         const MjcfElement* element = line > 0 && line <= print.lines.size() ? print.lines[line - 1] : nullptr;
         const std::string unknown = quoted_after(words, "unrecognized attribute: '");
-        if (element == nullptr || unknown.empty() || round == kMostUnknown) fail(words, element);
+        const bool enough = round == kMostUnknown || given > kMostText;
+        if (element == nullptr || unknown.empty() || enough) fail(words, element);
         take_out(std::string(element->tag), unknown);
       }
     }

@@ -29,8 +29,8 @@ inline constexpr std::size_t kMaxUrdfLinks = 1000;
 /// Bytes of the name of a link or a joint, which is repeated for everything in it.
 inline constexpr std::size_t kMaxUrdfName = 1000;
 /// MJCF with everything that it includes: a body with its joint and shapes is some ten elements, so these are
-/// 1,000; bodies nest as deep as chains have links. MuJoCo's compiler takes longer than its text is long.
-inline constexpr ReadBudget kMjcfBudget{4 * kMebibyte, 10'000, 64};
+/// 600; bodies nest as deep as chains have links. MuJoCo's compiler takes longer than its text is long.
+inline constexpr ReadBudget kMjcfBudget{4 * kMebibyte, 6'000, 64};
 inline constexpr std::size_t kMaxMjcfFiles = 100;
 /// Attributes of one element of XML, which TinyXML compares one by one with every further one.
 inline constexpr std::size_t kMaxXmlAttributes = 100;

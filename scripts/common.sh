@@ -40,9 +40,9 @@ python_package() {
   local venv=$1
   scripts/install-dependencies --python
   python_venv "$venv" python/requirements.txt
-  # As in the other builds, so that what they have compiled is taken from the cache.
+  # As in the other builds, and with the compiler's name as there, so that what they have compiled is taken from the cache.
   [[ -e build/python/build.ninja ]] || echo "Building build/python (some minutes, the first time)"
-  CCACHE_BASEDIR=$PWD run_quietly "building the Python package" "$venv/bin/python" -m pip install --quiet \
+  CXX=${CXX:-c++} CCACHE_BASEDIR=$PWD run_quietly "building the Python package" "$venv/bin/python" -m pip install --quiet \
     --no-build-isolation --no-deps --config-settings build-dir=build/python \
     --config-settings cmake.define.CROSSGAIT_WERROR=ON .
 }

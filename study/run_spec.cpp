@@ -35,10 +35,10 @@ void add_file(Fnv1a& hash, const std::string& path, std::set<std::string>& seen)
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find_first_of(kBetween, begin), text.size());
     const std::string word = text.substr(begin, end - begin);
-    const std::string beside = (std::filesystem::path(path).parent_path() / word).string();
-    const bool names_file = word.ends_with(".safetensors") || word.ends_with(".yaml");
-    if (names_file && is_file(beside)) add_file(hash, beside, seen);
     begin = end + 1;
+    if (!word.ends_with(".safetensors") && !word.ends_with(".yaml")) continue;
+    const std::string beside = (std::filesystem::path(path).parent_path() / word).string();
+    if (is_file(beside)) add_file(hash, beside, seen);
   }
 }
 
