@@ -21,8 +21,8 @@ struct HierarchicalOptions {
   bool hold_deltas = false;
 };
 
-/// The planner writes the action's `delta.*` entries at its own pace, first in step 0; the residual policy
-/// writes `residual.*` in every step. Each sees its own part of the observation.
+/// The planner writes the action's deltas at its own pace, first in step 0; the residual policy writes the
+/// residuals in every step. Each sees its own part of the observation.
 class HierarchicalPolicy final : public Policy {
  public:
   /// @param planner   its interface's policy_dt, a multiple of interface.policy_dt, is the time between plans

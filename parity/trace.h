@@ -33,8 +33,8 @@ struct TraceSample {
 using Trace = std::vector<TraceSample>;
 
 /// What a trace holds as a table: columns time, p_WB.{x,y,z}, q_WB.{w,x,y,z}, v_WB.{x,y,z}, w_WB.{x,y,z},
-/// q.<joint>..., target.<joint>..., contact.<leg>, load.<leg>, and where its first sample knows them
-/// planned.<leg> (1: meant to stand) and param.<name>. SI units.
+/// q.JOINT..., target.JOINT..., contact.LEG, load.LEG, and where its first sample knows them planned.LEG (1:
+/// meant to stand) and param.NAME. SI units.
 class TraceColumns {
  public:
   TraceColumns(const RobotDescription& robot, const TraceSample& first);

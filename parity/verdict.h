@@ -23,7 +23,7 @@ struct WithinSpread {
   double total() const noexcept;
 };
 
-/// **The rule.** For every start k both engines run from it, and d_k = b_k - a_k is their difference,
+/// The rule: for every start k both engines run from it, and d_k = b_k - a_k is their difference,
 /// settings as asked. The *gap* is the mean of d_k. The *spread* is the root mean square of the two engines'
 /// WithinSpread::total(): how much the statistic moves for reasons that are not the engine. The *floor* is
 /// the difference that nobody would act on (Statistic). The *score* is

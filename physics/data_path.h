@@ -14,7 +14,7 @@ namespace crossgait {
 /// Folder of the models that come with Crossgait, the first of these that exists:
 ///  1. the environment variable CROSSGAIT_DATA, which must then name a folder;
 ///  2. share/crossgait/models beside the library that this is linked into: the Python package's;
-///  3. the installed folder as seen from the running program: <prefix>/bin/../share/crossgait/models;
+///  3. the installed folder as seen from the running program: PREFIX/bin/../share/crossgait/models;
 ///  4. `built_in`: models/ of the source tree within this project's build, the installed folder in a program
 ///  that
 ///     was compiled against an installed Crossgait. CMake's target crossgait::physics defines it; without

@@ -10,7 +10,7 @@ namespace crossgait {
 
 /// Thrown by everything that loads or validates input (files, names, specifications). Never thrown by a step.
 /// `what()` reads "<source>: <element>: expected <expected>, found <found>"; programs exit with code 2. Of
-/// text that is long it keeps the beginning, and control characters stand as \xNN.
+/// text that is long it keeps the beginning, and control characters stand as `\xNN`.
 class ConfigError : public std::runtime_error {
  public:
   /// @param source   file path, option name or specification the input came from
@@ -30,7 +30,7 @@ class ConfigError : public std::runtime_error {
 };
 
 /// Foreign text for a terminal: its beginning, at most `most` bytes of whole characters of UTF-8, control
-/// characters and bytes that are no UTF-8 as \xNN.
+/// characters and bytes that are no UTF-8 as `\xNN`.
 std::string printable_text(std::string_view text, std::size_t most);
 
 }  // namespace crossgait

@@ -12,7 +12,7 @@
 
 namespace crossgait {
 
-/// Foreign text for a message: in quotes, shortened, control characters as \xNN.
+/// Foreign text for a message: in quotes, shortened, control characters as `\xNN`.
 std::string quoted(std::string_view text);
 
 /// Values of one terrain's parameters: those given, and the table's defaults for the rest.

@@ -19,7 +19,7 @@ struct CheckedUrdf {
 /// Checks that `text` is well-formed XML holding a URDF whose links and joints have finite numbers, joint
 /// types that are simulated and unique names, and form one tree.
 ///  - Unknown elements and attributes inside links and joints, and second ones of a kind, are counted as
-///    warnings. Elements of <robot> other than <link> and <joint> are other programs' business and are
+///    warnings. Elements of `robot` other than `link` and `joint` are other programs' business and are
 ///    skipped.
 ///  - A massless root on which nothing but a floating joint hangs is taken away: its child is the free base.
 /// @throws ConfigError naming `source`, the line and the link or joint

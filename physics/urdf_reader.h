@@ -24,7 +24,7 @@ struct LinkLoop {
 
 /// What a URDF says; or an MJCF, whose bodies are links here (mjcf_reader.h).
 struct UrdfRobot {
-  std::string name;  ///< of the element <robot>
+  std::string name;  ///< of the element `robot`
   /// Base first, parents before their children, siblings by joint name. A body is named after the link its
   /// joint moves and has that link's frame; joints carry axis, limits, damping and effort limit.
   std::vector<Body> bodies;

@@ -32,7 +32,7 @@ struct BehaviourSpec {
 /// One run of it.
 struct RunSpec {
   BehaviourSpec behaviour;
-  std::string engine, engine_version;  ///< EngineInfo::name and ::version
+  std::string engine, engine_version;  ///< EngineInfo::name and EngineInfo::version
   Variation variation;
   std::size_t start = 0;
   std::string crossgait = std::string(crossgait_version());

@@ -4,21 +4,39 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
+from importlib.metadata import metadata
 from pathlib import Path
 
 import nbclient
 import nbformat
+import numpy as np
 import pytest
 
+import crossgait
+from crossgait.policies import MlpNetwork, Policy, PolicyInterface
+
 ROOT = Path(__file__).parents[2]
+PROGRAM = str(Path(sys.executable).with_name("crossgait"))
+EXTRAS = metadata("crossgait").get_all("Provides-Extra") or []
 EXAMPLES = sorted((ROOT / "python/examples").glob("*.py"))
-BLOCKS = [
-    pytest.param(block, id=f"{page.stem}-{number}")
-    for page in sorted((ROOT / "docs").glob("python*.md"))
-    for number, block in enumerate(re.findall(r"^```python\n(.*?)^```", page.read_text(), re.DOTALL | re.MULTILINE))
-]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "models/README.md"]
+
+
+def blocks(language: str) -> list[tuple[Path, str]]:
+    """(page, text) of every block in that language."""
+    found = rf"^```{language}\n(.*?)^```"
+    return [(page, text) for page in PAGES for text in re.findall(found, page.read_text(), re.DOTALL | re.MULTILINE)]
+
+
+def parameters(language: str) -> list[object]:
+    found = blocks(language)
+    return [
+        pytest.param(page, text, id=f"{page.stem}-{sum(p == page for p, _ in found[:number])}")
+        for number, (page, text) in enumerate(found)
+    ]
 
 
 def run(arguments: list[str], folder: Path) -> str:
@@ -44,7 +62,101 @@ def test_the_notebook_runs(tmp_path: Path) -> None:
     assert any("image/png" in output.get("data", {}) for output in shown)
 
 
-@pytest.mark.parametrize("block", BLOCKS)
-def test_blocks_of_documents_run(block: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("page", "block"), parameters("python"))
+def test_blocks_of_documents_run(page: Path, block: str, tmp_path: Path) -> None:
     (tmp_path / "block.py").write_text(block)
     run(["block.py"], tmp_path)
+
+
+def write_environment(path: Path, *options: str) -> None:
+    """An environment, every default written out."""
+    path.write_text(
+        subprocess.run([PROGRAM, "env", "--yaml", *options], capture_output=True, text=True, check=True).stdout
+    )
+
+
+def write_policy(path: Path, environment: Path) -> None:
+    config = crossgait.EnvironmentConfig.load(str(environment))
+    interface = PolicyInterface(config)
+    rows, columns = len(interface.action_layout), len(interface.observation_layout)
+    Policy.from_network(MlpNetwork([(np.zeros((rows, columns)), np.zeros(rows))]), config).save(path)
+
+
+@pytest.mark.parametrize(("page", "block"), parameters("yaml"))
+def test_descriptions_in_documents_are_read(page: Path, block: str, tmp_path: Path) -> None:
+    """Environments and policies by a run of one step, studies by their grid."""
+    urdf = (ROOT / "models/robots/serial_quadruped/robot.urdf").read_text()
+    for ours, theirs in [("_abduction", "_hip_joint"), ("_hip_pitch", "_thigh_joint"), ("_knee", "_calf_joint")]:
+        urdf = urdf.replace(ours, theirs)
+    (tmp_path / "go1.urdf").write_text(urdf)
+    file = tmp_path / "block.yaml"
+    step = [PROGRAM, "rollout", "--episodes", "1", "--episode-seconds", "0.1"]
+    if page.stem == "sweeps":
+        write_environment(tmp_path / "environment.yaml")
+        write_policy(tmp_path / "trained.safetensors", tmp_path / "environment.yaml")
+        file.write_text(block)
+        command = [sys.executable, "-m", "crossgait.sweep", str(file), "--dry-run"]
+    elif block.startswith("kind:"):
+        file.write_text(re.sub(r"\w+\.safetensors", "zero", block))  # bundles in descriptions: the core's own tests
+        command = [*step, "--observe", "terrain", "--policy", str(file)]
+    else:
+        joints = "FL_knee" in block and "robot:" not in block  # of the robot with serial legs
+        file.write_text(("robot: serial_quadruped\n" if joints else "") + block)
+        command = [*step, "--policy", "zero", "--config", str(file)]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+
+
+def prepare(folder: Path) -> None:
+    """What the pages take for granted."""
+    write_environment(folder / "env.yaml")
+    write_environment(folder / "environment.yaml")
+    write_policy(folder / "policy.safetensors", folder / "env.yaml")
+    write_policy(folder / "trained.safetensors", folder / "environment.yaml")
+    shutil.copy(ROOT / "models/robots/serial_quadruped/robot.urdf", folder / "my.urdf")
+    (folder / "study.yaml").write_text(blocks("yaml")[[page.stem for page, _ in blocks("yaml")].index("sweeps")][1])
+    (folder / "benchmarks").symlink_to(ROOT / "benchmarks")
+
+
+def commands(page: Path) -> list[str]:
+    lines = [line for of, text in blocks("sh") if of == page for line in text.splitlines()]
+    return [line for line in lines if line.strip() and not line.startswith("#")]
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if commands(page)], ids=lambda page: page.stem)
+def test_commands_of_documents_run(page: Path, tmp_path: Path) -> None:
+    """A page's commands one after another in one folder. What says that it takes minutes runs at night."""
+    prepare(tmp_path)
+    path = f"{Path(PROGRAM).parent}{os.pathsep}{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    for line in commands(page):
+        program = line.split()[0]
+        if program.startswith(("scripts/", ".ci/", "build/")):
+            assert (ROOT / program).is_file() or program.startswith("build/"), line
+        elif program == "pip":
+            for extra in re.findall(r"\[([a-z,0-9]+)\]", line):
+                assert set(extra.split(",")) <= set(EXTRAS), line
+        elif program in {"cmake", "ray"}:
+            continue  # change the machine; the build and tests of sweeps call both
+        elif "minute" not in line.partition("#")[2] or os.environ.get("CROSSGAIT_LONG_TESTS"):
+            assert program in {"crossgait", "python"}, line
+            done = subprocess.run(
+                ["bash", "-c", line],
+                cwd=tmp_path,
+                env={**os.environ, "PATH": path},
+                capture_output=True,
+                text=True,
+                timeout=3600,
+            )
+            assert done.returncode == 0, f"{line}\n{done.stderr}"
+
+
+def test_every_block_says_what_it_is() -> None:
+    """No block escapes the tests above: none by indentation, none without a language."""
+    for page in PAGES:
+        if page.stem == "nightly":
+            continue  # written by a program: what other programs said
+        text = page.read_text()
+        languages = re.findall(r"^ *```(\S*)", text, re.MULTILINE)
+        assert set(languages[::2]) <= {"sh", "cpp", "python", "yaml", "text"}, page
+        outside = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
+        assert not re.search(r"\n\n    \S", outside), page

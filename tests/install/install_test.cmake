@@ -25,7 +25,10 @@ if(SANITIZE)
 endif()
 
 run("installing" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+run("taking programs out of the documents" ${PYTHON} ${DOCUMENTS} ${ROOT} ${SCRATCH}/documents)
+string(STRIP "${OUTPUT}" documents)
 run("configuring the consumer" ${CMAKE_COMMAND} -G ${GENERATOR} -S ${CONSUMER} -B ${SCRATCH}/build
+    -DDOCUMENTS=${SCRATCH}/documents
     -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${flags}"
     # who uses Crossgait needs no engine's package
     -DCMAKE_DISABLE_FIND_PACKAGE_mujoco=ON -DCMAKE_DISABLE_FIND_PACKAGE_BulletFloat64=ON
@@ -37,7 +40,10 @@ expect_in_output("${prefix}/${LIBDIR}/crossgait/engines/libcrossgait_engine_")
 message(STATUS "${OUTPUT}")
 
 if(ENGINES MATCHES mujoco AND ENGINES MATCHES bullet)
-  run("a verdict and its explanation in ten lines" ${SCRATCH}/build/verdict)
+  foreach(program ${documents})
+    run("running ${program}" ${SCRATCH}/build/${program})
+  endforeach()
+  run("a verdict and its explanation in ten lines" ${SCRATCH}/build/study-1)
   expect_in_output("bullet against mujoco:")
   expect_in_output("From bullet:matched to bullet, 4 starts:")
 endif()
@@ -47,15 +53,16 @@ if(NOT PKG_CONFIG)
   message(FATAL_ERROR "pkg-config was not found (Debian: pkgconf)")
 endif()
 set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)
-foreach(program main verdict)
-  run("compiling ${program}.cpp with pkg-config" sh -c
-      "'${CXX}' ${flags} '${CONSUMER}/${program}.cpp' -o '${SCRATCH}/${program}' $('${PKG_CONFIG}' --cflags --libs crossgait)")
+foreach(source ${CONSUMER}/main.cpp ${SCRATCH}/documents/study-1.cpp)
+  cmake_path(GET source STEM program)
+  run("compiling ${source} with pkg-config" sh -c
+      "'${CXX}' ${flags} '${source}' -o '${SCRATCH}/${program}' $('${PKG_CONFIG}' --cflags --libs crossgait)")
 endforeach()
 run("running what pkg-config built" ${SCRATCH}/main)
 expect_in_output("${prefix}/${DATADIR}/crossgait/models/robots/scara_quadruped")
 expect_in_output("${prefix}/${LIBDIR}/crossgait/engines/libcrossgait_engine_")
 if(ENGINES MATCHES mujoco AND ENGINES MATCHES bullet)
-  run("a verdict by what pkg-config built" ${SCRATCH}/verdict)
+  run("a verdict by what pkg-config built" ${SCRATCH}/study-1)
   expect_in_output("bullet against mujoco:")
 endif()
 run("pkg-config --variable=modelsdir" ${PKG_CONFIG} --variable=modelsdir crossgait)
