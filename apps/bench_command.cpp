@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/bench_figures.h"
+#include "crossgait/apps/bench_page.h"
 #include "crossgait/apps/command.h"
 #include "crossgait/apps/interruption.h"
+#include "crossgait/apps/page_option.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/benchmarks/bench.h"
 #include "crossgait/benchmarks/regression.h"
@@ -23,6 +25,7 @@ struct BenchCommand {
   std::string from, figures, compare;
   std::string format = "svg";
   double worse_than = 1.25;
+  PageOption page;
   JsonOption json;
 };
 
@@ -45,6 +48,7 @@ Provenance provenance_of(const BenchCommand& options) {
 
 void run(const BenchCommand& options) {
   // Looked at before minutes of measuring.
+  options.page.check();
   ordered_json stored;
   benchmarks::check_worse_than(options.worse_than);
   if (!options.compare.empty()) stored = benchmarks::read_bench(options.compare);
@@ -64,6 +68,7 @@ void run(const BenchCommand& options) {
     for (const std::string& file : draw_bench_figures(result, options.figures, options.format))
       text += file + "\n";
   }
+  if (options.page.asked()) options.page.write(bench_page(result), provenance);
   options.json.emit(text, result, provenance);
   if (result.contains("interrupted") && options.from.empty())
     throw EndedEarly("the sections that are finished are written as asked");
@@ -121,6 +126,7 @@ void add_bench_command(CLI::App& program) {
       ->type_name("FILE");
   command->add_option("--worse-than", options->worse_than, "Factor beyond which a figure counts as worse")
       ->capture_default_str();
+  options->page.add_to(*command, "Write a page with its curves and tables, as one HTML file");
   options->json.add_to(*command);
   on_run(*command, [options] { run(*options); });
 }

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/gnuplot.h"
-#include "crossgait/apps/plotting.h"
 #include "crossgait/physics/atomic_file.h"
 #include "crossgait/physics/error.h"
 
@@ -253,8 +252,7 @@ void check_bench_figures(const std::string& folder) {
   static_cast<void>(run_gnuplot("set print '-'\nprint 1\n"));
 }
 
-std::vector<std::string> draw_bench_figures(const ordered_json& result, const std::string& folder,
-                                            const std::string& format) {
+std::vector<std::pair<std::string, Figure>> bench_figures(const ordered_json& result) {
   struct Section {
     const char* name;
     Figure (*make)(const ordered_json& section, const Engines& engines);
@@ -263,13 +261,22 @@ std::vector<std::string> draw_bench_figures(const ordered_json& result, const st
                                               {"accuracy", accuracy_figure},
                                               {"analytic", analytic_figure},
                                               {"feet", feet_figure}}};
-  check_bench_figures(folder);
   const Engines engines(result);
-  std::vector<std::string> files;
+  std::vector<std::pair<std::string, Figure>> figures;
   for (const Section& section : kSections) {
-    if (!result.contains(section.name)) continue;
-    files.push_back((std::filesystem::path(folder) / (std::string(section.name) + "." + format)).string());
-    draw(section.make(result.at(section.name), engines), files.back());
+    if (result.contains(section.name))
+      figures.emplace_back(section.name, section.make(result.at(section.name), engines));
+  }
+  return figures;
+}
+
+std::vector<std::string> draw_bench_figures(const ordered_json& result, const std::string& folder,
+                                            const std::string& format) {
+  check_bench_figures(folder);
+  std::vector<std::string> files;
+  for (const auto& [name, figure] : bench_figures(result)) {
+    files.push_back((std::filesystem::path(folder) / (name + "." + format)).string());
+    draw(figure, files.back());
   }
   return files;
 }

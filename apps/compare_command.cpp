@@ -67,12 +67,11 @@ class Recorders {
   std::optional<PageRecorder> page_;
 };
 
-ReportPage page_of(const WalkComparison& result, PageRecorder& recorder, const Provenance& provenance) {
+ReportPage page_of(const WalkComparison& result, PageRecorder& recorder) {
   ReportPage page = recorder.page(result.comparison.runs, result.comparison.pairs);
   page.sentences = describe_pairs(result.comparison);
   for (const Verdict& verdict : result.verdicts)
     page.verdicts.push_back(verdict_document(to_json(verdict), "verdict"));
-  page.provenances.push_back(to_json(provenance));
   return page;
 }
 
@@ -132,7 +131,7 @@ void run(const CompareCommand& options) {
   const WalkComparison result =
       compare_walks(config, engines, options.compare, stages.progress(), recorders.observer());
   recorders.finish_traces();
-  if (recorders.page()) options.page.write(page_of(result, *recorders.page(), provenance));
+  if (recorders.page()) options.page.write(page_of(result, *recorders.page()), provenance);
   options.json.emit(
       describe(result.comparison) + (options.compare.verdict ? describe_verdicts(result) : kHint),
       report(result), provenance);

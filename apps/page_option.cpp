@@ -14,16 +14,30 @@ void PageOption::add_to(CLI::App& command, const std::string& help) {
 }
 
 void PageOption::check(const WalkConfig& config) const {
-  if (!asked()) return;
-  require_page();
-  if (const double most = static_cast<double>(kMaxPageSteps) * config.timing.control_dt;
-      config.timing.seconds > most) {
-    throw ConfigError("command line", "--report", fmt::format("a walk of at most {:g} s (--seconds)", most),
-                      fmt::format("{:g} s", config.timing.seconds));
+  check_length(config.timing.seconds, config.timing.control_dt, "a walk", "--seconds");
+}
+
+void PageOption::check(const EnvConfig& config) const {
+  check_length(config.episode_seconds, config.policy_dt, "an episode", "--episode-seconds");
+}
+
+void PageOption::check() const {
+  if (asked()) require_page();
+}
+
+void PageOption::check_length(double seconds, double dt, const char* of, const char* option) const {
+  check();
+  const double most = static_cast<double>(kMaxPageSteps) * dt;
+  if (asked() && seconds > most) {
+    throw ConfigError("command line", "--report", fmt::format("{} of at most {:g} s ({})", of, most, option),
+                      fmt::format("{:g} s", seconds));
   }
 }
 
-void PageOption::write(const ReportPage& page) const { write_file_atomically(path_, report_html(page)); }
+void PageOption::write(ReportPage page, const Provenance& provenance) const {
+  page.provenances.push_back(to_json(provenance));
+  write_file_atomically(path_, report_html(page));
+}
 
 PageRecorder::PageRecorder(const WalkConfig& config, std::size_t runs) {
   const WorldSpec world = config.world();
@@ -36,16 +50,13 @@ ReportPage PageRecorder::page(const std::vector<WalkRun>& walked, const std::vec
   ReportPage page;
   const WalkRun& first = walked.front();
   page.title = fmt::format("{} on {}, {:g} s", first.gait, first.terrain, first.summary.simulated_seconds);
-  StatisticsTable& table = page.tables.emplace_back();
-  table.header = {page.title};
   Motion motion{robot_, terrain_, {}, pairs};
   for (std::size_t i = 0; i < walked.size(); ++i) {
     const EngineInfo& engine = walked[i].engine;
-    table.header.push_back(engine.name);
     motion.runs.push_back(
         {engine.name, engine.engine + " " + engine.version, recorders_[i].take(engine.name)});
   }
-  table.rows = statistics_table(walked);
+  page.tables.push_back(statistics_table(page.title, walked));
   page.motion = std::move(motion);
   return page;
 }

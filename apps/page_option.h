@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "crossgait/apps/command.h"
+#include "crossgait/env/env_config.h"
 #include "crossgait/parity/comparison.h"
 #include "crossgait/report/page.h"
 #include "crossgait/study/walk_config.h"
@@ -20,9 +21,13 @@ class PageOption {
 
   /// Before anything long. @throws ConfigError if no page could be made, or of so long a walk
   void check(const WalkConfig& config) const;
-  void write(const ReportPage& page) const;
+  void check(const EnvConfig& config) const;
+  void check() const;
+  void write(ReportPage page, const Provenance& provenance) const;
 
  private:
+  void check_length(double seconds, double dt, const char* of, const char* option) const;
+
   std::string path_;
 };
 

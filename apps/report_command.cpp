@@ -1,6 +1,7 @@
 // crossgait report: stored results and traces as a page that replays in 3D.
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -27,6 +28,10 @@ struct ReportCommand {
   std::uint64_t seed = 0;
 };
 
+// Of these a page shows the motion, for which they are made again.
+const std::set<std::string> kMadeAgain{"walk", "compare", "rollout", "transfer", "tune"};
+constexpr const char* kResults = "walk, compare, verdict, rollout, transfer, tune or bench";
+
 std::string schema_of(const Recorded& recorded) {
   try {
     return recorded.result.at("schema").at("name").get<std::string>();
@@ -42,17 +47,18 @@ std::string cell(const Json& value) {
 }
 
 // Of runs as `walk` and `compare` write them.
-StatisticsTable table_of(const std::vector<Json>& runs, const std::string& file) {
+Table table_of(const std::vector<Json>& runs, const std::string& file) {
   try {
-    StatisticsTable table;
     const Json& first = runs.at(0);
-    table.header = {
+    std::vector<std::string> header{
         fmt::format("{} on {}", first.at("gait").get<std::string>(), first.at("terrain").get<std::string>())};
-    for (const Json& run : runs) table.header.push_back(run.at("backend").get<std::string>());
+    for (const Json& run : runs) header.push_back(run.at("backend").get<std::string>());
+    Table table(std::move(header));
     for (const auto& [key, value] : first.items()) {
       if (value.is_structured() || key == "backend" || key == "gait" || key == "terrain") continue;
-      std::vector<std::string>& row = table.rows.emplace_back(1, key);
+      std::vector<std::string> row{key};
       for (const Json& run : runs) row.push_back(cell(run.at(key)));
+      table.add_row(std::move(row));
     }
     return table;
   } catch (const std::exception& problem) {
@@ -73,7 +79,10 @@ void add_result(ReportPage& page, const Recorded& recorded) {
     for (const Json& verdict : result.value("verdicts", std::vector<Json>()))
       page.verdicts.push_back(verdict_document(verdict, recorded.file));
   } else {
-    throw ConfigError(recorded.file, "schema.name", "walk, compare or verdict", kind);
+    throw ConfigError(recorded.file, "schema.name",
+                      kMadeAgain.contains(kind) ? "a result to stand beside others: walk, compare or verdict"
+                                                : kResults,
+                      kind);
   }
 }
 
@@ -91,7 +100,7 @@ Motion motion_of(const ReportCommand& options, const std::vector<std::string>& t
 
 std::string title_of(const ReportPage& page) {
   if (!page.verdicts.empty()) return page.verdicts.front().at("behaviour").get<std::string>();
-  if (!page.tables.empty()) return page.tables.front().header.front();
+  if (!page.tables.empty()) return page.tables.front().rows().front().front();
   std::vector<std::string> names;
   for (const RecordedRun& run : page.motion->runs) names.push_back(run.name);
   return fmt::format("{}", fmt::join(names, ", "));
@@ -108,12 +117,17 @@ void run(const ReportCommand& options, std::vector<std::string>& again) {
       results.push_back(read_result(file));
     }
   }
-  if (traces.empty() && results.size() == 1 && schema_of(results.front()) != "verdict") {
-    // A walk is the same to the last bit when it is made again, which is how its motion is known.
+  const std::string kind = results.size() == 1 && traces.empty() ? schema_of(results.front()) : "";
+  if (kind == "bench") {
+    // A measurement cannot be made again: it is shown as it was measured.
+    again = {"bench", "--from=" + results.front().file, "--report=" + options.out};
+    return;
+  }
+  if (kMadeAgain.contains(kind)) {
+    // A run is the same to the last bit when it is made again, which is how its motion is known.
     again = command_of(results.front().result, results.front().file);
-    if (again.front() != "walk" && again.front() != "compare")
-      throw ConfigError(results.front().file, "provenance.command", "walk, compare or verdict",
-                        again.front());
+    if (again.front() != kind)
+      throw ConfigError(results.front().file, "provenance.command", kind, again.front());
     again.push_back("--report=" + options.out);
     make_again(std::move(results.front()));
     return;
@@ -134,13 +148,9 @@ void add_report_command(CLI::App& program, std::vector<std::string>& again) {
   CLI::App* command = program.add_subcommand(
       "report", "A page that replays walks in 3D, with plots, or shows a verdict: one HTML file");
   command->footer(
-      "\nThe result of one `walk` or `compare` is made again, as `crossgait rerun` does, and replayed. "
-      "Traces "
-      "(--trace)\n"
-      "are replayed as they are, on the robot and ground of the options, together with the numbers of "
-      "results "
-      "beside them.\n"
-      "`walk` and `compare` write the page at once with --report.\n"
+      "\nOne result of `walk`, `compare`, `rollout`, `transfer` or `tune` is made again, as `crossgait rerun` "
+      "does, and\nreplayed; those commands write the page at once with --report. Traces (--trace) are replayed as "
+      "they are, on the\nrobot and ground of the options, together with the numbers of results beside them.\n"
       "\nExamples:\n"
       "  crossgait compare --terrain rough --report compare.html\n"
       "  crossgait compare --terrain rough --json compare.json && crossgait report compare.json --out "
@@ -150,7 +160,7 @@ void add_report_command(CLI::App& program, std::vector<std::string>& again) {
       "verdict.html");
   auto options = std::make_shared<ReportCommand>();
   command
-      ->add_option("files", options->files, "Results (--json of walk, compare, verdict) and traces (--trace)")
+      ->add_option("files", options->files, "Results (--json of walk, compare, verdict, rollout, transfer, tune, bench) and traces (--trace)")
       ->type_name("FILE.json|TRACE.csv")
       ->required();
   add_output_option(*command, "--out", options->out, "The page")->type_name("FILE.html")->required();

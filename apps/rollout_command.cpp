@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/env_options.h"
+#include "crossgait/apps/episode_page.h"
 #include "crossgait/apps/interruption.h"
+#include "crossgait/apps/page_option.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/study/rollout.h"
@@ -19,6 +21,7 @@ struct RolloutCommand {
   bool baseline = false;
   EpisodeOptions runs;
   std::string trace;
+  PageOption page;
   JsonOption json;
 };
 
@@ -28,8 +31,21 @@ std::string episodes_done(const Rollout& rollout, std::size_t asked) {
   return fmt::format("{} of {} are finished, and written as asked", done, counted(asked, "episode"));
 }
 
+ReportPage page_of(const Rollout& rollout, const std::vector<std::string>& policies) {
+  std::vector<WatchedEpisode> episodes;
+  for (const std::string& policy : policies) episodes.push_back({short_name(policy), rollout.config, policy});
+  ReportPage page;
+  page.tables.push_back(table(rollout));
+  page.title = page.tables.front().rows().front().front();
+  page.motion = watch_episodes(episodes, rollout.seed);
+  page.sentences.push_back(fmt::format("Replayed: the first of {}, with what every policy step earned.",
+                                       counted(rollout.policies.front().all.episodes, "episode")));
+  return page;
+}
+
 void run(const RolloutCommand& options) {
   const EnvConfig config = options.env.make();
+  options.page.check(config);
   std::vector<std::string> policies = options.policies;
   if (options.baseline && std::find(policies.begin(), policies.end(), "zero") == policies.end())
     policies.emplace_back("zero");
@@ -44,9 +60,11 @@ void run(const RolloutCommand& options) {
     TraceWriter trace(std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot))),
                       options.trace);
     watch_episode(config, options.policies.front(), options.runs.seed,
-                  [&trace](const TraceSample& sample) { trace.add(sample); });
+                  [&trace](const QuadrupedEnv& env) { trace.add(trace_sample(env)); });
     trace.finish();
   }
+  if (options.page.asked() && !rollout.policies.empty())
+    options.page.write(page_of(rollout, policies), provenance);
   options.json.emit(describe(rollout), to_json(rollout), provenance);
   if (rollout.interrupted) throw EndedEarly(episodes_done(rollout, policies.size() * options.runs.episodes));
 }
@@ -59,7 +77,7 @@ void add_rollout_command(CLI::App& program) {
   command->footer(
       "\nExamples:\n"
       "  crossgait rollout\n"
-      "  crossgait rollout --policy random --baseline --terrain rough --engine bullet\n"
+      "  crossgait rollout --policy random --baseline --terrain rough --engine bullet --report rollout.html\n"
       "  crossgait rollout --policy policy.safetensors --config env.yaml --episodes 10 --json -");
   auto options = std::make_shared<RolloutCommand>();
   command
@@ -73,6 +91,7 @@ void add_rollout_command(CLI::App& program) {
   add_output_option(
       *command, "--trace", options->trace,
       "Write state, targets, contacts and parameters of the first policy's first episode as CSV");
+  options->page.add_to(*command, "Write a page that replays every policy's first episode, as one HTML file");
   options->env.add_to(*command);
   options->json.add_to(*command);
   on_run(*command, [options] { run(*options); });

@@ -3,7 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/env_options.h"
+#include "crossgait/apps/episode_page.h"
 #include "crossgait/apps/interruption.h"
+#include "crossgait/apps/page_option.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/study/rollout.h"
@@ -16,18 +18,39 @@ struct TransferCommand {
   std::string policy = "zero";
   std::vector<std::string> engines, terrains = {"flat", "rough", "waves"};
   EpisodeOptions runs;
+  PageOption page;
   JsonOption json;
 };
+
+ReportPage page_of(const Transfer& transfer, const EnvConfig& config, const std::string& policy) {
+  std::vector<WatchedEpisode> episodes;
+  for (const std::string& engine : transfer.engines) {
+    EnvConfig here = config;
+    here.engine = engine;
+    here.terrain = transfer.terrains.front();
+    episodes.push_back({engine, std::move(here), policy});
+  }
+  ReportPage page;
+  page.title = fmt::format("{} in {}", short_name(policy), counted(transfer.engines.size(), "engine"));
+  page.tables.push_back(table(transfer));
+  page.motion = watch_episodes(episodes, transfer.seed);
+  page.sentences.push_back(fmt::format("Replayed: the policy's first episode on {} in every engine.",
+                                       transfer.terrains.front()));
+  return page;
+}
 
 void run(const TransferCommand& options) {
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
   const EnvConfig config = options.env.make();
+  options.page.check(config);
   nlohmann::json subject = policy_subject(config, {options.policy}, options.runs.seed);
   subject["terrains"] = options.terrains;
   const Provenance provenance = options.json.provenance({subject, engines, {{"--engines", engines}}});
   ProgressLine progress("transferring");
   const Transfer transfer = transfer_policy(config, options.policy, engines, options.terrains, options.runs,
                                             [&](double share) { progress.update(share); });
+  if (options.page.asked())
+    options.page.write(page_of(transfer, config, options.policy), provenance);
   options.json.emit(describe(transfer), to_json(transfer), provenance);
   if (transfer.interrupted) {
     throw EndedEarly(fmt::format("{} of {} are finished, and written as asked", transfer.cells.size(),
@@ -57,6 +80,7 @@ void add_transfer_command(CLI::App& program) {
       ->delimiter(';')
       ->capture_default_str();
   add_episode_options(*command, options->runs);
+  options->page.add_to(*command, "Write a page that replays an episode in every engine, as one HTML file");
   options->env.add_to(*command, false);
   options->json.add_to(*command);
   on_run(*command, [options] { run(*options); });

@@ -3,7 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/env_options.h"
+#include "crossgait/apps/episode_page.h"
 #include "crossgait/apps/interruption.h"
+#include "crossgait/apps/page_option.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/atomic_file.h"
@@ -17,8 +19,24 @@ struct TuneCommand {
   std::vector<std::string> engines;  // for the final table
   TuneOptions tune;
   std::string out;
+  PageOption page;
   JsonOption json;
 };
+
+ReportPage page_of(const Tuning& tuning, std::uint64_t seed) {
+  ReportPage page;
+  page.title = fmt::format("{} tuned on {} in {}", tuning.start.gait, tuning.start.terrain, tuning.start.engine);
+  for (Table& table : tables(tuning)) page.tables.push_back(std::move(table));
+  Chart search{.title = "Search", .x_label = "generation", .y_label = "best score so far, m/s"};
+  Chart::Series& best = search.series.emplace_back(Chart::Series{"", 0, true, {}});
+  for (std::size_t i = 0; i < tuning.history.size(); ++i)
+    best.points.push_back({static_cast<double>(i + 1), tuning.history[i]});
+  page.charts.push_back({"Search", {std::move(search)}});
+  page.motion =
+      watch_episodes({{"default", tuning.start, "zero"}, {"tuned", tuning.tuned, "zero"}}, seed);
+  page.sentences.push_back(fmt::format("Replayed in {}: the first episode of both.", tuning.start.engine));
+  return page;
+}
 
 void run(const TuneCommand& options) {
   EnvConfig start = options.env.make();
@@ -28,6 +46,7 @@ void run(const TuneCommand& options) {
                    "body_height", "stance_width", "foot_clearance"};
   }
   if (!options.env.episode_seconds && options.env.config.empty()) start.episode_seconds = 6;
+  options.page.check(start);
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
   const Provenance provenance =
       options.json.provenance({policy_subject(start, {"zero"}, options.tune.seed),
@@ -37,6 +56,7 @@ void run(const TuneCommand& options) {
   const Tuning tuning =
       tune_gait(start, engines, options.tune, [&](double share) { progress.update(share); });
   if (!options.out.empty()) write_file_atomically(options.out, to_yaml(tuning.tuned));
+  if (options.page.asked()) options.page.write(page_of(tuning, options.tune.seed), provenance);
   options.json.emit(describe(tuning), to_json(tuning), provenance);
   if (tuning.interrupted) {
     throw EndedEarly(fmt::format("{} of {} are finished; the best so far is written as asked",
@@ -77,6 +97,7 @@ void add_tune_command(CLI::App& program) {
   add_output_option(*command, "--out", options->out,
                     "Write the tuned environment as YAML, for `rollout --config`")
       ->type_name("FILE.yaml");
+  options->page.add_to(*command, "Write a page that replays the gait before and after, as one HTML file");
   options->env.add_to(*command);
   options->json.add_to(*command);
   on_run(*command, [options] { run(*options); });

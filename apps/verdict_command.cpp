@@ -64,7 +64,7 @@ std::string what_is_kept(const std::string& stored_runs) {
 
 void run(const VerdictCommand& options) {
   const std::vector<std::string> engines = two_engines(options.engines);
-  if (options.page.asked()) require_page();
+  options.page.check();
   const BehaviourSpec spec = behaviour(options);
   const Provenance provenance = options.json.provenance({to_json(spec), engines, {{"--engines", engines}}});
   Stages stages;
@@ -78,8 +78,7 @@ void run(const VerdictCommand& options) {
     ReportPage page;
     page.title = judgement->verdict.behaviour;
     page.verdicts.push_back(verdict_document(to_json(*judgement), "verdict"));
-    page.provenances.push_back(to_json(provenance));
-    options.page.write(page);
+    options.page.write(std::move(page), provenance);
   }
   options.json.emit(describe(*judgement), to_json(*judgement), provenance);
 }

@@ -44,9 +44,7 @@ void run(const WalkCommand& options) {
       trace || recorder ? observer : SampleObserver());
   if (trace) trace->finish();
   if (recorder) {
-    ReportPage page = recorder->page({run}, {});
-    page.provenances.push_back(to_json(provenance));
-    options.page.write(page);
+    options.page.write(recorder->page({run}, {}), provenance);
   }
   options.json.emit(describe(run), report(run), provenance);
   if (run.interrupted) throw EndedEarly(how_far(run.summary.simulated_seconds, config.timing.seconds));

@@ -169,20 +169,19 @@ nlohmann::ordered_json to_json(const Comparison& comparison) {
   return result;
 }
 
-std::vector<std::vector<std::string>> statistics_table(const std::vector<WalkRun>& runs) {
-  std::vector<std::vector<std::string>> table;
+Table statistics_table(const std::string& heading, const std::vector<WalkRun>& runs) {
+  std::vector<std::string> header{heading};
+  for (const WalkRun& run : runs) header.push_back(run.engine.name);
+  Table table(std::move(header));
   for (const Row& row : rows()) {
-    std::vector<std::string>& cells = table.emplace_back(1, row.label);
+    std::vector<std::string> cells{row.label};
     for (const WalkRun& run : runs) cells.push_back(row.value(run.summary));
+    table.add_row(std::move(cells));
   }
   return table;
 }
 
-std::string describe(const WalkRun& run) {
-  Table table({heading(run), run.engine.name});
-  for (std::vector<std::string>& cells : statistics_table({run})) table.add_row(std::move(cells));
-  return table.str();
-}
+std::string describe(const WalkRun& run) { return statistics_table(heading(run), {run}).str(); }
 
 std::vector<std::string> describe_pairs(const Comparison& comparison) {
   std::vector<std::string> sentences;
@@ -192,11 +191,7 @@ std::vector<std::string> describe_pairs(const Comparison& comparison) {
 
 std::string describe(const Comparison& comparison) {
   if (comparison.runs.empty()) return "nothing to compare\n";
-  std::vector<std::string> header{heading(comparison.runs.front())};
-  for (const WalkRun& run : comparison.runs) header.push_back(run.engine.name);
-  Table table(std::move(header));
-  for (std::vector<std::string>& cells : statistics_table(comparison.runs)) table.add_row(std::move(cells));
-  std::string text = table.str() + "\n";
+  std::string text = statistics_table(heading(comparison.runs.front()), comparison.runs).str() + "\n";
   for (const std::string& line : describe_pairs(comparison)) text += line + "\n";
   return text;
 }

@@ -7,6 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "crossgait/parity/comparison.h"
+#include "crossgait/parity/table.h"
 
 namespace crossgait {
 
@@ -17,8 +18,9 @@ nlohmann::ordered_json to_json(const Comparison& comparison);
 
 /// "walked", "fell at 1.23 s".
 std::string outcome_in_words(const MotionSummary& motion);
-/// What the tables below hold: a row per statistic, its label (with the unit) and then a cell per run.
-std::vector<std::vector<std::string>> statistics_table(const std::vector<WalkRun>& runs);
+/// What the texts below hold: a row per statistic, its label (with the unit) and then a cell per run, which
+/// the header names behind `heading`.
+Table statistics_table(const std::string& heading, const std::vector<WalkRun>& runs);
 /// A table of one run's statistics.
 std::string describe(const WalkRun& run);
 /// How far each pair lies apart, a sentence per pair.

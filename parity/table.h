@@ -19,6 +19,8 @@ class Table {
   void add_row(std::vector<std::string> cells);
   /// Lines end in newlines; a rule separates header and rows. Widths count characters, not bytes, of UTF-8.
   std::string str() const;
+  /// The header first.
+  const std::vector<std::vector<std::string>>& rows() const noexcept { return rows_; }
 
  private:
   std::vector<std::vector<std::string>> rows_;

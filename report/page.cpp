@@ -15,8 +15,10 @@ using nlohmann::ordered_json;
 // Where web/page.html has its document and the numbers of it.
 constexpr std::string_view kDocument = "@CROSSGAIT_DOCUMENT@", kNumbers = "@CROSSGAIT_NUMBERS@";
 
-ordered_json to_json(const StatisticsTable& table) {
-  return {{"header", table.header}, {"rows", table.rows}};
+ordered_json to_json(const Table& table) {
+  const auto& rows = table.rows();
+  return {{"header", rows.front()},
+          {"rows", std::vector<std::vector<std::string>>(rows.begin() + 1, rows.end())}};
 }
 
 }  // namespace
@@ -34,9 +36,12 @@ nlohmann::ordered_json report_document(const ReportPage& page, PageNumbers& numb
                         {"sentences", page.sentences},
                         {"motion", page.motion ? motion_document(*page.motion, numbers) : ordered_json()},
                         {"tables", ordered_json::array()},
+                        {"charts", ordered_json::array()},
+                        {"texts", page.texts},
                         {"verdicts", page.verdicts},
                         {"provenances", page.provenances}};
-  for (const StatisticsTable& table : page.tables) document["tables"].push_back(to_json(table));
+  for (const Table& table : page.tables) document["tables"].push_back(to_json(table));
+  for (const Charts& charts : page.charts) document["charts"].push_back(to_json(charts));
   return with_schema("report", document);
 }
 

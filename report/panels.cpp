@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "crossgait/env/reward.h"
 #include "crossgait/gait/parameters.h"
 #include "crossgait/report/motion_document.h"
 
@@ -42,6 +43,7 @@ PanelMaker::PanelMaker(const Motion& motion, const std::vector<RunFrames>& frame
   add_feet();
   add_joints();
   add_parameters();
+  add_rewards();
 }
 
 void PanelMaker::add(const char* group, const std::string& title, const std::string& unit,
@@ -138,6 +140,11 @@ void PanelMaker::add_parameters() {
     if (std::all_of(series.begin(), series.end(), constant)) continue;
     add("parameters", in_words(parameter.name), std::string(parameter.unit), series);
   }
+}
+
+void PanelMaker::add_rewards() {
+  for (const RewardTerm& term : reward_terms())
+    add("rewards", in_words(term.name), "", columns(fmt::format("{}{}", kRewardColumn, term.name), 1));
 }
 
 void PanelMaker::add_pair(std::size_t a, std::size_t b, const PairPanels& differences) {

@@ -19,7 +19,8 @@ struct PairPanels {
   std::vector<double> position_m, joint_rad, attitude_rad;
 };
 
-/// Makes the list of panels: objects with `group` (base, feet, joints, parameters, differences), `title`,
+/// Makes the list of panels: objects with `group` (base, feet, joints, parameters,
+/// rewards, differences), `title`,
 /// `unit`, `log` and `series`; those of a leg say which (`leg`). A series has `run` (its time and colour),
 /// `label`, `dashed` and `values`, one per frame or fewer; one of differences has `other`, too, the second
 /// run.
@@ -47,6 +48,7 @@ class PanelMaker {
   void add_feet();
   void add_joints();
   void add_parameters();
+  void add_rewards();
 
   const Motion& motion_;
   const std::vector<RunFrames>& frames_;

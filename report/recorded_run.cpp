@@ -16,10 +16,11 @@ void RunRecorder::begin(const TraceSample& first) {
     for (const char axis : {'x', 'y', 'z'}) names_.push_back(fmt::format("force.{}.{}", name(leg), axis));
   }
   for (int i = 0; i < robot_->joint_count(); ++i) names_.push_back("torque." + robot_->joint(i).name);
+  names_.insert(names_.end(), more_.begin(), more_.end());
   values_.resize(names_.size());
 }
 
-void RunRecorder::add(const TraceSample& sample) {
+void RunRecorder::add(const TraceSample& sample, std::span<const double> more) {
   if (!columns_) begin(sample);
   if (values_.front().size() == kMaxPageSteps)
     throw ConfigError("report", "walk", fmt::format("at most {} control steps", kMaxPageSteps), "more");
@@ -27,6 +28,7 @@ void RunRecorder::add(const TraceSample& sample) {
   columns_->append(sample, row_);
   for (const Leg leg : kLegs) row_.insert(row_.end(), sample.force[leg].data(), sample.force[leg].data() + 3);
   row_.insert(row_.end(), sample.torques.data(), sample.torques.data() + sample.torques.size());
+  row_.insert(row_.end(), more.begin(), more.end());
   for (std::size_t i = 0; i < row_.size(); ++i) values_[i].push_back(row_[i]);
 }
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "crossgait/parity/trace.h"
@@ -20,13 +22,18 @@ struct RecordedRun {
 /// frame.
 inline constexpr std::size_t kMaxPageSteps = 100'000;
 
+/// In front of the name of a reward term: a column of what a policy step earned by it.
+inline constexpr std::string_view kRewardColumn = "reward.";
+
 /// Keeps the steps of a walk: the columns of TraceColumns, `force.<leg>.{x,y,z}` (on the foot, in W, N) and
-/// `torque.<joint>` (of the last physics step, N m).
+/// `torque.<joint>` (of the last physics step, N m), and what the caller adds.
 class RunRecorder {
  public:
-  explicit RunRecorder(std::shared_ptr<const RobotDescription> robot) : robot_(std::move(robot)) {}
-  /// @throws ConfigError beyond kMaxPageSteps
-  void add(const TraceSample& sample);
+  /// @param more  names of further columns
+  explicit RunRecorder(std::shared_ptr<const RobotDescription> robot, std::vector<std::string> more = {})
+      : robot_(std::move(robot)), more_(std::move(more)) {}
+  /// @param more  a number for each of the further columns  @throws ConfigError beyond kMaxPageSteps
+  void add(const TraceSample& sample, std::span<const double> more = {});
   /// What was kept, which is gone then. @throws ConfigError if that is nothing
   TraceTable take(const std::string& source);
 
@@ -35,7 +42,7 @@ class RunRecorder {
 
   std::shared_ptr<const RobotDescription> robot_;
   std::optional<TraceColumns> columns_;
-  std::vector<std::string> names_;
+  std::vector<std::string> more_, names_;
   std::vector<std::vector<double>> values_;
   std::vector<double> row_;
 };

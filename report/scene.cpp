@@ -151,7 +151,13 @@ nlohmann::ordered_json scene_document(const RobotDescription& robot, const Terra
                                       PageNumbers& numbers) {
   ordered_json notes = ordered_json::array(), bodies = ordered_json::array();
   Shapes shapes(numbers, notes);
-  for (const Body& body : robot.bodies) bodies.push_back({{"name", body.name}, {"shapes", shapes.of(body)}});
+  for (const Body& body : robot.bodies) {
+    const Vector3& com = body.inertia.p_BC;
+    bodies.push_back({{"name", body.name},
+                      {"mass", body.inertia.mass},
+                      {"centre_of_mass", {com.x(), com.y(), com.z()}},
+                      {"shapes", shapes.of(body)}});
+  }
   // About two lengths of a quadruped, whose legs are half as long as it is.
   const double reach = robot.standing_height > 0 ? 8 * robot.standing_height : 1;
   ordered_json scene{{"robot", robot.name},

@@ -62,20 +62,24 @@ Rollout roll_out(const EnvConfig& config, std::span<const NamedPolicy> policies,
 }
 
 void watch_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed,
-                   const std::function<void(const TraceSample&)>& observer) {
+                   const std::function<void(const QuadrupedEnv&)>& observer) {
   const auto env = env_factory(config)();
   const auto own = find_policy(policy).make(env->interface());
   run_episode(*env, *own, derived_seed(seed, 0), [&observer](const QuadrupedEnv& e) {
-    TraceSample sample(e.backend(), e.targets());
-    sample.parameters = e.info().parameters;
-    observer(sample);
+    observer(e);
     return true;
   });
 }
 
+TraceSample trace_sample(const QuadrupedEnv& env) {
+  TraceSample sample(env.backend(), env.targets());
+  sample.parameters = env.info().parameters;
+  return sample;
+}
+
 Trace trace_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed) {
   Trace trace;
-  watch_episode(config, policy, seed, [&trace](const TraceSample& sample) { trace.push_back(sample); });
+  watch_episode(config, policy, seed, [&trace](const QuadrupedEnv& env) { trace.push_back(trace_sample(env)); });
   return trace;
 }
 

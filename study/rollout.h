@@ -8,6 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "crossgait/env/evaluation.h"
+#include "crossgait/parity/table.h"
 #include "crossgait/parity/trace.h"
 
 namespace crossgait {
@@ -50,10 +51,12 @@ Rollout roll_out(const EnvConfig& config, std::span<const NamedPolicy> policies,
 Rollout roll_out(const EnvConfig& config, const std::vector<std::string>& policies,
                  const EpisodeOptions& options, const Progress& progress = {});
 
-/// The first episode of a policy once more, control step by control step.
+/// The first episode of a policy once more. @param observer  sees the environment after every policy step
 void watch_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed,
-                   const std::function<void(const TraceSample&)>& observer);
-/// The same as a trace.
+                   const std::function<void(const QuadrupedEnv&)>& observer);
+/// State, targets, contacts and parameters of an environment.
+TraceSample trace_sample(const QuadrupedEnv& env);
+/// The same episode as a trace.
 Trace trace_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed);
 
 /// One policy, and none, in one engine on one ground.
@@ -90,8 +93,12 @@ nlohmann::ordered_json to_json(const Evaluation& evaluation);
 nlohmann::ordered_json to_json(const EpisodeSummary& episode);
 nlohmann::ordered_json to_json(const Rollout& rollout);
 nlohmann::ordered_json to_json(const Transfer& transfer);
+Table table(const Rollout& rollout);
+Table table(const Transfer& transfer);
 std::string describe(const Rollout& rollout);
 std::string describe(const Transfer& transfer);
+/// A policy's name in a table: a file's without its folder.
+std::string short_name(const std::string& policy);
 
 /// "3 fell, 1 left the terrain", "all walked".
 std::string outcomes_in_words(const Evaluation& evaluation);

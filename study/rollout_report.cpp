@@ -29,9 +29,6 @@ ordered_json terms_to_json(const RewardTerms& terms) {
   return json;
 }
 
-// A policy's name in a table: a file's without its folder.
-std::string short_name(const std::string& policy) { return std::filesystem::path(policy).filename(); }
-
 std::string with_deviation(const MeanAndDeviation& m, int digits) {
   return fmt::format("{:.{}f} +- {:.{}f}", m.mean, digits, m.deviation, digits);
 }
@@ -49,6 +46,8 @@ std::string speed(const Evaluation& e) {
 }
 
 }  // namespace
+
+std::string short_name(const std::string& policy) { return std::filesystem::path(policy).filename(); }
 
 std::string outcomes_in_words(const Evaluation& e) {
   std::vector<std::string> words;
@@ -129,18 +128,18 @@ nlohmann::ordered_json to_json(const Transfer& t) {
   return with_schema("transfer", json);
 }
 
-std::string describe(const Rollout& r) {
+Table table(const Rollout& r) {
   const std::size_t episodes = r.policies.empty() ? 0 : r.policies.front().all.episodes;
   const bool gait = r.config.action == ActionKind::kGait;
   std::vector<std::string> header{fmt::format("{} on {} in {}, {}", gait ? r.config.gait : "joints",
                                               r.config.terrain, r.config.engine,
                                               counted(episodes, "episode"))};
   for (const PolicyEpisodes& run : r.policies) header.push_back(short_name(run.policy));
-  Table table(header);
+  Table rows(header);
   const auto add = [&](const std::string& label, auto&& value) {
     std::vector<std::string> row{label};
     for (const PolicyEpisodes& run : r.policies) row.push_back(value(run.all));
-    table.add_row(row);
+    rows.add_row(row);
   };
   using E = Evaluation;
   add("outcome", [](const E& e) { return outcomes_in_words(e); });
@@ -164,14 +163,14 @@ std::string describe(const Rollout& r) {
   add("slip of loaded feet, m", [](const E& e) { return fmt::format("{:.2f}", e.slip_m.mean); });
   add("cost of transport", [](const E& e) { return with_deviation(e.cost_of_transport, 2); });
   add("IK targets clamped", [](const E& e) { return fmt::format("{}", e.ik_clamped); });
-  return table.str();
+  return rows;
 }
 
-std::string describe(const Transfer& t) {
+Table table(const Transfer& t) {
   std::vector<std::string> header{"mean speed, m/s", "policy"};
   header.insert(header.end(), t.engines.begin(), t.engines.end());
   header.emplace_back("largest / smallest");
-  Table table(header);
+  Table rows(header);
   const auto add = [&](const std::string& terrain, const std::string& policy,
                        Evaluation TransferCell::*which) {
     std::vector<std::string> row{terrain, policy};
@@ -184,13 +183,16 @@ std::string describe(const Transfer& t) {
     row.resize(2 + t.engines.size(), "-");  // where it was interrupted
     const auto [low, high] = std::minmax_element(speeds.begin(), speeds.end());
     row.push_back(!speeds.empty() && *low > 0 ? fmt::format("{:.3f}", *high / *low) : "-");
-    table.add_row(row);
+    rows.add_row(row);
   };
   for (const std::string& terrain : t.terrains) {
     add(terrain, short_name(t.policy), &TransferCell::policy);
     if (t.policy != "zero") add(terrain, "zero", &TransferCell::baseline);
   }
-  return table.str();
+  return rows;
 }
+
+std::string describe(const Rollout& r) { return table(r).str(); }
+std::string describe(const Transfer& t) { return table(t).str(); }
 
 }  // namespace crossgait

@@ -181,7 +181,7 @@ nlohmann::ordered_json to_json(const Tuning& t) {
   return with_schema("tune", json);
 }
 
-std::string describe(const Tuning& t) {
+std::array<Table, 2> tables(const Tuning& t) {
   Table parameters({"parameter", "default", "tuned", "unit"});
   for (const ParameterRow& row : rows_of(t.start)) {
     parameters.add_row({std::string(row.name), fmt::format("{:.4f}", stated(t.start).*row.member),
@@ -204,6 +204,11 @@ std::string describe(const Tuning& t) {
     }
     speeds.add_row(row);
   }
+  return {std::move(parameters), std::move(speeds)};
+}
+
+std::string describe(const Tuning& t) {
+  const auto [parameters, speeds] = tables(t);
   return fmt::format("{}\nTuned in {}\n{}", parameters.str(), t.start.engine, speeds.str());
 }
 

@@ -3,6 +3,7 @@
 // it shows that the environment can be learned, and what its parameters alone are worth.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -44,5 +45,7 @@ Tuning tune_gait(const EnvConfig& start, const std::vector<std::string>& engines
 /// Keys as in docs/schemas/tune.json.
 nlohmann::ordered_json to_json(const Tuning& tuning);
 std::string describe(const Tuning& tuning);
+/// What it says: parameters before and after, and their speeds in every engine.
+std::array<Table, 2> tables(const Tuning& tuning);
 
 }  // namespace crossgait

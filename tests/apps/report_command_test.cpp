@@ -89,6 +89,68 @@ TEST_F(Report, AVerdictAndItsResultGiveTheSamePage) {
   EXPECT_TRUE(document.at("motion").is_null());
 }
 
+TEST_F(Report, ARolloutReplaysEveryPolicyAndWhatItEarned) {
+  const std::string rollout = "rollout --policy random --baseline --episodes 2 --episode-seconds .3";
+  ASSERT_EQ(run_program(rollout + " --report report_r.html --json report_r.json").exit_code, 0);
+  ASSERT_EQ(run_program("report report_r.json --out report_r_again.html").exit_code, 0);
+  const json document = document_of("report_r.html"), result = json::parse(read_file("report_r.json"));
+  EXPECT_EQ(document, document_of("report_r_again.html"));
+  const json& runs = document.at("motion").at("runs");
+  ASSERT_EQ(runs.size(), 2U);
+  EXPECT_EQ(runs.at(0).at("name"), "random");
+  EXPECT_EQ(runs.at(1).at("name"), "zero");
+  EXPECT_EQ(document.at("tables").at(0).at("header").size(), 3U);
+  std::size_t terms = 0;
+  for (const json& panel : document.at("motion").at("panels")) {
+    if (panel.at("group") != "rewards") continue;
+    ++terms;
+    EXPECT_EQ(panel.at("series").size(), 2U);
+  }
+  EXPECT_EQ(terms, result.at("policies").at(0).at("all").at("reward_terms").size());
+}
+
+TEST_F(Report, ATransferReplaysEveryEngine) {
+  const std::string transfer = "transfer --terrains rough --episodes 1 --episode-seconds .3";
+  ASSERT_EQ(run_program(transfer + " --report report_t.html --json report_t.json").exit_code, 0);
+  const json document = document_of("report_t.html");
+  const std::vector<std::string> engines = available_engines();
+  ASSERT_EQ(document.at("motion").at("runs").size(), engines.size());
+  for (std::size_t i = 0; i < engines.size(); ++i)
+    EXPECT_EQ(document.at("motion").at("runs").at(i).at("name"), engines[i]);
+  EXPECT_FALSE(document.at("motion").at("scene").at("ground").is_null());
+}
+
+TEST_F(Report, ATunedGaitStandsBesideTheOneItWasMadeFrom) {
+  const std::string tune =
+      "tune --terrain flat --episode-seconds .3 --iterations 2 --population 4 --terrains 1 --unseen 0 --adapt step_length";
+  ASSERT_EQ(run_program(tune + " --report report_u.html --json report_u.json").exit_code, 0);
+  const json document = document_of("report_u.html"), result = json::parse(read_file("report_u.json"));
+  ASSERT_EQ(document.at("motion").at("runs").size(), 2U);
+  EXPECT_EQ(document.at("motion").at("runs").at(1).at("name"), "tuned");
+  EXPECT_EQ(document.at("tables").size(), 2U);
+  const json& points = document.at("charts").at(0).at("charts").at(0).at("series").at(0).at("points");
+  ASSERT_EQ(points.size(), result.at("history").size());
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(points[i].at(1), result.at("history")[i]);
+}
+
+TEST_F(Report, ABenchmarkShowsItsCurves) {
+  const std::string stored = std::string(CROSSGAIT_SOURCE_DIR) + "/benchmarks/results/amd-epyc-2-cores.json";
+  ASSERT_EQ(run_program("bench --from " + stored + " --report report_b.html").exit_code, 0);
+  ASSERT_EQ(run_program("report " + stored + " --out report_b_again.html").exit_code, 0);
+  const json document = document_of("report_b.html"), result = json::parse(read_file(stored));
+  EXPECT_EQ(document.at("charts"), document_of("report_b_again.html").at("charts"));
+  std::size_t points = 0;  // of the position's errors, one for each that is known
+  for (const json& chart : document.at("charts").at(1).at("charts")) {
+    if (!chart.at("title").get<std::string>().starts_with("base")) continue;
+    for (const json& series : chart.at("series")) points += series.at("points").size();
+  }
+  std::size_t known = 0;
+  for (const json& point : result.at("accuracy").at("points"))
+    known += point.at("position_error_m").is_null() ? 0 : 1;
+  EXPECT_EQ(points, known);
+  EXPECT_FALSE(document.at("texts").empty());
+}
+
 TEST_F(Report, ARobotWithAHostileNameIsShownNotRun) {
   const std::string folder = std::string(CROSSGAIT_SOURCE_DIR) + "/models/robots/scara_quadruped/";
   std::string yaml = read_file(folder + "robot.yaml");
@@ -127,6 +189,10 @@ TEST_F(Report, BadInputLeavesNoPage) {
   expect_bad_input("report report_short.csv" + out, {"report_short.csv", "line 3"});
   expect_bad_input("report report_strange.csv" + out, {"report_strange.csv", "p_WB.x"});
   expect_bad_input("report no_such.csv" + out, {"no_such.csv"});
+  ASSERT_EQ(run_program("rollout --episodes 1 --episode-seconds .1 --json report_rollout.json").exit_code, 0);
+  ASSERT_EQ(run_program("walk --seconds .1 --json report_w.json").exit_code, 0);
+  expect_bad_input("report report_rollout.json report_w.json" + out, {"report_rollout.json", "rollout"});
+  expect_bad_input("rollout --episode-seconds 300 --report report_never.html", {"--report", "--episode-seconds"});
   expect_bad_input("walk --seconds 300 --report report_never.html", {"--report", "200 s", "300 s"});
   EXPECT_FALSE(fs::exists("report_never.html"));
 }

@@ -33,7 +33,7 @@ export interface Scene {
   standing_height: number;
   reach: number;
   way: [number, number, number, number];
-  bodies: { name: string; shapes: Shape[] }[];
+  bodies: { name: string; mass: number; centre_of_mass: [number, number, number]; shapes: Shape[] }[];
   meshes: { vertices: Reference; triangles: Reference }[];
   legs: { name: string; body: number; foot: [number, number, number]; radius: number }[];
   ground: Ground | null;
@@ -59,7 +59,7 @@ export interface Pair {
 }
 
 export interface Panel {
-  group: "base" | "feet" | "joints" | "parameters" | "differences";
+  group: "base" | "feet" | "joints" | "parameters" | "rewards" | "differences";
   title: string;
   unit: string;
   log: boolean;
@@ -117,6 +117,21 @@ export interface Verdict {
   } | null;
 }
 
+export interface Chart {
+  title: string;
+  x_label: string;
+  y_label: string;
+  x_log: boolean;
+  y_log: boolean;
+  y_names: [number, string][];
+  series: { label: string; colour: number; line: boolean; points: [number, number][] }[];
+}
+
+export interface Charts {
+  title: string;
+  charts: Chart[];
+}
+
 export interface Provenance {
   crossgait?: string;
   command?: string;
@@ -132,6 +147,8 @@ export interface ReportDocument {
   sentences: string[];
   motion: Motion | null;
   tables: { header: string[]; rows: string[][] }[];
+  charts: Charts[];
+  texts: string[];
   verdicts: Verdict[];
   provenances: Provenance[];
 }

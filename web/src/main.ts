@@ -1,4 +1,5 @@
 // The page: what the document holds, laid out and wired together.
+import { charts } from "./charts";
 import { Numbers, readDocument, Run, type Motion, type ReportDocument } from "./document";
 import { h } from "./dom";
 import { Player } from "./player";
@@ -119,6 +120,7 @@ class Stage {
         {},
         toggle("forces", forces, true, (on) => ((this.view.forces = on), this.view.paint())),
         toggle("trails", "Paths of the feet", true, (on) => ((this.view.trails = on), this.view.paint())),
+        toggle("support", "What the loaded feet span, and the centre of mass above it", false, (on) => ((this.view.support = on), this.view.paint())),
       ),
       ...(parted.length > 0 ? [h("span", { class: "parted" }, ...parted)] : []),
     ];
@@ -219,11 +221,13 @@ function build(): object {
     page.append(results);
   }
   for (const verdict of report.verdicts) results.append(verdictSection(verdict));
+  const drawn = charts(report);
+  results.append(...drawn.elements);
   const found = findings(report);
   if (found) results.append(found);
   results.append(origin(report));
   listen(stage);
-  return handles;
+  return { ...handles, charts: drawn.figures };
 }
 
 // For tests, and for those who want more of the numbers: the browser's console has them all.

@@ -25,13 +25,23 @@ function key(label: string, dashed: boolean, colour: () => string, title = label
   return { element, value, colour };
 }
 
+/** How every axis looks. */
+export const AXIS: uPlot.Axis = {
+  stroke: () => theme.variable("--muted"),
+  grid: { stroke: () => theme.variable("--rule"), width: 1 },
+  ticks: { stroke: () => theme.variable("--rule"), width: 1, size: 4 },
+  font: "11px system-ui, sans-serif",
+};
+
+/** A logarithmic axis marks powers of ten. */
+export const POWERS: uPlot.Axis = {
+  splits: (_u, _axis, low, high) => powers(low, high),
+  filter: (_, at) => at, // they are few already
+  values: (_, at) => at.map((v) => v.toExponential(0).replace("-", "\u2212")),
+};
+
 function axes(unit: string): uPlot.Axis[] {
-  const common = {
-    stroke: () => theme.variable("--muted"),
-    grid: { stroke: () => theme.variable("--rule"), width: 1 },
-    ticks: { stroke: () => theme.variable("--rule"), width: 1, size: 4 },
-    font: "11px system-ui, sans-serif",
-  };
+  const common = AXIS;
   const time = { ...common, size: 24, gap: 2, values: (_: uPlot, at: number[]) => at.map((t) => `${+t.toFixed(4)} s`) };
   return [time, { ...common, size: unit === "legs" ? 34 : 52, gap: 3 }];
 }
@@ -192,11 +202,7 @@ class SeriesPlot extends TimePlot {
       scales: { x: { time: false }, y: this.panel.log ? { distr: 3 } : {} },
       series: [{}, ...series],
     });
-    if (this.panel.log) {
-      options.axes![1]!.splits = (_u, _axis, low, high) => powers(low, high);
-      options.axes![1]!.filter = (_, at) => at; // they are few already
-      options.axes![1]!.values = (_, at) => at.map((v) => v.toExponential(0).replace("-", "\u2212"));
-    }
+    if (this.panel.log) Object.assign(options.axes![1]!, POWERS);
     return new uPlot(options, this.data as uPlot.AlignedData, this.holder);
   }
   protected showValues(): void {
@@ -284,6 +290,7 @@ const GROUPS: [Panel["group"], string][] = [
   ["feet", "Feet"],
   ["joints", "Joints and torques"],
   ["parameters", "Gait parameters that change"],
+  ["rewards", "What a policy step earns"],
   ["differences", "Differences between engines"],
 ];
 

@@ -19,6 +19,7 @@ import {
 } from "three";
 import { ConvexGeometry } from "three/addons/geometries/ConvexGeometry.js";
 import type { Numbers, Run, Scene, Shape } from "./document";
+import { Support } from "./support";
 
 const PLAIN: [number, number, number, number] = [0.62, 0.64, 0.67, 1];
 /** Length of a foot's path behind it, s. */
@@ -101,6 +102,7 @@ export class RobotView extends Group {
   readonly feet: Object3D[] = [];
   readonly arrows = new Group();
   readonly trails = new Group();
+  readonly support: Support;
   private readonly robot = new Group();
   private readonly materials: { material: MeshLambertMaterial; own: Color }[] = [];
   private readonly arrowMaterial = new MeshLambertMaterial();
@@ -132,7 +134,8 @@ export class RobotView extends Group {
       this.arrows.add(new Arrow(0.03 * size, this.arrowMaterial));
       this.trails.add(this.trailOf(index));
     });
-    this.add(this.robot, this.arrows, this.trails);
+    this.support = new Support(parts.scene, size);
+    this.add(this.robot, this.arrows, this.trails, this.support);
   }
 
   /** In its own colours, or in those of the run if there are several. */
@@ -148,6 +151,7 @@ export class RobotView extends Group {
     }
     this.arrowMaterial.color.copy(own ? new Color("#d55e00") : paint);
     this.trailMaterial.color.copy(paint);
+    this.support.paint(paint);
     this.robot.traverse((object) => (object.castShadow = !ghost));
   }
 
@@ -167,6 +171,7 @@ export class RobotView extends Group {
     });
     this.updateMatrixWorld();
     this.showFeet(frame);
+    this.support.show(this.run, frame, this.bodies);
   }
 
   private showFeet(frame: number): void {

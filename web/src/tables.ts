@@ -13,13 +13,14 @@ function table(header: string[], rows: string[][]): HTMLElement {
 }
 
 export function findings(report: ReportDocument): HTMLElement | null {
-  if (report.tables.length === 0 && report.sentences.length === 0) return null;
+  if (report.tables.length === 0 && report.sentences.length === 0 && report.texts.length === 0) return null;
   return h(
     "section",
     { class: "group" },
     h("h2", {}, "Statistics"),
     ...report.tables.map(({ header, rows }) => table(header, rows)),
     ...report.sentences.map((sentence) => h("p", {}, sentence)),
+    ...report.texts.map((text) => h("pre", { class: "text" }, text)),
   );
 }
 

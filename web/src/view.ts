@@ -91,6 +91,7 @@ export class View {
   sideBySide = false;
   forces = true;
   trails = true;
+  support = false;
   readonly shown: boolean[];
   private readonly renderer: WebGLRenderer;
   private readonly groups: Group[] = [];
@@ -206,6 +207,7 @@ export class View {
       robot.paint(theme.colour(i), !several, several && !this.sideBySide && place > 0);
       robot.arrows.visible = this.forces;
       robot.trails.visible = this.trails;
+      robot.support.visible = this.support;
     });
     this.draw();
   }

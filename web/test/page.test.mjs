@@ -195,6 +195,41 @@ test("text out of files is shown, never run", async () => {
   await page.close();
 });
 
+test("a benchmark shows its curves", async () => {
+  const { page, problems } = await open("bench.html");
+  await page.evaluate(() => document.querySelectorAll(".panel").forEach((panel) => panel.scrollIntoView()));
+  await page.waitForTimeout(300);
+  const [figures, drawn, points] = await page.evaluate(() => {
+    const { charts } = window.crossgait;
+    return [charts.length, document.querySelectorAll(".panel canvas").length, charts.reduce((sum, c) => sum + c.points.flat().length, 0)];
+  });
+  assert.ok(figures >= 10 && drawn === figures, `${drawn} of ${figures} charts`);
+  assert.ok(points > 100, `${points} points`);
+  assert.ok((await page.textContent("pre.text")).includes("us"), "the tables as they are printed");
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("a rollout shows what it earned, and what its feet span", async () => {
+  const { page, problems } = await open("rollout.html");
+  assert.ok((await page.textContent(".results")).includes("What a policy step earns"));
+  await page.getByLabel("support").check();
+  const shown = await page.evaluate(() => {
+    const { player, view, runs } = window.crossgait;
+    player.playing = false;
+    player.seek(player.begin + 0.5);
+    const { support } = view.robots[0];
+    const frame = runs[0].frameAt(player.time);
+    const loaded = [0, 1, 2, 3].filter((leg) => Math.hypot(...runs[0].forces.subarray(12 * frame + 3 * leg, 12 * frame + 3 * leg + 3)) > 0);
+    return { visible: support.visible, corners: support.corners.length, loaded: loaded.length, com: support.centreOfMass.toArray(), base: view.robots[0].bodies[0].position.toArray() };
+  });
+  assert.ok(shown.visible);
+  assert.ok(shown.loaded > 0 && shown.corners <= shown.loaded && shown.corners >= Math.min(3, shown.loaded), JSON.stringify(shown));
+  shown.com.forEach((at, i) => assert.ok(Math.abs(at - shown.base[i]) < 0.05, `the centre of mass is in the robot: ${JSON.stringify(shown)}`));
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
 test("a verdict shows every statistic between the limits", async () => {
   const { page, problems } = await open("verdict.html");
   const result = JSON.parse(readFileSync(join(pages, "verdict.json"), "utf8"));

@@ -1,0 +1,13 @@
+// A result of the benchmark as a page.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "crossgait/report/page.h"
+
+namespace crossgait::apps {
+
+/// What `crossgait bench` prints, and the curves of its figures. @param result  as `read_bench` takes it
+ReportPage bench_page(const nlohmann::ordered_json& result);
+
+}  // namespace crossgait::apps
