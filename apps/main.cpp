@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "crossgait/apps/child_process.h"
 #include "crossgait/apps/command.h"
 #include "crossgait/apps/interruption.h"
 #include "crossgait/apps/suggestion.h"
@@ -48,6 +49,7 @@ void add_commands(CLI::App& program, std::vector<std::string>& again) {
   add_workspace_command(program);
   add_plot_command(program);
   add_report_command(program, again);
+  add_video_command(program);
   add_env_command(program);
   add_rollout_command(program);
   add_transfer_command(program);
@@ -92,6 +94,8 @@ int main_of(const std::vector<std::string>& arguments) {
     return code;
   } catch (const ConfigError& error) {
     return complain(error.what(), kBadInput);
+  } catch (const ChildFailed& child) {
+    return child.exit_code > 0 ? child.exit_code : kFailure;
   } catch (const EndedEarly& error) {
     return complain(error.what(), kInterruptedExit);
   } catch (const Interrupted&) {

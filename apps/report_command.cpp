@@ -79,10 +79,10 @@ void add_result(ReportPage& page, const Recorded& recorded) {
     for (const Json& verdict : result.value("verdicts", std::vector<Json>()))
       page.verdicts.push_back(verdict_document(verdict, recorded.file));
   } else {
-    throw ConfigError(recorded.file, "schema.name",
-                      kMadeAgain.contains(kind) ? "a result to stand beside others: walk, compare or verdict"
-                                                : kResults,
-                      kind);
+    throw ConfigError(
+        recorded.file, "schema.name",
+        kMadeAgain.contains(kind) ? "a result to stand beside others: walk, compare or verdict" : kResults,
+        kind);
   }
 }
 
@@ -148,8 +148,10 @@ void add_report_command(CLI::App& program, std::vector<std::string>& again) {
   CLI::App* command = program.add_subcommand(
       "report", "A page that replays walks in 3D, with plots, or shows a verdict: one HTML file");
   command->footer(
-      "\nOne result of `walk`, `compare`, `rollout`, `transfer` or `tune` is made again, as `crossgait rerun` "
-      "does, and\nreplayed; those commands write the page at once with --report. Traces (--trace) are replayed as "
+      "\nOne result of `walk`, `compare`, `rollout`, `transfer` or `tune` is made again, as `crossgait "
+      "rerun` "
+      "does, and\nreplayed; those commands write the page at once with --report. Traces (--trace) are "
+      "replayed as "
       "they are, on the\nrobot and ground of the options, together with the numbers of results beside them.\n"
       "\nExamples:\n"
       "  crossgait compare --terrain rough --report compare.html\n"
@@ -160,7 +162,9 @@ void add_report_command(CLI::App& program, std::vector<std::string>& again) {
       "verdict.html");
   auto options = std::make_shared<ReportCommand>();
   command
-      ->add_option("files", options->files, "Results (--json of walk, compare, verdict, rollout, transfer, tune, bench) and traces (--trace)")
+      ->add_option(
+          "files", options->files,
+          "Results (--json of walk, compare, verdict, rollout, transfer, tune, bench) and traces (--trace)")
       ->type_name("FILE.json|TRACE.csv")
       ->required();
   add_output_option(*command, "--out", options->out, "The page")->type_name("FILE.html")->required();

@@ -34,8 +34,8 @@ ReportPage page_of(const Transfer& transfer, const EnvConfig& config, const std:
   page.title = fmt::format("{} in {}", short_name(policy), counted(transfer.engines.size(), "engine"));
   page.tables.push_back(table(transfer));
   page.motion = watch_episodes(episodes, transfer.seed);
-  page.sentences.push_back(fmt::format("Replayed: the policy's first episode on {} in every engine.",
-                                       transfer.terrains.front()));
+  page.sentences.push_back(
+      fmt::format("Replayed: the policy's first episode on {} in every engine.", transfer.terrains.front()));
   return page;
 }
 
@@ -49,8 +49,7 @@ void run(const TransferCommand& options) {
   ProgressLine progress("transferring");
   const Transfer transfer = transfer_policy(config, options.policy, engines, options.terrains, options.runs,
                                             [&](double share) { progress.update(share); });
-  if (options.page.asked())
-    options.page.write(page_of(transfer, config, options.policy), provenance);
+  if (options.page.asked()) options.page.write(page_of(transfer, config, options.policy), provenance);
   options.json.emit(describe(transfer), to_json(transfer), provenance);
   if (transfer.interrupted) {
     throw EndedEarly(fmt::format("{} of {} are finished, and written as asked", transfer.cells.size(),

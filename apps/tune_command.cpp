@@ -25,15 +25,15 @@ struct TuneCommand {
 
 ReportPage page_of(const Tuning& tuning, std::uint64_t seed) {
   ReportPage page;
-  page.title = fmt::format("{} tuned on {} in {}", tuning.start.gait, tuning.start.terrain, tuning.start.engine);
+  page.title =
+      fmt::format("{} tuned on {} in {}", tuning.start.gait, tuning.start.terrain, tuning.start.engine);
   for (Table& table : tables(tuning)) page.tables.push_back(std::move(table));
   Chart search{.title = "Search", .x_label = "generation", .y_label = "best score so far, m/s"};
   Chart::Series& best = search.series.emplace_back(Chart::Series{"", 0, true, {}});
   for (std::size_t i = 0; i < tuning.history.size(); ++i)
     best.points.push_back({static_cast<double>(i + 1), tuning.history[i]});
   page.charts.push_back({"Search", {std::move(search)}});
-  page.motion =
-      watch_episodes({{"default", tuning.start, "zero"}, {"tuned", tuning.tuned, "zero"}}, seed);
+  page.motion = watch_episodes({{"default", tuning.start, "zero"}, {"tuned", tuning.tuned, "zero"}}, seed);
   page.sentences.push_back(fmt::format("Replayed in {}: the first episode of both.", tuning.start.engine));
   return page;
 }

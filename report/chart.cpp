@@ -20,8 +20,8 @@ ordered_json to_json(const Chart& chart) {
     std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
     series.push_back({{"label", s.label}, {"colour", s.colour}, {"line", s.line}, {"points", points}});
   }
-  return {{"title", chart.title},   {"x_label", chart.x_label}, {"y_label", chart.y_label},
-          {"x_log", chart.x_log},   {"y_log", chart.y_log},     {"y_names", chart.y_names},
+  return {{"title", chart.title},       {"x_label", chart.x_label}, {"y_label", chart.y_label},
+          {"x_log", chart.x_log},       {"y_log", chart.y_log},     {"y_names", chart.y_names},
           {"series", std::move(series)}};
 }
 

@@ -17,9 +17,9 @@ struct ReportPage {
   std::string title;
   std::vector<std::string> sentences;  ///< what was found, in words
   std::optional<Motion> motion;
-  std::vector<Table> tables;   ///< their headers: first the heading, then a name per run
-  std::vector<Charts> charts;  ///< what is no plot over the motion's time
-  std::vector<std::string> texts;  ///< as a command prints it, in lines
+  std::vector<Table> tables;                        ///< their headers: first the heading, then a name per run
+  std::vector<Charts> charts;                       ///< what is no plot over the motion's time
+  std::vector<std::string> texts;                   ///< as a command prints it, in lines
   std::vector<nlohmann::ordered_json> verdicts;     ///< as `verdict_document` makes them
   std::vector<nlohmann::ordered_json> provenances;  ///< of each result, as commands write it
 };

@@ -79,7 +79,8 @@ TraceSample trace_sample(const QuadrupedEnv& env) {
 
 Trace trace_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed) {
   Trace trace;
-  watch_episode(config, policy, seed, [&trace](const QuadrupedEnv& env) { trace.push_back(trace_sample(env)); });
+  watch_episode(config, policy, seed,
+                [&trace](const QuadrupedEnv& env) { trace.push_back(trace_sample(env)); });
   return trace;
 }
 

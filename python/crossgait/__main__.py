@@ -13,6 +13,7 @@ from crossgait import _core
 def main() -> NoReturn:
     """Become the program, with the arguments of this one."""
     program = Path(_core.__file__).parent / "bin" / "crossgait"
+    os.environ.setdefault("CROSSGAIT_PYTHON", sys.executable)  # what draws its films
     os.execv(program, ["crossgait", *sys.argv[1:]])
 
 

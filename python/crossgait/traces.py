@@ -6,7 +6,7 @@ import csv
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -96,6 +96,20 @@ class Trace:
         from crossgait import trace_rerun, trace_scene
 
         trace_rerun.write(self, path, trace_scene.the_robot(self, robot), terrain)
+
+    def to_video(
+        self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None, **how: Any
+    ) -> None:
+        """Write FILE.mp4 or FILE.gif: see `crossgait.video.write` for the rest of the arguments.
+
+        Raises:
+            ConfigError: if it was another robot, or for another ending.
+            ImportError: without what draws and writes it (`pip install crossgait[video]`).
+
+        """
+        from crossgait import trace_scene, video
+
+        video.write([self], path, trace_scene.the_robot(self, robot), terrain, **how)
 
     @classmethod
     def read_csv(cls, path: str | os.PathLike[str]) -> Trace:

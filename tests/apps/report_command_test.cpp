@@ -122,7 +122,8 @@ TEST_F(Report, ATransferReplaysEveryEngine) {
 
 TEST_F(Report, ATunedGaitStandsBesideTheOneItWasMadeFrom) {
   const std::string tune =
-      "tune --terrain flat --episode-seconds .3 --iterations 2 --population 4 --terrains 1 --unseen 0 --adapt step_length";
+      "tune --terrain flat --episode-seconds .3 --iterations 2 --population 4 --terrains 1 --unseen 0 "
+      "--adapt step_length";
   ASSERT_EQ(run_program(tune + " --report report_u.html --json report_u.json").exit_code, 0);
   const json document = document_of("report_u.html"), result = json::parse(read_file("report_u.json"));
   ASSERT_EQ(document.at("motion").at("runs").size(), 2U);
@@ -192,7 +193,8 @@ TEST_F(Report, BadInputLeavesNoPage) {
   ASSERT_EQ(run_program("rollout --episodes 1 --episode-seconds .1 --json report_rollout.json").exit_code, 0);
   ASSERT_EQ(run_program("walk --seconds .1 --json report_w.json").exit_code, 0);
   expect_bad_input("report report_rollout.json report_w.json" + out, {"report_rollout.json", "rollout"});
-  expect_bad_input("rollout --episode-seconds 300 --report report_never.html", {"--report", "--episode-seconds"});
+  expect_bad_input("rollout --episode-seconds 300 --report report_never.html",
+                   {"--report", "--episode-seconds"});
   expect_bad_input("walk --seconds 300 --report report_never.html", {"--report", "200 s", "300 s"});
   EXPECT_FALSE(fs::exists("report_never.html"));
 }

@@ -1,0 +1,28 @@
+// Another program, run to its end.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace crossgait::apps {
+
+struct ChildResult {
+  int exit_code = 0;  ///< -1 if a signal ended it
+  std::string out, errors;
+};
+
+/// Thrown where a child has said itself what went wrong: its exit code becomes this program's.
+struct ChildFailed {
+  int exit_code = 1;
+};
+
+enum class ChildErrors { kKept, kShown };  ///< shown: on this program's own standard error, as they come
+
+/// @param command  the program, looked for as a shell does, and its arguments
+/// @param input    what it reads
+/// @returns nothing if there is no such program  @throws std::system_error if it cannot be run
+std::optional<ChildResult> run_child(const std::vector<std::string>& command, const std::string& input = {},
+                                     ChildErrors errors = ChildErrors::kKept);
+
+}  // namespace crossgait::apps

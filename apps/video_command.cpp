@@ -1,0 +1,147 @@
+// crossgait video: a walk as a film, drawn by the Python package.
+#include <cstdlib>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "crossgait/apps/child_process.h"
+#include "crossgait/apps/interruption.h"
+#include "crossgait/apps/walk_options.h"
+#include "crossgait/backends/registry.h"
+#include "crossgait/parity/trace.h"
+#include "crossgait/physics/data_path.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/study/walk.h"
+
+namespace crossgait::apps {
+namespace {
+
+struct VideoCommand {
+  WalkOptions walk;
+  std::vector<std::string> engines, traces;
+  std::string out;
+  double frames_per_second = 30, slow = 1;
+  int width = 640, height = 480;
+  double azimuth = 130, elevation = -20;
+};
+
+/// A folder for traces, gone at the end.
+class TraceFolder {
+ public:
+  TraceFolder() {
+    std::string path = (std::filesystem::temp_directory_path() / "crossgait-video-XXXXXX").string();
+    if (mkdtemp(path.data()) == nullptr)
+      throw ConfigError("video", path, "a folder for traces", "none that can be made");
+    path_ = path;
+  }
+  ~TraceFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TraceFolder(const TraceFolder&) = delete;
+  TraceFolder& operator=(const TraceFolder&) = delete;
+
+  std::string file(const std::string& engine) const { return (path_ / (engine + ".csv")).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The interpreter whose package draws: the one that started this program, or the system's.
+std::string python() {
+  const char* chosen = std::getenv("CROSSGAIT_PYTHON");
+  return chosen != nullptr ? chosen : "python3";
+}
+
+/// Before anything is walked. @throws ConfigError saying what to install
+void require_renderer() {
+  const auto found = run_child({python(), "-c", "import crossgait.video"});
+  if (found && found->exit_code == 0) return;
+  std::string why = found ? found->errors : "no such program";
+  why.erase(why.find_last_not_of('\n') + 1);
+  throw ConfigError(
+      "video", python(),
+      "a Python with Crossgait's package: pip install 'crossgait[video]' (CROSSGAIT_PYTHON names it)",
+      why.substr(why.rfind('\n') + 1));
+}
+
+std::vector<std::string> walk_and_trace(const VideoCommand& options, const TraceFolder& folder) {
+  const WalkConfig config = options.walk.make();
+  const auto robot = std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot)));
+  std::vector<std::string> files;
+  const std::vector<std::string> engines =
+      options.engines.empty() ? std::vector{available_engines().front()} : options.engines;
+  for (const std::string& engine : engines) {
+    files.push_back(folder.file(engine));
+    TraceWriter trace(robot, files.back());
+    ProgressLine progress(fmt::format("{} in {}", config.gait.name(), engine));
+    const WalkRun run = walk(
+        config, engine, [&](double share) { progress.update(share); },
+        [&trace](std::size_t, const TraceSample& sample) { trace.add(sample); });
+    trace.finish();
+    if (run.interrupted) throw EndedEarly("there is no film");
+  }
+  return files;
+}
+
+void run(const VideoCommand& options) {
+  require_renderer();
+  const TraceFolder folder;
+  const std::vector<std::string> traces =
+      options.traces.empty() ? walk_and_trace(options, folder) : options.traces;
+  const WalkConfig& world = options.walk.config;
+  std::vector<std::string> command{python(), "-m", "crossgait.video", "--out=" + options.out};
+  command.push_back("--robot=" + world.robot);
+  command.push_back("--terrain=" + world.terrain);
+  command.push_back(fmt::format("--seed={}", world.terrain_seed));
+  command.push_back(fmt::format("--fps={}", options.frames_per_second));
+  command.push_back(fmt::format("--slow={}", options.slow));
+  command.push_back(fmt::format("--width={}", options.width));
+  command.push_back(fmt::format("--height={}", options.height));
+  command.push_back(fmt::format("--azimuth={}", options.azimuth));
+  command.push_back(fmt::format("--elevation={}", options.elevation));
+  command.emplace_back("--");
+  command.insert(command.end(), traces.begin(), traces.end());
+  const auto drawn = run_child(command, {}, ChildErrors::kShown);
+  if (!drawn || drawn->exit_code != 0) throw ChildFailed(drawn ? drawn->exit_code : -1);
+  print(drawn->out);
+}
+
+}  // namespace
+
+void add_video_command(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("video", "A walk, or traces, as a film: one panel an engine");
+  command->footer(
+      "\nDrawn by Crossgait's Python package (crossgait[video]), which python3 or CROSSGAIT_PYTHON has to "
+      "have.\n"
+      "\nExamples:\n"
+      "  crossgait video trot.mp4\n"
+      "  crossgait video rough.gif --terrain rough --engines mujoco,bullet --seconds 3 --slow 4\n"
+      "  crossgait video walk.mp4 walk.mujoco.csv walk.bullet.csv --terrain rough");
+  auto options = std::make_shared<VideoCommand>();
+  add_output_option(*command, "out", options->out, "The film")->type_name("FILE.mp4|gif")->required();
+  command->add_option("traces", options->traces, "What `walk --trace` wrote; without any the options walk")
+      ->type_name("TRACE.csv");
+  command->add_option("--engines,--engine", options->engines, "Comma-separated; the first by default")
+      ->delimiter(',');
+  options->walk.add_to(*command);
+  command->add_option("--fps", options->frames_per_second, "Frames per second")
+      ->check(CLI::Range(1.0, 120.0))
+      ->capture_default_str();
+  command->add_option("--slow", options->slow, "Times slower than it happened")
+      ->check(CLI::Range(0.05, 100.0))
+      ->capture_default_str();
+  command->add_option("--width", options->width, "Of a panel, pixels")
+      ->check(CLI::Range(64, 3840))
+      ->capture_default_str();
+  command->add_option("--height", options->height, "Of a panel, pixels")
+      ->check(CLI::Range(64, 2160))
+      ->capture_default_str();
+  command->add_option("--azimuth", options->azimuth, "The camera's look, deg: 90 is along the world's y")
+      ->capture_default_str();
+  command->add_option("--elevation", options->elevation, "The camera's look, deg")->capture_default_str();
+  on_run(*command, [options] { run(*options); });
+}
+
+}  // namespace crossgait::apps

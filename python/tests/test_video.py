@@ -1,0 +1,85 @@
+"""Films of walks."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import imageio.v3
+import numpy as np
+import pytest
+
+import crossgait
+from crossgait import video
+
+PROGRAM = str(Path(sys.executable).with_name("crossgait"))
+SECONDS = 0.4
+
+
+@pytest.fixture(scope="module")
+def walked() -> list[crossgait.Trace]:
+    traces = [crossgait.walk("trot", engine=engine, seconds=SECONDS, trace=True).trace for engine in both()]
+    assert all(trace is not None for trace in traces)
+    return [trace for trace in traces if trace is not None]
+
+
+def both() -> list[str]:
+    return crossgait.available_engines()[:2]
+
+
+@pytest.mark.parametrize("kind", video.KINDS)
+def test_a_film_has_its_frames_and_something_moves(
+    kind: str, walked: list[crossgait.Trace], scara: crossgait.Robot, tmp_path: Path
+) -> None:
+    film = tmp_path / f"walk{kind}"
+    video.write(walked, film, scara, fps=20, slow=2, width=160, height=121)
+    frames = imageio.v3.imread(film, **({"plugin": "FFMPEG"} if kind == ".mp4" else {}))
+    assert frames.shape == (round(SECONDS * 2 * 20), 120, 160 * len(walked), 3)
+    changed = np.abs(frames[-1].astype(int) - frames[0].astype(int)).max(axis=2) > 30
+    for panel in np.split(changed, len(walked), axis=1):
+        assert panel.mean() > 0.01  # legs, and squares of the floor
+    assert list(tmp_path.iterdir()) == [film]
+
+
+def test_a_trace_that_ends_sooner_stands_still(
+    walked: list[crossgait.Trace], scara: crossgait.Robot, tmp_path: Path
+) -> None:
+    half = crossgait.Trace(walked[0].names, walked[0].values[: len(walked[0]) // 2], name="half")
+    video.write([half, walked[0]], tmp_path / "walk.gif", scara, fps=20, width=160, height=120)
+    left, right = np.split(imageio.v3.imread(tmp_path / "walk.gif"), 2, axis=2)
+    assert np.abs(left[-1].astype(int) - left[-3].astype(int)).max() < 40  # a GIF's palette differs by frame
+    assert np.abs(right[-1].astype(int) - right[-3].astype(int)).max() > 60
+
+
+def test_bad_input_leaves_no_film(walked: list[crossgait.Trace], scara: crossgait.Robot, tmp_path: Path) -> None:
+    with pytest.raises(crossgait.ConfigError, match=r"\.mp4 or \.gif"):
+        video.write(walked, tmp_path / "walk.avi", scara)
+    with pytest.raises(crossgait.ConfigError, match="robot"):
+        walked[0].to_video(tmp_path / "walk.mp4", "serial_quadruped")
+    empty = crossgait.Trace(walked[0].names, walked[0].values[:0], name="empty")
+    with pytest.raises(crossgait.ConfigError, match="empty: rows"):
+        video.write([empty], tmp_path / "walk.mp4", scara)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_walks_and_draws(tmp_path: Path) -> None:
+    small = ["--fps", "10", "--width", "160", "--height", "120"]
+    command = [PROGRAM, "video", "walk.mp4", "--seconds", "0.5", "--engines", ",".join(both()), *small]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    assert imageio.v3.improps(tmp_path / "walk.mp4", plugin="FFMPEG").shape[1:] == (120, 160 * len(both()), 3)
+    assert [file.name for file in tmp_path.iterdir()] == ["walk.mp4"]
+
+
+def test_the_command_says_what_is_wrong(tmp_path: Path) -> None:
+    (tmp_path / "bad.csv").write_text("time,q.a\n0,1\n")
+    for arguments, words in [
+        (["walk.avi", "--seconds", "0.1"], ".mp4 or .gif"),
+        (["walk.mp4", "bad.csv"], "expected the robot that walked"),
+        (["walk.mp4", "missing.csv"], "missing.csv"),
+    ]:
+        done = subprocess.run([PROGRAM, "video", *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+        assert done.returncode == 2, done.stderr
+        assert words in done.stderr
+        assert not (tmp_path / arguments[0]).exists()
