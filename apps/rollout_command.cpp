@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/env_options.h"
-#include "crossgait/apps/episode_page.h"
 #include "crossgait/apps/interruption.h"
 #include "crossgait/apps/page_option.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/data_path.h"
+#include "crossgait/report/watched_episodes.h"
 #include "crossgait/study/rollout.h"
 
 namespace crossgait::apps {

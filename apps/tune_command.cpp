@@ -3,12 +3,12 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/apps/env_options.h"
-#include "crossgait/apps/episode_page.h"
 #include "crossgait/apps/interruption.h"
 #include "crossgait/apps/page_option.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/atomic_file.h"
+#include "crossgait/report/watched_episodes.h"
 #include "crossgait/study/tune.h"
 
 namespace crossgait::apps {

@@ -3,15 +3,20 @@
 
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "crossgait/backends/registry.h"
+#include "crossgait/env/reward.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/multibody.h"
 #include "crossgait/report/page_template.h"
 #include "crossgait/report/scene.h"
 #include "crossgait/report/verdict_document.h"
+#include "crossgait/report/watched_episodes.h"
+#include "crossgait/study/rollout.h"
 #include "crossgait/study/walk.h"
 #include "crossgait/tests/physics/config_error.h"
 #include "crossgait/tests/physics/mesh_bytes.h"
@@ -190,6 +195,39 @@ TEST(Motion, FramesAreAHundredASecondAndTheLastRow) {
   std::vector<double> longer;
   for (int i = 0; i < 90'000; ++i) longer.push_back(0.02 * i);
   EXPECT_LE(frame_rows(longer).size(), kMaxFrames);
+}
+
+TEST(Episodes, EarnInTheirColumnsWhatTheRolloutSays) {
+  if (available_engines().empty()) GTEST_SKIP() << "no engine";
+  EnvConfig config;
+  config.engine = available_engines().front();
+  config.episode_seconds = 0.4;
+  const Rollout rollout = roll_out(config, std::vector<std::string>{"random"}, {2, 1, 5});
+  const Motion motion = watch_episodes({{"one", config, "random"}, {"other", config, "zero"}}, 5);
+  ASSERT_EQ(motion.runs.size(), 2U);
+  const RewardTerms& earned = rollout.policies.front().episodes.front().reward_terms;
+  int counted = 0;
+  for (std::size_t i = 0; i < kRewardTerms; ++i) {
+    const std::string column = std::string(kRewardColumn) + std::string(reward_terms()[i].name);
+    EXPECT_EQ(motion.runs[0].trace.has(column), config.reward[i] != 0) << column;
+    if (config.reward[i] == 0) continue;
+    ++counted;
+    const std::vector<double>& steps = motion.runs[0].trace.column(column);
+    // The same sum in the same order.
+    EXPECT_EQ(std::accumulate(steps.begin(), steps.end(), 0.0), earned[i]) << column;
+  }
+  EXPECT_GT(counted, 2);
+  EXPECT_NE(motion.runs[0].trace.column("p_WB.x"), motion.runs[1].trace.column("p_WB.x"));
+}
+
+TEST(ChartsOfAPage, HoldFinitePointsInTheOrderOfX) {
+  const Chart chart{
+      .title = "t", .x_log = true, .series = {{"a", 2, true, {{3, 1}, {1, 2}, {2, NAN}, {HUGE_VAL, 1}}}}};
+  const ordered_json json = to_json(Charts{"some", {chart}});
+  EXPECT_EQ(json.at("title"), "some");
+  const ordered_json& series = json.at("charts").at(0).at("series").at(0);
+  EXPECT_EQ(series.at("points"), ordered_json::parse("[[1.0, 2.0], [3.0, 1.0]]"));
+  EXPECT_EQ(series.at("colour"), 2);
 }
 
 TEST(Motion, RefusesTracesThatAreNotOfTheRobot) {

@@ -9,7 +9,7 @@
 #include "crossgait/env/env_config.h"
 #include "crossgait/report/motion_document.h"
 
-namespace crossgait::apps {
+namespace crossgait {
 
 /// One run of a page.
 struct WatchedEpisode {
@@ -22,4 +22,4 @@ struct WatchedEpisode {
 /// @throws ConfigError as `watch_episode` does
 Motion watch_episodes(const std::vector<WatchedEpisode>& episodes, std::uint64_t seed);
 
-}  // namespace crossgait::apps
+}  // namespace crossgait

@@ -1,11 +1,11 @@
-#include "crossgait/apps/episode_page.h"
+#include "crossgait/report/watched_episodes.h"
 
 #include <fmt/format.h>
 
 #include "crossgait/env/reward.h"
 #include "crossgait/study/rollout.h"
 
-namespace crossgait::apps {
+namespace crossgait {
 namespace {
 
 /// The terms that count in an environment.
@@ -51,4 +51,4 @@ Motion watch_episodes(const std::vector<WatchedEpisode>& episodes, std::uint64_t
   return motion;
 }
 
-}  // namespace crossgait::apps
+}  // namespace crossgait
