@@ -29,6 +29,13 @@ nlohmann::ordered_json to_json(const EngineListing& entry) {
           {"reason", entry.reason}};
 }
 
+// Of one factor both ends have names already.
+std::string examples_of(const EngineFamily& family) {
+  if (family.factors.size() < 2) return "";
+  return fmt::format(", e.g. {}+{} or {}-{}", family.from, family.factors.front().name, family.to,
+                     family.factors.back().name);
+}
+
 void run(const JsonOption& json) {
   Table table({"name", "engine", "contact", "plug-in"});
   std::string refused;
@@ -46,8 +53,7 @@ void run(const JsonOption& json) {
   if (!refused.empty()) text += "\nNot available:\n" + refused;
   nlohmann::ordered_json families = nlohmann::ordered_json::array();
   for (const EngineFamily& family : engine_families()) {
-    text += fmt::format("\nBetween {0} and {1}, e.g. {0}+{2} or {1}-{3}:\n", family.from, family.to,
-                        family.factors.front().name, family.factors.back().name);
+    text += fmt::format("\nBetween {} and {}{}:\n", family.from, family.to, examples_of(family));
     nlohmann::ordered_json factors = nlohmann::ordered_json::array();
     for (const ModelFactor& i : family.factors) {
       text += fmt::format("  {:19} {}\n", i.name, i.summary);
