@@ -19,10 +19,11 @@ struct Chart {
     bool line = false;                          ///< through the points, in the order of x
     std::vector<std::array<double, 2>> points;  ///< x, y
   };
-  std::string title, x_label, y_label;                  ///< with units
-  bool x_log = false, y_log = false;                    ///< what is not positive is not drawn then
-  std::vector<std::pair<double, std::string>> y_names;  ///< instead of numbers along y, which grows downward
-  std::vector<Series> series;
+  std::string title, x_label, y_label;  ///< with units
+  bool x_log = false, y_log = false;    ///< what is not positive is not drawn then
+  std::vector<std::pair<double, std::string>> y_names =
+      {};  ///< instead of numbers along y, which grows downward
+  std::vector<Series> series = {};
 };
 
 struct Charts {

@@ -221,8 +221,8 @@ TEST(Episodes, EarnInTheirColumnsWhatTheRolloutSays) {
 }
 
 TEST(ChartsOfAPage, HoldFinitePointsInTheOrderOfX) {
-  const Chart chart{
-      .title = "t", .x_log = true, .series = {{"a", 2, true, {{3, 1}, {1, 2}, {2, NAN}, {HUGE_VAL, 1}}}}};
+  Chart chart;
+  chart.series.push_back({"a", 2, true, {{3, 1}, {1, 2}, {2, NAN}, {HUGE_VAL, 1}}});
   const ordered_json json = to_json(Charts{"some", {chart}});
   EXPECT_EQ(json.at("title"), "some");
   const ordered_json& series = json.at("charts").at(0).at("series").at(0);

@@ -2,7 +2,7 @@
 import uPlot from "uplot";
 import type { Chart, ReportDocument } from "./document";
 import { h } from "./dom";
-import { AXIS, POWERS } from "./plots";
+import { AXIS, POWERS, short } from "./plots";
 import { theme } from "./theme";
 
 const HEIGHT = 240; // px
@@ -76,7 +76,7 @@ class ChartFigure {
     const { chart } = this;
     const names = chart.y_names;
     const x: uPlot.Axis = { ...AXIS, size: 38, gap: 2, label: chart.x_label, labelSize: 14, labelFont: "11px system-ui, sans-serif", ...(chart.x_log ? POWERS : {}) };
-    const y: uPlot.Axis = { ...AXIS, size: names.length > 0 ? NAMES_WIDTH : 56, gap: 3, ...(chart.y_log ? POWERS : {}) };
+    const y: uPlot.Axis = { ...AXIS, size: names.length > 0 ? NAMES_WIDTH : 56, gap: 3, values: (_, at) => at.map(short), ...(chart.y_log ? POWERS : {}) };
     if (names.length > 0) {
       y.splits = () => names.map(([at]) => at);
       y.values = () => names.map(([, name]) => name);

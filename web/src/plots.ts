@@ -33,6 +33,12 @@ export const AXIS: uPlot.Axis = {
   font: "11px system-ui, sans-serif",
 };
 
+/** A number at an axis, which has little room. */
+export function short(value: number): string {
+  const size = Math.abs(value);
+  return (size >= 1e4 || (size > 0 && size < 1e-3) ? value.toExponential() : String(+value.toPrecision(6))).replace("-", "\u2212");
+}
+
 /** A logarithmic axis marks powers of ten. */
 export const POWERS: uPlot.Axis = {
   splits: (_u, _axis, low, high) => powers(low, high),
@@ -43,7 +49,7 @@ export const POWERS: uPlot.Axis = {
 function axes(unit: string): uPlot.Axis[] {
   const common = AXIS;
   const time = { ...common, size: 24, gap: 2, values: (_: uPlot, at: number[]) => at.map((t) => `${+t.toFixed(4)} s`) };
-  return [time, { ...common, size: unit === "legs" ? 34 : 52, gap: 3 }];
+  return [time, { ...common, size: unit === "legs" ? 34 : 52, gap: 3, values: (_, at) => at.map(short) }];
 }
 
 /** One plot: made when it is first seen. */
@@ -221,8 +227,13 @@ class SeriesPlot extends TimePlot {
   }
 }
 
-/** Powers of ten between two numbers, at most eight, evenly apart. */
+/** Powers of ten between two numbers, at most eight, evenly apart; where there are none or one, with their doubles and halves. */
 function powers(low: number, high: number): number[] {
+  if (Math.log10(high / low) < 2) {
+    const at: number[] = [];
+    for (let e = Math.floor(Math.log10(low)); e <= Math.log10(high); ++e) at.push(...[1, 2, 5].map((m) => m * 10 ** e));
+    return at.filter((v) => v >= low && v <= high);
+  }
   const [first, last] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
   const apart = Math.max(1, Math.ceil((last - first) / 7));
   const found: number[] = [];
@@ -291,7 +302,7 @@ const GROUPS: [Panel["group"], string][] = [
   ["joints", "Joints and torques"],
   ["parameters", "Gait parameters that change"],
   ["rewards", "What a policy step earns"],
-  ["differences", "Differences between engines"],
+  ["differences", "Differences between runs"],
 ];
 
 export class Plots {

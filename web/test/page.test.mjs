@@ -147,7 +147,7 @@ test("it plays, and cursor and robot move together", async () => {
 test("keys alone reach everything, and turn and part the view", async () => {
   const { page, problems } = await open("compare.html");
   const reached = new Set();
-  for (let i = 0; i < 40; ++i) {
+  for (let i = 0; i < 60; ++i) {
     await page.keyboard.press("Tab");
     reached.add(await page.evaluate(() => document.activeElement.getAttribute("aria-label") ?? document.activeElement.textContent));
   }
