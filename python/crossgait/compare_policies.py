@@ -91,10 +91,9 @@ def table(document: Json) -> str:
     for cell in document["cells"]:
         said = cell["all"]
         keys = ("total_reward", "mean_speed_mps", "cost_of_transport", "drag", "slip_per_path")
-        rows.append(
-            [cell["terrain"], cell["engine"], _short(cell["policy"]), *(_cell(said.get(key)) for key in keys)]
-            + [f"{failures(said)} of {said['episodes']}"]
-        )
+        ended = f"{failures(said)} of {said['episodes']}"
+        what = (cell["terrain"], cell["engine"], _short(cell["policy"]))
+        rows.append([*what, *(_cell(said.get(key)) for key in keys), ended])
     widths = [max(len(row[i]) for row in rows) for i in range(len(heads))]
     lines = ["  ".join(f"{text:<{width}}" for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     return "\n".join([lines[0], "-" * len(lines[0]), *lines[1:]])

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -113,7 +114,7 @@ def _base(source: str, document: Json, folder: Path) -> EnvironmentConfig:
     else:
         if "engine" in given:
             raise ConfigError(source, "environment.engine", "no engine: `engines` names them", shown(given["engine"]))
-        config = EnvironmentConfig.parse(json.dumps(given), f"{source}: environment")
+        config = _of_core(EnvironmentConfig.parse, given, f"{source}: environment")
     if document["randomisation"]:
         config = _updated(config, {"randomisation": document["randomisation"]}, f"{source}: randomisation")
     config = _updated(config, {"engine": next(iter(document["engines"]))}, source)
@@ -125,7 +126,16 @@ def _base(source: str, document: Json, folder: Path) -> EnvironmentConfig:
 
 
 def _updated(config: EnvironmentConfig, keys: Json, source: str) -> EnvironmentConfig:
-    return config.updated(json.dumps(keys), source) if keys else config
+    return _of_core(config.updated, keys, source) if keys else config
+
+
+def _of_core(read: Callable[[str, str], EnvironmentConfig], keys: Json, source: str) -> EnvironmentConfig:
+    """What the core makes of `keys`; its errors name the key, as the line is none of the file's."""
+    try:
+        return read(json.dumps(keys), source)
+    except ConfigError as error:
+        element = re.sub(r"^line \d+(, )?", "", error.element) or "value"
+        raise ConfigError(error.source, element, error.expected, error.found) from error
 
 
 def _stages(source: str, document: Json, base: EnvironmentConfig) -> list[Stage]:
@@ -177,12 +187,20 @@ def _check(plan: Plan) -> None:
             raise ConfigError(source, f"curriculum[{stage.index}].set", "the first stage's layout", "another")
     if PolicyInterface(plan.evaluated).layout_hash != layouts[0]:
         raise ConfigError(source, "evaluation.set", "the layout of training", "another")
-    for engine in dict.fromkeys([*(name for name, _ in counts), *plan.evaluation_engines]):
-        _core.Environment(plan.evaluated, engine)
+    _check_engines(source, "engines", [name for name, _ in counts], plan.evaluated)
+    _check_engines(source, "evaluation.engines", plan.evaluation_engines, plan.evaluated)
     rollout = document["environments"] * document["algorithm"]["n_steps"]
     if document["algorithm"]["batch_size"] > rollout:
         expected = f"at most environments x n_steps, {rollout}"
         raise ConfigError(source, "algorithm.batch_size", expected, str(document["algorithm"]["batch_size"]))
+
+
+def _check_engines(source: str, key: str, engines: Sequence[str], environment: EnvironmentConfig) -> None:
+    for engine in engines:
+        try:
+            _core.Environment(environment, engine)
+        except ConfigError as error:
+            raise ConfigError(source, f"{key}: {engine}", error.expected, error.found) from error
 
 
 def _shared_out(shares: dict[str, float], count: int) -> list[tuple[str, int]]:
