@@ -88,7 +88,7 @@ def _episode(core: _core.Environment, policy: Policy, seed: int, seconds: float 
     ended = not seen()
     while not ended and (seconds is None or core.info["time"] < seconds):
         observation, _, terminated, truncated = core.step(policy.act(observation))
-        ended = terminated or truncated or not seen()
+        ended = not seen() or terminated or truncated  # the last state is seen, too
 
 
 def _writer(path: Path, frames_per_second: float) -> Any:
