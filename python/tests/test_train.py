@@ -2,7 +2,9 @@ from __future__ import annotations
 
 import json
 import shutil
+import sys
 import time
+import types
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +19,7 @@ from crossgait.sb3 import CrossgaitVecEnv
 from crossgait.sweep.strict_yaml import write_yaml
 from crossgait.train import Plan, folder, presets
 from crossgait.train.environments import TrainingEnvs
-from crossgait.train.record import Table, read
+from crossgait.train.record import Board, Table, read
 from crossgait.train.trainer import BEST, EVALUATIONS, LAST, PROGRESS, Clock, Trainer
 
 TWO = crossgait.available_engines()[::2][:2]  # of different laws, where there are more
@@ -39,6 +41,8 @@ def plan(**changes: Any) -> Plan:
         ({"seed": -1}, "seed"),
         ({"environment": {"terain": "flat"}}, "terain"),
         ({"environment": {"engine": "mujoco"}}, "environment.engine"),
+        ({"curriculum": [{"set": {"engine": "mujoco"}}]}, "curriculum[0].set.engine"),
+        ({"evaluation": {"set": {"engine": "mujoco"}}}, "evaluation.set.engine"),
         ({"environment": {"reward": {"forwards": 1}}}, "reward"),
         ({"environment": "nowhere.yaml"}, "file"),
         ({"engines": {"havok": 1}}, "engines: havok"),
@@ -96,6 +100,25 @@ def test_everything_that_is_printed_is_read_back(tmp_path: Path) -> None:
         assert again.document == made.document
         assert [s.environment for s in again.stages] == [s.environment for s in made.stages]
         assert again.evaluated == made.evaluated
+
+
+def test_files_are_found_from_the_folder_of_the_file_that_names_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    terrains = Path(crossgait.models_dir()) / "terrains"
+    (tmp_path / "there").mkdir()
+    for name in ("blocks.csv", "bumps.png"):
+        shutil.copy(terrains / name, tmp_path / "there")
+    environment = training.SMALL["environment"] | {"terrain": "blocks.csv"}
+    said = training.small(environment=environment, curriculum=[{"set": {"terrain": "bumps.png:z_max=.02"}}])
+    (tmp_path / "there/train.yaml").write_text(write_yaml(said))
+    monkeypatch.chdir(tmp_path)
+    made = Plan.load("there/train.yaml")
+    assert made["environment"]["terrain"] == str(tmp_path / "there/blocks.csv")
+    assert made.evaluated.terrain == f"{tmp_path}/there/bumps.png:z_max=.02"
+    (tmp_path / "there/environment.yaml").write_text(made.stages[0].environment.to_yaml())
+    (tmp_path / "other.yaml").write_text(write_yaml(training.small(environment="there/environment.yaml")))
+    assert Plan.load("other.yaml").evaluated.terrain == made.evaluated.terrain
 
 
 def test_presets_are_what_their_names_say() -> None:
@@ -333,6 +356,30 @@ def test_a_table_takes_back_what_a_checkpoint_does_not_know(tmp_path: Path) -> N
     ]
     Table(file, "rollout", None)
     assert not file.exists()
+
+
+def test_tensorboard_is_given_every_number_where_it_is_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written: list[Any] = []
+
+    class SummaryWriter:
+        def __init__(self, folder: str) -> None:
+            written.append(folder)
+
+        def add_scalar(self, *scalar: Any) -> None:
+            written.append(scalar)
+
+        def close(self) -> None:
+            written.append("closed")
+
+    stand_in = types.ModuleType("torch.utils.tensorboard")
+    stand_in.SummaryWriter = SummaryWriter  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "torch.utils.tensorboard", stand_in)
+    board = Board(tmp_path)
+    board.add("train", 5, {"reward": 1.5, "drag": None, "falls": 2})
+    board.close()
+    assert written == [str(tmp_path / "tensorboard"), ("train/reward", 1.5, 5), ("train/falls", 2, 5), "closed"]
 
 
 def test_shares_of_time_leave_out_evaluations() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -28,7 +29,7 @@ def evaluate(
     """
     results: dict[str, dict[str, Json]] = {policy: {} for policy in policies}
     for engine in engines:
-        config = environment.updated(f'{{"engine": "{engine}"}}', "engine")
+        config = environment.updated(json.dumps({"engine": engine}), "engine")
         done = rollout(list(policies), config, episodes=episodes, seed=seed, workers=workers, progress=False)
         for policy, said in zip(policies, done.document["policies"], strict=True):
             results[policy][engine] = said["all"]

@@ -18,7 +18,6 @@ from typing import Any
 from crossgait import _core
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
-from crossgait.train import checkpoint
 from crossgait.train.plan import Plan
 
 CONFIG, COMMANDS, ENVIRONMENT = "config.yaml", "commands.jsonl", "environment.yaml"
@@ -52,11 +51,6 @@ def begin(folder: Path, plan: Plan, arguments: Sequence[str], *, resume: bool) -
             beside.write_text(text)
     with (folder / COMMANDS).open("a") as file:
         file.write(json.dumps(_command(plan, arguments)) + "\n")
-
-
-def can_resume(folder: Path) -> bool:
-    """Whether it has a run."""
-    return (folder / CONFIG).exists() or (folder / checkpoint.NAME).exists()
 
 
 def _command(plan: Plan, arguments: Sequence[str]) -> dict[str, Any]:

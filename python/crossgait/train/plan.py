@@ -66,7 +66,8 @@ class Plan:
             _apply(given, change)
         document = filled(source, given, TABLE)
         base = _base(source, document, folder or Path())
-        stages = tuple(_stages(source, document, base))
+        stages = tuple(_stages(source, document, base, folder or Path()))
+        _place(document["evaluation"]["set"], source, "evaluation.set", folder or Path())
         plan = Plan(source, document, stages, _evaluated(source, document, stages[-1].environment))
         _check(plan)
         return plan
@@ -112,8 +113,7 @@ def _base(source: str, document: Json, folder: Path) -> EnvironmentConfig:
     if isinstance(given, str):
         config = EnvironmentConfig.load(os.fspath(folder / given))
     else:
-        if "engine" in given:
-            raise ConfigError(source, "environment.engine", "no engine: `engines` names them", shown(given["engine"]))
+        _place(given, source, "environment", folder)
         config = _of_core(EnvironmentConfig.parse, given, f"{source}: environment")
     if document["randomisation"]:
         config = _updated(config, {"randomisation": document["randomisation"]}, f"{source}: randomisation")
@@ -123,6 +123,17 @@ def _base(source: str, document: Json, folder: Path) -> EnvironmentConfig:
     del written["engine"]
     document["environment"], document["randomisation"] = written, {}
     return config
+
+
+def _place(keys: Json, source: str, where: str, folder: Path) -> None:
+    """Name files in `keys` by whole paths, from `folder`. Raises ConfigError for an engine, named elsewhere."""
+    if "engine" in keys:
+        raise ConfigError(source, f"{where}.engine", "no engine: `engines` names them", shown(keys["engine"]))
+    for key in ("robot", "terrain"):
+        if isinstance(keys.get(key), str):
+            file, colon, settings = keys[key].partition(":")
+            if (folder / file).is_file():
+                keys[key] = f"{(folder / file).resolve()}{colon}{settings}"
 
 
 def _updated(config: EnvironmentConfig, keys: Json, source: str) -> EnvironmentConfig:
@@ -138,7 +149,7 @@ def _of_core(read: Callable[[str, str], EnvironmentConfig], keys: Json, source: 
         raise ConfigError(error.source, element, error.expected, error.found) from error
 
 
-def _stages(source: str, document: Json, base: EnvironmentConfig) -> list[Stage]:
+def _stages(source: str, document: Json, base: EnvironmentConfig, folder: Path) -> list[Stage]:
     stages: list[Stage] = []
     for i, given in enumerate(document["curriculum"] or [{}]):
         where = f"curriculum[{i}]"
@@ -149,6 +160,7 @@ def _stages(source: str, document: Json, base: EnvironmentConfig) -> list[Stage]
         for key, value in said["command"].items():
             if key not in COMMAND or not is_range(value):
                 raise ConfigError(source, f"{where}.command.{key}", "vx, vy or yaw_rate with [min, max]", shown(value))
+        _place(said["set"], source, f"{where}.set", folder)
         environment = _updated(base, said["set"], f"{source}: {where}.set")
         command = {key: (float(low), float(high)) for key, (low, high) in said["command"].items()}
         stages.append(Stage(i, said["from"], environment, command))

@@ -50,6 +50,18 @@ class Clock:
         return {name: part / total if total > 0 else 0.0 for name, part in parts.items()}
 
 
+class TimedPPO(PPO):
+    """PPO that knows how long its epochs took."""
+
+    seconds = 0.0  #: wall time of `train` so far, s
+
+    def train(self) -> None:
+        """As PPO's."""
+        begin = time.perf_counter()
+        super().train()
+        self.seconds += time.perf_counter() - begin
+
+
 class Trainer:
     """One run in one folder. It holds the folder's lock for as long as it lives (`crossgait.train.folder`)."""
 
@@ -106,7 +118,9 @@ class Trainer:
         stage = self.plan.stage(self.steps)
         self.envs.begin(stage, derived_seed(self.plan["seed"], self.state["rollout"]))
         self.model._last_obs = None  # so that `learn` begins with new episodes
-        learner = self._learn()
+        learner = -self.model.seconds
+        self.model.learn(self.model.n_steps * self.model.n_envs, reset_num_timesteps=False)
+        learner += self.model.seconds
         self.state["rollout"] += 1
         row = self._row(stage.index)
         wall = time.perf_counter() - begin
@@ -123,19 +137,6 @@ class Trainer:
         self._save()
         trained = sum(self.clock.spent.values()) - self.clock.spent["evaluation"]
         self._line(self.steps, self.plan["steps"], self.steps / trained, row)
-
-    def _learn(self) -> float:
-        """One rollout and PPO's epochs over it; returns the time of these, s."""
-        begin = [0.0]
-        train = PPO.train
-
-        def timed() -> None:
-            begin[0] = time.perf_counter()
-            train(self.model)
-
-        self.model.train = timed  # type: ignore[method-assign]
-        self.model.learn(self.model.n_steps * self.model.n_envs, reset_num_timesteps=False, log_interval=None)  # type: ignore[arg-type]
-        return time.perf_counter() - begin[0]
 
     def _row(self, stage: int) -> record.Row:
         row: record.Row = {"rollout": self.state["rollout"], "steps": self.steps, "stage": stage}
@@ -206,7 +207,7 @@ def _normalised(envs: TrainingEnvs, plan: Plan) -> VecNormalize:
     )
 
 
-def _model(envs: VecNormalize, plan: Plan) -> PPO:
+def _model(envs: VecNormalize, plan: Plan) -> TimedPPO:
     asked, network = dict(plan["algorithm"]), plan["network"]
     del asked["learning_rate"]
     kwargs = {
@@ -214,6 +215,6 @@ def _model(envs: VecNormalize, plan: Plan) -> PPO:
         "activation_fn": _ACTIVATIONS[network["activation"]],
         "log_std_init": float(network["log_std_init"]),
     }
-    model = PPO("MlpPolicy", envs, policy_kwargs=kwargs, device="cpu", seed=plan["seed"] % 2**32, **asked)
+    model = TimedPPO("MlpPolicy", envs, policy_kwargs=kwargs, device="cpu", seed=plan["seed"] % 2**32, **asked)
     model.set_logger(Logger(folder=None, output_formats=[]))
     return model
