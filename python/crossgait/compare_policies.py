@@ -75,7 +75,7 @@ def compare_policies(
     cells = []
     for terrain in terrains or [environment.terrain]:
         config = environment.updated(json.dumps({"terrain": terrain}), "terrain")
-        done = evaluate(names, config, where, episodes, seed, workers)
+        done = evaluate(names, config, where, episodes, seed, workers, progress=None)
         cells += [
             {"engine": engine, "terrain": terrain, "policy": policy, "all": done[policy][engine]}
             for engine in where

@@ -30,7 +30,7 @@ def write(plan: Plan, folder: Path, state: Json) -> str:
     best, asked = str(folder / BEST), plan["evaluation"]
     # Other episodes than those that chose the best policy, which is the best on these partly by luck.
     settings = (plan.evaluated, plan.evaluation_engines, asked["final_episodes"], asked["seed"] + 1)
-    results = evaluation.evaluate([best, "zero"], *settings, workers=plan["workers"])
+    results = evaluation.evaluate([best, "zero"], *settings, workers=plan["workers"], progress=None)
     table = _table({"policy": results[best], "zero": results["zero"]})
     pictures = _pictures(plan, folder)
     spent = Clock(state["spent"])

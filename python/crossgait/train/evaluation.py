@@ -22,15 +22,16 @@ def evaluate(
     episodes: int,
     seed: int,
     workers: int | None = None,
+    progress: bool | None = False,
 ) -> dict[str, dict[str, Json]]:
     """By policy (in the order and by the names given) and engine, what `crossgait rollout --json` says of all episodes.
 
-    All policies and engines meet the same episodes.
+    All policies and engines meet the same episodes. `progress` is as of `crossgait.rollout`.
     """
     results: dict[str, dict[str, Json]] = {policy: {} for policy in policies}
     for engine in engines:
         config = environment.updated(json.dumps({"engine": engine}), "engine")
-        done = rollout(list(policies), config, episodes=episodes, seed=seed, workers=workers, progress=False)
+        done = rollout(list(policies), config, episodes=episodes, seed=seed, workers=workers, progress=progress)
         for policy, said in zip(policies, done.document["policies"], strict=True):
             results[policy][engine] = said["all"]
     return results
