@@ -162,8 +162,10 @@ def _draw(ax: Any, rows: list[record.Row], columns: list[str], label: str) -> No
     for column in columns:
         points = [(row["steps"], row[column]) for row in rows if row.get(column) is not None]
         name = column.removeprefix("reward.").removeprefix("parameter.")
-        style = "k--" if column == "zero" else ".-"
-        ax.plot([x for x, _ in points], [y for _, y in points], style, label=name, linewidth=1, markersize=3)
+        if column == "zero" and points:  # of the same episodes every time: a level, not a curve
+            ax.axhline(points[-1][1], color="#444444", linestyle="--", linewidth=1, label=name)
+            continue
+        ax.plot([x for x, _ in points], [y for _, y in points], ".-", label=name, linewidth=1, markersize=3)
     ax.set_ylabel(label)
     ax.grid(alpha=0.3)
     if len(columns) > 1:
