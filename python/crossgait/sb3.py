@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from typing import Any
 
@@ -54,6 +55,7 @@ class CrossgaitVecEnv(NotCopyable, VecEnv):
 
     Attributes:
         vector: the vector environment of Gymnasium that it steps.
+        core_seconds: wall time that `reset` and `step_wait` have spent in the core so far, s.
 
     """
 
@@ -81,6 +83,7 @@ class CrossgaitVecEnv(NotCopyable, VecEnv):
         self.vector = vector
         self._environments = [SubEnvironment(vector, i) for i in range(num_envs)]
         self._actions: npt.NDArray[Any] | None = None
+        self.core_seconds = 0.0
         super().__init__(num_envs, vector.single_observation_space, vector.single_action_space)
         self.metadata = self.metadata | {"render_fps": vector.metadata["render_fps"]}
 
@@ -88,7 +91,9 @@ class CrossgaitVecEnv(NotCopyable, VecEnv):
         """Begin an episode everywhere, by the seed of the last `seed`, if none has used it."""
         if any(self._options):
             self.vector.reset(options=self._options[0])  # which refuses them
+        begin = time.perf_counter()
         observations, _ = self.vector.reset(seed=self._seeds[0])
+        self.core_seconds += time.perf_counter() - begin
         self._reset_seeds()
         self._reset_options()
         self.reset_infos = [self.vector.core.info(i) for i in range(self.num_envs)]
@@ -101,7 +106,9 @@ class CrossgaitVecEnv(NotCopyable, VecEnv):
     def step_wait(self) -> VecEnvStepReturn:
         """One policy step everywhere: observations, rewards, dones, infos."""
         core = self.vector.core
+        begin = time.perf_counter()
         observations, rewards, terminated, truncated, final = core.step(np.asarray(self._actions))
+        self.core_seconds += time.perf_counter() - begin
         dones = terminated | truncated
         infos: list[dict[str, Any]] = [core.final_info(i) or core.info(i) for i in range(self.num_envs)]
         for i, info in enumerate(infos):

@@ -22,6 +22,7 @@ ROOT = Path(__file__).parents[2]
 PROGRAM = str(Path(sys.executable).with_name("crossgait"))
 EXTRAS = metadata("crossgait").get_all("Provides-Extra") or []
 EXAMPLES = sorted((ROOT / "python/examples").glob("*.py"))
+TRAINING = ROOT / "docs/training.md"  # its descriptions and commands: test_training_document.py
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "models/README.md"]
 
 
@@ -82,7 +83,7 @@ def write_policy(path: Path, environment: Path) -> None:
     Policy.from_network(MlpNetwork([(np.zeros((rows, columns)), np.zeros(rows))]), config).save(path)
 
 
-@pytest.mark.parametrize(("page", "block"), parameters("yaml"))
+@pytest.mark.parametrize(("page", "block"), [p for p in parameters("yaml") if p.values[0] != TRAINING])
 def test_descriptions_in_documents_are_read(page: Path, block: str, tmp_path: Path) -> None:
     """Environments and policies by a run of one step, studies by their grid."""
     urdf = (ROOT / "models/robots/serial_quadruped/robot.urdf").read_text()
@@ -123,7 +124,9 @@ def commands(page: Path) -> list[str]:
     return [line for line in lines if line.strip() and not line.startswith("#")]
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if commands(page)], ids=lambda page: page.stem)
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if commands(page) and page != TRAINING], ids=lambda page: page.stem
+)
 def test_commands_of_documents_run(page: Path, tmp_path: Path) -> None:
     """A page's commands one after another in one folder. What says that it takes minutes runs at night."""
     prepare(tmp_path)
@@ -157,6 +160,6 @@ def test_every_block_says_what_it_is() -> None:
             continue  # written by a program: what other programs said
         text = page.read_text()
         languages = re.findall(r"^ *```(\S*)", text, re.MULTILINE)
-        assert set(languages[::2]) <= {"sh", "cpp", "python", "yaml", "text"}, page
+        assert set(languages[::2]) <= {"sh", "cpp", "python", "yaml", "text", "console"}, page
         outside = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
         assert not re.search(r"\n\n    \S", outside), page

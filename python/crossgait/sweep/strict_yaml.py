@@ -18,7 +18,7 @@ def _yaml() -> Any:
     try:
         import yaml
     except ImportError as error:
-        raise ImportError("sweeps read YAML with PyYAML: pip install crossgait[sweep]") from error
+        raise ImportError("YAML is read with PyYAML: pip install crossgait[sweep] or crossgait[train]") from error
     return yaml
 
 
@@ -49,6 +49,11 @@ def read_yaml(path: str | os.PathLike[str]) -> Any:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigError(source, "file", "a readable text file", str(error)) from error
+    return parse_yaml(text, source)
+
+
+def parse_yaml(text: str, source: str) -> Any:
+    """What `text` says; `source` stands for the file in messages. Raises ConfigError."""
     try:
         return _yaml().load(text, _loader())
     except _yaml().YAMLError as error:

@@ -1,0 +1,115 @@
+"""The command `python -m crossgait.train`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from crossgait.errors import ConfigError
+from crossgait.train.plan import Plan, presets
+
+WRONG_INPUT, INTERRUPTED = 2, 130  #: exit codes, as of `crossgait`
+
+DESCRIPTION = """\
+Train a policy with PPO (Stable-Baselines3) in one engine or several, and evaluate it in all of them. Every rollout
+ends in a checkpoint: stop it, kill it, and --resume goes on as if it had never been stopped.
+
+Defaults: see --print-config. All keys: docs/training.md.
+"""
+
+EXAMPLES = """\
+examples:
+  python -m crossgait.train --preset adaptive --out runs/adaptive
+  python -m crossgait.train --preset adaptive --set "engines={mujoco: 1, bullet: 1}" --out runs/mixed
+  python -m crossgait.train config.yaml --seed 1 --steps 3000000 --out runs/mine-1
+  python -m crossgait.train --resume --out runs/mine-1
+  python -m crossgait.compare_policies runs/mine-1/best.safetensors zero
+  python -m crossgait.play runs/mine-1/best.safetensors --video walk.mp4
+"""
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m crossgait.train",
+        description=DESCRIPTION,
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("config", metavar="CONFIG.yaml", nargs="?")
+    parser.add_argument("--preset", metavar="NAME", help=", ".join(presets()))
+    parser.add_argument("--out", metavar="FOLDER", help="of the run (default: runs/NAME, of the preset or file)")
+    parser.add_argument("--resume", action="store_true", help="go on with the run in FOLDER; --steps may be larger")
+    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="over the file's; KEY.KEY too")
+    parser.add_argument("--seed", metavar="N", type=int)
+    parser.add_argument("--steps", metavar="N", type=int, help="policy steps of all environments together")
+    parser.add_argument("--print-config", action="store_true", help="print all keys with their values, and end")
+    parser.add_argument("--progress", action=argparse.BooleanOptionalAction, help="default: on a terminal")
+    return parser
+
+
+def _changes(options: argparse.Namespace) -> list[str]:
+    changes = list(options.set)
+    for key in ("seed", "steps"):
+        if getattr(options, key) is not None:
+            changes.append(f"{key}={getattr(options, key)}")
+    return changes
+
+
+def _resumed(options: argparse.Namespace) -> tuple[Plan, Path]:
+    if options.config or options.preset or options.set or options.seed is not None or not options.out:
+        raise ConfigError("train", "--resume", "--out FOLDER, and at most --steps", "another option")
+    folder = Path(options.out)
+    if not (folder / "config.yaml").exists():
+        raise ConfigError(str(folder), "folder", "one of a run", "no config.yaml")
+    return Plan.load(folder / "config.yaml", _changes(options)), folder
+
+
+def _begun(options: argparse.Namespace) -> tuple[Plan, Path]:
+    if bool(options.config) == bool(options.preset):
+        raise ConfigError("train", "arguments", "either CONFIG.yaml or --preset NAME", "both or none")
+    changes = _changes(options)
+    plan = Plan.preset(options.preset, changes) if options.preset else Plan.load(options.config, changes)
+    name = options.preset or Path(options.config).stem
+    return plan, Path(options.out or f"runs/{name}")
+
+
+def _run(options: argparse.Namespace) -> int:
+    plan, folder = _resumed(options) if options.resume else _begun(options)
+    if options.print_config:
+        print(plan.to_yaml(), end="")
+        return 0
+    from crossgait.train import card
+    from crossgait.train import folder as folders
+    from crossgait.train.trainer import Trainer
+
+    with folders.locked(folder):
+        folders.begin(folder, plan, folders.command_line(), resume=options.resume)
+        trainer = Trainer(plan, folder, resume=options.resume, progress=options.progress)
+        try:
+            trainer.run()
+        except KeyboardInterrupt:
+            print(f"interrupted: python -m crossgait.train --resume --out {folder} goes on", file=sys.stderr)
+            return INTERRUPTED
+        print(card.write(plan, folder, trainer.state), end="")
+    return 0
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Do it; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        return _run(options)
+    except ConfigError as error:
+        print(f"crossgait.train: {error}", file=sys.stderr)
+        return WRONG_INPUT
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except (ImportError, OSError, RuntimeError) as error:
+        print(f"crossgait.train: {error}", file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

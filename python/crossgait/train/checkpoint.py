@@ -1,0 +1,80 @@
+"""The whole state of a training run in one file, written whole and renamed."""
+
+from __future__ import annotations
+
+import os
+import random
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.running_mean_std import RunningMeanStd
+from stable_baselines3.common.vec_env import VecNormalize
+
+from crossgait.errors import ConfigError
+from crossgait.files import written_whole
+
+VERSION = 1
+NAME = "checkpoint.pt"
+
+
+def save(folder: Path, model: PPO, normalise: VecNormalize, state: dict[str, Any]) -> None:
+    """Write policy, optimiser, normalisation, random states and `state`: plain values and tensors alone.
+
+    Environments are no part of it: a rollout begins new episodes by its own seed.
+    """
+    document = {
+        "version": VERSION,
+        "policy": model.policy.state_dict(),
+        "optimiser": model.policy.optimizer.state_dict(),
+        "steps": model.num_timesteps,
+        "updates": model._n_updates,
+        "observation": _statistics(normalise.obs_rms) if normalise.norm_obs else None,
+        "return": _statistics(normalise.ret_rms),
+        "random": {"torch": torch.get_rng_state(), "numpy": _numpy_state(), "python": random.getstate()},
+        "state": state,
+    }
+    with written_whole(folder / NAME) as beside:
+        torch.save(document, beside)
+        with beside.open("rb+") as file:
+            os.fsync(file.fileno())
+
+
+def load(folder: Path, model: PPO, normalise: VecNormalize) -> dict[str, Any]:
+    """Put everything back as it was and return `state`. Raises ConfigError. Nothing in the file is executed."""
+    path = folder / NAME
+    try:
+        document = torch.load(path, map_location="cpu", weights_only=True)
+        if document["version"] != VERSION:
+            raise ValueError(f"version {document['version']}")
+        model.policy.load_state_dict(document["policy"])
+        model.policy.optimizer.load_state_dict(document["optimiser"])
+        model.num_timesteps, model._n_updates = document["steps"], document["updates"]
+        if normalise.norm_obs:
+            _restore(normalise.obs_rms, document["observation"])  # type: ignore[arg-type]
+        _restore(normalise.ret_rms, document["return"])
+        states = document["random"]
+        torch.set_rng_state(states["torch"])
+        kind, keys, *rest = states["numpy"]
+        np.random.set_state((kind, keys.numpy().astype(np.uint32), *rest))  # noqa: NPY002  what PPO shuffles by
+        version, words, gauss = states["python"]
+        random.setstate((version, tuple(words), gauss))
+    except Exception as error:  # of zip files, pickles, shapes
+        raise ConfigError(str(path), "file", "a checkpoint of this configuration", str(error)) from error
+    state: dict[str, Any] = document["state"]
+    return state
+
+
+def _numpy_state() -> tuple[Any, ...]:
+    kind, keys, *rest = np.random.get_state()  # noqa: NPY002
+    return (kind, torch.from_numpy(np.asarray(keys).astype(np.int64)), *rest)
+
+
+def _statistics(of: Any) -> dict[str, Any]:
+    return {"mean": torch.as_tensor(of.mean), "var": torch.as_tensor(of.var), "count": float(of.count)}
+
+
+def _restore(of: RunningMeanStd, saved: dict[str, Any]) -> None:
+    of.mean, of.var, of.count = saved["mean"].numpy(), saved["var"].numpy(), saved["count"]

@@ -1,0 +1,166 @@
+"""The environments of a training run: native vector environments, one for each engine, behind one VecEnv."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvStepReturn
+
+from crossgait._core import derived_seed
+from crossgait.envs.not_copyable import NotCopyable
+from crossgait.sb3 import CrossgaitVecEnv
+from crossgait.sweep.strict_yaml import parse_yaml
+from crossgait.train.keys import COMMAND
+from crossgait.train.plan import Stage
+from crossgait.train.tally import Tally
+
+_IDS = {"gait": "Crossgait/AdaptiveGait-v0", "joints": "Crossgait/JointControl-v0"}
+_COMMANDS_SEED = 2**32  #: index of the seed that commands are drawn by, beyond any engine's
+
+
+class TrainingEnvs(NotCopyable, VecEnv):
+    """All environments in all engines; a rollout begins with `begin`, and new episodes everywhere.
+
+    Everything that happens in a rollout follows from its stage and seed alone: that is what makes a run that goes on
+    from a checkpoint equal to one that was never stopped.
+
+    Attributes:
+        tally: what happened since `begin`.
+
+    """
+
+    def __init__(self, engines: Sequence[tuple[str, int]], stage: Stage, workers: int | None = None) -> None:
+        """Build the worlds. `engines` are names and counts. Raises ConfigError."""
+        self._engines, self._workers = list(engines), workers
+        self._seed = 0
+        self._core_seconds = 0.0  # of vector environments of former stages
+        self._enter(stage)
+        first = self._parts[0]
+        count = sum(part.num_envs for part in self._parts)
+        self.tally = Tally(count)
+        super().__init__(count, first.observation_space, first.action_space)
+
+    def _enter(self, stage: Stage) -> None:
+        self._stage = stage
+        name = _IDS[stage.environment.action]
+        self._parts = [
+            CrossgaitVecEnv(name, count, config=stage.environment, engine=engine, workers=self._workers)
+            for engine, count in self._engines
+        ]
+        ends = np.cumsum([0, *(part.num_envs for part in self._parts)])
+        self._slices = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+        self._commands = _Commands(stage, self._parts[0]) if stage.command else None
+
+    @property
+    def core_seconds(self) -> float:
+        """Wall time spent in the core so far, s."""
+        return self._core_seconds + sum(part.core_seconds for part in self._parts)
+
+    def begin(self, stage: Stage, seed: int) -> None:
+        """Say what the next `reset` begins: another stage builds other worlds."""
+        if stage.index != self._stage.index:
+            self._core_seconds = self.core_seconds
+            self.close()
+            self._enter(stage)
+        self._seed = seed
+        self.tally = Tally(self.num_envs)
+
+    def reset(self) -> npt.NDArray[np.float32]:
+        """Begin an episode everywhere, by the seed of the last `begin`."""
+        for i, part in enumerate(self._parts):
+            part.seed(derived_seed(self._seed, i) % 2**63)
+        observations = np.concatenate([part.reset() for part in self._parts])
+        if self._commands is not None:
+            self._commands.random = np.random.default_rng(derived_seed(self._seed, _COMMANDS_SEED))
+            self._command(range(self.num_envs), observations)
+        self.reset_infos = [info for part in self._parts for info in part.reset_infos]
+        return observations
+
+    def _command(self, which: Sequence[int], observations: npt.NDArray[np.float32]) -> None:
+        """Draw commands of environments whose episode has just begun, and show them in their first observation."""
+        assert self._commands is not None
+        for i in which:
+            part = next(k for k, s in enumerate(self._slices) if i < s.stop)
+            command = self._commands.draw()
+            self._parts[part].env_method("set_command", *command, indices=[i - self._slices[part].start])
+            self._commands.show(command, observations[i])
+
+    def step_async(self, actions: npt.NDArray[Any]) -> None:
+        """Take what `step_wait` does."""
+        for part, rows in zip(self._parts, self._slices, strict=True):
+            part.step_async(actions[rows])
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """One policy step everywhere."""
+        results = [part.step_wait() for part in self._parts]
+        observations, rewards, dones = (np.concatenate([r[k] for r in results]) for k in range(3))
+        infos = [info for result in results for info in result[3]]
+        if self._commands is not None and dones.any():
+            self._command([int(i) for i in np.flatnonzero(dones)], observations)
+        self.tally.add(rewards, dones, infos)
+        return observations, rewards, dones, infos
+
+    def close(self) -> None:
+        """Close every part."""
+        for part in self._parts:
+            part.close()
+
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
+        """Of each environment: see `crossgait.sb3.SubEnvironment`."""
+        every = [value for part in self._parts for value in part.get_attr(attr_name)]
+        return [every[i] for i in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
+        """Nothing is to be set: raises AttributeError."""
+        raise AttributeError(f"{attr_name} of a training environment is not to be set")
+
+    def env_method(self, method_name: str, *args: Any, indices: VecEnvIndices = None, **kwargs: Any) -> list[Any]:
+        """Call a method of each environment."""
+        return [method(*args, **kwargs) for method in self.get_attr(method_name, indices)]
+
+    def env_is_wrapped(
+        self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: VecEnvIndices = None
+    ) -> list[bool]:
+        """None is wrapped."""
+        return [False for _ in self._get_indices(indices)]
+
+
+class _Commands:
+    """Commands of episodes, drawn uniformly from a stage's ranges; what it does not name is the configuration's."""
+
+    def __init__(self, stage: Stage, part: CrossgaitVecEnv) -> None:
+        self.random = np.random.default_rng(0)
+        said = parse_yaml(stage.environment.to_yaml(), "environment")
+        nominal = said.get("command") or {}
+        fixed = {key: float(nominal.get(key, 0)) for key in COMMAND}
+        self._ranges = [stage.command.get(key, (fixed[key], fixed[key])) for key in COMMAND]
+        # Where the first observation shows it. The core has written it with the configuration's command; entries of
+        # other ages (a delay, a history) keep that one until the new one has come of age.
+        names = part.vector.layout.observation.names
+        self._at = [names.index(f"command.{key}") if f"command.{key}" in names else None for key in COMMAND]
+        self._scale, self._clip = _seen(said["observation"])
+
+    def draw(self) -> tuple[float, float, float]:
+        vx, vy, yaw_rate = (float(self.random.uniform(low, high)) for low, high in self._ranges)
+        return vx, vy, yaw_rate
+
+    def show(self, command: tuple[float, float, float], observation: npt.NDArray[np.float32]) -> None:
+        for at, value, scale in zip(self._at, command, self._scale, strict=True):
+            if at is not None:
+                observation[at] = np.clip(value * scale, -self._clip, self._clip)
+
+
+def _seen(observation: list[Any]) -> tuple[list[float], float]:
+    """Scale and clip of the first block `command` without a delay."""
+    for term in observation:
+        if isinstance(term, dict) and term["block"] == "command" and not term.get("delay"):
+            scale = term.get("scale", 1)
+            scales = scale if isinstance(scale, list) else [scale] * len(COMMAND)
+            return [float(s) for s in scales], float(term.get("clip", np.inf))
+    return [1.0] * len(COMMAND), float("inf")

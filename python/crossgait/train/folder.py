@@ -1,0 +1,87 @@
+"""A run's folder: one writer at a time, and all that says how to make it again."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import platform
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from crossgait import _core
+from crossgait.errors import ConfigError
+from crossgait.files import written_whole
+from crossgait.train.plan import Plan
+
+CONFIG, COMMANDS, ENVIRONMENT = "config.yaml", "commands.jsonl", "environment.yaml"
+_PACKAGES = ("torch", "stable_baselines3", "gymnasium", "numpy")
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Make the folder and keep other runs out of it. Raises ConfigError."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        file = os.open(folder / ".lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    except OSError as error:
+        raise ConfigError(str(folder), "folder", "one that can be written", str(error.strerror)) from error
+    try:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise ConfigError(str(folder), "folder", "one run at a time", "another that is training") from error
+        yield
+    finally:
+        os.close(file)  # and with it the lock
+
+
+def begin(folder: Path, plan: Plan, arguments: Sequence[str], *, resume: bool) -> None:
+    """Write what is run, and by what. Raises ConfigError for a folder that has a run, unless it goes on."""
+    if not resume and (folder / CONFIG).exists():
+        raise ConfigError(str(folder), "folder", "an empty one, or --resume", "a run")
+    for name, text in ((CONFIG, plan.to_yaml()), (ENVIRONMENT, plan.evaluated.to_yaml())):
+        with written_whole(folder / name) as beside:
+            beside.write_text(text)
+    with (folder / COMMANDS).open("a") as file:
+        file.write(json.dumps(_command(plan, arguments)) + "\n")
+
+
+def _command(plan: Plan, arguments: Sequence[str]) -> dict[str, Any]:
+    return {
+        "command": list(arguments),
+        "folder": os.getcwd(),
+        "begun": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        "seed": plan["seed"],
+        "versions": {"crossgait": _core.version(), "python": platform.python_version()}
+        | {name: metadata.version(name) for name in _PACKAGES},
+        "engines": {engine.name: engine.version for engine in _core.engines() if engine.available},
+        "processors": len(os.sched_getaffinity(0)),
+        "git": _git(),
+    }
+
+
+def _git() -> dict[str, Any] | None:
+    """Of the folder that the run was begun in; None if it is not under Git."""
+    try:
+        commit = _run_git("rev-parse", "HEAD")
+        changed = _run_git("status", "--porcelain", "--untracked-files=no")
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return {"commit": commit, "changed": changed.splitlines()}
+
+
+def _run_git(*arguments: str) -> str:
+    done = subprocess.run(["git", *arguments], capture_output=True, text=True, timeout=20, check=True)
+    return done.stdout.rstrip()
+
+
+def command_line() -> list[str]:
+    """As it was given."""
+    return [sys.executable, *sys.orig_argv[1:]]

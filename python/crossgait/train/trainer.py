@@ -1,0 +1,220 @@
+"""The training run itself: PPO of Stable-Baselines3, a rollout at a time, each ending in a checkpoint."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.utils import set_random_seed
+from stable_baselines3.common.vec_env import VecNormalize
+
+import crossgait
+from crossgait._core import derived_seed
+from crossgait.files import written_whole
+from crossgait.train import checkpoint, evaluation, record
+from crossgait.train.environments import TrainingEnvs
+from crossgait.train.plan import Plan
+from crossgait.train.tally import of_environments
+
+Json = dict[str, Any]
+
+BEST, LAST = "best.safetensors", "last.safetensors"
+PROGRESS, EVALUATIONS = "progress.csv", "evaluations.csv"
+_ACTIVATIONS = {"tanh": torch.nn.Tanh, "elu": torch.nn.ELU, "relu": torch.nn.ReLU}
+#: Of PPO's own log.
+_LOGGED = (
+    "value_loss",
+    "policy_gradient_loss",
+    "entropy_loss",
+    "approx_kl",
+    "clip_fraction",
+    "explained_variance",
+    "std",
+)
+
+
+class Clock:
+    """Wall time by what it was spent on, s."""
+
+    def __init__(self, spent: dict[str, float] | None = None) -> None:
+        self.spent = {"physics": 0.0, "learner": 0.0, "python": 0.0, "evaluation": 0.0} | (spent or {})
+
+    def shares(self) -> dict[str, float]:
+        """Of the time of training, without evaluations."""
+        parts = {name: self.spent[name] for name in ("physics", "learner", "python")}
+        total = sum(parts.values())
+        return {name: part / total if total > 0 else 0.0 for name, part in parts.items()}
+
+
+class TimedPPO(PPO):
+    """PPO that knows how long its epochs took."""
+
+    seconds = 0.0  #: wall time of `train` so far, s
+
+    def train(self) -> None:
+        """As PPO's."""
+        begin = time.perf_counter()
+        super().train()
+        self.seconds += time.perf_counter() - begin
+
+
+class Trainer:
+    """One run in one folder. It holds the folder's lock for as long as it lives (`crossgait.train.folder`)."""
+
+    def __init__(self, plan: Plan, folder: Path, *, resume: bool, progress: bool | None = None) -> None:
+        """Build environments and model; with `resume` as the folder's checkpoint, if it has one, says.
+
+        Raises ConfigError.
+        """
+        self.plan, self.folder = plan, folder
+        torch.set_num_threads(plan["threads"])
+        set_random_seed(plan["seed"])
+        self.envs = TrainingEnvs(plan.engines, plan.stages[0], plan["workers"])
+        self.normalise = _normalised(self.envs, plan)
+        self.model = _model(self.normalise, plan)
+        self.model.lr_schedule = self._learning_rate
+        self.state: Json = {"rollout": 0, "best": None, "evaluated": -1, "zero": None, "spent": {}}
+        there = resume and (folder / checkpoint.NAME).exists()
+        if there:
+            self.state = checkpoint.load(folder, self.model, self.normalise)
+        self.clock = Clock(self.state["spent"])
+        last = self.state["rollout"] if there else None
+        self._progress = record.Table(folder / PROGRESS, "rollout", last)
+        self._evaluations = record.Table(folder / EVALUATIONS, "rollout", last)
+        self._board = record.Board(folder)
+        self._line = record.Line(progress)
+        self._forward = _ForwardTime(self.model.policy)
+
+    @property
+    def steps(self) -> int:
+        """Policy steps of all environments so far."""
+        return int(self.model.num_timesteps)
+
+    def run(self) -> None:
+        """Train to the end; whatever stops it, what the last checkpoint holds is kept."""
+        try:
+            while self.steps < self.plan["steps"]:
+                self._rollout()
+            if self.state["evaluated"] != self.state["rollout"]:
+                self._evaluate()
+                self._save()
+        finally:
+            self._line.clear()
+            self._board.close()
+            self.envs.close()
+
+    def _learning_rate(self, _: float) -> float:
+        rate = self.plan["algorithm"]["learning_rate"]
+        first, last = rate if isinstance(rate, list) else (rate, rate)
+        done = min(1.0, self.model.num_timesteps / self.plan["steps"])
+        return float(first + (last - first) * done)
+
+    def _rollout(self) -> None:
+        begin, core, forward = time.perf_counter(), self.envs.core_seconds, self._forward.seconds
+        stage = self.plan.stage(self.steps)
+        self.envs.begin(stage, derived_seed(self.plan["seed"], self.state["rollout"]))
+        self.model._last_obs = None  # so that `learn` begins with new episodes
+        learner = -self.model.seconds
+        self.model.learn(self.model.n_steps * self.model.n_envs, reset_num_timesteps=False)
+        learner += self.model.seconds
+        self.state["rollout"] += 1
+        row = self._row(stage.index)
+        wall = time.perf_counter() - begin
+        physics, learner = self.envs.core_seconds - core, learner + self._forward.seconds - forward
+        for name, spent in (("physics", physics), ("learner", learner), ("python", wall - physics - learner)):
+            self.clock.spent[name] += spent
+        row |= {"seconds": sum(self.clock.spent.values()), "steps_per_second": self.envs.tally.steps / wall}
+        row |= {f"share.{name}": share for name, share in self.clock.shares().items()}
+        self._progress.add(row)
+        self._board.add("train", self.steps, row)
+        every = self.plan["evaluation"]["every"]
+        if self.steps // every > (self.steps - self.envs.tally.steps) // every:
+            self._evaluate()
+        self._save()
+        trained = sum(self.clock.spent.values()) - self.clock.spent["evaluation"]
+        self._line(self.steps, self.plan["steps"], self.steps / trained, row)
+
+    def _row(self, stage: int) -> record.Row:
+        row: record.Row = {"rollout": self.state["rollout"], "steps": self.steps, "stage": stage}
+        row |= self.envs.tally.numbers()
+        adapted = self.plan["environment"].get("adapt", ())
+        row |= of_environments(self.envs.env_method("summary"), self.envs.get_attr("parameters"), adapted)
+        log = self.model.logger.name_to_value
+        row["learning_rate"] = self._learning_rate(0)
+        row |= {name: float(log[f"train/{name}"]) for name in _LOGGED if f"train/{name}" in log}
+        return row
+
+    def policy(self) -> crossgait.Policy:
+        """The policy as it is now, checked against the model's own actions."""
+        environment = self.plan.stages[0].environment
+        seen: Any = self.normalise.get_original_obs() if self.model._last_obs is not None else None
+        return crossgait.Policy.from_sb3(self.model, environment, self.normalise, observations=seen)
+
+    def _evaluate(self) -> None:
+        begin = time.perf_counter()
+        asked = self.plan["evaluation"]
+        last = self.folder / LAST
+        self.policy().save(last)
+        names = [str(last)] + (["zero"] if self.state["zero"] is None else [])
+        settings = (self.plan.evaluated, self.plan.evaluation_engines, asked["episodes"], asked["seed"])
+        done = evaluation.evaluate(names, *settings, workers=self.plan["workers"])
+        if self.state["zero"] is None:
+            self.state["zero"] = evaluation.row(done["zero"], asked["score"])
+        row = evaluation.row(done[str(last)], asked["score"])
+        if self.state["best"] is None or row["score"] > self.state["best"]["score"]:
+            self.state["best"] = {"steps": self.steps, "score": row["score"]}
+            with written_whole(self.folder / BEST) as beside:
+                beside.write_bytes(last.read_bytes())
+        self.state["evaluated"] = self.state["rollout"]
+        self.clock.spent["evaluation"] += time.perf_counter() - begin
+        told = {"rollout": self.state["rollout"], "steps": self.steps, "zero": self.state["zero"]["score"]} | row
+        self._evaluations.add(told)
+        self._board.add("evaluation", self.steps, told)
+
+    def _save(self) -> None:
+        self.state["spent"] = dict(self.clock.spent)
+        checkpoint.save(self.folder, self.model, self.normalise, self.state)
+
+
+class _ForwardTime:
+    """Wall time of the policy's forward passes while a rollout is collected, s."""
+
+    def __init__(self, policy: torch.nn.Module) -> None:
+        self.seconds = self._begin = 0.0
+        policy.register_forward_pre_hook(self._before)
+        policy.register_forward_hook(self._after)
+
+    def _before(self, *_: Any) -> None:
+        self._begin = time.perf_counter()
+
+    def _after(self, *_: Any) -> None:
+        self.seconds += time.perf_counter() - self._begin
+
+
+def _normalised(envs: TrainingEnvs, plan: Plan) -> VecNormalize:
+    asked = plan["normalise"]
+    return VecNormalize(
+        envs,
+        norm_obs=asked["observation"],
+        norm_reward=asked["reward"],
+        clip_obs=float(asked["clip_observation"]),
+        clip_reward=float(asked["clip_reward"]),
+        gamma=plan["algorithm"]["gamma"],
+    )
+
+
+def _model(envs: VecNormalize, plan: Plan) -> TimedPPO:
+    asked, network = dict(plan["algorithm"]), plan["network"]
+    del asked["learning_rate"]
+    kwargs = {
+        "net_arch": network["hidden"],
+        "activation_fn": _ACTIVATIONS[network["activation"]],
+        "log_std_init": float(network["log_std_init"]),
+    }
+    model = TimedPPO("MlpPolicy", envs, policy_kwargs=kwargs, device="cpu", seed=plan["seed"] % 2**32, **asked)
+    model.set_logger(Logger(folder=None, output_formats=[]))
+    return model
