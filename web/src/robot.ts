@@ -101,7 +101,8 @@ export class RobotView extends Group {
   readonly feet: Object3D[] = [];
   readonly arrows = new Group();
   readonly trails = new Group();
-  private readonly robot = new Group();
+  /** Its bodies, without arrows and paths. */
+  readonly solid = new Group();
   private readonly materials: { material: MeshLambertMaterial; own: Color }[] = [];
   private readonly arrowMaterial = new MeshLambertMaterial();
   private readonly trailMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.9 });
@@ -119,7 +120,7 @@ export class RobotView extends Group {
       const object = new Group();
       object.name = body.name;
       this.bodies.push(object);
-      this.robot.add(object);
+      this.solid.add(object);
     }
     for (const { body, shape, geometry } of parts.shapes) this.bodies[body]!.add(this.meshOf(shape, geometry));
     const size = parts.scene.standing_height || 0.2;
@@ -132,7 +133,7 @@ export class RobotView extends Group {
       this.arrows.add(new Arrow(0.03 * size, this.arrowMaterial));
       this.trails.add(this.trailOf(index));
     });
-    this.add(this.robot, this.arrows, this.trails);
+    this.add(this.solid, this.arrows, this.trails);
   }
 
   /** In its own colours, or in those of the run if there are several. */
@@ -148,7 +149,7 @@ export class RobotView extends Group {
     }
     this.arrowMaterial.color.copy(own ? new Color("#d55e00") : paint);
     this.trailMaterial.color.copy(paint);
-    this.robot.traverse((object) => (object.castShadow = !ghost));
+    this.solid.traverse((object) => (object.castShadow = !ghost));
   }
 
   /** @param share of the way to the frame behind it, 0 to 1 */
@@ -195,14 +196,26 @@ export class RobotView extends Group {
     return mesh;
   }
 
-  private trailOf(leg: number): Line {
+  /** After frames have changed: of a robot that is live. */
+  refreshTrails(): void {
+    this.trails.children.forEach((line, leg) => {
+      const points = (line as Line).geometry.getAttribute("position") as BufferAttribute;
+      this.fillTrail(points.array as Float32Array, leg);
+      points.needsUpdate = true;
+    });
+  }
+
+  private fillTrail(points: Float32Array, leg: number): void {
     const legs = this.parts.scene.legs.length;
-    const frames = this.run.time.length;
-    const points = new Float32Array(3 * frames);
-    for (let i = 0; i < frames; ++i) {
+    for (let i = 0; i < this.run.time.length; ++i) {
       const at = 3 * (i * legs + leg);
       points.set(this.run.feet.subarray(at, at + 3), 3 * i);
     }
+  }
+
+  private trailOf(leg: number): Line {
+    const points = new Float32Array(3 * this.run.time.length);
+    this.fillTrail(points, leg);
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(points, 3));
     const line = new Line(geometry, this.trailMaterial);

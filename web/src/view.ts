@@ -22,6 +22,13 @@ import { RobotParts, RobotView } from "./robot";
 import { theme } from "./theme";
 
 export type Preset = "quarter" | "side" | "front" | "top";
+/** Name, label and key. */
+export const PRESETS: [Preset, string, string][] = [
+  ["quarter", "\u00be", "1"],
+  ["side", "side", "2"],
+  ["front", "front", "3"],
+  ["top", "top", "4"],
+];
 const DIRECTIONS: Record<Preset, [number, number, number]> = {
   quarter: [0.72, -1, 0.62],
   side: [0, -1, 0.16],
@@ -103,6 +110,8 @@ export class View {
   private readonly sky = new HemisphereLight(0xffffff, 0x8d8a80, 1.5);
   private readonly watched = new Vector3();
   private pending = false;
+  private disposed = false;
+  private readonly endings: (() => void)[] = [];
 
   constructor(
     private readonly motion: Motion,
@@ -121,10 +130,19 @@ export class View {
     this.controls.addEventListener("change", () => this.draw());
     this.watched.copy(this.base());
     this.look("quarter");
-    theme.onChange(() => this.paint());
     this.paint();
-    new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
+    const observer = new ResizeObserver(() => this.resize());
+    observer.observe(canvas.parentElement!);
+    this.endings.push(theme.onChange(() => this.paint()), () => observer.disconnect(), () => this.controls.dispose());
     this.resize();
+  }
+
+  /** Gives up the canvas, which nothing can draw on any more. */
+  dispose(): void {
+    this.disposed = true;
+    for (const end of this.endings) end();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
   }
 
   private get size(): number {
@@ -140,7 +158,7 @@ export class View {
     }
     // A usual load makes an arrow as long as a leg. Blows at touchdown, of which hard contacts have many, do not count.
     const loaded = loads.filter((load) => load > 0).sort((a, b) => a - b);
-    const perNewton = this.size / (loaded[Math.floor(loaded.length / 2)] ?? 1);
+    const perNewton = this.size / (this.motion.usual_load ?? loaded[Math.floor(loaded.length / 2)] ?? 1);
     for (const run of this.runs) {
       const group = new Group();
       const robot = new RobotView(run, parts, perNewton);
@@ -227,9 +245,15 @@ export class View {
       this.controls.target.add(moved);
     }
     this.watched.copy(base);
+    if (this.motion.endless) this.carryGround(base);
     this.sun.target.position.copy(base);
     this.sun.position.copy(base).add(new Vector3(0.35, -0.5, 1).multiplyScalar(20 * this.size));
     this.draw();
+  }
+
+  /** By whole metres, so that its lines stay where they are. */
+  private carryGround(base: Vector3): void {
+    for (const ground of [this.ground, ...this.strips]) ground?.position.set(Math.round(base.x), Math.round(base.y), 0);
   }
 
   look(preset: Preset): void {
@@ -256,9 +280,10 @@ export class View {
 
   /** Once, however often it is asked for before the next picture. */
   draw(): void {
-    if (this.pending) return;
+    if (this.pending || this.disposed) return;
     this.pending = true;
     requestAnimationFrame(() => {
+      if (this.disposed) return;
       this.pending = false;
       this.renderer.render(this.three, this.camera);
     });
