@@ -5,8 +5,9 @@
 
 namespace crossgait::apps {
 
-/// By xdg-open, of a file that leads on to it: arguments of a program are for all users of a machine to read, the file
-/// is for its owner alone, and is removed with this object. Says on standard error if that is not possible.
+/// By xdg-open, of a file that leads on to it: arguments of a program are for all users of a machine to read,
+/// the file is for its owner alone, and is removed with this object. Says on standard error if that is not
+/// possible.
 class OpenedAddress {
  public:
   explicit OpenedAddress(const std::string& address);

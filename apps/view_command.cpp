@@ -33,7 +33,8 @@ std::unique_ptr<ViewSession> make_session(const ViewOptions& options) {
   const EngineShelf shelf{available_engines(), [](const std::string& name) { return find_engine(name); }};
   if (setup.engines.empty()) {
     if (shelf.names.empty())
-      throw ConfigError("view", "--engines", "an engine (see `crossgait backends`)", "none that is available");
+      throw ConfigError("view", "--engines", "an engine (see `crossgait backends`)",
+                        "none that is available");
     setup.engines = {shelf.names.front()};
   }
   return std::make_unique<ViewSession>(setup, shelf);
@@ -86,8 +87,7 @@ void add_view_command(CLI::App& program) {
   command->add_option("--gait", options->gait, "The gait to begin with (see `crossgait gait --list`)")
       ->capture_default_str();
   command
-      ->add_option("--friction", options->config.friction,
-                   "Coefficient of friction between feet and ground")
+      ->add_option("--friction", options->config.friction, "Coefficient of friction between feet and ground")
       ->capture_default_str();
   command->add_option("--port", options->port, "Port on 127.0.0.1; 0 takes any that is free")
       ->check(CLI::Range(0, 65535))

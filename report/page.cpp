@@ -88,7 +88,8 @@ std::string report_html(const ReportPage& page) {
 
 std::string live_page() {
   require_page();
-  return filled_page("; connect-src 'self'", script_text({{"live", true}, {"crossgait", crossgait_version()}}), "");
+  return filled_page("; connect-src 'self'",
+                     script_text({{"live", true}, {"crossgait", crossgait_version()}}), "");
 }
 
 }  // namespace crossgait

@@ -85,9 +85,15 @@ const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> all{
       {"drive", read_drive},
       {"gait", [](Keys& k) -> ViewCommand { return GaitCommand{k.text("gait")}; }},
-      {"set", [](Keys& k) -> ViewCommand { return ParameterCommand{k.text("name"), k.number("value")}; }},
+      {"set",
+       [](Keys& k) -> ViewCommand {
+         return ParameterCommand{k.text("name"), k.number("value")};
+       }},
       {"push", [](Keys& k) -> ViewCommand { return PushCommand{k.vector("impulse")}; }},
-      {"terrain", [](Keys& k) -> ViewCommand { return TerrainCommand{k.text("terrain"), k.whole("seed")}; }},
+      {"terrain",
+       [](Keys& k) -> ViewCommand {
+         return TerrainCommand{k.text("terrain"), k.whole("seed")};
+       }},
       {"engines", [](Keys& k) -> ViewCommand { return EnginesCommand{k.texts("engines")}; }},
       {"pause", [](Keys& k) -> ViewCommand { return PauseCommand{k.flag("on")}; }},
       {"stand", [](Keys&) -> ViewCommand { return StandCommand{}; }},
@@ -104,7 +110,8 @@ json read_object(std::string_view text) {
     return true;
   };
   json object = json::parse(text, shallow, false);
-  if (!object.is_object()) refuse("JSON", "an object", object.is_discarded() ? "no JSON" : object.type_name());
+  if (!object.is_object())
+    refuse("JSON", "an object", object.is_discarded() ? "no JSON" : object.type_name());
   return object;
 }
 

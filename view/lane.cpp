@@ -19,10 +19,7 @@ Lane::Lane(const Engine& engine, const WorldSpec& spec, const GaitDrive& drive, 
 }
 
 Lane::Lane(const Engine& engine, const Lane& other)
-    : world_(engine.make(other.world_->spec())),
-      drive_(other.drive_),
-      loop_(other.loop_),
-      source_(source()) {
+    : world_(engine.make(other.world_->spec())), drive_(other.drive_), loop_(other.loop_), source_(source()) {
   world_->reset(other.world_->state());
 }
 

@@ -16,9 +16,10 @@ class Lane {
   /// Stands and has settled, at the origin. @throws ConfigError if the world cannot be made or the robot
   /// cannot stand
   Lane(const Engine& engine, const WorldSpec& spec, const GaitDrive& drive, double control_dt);
-  /// `other` as it is now, in another engine: generalised coordinates, velocities and time of the world, phase
-  /// and parameters of the gait, statistics. Contacts, pending pushes and servo targets that are on their way
-  /// are forgotten, as `PhysicsBackend::reset` does. @throws ConfigError if the world cannot be made
+  /// `other` as it is now, in another engine: generalised coordinates, velocities and time of the world,
+  /// phase and parameters of the gait, statistics. Contacts, pending pushes and servo targets that are on
+  /// their way are forgotten, as `PhysicsBackend::reset` does. @throws ConfigError if the world cannot be
+  /// made
   Lane(const Engine& engine, const Lane& other);
   ~Lane() = default;
   Lane(const Lane&) = delete;

@@ -118,7 +118,8 @@ void LiveView::give_up(const std::string& why) {
     orders.swap(orders_);
   }
   for (Order& order : orders)
-    order.done.set_exception(std::make_exception_ptr(ConfigError("view", "simulation", "one that runs", why)));
+    order.done.set_exception(
+        std::make_exception_ptr(ConfigError("view", "simulation", "one that runs", why)));
   news_.notify_all();
 }
 

@@ -21,9 +21,9 @@ struct LiveFrame {
   std::shared_ptr<const std::string> json;
 };
 
-/// Simulated time follows the clock: whole control steps, twenty milliseconds of them at a time, then a frame. Where
-/// the machine is too slow the simulation falls behind and is not hurried after. The physics never sees the clock.
-/// Only the newest frame is kept: who does not come for it in time misses it.
+/// Simulated time follows the clock: whole control steps, twenty milliseconds of them at a time, then a
+/// frame. Where the machine is too slow the simulation falls behind and is not hurried after. The physics
+/// never sees the clock. Only the newest frame is kept: who does not come for it in time misses it.
 class LiveView {
  public:
   /// Starts the thread. @param session  is its own from now on
@@ -33,7 +33,8 @@ class LiveView {
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
 
-  /// Done before the next step, after those that wait already. Called from any thread; returns when it is done.
+  /// Done before the next step, after those that wait already. Called from any thread; returns when it is
+  /// done.
   /// @throws ConfigError as ViewSession::apply, or if too many wait
   void execute(const ViewCommand& command);
   /// The newest frame, as soon as it is not number `seen`; the same again after `patience`.

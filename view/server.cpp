@@ -46,9 +46,11 @@ class ViewerPlace {
 };
 
 // Ports are one program's: without SO_REUSEPORT, which the library would set.
-void own_the_port(socket_t socket) {
-  const int yes = 1;
+void prepare_socket(socket_t socket) {
+  // Little is kept for a slow client: what it gets is to be fresh.
+  const int yes = 1, kept = 64 * 1024;
   static_cast<void>(::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes));
+  static_cast<void>(::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &kept, sizeof kept));  // taken over by connections
 }
 
 }  // namespace
@@ -67,8 +69,7 @@ class ViewServer::Implementation {
     } else if (!server_.bind_to_port(kLoopback, port_)) {
       port_ = -1;
     }
-    if (port_ <= 0)
-      throw ConfigError("view", "port", "a port that is free", fmt::format("{}", options.port));
+    if (port_ <= 0) throw ConfigError("view", "port", "a port that is free", fmt::format("{}", options.port));
     thread_ = std::thread([this] {
       server_.listen_after_bind();
       listened_ = true;
@@ -91,7 +92,7 @@ class ViewServer::Implementation {
   void configure() {
     const std::size_t threads = options_.viewers + kShortRequests;
     server_.new_task_queue = [threads] { return new httplib::ThreadPool(threads); };
-    server_.set_socket_options(own_the_port);
+    server_.set_socket_options(prepare_socket);
     server_.set_tcp_nodelay(true);
     server_.set_payload_max_length(kMaxCommandBytes);
     server_.set_write_timeout(kWriteSeconds);
@@ -105,9 +106,8 @@ class ViewServer::Implementation {
     server_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       return admit(request, response) ? Handled::Unhandled : Handled::Handled;
     });
-    server_.set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
-      answer(response, 500, "the request failed");
-    });
+    server_.set_exception_handler([](const httplib::Request&, httplib::Response& response,
+                                     std::exception_ptr) { answer(response, 500, "the request failed"); });
   }
 
   bool admit(const httplib::Request& request, httplib::Response& response) const {
@@ -169,7 +169,8 @@ class ViewServer::Implementation {
     const auto place = ViewerPlace::take(viewers_, options_.viewers);
     if (!place) return answer(response, 503, "as many look on as may");
     response.set_chunked_content_provider(
-        "text/event-stream", [this, place, seen = std::uint64_t{0}](std::size_t, httplib::DataSink& sink) mutable {
+        "text/event-stream",
+        [this, place, seen = std::uint64_t{0}](std::size_t, httplib::DataSink& sink) mutable {
           // Writing waits for a slow client; the frames of that time are not sent later.
           const LiveFrame frame = view_.next_frame(seen, kPatience);
           if (ending_ || !view_.failure().empty()) {

@@ -38,8 +38,7 @@ ViewSession::ViewSession(const ViewSetup& setup, EngineShelf shelf)
   check_engines_of(setup_.engines, shelf_.names);
   const GaitDrive drive(setup_.world.robot, setup_.gait);
   for (const std::string& engine : setup_.engines) {
-    lanes_.push_back(
-        std::make_unique<Lane>(shelf_.find(engine), setup_.world, drive, setup_.control_dt));
+    lanes_.push_back(std::make_unique<Lane>(shelf_.find(engine), setup_.world, drive, setup_.control_dt));
   }
 }
 
@@ -101,8 +100,8 @@ void ViewSession::change_terrain(const TerrainCommand& command) {
   world.terrain = make_terrain(command.terrain, command.seed);
   std::vector<std::unique_ptr<Lane>> lanes;
   for (std::size_t i = 0; i < lanes_.size(); ++i) {
-    lanes.push_back(std::make_unique<Lane>(shelf_.find(setup_.engines[i]), world, lanes_[i]->drive(),
-                                           setup_.control_dt));
+    lanes.push_back(
+        std::make_unique<Lane>(shelf_.find(setup_.engines[i]), world, lanes_[i]->drive(), setup_.control_dt));
   }
   finish_recording();
   lanes_ = std::move(lanes);
@@ -144,8 +143,9 @@ void ViewSession::finish_recording() {
         {engine.name, engine.engine + " " + engine.version, recorders[lane].take(engine.name)});
   }
   ReportPage page;
-  page.title = fmt::format("{} on {}, {:.2f} s, driven by hand", lanes_.front()->drive().generator().gait().name,
-                           setup_.world.terrain.name(), static_cast<double>(steps) * setup_.control_dt);
+  page.title =
+      fmt::format("{} on {}, {:.2f} s, driven by hand", lanes_.front()->drive().generator().gait().name,
+                  setup_.world.terrain.name(), static_cast<double>(steps) * setup_.control_dt);
   page.motion = std::move(motion);
   recording_ = std::make_shared<const ReportPage>(std::move(page));
   ++recordings_;

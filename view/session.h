@@ -1,5 +1,6 @@
-// What `crossgait view` simulates: commands in, frames out. Free of engines' names, of HTTP and of the clock on the
-// wall: a session is one object on one thread, and the same commands at the same steps give the same motion.
+// What `crossgait view` simulates: commands in, frames out. Free of engines' names, of HTTP and of the clock
+// on the wall: a session is one object on one thread, and the same commands at the same steps give the same
+// motion.
 #pragma once
 
 #include <functional>
@@ -18,7 +19,7 @@ namespace crossgait {
 
 /// Engines as a session reaches them.
 struct EngineShelf {
-  std::vector<std::string> names;                        ///< that may be asked for
+  std::vector<std::string> names;                       ///< that may be asked for
   std::function<Engine(const std::string& name)> find;  ///< throws ConfigError
 };
 
@@ -51,19 +52,21 @@ class ViewSession {
 
   // As documents, for pages (session_documents.cpp).
 
-  /// What does not change: `engines`, `gaits` (`name`, `summary`), `parameters` (`name`, `unit`, `help`, `min`,
-  /// `max`), `terrains` (`name`, `help`), `limits` (`forward`, `left`, `yaw_rate`, `push`) and `mass` (kg).
+  /// What does not change: `engines`, `gaits` (`name`, `summary`), `parameters` (`name`, `unit`, `help`,
+  /// `min`, `max`), `terrains` (`name`, `help`), `limits` (`forward`, `left`, `yaw_rate`, `push`) and `mass`
+  /// (kg).
   nlohmann::ordered_json options() const;
   /// What changes with the ground: `revision`, `scene` (report/scene.h) and its `numbers` in base64.
   nlohmann::ordered_json scene() const;
   /// Grows with every change of the ground.
   int scene_revision() const noexcept { return scene_revision_; }
-  /// The moment: `scene` (revision), `paused`, `gait`, `phase`, `command` (`vx`, `vy`, `yaw_rate`), `parameters`
-  /// (values, in the order of `options`), `terrain`, `seed`, `recorded` (s, null if nothing is being recorded),
-  /// `reports` (recordings so far) and `robots`: `engine`, `law` (of contact), `outcome`, `time` (s), `poses` of
-  /// all bodies in W (x, y, z in m, quaternion x, y, z, w), `feet` (centres in W, m), `forces` on them (in W, N),
-  /// `contact` and `swing` by leg, `velocity` of the base (forward, left in m/s, turning left in rad/s),
-  /// `roll`, `pitch` (rad) and `height` over the ground (m). Lengths are rounded to 10 um.
+  /// The moment: `scene` (revision), `paused`, `gait`, `phase`, `command` (`vx`, `vy`, `yaw_rate`),
+  /// `parameters` (values, in the order of `options`), `terrain`, `seed`, `recorded` (s, null if nothing is
+  /// being recorded), `reports` (recordings so far) and `robots`: `engine`, `law` (of contact), `outcome`,
+  /// `time` (s), `poses` of all bodies in W (x, y, z in m, quaternion x, y, z, w), `feet` (centres in W, m),
+  /// `forces` on them (in W, N), `contact` and `swing` by leg, `velocity` of the base (forward, left in m/s,
+  /// turning left in rad/s), `roll`, `pitch` (rad) and `height` over the ground (m). Lengths are rounded to
+  /// 10 um.
   nlohmann::ordered_json frame() const;
 
   /// The last recording that was finished; null if there is none. It does not change any more.

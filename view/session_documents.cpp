@@ -70,11 +70,8 @@ ordered_json ViewSession::options() const {
   for (const Gait& gait : gaits()) gaits_.push_back({{"name", gait.name}, {"summary", gait.summary}});
   for (const ParameterRow& row : gait_parameters()) {
     const AdaptationRanges::Interval range = parameter_range(row.name, scale);
-    parameters.push_back({{"name", row.name},
-                          {"unit", row.unit},
-                          {"help", row.help},
-                          {"min", range.min},
-                          {"max", range.max}});
+    parameters.push_back(
+        {{"name", row.name}, {"unit", row.unit}, {"help", row.help}, {"min", range.min}, {"max", range.max}});
   }
   for (const TerrainGenerator& terrain : terrain_generators())
     terrains.push_back({{"name", terrain.name}, {"help", terrain.help}});
@@ -95,8 +92,7 @@ ordered_json ViewSession::scene() const {
   const HeightField* field = setup_.world.terrain.field();
   const double x = field ? field->size_x() / 2 : kPlaneReach, y = field ? field->size_y() / 2 : kPlaneReach;
   PageNumbers numbers;
-  ordered_json scene =
-      scene_document(*setup_.world.robot, setup_.world.terrain, {{-x, -y}, {x, y}}, numbers);
+  ordered_json scene = scene_document(*setup_.world.robot, setup_.world.terrain, {{-x, -y}, {x, y}}, numbers);
   return {{"revision", scene_revision_}, {"scene", std::move(scene)}, {"numbers", numbers.base64()}};
 }
 

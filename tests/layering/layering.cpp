@@ -17,8 +17,8 @@ struct Folder {
   bool knows_backends;                        ///< may speak of engines, and of the interface to them
 };
 
-const std::vector<std::string_view> kEverything{"physics", "backends", "ik",   "gait",  "env",       "parity",
-                                                "study",   "report",   "view", "apps", "tests",     "benchmarks"};
+const std::vector<std::string_view> kEverything{"physics", "backends", "ik",   "gait", "env",   "parity",
+                                                "study",   "report",   "view", "apps", "tests", "benchmarks"};
 
 /// Programs that measure speed stand beside what they measure and may use what tests do.
 constexpr std::string_view kPrograms = "benchmarks/programs";

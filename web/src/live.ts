@@ -27,12 +27,12 @@ const GRAVITY = 9.81;
 export class LivePage {
   view: View | null = null;
   frame: LiveFrame | null = null;
-  private options!: LiveOptions;
+  options!: LiveOptions;
   private driver!: Driver;
   private controls!: Controls;
   private scene: LiveScene | null = null;
   private fetching = false;
-  private runs: LiveRun[] = [];
+  runs: LiveRun[] = [];
   private shown = ""; // which ground and engines the view was made for
   private readonly link = new Link(
     (frame) => this.show(frame),

@@ -1,0 +1,22 @@
+#include "crossgait/tests/view/view_setup.h"
+
+#include "crossgait/backends/registry.h"
+#include "crossgait/physics/data_path.h"
+
+namespace crossgait {
+
+std::unique_ptr<ViewSession> make_view_session(const std::vector<std::string>& engines) {
+  ViewSetup setup;
+  setup.world.robot = std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped")));
+  setup.engines = engines;
+  return std::make_unique<ViewSession>(
+      setup, EngineShelf{available_engines(), [](const std::string& name) { return find_engine(name); }});
+}
+
+void tell(ViewSession& session, const std::string& command) { session.apply(parse_view_command(command)); }
+
+const RobotState& state_of(const ViewSession& session, std::size_t lane) {
+  return session.lanes().at(lane)->world().state();
+}
+
+}  // namespace crossgait
