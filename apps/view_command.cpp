@@ -45,11 +45,11 @@ void run(const ViewOptions& options) {
   require_page();
   LiveView view(make_session(options));
   ViewServer server(view, {.port = options.port, .page = live_page(), .token = random_token()});
+  listen_for_interruption();
   print(fmt::format("{}\nWhoever has this address may drive. Ctrl-C ends it.\n", server.address()));
   flush_standard_output();
   std::unique_ptr<OpenedAddress> opened;
   if (options.open) opened = std::make_unique<OpenedAddress>(server.address());
-  listen_for_interruption();
   try {
     while (view.failure().empty()) {
       check_interruption();

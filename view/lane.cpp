@@ -1,5 +1,7 @@
 #include "crossgait/view/lane.h"
 
+#include <utility>
+
 namespace crossgait {
 namespace {
 
@@ -39,7 +41,9 @@ bool Lane::step() {
 }
 
 void Lane::stand_up() {
-  drive_.restart();
+  GaitDrive standing = drive_;
+  standing.restart();  // may throw: the lane is as it was then
+  drive_ = std::move(standing);
   loop_.start(*world_, source_);
 }
 

@@ -27,7 +27,8 @@ class Lane {
 
   /// One more control step, unless it has ended. @returns whether it was made
   bool step();
-  /// Back to the stand at the origin, settled, without a command.
+  /// Back to the stand at the origin, settled, without a command. @throws ConfigError if the parameters leave
+  /// no stand
   void stand_up();
   /// @param impulse  N s, in W, at the base. @throws ConfigError if not finite
   void push(const Vector3& impulse) { world_->apply_push(impulse); }

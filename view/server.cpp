@@ -21,6 +21,8 @@ using Handled = httplib::Server::HandlerResponse;
 constexpr auto kPatience = 500ms;
 /// A client that takes nothing for so long is let go, s.
 constexpr int kWriteSeconds = 2;
+/// A client that connects and says nothing for so long is let go, s.
+constexpr int kFirstByteSeconds = 2;
 /// Threads for requests that are no streams.
 constexpr std::size_t kShortRequests = 8;
 
@@ -50,7 +52,8 @@ void prepare_socket(socket_t socket) {
   // Little is kept for a slow client: what it gets is to be fresh.
   const int yes = 1, kept = 64 * 1024;
   static_cast<void>(::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes));
-  static_cast<void>(::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &kept, sizeof kept));  // taken over by connections
+  static_cast<void>(
+      ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &kept, sizeof kept));  // taken over by connections
 }
 
 }  // namespace
@@ -96,6 +99,7 @@ class ViewServer::Implementation {
     server_.set_tcp_nodelay(true);
     server_.set_payload_max_length(kMaxCommandBytes);
     server_.set_write_timeout(kWriteSeconds);
+    server_.set_keep_alive_timeout(kFirstByteSeconds);
     // One request per connection: what is refused unread cannot be taken for the next one.
     server_.set_keep_alive_max_count(1);
     server_.set_default_headers({{"Cache-Control", "no-store"},

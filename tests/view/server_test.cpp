@@ -150,6 +150,7 @@ TEST_F(ViewServerTest, WhoNeverReadsHoldsNothingUp) {
   start(1);
   const RawConnection deaf(port_, 4096);
   deaf.send(request_text("GET", at("/frames"), port_));
+  deaf.read_until("data: ", 1);  // it has its place, and reads no more
   // Once its buffers are full it is let go, and its place is free: until then others are told to wait.
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(100);
   bool waited = false;

@@ -15,6 +15,11 @@ interface Range {
   max: number;
 }
 
+/** After a pointer, the keys are the robot's again; who came by keyboard stays. */
+function leave(element: HTMLElement): void {
+  if (!element.matches(":focus-visible")) element.blur();
+}
+
 /** A slider with its number and unit. */
 class Slider {
   readonly element: HTMLElement;
@@ -40,6 +45,7 @@ class Slider {
         this.say(Number(this.input.value));
         change(Number(this.input.value));
       },
+      change: () => leave(this.input),
     });
     this.element = h("div", { class: "slider" }, h("span", { title: help }, label), this.input, this.output);
   }
@@ -55,7 +61,7 @@ class Slider {
 }
 
 function options(names: [string, string][], label: string, change: (value: string) => void): HTMLSelectElement {
-  const select: HTMLSelectElement = h("select", { "aria-label": label, change: () => change(select.value) }, ...names.map(([value, help]) => h("option", { value, title: help }, value)));
+  const select: HTMLSelectElement = h("select", { "aria-label": label, change: () => (leave(select), change(select.value)) }, ...names.map(([value, help]) => h("option", { value, title: help }, value)));
   return select;
 }
 
@@ -151,16 +157,14 @@ export class Controls {
 
   private chooseEngines(): void {
     const engines = this.engines.map((select) => select.value).filter((name) => name !== "none");
-    for (const select of this.engines) select.blur();
     this.send({ do: "engines", engines });
   }
   private changeGround(): void {
     const settings = this.settings.value.trim();
-    this.terrain.blur();
     this.send({ do: "terrain", terrain: settings ? `${this.terrain.value}:${settings}` : this.terrain.value, seed: Math.max(0, Math.round(Number(this.seed.value) || 0)) });
   }
   private numbers(): HTMLElement {
-    const heads = ["", "is", "forward, m/s", "left, m/s", "turn, rad/s", "height, mm", "roll, \u00b0", "pitch, \u00b0", "feet"];
+    const heads = ["", "state", "forward, m/s", "left, m/s", "turn, rad/s", "height, mm", "roll, \u00b0", "pitch, \u00b0", "feet"];
     return h("div", { class: "scroll" }, h("table", { class: "readout" }, h("thead", {}, h("tr", {}, ...heads.map((head) => h("th", {}, head)))), this.rows));
   }
   private groups(): HTMLElement[] {
