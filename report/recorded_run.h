@@ -27,6 +27,7 @@ class RunRecorder {
   explicit RunRecorder(std::shared_ptr<const RobotDescription> robot) : robot_(std::move(robot)) {}
   /// @throws ConfigError beyond kMaxPageSteps
   void add(const TraceSample& sample);
+  bool empty() const { return values_.empty(); }
   /// What was kept, which is gone then. @throws ConfigError if that is nothing
   TraceTable take(const std::string& source);
 

@@ -28,6 +28,13 @@ DriveLimits drive_limits(const RobotDescription& robot) noexcept {
   return {kForward * time, kLeft * time, kYawRate / time, kPushSpeed * time * robot.total_mass()};
 }
 
+void check_drive(const RobotDescription& robot, const VelocityCommand& command) {
+  const DriveLimits most = drive_limits(robot);
+  require_within(command.vx, most.forward, "vx", "m/s");
+  require_within(command.vy, most.left, "vy", "m/s");
+  require_within(command.yaw_rate, most.yaw_rate, "yaw_rate", "rad/s");
+}
+
 AdaptationRanges::Interval parameter_range(std::string_view name, const GaitScale& scale) {
   const ParameterRow row = scaled(AdaptationRanges(), scale).row(name);
   AdaptationRanges::Interval range{row.min, row.max};
@@ -59,10 +66,7 @@ void GaitDrive::restart() {
 }
 
 void GaitDrive::set_command(const VelocityCommand& command) {
-  const DriveLimits most = drive_limits(*robot_);
-  require_within(command.vx, most.forward, "vx", "m/s");
-  require_within(command.vy, most.left, "vy", "m/s");
-  require_within(command.yaw_rate, most.yaw_rate, "yaw_rate", "rad/s");
+  check_drive(*robot_, command);
   static_cast<void>(generator_.set_command(command));  // finite: within bounds
   command_ = command;
 }

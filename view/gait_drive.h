@@ -20,6 +20,9 @@ struct DriveLimits {
 /// As fast as the gaits go at the robot's size, and pushes that change its speed by 1 m/s at most (scaled).
 DriveLimits drive_limits(const RobotDescription& robot) noexcept;
 
+/// @throws ConfigError for a command beyond them, or not finite
+void check_drive(const RobotDescription& robot, const VelocityCommand& command);
+
 /// What a parameter may be set to: the table's range at the robot's size, wide enough for what every gait
 /// prefers. @throws ConfigError for an unknown name
 AdaptationRanges::Interval parameter_range(std::string_view name, const GaitScale& scale);

@@ -1,52 +1,61 @@
 // One driven robot in one engine. Several lanes take the same commands, side by side.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
 
-#include "crossgait/env/closed_loop.h"
+#include "crossgait/env/outcome.h"
+#include "crossgait/gait/gait_generator.h"
 #include "crossgait/physics/engine.h"
-#include "crossgait/view/gait_drive.h"
 
 namespace crossgait {
 
+/// A ground by generator, as `make_terrain` takes it.
+struct Ground {
+  std::string terrain;
+  std::uint64_t seed = 0;
+};
+
+/// What drives it is a gait (gait_lane.h) or a policy (policy_lane.h).
 class Lane {
  public:
-  /// Stands and has settled, at the origin. @throws ConfigError if the world cannot be made or the robot
-  /// cannot stand
-  Lane(const Engine& engine, const WorldSpec& spec, const GaitDrive& drive, double control_dt);
-  /// `other` as it is now, in another engine: generalised coordinates, velocities and time of the world,
-  /// phase and parameters of the gait, statistics. Contacts, pending pushes and servo targets that are on
-  /// their way are forgotten, as `PhysicsBackend::reset` does. @throws ConfigError if the world cannot be
-  /// made
-  Lane(const Engine& engine, const Lane& other);
-  ~Lane() = default;
+  Lane() = default;
+  virtual ~Lane() = default;
   Lane(const Lane&) = delete;
   Lane& operator=(const Lane&) = delete;
 
-  /// One more control step, unless it has ended. @returns whether it was made
-  bool step();
+  /// As it is now, in another engine: generalised coordinates, velocities and time of the world, phase and
+  /// parameters of the gait, statistics. Contacts, pending pushes and servo targets that are on their way are
+  /// forgotten, as `PhysicsBackend::reset` does. @throws ConfigError if the world cannot be made
+  virtual std::unique_ptr<Lane> in(const Engine& engine) const = 0;
+  /// Anew on another ground, standing at its origin, gait and parameters as they are. @throws ConfigError
+  virtual std::unique_ptr<Lane> on(const Engine& engine, const Ground& ground) const = 0;
+
+  /// Goes on by one control step, unless it has ended (it left the ground, the engine diverged).
+  virtual void step() = 0;
   /// Back to the stand at the origin, settled, without a command. @throws ConfigError if the parameters leave
   /// no stand
-  void stand_up();
+  virtual void stand_up() = 0;
   /// @param impulse  N s, in W, at the base. @throws ConfigError if not finite
-  void push(const Vector3& impulse) { world_->apply_push(impulse); }
+  virtual void push(const Vector3& impulse) = 0;
 
-  GaitDrive& drive() noexcept { return drive_; }
-  const GaitDrive& drive() const noexcept { return drive_; }
-  const PhysicsBackend& world() const noexcept { return *world_; }
-  const ControlTargets& targets() const noexcept { return loop_.targets(); }
-  /// "walked" while all is well, else the worst outcome so far ("fell"; env/outcome.h).
-  std::string_view outcome() const noexcept { return name(loop_.statistics().worst()); }
+  /// @throws ConfigError beyond `drive_limits`, or not finite
+  virtual void set_command(const VelocityCommand& command) = 0;
+  /// With the parameters that it prefers. @throws ConfigError for an unknown name, or where a policy drives
+  virtual void set_gait(const std::string& gait) = 0;
+  /// @throws ConfigError for an unknown name, a value outside `parameter_range`, or where a policy drives
+  virtual void set_parameter(const std::string& name, double value) = 0;
 
- private:
-  TargetSource source();
-
-  std::unique_ptr<PhysicsBackend> world_;
-  GaitDrive drive_;
-  ClosedLoop loop_;
-  TargetSource source_;  // of drive_
+  virtual const VelocityCommand& command() const noexcept = 0;
+  /// Null where joints are commanded.
+  virtual const GaitGenerator* gait() const noexcept = 0;
+  virtual const PhysicsBackend& world() const noexcept = 0;
+  /// Of the last control step.
+  virtual const ControlTargets& targets() const noexcept = 0;
+  /// kWalked while all is well, else the worst so far.
+  virtual Outcome outcome() const noexcept = 0;
 };
 
 }  // namespace crossgait

@@ -7,6 +7,8 @@
 #include <fmt/ranges.h>
 
 #include "crossgait/physics/error.h"
+#include "crossgait/view/gait_lane.h"
+#include "crossgait/view/policy_lane.h"
 
 namespace crossgait {
 namespace {
@@ -36,19 +38,23 @@ void check_engines_of(const std::vector<std::string>& engines, const std::vector
 ViewSession::ViewSession(const ViewSetup& setup, EngineShelf shelf)
     : setup_(setup), shelf_(std::move(shelf)) {
   check_engines_of(setup_.engines, shelf_.names);
+  for (const std::string& engine : setup_.engines) lanes_.push_back(make_lane(engine));
+}
+
+std::unique_ptr<Lane> ViewSession::make_lane(const std::string& engine) const {
+  const Engine found = shelf_.find(engine);
+  if (setup_.policy) return std::make_unique<PolicyLane>(found, setup_.policy->config, setup_.policy->policy);
   const GaitDrive drive(setup_.world.robot, setup_.gait);
-  for (const std::string& engine : setup_.engines) {
-    lanes_.push_back(std::make_unique<Lane>(shelf_.find(engine), setup_.world, drive, setup_.control_dt));
-  }
+  return std::make_unique<GaitLane>(found, setup_.world, drive, setup_.control_dt);
 }
 
 void ViewSession::apply(const ViewCommand& command) {
   std::visit(
       Overloaded{
-          [this](const DriveCommand& c) { drive_all([&c](GaitDrive& d) { d.set_command(c.velocity); }); },
-          [this](const GaitCommand& c) { drive_all([&c](GaitDrive& d) { d.set_gait(c.gait); }); },
+          [this](const DriveCommand& c) { change_all([&c](Lane& lane) { lane.set_command(c.velocity); }); },
+          [this](const GaitCommand& c) { change_all([&c](Lane& lane) { lane.set_gait(c.gait); }); },
           [this](const ParameterCommand& c) {
-            drive_all([&c](GaitDrive& d) { d.set_parameter(c.name, c.value); });
+            change_all([&c](Lane& lane) { lane.set_parameter(c.name, c.value); });
           },
           [this](const PushCommand& c) { push(c.impulse); },
           [this](const TerrainCommand& c) { change_terrain(c); },
@@ -63,14 +69,14 @@ void ViewSession::apply(const ViewCommand& command) {
       command);
 }
 
-// All drives take the same commands, so that what the first one refuses nobody has taken.
+// All take the same commands, so that what the first one refuses nobody has taken.
 template <typename Change>
-void ViewSession::drive_all(const Change& change) {
-  for (const auto& lane : lanes_) change(lane->drive());
+void ViewSession::change_all(const Change& change) {
+  for (const auto& lane : lanes_) change(*lane);
 }
 
 void ViewSession::push(const Vector3& impulse) {
-  const double most = drive_limits(*setup_.world.robot).push;
+  const double most = drive_limits(*world().robot).push;
   if (!(impulse.norm() <= most)) {
     throw ConfigError(kSessionSource, "push", fmt::format("an impulse of at most {:g} N s", most),
                       fmt::format("{:g}", impulse.norm()));
@@ -84,7 +90,7 @@ void ViewSession::choose_engines(const std::vector<std::string>& engines) {
   for (std::size_t i = 0; i < engines.size(); ++i) {
     // A further robot begins where the first one is.
     const Lane& before = *lanes_[i < lanes_.size() ? i : 0];
-    lanes.push_back(std::make_unique<Lane>(shelf_.find(engines[i]), before));
+    lanes.push_back(before.in(shelf_.find(engines[i])));
   }
   finish_recording();
   lanes_ = std::move(lanes);
@@ -96,56 +102,56 @@ void ViewSession::change_terrain(const TerrainCommand& command) {
     throw ConfigError(kSessionSource, "terrain", "a generator: files are for the command line (--terrain)",
                       command.terrain);
   }
-  WorldSpec world = setup_.world;
-  world.terrain = make_terrain(command.terrain, command.seed);
+  const Ground ground{command.terrain, command.seed};
   std::vector<std::unique_ptr<Lane>> lanes;
-  for (std::size_t i = 0; i < lanes_.size(); ++i) {
-    lanes.push_back(
-        std::make_unique<Lane>(shelf_.find(setup_.engines[i]), world, lanes_[i]->drive(), setup_.control_dt));
-  }
+  for (std::size_t i = 0; i < lanes_.size(); ++i)
+    lanes.push_back(lanes_[i]->on(shelf_.find(setup_.engines[i]), ground));
   finish_recording();
   lanes_ = std::move(lanes);
-  setup_.world = std::move(world);
-  terrain_seed_ = command.seed;
+  setup_.terrain_seed = command.seed;
   ++scene_revision_;
 }
 
 void ViewSession::advance(int steps) {
   if (paused_) return;
   for (int i = 0; i < steps; ++i) {
-    bool all_moved = true;
-    for (const auto& lane : lanes_) all_moved &= lane->step();
+    for (const auto& lane : lanes_) lane->step();
     if (recorders_.empty()) continue;
-    if (!all_moved) {
-      finish_recording();
-      continue;
+    for (std::size_t k = 0; k < lanes_.size(); ++k) {
+      // Whose time stands still has ended, or made this step with the one before.
+      const double time = lanes_[k]->world().state().time;
+      if (std::exchange(recorded_times_[k], time) != time)
+        recorders_[k].add(TraceSample(lanes_[k]->world(), lanes_[k]->targets()));
     }
-    for (std::size_t lane = 0; lane < lanes_.size(); ++lane)
-      recorders_[lane].add(TraceSample(lanes_[lane]->world(), lanes_[lane]->targets()));
     if (++recorded_steps_ == kMaxRecordedSteps) finish_recording();
   }
 }
 
 void ViewSession::record(bool on) {
   finish_recording();
-  if (on) recorders_.assign(lanes_.size(), RunRecorder(setup_.world.robot));
+  if (!on) return;
+  recorders_.assign(lanes_.size(), RunRecorder(world().robot));
+  recorded_times_.clear();
+  for (const auto& lane : lanes_) recorded_times_.push_back(lane->world().state().time);
 }
 
 void ViewSession::finish_recording() {
   if (recorders_.empty()) return;
   std::vector<RunRecorder> recorders = std::exchange(recorders_, {});
   const std::size_t steps = std::exchange(recorded_steps_, 0);
-  if (steps == 0) return;
-  Motion motion{setup_.world.robot, setup_.world.terrain, {}, {}};
+  Motion motion{world().robot, world().terrain, {}, {}};
   for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
+    if (recorders[lane].empty()) continue;
     const EngineInfo& engine = lanes_[lane]->world().info();
     motion.runs.push_back(
         {engine.name, engine.engine + " " + engine.version, recorders[lane].take(engine.name)});
   }
+  if (motion.runs.empty()) return;
   ReportPage page;
+  const GaitGenerator* gait = lanes_.front()->gait();
   page.title =
-      fmt::format("{} on {}, {:.2f} s, driven by hand", lanes_.front()->drive().generator().gait().name,
-                  setup_.world.terrain.name(), static_cast<double>(steps) * setup_.control_dt);
+      fmt::format("{} on {}, {:.2f} s, driven by hand", gait != nullptr ? gait->gait().name : "a policy",
+                  world().terrain.name(), static_cast<double>(steps) * setup_.control_dt);
   page.motion = std::move(motion);
   recording_ = std::make_shared<const ReportPage>(std::move(page));
   ++recordings_;

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "crossgait/env/env_config.h"
 #include "crossgait/report/page.h"
 #include "crossgait/view/command.h"
 #include "crossgait/view/lane.h"
@@ -23,9 +24,17 @@ struct EngineShelf {
   std::function<Engine(const std::string& name)> find;  ///< throws ConfigError
 };
 
+/// A policy that drives, and the environment that it is for.
+struct ViewPolicy {
+  EnvConfig config;
+  std::string policy;  ///< as `make_policy` takes it
+};
+
 struct ViewSetup {
-  WorldSpec world;
-  std::string gait = "trot";
+  WorldSpec world;            ///< unused where a policy drives
+  std::string gait = "trot";  ///< so is this
+  std::optional<ViewPolicy> policy = {};
+  std::uint64_t terrain_seed = 0;    ///< for pages to show
   std::vector<std::string> engines;  ///< one to kMaxLanes of them
   double control_dt = 2e-3;          ///< s, a multiple of the physics step
 };
@@ -52,42 +61,44 @@ class ViewSession {
 
   // As documents, for pages (session_documents.cpp).
 
-  /// What does not change: `engines`, `gaits` (`name`, `summary`), `parameters` (`name`, `unit`, `help`,
-  /// `min`, `max`), `terrains` (`name`, `help`), `limits` (`forward`, `left`, `yaw_rate`, `push`) and `mass`
-  /// (kg).
+  /// What does not change: `engines`, `most_engines`, `gaits` (`name`, `summary`), `parameters` (`name`,
+  /// `unit`, `help`, `min`, `max`), `terrains` (`name`, `help`), `limits` (`forward`, `left`, `yaw_rate`,
+  /// `push`), `mass` (kg) and `policy` (its name, null where a hand drives).
   nlohmann::ordered_json options() const;
   /// What changes with the ground: `revision`, `scene` (report/scene.h) and its `numbers` in base64.
   nlohmann::ordered_json scene() const;
   /// Grows with every change of the ground.
   int scene_revision() const noexcept { return scene_revision_; }
-  /// The moment: `scene` (revision), `paused`, `gait`, `phase`, `command` (`vx`, `vy`, `yaw_rate`),
-  /// `parameters` (values, in the order of `options`), `terrain`, `seed`, `recorded` (s, null if nothing is
-  /// being recorded), `reports` (recordings so far) and `robots`: `engine`, `law` (of contact), `outcome`,
-  /// `time` (s), `poses` of all bodies in W (x, y, z in m, quaternion x, y, z, w), `feet` (centres in W, m),
-  /// `forces` on them (in W, N), `contact` and `swing` by leg, `velocity` of the base (forward, left in m/s,
-  /// turning left in rad/s), `roll`, `pitch` (rad) and `height` over the ground (m). Lengths are rounded to
-  /// 10 um.
+  /// The moment: `scene` (revision), `paused`, `gait`, `phase` and `parameters` (values, in the order of
+  /// `options`; all three null where joints are commanded), `command` (`vx`, `vy`, `yaw_rate`), `terrain`,
+  /// `seed`, `recorded` (s, null if nothing is being recorded), `reports` (recordings so far) and `robots`:
+  /// `engine`, `law` (of contact), `outcome`, `time` (s), `poses` of all bodies in W (x, y, z in m,
+  /// quaternion x, y, z, w), `feet` (centres in W, m), `forces` on them (in W, N), `contact` and `swing` by
+  /// leg, `velocity` of the base (forward, left in m/s, turning left in rad/s), `roll`, `pitch` (rad) and
+  /// `height` over the ground (m). Numbers are rounded to 1e-5.
   nlohmann::ordered_json frame() const;
 
   /// The last recording that was finished; null if there is none. It does not change any more.
   std::shared_ptr<const ReportPage> recording() const noexcept { return recording_; }
 
  private:
+  std::unique_ptr<Lane> make_lane(const std::string& engine) const;
+  const WorldSpec& world() const { return lanes_.front()->world().spec(); }
   void choose_engines(const std::vector<std::string>& engines);
   void change_terrain(const TerrainCommand& command);
   void push(const Vector3& impulse);
   template <typename Change>
-  void drive_all(const Change& change);
+  void change_all(const Change& change);
   void record(bool on);
   void finish_recording();
 
   ViewSetup setup_;
   EngineShelf shelf_;
   std::vector<std::unique_ptr<Lane>> lanes_;
-  std::uint64_t terrain_seed_ = 0;
   int scene_revision_ = 1, recordings_ = 0;
   bool paused_ = false;
   std::vector<RunRecorder> recorders_;  // one per lane while there is a recording
+  std::vector<double> recorded_times_;  // of the last step of each that was recorded, s
   std::size_t recorded_steps_ = 0;
   std::shared_ptr<const ReportPage> recording_;
 };

@@ -4,6 +4,7 @@
 #include "crossgait/gait/scale.h"
 #include "crossgait/physics/multibody.h"
 #include "crossgait/report/scene.h"
+#include "crossgait/view/gait_drive.h"
 #include "crossgait/view/session.h"
 
 namespace crossgait {
@@ -46,7 +47,7 @@ ordered_json robot_frame(const Lane& lane) {
   const Vector3& p = state.p_WB;
   return {{"engine", world.info().name},
           {"law", world.info().laws.contact},
-          {"outcome", lane.outcome()},
+          {"outcome", name(lane.outcome())},
           {"time", rounded(state.time)},
           {"poses", std::move(poses)},
           {"feet", std::move(feet)},
@@ -62,7 +63,7 @@ ordered_json robot_frame(const Lane& lane) {
 }  // namespace
 
 ordered_json ViewSession::options() const {
-  const RobotDescription& robot = *setup_.world.robot;
+  const RobotDescription& robot = *world().robot;
   const GaitScale scale = gait_scale(robot);
   const DriveLimits limits = drive_limits(robot);
   ordered_json gaits_ = ordered_json::array(), parameters = ordered_json::array(),
@@ -85,34 +86,36 @@ ordered_json ViewSession::options() const {
             {"left", limits.left},
             {"yaw_rate", limits.yaw_rate},
             {"push", limits.push}}},
-          {"mass", robot.total_mass()}};
+          {"mass", robot.total_mass()},
+          {"policy", setup_.policy ? ordered_json(setup_.policy->policy) : ordered_json()}};
 }
 
 ordered_json ViewSession::scene() const {
-  const HeightField* field = setup_.world.terrain.field();
+  const HeightField* field = world().terrain.field();
   const double x = field ? field->size_x() / 2 : kPlaneReach, y = field ? field->size_y() / 2 : kPlaneReach;
   PageNumbers numbers;
-  ordered_json scene = scene_document(*setup_.world.robot, setup_.world.terrain, {{-x, -y}, {x, y}}, numbers);
+  ordered_json scene = scene_document(*world().robot, world().terrain, {{-x, -y}, {x, y}}, numbers);
   return {{"revision", scene_revision_}, {"scene", std::move(scene)}, {"numbers", numbers.base64()}};
 }
 
 ordered_json ViewSession::frame() const {
-  const GaitDrive& drive = lanes_.front()->drive();
-  const GaitGenerator& gait = drive.generator();
-  ordered_json parameters = ordered_json::array(), robots = ordered_json::array();
-  for (const ParameterRow& row : gait_parameters()) parameters.push_back(gait.parameters().*row.member);
+  const GaitGenerator* gait = lanes_.front()->gait();
+  ordered_json parameters, robots = ordered_json::array();
+  if (gait != nullptr) {
+    for (const ParameterRow& row : gait_parameters()) parameters.push_back(gait->parameters().*row.member);
+  }
   for (const auto& lane : lanes_) robots.push_back(robot_frame(*lane));
   ordered_json recorded;
   if (!recorders_.empty()) recorded = rounded(static_cast<double>(recorded_steps_) * setup_.control_dt);
-  const VelocityCommand& command = drive.command();
+  const VelocityCommand& command = lanes_.front()->command();
   return {{"scene", scene_revision_},
           {"paused", paused_},
-          {"gait", gait.gait().name},
-          {"phase", rounded(gait.phase())},
+          {"gait", gait != nullptr ? ordered_json(gait->gait().name) : ordered_json()},
+          {"phase", gait != nullptr ? ordered_json(rounded(gait->phase())) : ordered_json()},
           {"command", {{"vx", command.vx}, {"vy", command.vy}, {"yaw_rate", command.yaw_rate}}},
           {"parameters", std::move(parameters)},
-          {"terrain", setup_.world.terrain.name()},
-          {"seed", terrain_seed_},
+          {"terrain", world().terrain.name()},
+          {"seed", setup_.terrain_seed},
           {"recorded", std::move(recorded)},
           {"reports", recordings_},
           {"robots", std::move(robots)}};

@@ -37,7 +37,7 @@ TEST_P(ViewSessionTest, StandsUntilItIsDriven) {
   session_->advance(3 * kSecond);
   // .6 m were asked for; the trot makes more than half of any speed in every engine (docs/gaits.md).
   EXPECT_GT(state_of(*session_).p_WB.x(), 0.3);
-  EXPECT_EQ(session_->lanes().front()->outcome(), "walked");
+  EXPECT_EQ(session_->lanes().front()->outcome(), Outcome::kWalked);
   tell(*session_, R"({"do": "drive", "vx": 0, "vy": 0, "yaw_rate": 0})");
   session_->advance(kSecond);
   const double stopped = state_of(*session_).p_WB.x();
@@ -55,7 +55,7 @@ TEST_P(ViewSessionTest, TurnsAndTakesParameters) {
   tell(*session_, R"({"do": "drive", "vx": 0, "vy": 0, "yaw_rate": 0})");
   session_->advance(2 * kSecond);
   const double before = state_of(*session_).p_WB.z();
-  const double set = session_->lanes().front()->drive().generator().parameters().body_height;
+  const double set = session_->lanes().front()->gait()->parameters().body_height;
   const double lower = set - 0.01;
   tell(*session_, nlohmann::json{{"do", "set"}, {"name", "body_height"}, {"value", lower}}.dump());
   session_->advance(2 * kSecond);
@@ -99,16 +99,16 @@ TEST_P(ViewSessionTest, AnotherEngineGoesOnWhereThisOneWas) {
       tell(*each, kForward);
       each->advance(kSecond);
     }
-    const double phase = session->lanes().front()->drive().generator().phase();
+    const double phase = session->lanes().front()->gait()->phase();
     tell(*session, engines_command({other}));
     EXPECT_EQ(session->lanes().front()->world().info().name, other);
     // A quaternion may be normalised anew: rounding.
     EXPECT_LT(difference(state_of(*session), state_of(*stays)), 1e-12) << other;
     EXPECT_EQ(state_of(*session).time, state_of(*stays).time);
-    EXPECT_EQ(session->lanes().front()->drive().generator().phase(), phase);
+    EXPECT_EQ(session->lanes().front()->gait()->phase(), phase);
     session->advance(50);
     stays->advance(50);
-    EXPECT_EQ(session->lanes().front()->outcome(), "walked") << other;
+    EXPECT_EQ(session->lanes().front()->outcome(), Outcome::kWalked) << other;
     if (find_engine(other).info.laws != laws) continue;
     // Tight as engines of the same laws are held to (docs/parity-measurements.md), in velocities as well:
     // 1e-6.
@@ -136,7 +136,7 @@ TEST_P(ViewSessionTest, AnotherGroundIsAnotherScene) {
   EXPECT_FALSE(session_->scene().at("scene").at("ground").is_null());
   EXPECT_EQ(session_->frame().at("seed"), 3);
   session_->advance(100);
-  EXPECT_EQ(session_->lanes().front()->outcome(), "walked");
+  EXPECT_EQ(session_->lanes().front()->outcome(), Outcome::kWalked);
   const ConfigError error =
       config_error([this] { tell(*session_, R"({"do": "terrain", "terrain": "/etc/map.png", "seed": 0})"); });
   EXPECT_EQ(error.element(), "terrain");
@@ -147,13 +147,13 @@ TEST_P(ViewSessionTest, LeavingTheGroundEndsTheWalkUntilItStandsUp) {
   tell(*session_, R"({"do": "terrain", "terrain": "waves:size_x=1,size_y=1", "seed": 0})");
   tell(*session_, R"({"do": "drive", "vx": 0.5, "vy": 0, "yaw_rate": 0})");
   session_->advance(8 * kSecond);
-  EXPECT_NE(session_->lanes().front()->outcome(), "walked");
+  EXPECT_NE(session_->lanes().front()->outcome(), Outcome::kWalked);
   const double time = state_of(*session_).time;
   session_->advance(kSecond);
   EXPECT_EQ(state_of(*session_).time, time);
   tell(*session_, R"({"do": "stand"})");
   session_->advance(10);
-  EXPECT_EQ(session_->lanes().front()->outcome(), "walked");
+  EXPECT_EQ(session_->lanes().front()->outcome(), Outcome::kWalked);
 }
 
 TEST_P(ViewSessionTest, KeepsARecordingUntilSomethingEndsIt) {
@@ -229,6 +229,46 @@ TEST_P(ViewSessionTest, EverySliderMayBeMovedToItsEnds) {
       session_->advance(5);
     }
   }
+}
+
+TEST_P(ViewSessionTest, APolicyWalksWhereItIsTold) {
+  EnvConfig config;
+  config.policy_dt = 0.02;
+  const auto session = make_policy_session({GetParam()}, config, "zero");
+  EXPECT_EQ(session->options().at("policy"), "zero");
+  session->advance(kSecond / 2);
+  EXPECT_LT(std::abs(state_of(*session).p_WB.x()), 5e-3);
+  tell(*session, kForward);
+  tell(*session, R"({"do": "record", "on": true})");
+  session->advance(2 * kSecond);
+  EXPECT_GT(state_of(*session).p_WB.x(), 0.2);  // of .4 m
+  tell(*session, R"({"do": "record", "on": false})");
+  EXPECT_EQ(session->recording()->motion->runs.front().trace.rows(), 100U) << "one per policy step";
+  EXPECT_THROW(tell(*session, R"({"do": "gait", "gait": "walk"})"), ConfigError);
+  EXPECT_THROW(tell(*session, R"({"do": "set", "name": "cycle_time", "value": 0.3})"), ConfigError);
+  EXPECT_THROW(tell(*session, R"({"do": "drive", "vx": 9, "vy": 0, "yaw_rate": 0})"), ConfigError);
+  for (const std::string& other : available_engines()) {
+    const RobotState before = state_of(*session);
+    tell(*session, engines_command({other}));
+    EXPECT_LT(difference(state_of(*session), before), 1e-12) << other;
+    EXPECT_EQ(session->frame().at("command").at("vx"), 0.2);
+    session->advance(100);
+    EXPECT_EQ(session->lanes().front()->outcome(), Outcome::kWalked) << other;
+  }
+  const double before = state_of(*session).v_WB.y();
+  tell(*session, R"({"do": "push", "impulse": [0, 0.3, 0]})");
+  session->advance(10);
+  EXPECT_NE(state_of(*session).v_WB.y(), before);
+  tell(*session, R"({"do": "terrain", "terrain": "waves:size_x=4,size_y=4", "seed": 0})");
+  EXPECT_EQ(session->frame().at("terrain"), "waves:size_x=4,size_y=4");
+  EXPECT_LT(std::abs(state_of(*session).p_WB.x()), 5e-3);
+}
+
+TEST_P(ViewSessionTest, APolicyOfJointsHasNoGait) {
+  const auto session = make_policy_session({GetParam()}, joint_environment(), "zero");
+  session->advance(20);
+  EXPECT_TRUE(session->frame().at("gait").is_null());
+  EXPECT_TRUE(session->frame().at("parameters").is_null());
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ export class LivePage {
     this.tell(frame);
   }
   private tell(frame: LiveFrame): void {
-    this.facts.textContent = `${this.scene!.scene.robot} on ${frame.terrain} \u00b7 ${frame.gait} \u00b7 ${frame.robots.map((robot) => robot.engine).join(", ")}`;
+    this.facts.textContent = `${this.scene!.scene.robot} on ${frame.terrain} \u00b7 ${[this.options.policy, frame.gait].filter(Boolean).join(" on ")} \u00b7 ${frame.robots.map((robot) => robot.engine).join(", ")}`;
     this.clock.textContent = `${frame.robots[0]!.time.toFixed(1)} s, ${frame.paused ? "paused" : `${frame.rate.toFixed(2)}\u00d7`}`;
     this.clock.title = "Simulated time, and how fast it passes";
     this.pause.setAttribute("aria-pressed", String(frame.paused));

@@ -49,6 +49,9 @@ class Slider {
     });
     this.element = h("div", { class: "slider" }, h("span", { title: help }, label), this.input, this.output);
   }
+  set disabled(on: boolean) {
+    this.input.disabled = on;
+  }
   /** Unless a hand is, or was just now, on it. */
   show(value: number): void {
     if (this.input.matches(":active") || performance.now() - this.moved < 400) return;
@@ -130,16 +133,18 @@ export class Controls {
     });
     this.settings = h("input", { type: "text", placeholder: "key=value,...", "aria-label": "Parameters of the ground", title: "As behind the colon of --terrain, e.g. rise=.01,run=.1", change: () => this.changeGround() });
     this.seed = h("input", { type: "number", min: 0, step: 1, value: 0, "aria-label": "Seed of the ground", title: "Seed", change: () => this.changeGround() });
+    // A policy has its own mind about the gait: sliders show what it does.
+    if (known.policy !== null) for (const control of [this.gait, ...this.parameters]) control.disabled = true;
     this.element = h("div", { class: "controls" }, this.numbers(), ...this.groups());
   }
 
   show(frame: LiveFrame): void {
     for (const [name, slider] of this.drive) slider.show(frame.command[name]);
-    this.parameters.forEach((slider, i) => slider.show(frame.parameters[i]!));
+    frame.parameters?.forEach((value, i) => this.parameters[i]!.show(value));
     const show = (select: HTMLSelectElement, value: string) => {
       if (document.activeElement !== select && select.value !== value) select.value = value;
     };
-    show(this.gait, frame.gait);
+    if (frame.gait) show(this.gait, frame.gait);
     this.engines.forEach((select, i) => show(select, frame.robots[i]?.engine ?? "none"));
     const ground = `${frame.terrain} ${frame.seed}`;
     if (ground !== this.terrainShown) {

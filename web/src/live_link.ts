@@ -9,6 +9,8 @@ export interface LiveOptions {
   terrains: { name: string; help: string }[];
   limits: { forward: number; left: number; yaw_rate: number; push: number };
   mass: number;
+  /** What drives beside the hand, if anything does. */
+  policy: string | null;
 }
 
 export interface LiveScene {
@@ -44,10 +46,11 @@ export interface LiveFrame {
   scene: number;
   paused: boolean;
   rate: number;
-  gait: string;
-  phase: number;
+  /** These three are null where a policy commands joints. */
+  gait: string | null;
+  phase: number | null;
+  parameters: number[] | null;
   command: Velocity;
-  parameters: number[];
   terrain: string;
   seed: number;
   recorded: number | null;
