@@ -13,7 +13,7 @@
 namespace crossgait {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
 constexpr std::string_view kSource = "view command";
 
@@ -24,16 +24,16 @@ constexpr std::string_view kSource = "view command";
 /// An object of which every key has to be asked for.
 class Keys {
  public:
-  explicit Keys(const json& object) : object_(object) {}
+  explicit Keys(const Json& object) : object_(object) {}
 
-  std::string text(const char* key) { return of(key, &json::is_string, "a text").get<std::string>(); }
-  bool flag(const char* key) { return of(key, &json::is_boolean, "true or false").get<bool>(); }
-  double number(const char* key) { return finite(key, of(key, &json::is_number, "a number")); }
+  std::string text(const char* key) { return of(key, &Json::is_string, "a text").get<std::string>(); }
+  bool flag(const char* key) { return of(key, &Json::is_boolean, "true or false").get<bool>(); }
+  double number(const char* key) { return finite(key, of(key, &Json::is_number, "a number")); }
   std::uint64_t whole(const char* key) {
-    return of(key, &json::is_number_unsigned, "a whole number from 0 to 2^64 - 1").get<std::uint64_t>();
+    return of(key, &Json::is_number_unsigned, "a whole number from 0 to 2^64 - 1").get<std::uint64_t>();
   }
   Vector3 vector(const char* key) {
-    const json& list = of(key, &json::is_array, "three numbers");
+    const Json& list = of(key, &Json::is_array, "three numbers");
     if (list.size() != 3) refuse(key, "three numbers", fmt::format("{}", list.size()));
     Vector3 v;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -44,7 +44,7 @@ class Keys {
   }
   std::vector<std::string> texts(const char* key) {
     std::vector<std::string> texts;
-    for (const json& item : of(key, &json::is_array, "a list of texts")) {
+    for (const Json& item : of(key, &Json::is_array, "a list of texts")) {
       if (!item.is_string()) refuse(key, "a list of texts", item.type_name());
       texts.push_back(item.get<std::string>());
     }
@@ -57,21 +57,21 @@ class Keys {
   }
 
  private:
-  using Test = bool (json::*)() const noexcept;
-  const json& of(const char* key, Test is, const char* expected) {
+  using Test = bool (Json::*)() const noexcept;
+  const Json& of(const char* key, Test is, const char* expected) {
     asked_.insert(key);
     const auto it = object_.find(key);
     if (it == object_.end()) refuse(key, expected, "nothing");
     if (!((*it).*is)()) refuse(key, expected, it->type_name());
     return *it;
   }
-  static double finite(const char* key, const json& value) {
+  static double finite(const char* key, const Json& value) {
     const double number = value.get<double>();
     if (!std::isfinite(number)) refuse(key, "a finite number", fmt::format("{}", number));
     return number;
   }
 
-  const json& object_;
+  const Json& object_;
   std::set<std::string> asked_;
 };
 
@@ -103,13 +103,13 @@ const std::map<std::string, Reader>& readers() {
 }
 
 // Objects in a list and no deeper: what nests further is no command, and is not read to its end.
-json read_object(std::string_view text) {
+Json read_object(std::string_view text) {
   constexpr int kDeepest = 2;
-  const auto shallow = [](int depth, json::parse_event_t, json&) {
+  const auto shallow = [](int depth, Json::parse_event_t, Json&) {
     if (depth > kDeepest) refuse("JSON", "an object that nests no deeper than a list", "one that does");
     return true;
   };
-  json object = json::parse(text, shallow, false);
+  Json object = Json::parse(text, shallow, false);
   if (!object.is_object())
     refuse("JSON", "an object", object.is_discarded() ? "no JSON" : object.type_name());
   return object;
@@ -121,7 +121,7 @@ ViewCommand parse_view_command(std::string_view text) {
   if (text.size() > kMaxCommandBytes) {
     refuse("JSON", fmt::format("at most {} bytes", kMaxCommandBytes), fmt::format("{}", text.size()));
   }
-  const json object = read_object(text);
+  const Json object = read_object(text);
   Keys keys(object);
   const std::string what = keys.text("do");
   const auto reader = readers().find(what);

@@ -53,7 +53,7 @@ TEST(ViewCommand, RefusesWhatIsNoCommand) {
       {R"({"do": "terrain", "terrain": "rough", "seed": -1})", "seed"},
       {R"({"do": "terrain", "terrain": "rough", "seed": 1.5})", "seed"},
       {R"({"do": "pause", "on": 1})", "on"},
-      {R"({"do": "engines", "engines": [["mujoco"]]})", "engines"},
+      {R"({"do": "engines", "engines": [["mujoco"]]})", "JSON"},
       {R"({"do": "engines", "engines": [[["mujoco"]]]})", "JSON"},
       {std::string(kMaxCommandBytes + 1, ' '), "JSON"},
       {std::string(kMaxCommandBytes, '['), "JSON"},
