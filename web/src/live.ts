@@ -138,7 +138,8 @@ export class LivePage {
     this.holder.replaceChildren(canvas);
     const view = (this.view = new View(motion, this.runs, new Numbers(numbers), canvas));
     view.follow = this.follow.querySelector("input")!.checked;
-    this.sideBySide.hidden = frame.robots.length < 2;
+    // Beside it, a robot would stand on other ground than its own, unless all of it is alike.
+    this.sideBySide.hidden = frame.robots.length < 2 || !motion.endless;
     view.show(0, true);
     this.arrange();
     if (before) {
@@ -149,7 +150,7 @@ export class LivePage {
   }
   private arrange(): void {
     if (!this.view) return;
-    this.view.sideBySide = this.runs.length > 1 && this.sideBySide.querySelector("input")!.checked;
+    this.view.sideBySide = !this.sideBySide.hidden && this.sideBySide.querySelector("input")!.checked;
     this.view.paint();
     this.view.look("quarter");
   }

@@ -82,8 +82,13 @@ function fieldGeometry(ground: Ground, numbers: Numbers, low: number, high: numb
 function gridGeometry(x0: number, x1: number, y0: number, y1: number, apart: number): BufferGeometry {
   const points: number[] = [];
   const z = 2e-4;
-  for (let x = Math.ceil(x0 / apart); x * apart <= x1; ++x) points.push(x * apart, y0, z, x * apart, y1, z);
-  for (let y = Math.ceil(y0 / apart); y * apart <= y1; ++y) points.push(x0, y * apart, z, x1, y * apart, z);
+  // In pieces: some graphics drivers leave out a line of which one end is behind the camera.
+  const pieces = (from: number, to: number, add: (a: number, b: number) => void) => {
+    const count = Math.ceil((to - from) / (10 * apart));
+    for (let i = 0; i < count; ++i) add(from + ((to - from) * i) / count, from + ((to - from) * (i + 1)) / count);
+  };
+  for (let x = Math.ceil(x0 / apart); x * apart <= x1; ++x) pieces(y0, y1, (a, b) => points.push(x * apart, a, z, x * apart, b, z));
+  for (let y = Math.ceil(y0 / apart); y * apart <= y1; ++y) pieces(x0, x1, (a, b) => points.push(a, y * apart, z, b, y * apart, z));
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
   return geometry;
@@ -201,20 +206,21 @@ export class View {
   paint(): void {
     const several = this.runs.length > 1;
     const [, y0, , y1] = this.motion.scene.way;
-    const apart = y1 - y0 + 5.4 * this.size;
+    const apart = (this.motion.endless ? 0 : y1 - y0) + 5.4 * this.size;
+    const inStrips = this.sideBySide && !this.motion.endless;
     this.groundMaterial.color.set(theme.variable("--ground"));
     this.gridMaterial.color.set(theme.variable("--grid"));
     this.three.background = new Color(theme.variable("--sky"));
     this.sky.intensity = theme.name === "dark" ? 1.1 : 1.7;
-    if (this.sideBySide && this.strips.length === 0) {
+    if (inStrips && this.strips.length === 0) {
       this.strips = this.groups.map((group) => {
         const strip = this.groundOf(2.6 * this.size);
         group.add(strip);
         return strip;
       });
     }
-    if (this.ground) this.ground.visible = !this.sideBySide;
-    for (const strip of this.strips) strip.visible = this.sideBySide;
+    if (this.ground) this.ground.visible = !inStrips;
+    for (const strip of this.strips) strip.visible = inStrips;
     const seen = this.shown.flatMap((shown, i) => (shown ? [i] : []));
     this.groups.forEach((group, i) => {
       group.visible = this.shown[i]!;
@@ -253,13 +259,13 @@ export class View {
 
   /** By whole metres, so that its lines stay where they are. */
   private carryGround(base: Vector3): void {
-    for (const ground of [this.ground, ...this.strips]) ground?.position.set(Math.round(base.x), Math.round(base.y), 0);
+    this.ground?.position.set(Math.round(base.x), Math.round(base.y), 0);
   }
 
   look(preset: Preset): void {
     const wide = this.sideBySide ? 1 + 0.6 * (this.shown.filter(Boolean).length - 1) : 1;
     const target = this.base().sub(new Vector3(0, 0, 0.35 * this.size));
-    if (this.sideBySide) target.y = 0;
+    if (this.sideBySide && !this.motion.endless) target.y = 0;
     const direction = new Vector3(...DIRECTIONS[preset]).normalize();
     this.controls.target.copy(target);
     this.camera.position.copy(target).addScaledVector(direction, 11 * wide * this.size);

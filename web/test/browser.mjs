@@ -29,6 +29,7 @@ export class Browser {
   /** Opens a page; whatever it complains of or asks for that it may not is among the problems. */
   async open(address, { width = 1440, height = 900, scheme = "light" } = {}) {
     const page = await this.context.newPage();
+    page.setDefaultTimeout(120_000); // pictures take their time without a graphics card, on a machine that has other things to do
     await page.setViewportSize({ width, height });
     await page.emulateMedia({ colorScheme: scheme });
     const problems = [];
