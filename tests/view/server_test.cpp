@@ -167,7 +167,7 @@ TEST_F(ViewServerTest, WhoNeverReadsHoldsNothingUp) {
   EXPECT_NE(answer.find("data: "), std::string::npos);
 }
 
-TEST_F(ViewServerTest, APortIsOneProgrammes) {
+TEST_F(ViewServerTest, APortBelongsToOneServer) {
   EXPECT_EQ(config_error([this] {
               const ViewServer second(*view_, {.port = port_, .page = "", .token = kToken});
             }).element(),
