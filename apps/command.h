@@ -17,6 +17,7 @@ namespace crossgait::apps {
 
 /// Every command adds itself to the program: its options, its help and what it does.
 void add_walk_command(CLI::App& program);
+void add_view_command(CLI::App& program);
 void add_compare_command(CLI::App& program);
 void add_bench_command(CLI::App& program);
 void add_verdict_command(CLI::App& program);

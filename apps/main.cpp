@@ -39,6 +39,7 @@ constexpr const char* kFooter =
 void add_commands(CLI::App& program, std::vector<std::string>& again) {
   add_walk_command(program);
   add_compare_command(program);
+  add_view_command(program);
   add_bench_command(program);
   add_verdict_command(program);
   add_backends_command(program);

@@ -12,8 +12,27 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// Where web/page.html has its document and the numbers of it.
-constexpr std::string_view kDocument = "@CROSSGAIT_DOCUMENT@", kNumbers = "@CROSSGAIT_NUMBERS@";
+// Where web/template.html has its document and the numbers of it.
+constexpr std::string_view kDocument = "@CROSSGAIT_DOCUMENT@", kNumbers = "@CROSSGAIT_NUMBERS@",
+                           kConnect = "@CROSSGAIT_CONNECT@";
+
+/// The template with each of its places filled. They come in this order.
+/// @param connect  further words of the content security policy
+std::string filled_page(std::string_view connect, std::string_view document, std::string_view numbers) {
+  const std::string_view html = page_template();
+  std::string text;
+  std::size_t from = 0;
+  const auto fill = [&](std::string_view place, std::string_view with) {
+    const std::size_t at = html.find(place, from);
+    text += html.substr(from, at - from);
+    text += with;
+    from = at + place.size();
+  };
+  fill(kConnect, connect);
+  fill(kDocument, document);
+  fill(kNumbers, numbers);
+  return text.append(html.substr(from));
+}
 
 ordered_json to_json(const Table& table) {
   const auto& rows = table.rows();
@@ -69,14 +88,13 @@ std::string report_html(const ReportPage& page) {
   require_page();
   PageNumbers numbers;
   const std::string document = script_text(report_document(page, numbers));
-  const std::string_view html = page_template();
-  const std::size_t at = html.find(kDocument), then = html.find(kNumbers);
-  std::string text(html.substr(0, at));
-  text += document;
-  text += html.substr(at + kDocument.size(), then - at - kDocument.size());
-  text += numbers.base64();
-  text += html.substr(then + kNumbers.size());
-  return text;
+  return filled_page("", document, numbers.base64());
+}
+
+std::string live_page() {
+  require_page();
+  return filled_page("; connect-src 'self'",
+                     script_text({{"live", true}, {"crossgait", crossgait_version()}}), "");
 }
 
 }  // namespace crossgait

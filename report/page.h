@@ -35,6 +35,10 @@ nlohmann::ordered_json report_document(const ReportPage& page, PageNumbers& numb
 /// says.
 std::string script_text(const nlohmann::ordered_json& json);
 
+/// The page that shows what a server simulates (view/server.h): the same template without a report, which may
+/// ask the server that it came from, and nobody else. @throws ConfigError as `require_page`
+std::string live_page();
+
 /// The page. @throws ConfigError as `require_page` and `motion_document` do
 std::string report_html(const ReportPage& page);
 

@@ -34,6 +34,7 @@ class RunRecorder {
       : robot_(std::move(robot)), more_(std::move(more)) {}
   /// @param more  a number for each of the further columns  @throws ConfigError beyond kMaxPageSteps
   void add(const TraceSample& sample, std::span<const double> more = {});
+  bool empty() const { return values_.empty(); }
   /// What was kept, which is gone then. @throws ConfigError if that is nothing
   TraceTable take(const std::string& source);
 

@@ -17,8 +17,8 @@ struct Folder {
   bool knows_backends;                        ///< may speak of engines, and of the interface to them
 };
 
-const std::vector<std::string_view> kEverything{"physics", "backends", "ik",   "gait",  "env",       "parity",
-                                                "study",   "report",   "apps", "tests", "benchmarks"};
+const std::vector<std::string_view> kEverything{"physics", "backends", "ik",   "gait", "env",   "parity",
+                                                "study",   "report",   "view", "apps", "tests", "benchmarks"};
 
 /// Programs that measure speed stand beside what they measure and may use what tests do.
 constexpr std::string_view kPrograms = "benchmarks/programs";
@@ -35,6 +35,7 @@ const std::vector<Folder>& folders() {
       {"tests", kEverything, true},
       {"study", {"physics", "backends", "ik", "gait", "env", "parity"}, true},
       {"report", {"physics", "ik", "gait", "env", "parity", "study"}, true},
+      {"view", {"physics", "ik", "gait", "env", "parity", "study", "report"}, true},
       {"benchmarks", {"physics", "backends", "ik", "gait", "env", "parity"}, true},
       {kPrograms, kEverything, true},
   };

@@ -73,6 +73,10 @@ export interface Motion {
   pairs: Pair[];
   panels: Panel[];
   notes: string[];
+  /** Force on a foot that is drawn as long as a leg, N; otherwise that which is usual in the runs. */
+  usual_load?: number;
+  /** The ground is a plane that goes along with the robot. */
+  endless?: boolean;
 }
 
 export interface Interval {
@@ -169,7 +173,12 @@ function bytesOf(base64: string): ArrayBuffer {
 
 /** The numbers of the page, without a copy. */
 export class Numbers {
-  private readonly bytes = bytesOf(textOf("numbers"));
+  private readonly bytes: ArrayBuffer;
+
+  /** @param base64 by default those in the page */
+  constructor(base64 = textOf("numbers")) {
+    this.bytes = bytesOf(base64);
+  }
 
   floats(where: Reference): Float32Array {
     return new Float32Array(this.bytes, 4 * where.at, where.count);
@@ -213,6 +222,12 @@ export class Run {
   }
 }
 
-export function readDocument(): ReportDocument {
-  return JSON.parse(textOf("document")) as ReportDocument;
+/** Of a page that a server gave out to watch a robot live. */
+export interface LiveDocument {
+  live: true;
+  crossgait: string;
+}
+
+export function readDocument(): ReportDocument | LiveDocument {
+  return JSON.parse(textOf("document")) as ReportDocument | LiveDocument;
 }

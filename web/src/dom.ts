@@ -21,6 +21,15 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return fill(document.createElement(tag), attributes, children);
 }
 
+export function button(label: string, title: string, action: () => void): HTMLButtonElement {
+  return h("button", { title, "aria-label": title, click: action }, label);
+}
+
+export function toggle(label: string, title: string, on: boolean, change: (on: boolean) => void): HTMLElement {
+  const box = h("input", { type: "checkbox", checked: on, change: () => change(box.checked) });
+  return h("label", { title }, box, label);
+}
+
 export function svg(tag: string, attributes: Attributes = {}, ...children: Child[]): SVGElement {
   return fill(document.createElementNS("http://www.w3.org/2000/svg", tag), attributes, children);
 }

@@ -1,32 +1,17 @@
 // The page: what the document holds, laid out and wired together.
 import { charts } from "./charts";
 import { Numbers, readDocument, Run, type Motion, type ReportDocument } from "./document";
-import { h } from "./dom";
+import { button, h, toggle } from "./dom";
+import { LivePage } from "./live";
 import { Player } from "./player";
 import { Plots } from "./plots";
 import "./style.css";
 import { findings, origin } from "./tables";
 import { theme } from "./theme";
 import { verdictSection } from "./verdict";
-import { View, type Preset } from "./view";
+import { PRESETS, View } from "./view";
 
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 4];
-const PRESETS: [Preset, string, string][] = [
-  ["quarter", "\u00be", "1"],
-  ["side", "side", "2"],
-  ["front", "front", "3"],
-  ["top", "top", "4"],
-];
-
-function button(label: string, title: string, action: () => void): HTMLButtonElement {
-  return h("button", { title, "aria-label": title, click: action }, label);
-}
-
-function toggle(label: string, title: string, on: boolean, change: (on: boolean) => void): HTMLElement {
-  const box = h("input", { type: "checkbox", checked: on, change: () => change(box.checked) });
-  return h("label", { title }, box, label);
-}
-
 /** Robot, transport and what is shown. */
 class Stage {
   readonly element: HTMLElement;
@@ -195,8 +180,7 @@ function listen(stage: Stage | null): void {
   });
 }
 
-function build(): object {
-  const report = readDocument();
+function buildReport(report: ReportDocument): object {
   document.title = `${report.title} \u2013 Crossgait`;
   const page = document.getElementById("page")!;
   page.append(header(report));
@@ -231,4 +215,5 @@ function build(): object {
 }
 
 // For tests, and for those who want more of the numbers: the browser's console has them all.
-Object.assign(window, { crossgait: build() });
+const shown = readDocument();
+Object.assign(window, { crossgait: "live" in shown ? new LivePage(shown) : buildReport(shown) });

@@ -103,7 +103,8 @@ export class RobotView extends Group {
   readonly arrows = new Group();
   readonly trails = new Group();
   readonly support: Support;
-  private readonly robot = new Group();
+  /** Its bodies, without arrows and paths. */
+  readonly solid = new Group();
   private readonly materials: { material: MeshLambertMaterial; own: Color }[] = [];
   private readonly arrowMaterial = new MeshLambertMaterial();
   private readonly trailMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.9 });
@@ -121,7 +122,7 @@ export class RobotView extends Group {
       const object = new Group();
       object.name = body.name;
       this.bodies.push(object);
-      this.robot.add(object);
+      this.solid.add(object);
     }
     for (const { body, shape, geometry } of parts.shapes) this.bodies[body]!.add(this.meshOf(shape, geometry));
     const size = parts.scene.standing_height || 0.2;
@@ -135,7 +136,7 @@ export class RobotView extends Group {
       this.trails.add(this.trailOf(index));
     });
     this.support = new Support(parts.scene, size);
-    this.add(this.robot, this.arrows, this.trails, this.support);
+    this.add(this.solid, this.arrows, this.trails, this.support);
   }
 
   /** In its own colours, or in those of the run if there are several. */
@@ -152,7 +153,7 @@ export class RobotView extends Group {
     this.arrowMaterial.color.copy(own ? new Color("#d55e00") : paint);
     this.trailMaterial.color.copy(paint);
     this.support.paint(paint);
-    this.robot.traverse((object) => (object.castShadow = !ghost));
+    this.solid.traverse((object) => (object.castShadow = !ghost));
   }
 
   /** @param share of the way to the frame behind it, 0 to 1 */
@@ -200,14 +201,26 @@ export class RobotView extends Group {
     return mesh;
   }
 
-  private trailOf(leg: number): Line {
+  /** After frames have changed: of a robot that is live. */
+  refreshTrails(): void {
+    this.trails.children.forEach((line, leg) => {
+      const points = (line as Line).geometry.getAttribute("position") as BufferAttribute;
+      this.fillTrail(points.array as Float32Array, leg);
+      points.needsUpdate = true;
+    });
+  }
+
+  private fillTrail(points: Float32Array, leg: number): void {
     const legs = this.parts.scene.legs.length;
-    const frames = this.run.time.length;
-    const points = new Float32Array(3 * frames);
-    for (let i = 0; i < frames; ++i) {
+    for (let i = 0; i < this.run.time.length; ++i) {
       const at = 3 * (i * legs + leg);
       points.set(this.run.feet.subarray(at, at + 3), 3 * i);
     }
+  }
+
+  private trailOf(leg: number): Line {
+    const points = new Float32Array(3 * this.run.time.length);
+    this.fillTrail(points, leg);
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(points, 3));
     const line = new Line(geometry, this.trailMaterial);

@@ -27,8 +27,10 @@ class Theme {
     this.chosen = this.name === "dark" ? "light" : "dark";
     this.apply();
   }
-  onChange(listener: () => void): void {
+  /** @returns what ends it */
+  onChange(listener: () => void): () => void {
     this.listeners.push(listener);
+    return () => void this.listeners.splice(this.listeners.indexOf(listener), 1);
   }
   /** Of the n-th run. */
   colour(index: number): string {

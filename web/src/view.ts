@@ -22,6 +22,13 @@ import { RobotParts, RobotView } from "./robot";
 import { theme } from "./theme";
 
 export type Preset = "quarter" | "side" | "front" | "top";
+/** Name, label and key. */
+export const PRESETS: [Preset, string, string][] = [
+  ["quarter", "\u00be", "1"],
+  ["side", "side", "2"],
+  ["front", "front", "3"],
+  ["top", "top", "4"],
+];
 const DIRECTIONS: Record<Preset, [number, number, number]> = {
   quarter: [0.72, -1, 0.62],
   side: [0, -1, 0.16],
@@ -75,8 +82,13 @@ function fieldGeometry(ground: Ground, numbers: Numbers, low: number, high: numb
 function gridGeometry(x0: number, x1: number, y0: number, y1: number, apart: number): BufferGeometry {
   const points: number[] = [];
   const z = 2e-4;
-  for (let x = Math.ceil(x0 / apart); x * apart <= x1; ++x) points.push(x * apart, y0, z, x * apart, y1, z);
-  for (let y = Math.ceil(y0 / apart); y * apart <= y1; ++y) points.push(x0, y * apart, z, x1, y * apart, z);
+  // In pieces: some graphics drivers leave out a line of which one end is behind the camera.
+  const pieces = (from: number, to: number, add: (a: number, b: number) => void) => {
+    const count = Math.ceil((to - from) / (10 * apart));
+    for (let i = 0; i < count; ++i) add(from + ((to - from) * i) / count, from + ((to - from) * (i + 1)) / count);
+  };
+  for (let x = Math.ceil(x0 / apart); x * apart <= x1; ++x) pieces(y0, y1, (a, b) => points.push(x * apart, a, z, x * apart, b, z));
+  for (let y = Math.ceil(y0 / apart); y * apart <= y1; ++y) pieces(x0, x1, (a, b) => points.push(a, y * apart, z, b, y * apart, z));
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
   return geometry;
@@ -104,6 +116,8 @@ export class View {
   private readonly sky = new HemisphereLight(0xffffff, 0x8d8a80, 1.5);
   private readonly watched = new Vector3();
   private pending = false;
+  private disposed = false;
+  private readonly endings: (() => void)[] = [];
 
   constructor(
     private readonly motion: Motion,
@@ -122,10 +136,19 @@ export class View {
     this.controls.addEventListener("change", () => this.draw());
     this.watched.copy(this.base());
     this.look("quarter");
-    theme.onChange(() => this.paint());
     this.paint();
-    new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
+    const observer = new ResizeObserver(() => this.resize());
+    observer.observe(canvas.parentElement!);
+    this.endings.push(theme.onChange(() => this.paint()), () => observer.disconnect(), () => this.controls.dispose());
     this.resize();
+  }
+
+  /** Gives up the canvas, which nothing can draw on any more. */
+  dispose(): void {
+    this.disposed = true;
+    for (const end of this.endings) end();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
   }
 
   private get size(): number {
@@ -141,7 +164,7 @@ export class View {
     }
     // A usual load makes an arrow as long as a leg. Blows at touchdown, of which hard contacts have many, do not count.
     const loaded = loads.filter((load) => load > 0).sort((a, b) => a - b);
-    const perNewton = this.size / (loaded[Math.floor(loaded.length / 2)] ?? 1);
+    const perNewton = this.size / (this.motion.usual_load ?? loaded[Math.floor(loaded.length / 2)] ?? 1);
     for (const run of this.runs) {
       const group = new Group();
       const robot = new RobotView(run, parts, perNewton);
@@ -184,20 +207,21 @@ export class View {
   paint(): void {
     const several = this.runs.length > 1;
     const [, y0, , y1] = this.motion.scene.way;
-    const apart = y1 - y0 + 5.4 * this.size;
+    const apart = (this.motion.endless ? 0 : y1 - y0) + 5.4 * this.size;
+    const inStrips = this.sideBySide && !this.motion.endless;
     this.groundMaterial.color.set(theme.variable("--ground"));
     this.gridMaterial.color.set(theme.variable("--grid"));
     this.three.background = new Color(theme.variable("--sky"));
     this.sky.intensity = theme.name === "dark" ? 1.1 : 1.7;
-    if (this.sideBySide && this.strips.length === 0) {
+    if (inStrips && this.strips.length === 0) {
       this.strips = this.groups.map((group) => {
         const strip = this.groundOf(2.6 * this.size);
         group.add(strip);
         return strip;
       });
     }
-    if (this.ground) this.ground.visible = !this.sideBySide;
-    for (const strip of this.strips) strip.visible = this.sideBySide;
+    if (this.ground) this.ground.visible = !inStrips;
+    for (const strip of this.strips) strip.visible = inStrips;
     const seen = this.shown.flatMap((shown, i) => (shown ? [i] : []));
     this.groups.forEach((group, i) => {
       group.visible = this.shown[i]!;
@@ -229,15 +253,21 @@ export class View {
       this.controls.target.add(moved);
     }
     this.watched.copy(base);
+    if (this.motion.endless) this.carryGround(base);
     this.sun.target.position.copy(base);
     this.sun.position.copy(base).add(new Vector3(0.35, -0.5, 1).multiplyScalar(20 * this.size));
     this.draw();
   }
 
+  /** By whole metres, so that its lines stay where they are. */
+  private carryGround(base: Vector3): void {
+    this.ground?.position.set(Math.round(base.x), Math.round(base.y), 0);
+  }
+
   look(preset: Preset): void {
     const wide = this.sideBySide ? 1 + 0.6 * (this.shown.filter(Boolean).length - 1) : 1;
     const target = this.base().sub(new Vector3(0, 0, 0.35 * this.size));
-    if (this.sideBySide) target.y = 0;
+    if (this.sideBySide && !this.motion.endless) target.y = 0;
     const direction = new Vector3(...DIRECTIONS[preset]).normalize();
     this.controls.target.copy(target);
     this.camera.position.copy(target).addScaledVector(direction, 11 * wide * this.size);
@@ -258,9 +288,10 @@ export class View {
 
   /** Once, however often it is asked for before the next picture. */
   draw(): void {
-    if (this.pending) return;
+    if (this.pending || this.disposed) return;
     this.pending = true;
     requestAnimationFrame(() => {
+      if (this.disposed) return;
       this.pending = false;
       this.renderer.render(this.three, this.camera);
     });

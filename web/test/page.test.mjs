@@ -1,43 +1,17 @@
-// The page in a real browser: node --test test/, with the pages that scripts/test-page has written in $PAGES.
+// The page in a real browser: node --test test/*.test.mjs, with the pages that scripts/test-page has written in $PAGES.
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { readFileSync, statSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { chromium } from "playwright-core";
+import { Browser } from "./browser.mjs";
 
 const pages = process.env.PAGES;
-const arguments_ = ["--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-  "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
-const profile = mkdtempSync(join(tmpdir(), "crossgait-page-"));
-let browser;
+const browser = new Browser(/^(file|data|blob):/);
 
-before(async () => {
-  browser = await chromium.launchPersistentContext(profile, { executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: arguments_ });
-});
-after(async () => {
-  await browser?.close();
-  rmSync(profile, { recursive: true, force: true });
-});
+before(() => browser.launch());
+after(() => browser.close());
 
-/** Opens a page; whatever it complains of or asks the network for fails the test at its end. */
-async function open(name, { width = 1440, height = 900, scheme = "light" } = {}) {
-  const page = await browser.newPage();
-  await page.setViewportSize({ width, height });
-  await page.emulateMedia({ colorScheme: scheme });
-  const problems = [];
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && !isOfTheDriver(message.text()) && problems.push(message.text()));
-  page.on("pageerror", (error) => problems.push(error.message));
-  page.on("request", (request) => /^(file|data|blob):/.test(request.url()) || problems.push(`fetched ${request.url()}`));
-  await page.goto(`file://${join(pages, name)}`);
-  await page.waitForFunction(() => window.crossgait);
-  return { page, problems };
-}
-
-// Software rendering has a word to say about reading pixels back, which nothing here is to blame for.
-function isOfTheDriver(text) {
-  return text.includes("GPU stall due to ReadPixels");
-}
+const open = (name, options) => browser.open(`file://${join(pages, name)}`, options);
 
 /** Rows of a trace as objects. */
 function readTrace(name) {

@@ -1,0 +1,135 @@
+// crossgait view: the robot live in a browser.
+#include <chrono>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "crossgait/apps/command.h"
+#include "crossgait/apps/interruption.h"
+#include "crossgait/apps/open_address.h"
+#include "crossgait/backends/registry.h"
+#include "crossgait/env/env_config.h"
+#include "crossgait/env/progress.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/report/page.h"
+#include "crossgait/study/walk_config.h"
+#include "crossgait/view/request_check.h"
+#include "crossgait/view/server.h"
+
+namespace crossgait::apps {
+namespace {
+
+struct ViewOptions {
+  EnvConfig config;  // what the options below say, over what --config says
+  std::string file, policy, robot, terrain, gait;
+  std::optional<std::uint64_t> seed;
+  std::optional<double> friction;
+  std::vector<std::string> engines;
+  int port = 0;
+  bool open = false;
+};
+
+EnvConfig config_of(const ViewOptions& options) {
+  EnvConfig config = options.file.empty() ? EnvConfig() : load_env_config(options.file);
+  if (!options.robot.empty()) config.robot = options.robot;
+  if (!options.terrain.empty()) config.terrain = options.terrain;
+  if (!options.gait.empty()) config.gait = options.gait;
+  config.terrain_seed = options.seed.value_or(config.terrain_seed);
+  config.friction = options.friction.value_or(config.friction);
+  return config;
+}
+
+std::vector<std::string> engines_of(const ViewOptions& options, const EnvConfig& config,
+                                    const std::vector<std::string>& available) {
+  if (!options.engines.empty()) return options.engines;
+  if (!options.file.empty()) return {config.engine};
+  if (available.empty())
+    throw ConfigError("view", "--engines", "an engine (see `crossgait backends`)", "none that is available");
+  return {available.front()};
+}
+
+std::unique_ptr<ViewSession> make_session(const ViewOptions& options) {
+  const EnvConfig config = config_of(options);
+  static_cast<void>(load_robot_and_tell(config.robot));  // says what is doubtful of it
+  const EngineShelf shelf{available_engines(), [](const std::string& name) { return find_engine(name); }};
+  ViewSetup setup;
+  setup.gait = config.gait;
+  setup.terrain_seed = config.terrain_seed;
+  setup.engines = engines_of(options, config, shelf.names);
+  if (options.policy.empty()) {
+    WalkConfig walk;
+    walk.robot = config.robot;
+    walk.terrain = config.terrain;
+    walk.terrain_seed = config.terrain_seed;
+    walk.friction = config.friction;
+    setup.world = walk.world();
+  } else {
+    setup.control_dt = config.control_dt;
+    setup.policy = {config, options.policy};
+  }
+  return std::make_unique<ViewSession>(setup, shelf);
+}
+
+void run(const ViewOptions& options) {
+  require_view_server();
+  require_page();
+  LiveView view(make_session(options));
+  ViewServer server(view, {.port = options.port, .page = live_page(), .token = random_token()});
+  listen_for_interruption();
+  print(fmt::format("{}\nWhoever has this address may drive. Ctrl-C ends it.\n", server.address()));
+  flush_standard_output();
+  std::unique_ptr<OpenedAddress> opened;
+  if (options.open) opened = std::make_unique<OpenedAddress>(server.address());
+  try {
+    while (view.failure().empty()) {
+      check_interruption();
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  } catch (const Interrupted&) {
+    return;  // how it is meant to end
+  }
+  throw std::runtime_error("the simulation ended: " + view.failure());
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("view", "Drive a robot live, in the browser");
+  command->footer(
+      "\nSimulates at real time and serves a page on the loopback interface, at an address with a random "
+      "token that\nis printed. Keys, gamepad or sliders drive; the engine can be changed while it walks.\n"
+      "\nExamples:\n"
+      "  crossgait view --open\n"
+      "  crossgait view --engines mujoco,bullet --terrain rough --port 8000\n"
+      "  crossgait view --policy policy.safetensors --config env.yaml\n"
+      "  ssh -L 8000:127.0.0.1:8000 HOST crossgait view --port 8000   # the same port at both ends");
+  auto options = std::make_shared<ViewOptions>();
+  command
+      ->add_option("--engines,--engine", options->engines,
+                   "Engine and mode to begin with (see `crossgait backends`), or up to three, "
+                   "comma-separated, side by side; by default the first that is available")
+      ->delimiter(',');
+  add_robot_option(*command, options->robot);
+  command->add_option("--terrain", options->terrain, "The ground (see `crossgait terrain --list`)")
+      ->type_name("NAME[:k=v,...]|FILE.png|FILE.csv");
+  add_seed_option(*command, "--seed", options->seed, "Seed of a random terrain");
+  command->add_option("--gait", options->gait, "The gait to begin with (see `crossgait gait --list`)");
+  command->add_option("--friction", options->friction, "Coefficient of friction between feet and ground");
+  CLI::Option* policy =
+      command
+          ->add_option("--policy", options->policy,
+                       "What adapts the gait or commands the joints, while speed and turn are told by hand: "
+                       "zero, random or a file (docs/policies.md)")
+          ->type_name("NAME|FILE");
+  command
+      ->add_option("--config", options->file, "The environment that the policy is for (docs/environment.md)")
+      ->type_name("FILE.yaml")
+      ->needs(policy);
+  command->add_option("--port", options->port, "Port on 127.0.0.1; 0 takes any that is free")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  command->add_flag("--open", options->open, "Open the address with xdg-open");
+  on_run(*command, [options] { run(*options); });
+}
+
+}  // namespace crossgait::apps

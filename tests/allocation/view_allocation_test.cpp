@@ -1,0 +1,29 @@
+// A live session that goes on for ever takes no more memory: its steps allocate nothing.
+#include <gtest/gtest.h>
+
+#include "crossgait/physics/data_path.h"
+#include "crossgait/tests/support/allocation_counter.h"
+#include "crossgait/tests/support/backend_test.h"
+#include "crossgait/view/session.h"
+
+namespace crossgait {
+namespace {
+
+class ViewAllocation : public BackendTest {};
+CROSSGAIT_FOR_EVERY_BACKEND(ViewAllocation);
+
+TEST_P(ViewAllocation, NoneWhileItIsDriven) {
+  if (capabilities().allocates) GTEST_SKIP() << "the engine's own library allocates";
+  ViewSetup setup;
+  setup.world.robot = std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped")));
+  setup.engines = {GetParam()};
+  ViewSession session(setup, {{GetParam()}, [](const std::string& name) { return find_engine(name); }});
+  session.apply(DriveCommand{{0.2, 0, 0.1}});
+  session.advance(500);  // what is made once is made
+  const AllocationScope scope;
+  session.advance(1000);
+  EXPECT_EQ(scope.count(), 0U);
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,275 @@
+// Commands in, motion out: in every engine there is.
+#include "crossgait/view/session.h"
+
+#include <gtest/gtest.h>
+
+#include "crossgait/tests/physics/config_error.h"
+#include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/view/view_setup.h"
+
+namespace crossgait {
+namespace {
+
+constexpr const char* kForward = R"({"do": "drive", "vx": 0.2, "vy": 0, "yaw_rate": 0})";
+constexpr int kSecond = 500;  // control steps of 2 ms
+
+std::string engines_command(const std::vector<std::string>& engines) {
+  return nlohmann::json{{"do", "engines"}, {"engines", engines}}.dump();
+}
+
+/// Largest difference of any coordinate or velocity, in SI units.
+double difference(const RobotState& a, const RobotState& b) {
+  return std::max({(a.p_WB - b.p_WB).lpNorm<Eigen::Infinity>(), a.q_WB.angularDistance(b.q_WB),
+                   (a.v_WB - b.v_WB).lpNorm<Eigen::Infinity>(), (a.w_WB - b.w_WB).lpNorm<Eigen::Infinity>(),
+                   (a.q - b.q).lpNorm<Eigen::Infinity>(), (a.qd - b.qd).lpNorm<Eigen::Infinity>()});
+}
+
+class ViewSessionTest : public BackendTest {
+ protected:
+  std::unique_ptr<ViewSession> session_ = make_view_session({GetParam()});
+};
+CROSSGAIT_FOR_EVERY_BACKEND(ViewSessionTest);
+
+TEST_P(ViewSessionTest, StandsUntilItIsDriven) {
+  session_->advance(kSecond);
+  EXPECT_LT(state_of(*session_).p_WB.head<2>().norm(), 5e-3);  // settling, a few mm at most
+  tell(*session_, kForward);
+  session_->advance(3 * kSecond);
+  // .6 m were asked for; the trot makes more than half of any speed in every engine (docs/gaits.md).
+  EXPECT_GT(state_of(*session_).p_WB.x(), 0.3);
+  EXPECT_EQ(session_->lanes().front()->outcome(), Outcome::kWalked);
+  tell(*session_, R"({"do": "drive", "vx": 0, "vy": 0, "yaw_rate": 0})");
+  session_->advance(kSecond);
+  const double stopped = state_of(*session_).p_WB.x();
+  session_->advance(kSecond);
+  EXPECT_NEAR(state_of(*session_).p_WB.x(), stopped, 5e-3);
+  tell(*session_, R"({"do": "stand"})");
+  EXPECT_LT(std::abs(state_of(*session_).p_WB.x()), 5e-3);
+}
+
+TEST_P(ViewSessionTest, TurnsAndTakesParameters) {
+  tell(*session_, R"({"do": "drive", "vx": 0, "vy": 0, "yaw_rate": 0.8})");
+  tell(*session_, R"({"do": "gait", "gait": "walk"})");
+  session_->advance(2 * kSecond);
+  EXPECT_GT(roll_pitch_yaw(state_of(*session_).q_WB).z(), 0.4);  // of 1.6 rad
+  tell(*session_, R"({"do": "drive", "vx": 0, "vy": 0, "yaw_rate": 0})");
+  session_->advance(2 * kSecond);
+  const double before = state_of(*session_).p_WB.z();
+  const double set = session_->lanes().front()->gait()->parameters().body_height;
+  const double lower = set - 0.01;
+  tell(*session_, nlohmann::json{{"do", "set"}, {"name", "body_height"}, {"value", lower}}.dump());
+  session_->advance(2 * kSecond);
+  // Servos give way under the load, by nearly the same before and after.
+  EXPECT_NEAR(state_of(*session_).p_WB.z(), before - 0.01, 3e-3);
+}
+
+TEST_P(ViewSessionTest, APushIsAnImpulse) {
+  const auto other = make_view_session({GetParam()});
+  session_->advance(10);
+  other->advance(10);
+  const double mass = session_->lanes().front()->world().robot().total_mass();
+  const double asked = 0.2;  // m/s, of the whole robot
+  tell(*session_, nlohmann::json{{"do", "push"}, {"impulse", {0, asked * mass, 0}}}.dump());
+  session_->advance(1);
+  other->advance(1);
+  // The base alone is lighter than the robot, and its feet hold it: of the order of what was asked for.
+  const double gained = state_of(*session_).v_WB.y() - state_of(*other).v_WB.y();
+  EXPECT_GT(gained, 0.2 * asked);
+  EXPECT_LT(gained, 5 * asked);
+}
+
+TEST_P(ViewSessionTest, PausesAndGoesOn) {
+  tell(*session_, kForward);
+  session_->advance(100);
+  tell(*session_, R"({"do": "pause", "on": true})");
+  const RobotState before = state_of(*session_);
+  session_->advance(100);
+  EXPECT_EQ(state_of(*session_).time, before.time);
+  EXPECT_EQ(difference(state_of(*session_), before), 0);
+  tell(*session_, R"({"do": "pause", "on": false})");
+  session_->advance(100);
+  EXPECT_GT(state_of(*session_).time, before.time);
+}
+
+TEST_P(ViewSessionTest, AnotherEngineGoesOnWhereThisOneWas) {
+  const Laws laws = find_engine(GetParam()).info.laws;
+  for (const std::string& other : available_engines()) {
+    const auto session = make_view_session({GetParam()}), stays = make_view_session({GetParam()});
+    for (ViewSession* each : {session.get(), stays.get()}) {
+      tell(*each, kForward);
+      each->advance(kSecond);
+    }
+    const double phase = session->lanes().front()->gait()->phase();
+    tell(*session, engines_command({other}));
+    EXPECT_EQ(session->lanes().front()->world().info().name, other);
+    // A quaternion may be normalised anew: rounding.
+    EXPECT_LT(difference(state_of(*session), state_of(*stays)), 1e-12) << other;
+    EXPECT_EQ(state_of(*session).time, state_of(*stays).time);
+    EXPECT_EQ(session->lanes().front()->gait()->phase(), phase);
+    session->advance(50);
+    stays->advance(50);
+    EXPECT_EQ(session->lanes().front()->outcome(), Outcome::kWalked) << other;
+    if (find_engine(other).info.laws != laws) continue;
+    // Tight as engines of the same laws are held to (docs/parity-measurements.md), in velocities as well:
+    // 1e-6.
+    EXPECT_LT(difference(state_of(*session), state_of(*stays)), 1e-6) << other;
+  }
+}
+
+TEST_P(ViewSessionTest, ASecondRobotBeginsWhereTheFirstIsAndDoesTheSame) {
+  tell(*session_, kForward);
+  session_->advance(kSecond);
+  tell(*session_, engines_command({GetParam(), GetParam()}));
+  ASSERT_EQ(session_->lanes().size(), 2U);
+  EXPECT_LT(difference(state_of(*session_, 0), state_of(*session_, 1)), 1e-12);
+  tell(*session_, R"({"do": "drive", "vx": 0.1, "vy": 0, "yaw_rate": 0.3})");
+  session_->advance(100);
+  EXPECT_EQ(difference(state_of(*session_, 0), state_of(*session_, 1)), 0) << "the same to the last bit";
+}
+
+TEST_P(ViewSessionTest, AnotherGroundIsAnotherScene) {
+  EXPECT_TRUE(session_->scene().at("scene").at("ground").is_null());
+  const int revision = session_->scene_revision();
+  tell(*session_, kForward);
+  tell(*session_, R"({"do": "terrain", "terrain": "steps:size_x=4,size_y=4", "seed": 3})");
+  EXPECT_EQ(session_->scene_revision(), revision + 1);
+  EXPECT_FALSE(session_->scene().at("scene").at("ground").is_null());
+  EXPECT_EQ(session_->frame().at("seed"), 3);
+  session_->advance(100);
+  EXPECT_EQ(session_->lanes().front()->outcome(), Outcome::kWalked);
+  const ConfigError error =
+      config_error([this] { tell(*session_, R"({"do": "terrain", "terrain": "/etc/map.png", "seed": 0})"); });
+  EXPECT_EQ(error.element(), "terrain");
+  EXPECT_EQ(session_->scene_revision(), revision + 1);
+}
+
+TEST_P(ViewSessionTest, LeavingTheGroundEndsTheWalkUntilItStandsUp) {
+  tell(*session_, R"({"do": "terrain", "terrain": "waves:size_x=1,size_y=1", "seed": 0})");
+  tell(*session_, R"({"do": "drive", "vx": 0.5, "vy": 0, "yaw_rate": 0})");
+  session_->advance(8 * kSecond);
+  EXPECT_NE(session_->lanes().front()->outcome(), Outcome::kWalked);
+  const double time = state_of(*session_).time;
+  session_->advance(kSecond);
+  EXPECT_EQ(state_of(*session_).time, time);
+  tell(*session_, R"({"do": "stand"})");
+  session_->advance(10);
+  EXPECT_EQ(session_->lanes().front()->outcome(), Outcome::kWalked);
+}
+
+TEST_P(ViewSessionTest, KeepsARecordingUntilSomethingEndsIt) {
+  EXPECT_EQ(session_->recording(), nullptr);
+  tell(*session_, kForward);
+  tell(*session_, R"({"do": "record", "on": true})");
+  session_->advance(50);
+  EXPECT_NEAR(session_->frame().at("recorded").get<double>(), 0.1, 1e-9);
+  tell(*session_, engines_command({GetParam()}));
+  EXPECT_TRUE(session_->frame().at("recorded").is_null());
+  ASSERT_NE(session_->recording(), nullptr);
+  const Motion& motion = *session_->recording()->motion;
+  ASSERT_EQ(motion.runs.size(), 1U);
+  EXPECT_EQ(motion.runs.front().name, GetParam());
+  EXPECT_EQ(motion.runs.front().trace.rows(), 50U);
+  PageNumbers numbers;
+  EXPECT_EQ(report_document(*session_->recording(), numbers).at("motion").at("runs").size(), 1U);
+  tell(*session_, R"({"do": "record", "on": true})");
+  session_->advance(static_cast<int>(kMaxRecordedSteps) + 10);
+  EXPECT_EQ(session_->recording()->motion->runs.front().trace.rows(), kMaxRecordedSteps);
+}
+
+TEST_P(ViewSessionTest, FramesSayWhereItIs) {
+  tell(*session_, kForward);
+  session_->advance(kSecond);
+  const nlohmann::json frame = session_->frame(), robot = frame.at("robots").at(0);
+  const RobotState& state = state_of(*session_);
+  EXPECT_EQ(robot.at("poses").size(), 7 * session_->lanes().front()->world().robot().bodies.size());
+  for (Eigen::Index i = 0; i < 3; ++i)  // rounded to 1e-5 m
+    EXPECT_NEAR(robot.at("poses").at(static_cast<std::size_t>(i)).get<double>(), state.p_WB[i], 1e-5);
+  EXPECT_EQ(frame.at("command").at("vx"), 0.2);
+  EXPECT_EQ(frame.at("parameters").size(), gait_parameters().size());
+  EXPECT_EQ(robot.at("feet").size(), 12U);
+  EXPECT_LT(frame.dump().size(), 8000U);
+}
+
+struct OutOfBounds {
+  std::string command, element;
+};
+
+TEST_P(ViewSessionTest, WhatIsOutOfBoundsChangesNothing) {
+  tell(*session_, kForward);
+  const nlohmann::json before = session_->frame();
+  const std::vector<OutOfBounds> refused{
+      {R"({"do": "drive", "vx": 9, "vy": 0, "yaw_rate": 0})", "vx"},
+      {R"({"do": "drive", "vx": 0.1, "vy": -9, "yaw_rate": 0})", "vy"},
+      {R"({"do": "drive", "vx": 0.1, "vy": 0, "yaw_rate": 1e308})", "yaw_rate"},
+      {R"({"do": "set", "name": "cycle_time", "value": 0})", "cycle_time"},
+      {R"({"do": "push", "impulse": [0, 0, 1e9]})", "push"},
+      {R"({"do": "engines", "engines": []})", "engines"},
+      {R"({"do": "engines", "engines": ["no such engine"]})", "engines"},
+  };
+  for (const auto& [command, element] : refused)
+    EXPECT_EQ(config_error([&, &text = command] { tell(*session_, text); }).element(), element) << command;
+  for (const char* command :
+       {R"({"do": "gait", "gait": "hop"})", R"({"do": "set", "name": "wings", "value": 1})",
+        R"({"do": "terrain", "terrain": "sea", "seed": 0})",
+        R"({"do": "terrain", "terrain": "rough:size_x=1e9", "seed": 0})"})
+    EXPECT_THROW(tell(*session_, command), ConfigError) << command;
+  EXPECT_EQ(config_error([this] {
+              tell(*session_, engines_command({GetParam(), GetParam(), GetParam(), GetParam()}));
+            }).element(),
+            "engines");
+  EXPECT_EQ(nlohmann::json(session_->frame()), before);
+}
+
+TEST_P(ViewSessionTest, EverySliderMayBeMovedToItsEnds) {
+  const nlohmann::json options = session_->options();
+  for (const auto& row : options.at("parameters")) {
+    for (const char* end : {"min", "max"}) {
+      const nlohmann::json command{{"do", "set"}, {"name", row.at("name")}, {"value", row.at(end)}};
+      EXPECT_NO_THROW(tell(*session_, command.dump())) << command.dump();
+      session_->advance(5);
+    }
+  }
+}
+
+TEST_P(ViewSessionTest, APolicyWalksWhereItIsTold) {
+  EnvConfig config;
+  config.policy_dt = 0.02;
+  const auto session = make_policy_session({GetParam()}, config, "zero");
+  EXPECT_EQ(session->options().at("policy"), "zero");
+  session->advance(kSecond / 2);
+  EXPECT_LT(std::abs(state_of(*session).p_WB.x()), 5e-3);
+  tell(*session, kForward);
+  tell(*session, R"({"do": "record", "on": true})");
+  session->advance(2 * kSecond);
+  EXPECT_GT(state_of(*session).p_WB.x(), 0.2);  // of .4 m
+  tell(*session, R"({"do": "record", "on": false})");
+  EXPECT_EQ(session->recording()->motion->runs.front().trace.rows(), 100U) << "one per policy step";
+  EXPECT_THROW(tell(*session, R"({"do": "gait", "gait": "walk"})"), ConfigError);
+  EXPECT_THROW(tell(*session, R"({"do": "set", "name": "cycle_time", "value": 0.3})"), ConfigError);
+  EXPECT_THROW(tell(*session, R"({"do": "drive", "vx": 9, "vy": 0, "yaw_rate": 0})"), ConfigError);
+  for (const std::string& other : available_engines()) {
+    const RobotState before = state_of(*session);
+    tell(*session, engines_command({other}));
+    EXPECT_LT(difference(state_of(*session), before), 1e-12) << other;
+    EXPECT_EQ(session->frame().at("command").at("vx"), 0.2);
+    session->advance(100);
+    EXPECT_EQ(session->lanes().front()->outcome(), Outcome::kWalked) << other;
+  }
+  const double before = state_of(*session).v_WB.y();
+  tell(*session, R"({"do": "push", "impulse": [0, 0.3, 0]})");
+  session->advance(10);
+  EXPECT_NE(state_of(*session).v_WB.y(), before);
+  tell(*session, R"({"do": "terrain", "terrain": "waves:size_x=4,size_y=4", "seed": 0})");
+  EXPECT_EQ(session->frame().at("terrain"), "waves:size_x=4,size_y=4");
+  EXPECT_LT(std::abs(state_of(*session).p_WB.x()), 5e-3);
+}
+
+TEST_P(ViewSessionTest, APolicyOfJointsHasNoGait) {
+  const auto session = make_policy_session({GetParam()}, joint_environment(), "zero");
+  session->advance(20);
+  EXPECT_TRUE(session->frame().at("gait").is_null());
+  EXPECT_TRUE(session->frame().at("parameters").is_null());
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,25 @@
+// Sessions for the tests of view/.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "crossgait/view/session.h"
+
+namespace crossgait {
+
+/// Robots of scara_quadruped on flat ground, in engines of the registry.
+std::unique_ptr<ViewSession> make_view_session(const std::vector<std::string>& engines);
+
+/// The same, driven by a policy of the environment.
+std::unique_ptr<ViewSession> make_policy_session(const std::vector<std::string>& engines,
+                                                 const EnvConfig& config, const std::string& policy);
+
+/// As a viewer says it.
+void tell(ViewSession& session, const std::string& command);
+
+/// Of the robot in the lane.
+const RobotState& state_of(const ViewSession& session, std::size_t lane = 0);
+
+}  // namespace crossgait

@@ -1,0 +1,62 @@
+// What a viewer may ask of a session, and how it says so: one small JSON object.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "crossgait/gait/velocity_command.h"
+#include "crossgait/physics/math.h"
+
+namespace crossgait {
+
+/// {"do": "drive", "vx": m/s, "vy": m/s, "yaw_rate": rad/s}
+struct DriveCommand {
+  VelocityCommand velocity;
+};
+/// {"do": "gait", "gait": NAME}
+struct GaitCommand {
+  std::string gait;
+};
+/// {"do": "set", "name": PARAMETER, "value": NUMBER}
+struct ParameterCommand {
+  std::string name;
+  double value = 0;
+};
+/// {"do": "push", "impulse": [x, y, z]}, N s, in the axes of W
+struct PushCommand {
+  Vector3 impulse = Vector3::Zero();
+};
+/// {"do": "terrain", "terrain": "NAME[:k=v,...]", "seed": NUMBER}: a generator, never a file
+struct TerrainCommand {
+  std::string terrain;
+  std::uint64_t seed = 0;
+};
+/// {"do": "engines", "engines": [NAME, ...]}: one, or several side by side
+struct EnginesCommand {
+  std::vector<std::string> engines;
+};
+/// {"do": "pause", "on": BOOL}
+struct PauseCommand {
+  bool on = false;
+};
+/// {"do": "stand"}: up again, at the origin
+struct StandCommand {};
+/// {"do": "record", "on": BOOL}
+struct RecordCommand {
+  bool on = false;
+};
+
+using ViewCommand = std::variant<DriveCommand, GaitCommand, ParameterCommand, PushCommand, TerrainCommand,
+                                 EnginesCommand, PauseCommand, StandCommand, RecordCommand>;
+
+/// Longest text of a command, bytes.
+inline constexpr std::size_t kMaxCommandBytes = 4096;
+
+/// What `text` says. Ranges are the session's to check. @throws ConfigError for text that is no JSON object,
+/// an unknown command, and keys that are missing, unknown or of another type
+ViewCommand parse_view_command(std::string_view text);
+
+}  // namespace crossgait

@@ -1,0 +1,47 @@
+// A robot that walks a gait, driven by hand.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "crossgait/env/closed_loop.h"
+#include "crossgait/view/gait_drive.h"
+#include "crossgait/view/lane.h"
+
+namespace crossgait {
+
+class GaitLane final : public Lane {
+ public:
+  /// Stands and has settled, at the origin. @throws ConfigError if the world cannot be made or the robot
+  /// cannot stand
+  GaitLane(const Engine& engine, const WorldSpec& spec, const GaitDrive& drive, double control_dt);
+
+  std::unique_ptr<Lane> in(const Engine& engine) const override;
+  std::unique_ptr<Lane> on(const Engine& engine, const Ground& ground) const override;
+
+  void step() override { loop_.advance(*world_, source_, 1); }
+  void stand_up() override;
+  void push(const Vector3& impulse) override { world_->apply_push(impulse); }
+
+  void set_command(const VelocityCommand& command) override { drive_.set_command(command); }
+  void set_gait(const std::string& gait) override { drive_.set_gait(gait); }
+  void set_parameter(const std::string& name, double value) override { drive_.set_parameter(name, value); }
+
+  const VelocityCommand& command() const noexcept override { return drive_.command(); }
+  const GaitGenerator* gait() const noexcept override { return &drive_.generator(); }
+  const PhysicsBackend& world() const noexcept override { return *world_; }
+  const ControlTargets& targets() const noexcept override { return loop_.targets(); }
+  Outcome outcome() const noexcept override { return loop_.statistics().worst(); }
+
+ private:
+  GaitLane(const Engine& engine, const GaitLane& other);
+  TargetSource source();
+
+  std::unique_ptr<PhysicsBackend> world_;
+  double control_dt_;
+  GaitDrive drive_;
+  ClosedLoop loop_;
+  TargetSource source_;  // of drive_
+};
+
+}  // namespace crossgait

@@ -1,0 +1,61 @@
+// One driven robot in one engine. Several lanes take the same commands, side by side.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "crossgait/env/outcome.h"
+#include "crossgait/gait/gait_generator.h"
+#include "crossgait/physics/engine.h"
+
+namespace crossgait {
+
+/// A ground by generator, as `make_terrain` takes it.
+struct Ground {
+  std::string terrain;
+  std::uint64_t seed = 0;
+};
+
+/// What drives it is a gait (gait_lane.h) or a policy (policy_lane.h).
+class Lane {
+ public:
+  Lane() = default;
+  virtual ~Lane() = default;
+  Lane(const Lane&) = delete;
+  Lane& operator=(const Lane&) = delete;
+
+  /// As it is now, in another engine: generalised coordinates, velocities and time of the world, phase and
+  /// parameters of the gait, statistics. Contacts, pending pushes and servo targets that are on their way are
+  /// forgotten, as `PhysicsBackend::reset` does. @throws ConfigError if the world cannot be made
+  virtual std::unique_ptr<Lane> in(const Engine& engine) const = 0;
+  /// Anew on another ground, standing at its origin, gait and parameters as they are. @throws ConfigError
+  virtual std::unique_ptr<Lane> on(const Engine& engine, const Ground& ground) const = 0;
+
+  /// Goes on by one control step, unless it has ended (it left the ground, the engine diverged).
+  virtual void step() = 0;
+  /// Back to the stand at the origin, settled, without a command. @throws ConfigError if the parameters leave
+  /// no stand
+  virtual void stand_up() = 0;
+  /// @param impulse  N s, in W, at the base. @throws ConfigError if not finite
+  virtual void push(const Vector3& impulse) = 0;
+
+  /// @throws ConfigError beyond `drive_limits`, or not finite
+  virtual void set_command(const VelocityCommand& command) = 0;
+  /// With the parameters that it prefers. @throws ConfigError for an unknown name, or where a policy drives
+  virtual void set_gait(const std::string& gait) = 0;
+  /// @throws ConfigError for an unknown name, a value outside `parameter_range`, or where a policy drives
+  virtual void set_parameter(const std::string& name, double value) = 0;
+
+  virtual const VelocityCommand& command() const noexcept = 0;
+  /// Null where joints are commanded.
+  virtual const GaitGenerator* gait() const noexcept = 0;
+  virtual const PhysicsBackend& world() const noexcept = 0;
+  /// Of the last control step.
+  virtual const ControlTargets& targets() const noexcept = 0;
+  /// kWalked while all is well, else the worst so far.
+  virtual Outcome outcome() const noexcept = 0;
+};
+
+}  // namespace crossgait

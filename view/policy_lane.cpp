@@ -1,0 +1,99 @@
+#include "crossgait/view/policy_lane.h"
+
+#include "crossgait/physics/error.h"
+#include "crossgait/view/gait_drive.h"
+
+namespace crossgait {
+namespace {
+
+/// A day, s.
+constexpr double kLongestView = 86'400;
+
+std::shared_ptr<const EnvModel> model_of(EnvConfig config) {
+  config.randomisation = {};
+  config.command = VelocityCommand{};
+  config.episode_seconds = kLongestView;
+  config.ends = OutcomeSet::of_walks().add(Outcome::kLeftTerrain);
+  return EnvModel::make(config);
+}
+
+[[noreturn]] void refuse_to_meddle(const std::string& what) {
+  throw ConfigError("drive", what, "speed and turn: the rest is the policy's", what);
+}
+
+}  // namespace
+
+PolicyLane::PolicyLane(const Engine& engine, const EnvConfig& config, const std::string& policy)
+    : name_(policy),
+      env_(model_of(config), engine),
+      policy_(make_policy(policy, env_.interface())),
+      observation_(env_.observation_size()),
+      action_(env_.action_size()) {
+  stand_up();
+}
+
+PolicyLane::PolicyLane(const Engine& engine, const PolicyLane& other)
+    : name_(other.name_),
+      env_(std::make_shared<const EnvModel>(other.env_.model()), engine),
+      policy_(make_policy(name_, env_.interface())),
+      command_(other.command_),
+      observation_(other.observation_),
+      action_(other.action_),
+      steps_left_(other.steps_left_) {
+  policy_->reset(0);
+  QuadrupedEnv::Saved saved = *other.env_.save();
+  const auto world = engine.make(saved.world);
+  world->reset(saved.physics.state);
+  saved.physics = world->save();
+  env_.restore(saved);
+}
+
+std::unique_ptr<Lane> PolicyLane::in(const Engine& engine) const {
+  return std::unique_ptr<Lane>(new PolicyLane(engine, *this));
+}
+
+std::unique_ptr<Lane> PolicyLane::on(const Engine& engine, const Ground& ground) const {
+  EnvConfig config = env_.config();
+  config.terrain = ground.terrain;
+  config.terrain_seed = ground.seed;
+  return std::make_unique<PolicyLane>(engine, config, name_);
+}
+
+void PolicyLane::step() {
+  if (steps_left_ == 0) {
+    policy_->act(observation_, action_);
+    env_.step(action_, observation_);
+    steps_left_ = env_.model().policy_steps;
+  }
+  --steps_left_;
+}
+
+void PolicyLane::stand_up() {
+  policy_->reset(0);
+  env_.reset(0, observation_);
+  command_ = {};
+  steps_left_ = 0;
+}
+
+void PolicyLane::push(const Vector3& impulse) {
+  if (!impulse.allFinite()) throw ConfigError("drive", "push", "three finite numbers, N s", "not finite");
+  QuadrupedEnv::Saved saved = *env_.save();
+  saved.physics.push += impulse;
+  env_.restore(saved);
+}
+
+void PolicyLane::set_command(const VelocityCommand& command) {
+  check_drive(env_.backend().robot(), command);
+  env_.set_command(command);
+  command_ = command;
+}
+
+void PolicyLane::set_gait(const std::string& gait) { refuse_to_meddle(gait); }
+void PolicyLane::set_parameter(const std::string& name, double /*value*/) { refuse_to_meddle(name); }
+
+const GaitGenerator* PolicyLane::gait() const noexcept {
+  const AdaptiveGaitController* controller = env_.gait();
+  return controller == nullptr ? nullptr : &controller->generator();
+}
+
+}  // namespace crossgait

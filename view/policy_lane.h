@@ -1,0 +1,49 @@
+// A robot whose gait a policy adapts, or whose joints it commands; by hand it is told where to go.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "crossgait/env/quadruped_env.h"
+#include "crossgait/view/lane.h"
+
+namespace crossgait {
+
+class PolicyLane final : public Lane {
+ public:
+  /// Stands and has settled. What `config` randomises is left out, its episodes go on for as long as they
+  /// may, and its command begins at zero. @param policy  as `make_policy` takes it. @throws ConfigError
+  PolicyLane(const Engine& engine, const EnvConfig& config, const std::string& policy);
+
+  /// A policy that remembers what it saw begins anew.
+  std::unique_ptr<Lane> in(const Engine& engine) const override;
+  std::unique_ptr<Lane> on(const Engine& engine, const Ground& ground) const override;
+
+  /// Control steps are made a policy step at a time, with the first of it.
+  void step() override;
+  void stand_up() override;
+  void push(const Vector3& impulse) override;
+
+  void set_command(const VelocityCommand& command) override;
+  void set_gait(const std::string& gait) override;
+  void set_parameter(const std::string& name, double value) override;
+
+  const VelocityCommand& command() const noexcept override { return command_; }
+  const GaitGenerator* gait() const noexcept override;
+  const PhysicsBackend& world() const noexcept override { return env_.backend(); }
+  const ControlTargets& targets() const noexcept override { return env_.targets(); }
+  Outcome outcome() const noexcept override { return env_.info().outcome; }
+
+ private:
+  PolicyLane(const Engine& engine, const PolicyLane& other);
+
+  std::string name_;
+  QuadrupedEnv env_;
+  std::unique_ptr<Policy> policy_;
+  VelocityCommand command_;
+  std::vector<double> observation_, action_;
+  int steps_left_ = 0;  // control steps that the last policy step has made already
+};
+
+}  // namespace crossgait

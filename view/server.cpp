@@ -1,0 +1,212 @@
+#include "crossgait/view/server.h"
+
+#include <atomic>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <httplib.h>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/view/request_check.h"
+
+namespace crossgait {
+namespace {
+
+using namespace std::chrono_literals;
+using Handled = httplib::Server::HandlerResponse;
+
+/// How long a stream without news says nothing: then a comment, so that the end of a connection is noticed.
+constexpr auto kPatience = 500ms;
+/// A client that takes nothing for so long is let go, s.
+constexpr int kWriteSeconds = 2;
+/// A client that connects and says nothing for so long is let go, s.
+constexpr int kFirstByteSeconds = 2;
+/// Threads for requests that are no streams.
+constexpr std::size_t kShortRequests = 8;
+
+void answer(httplib::Response& response, int status, const std::string& text) {
+  response.status = status;
+  response.set_content(text + "\n", "text/plain; charset=utf-8");
+}
+
+/// One place of those for streams; given back when the stream ends, however it does.
+class ViewerPlace {
+ public:
+  static std::shared_ptr<ViewerPlace> take(std::atomic<int>& taken, std::size_t places) {
+    auto place = std::make_shared<ViewerPlace>(taken);
+    return static_cast<std::size_t>(taken.load()) <= places ? place : nullptr;
+  }
+  explicit ViewerPlace(std::atomic<int>& taken) : taken_(taken) { ++taken_; }
+  ~ViewerPlace() { --taken_; }
+  ViewerPlace(const ViewerPlace&) = delete;
+  ViewerPlace& operator=(const ViewerPlace&) = delete;
+
+ private:
+  std::atomic<int>& taken_;
+};
+
+// Ports are one program's: without SO_REUSEPORT, which the library would set.
+void prepare_socket(socket_t socket) {
+  // Little is kept for a slow client: what it gets is to be fresh.
+  const int yes = 1, kept = 64 * 1024;
+  static_cast<void>(::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes));
+  static_cast<void>(
+      ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &kept, sizeof kept));  // taken over by connections
+}
+
+}  // namespace
+
+void require_view_server() {}
+
+class ViewServer::Implementation {
+ public:
+  Implementation(LiveView& view, const ViewServerOptions& options) : view_(view), options_(options) {
+    configure();
+    route();
+    constexpr const char* kLoopback = "127.0.0.1";
+    port_ = options.port;
+    if (port_ == 0) {
+      port_ = server_.bind_to_any_port(kLoopback);
+    } else if (!server_.bind_to_port(kLoopback, port_)) {
+      port_ = -1;
+    }
+    if (port_ <= 0) throw ConfigError("view", "port", "a port that is free", fmt::format("{}", options.port));
+    thread_ = std::thread([this] {
+      server_.listen_after_bind();
+      listened_ = true;
+    });
+    // Only a server that runs can be stopped.
+    while (!server_.is_running() && !listened_) std::this_thread::sleep_for(1ms);
+  }
+  ~Implementation() {
+    ending_ = true;
+    server_.stop();
+    thread_.join();
+  }
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+
+  int port() const noexcept { return port_; }
+  std::string address() const { return fmt::format("http://127.0.0.1:{}/{}/", port_, options_.token); }
+
+ private:
+  void configure() {
+    const std::size_t threads = options_.viewers + kShortRequests;
+    server_.new_task_queue = [threads] { return new httplib::ThreadPool(threads); };
+    server_.set_socket_options(prepare_socket);
+    server_.set_tcp_nodelay(true);
+    server_.set_payload_max_length(kMaxCommandBytes);
+    server_.set_write_timeout(kWriteSeconds);
+    server_.set_keep_alive_timeout(kFirstByteSeconds);
+    // One request per connection: what is refused unread cannot be taken for the next one.
+    server_.set_keep_alive_max_count(1);
+    server_.set_default_headers({{"Cache-Control", "no-store"},
+                                 {"Content-Security-Policy", "frame-ancestors 'none'"},
+                                 {"Cross-Origin-Resource-Policy", "same-origin"},
+                                 {"Referrer-Policy", "no-referrer"},
+                                 {"X-Content-Type-Options", "nosniff"}});
+    server_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
+      return admit(request, response) ? Handled::Unhandled : Handled::Handled;
+    });
+    server_.set_exception_handler([](const httplib::Request&, httplib::Response& response,
+                                     std::exception_ptr) { answer(response, 500, "the request failed"); });
+  }
+
+  bool admit(const httplib::Request& request, httplib::Response& response) const {
+    RequestFacts facts{request.path, request.get_header_value("Host"), {}};
+    if (request.get_header_value_count("Host") > 1) facts.host.clear();
+    if (request.has_header("Origin")) facts.origin = request.get_header_value("Origin");
+    if (!admitted_path(facts, options_.token, port_)) {
+      answer(response, 403, "not allowed: the address that `crossgait view` printed is needed, as it is");
+    } else if (request.method != "GET" && request.method != "POST") {
+      answer(response, 405, "GET and POST alone");
+    } else if (request.method == "POST") {
+      return admit_body(request, response);
+    } else {
+      return true;
+    }
+    return false;
+  }
+
+  // Only what has a length that is known and checked is read.
+  static bool admit_body(const httplib::Request& request, httplib::Response& response) {
+    if (request.has_header("Transfer-Encoding") || !request.has_header("Content-Length")) {
+      answer(response, 411, "a body with its length is needed");
+    } else if (request.get_header_value("Content-Type") != "application/json" ||
+               request.has_header("Content-Encoding")) {
+      answer(response, 415, "application/json is needed");
+    } else {
+      return true;
+    }
+    return false;
+  }
+
+  void route() {
+    const std::string at = "/" + options_.token;
+    const auto json = [this, at](const char* path, auto text) {
+      server_.Get(at + path, [text](const httplib::Request&, httplib::Response& response) {
+        response.set_content(*text(), "application/json");
+      });
+    };
+    json("/options", [this] { return view_.options(); });
+    json("/scene", [this] { return view_.scene(); });
+    server_.Get(at + "/", [this](const httplib::Request&, httplib::Response& response) {
+      response.set_content(options_.page, "text/html; charset=utf-8");
+    });
+    server_.Get(at + "/frames",
+                [this](const httplib::Request&, httplib::Response& response) { stream(response); });
+    server_.Get(at + "/report",
+                [this](const httplib::Request&, httplib::Response& response) { report(response); });
+    server_.Post(at + "/command", [this](const httplib::Request& request, httplib::Response& response) {
+      try {
+        view_.execute(parse_view_command(request.body));
+        response.status = 204;
+      } catch (const ConfigError& error) {
+        answer(response, 400, error.what());
+      }
+    });
+  }
+
+  void stream(httplib::Response& response) {
+    const auto place = ViewerPlace::take(viewers_, options_.viewers);
+    if (!place) return answer(response, 503, "as many look on as may");
+    response.set_chunked_content_provider(
+        "text/event-stream",
+        [this, place, seen = std::uint64_t{0}](std::size_t, httplib::DataSink& sink) mutable {
+          // Writing waits for a slow client; the frames of that time are not sent later.
+          const LiveFrame frame = view_.next_frame(seen, kPatience);
+          if (ending_ || !view_.failure().empty()) {
+            sink.done();
+            return true;
+          }
+          const std::string text = frame.number == seen ? ":\n\n" : fmt::format("data: {}\n\n", *frame.json);
+          seen = frame.number;
+          return sink.write(text.data(), text.size());
+        });
+  }
+
+  void report(httplib::Response& response) const {
+    const std::shared_ptr<const ReportPage> page = view_.recording();
+    if (!page) return answer(response, 404, "nothing has been recorded");
+    response.set_header("Content-Disposition", "attachment; filename=\"crossgait-live.html\"");
+    response.set_content(report_html(*page), "text/html; charset=utf-8");
+  }
+
+  LiveView& view_;
+  const ViewServerOptions options_;
+  httplib::Server server_;
+  int port_ = 0;
+  std::atomic<int> viewers_{0};
+  std::atomic<bool> ending_{false}, listened_{false};
+  std::thread thread_;
+};
+
+ViewServer::ViewServer(LiveView& view, const ViewServerOptions& options)
+    : own_(std::make_unique<Implementation>(view, options)) {}
+ViewServer::~ViewServer() = default;
+int ViewServer::port() const noexcept { return own_->port(); }
+std::string ViewServer::address() const { return own_->address(); }
+
+}  // namespace crossgait

@@ -1,0 +1,106 @@
+// What `crossgait view` simulates: commands in, frames out. Free of engines' names, of HTTP and of the clock
+// on the wall: a session is one object on one thread, and the same commands at the same steps give the same
+// motion.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "crossgait/env/env_config.h"
+#include "crossgait/report/page.h"
+#include "crossgait/view/command.h"
+#include "crossgait/view/lane.h"
+
+namespace crossgait {
+
+/// Engines as a session reaches them.
+struct EngineShelf {
+  std::vector<std::string> names;                       ///< that may be asked for
+  std::function<Engine(const std::string& name)> find;  ///< throws ConfigError
+};
+
+/// A policy that drives, and the environment that it is for.
+struct ViewPolicy {
+  EnvConfig config;
+  std::string policy;  ///< as `make_policy` takes it
+};
+
+struct ViewSetup {
+  WorldSpec world;            ///< unused where a policy drives
+  std::string gait = "trot";  ///< so is this
+  std::optional<ViewPolicy> policy = {};
+  std::uint64_t terrain_seed = 0;    ///< for pages to show
+  std::vector<std::string> engines;  ///< one to kMaxLanes of them
+  double control_dt = 2e-3;          ///< s, a multiple of the physics step
+};
+
+/// Robots side by side.
+inline constexpr std::size_t kMaxLanes = 3;
+/// Longest recording, control steps: a minute at 2 ms.
+inline constexpr std::size_t kMaxRecordedSteps = 30'000;
+
+class ViewSession {
+ public:
+  /// Robots stand, settled. @throws ConfigError
+  ViewSession(const ViewSetup& setup, EngineShelf shelf);
+
+  /// At once, before the next step. A command that is refused changes nothing.
+  /// @throws ConfigError for what is out of bounds, not known or cannot be made
+  void apply(const ViewCommand& command);
+  /// Control steps of all robots, in step; none while paused. Memory stays as it is, but for a recording
+  void advance(int steps);
+
+  double control_dt() const noexcept { return setup_.control_dt; }
+  bool paused() const noexcept { return paused_; }
+  const std::vector<std::unique_ptr<Lane>>& lanes() const noexcept { return lanes_; }
+
+  // As documents, for pages (session_documents.cpp).
+
+  /// What does not change: `engines`, `most_engines`, `gaits` (`name`, `summary`), `parameters` (`name`,
+  /// `unit`, `help`, `min`, `max`), `terrains` (`name`, `help`), `limits` (`forward`, `left`, `yaw_rate`,
+  /// `push`), `mass` (kg) and `policy` (its name, null where a hand drives).
+  nlohmann::ordered_json options() const;
+  /// What changes with the ground: `revision`, `scene` (report/scene.h) and its `numbers` in base64.
+  nlohmann::ordered_json scene() const;
+  /// Grows with every change of the ground.
+  int scene_revision() const noexcept { return scene_revision_; }
+  /// The moment: `scene` (revision), `paused`, `gait`, `phase` and `parameters` (values, in the order of
+  /// `options`; all three null where joints are commanded), `command` (`vx`, `vy`, `yaw_rate`), `terrain`,
+  /// `seed`, `recorded` (s, null if nothing is being recorded), `reports` (recordings so far) and `robots`:
+  /// `engine`, `law` (of contact), `outcome`, `time` (s), `poses` of all bodies in W (x, y, z in m,
+  /// quaternion x, y, z, w), `feet` (centres in W, m), `forces` on them (in W, N), `contact` and `swing` by
+  /// leg, `velocity` of the base (forward, left in m/s, turning left in rad/s), `roll`, `pitch` (rad) and
+  /// `height` over the ground (m). Numbers are rounded to 1e-5.
+  nlohmann::ordered_json frame() const;
+
+  /// The last recording that was finished; null if there is none. It does not change any more.
+  std::shared_ptr<const ReportPage> recording() const noexcept { return recording_; }
+
+ private:
+  std::unique_ptr<Lane> make_lane(const std::string& engine) const;
+  const WorldSpec& world() const { return lanes_.front()->world().spec(); }
+  void choose_engines(const std::vector<std::string>& engines);
+  void change_terrain(const TerrainCommand& command);
+  void push(const Vector3& impulse);
+  template <typename Change>
+  void change_all(const Change& change);
+  void record(bool on);
+  void finish_recording();
+
+  ViewSetup setup_;
+  EngineShelf shelf_;
+  std::vector<std::unique_ptr<Lane>> lanes_;
+  int scene_revision_ = 1, recordings_ = 0;
+  bool paused_ = false;
+  std::vector<RunRecorder> recorders_;  // one per lane while there is a recording
+  std::vector<double> recorded_times_;  // of the last step of each that was recorded, s
+  std::size_t recorded_steps_ = 0;
+  std::shared_ptr<const ReportPage> recording_;
+};
+
+}  // namespace crossgait

@@ -1,0 +1,124 @@
+// What a session tells pages.
+#include <cmath>
+
+#include "crossgait/gait/scale.h"
+#include "crossgait/physics/multibody.h"
+#include "crossgait/report/scene.h"
+#include "crossgait/view/gait_drive.h"
+#include "crossgait/view/session.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Half the side of the plane that is drawn, m; the page moves it along with the robot.
+constexpr double kPlaneReach = 4;
+
+// Five digits behind the point: what a picture shows of metres and quaternions, and short as text.
+double rounded(double value) noexcept { return std::round(value * 1e5) / 1e5; }
+
+void append(ordered_json& list, const Vector3& v) {
+  for (const double value : v) list.push_back(rounded(value));
+}
+
+ordered_json robot_frame(const Lane& lane) {
+  const PhysicsBackend& world = lane.world();
+  const RobotState& state = world.state();
+  const RobotDescription& robot = world.robot();
+  std::vector<Pose> all;
+  forward_kinematics(robot, state, all);
+  ordered_json poses = ordered_json::array(), feet = ordered_json::array(), forces = ordered_json::array(),
+               contact = ordered_json::array(), swing = ordered_json::array();
+  for (const Pose& pose : all) {
+    const Quaternion q(pose.linear());
+    append(poses, pose.translation());
+    for (const double value : {q.x(), q.y(), q.z(), q.w()}) poses.push_back(rounded(value));
+  }
+  const LegArray<FootContact> touched = world.foot_contacts();
+  for (const Leg leg : kLegs) {
+    append(feet, foot_position(robot, leg, all));
+    append(forces, touched[leg].force);
+    contact.push_back(touched[leg].touching);
+    swing.push_back(lane.targets().plan && (*lane.targets().plan)[leg].swing);
+  }
+  const Vector3 angles = roll_pitch_yaw(state.q_WB);
+  const Vector3 velocity = Eigen::AngleAxisd(-angles.z(), Vector3::UnitZ()) * state.v_WB;
+  const Vector3& p = state.p_WB;
+  return {{"engine", world.info().name},
+          {"law", world.info().laws.contact},
+          {"outcome", name(lane.outcome())},
+          {"time", rounded(state.time)},
+          {"poses", std::move(poses)},
+          {"feet", std::move(feet)},
+          {"forces", std::move(forces)},
+          {"contact", std::move(contact)},
+          {"swing", std::move(swing)},
+          {"velocity", {rounded(velocity.x()), rounded(velocity.y()), rounded(state.w_WB.z())}},
+          {"roll", rounded(angles.x())},
+          {"pitch", rounded(angles.y())},
+          {"height", rounded(p.z() - world.spec().terrain.height(p.x(), p.y()))}};
+}
+
+}  // namespace
+
+ordered_json ViewSession::options() const {
+  const RobotDescription& robot = *world().robot;
+  const GaitScale scale = gait_scale(robot);
+  const DriveLimits limits = drive_limits(robot);
+  ordered_json gaits_ = ordered_json::array(), parameters = ordered_json::array(),
+               terrains = ordered_json::array();
+  for (const Gait& gait : gaits()) gaits_.push_back({{"name", gait.name}, {"summary", gait.summary}});
+  for (const ParameterRow& row : gait_parameters()) {
+    const AdaptationRanges::Interval range = parameter_range(row.name, scale);
+    parameters.push_back(
+        {{"name", row.name}, {"unit", row.unit}, {"help", row.help}, {"min", range.min}, {"max", range.max}});
+  }
+  for (const TerrainGenerator& terrain : terrain_generators())
+    terrains.push_back({{"name", terrain.name}, {"help", terrain.help}});
+  return {{"engines", shelf_.names},
+          {"most_engines", kMaxLanes},
+          {"gaits", std::move(gaits_)},
+          {"parameters", std::move(parameters)},
+          {"terrains", std::move(terrains)},
+          {"limits",
+           {{"forward", limits.forward},
+            {"left", limits.left},
+            {"yaw_rate", limits.yaw_rate},
+            {"push", limits.push}}},
+          {"mass", robot.total_mass()},
+          {"policy", setup_.policy ? ordered_json(setup_.policy->policy) : ordered_json()}};
+}
+
+ordered_json ViewSession::scene() const {
+  const HeightField* field = world().terrain.field();
+  const double x = field ? field->size_x() / 2 : kPlaneReach, y = field ? field->size_y() / 2 : kPlaneReach;
+  PageNumbers numbers;
+  ordered_json scene = scene_document(*world().robot, world().terrain, {{-x, -y}, {x, y}}, numbers);
+  return {{"revision", scene_revision_}, {"scene", std::move(scene)}, {"numbers", numbers.base64()}};
+}
+
+ordered_json ViewSession::frame() const {
+  const GaitGenerator* gait = lanes_.front()->gait();
+  ordered_json parameters, robots = ordered_json::array();
+  if (gait != nullptr) {
+    for (const ParameterRow& row : gait_parameters()) parameters.push_back(gait->parameters().*row.member);
+  }
+  for (const auto& lane : lanes_) robots.push_back(robot_frame(*lane));
+  ordered_json recorded;
+  if (!recorders_.empty()) recorded = rounded(static_cast<double>(recorded_steps_) * setup_.control_dt);
+  const VelocityCommand& command = lanes_.front()->command();
+  return {{"scene", scene_revision_},
+          {"paused", paused_},
+          {"gait", gait != nullptr ? ordered_json(gait->gait().name) : ordered_json()},
+          {"phase", gait != nullptr ? ordered_json(rounded(gait->phase())) : ordered_json()},
+          {"command", {{"vx", command.vx}, {"vy", command.vy}, {"yaw_rate", command.yaw_rate}}},
+          {"parameters", std::move(parameters)},
+          {"terrain", world().terrain.name()},
+          {"seed", setup_.terrain_seed},
+          {"recorded", std::move(recorded)},
+          {"reports", recordings_},
+          {"robots", std::move(robots)}};
+}
+
+}  // namespace crossgait

@@ -1,0 +1,127 @@
+// What a live page gets from its server, and sends to it (view/session.h, view/command.h).
+import type { Scene } from "./document";
+
+export interface LiveOptions {
+  engines: string[];
+  most_engines: number;
+  gaits: { name: string; summary: string }[];
+  parameters: { name: string; unit: string; help: string; min: number; max: number }[];
+  terrains: { name: string; help: string }[];
+  limits: { forward: number; left: number; yaw_rate: number; push: number };
+  mass: number;
+  /** What drives beside the hand, if anything does. */
+  policy: string | null;
+}
+
+export interface LiveScene {
+  revision: number;
+  scene: Scene;
+  numbers: string;
+}
+
+export interface LiveRobot {
+  engine: string;
+  law: string;
+  outcome: string;
+  time: number;
+  poses: number[];
+  feet: number[];
+  forces: number[];
+  contact: boolean[];
+  swing: boolean[];
+  velocity: [number, number, number];
+  roll: number;
+  pitch: number;
+  height: number;
+}
+
+export interface Velocity {
+  vx: number;
+  vy: number;
+  yaw_rate: number;
+}
+
+export interface LiveFrame {
+  number: number;
+  scene: number;
+  paused: boolean;
+  rate: number;
+  /** These three are null where a policy commands joints. */
+  gait: string | null;
+  phase: number | null;
+  parameters: number[] | null;
+  command: Velocity;
+  terrain: string;
+  seed: number;
+  recorded: number | null;
+  reports: number;
+  robots: LiveRobot[];
+}
+
+export type Command =
+  | ({ do: "drive" } & Velocity)
+  | { do: "gait"; gait: string }
+  | { do: "set"; name: string; value: number }
+  | { do: "push"; impulse: [number, number, number] }
+  | { do: "terrain"; terrain: string; seed: number }
+  | { do: "engines"; engines: string[] }
+  | { do: "pause"; on: boolean }
+  | { do: "stand" }
+  | { do: "record"; on: boolean };
+
+/** Everything is below the page's own address, which holds the token. */
+export class Link {
+  private stream: EventSource | null = null;
+  /** Of each kind, what is to be sent when the one before has arrived: a slider says more than a server needs. */
+  private readonly waiting = new Map<string, Command>();
+  private readonly busy = new Set<string>();
+
+  constructor(
+    private readonly frame: (frame: LiveFrame) => void,
+    /** Told what went wrong; an empty text once it is well again. */
+    private readonly trouble: (words: string) => void,
+  ) {}
+
+  options(): Promise<LiveOptions> {
+    return this.get<LiveOptions>("options");
+  }
+  scene(): Promise<LiveScene> {
+    return this.get<LiveScene>("scene");
+  }
+  watch(): void {
+    this.stream = new EventSource("frames");
+    this.stream.onmessage = (event) => this.frame(JSON.parse(event.data as string) as LiveFrame);
+    this.stream.onopen = () => this.trouble("");
+    // The browser tries again by itself.
+    this.stream.onerror = () => this.trouble("no connection: crossgait view has ended, or as many look on as may");
+  }
+  close(): void {
+    this.stream?.close();
+  }
+
+  send(command: Command): void {
+    const kind = command.do === "set" ? `set ${command.name}` : command.do;
+    // Pushes add up; of everything else the last one counts.
+    if (command.do === "push" || !this.busy.has(kind)) void this.post(kind, command);
+    else this.waiting.set(kind, command);
+  }
+
+  private async get<T>(path: string): Promise<T> {
+    const answer = await fetch(path);
+    if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
+    return (await answer.json()) as T;
+  }
+  private async post(kind: string, command: Command): Promise<void> {
+    this.busy.add(kind);
+    try {
+      const answer = await fetch("command", { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(command) });
+      this.trouble(answer.ok ? "" : (await answer.text()).trim());
+    } catch {
+      this.trouble("no connection");
+    }
+    this.busy.delete(kind);
+    const next = this.waiting.get(kind);
+    this.waiting.delete(kind);
+    if (next) void this.post(kind, next);
+  }
+}

@@ -1,0 +1,43 @@
+// Debian's Chromium, as the tests of pages use it.
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { chromium } from "playwright-core";
+
+const arguments_ = ["--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+  "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+
+// Software rendering has a word to say about reading pixels back, which nothing here is to blame for.
+function isOfTheDriver(text) {
+  return text.includes("GPU stall due to ReadPixels");
+}
+
+export class Browser {
+  /** @param allowed addresses that pages may ask for */
+  constructor(allowed) {
+    this.allowed = allowed;
+    this.profile = mkdtempSync(join(tmpdir(), "crossgait-page-"));
+  }
+  async launch() {
+    this.context = await chromium.launchPersistentContext(this.profile, { executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: arguments_ });
+  }
+  async close() {
+    await this.context?.close();
+    rmSync(this.profile, { recursive: true, force: true });
+  }
+
+  /** Opens a page; whatever it complains of or asks for that it may not is among the problems. */
+  async open(address, { width = 1440, height = 900, scheme = "light" } = {}) {
+    const page = await this.context.newPage();
+    page.setDefaultTimeout(120_000); // pictures take their time without a graphics card, on a machine that has other things to do
+    await page.setViewportSize({ width, height });
+    await page.emulateMedia({ colorScheme: scheme });
+    const problems = [];
+    page.on("console", (message) => ["error", "warning"].includes(message.type()) && !isOfTheDriver(message.text()) && problems.push(message.text()));
+    page.on("pageerror", (error) => problems.push(error.message));
+    page.on("request", (request) => this.allowed.test(request.url()) || problems.push(`fetched ${request.url()}`));
+    await page.goto(address);
+    await page.waitForFunction(() => window.crossgait);
+    return { page, problems };
+  }
+}

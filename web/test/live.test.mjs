@@ -1,0 +1,168 @@
+// The live page in a real browser, at the server of $CROSSGAIT view. Pictures take their time without a graphics card: the
+// tests wait for what is to happen, and have a limit for what never does.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { Browser } from "./browser.mjs";
+
+const browser = new Browser(/^(file:|http:\/\/127\.0\.0\.1:\d+\/[0-9a-f]{32}\/|data:|blob:)/);
+let server;
+let address;
+let engines;
+
+before(async () => {
+  await browser.launch();
+  server = spawn(process.env.CROSSGAIT, ["view"], { stdio: ["ignore", "pipe", "inherit"] });
+  address = await new Promise((resolve, reject) => {
+    server.stdout.once("data", (text) => resolve(String(text).split("\n")[0]));
+    server.once("exit", (code) => reject(new Error(`crossgait view ended with ${code}`)));
+  });
+  engines = (await (await fetch(`${address}options`)).json()).engines;
+});
+after(async () => {
+  const ended = new Promise((resolve) => server.once("exit", resolve));
+  server.kill("SIGINT");
+  assert.equal(await ended, 0, "Ctrl-C is how it ends");
+  await browser.close();
+});
+
+const frame = (page) => page.evaluate(() => window.crossgait.frame);
+async function openLive(options) {
+  const opened = await browser.open(address, options);
+  await opened.page.waitForFunction(() => window.crossgait.view && window.crossgait.frame);
+  return opened;
+}
+/** Of the robot in the picture, m. */
+const shownBase = (page, robot = 0) => page.evaluate((i) => window.crossgait.view.robots[i].bodies[0].position.toArray(), robot);
+const command = (body) => fetch(`${address}command`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+
+test("it shows the robot, and keys drive it", async () => {
+  const { page, problems } = await openLive();
+  assert.match(page.url(), /^http:\/\/127\.0\.0\.1:/);
+  assert.equal(await page.evaluate(() => window.crossgait.view.robots.length), 1);
+  const [x] = await shownBase(page);
+  for (let i = 0; i < 3; ++i) await page.keyboard.press("ArrowUp");
+  await page.waitForFunction(() => window.crossgait.frame.command.vx > 0.1);
+  await page.waitForFunction((from) => window.crossgait.view.robots[0].bodies[0].position.x > from + 0.1, x);
+  const at = await page.evaluate(() => [window.crossgait.view.robots[0].bodies[0].position.toArray(), window.crossgait.runs[0].poses.slice(-7 * window.crossgait.view.robots[0].bodies.length).slice(0, 3)]);
+  at[0].forEach((value, i) => assert.ok(Math.abs(value - at[1][i]) < 1e-4, "the picture is where the frame has it"));
+  await page.keyboard.press(" ");
+  await page.waitForFunction(() => window.crossgait.frame.command.vx === 0);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("another engine goes on where this one was", async () => {
+  const { page, problems } = await openLive();
+  await page.keyboard.press("ArrowUp");
+  for (const engine of [...engines.slice(1), engines[0]]) {
+    const before_ = await frame(page);
+    await page.getByLabel("Engine", { exact: true }).selectOption(engine);
+    await page.waitForFunction((name) => window.crossgait.frame.robots[0].engine === name, engine);
+    const after_ = await frame(page);
+    assert.ok(after_.robots[0].time > before_.robots[0].time, "time goes on");
+    // 60 mm/s for as long as a machine may take: the robot is not put back to where it began.
+    const way = Math.hypot(after_.robots[0].poses[0] - before_.robots[0].poses[0], after_.robots[0].poses[1] - before_.robots[0].poses[1]);
+    const most = 0.02 + 0.3 * (after_.robots[0].time - before_.robots[0].time);
+    assert.ok(way < most, `${way} m in ${after_.robots[0].time - before_.robots[0].time} s`);
+  }
+  await page.keyboard.press(" ");
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("two engines walk side by side, on another ground, and two look on", async () => {
+  const { page, problems } = await openLive();
+  const other = await openLive({ scheme: "dark" });
+  await page.getByLabel("Engine beside it, 1").selectOption(engines[engines.length - 1]);
+  for (const each of [page, other.page]) await each.waitForFunction(() => window.crossgait.view.robots.length === 2);
+  await page.keyboard.press("b");
+  const ys = await page.evaluate(() => window.crossgait.view.robots.map((robot) => robot.parent.position.y));
+  assert.ok(ys[0] > ys[1], `side by side: ${ys}`);
+  // On ground that is not alike everywhere they stand in one place, each on its own.
+  await page.getByLabel("Ground", { exact: true }).selectOption("rough");
+  for (const each of [page, other.page]) await each.waitForFunction(() => window.crossgait.frame.terrain === "rough" && window.crossgait.view.motion.scene.ground && window.crossgait.view.robots.every((robot) => robot.parent.position.y === 0));
+  await page.getByLabel("Engine beside it, 1").selectOption("none");
+  await other.page.waitForFunction(() => window.crossgait.view.robots.length === 1);
+  await page.getByLabel("Ground", { exact: true }).selectOption("flat");
+  await page.waitForFunction(() => window.crossgait.frame.terrain === "flat");
+  assert.deepEqual(problems, []);
+  assert.deepEqual(other.problems, []);
+  await page.close();
+  await other.page.close();
+});
+
+test("sliders set parameters, and pulling at the robot pushes it", async () => {
+  const { page, problems } = await openLive();
+  await page.keyboard.press("u");
+  const slider = page.getByLabel("body height, m");
+  await slider.focus();
+  const before_ = Number(await slider.inputValue());
+  for (let i = 0; i < 5; ++i) await page.keyboard.press("ArrowLeft");
+  const index = await page.evaluate(() => window.crossgait.options.parameters.findIndex((p) => p.name === "body_height"));
+  await page.waitForFunction(([i, value]) => window.crossgait.frame.parameters[i] < value - 1e-4, [index, before_]);
+  await page.evaluate(() => document.activeElement.blur());
+  const gait = page.getByLabel("Gait", { exact: true });
+  await gait.selectOption("walk");
+  await page.waitForFunction(() => window.crossgait.frame.gait === "walk");
+  const posts = [];
+  page.on("request", (request) => request.method() === "POST" && posts.push(request.postDataJSON()));
+  const place = await page.evaluate(() => {
+    const { view } = window.crossgait;
+    view.camera.updateMatrixWorld();
+    const at = view.robots[0].bodies[0].getWorldPosition(view.camera.position.clone()).project(view.camera);
+    const box = view.canvas.getBoundingClientRect();
+    return [box.left + ((at.x + 1) / 2) * box.width, box.top + ((1 - at.y) / 2) * box.height];
+  });
+  await page.mouse.move(...place);
+  await page.mouse.down();
+  await page.mouse.move(place[0] + 60, place[1], { steps: 4 });
+  await page.mouse.up();
+  for (let i = 0; i < 100 && !posts.some((post) => post.do === "push"); ++i) await page.waitForTimeout(50);
+  const push = posts.find((post) => post.do === "push");
+  assert.ok(push && Math.hypot(...push.impulse) > 0, `among ${JSON.stringify(posts)}`);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("what is refused is said, and text is text", async () => {
+  const { page } = await openLive();
+  await page.getByLabel("Parameters of the ground").fill("<b id=hostile>=1");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => document.querySelector(".trouble").textContent.includes("hostile"));
+  assert.equal(await page.locator("#hostile").count(), 0);
+  await page.close();
+});
+
+test("a recording is saved as a report that replays", async () => {
+  const { page, problems } = await openLive();
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press("r");
+  await page.waitForFunction(() => window.crossgait.frame.recorded > 0.5);
+  await page.keyboard.press("r");
+  await page.waitForFunction(() => window.crossgait.frame.reports > 0);
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByText("save the report").click()]);
+  const folder = mkdtempSync(join(tmpdir(), "crossgait-live-"));
+  const file = join(folder, "live.html");
+  await download.saveAs(file);
+  assert.ok(!readFileSync(file, "utf8").includes("connect-src"), "a report may ask nobody");
+  await page.goto(`file://${file}`);
+  await page.waitForFunction(() => window.crossgait?.player);
+  assert.match(await page.title(), /driven by hand/);
+  const [seconds, robots] = await page.evaluate(() => [window.crossgait.player.end - window.crossgait.player.begin, window.crossgait.view.robots.length]);
+  assert.ok(seconds > 0.4 && robots === 1, `${seconds} s of ${robots} robots`);
+  rmSync(folder, { recursive: true });
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("whoever has not the address gets nothing", async () => {
+  const { origin } = new URL(address);
+  for (const path of ["/", "/frames", `/${"0".repeat(32)}/`]) assert.equal((await fetch(origin + path)).status, 403);
+  assert.equal((await command({ do: "drive", vx: 99, vy: 0, yaw_rate: 0 })).status, 400);
+  const foreign = await fetch(`${address}command`, { method: "POST", headers: { "Content-Type": "application/json", Origin: "http://evil.example" }, body: "{}" });
+  assert.equal(foreign.status, 403);
+});
