@@ -7,10 +7,9 @@ import json
 import os
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
-from crossgait import _core
+from crossgait import _core, film
 from crossgait._core import EnvironmentConfig
 from crossgait.compare_policies import ENVIRONMENT, INTERRUPTED, WRONG_INPUT, environment_of
 from crossgait.errors import ConfigError
@@ -55,8 +54,8 @@ def play(
         RuntimeError: without a display for a window, or a graphics context for a video.
 
     """
-    if video is not None and not os.fspath(video).endswith((".mp4", ".gif")):
-        raise ConfigError(os.fspath(video), "file", "a name that ends in .mp4 or .gif", "another")
+    if video is not None:
+        film.check(video)
     from crossgait.rendering import EnvironmentRenderer
 
     core = _core.Environment(environment, engine or "")
@@ -67,7 +66,7 @@ def play(
             _episode(core, actor, seed, seconds, lambda: renderer.show(core))
         else:
             every = max(1, round(1 / (FRAME_RATE * environment.policy_dt)))
-            with written_whole(video) as beside, _writer(beside, 1 / (every * environment.policy_dt)) as writer:
+            with written_whole(video) as beside, film.writer(beside, 1 / (every * environment.policy_dt)) as writer:
                 count = [0]
 
                 def draw() -> bool:
@@ -89,16 +88,6 @@ def _episode(core: _core.Environment, policy: Policy, seed: int, seconds: float 
     while not ended and (seconds is None or core.info["time"] < seconds):
         observation, _, terminated, truncated = core.step(policy.act(observation))
         ended = not seen() or terminated or truncated  # the last state is seen, too
-
-
-def _writer(path: Path, frames_per_second: float) -> Any:
-    try:
-        import imageio.v2 as imageio
-    except ImportError as error:
-        raise ImportError("videos are written with imageio: pip install imageio imageio-ffmpeg") from error
-    if path.suffix == ".gif":
-        return imageio.get_writer(path, duration=1000 / frames_per_second, loop=0)
-    return imageio.get_writer(path, fps=frames_per_second, macro_block_size=2)
 
 
 def _parser() -> argparse.ArgumentParser:

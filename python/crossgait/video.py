@@ -6,12 +6,11 @@ import argparse
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from crossgait import _core
+from crossgait import _core, film
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 from crossgait.progress import ProgressBar, shown
@@ -20,13 +19,10 @@ from crossgait.trace_scene import the_robot
 from crossgait.traces import Trace
 
 try:
-    import imageio.v3
     from PIL import Image, ImageDraw
 except ImportError as error:
-    raise ImportError("crossgait.video needs imageio and Pillow: pip install crossgait[video]") from error
+    raise ImportError("crossgait.video needs Pillow: pip install crossgait[video]") from error
 
-#: Endings of the files that can be written.
-KINDS = (".mp4", ".gif")
 #: Rounded to these multiples, without which players refuse H.264.
 _EVEN = 2
 _NAME_HEIGHT = 24  # px
@@ -66,9 +62,7 @@ def write(
         RuntimeError: where no graphics context can be made.
 
     """
-    kind = Path(path).suffix.lower()
-    if kind not in KINDS:
-        raise ConfigError(str(path), "file", f"one that ends in {' or '.join(KINDS)}", kind or "no ending")
+    film.check(path)
     for trace in traces:
         if len(trace) == 0:
             raise ConfigError(trace.name or "trace", "rows", "one at least", "none")
@@ -79,13 +73,9 @@ def write(
     ]
     told = shown(progress)
     try:
-        frames = _frames(traces, robot, renderers, fps / slow, told)
-        with written_whole(path) as beside:
-            if kind == ".gif":
-                imageio.v3.imwrite(beside, np.stack(list(frames)), duration=1000 / fps, loop=0)
-            else:
-                with imageio.v3.imopen(beside, "w", plugin="FFMPEG") as film:
-                    film.write(frames, fps=fps, codec="libx264", macro_block_size=_EVEN)  # type: ignore[call-overload]
+        with written_whole(path) as beside, film.writer(beside, fps) as sink:
+            for frame in _frames(traces, robot, renderers, fps / slow, told):
+                sink.append_data(frame)
     finally:
         for renderer in renderers:
             renderer.close()

@@ -101,7 +101,7 @@ def test_a_video_shows_an_episode(run: Path, tmp_path: Path) -> None:
 def test_what_cannot_be_played(run: Path, tmp_path: Path) -> None:
     policy = str(run / "short.safetensors")
     for arguments, words in (
-        ([policy, "--video", "a.avi"], "a.avi: file: expected a name that ends in .mp4 or .gif"),
+        ([policy, "--video", "a.avi"], "a.avi: file: expected one that ends in .mp4 or .gif"),
         ([policy, "--video", "a.mp4", "--size", "3"], "--size: expected WIDTHxHEIGHT"),
         ([policy, "--video", "a.mp4", "--engine", "havok"], "havok"),
         ([policy, "--video", "a.mp4", "--terrain", "moon"], "moon"),

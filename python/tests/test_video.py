@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import crossgait
-from crossgait import video
+from crossgait import film, video
 
 PROGRAM = str(Path(sys.executable).with_name("crossgait"))
 SECONDS = 0.4
@@ -28,7 +28,7 @@ def both() -> list[str]:
     return crossgait.available_engines()[:2]
 
 
-@pytest.mark.parametrize("kind", video.KINDS)
+@pytest.mark.parametrize("kind", film.KINDS)
 def test_a_film_has_its_frames_and_something_moves(
     kind: str, walked: list[crossgait.Trace], scara: crossgait.Robot, tmp_path: Path
 ) -> None:

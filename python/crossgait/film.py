@@ -1,0 +1,30 @@
+"""Files of moving pictures."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from crossgait.errors import ConfigError
+
+#: Endings of the files that can be written.
+KINDS = (".mp4", ".gif")
+
+
+def check(path: str | os.PathLike[str]) -> None:
+    """Raise ConfigError for a file with another ending."""
+    kind = Path(path).suffix.lower()
+    if kind not in KINDS:
+        raise ConfigError(os.fspath(path), "file", f"one that ends in {' or '.join(KINDS)}", kind or "no ending")
+
+
+def writer(path: Path, frames_per_second: float) -> Any:
+    """Where frames go one by one (`append_data`), a context manager: H.264, whose pictures have even sides, or GIF."""
+    try:
+        import imageio.v2 as imageio
+    except ImportError as error:
+        raise ImportError("films are written with imageio: pip install crossgait[video]") from error
+    if path.suffix.lower() == ".gif":
+        return imageio.get_writer(path, duration=1000 / frames_per_second, loop=0)
+    return imageio.get_writer(path, fps=frames_per_second, macro_block_size=2)
