@@ -74,7 +74,7 @@ def write(
     told = shown(progress)
     try:
         with written_whole(path) as beside, film.writer(beside, fps) as sink:
-            for frame in _frames(traces, robot, renderers, fps / slow, told):
+            for frame in _frames(traces, robot, renderers, fps * slow, told):
                 sink.append_data(frame)
     finally:
         for renderer in renderers:
@@ -89,7 +89,7 @@ def _frames(
     """Panels beside each other, `per_second` for each simulated second."""
     begin = min(float(trace.time[0]) for trace in traces)
     end = max(float(trace.time[-1]) for trace in traces)
-    count = max(1, int((end - begin) * per_second + 1e-9))
+    count = max(1, round((end - begin) * per_second))
     for number in range(count):
         now = begin + number / per_second
         panels = [

@@ -28,6 +28,8 @@ def both() -> list[str]:
     return crossgait.available_engines()[:2]
 
 
+# Pipes to ffmpeg, which the library that reads the file leaves to the collector.
+@pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("kind", film.KINDS)
 def test_a_film_has_its_frames_and_something_moves(
     kind: str, walked: list[crossgait.Trace], scara: crossgait.Robot, tmp_path: Path
@@ -48,8 +50,8 @@ def test_a_trace_that_ends_sooner_stands_still(
     half = crossgait.Trace(walked[0].names, walked[0].values[: len(walked[0]) // 2], name="half")
     video.write([half, walked[0]], tmp_path / "walk.gif", scara, fps=20, width=160, height=120)
     left, right = np.split(imageio.v3.imread(tmp_path / "walk.gif"), 2, axis=2)
-    assert np.abs(left[-1].astype(int) - left[-3].astype(int)).max() < 40  # a GIF's palette differs by frame
-    assert np.abs(right[-1].astype(int) - right[-3].astype(int)).max() > 60
+    still, moving = (np.abs(panel[-1].astype(int) - panel[-3].astype(int)).mean() for panel in (left, right))
+    assert still < 0.2 * moving  # not zero: a GIF's palette differs by frame
 
 
 def test_bad_input_leaves_no_film(walked: list[crossgait.Trace], scara: crossgait.Robot, tmp_path: Path) -> None:
@@ -63,6 +65,7 @@ def test_bad_input_leaves_no_film(walked: list[crossgait.Trace], scara: crossgai
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning")
 def test_the_command_walks_and_draws(tmp_path: Path) -> None:
     small = ["--fps", "10", "--width", "160", "--height", "120"]
     command = [PROGRAM, "video", "walk.mp4", "--seconds", "0.5", "--engines", ",".join(both()), *small]
