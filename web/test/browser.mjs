@@ -9,7 +9,8 @@ const arguments_ = ["--headless", "--no-sandbox", "--disable-quic", "--no-first-
 
 // Software rendering has a word to say about reading pixels back, which nothing here is to blame for.
 function isOfTheDriver(text) {
-  return text.includes("GPU stall due to ReadPixels");
+  // A live page that did not read for seconds is let go by the server, and asks again.
+  return text.includes("ERR_INCOMPLETE_CHUNKED_ENCODING") || text.includes("GPU stall due to ReadPixels");
 }
 
 export class Browser {
@@ -29,7 +30,7 @@ export class Browser {
   /** Opens a page; whatever it complains of or asks for that it may not is among the problems. */
   async open(address, { width = 1440, height = 900, scheme = "light" } = {}) {
     const page = await this.context.newPage();
-    page.setDefaultTimeout(120_000); // pictures take their time without a graphics card, on a machine that has other things to do
+    page.setDefaultTimeout(300_000); // pictures take their time without a graphics card, on a machine that has other things to do
     await page.setViewportSize({ width, height });
     await page.emulateMedia({ colorScheme: scheme });
     const problems = [];
