@@ -12,13 +12,13 @@ from typing import Any
 
 from crossgait import _core
 from crossgait._core import EnvironmentConfig
+from crossgait.commands import exit_code
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 from crossgait.train.evaluation import evaluate, failures
 
 Json = dict[str, Any]
 
-WRONG_INPUT, INTERRUPTED = 2, 130  #: exit codes, as of `crossgait`
 ENVIRONMENT = "environment.yaml"  #: beside a policy that `crossgait.train` made
 
 EPILOG = """\
@@ -128,7 +128,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _run(options: argparse.Namespace) -> None:
+def _run(options: argparse.Namespace) -> int:
     document = compare_policies(
         options.policies,
         environment_of(options.policies, options.environment),
@@ -141,27 +141,18 @@ def _run(options: argparse.Namespace) -> None:
     text = json.dumps(document, indent=2) + "\n"
     if options.json == "-":
         sys.stdout.write(text)
-        return
+        return 0
     if options.json:
         with written_whole(options.json) as beside:
             beside.write_text(text)
     print(table(document))
+    return 0
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do it; returns the exit code."""
     options = _parser().parse_args(arguments)
-    try:
-        _run(options)
-    except ConfigError as error:
-        print(f"crossgait.compare_policies: {error}", file=sys.stderr)
-        return WRONG_INPUT
-    except KeyboardInterrupt:
-        return INTERRUPTED
-    except (ImportError, OSError, RuntimeError) as error:
-        print(f"crossgait.compare_policies: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return exit_code("crossgait.compare_policies", lambda: _run(options))
 
 
 if __name__ == "__main__":

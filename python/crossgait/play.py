@@ -11,7 +11,8 @@ from typing import Any
 
 from crossgait import _core, film
 from crossgait._core import EnvironmentConfig
-from crossgait.compare_policies import ENVIRONMENT, INTERRUPTED, WRONG_INPUT, environment_of
+from crossgait.commands import exit_code
+from crossgait.compare_policies import ENVIRONMENT, environment_of
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 from crossgait.policies import Policy
@@ -115,7 +116,7 @@ def _size(text: str) -> tuple[int, int]:
     return int(width), int(height)
 
 
-def _run(options: argparse.Namespace) -> None:
+def _run(options: argparse.Namespace) -> int:
     environment = environment_of([options.policy], options.environment)
     if options.terrain:
         environment = environment.updated(json.dumps({"terrain": options.terrain}), "--terrain")
@@ -129,22 +130,13 @@ def _run(options: argparse.Namespace) -> None:
         size=_size(options.size),
     )
     print(f"{summary['outcome']}, {summary['distance_m']:.3f} m in {summary['simulated_seconds']:g} s")
+    return 0
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do it; returns the exit code."""
     options = _parser().parse_args(arguments)
-    try:
-        _run(options)
-    except ConfigError as error:
-        print(f"crossgait.play: {error}", file=sys.stderr)
-        return WRONG_INPUT
-    except KeyboardInterrupt:
-        return INTERRUPTED
-    except (ImportError, OSError, RuntimeError) as error:
-        print(f"crossgait.play: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return exit_code("crossgait.play", lambda: _run(options))
 
 
 if __name__ == "__main__":

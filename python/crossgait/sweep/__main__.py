@@ -10,7 +10,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from crossgait.errors import ConfigError
+from crossgait.commands import INTERRUPTED, exit_code
 from crossgait.sweep.cluster import RayCluster
 from crossgait.sweep.executors import Executor
 from crossgait.sweep.pool import ProcessPool
@@ -19,7 +19,6 @@ from crossgait.sweep.runner import Summary, sweep
 from crossgait.sweep.study import Study
 
 SHOWN_RUNS = 10  #: of a dry run
-WRONG_INPUT, INTERRUPTED = 2, 130  #: exit codes, as of `crossgait`
 
 DESCRIPTION = """\
 Make a grid of runs on all cores or a Ray cluster. Rows are appended to a file of stored runs, each with the hash of
@@ -169,17 +168,7 @@ def _run(options: argparse.Namespace) -> int:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do it; returns the exit code."""
     options = _parser().parse_args(arguments)
-    try:
-        return _run(options)
-    except ConfigError as error:
-        print(f"crossgait.sweep: {error}", file=sys.stderr)
-        return WRONG_INPUT
-    except KeyboardInterrupt:
-        print("interrupted: before the first run", file=sys.stderr)
-        return INTERRUPTED
-    except (ImportError, ConnectionError, OSError, RuntimeError) as error:
-        print(f"crossgait.sweep: {error}", file=sys.stderr)
-        return 1
+    return exit_code("crossgait.sweep", lambda: _run(options), "interrupted: before the first run")
 
 
 if __name__ == "__main__":

@@ -7,10 +7,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from crossgait.commands import INTERRUPTED, exit_code
 from crossgait.errors import ConfigError
 from crossgait.train.plan import Plan, presets
-
-WRONG_INPUT, INTERRUPTED = 2, 130  #: exit codes, as of `crossgait`
 
 DESCRIPTION = """\
 Train a policy with PPO (Stable-Baselines3) in one engine or several, and evaluate it in all of them. Every rollout
@@ -99,16 +98,7 @@ def _run(options: argparse.Namespace) -> int:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do it; returns the exit code."""
     options = _parser().parse_args(arguments)
-    try:
-        return _run(options)
-    except ConfigError as error:
-        print(f"crossgait.train: {error}", file=sys.stderr)
-        return WRONG_INPUT
-    except KeyboardInterrupt:
-        return INTERRUPTED
-    except (ImportError, OSError, RuntimeError) as error:
-        print(f"crossgait.train: {error}", file=sys.stderr)
-        return 1
+    return exit_code("crossgait.train", lambda: _run(options))
 
 
 if __name__ == "__main__":
