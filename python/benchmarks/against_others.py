@@ -45,10 +45,9 @@ Contender = Callable[[float], Turn]  # takes the simulated seconds to make at le
 
 
 def cpu_seconds() -> float:
-    """CPU time of this process and its children, s."""
-    me = psutil.Process()
-    times = [p.cpu_times() for p in (me, *me.children(recursive=True))]
-    return float(sum(t.user + t.system for t in times))
+    """CPU time of this process, to the nanosecond, and its children, whose times psutil tells in 10 ms, s."""
+    times = [p.cpu_times() for p in psutil.Process().children(recursive=True)]
+    return time.process_time() + sum(t.user + t.system for t in times)
 
 
 def timed(simulated: float, work: Callable[[], object]) -> Turn:
