@@ -12,7 +12,7 @@ namespace crossgait {
 inline constexpr double kShortestPhysicsStep = 1e-6, kLongestPhysicsStep = 0.1;
 
 /// The contact *intent*. How each engine realises it is one documented function per backend
-/// (backends/mujoco/model_xml.cpp, backends/bullet/soft_constraint.h, backends/bullet/native_contact.cpp).
+/// (backends/mujoco/model_xml.cpp, backends/contact/soft_constraint.h, backends/bullet/native_contact.cpp).
 struct ContactSpec {
   double friction = 0.6;  ///< Coulomb coefficient between robot and terrain
   Softness softness;      ///< of the contact normal; `native` Bullet contacts are hard and ignore it

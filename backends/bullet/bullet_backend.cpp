@@ -14,7 +14,7 @@ EngineInfo make_info(const ContactFactors& factors) {
   EngineInfo info;
   info.engine = "Bullet";
   info.version = fmt::format("{}.{:02}", version / 100, version % 100);
-  info.name = name_of(factors);
+  info.name = factor_table().name_of(factors);
   const bool matched = factors == ContactFactors::matched();
   info.capabilities.soft_contact = !factors.hard_normal;
   info.capabilities.allocates = factors.narrowphase || factors.sweeps;  // both are Bullet's own code
@@ -136,7 +136,8 @@ class BulletBackend final : public PhysicsBackend {
       S.block<3, 3>(3, 3) << 0, p.z(), -p.y(), -p.z(), 0, p.x(), p.y(), -p.x(), 0;  // w x p
     }
     Eigen::MatrixXd result = S.transpose() * M * S;
-    result.diagonal().tail(b.getNumLinks()) += model_->armature();
+    for (int i = 0; i < b.getNumLinks(); ++i)
+      result(size - b.getNumLinks() + i, size - b.getNumLinks() + i) += spec().robot->joint(i).armature;
     return result;
   }
 
@@ -196,12 +197,12 @@ Engine engine_of(const ContactFactors& factors) {
 
 Engine matched_engine(std::string_view changes) {
   const std::string name = fmt::format("bullet:matched{}", changes);
-  return engine_of(changed(ContactFactors::matched(), changes, name));
+  return engine_of(factor_table().changed(ContactFactors::matched(), changes, name));
 }
 
 Engine native_engine(std::string_view changes) {
   const std::string name = fmt::format("bullet{}", changes);
-  return engine_of(changed(ContactFactors::native(), changes, name));
+  return engine_of(factor_table().changed(ContactFactors::native(), changes, name));
 }
 
 std::optional<Engine> find(std::string_view name) {
@@ -212,8 +213,8 @@ std::optional<Engine> find(std::string_view name) {
 }
 
 EngineFamily family() {
-  EngineFamily family{name_of(ContactFactors::matched()), name_of(ContactFactors::native()), {}, {}};
-  for (const FactorRow& row : factor_rows()) family.factors.push_back(row.factor);
+  EngineFamily family{factor_table().off, factor_table().on, {}, {}};
+  for (const auto& row : factor_table().rows) family.factors.push_back(row.factor);
   family.with = [](const std::vector<std::string>& names) {
     std::string changes;
     for (const std::string& name : names) changes += "+" + name;

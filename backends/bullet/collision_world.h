@@ -46,8 +46,8 @@ class CollisionWorld {
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;
   btMultiBodyDynamicsWorld world_;
-  std::vector<double> heights_;        // Bullet keeps a pointer
-  std::vector<LinkFeature> features_;  // that Bullet is to find contacts of
+  std::vector<double> heights_;                 // Bullet keeps a pointer
+  std::vector<contact::BodyFeature> features_;  // that Bullet is to find contacts of
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders_;
   btCollisionObject terrain_;

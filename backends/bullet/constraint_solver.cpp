@@ -1,37 +1,38 @@
 #include "crossgait/backends/bullet/constraint_solver.h"
 
-#include <algorithm>
-
 #include "crossgait/backends/bullet/convert.h"
 
 namespace crossgait::bullet {
+namespace {
+
+contact::BodyKinematics kinematics(const MultibodyModel& model, const CompositeInertia& composite) {
+  const btMultiBody& body = model.body();
+  return {model.X_BP(),
+          [&body](int i, const Vector3& p_CP) { return vector(body.localPosToWorld(i - 1, vector(p_CP))); },
+          [&body](int i, const Vector3& v_C) { return vector(body.localDirToWorld(i - 1, vector(v_C))); },
+          [&composite](int i, const Vector3& p_WP, PointJacobian& J) {
+            composite.point_jacobian(i - 1, p_WP, J);
+          }};
+}
+
+}  // namespace
 
 ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const ContactFactors& factors,
                                    MultibodyModel& model)
     : spec_(spec),
       factors_(factors),
       model_(model),
-      joints_(model.body(), model.armature(), model.loop_points(),
-              SoftLaw(spec.robot->loop_softness, spec.physics_dt), spec.physics_dt),
-      contact_law_(spec.contact.softness, spec.physics_dt),
-      friction_law_(spec.robot->friction_softness, spec.physics_dt),
-      frictional_joints_(model.frictional_joints()),
-      features_(model.contact_features()),
-      margins_(contact_margins(features_, model.body().getNumLinks())),
+      composite_(model.body()),
+      bodies_(kinematics(model, composite_)),
+      joints_(spec, bodies_),
+      finder_(model.contact_features(), spec.terrain,
+              factors.speculative ? contact_margins(model.contact_features(), model.body().getNumLinks())
+                                  : std::vector<double>()),
+      contacts_(spec, factors, bodies_, joints_),
       torque_(JointVector::Zero(spec.robot->joint_count())) {
-  reach_.assign(margins_.size(), 0);
-  for (const LinkFeature& of : features_) {
-    double& farthest = reach_[static_cast<std::size_t>(of.link + 1)];
-    farthest = std::max(farthest, of.p_CF.norm() + of.feature.rim + of.feature.radius);
-  }
   const Eigen::Index n = joints_.inertia().dofs();
   before_.setZero(n);
   correction_.setZero(n);
-  rows_.setZero(n, ConeProblem::kMaxRows);
-  projected_.setZero(n, ConeProblem::kMaxRows);
-  joint_friction_.count = static_cast<int>(frictional_joints_.size());
-  joint_rows_.setZero(n, joint_friction_.count);
-  projected_joints_.setZero(n, joint_friction_.count);
   if (factors_.sweeps) make_friction_motors();
 }
 
@@ -49,7 +50,7 @@ void ConstraintSolver::set_velocity(const DofVector& velocity) noexcept {
 void ConstraintSolver::begin_step(const JointVector& torque) noexcept {
   before_ = bullet_velocity();
   torque_ = torque;
-  contacts_.clear();
+  contacts_.begin_step();
   pending_ = true;
   finite_ = true;
 }
@@ -64,6 +65,7 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
   if (!pending_) return;  // Bullet also calls for empty groups
   pending_ = false;
   const DofVector after_dynamics = bullet_velocity();
+  composite_.update(joints_.inertia());
   joints_.solve(before_, after_dynamics, torque_);
   if (!joints_.velocity().allFinite()) {
     finite_ = false;
@@ -75,9 +77,9 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
     if (factors_.narrowphase) {
       read_contacts(manifolds, manifold_count);
     } else {
-      find_contacts();
+      finder_.find(bodies_, points_);
     }
-    solve_contacts();
+    set_velocity(contacts_.solve(before_, points_));
     return;
   }
   correction_ = joints_.velocity() - after_dynamics;
@@ -90,17 +92,11 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
   }
 }
 
-void ConstraintSolver::report(const ContactPoint& point, const Vector3& force,
-                              const Vector3& velocity_before) noexcept {
-  Contact contact;
-  contact.body = point.link + 1;
-  contact.leg = point.leg;
-  contact.p_WP = point.p_WP;
-  contact.normal = point.normal;
-  contact.distance = point.distance;
-  contact.force = force;
-  contact.slip_speed = (velocity_before - point.normal * point.normal.dot(velocity_before)).norm();
-  contacts_.add(contact);
+JointVector ConstraintSolver::joint_friction() const {
+  JointVector friction = JointVector::Zero(torque_.size());
+  for (const contact::FrictionalJoint& joint : contacts_.frictional_joints())
+    friction[joint.joint] = joint.friction;
+  return friction;
 }
 
 }  // namespace crossgait::bullet

@@ -1,5 +1,6 @@
-// Where the robot touches, in every mode but `bullet` itself, whose points stay in Bullet's hands: found by
-// Crossgait's closest-point routine, or read from Bullet's collision detection.
+// Contact points of Bullet's collision detection, for Crossgait's own solution.
+#include <cmath>
+
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
@@ -9,7 +10,7 @@
 
 namespace crossgait::bullet {
 
-std::vector<double> contact_margins(const std::vector<LinkFeature>& features, int links) {
+std::vector<double> contact_margins(const std::vector<contact::BodyFeature>& features, int links) {
   std::vector<double> margins;
   for (int link = -1; link < links; ++link) {
     std::vector<std::unique_ptr<btCollisionShape>> children;
@@ -17,38 +18,6 @@ std::vector<double> contact_margins(const std::vector<LinkFeature>& features, in
     margins.push_back(children.empty() ? 0 : shape->getContactBreakingThreshold(gContactBreakingThreshold));
   }
   return margins;
-}
-
-void ConstraintSolver::find_contacts() noexcept {
-  int link = -2;  // of the last feature, none so far
-  bool out_of_reach = false;
-  for (const LinkFeature& of : features_) {
-    const auto index = static_cast<std::size_t>(of.link + 1);
-    const double margin = factors_.speculative ? margins_[index] : 0;
-    if (of.link != link) {
-      link = of.link;
-      const double height = vector(model_.body().localPosToWorld(link, btVector3(0, 0, 0))).z();
-      out_of_reach = height - reach_[index] - margin > spec_.terrain.max();
-    }
-    if (out_of_reach) continue;
-    const SphereCentres centres = of.centres(model_.body(), spec_.terrain, margin);
-    for (int i = 0; i < centres.count; ++i)
-      find_contact(of, centres.points[static_cast<std::size_t>(i)], margin);
-  }
-}
-
-void ConstraintSolver::find_contact(const LinkFeature& of, const Vector3& centre, double margin) noexcept {
-  const double radius = of.feature.radius;
-  SphereContact touch;
-  if (!spec_.terrain.touch_sphere(centre, radius + margin, touch)) return;
-  if (!factors_.speculative) {
-    points_.add({of.link, of.feature.leg, touch.position, touch.normal, touch.distance});
-    return;
-  }
-  // The same point as that of a sphere that is larger by the margin, further away by as much.
-  const double distance = touch.distance + margin;
-  points_.add(
-      {of.link, of.feature.leg, centre - (radius + distance / 2) * touch.normal, touch.normal, distance});
 }
 
 void ConstraintSolver::read_contacts(btPersistentManifold** manifolds, int count) noexcept {
@@ -63,10 +32,21 @@ void ConstraintSolver::read_contacts(btPersistentManifold** manifolds, int count
       const double distance = p.getDistance();
       if (distance >= 0 && !factors_.speculative) continue;
       const Vector3 on_a = vector(p.m_positionWorldOnA), on_b = vector(p.m_positionWorldOnB);
-      points_.add({link, leg_at(link, robot_first ? on_a : on_b), 0.5 * (on_a + on_b),
+      points_.add({link + 1, leg_at(link, robot_first ? on_a : on_b), 0.5 * (on_a + on_b),
                    vector(p.m_normalWorldOnB) * (robot_first ? 1.0 : -1.0), distance});
     }
   }
+}
+
+// Bullet does not say which child of a compound touched: the foot on whose surface the point lies.
+int ConstraintSolver::leg_at(int link, const Vector3& p_WP) const noexcept {
+  constexpr double kOnSurface = 1e-3;  // m, well under any sphere's radius
+  for (const contact::BodyFeature& of : finder_.features()) {
+    if (of.feature.body != link + 1 || of.feature.leg < 0) continue;
+    const Vector3 centre = vector(model_.body().localPosToWorld(link, vector(of.p_CF)));
+    if (std::abs((p_WP - centre).norm() - of.feature.radius) < kOnSurface) return of.feature.leg;
+  }
+  return -1;
 }
 
 }  // namespace crossgait::bullet

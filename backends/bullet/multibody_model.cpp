@@ -1,7 +1,6 @@
 #include "crossgait/backends/bullet/multibody_model.h"
 
 #include "crossgait/backends/bullet/convert.h"
-#include "crossgait/physics/multibody.h"
 #include "crossgait/physics/principal_inertia.h"
 
 namespace crossgait::bullet {
@@ -36,15 +35,7 @@ void remove_artefacts(btMultiBody& body) {
 
 }  // namespace
 
-SphereCentres LinkFeature::centres(const btMultiBody& body, const Terrain& terrain,
-                                   double margin) const noexcept {
-  const Vector3 p_WF = vector(body.localPosToWorld(link, vector(p_CF)));
-  const Vector3 axis_W = feature.rim > 0 ? vector(body.localDirToWorld(link, vector(axis_C))) : axis_C;
-  return sphere_centres(feature, p_WF, axis_W, terrain, margin);
-}
-
-MultibodyModel::MultibodyModel(const WorldSpec& spec)
-    : spec_(spec), inverse_weights_(translational_inverse_weights(*spec.robot, spec.fixed_base)) {
+MultibodyModel::MultibodyModel(const WorldSpec& spec) : spec_(spec) {
   const std::vector<Body>& bodies = spec.robot->bodies;
   std::vector<PrincipalInertia> principal;
   for (const Body& b : bodies) {
@@ -61,42 +52,8 @@ MultibodyModel::MultibodyModel(const WorldSpec& spec)
   body_->finalizeMultiDof();
 }
 
-JointVector MultibodyModel::armature() const {
-  JointVector armature(spec_.robot->joint_count());
-  for (int i = 0; i < spec_.robot->joint_count(); ++i) armature[i] = spec_.robot->joint(i).armature;
-  return armature;
-}
-
-std::vector<FrictionalJoint> MultibodyModel::frictional_joints() const {
-  const JointVector inverse_weights = joint_inverse_weights(*spec_.robot, spec_.fixed_base);
-  std::vector<FrictionalJoint> joints;
-  for (int i = 0; i < spec_.robot->joint_count(); ++i) {
-    const double friction = spec_.robot->joint(i).friction;
-    if (friction > 0) joints.push_back({i, friction, inverse_weights[i]});
-  }
-  return joints;
-}
-
-std::vector<LoopPoints> MultibodyModel::loop_points() const {
-  std::vector<LoopPoints> loops;
-  for (const LoopClosure& loop : spec_.robot->loops) {
-    const auto a = static_cast<std::size_t>(loop.body_a), b = static_cast<std::size_t>(loop.body_b);
-    loops.push_back({loop.body_a - 1, loop.body_b - 1, X_BP_[a].inverse() * loop.p_AP,
-                     X_BP_[b].inverse() * loop.p_BP, inverse_weights_[a] + inverse_weights_[b]});
-  }
-  return loops;
-}
-
-std::vector<LinkFeature> MultibodyModel::contact_features() const {
-  std::vector<LinkFeature> features;
-  for (const ContactFeature& feature : crossgait::contact_features(*spec_.robot, spec_.fixed_base)) {
-    const auto b = static_cast<std::size_t>(feature.body);
-    const Pose& X_BG = spec_.robot->bodies[b].shapes[static_cast<std::size_t>(feature.shape)].X_BG;
-    const Pose X_CB = X_BP_[b].inverse();
-    features.push_back({feature, feature.body - 1, X_CB * (X_BG * feature.p_GC),
-                        X_CB.linear() * X_BG.linear() * feature.axis_G});
-  }
-  return features;
+std::vector<contact::BodyFeature> MultibodyModel::contact_features() const {
+  return contact::body_features(*spec_.robot, spec_.fixed_base, X_BP_);
 }
 
 }  // namespace crossgait::bullet

@@ -30,6 +30,17 @@ void scale_alike(btMultiBodySolverConstraint& a, btMultiBodySolverConstraint& b)
 
 }  // namespace
 
+// What Bullet makes of friction in a joint: a motor that wants it at rest. (No world ever holds them, which
+// would leave out those of a robot without colliders.)
+void ConstraintSolver::make_friction_motors() {
+  for (const contact::FrictionalJoint& joint : contacts_.frictional_joints()) {
+    friction_motors_.push_back(std::make_unique<btMultiBodyJointMotor>(&model_.body(), joint.joint, 0,
+                                                                       spec_.physics_dt * joint.friction));
+    friction_motors_.back()->finalizeMultiDof();
+    motor_list_.push_back(friction_motors_.back().get());
+  }
+}
+
 btScalar ConstraintSolver::solveGroupCacheFriendlySetup(btCollisionObject** bodies, int body_count,
                                                         btPersistentManifold** manifolds, int manifold_count,
                                                         btTypedConstraint** constraints, int constraint_count,
@@ -80,17 +91,6 @@ btScalar ConstraintSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bod
   return btMultiBodyConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count, info);
 }
 
-// Bullet does not say which child of a compound touched: the foot on whose surface the point lies.
-int ConstraintSolver::leg_at(int link, const Vector3& p_WP) const noexcept {
-  constexpr double kOnSurface = 1e-3;  // m, well under any sphere's radius
-  for (const LinkFeature& of : features_) {
-    if (of.link != link || of.feature.leg < 0) continue;
-    const Vector3 centre = vector(model_.body().localPosToWorld(link, vector(of.p_CF)));
-    if (std::abs((p_WP - centre).norm() - of.feature.radius) < kOnSurface) return of.feature.leg;
-  }
-  return -1;
-}
-
 void ConstraintSolver::report_native_contacts() noexcept {
   const double h = spec_.physics_dt;
   const Eigen::Index n = before_.size();
@@ -104,9 +104,10 @@ void ConstraintSolver::report_native_contacts() noexcept {
     if (static_cast<double>(p->getDistance()) > 0 && static_cast<double>(row.m_appliedImpulse) <= 0)
       continue;  // speculative
     const bool robot_first = row.m_multiBodyA != nullptr;
-    ContactPoint point;
-    point.link = robot_first ? row.m_linkA : row.m_linkB;
-    point.leg = leg_at(point.link, vector(robot_first ? p->m_positionWorldOnA : p->m_positionWorldOnB));
+    const int link = robot_first ? row.m_linkA : row.m_linkB;
+    contact::ContactPoint point;
+    point.body = link + 1;
+    point.leg = leg_at(link, vector(robot_first ? p->m_positionWorldOnA : p->m_positionWorldOnB));
     point.p_WP = 0.5 * (vector(p->m_positionWorldOnA) + vector(p->m_positionWorldOnB));
     point.normal = vector(p->m_normalWorldOnB) * (robot_first ? 1.0 : -1.0);
     point.distance = p->getDistance();
@@ -114,8 +115,8 @@ void ConstraintSolver::report_native_contacts() noexcept {
     for (int k = 0; k < 2; ++k) {
       force += impulse(m_multiBodyFrictionContactConstraints[row.m_frictionIndex + k]);
     }
-    joints_.inertia().point_jacobian(point.link, point.p_WP, J_);
-    report(point, force / h, J_ * before_.head(n));
+    composite_.point_jacobian(link, point.p_WP, J_);
+    contacts_.report(point, force / h, J_ * before_.head(n));
   }
 }
 

@@ -71,11 +71,11 @@ std::unique_ptr<btCollisionShape> make_feature_shape(const ContactFeature& featu
 
 }  // namespace
 
-std::unique_ptr<btCompoundShape> make_link_shape(const std::vector<LinkFeature>& features, int link,
+std::unique_ptr<btCompoundShape> make_link_shape(const std::vector<contact::BodyFeature>& features, int link,
                                                  std::vector<std::unique_ptr<btCollisionShape>>& children) {
   auto compound = std::make_unique<btCompoundShape>(/*enableDynamicAabbTree=*/false);
-  for (const LinkFeature& of : features) {
-    if (of.link != link) continue;
+  for (const contact::BodyFeature& of : features) {
+    if (of.feature.body != link + 1) continue;
     children.push_back(make_feature_shape(of.feature));
     const btQuaternion turn = of.feature.rim > 0
                                   ? quaternion(Quaternion::FromTwoVectors(Vector3::UnitZ(), of.axis_C))

@@ -16,7 +16,7 @@ namespace crossgait::bullet {
 /// The shape of a link: a sphere or a rim (a flat cylinder) for each of its features, or no children.
 /// @param features  have to outlive it
 /// @param children  keeps what the compound refers to
-std::unique_ptr<btCompoundShape> make_link_shape(const std::vector<LinkFeature>& features, int link,
+std::unique_ptr<btCompoundShape> make_link_shape(const std::vector<contact::BodyFeature>& features, int link,
                                                  std::vector<std::unique_ptr<btCollisionShape>>& children);
 
 /// Bullet collides a sphere with every triangle near it, and takes the edges between them for corners: on a

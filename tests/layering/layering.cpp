@@ -79,8 +79,15 @@ bool may_include_engine(const fs::path& file, std::string_view engine) {
   return std::find(parent.begin(), parent.end(), fs::path(engine)) != parent.end();
 }
 
-/// What is inside backends/<engine>/ is for that folder, and for tests and benchmarks of the inside.
+/// What engines share of contact laws.
+constexpr std::string_view kContact = "backends/contact";
+
+/// What is inside backends/<engine>/ is for that folder, and for tests and benchmarks of the inside; what is
+/// in backends/contact/ for every engine.
 bool may_include_backend(const fs::path& file, const fs::path& header_folder) {
+  const bool engine =
+      file.parent_path().parent_path() == "backends" || file.parent_path().parent_path() == "tests/backends";
+  if (header_folder == kContact && engine) return true;
   return file.parent_path() == header_folder || file.parent_path() == "tests" / header_folder ||
          file.string().starts_with(kPrograms);
 }

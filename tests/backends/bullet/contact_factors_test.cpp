@@ -15,18 +15,18 @@ namespace {
 
 TEST(ContactFactors, TheTwoNamedSettingsAreTheEnds) {
   ContactFactors all;
-  for (const FactorRow& row : factor_rows()) {
+  for (const auto& row : factor_table().rows) {
     EXPECT_FALSE(ContactFactors::matched().*row.member);
     all.*row.member = true;
   }
   EXPECT_EQ(all, ContactFactors::native());
-  EXPECT_EQ(name_of(ContactFactors::matched()), "bullet:matched");
-  EXPECT_EQ(name_of(ContactFactors::native()), "bullet");
+  EXPECT_EQ(factor_table().name_of(ContactFactors::matched()), "bullet:matched");
+  EXPECT_EQ(factor_table().name_of(ContactFactors::native()), "bullet");
 }
 
 TEST(ContactFactors, NeedOthersThatComeBeforeThemInTheTablesOrder) {
   std::vector<std::string> before;
-  for (const FactorRow& row : factor_rows()) {
+  for (const auto& row : factor_table().rows) {
     auto next = before.begin();
     for (const std::string& need : row.factor.needs) {
       next = std::find(next, before.end(), need);
@@ -38,21 +38,22 @@ TEST(ContactFactors, NeedOthersThatComeBeforeThemInTheTablesOrder) {
 
 TEST(ContactFactors, NamesComeBack) {
   for (const char* changes : {"+surface", "+coulomb+hard_friction", "+hard_normal+speculative"}) {
-    const ContactFactors made = changed(ContactFactors::matched(), changes, "test");
-    EXPECT_EQ(name_of(made), std::string("bullet:matched") + changes);
+    const ContactFactors made = factor_table().changed(ContactFactors::matched(), changes, "test");
+    EXPECT_EQ(factor_table().name_of(made), std::string("bullet:matched") + changes);
   }
-  const ContactFactors made = changed(ContactFactors::native(), "-sweeps-speculative", "test");
-  EXPECT_EQ(name_of(made), "bullet-speculative-sweeps");  // in the table's order
-  EXPECT_EQ(changed(made, "+sweeps+speculative", "test"), ContactFactors::native());
+  const ContactFactors made = factor_table().changed(ContactFactors::native(), "-sweeps-speculative", "test");
+  EXPECT_EQ(factor_table().name_of(made), "bullet-speculative-sweeps");  // in the table's order
+  EXPECT_EQ(factor_table().changed(made, "+sweeps+speculative", "test"), ContactFactors::native());
 }
 
 TEST(ContactFactors, MeaninglessOnesAreRefused) {
   for (const char* changes : {"+nonsense", "+", "+speculative", "+sweeps", "-surface", "+surface+surface"}) {
-    EXPECT_THROW(changed(ContactFactors::matched(), changes, "test"), ConfigError) << changes;
+    EXPECT_THROW(factor_table().changed(ContactFactors::matched(), changes, "test"), ConfigError) << changes;
   }
-  EXPECT_THROW(changed(ContactFactors::native(), "-hard_normal", "test"), ConfigError);  // others need it
+  EXPECT_THROW(factor_table().changed(ContactFactors::native(), "-hard_normal", "test"),
+               ConfigError);  // others need it
   try {
-    changed(ContactFactors::matched(), "+speculative", "bullet:matched+speculative");
+    factor_table().changed(ContactFactors::matched(), "+speculative", "bullet:matched+speculative");
   } catch (const ConfigError& error) {
     EXPECT_STREQ(error.what(),
                  "engine: bullet:matched+speculative: expected hard_normal along with speculative, found "

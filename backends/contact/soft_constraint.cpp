@@ -1,9 +1,9 @@
-#include "crossgait/backends/bullet/soft_constraint.h"
+#include "crossgait/backends/contact/soft_constraint.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace crossgait::bullet {
+namespace crossgait::contact {
 namespace {
 
 // mjMINIMP and mjMAXIMP of mjmodel.h.
@@ -29,4 +29,4 @@ double SoftLaw::impedance(double violation) const noexcept {
   return min_ + y * (max_ - min_);
 }
 
-}  // namespace crossgait::bullet
+}  // namespace crossgait::contact

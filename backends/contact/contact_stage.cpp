@@ -1,13 +1,11 @@
-// Contact, along with dry friction in joints, solved by Crossgait in Bullet's dynamics. With MuJoCo's factors
-// contacts are placed midway between the surfaces, softened like MuJoCo's, and solved over true friction
-// cones; any of these can be Bullet's.
+#include "crossgait/backends/contact/contact_stage.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "crossgait/backends/bullet/constraint_solver.h"
-#include "crossgait/backends/bullet/convert.h"
+#include "crossgait/physics/multibody.h"
 
-namespace crossgait::bullet {
+namespace crossgait::contact {
 namespace {
 
 // Gauss-Seidel converges linearly where MuJoCo's Newton converges quadratically: the same tolerance asks for
@@ -31,29 +29,44 @@ Matrix3 contact_frame(const Vector3& normal) {
 
 }  // namespace
 
-void ConstraintSolver::solve_contacts() noexcept {
-  if (points_.count == 0 && frictional_joints_.empty()) {
-    set_velocity(joints_.velocity());
-    return;
-  }
-  assemble_contacts();
+ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, const BodyKinematics& bodies,
+                           const JointStage& joints)
+    : spec_(spec),
+      factors_(factors),
+      bodies_(bodies),
+      joints_(joints),
+      contact_law_(spec.contact.softness, spec.physics_dt),
+      friction_law_(spec.robot->friction_softness, spec.physics_dt),
+      inverse_weights_(translational_inverse_weights(*spec.robot, spec.fixed_base)),
+      frictional_joints_(contact::frictional_joints(spec)) {
+  const Eigen::Index n = joints_.inertia().dofs();
+  rows_.setZero(n, ConeProblem::kMaxRows);
+  projected_.setZero(n, ConeProblem::kMaxRows);
+  joint_friction_.count = static_cast<int>(frictional_joints_.size());
+  joint_rows_.setZero(n, joint_friction_.count);
+  projected_joints_.setZero(n, joint_friction_.count);
+}
+
+const DofVector& ContactStage::solve(const DofVector& before, const ContactPoints& points) noexcept {
+  velocity_ = joints_.velocity();
+  if (points.count == 0 && frictional_joints_.empty()) return velocity_;
+  assemble(before, points);
   const double tolerance = std::max(kRoundingFloor, kSweepTolerance * spec_.solver.tolerance);
   if (!frictional_joints_.empty()) {
-    assemble_joint_friction();
+    assemble_joint_friction(before);
     joint_friction_.solve(cone_, factors_.coulomb, tolerance, kMaxSweeps);
-    cone_.x.head(3 * points_.count) = joint_friction_.contact_impulses().head(3 * points_.count);
+    cone_.x.head(3 * points.count) = joint_friction_.contact_impulses().head(3 * points.count);
   } else if (factors_.coulomb) {
     cone_.solve_coulomb(tolerance, kMaxSweeps);
   } else {
     cone_.solve(tolerance, kMaxSweeps);
   }
-  apply_contacts();
+  apply(points);
+  return velocity_;
 }
 
 // Writes a row's regularisation on the diagonal. @returns the velocity that the row asks for, m/s
-double ConstraintSolver::set_row(int contact, int axis) noexcept {
-  const std::size_t k = static_cast<std::size_t>(contact);
-  const ContactPoint& point = points_.points[k];
+double ContactStage::set_row(const ContactPoint& point, int contact, int axis) noexcept {
   double& regularization = cone_.A(3 * contact + axis, 3 * contact + axis);
   if (axis == 0 ? factors_.hard_normal : factors_.hard_friction) {
     regularization = 0;
@@ -62,29 +75,28 @@ double ConstraintSolver::set_row(int contact, int axis) noexcept {
     return point.distance > 0 ? -point.distance / h : -kErrorReduction * point.distance / h;
   }
   const double imp = contact_law_.impedance(point.distance);
-  const double R =
-      SoftLaw::regularization(imp, model_.inverse_weights()[static_cast<std::size_t>(point.link + 1)]);
+  const double R = SoftLaw::regularization(imp, inverse_weights_[static_cast<std::size_t>(point.body)]);
   // Friction rows share the normal's impedance and damping, without a spring.
   regularization = axis == 0 ? R : R / spec_.contact.impratio;
-  return contact_law_.target_velocity(velocity_before_[k][axis], imp, axis == 0 ? point.distance : 0.0);
+  return contact_law_.target_velocity(velocity_before_[static_cast<std::size_t>(contact)][axis], imp,
+                                      axis == 0 ? point.distance : 0.0);
 }
 
-void ConstraintSolver::assemble_contacts() noexcept {
-  const JointSpaceInertia& inertia = joints_.inertia();
-  const Eigen::Index rows = 3 * points_.count;
-  for (int i = 0; i < points_.count; ++i) {
+void ContactStage::assemble(const DofVector& before, const ContactPoints& points) noexcept {
+  const Eigen::Index rows = 3 * points.count;
+  for (int i = 0; i < points.count; ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
-    const ContactPoint& point = points_.points[k];
+    const ContactPoint& point = points.points[k];
     // On the robot's surface, or midway between the surfaces.
     const Vector3 p_WP = factors_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
-    inertia.point_jacobian(point.link, p_WP, J_);
+    bodies_.point_jacobian(point.body, p_WP, J_);
     frames_[k] = contact_frame(point.normal);
     J_ = (frames_[k] * J_).eval();
-    velocity_before_[k].noalias() = J_ * before_;
+    velocity_before_[k].noalias() = J_ * before;
 
     for (int r = 0; r < 3; ++r) {
       const Eigen::Index row = 3 * i + r;
-      const double target = set_row(i, r);
+      const double target = set_row(point, i, r);
       cone_.b[row] = J_.row(r).dot(joints_.velocity()) - target;
       rows_.col(row) = J_.row(r).transpose();
       respond(row, rows_, projected_);
@@ -95,32 +107,45 @@ void ConstraintSolver::assemble_contacts() noexcept {
     cone_.A.col(c).head(rows).noalias() = rows_.leftCols(rows).transpose() * projected_.col(c);
     cone_.A(c, c) += regularization;
   }
-  cone_.contacts = points_.count;
+  cone_.contacts = points.count;
   cone_.friction = std::max(spec_.contact.friction, kMinFriction);
 }
 
 // From a row's J', in a column, the response of the machine to it: half_solve(J'), and what remains of it.
-void ConstraintSolver::respond(Eigen::Index column, Eigen::MatrixXd& rows,
-                               Eigen::MatrixXd& projected) const noexcept {
+void ContactStage::respond(Eigen::Index column, Eigen::MatrixXd& rows,
+                           Eigen::MatrixXd& projected) const noexcept {
   joints_.inertia().half_solve(rows.col(column));
   projected.col(column) = rows.col(column);
   joints_.project(projected.col(column));
 }
 
-void ConstraintSolver::apply_contacts() noexcept {
-  const Eigen::Index rows = 3 * points_.count;
+void ContactStage::apply(const ContactPoints& points) noexcept {
+  const Eigen::Index rows = 3 * points.count;
   DofVector change = projected_.leftCols(rows) * cone_.x.head(rows);
   if (joint_friction_.count > 0) add_joint_friction(change);
   joints_.inertia().finish_solve(change);
-  set_velocity(joints_.velocity() + change);
-  for (int i = 0; i < points_.count; ++i) {
+  velocity_ += change;
+  for (int i = 0; i < points.count; ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
-    if (points_.points[k].distance > 0 && cone_.x[3 * i] <= 0) continue;  // speculative
+    if (points.points[k].distance > 0 && cone_.x[3 * i] <= 0) continue;  // speculative
     const Matrix3 to_world = frames_[k].transpose();
-    report(points_.points[k], to_world * cone_.x.segment<3>(3 * i) / spec_.physics_dt,
+    report(points.points[k], to_world * cone_.x.segment<3>(3 * i) / spec_.physics_dt,
            to_world * velocity_before_[k]);
   }
-  contacts_.dropped = points_.dropped;
+  contacts_.dropped = points.dropped;
 }
 
-}  // namespace crossgait::bullet
+void ContactStage::report(const ContactPoint& point, const Vector3& force,
+                          const Vector3& velocity_before) noexcept {
+  Contact contact;
+  contact.body = point.body;
+  contact.leg = point.leg;
+  contact.p_WP = point.p_WP;
+  contact.normal = point.normal;
+  contact.distance = point.distance;
+  contact.force = force;
+  contact.slip_speed = (velocity_before - point.normal * point.normal.dot(velocity_before)).norm();
+  contacts_.add(contact);
+}
+
+}  // namespace crossgait::contact

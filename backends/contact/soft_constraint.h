@@ -3,7 +3,7 @@
 
 #include "crossgait/physics/robot.h"
 
-namespace crossgait::bullet {
+namespace crossgait::contact {
 
 /// A soft row asks for  J v' + R lambda = J v - h (B J v + K imp r)  with impulse lambda, where r is the
 /// violation. Source: MuJoCo 2.2 manual, "Computation > Constraint model"; coefficients of
@@ -28,4 +28,4 @@ class SoftLaw {
   double step_, stiffness_, damping_, min_, max_, width_;
 };
 
-}  // namespace crossgait::bullet
+}  // namespace crossgait::contact

@@ -1,15 +1,23 @@
-#include "crossgait/backends/bullet/joint_stage.h"
+#include "crossgait/backends/contact/joint_stage.h"
 
 #include <Eigen/Cholesky>
 
-#include "crossgait/backends/bullet/convert.h"
 #include "crossgait/physics/error.h"
+#include "crossgait/physics/multibody.h"
 
-namespace crossgait::bullet {
+namespace crossgait::contact {
 
-JointStage::JointStage(const btMultiBody& body, const JointVector& armature, std::vector<LoopPoints> loops,
-                       SoftLaw loop_law, double step)
-    : inertia_(body, armature), loops_(std::move(loops)), law_(loop_law), step_(step), body_(body) {
+JointStage::JointStage(const WorldSpec& spec, const BodyKinematics& bodies)
+    : inertia_(*spec.robot, spec.fixed_base),
+      bodies_(bodies),
+      law_(spec.robot->loop_softness, spec.physics_dt),
+      step_(spec.physics_dt) {
+  const std::vector<double> weights = translational_inverse_weights(*spec.robot, spec.fixed_base);
+  for (const LoopClosure& loop : spec.robot->loops) {
+    const auto a = static_cast<std::size_t>(loop.body_a), b = static_cast<std::size_t>(loop.body_b);
+    loops_.push_back({loop.body_a, loop.body_b, bodies.X_BC[a].inverse() * loop.p_AP,
+                      bodies.X_BC[b].inverse() * loop.p_BP, weights[a] + weights[b]});
+  }
   if (loops_.size() > kMaxLoops) {
     throw ConfigError("robot", "loops", "at most 16 loop closures", std::to_string(loops_.size()));
   }
@@ -21,9 +29,8 @@ JointStage::JointStage(const btMultiBody& body, const JointVector& armature, std
   K_.setZero(rows, rows);
 }
 
-void JointStage::solve(const DofVector& before, const DofVector& bullet, const JointVector& torque) noexcept {
-  inertia_.update();
-  solve_smooth(before, bullet, torque);
+void JointStage::solve(const DofVector& before, const DofVector& free, const JointVector& torque) noexcept {
+  solve_smooth(before, free, torque);
   if (loops_.empty()) return;
 
   assemble_loops(before);
@@ -38,10 +45,10 @@ void JointStage::solve(const DofVector& before, const DofVector& bullet, const J
   velocity_ += work_;
 }
 
-// (M0 + A)(v' - v) = M0 (v_bullet - v) + h tau: Bullet's forward dynamics knows nothing of the armature A.
-void JointStage::solve_smooth(const DofVector& before, const DofVector& bullet,
+// (M0 + A)(v' - v) = M0 (v_free - v) + h tau: the engine's forward dynamics knows nothing of the armature A.
+void JointStage::solve_smooth(const DofVector& before, const DofVector& free,
                               const JointVector& torque) noexcept {
-  work_ = bullet - before;
+  work_ = free - before;
   inertia_.multiply_bare(work_, velocity_);
   velocity_.tail(torque.size()) += step_ * torque;
   inertia_.half_solve(velocity_);
@@ -52,10 +59,10 @@ void JointStage::solve_smooth(const DofVector& before, const DofVector& bullet,
 void JointStage::assemble_loops(const DofVector& before) noexcept {
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     const LoopPoints& loop = loops_[i];
-    const Vector3 a = vector(body_.localPosToWorld(loop.link_a, vector(loop.p_AP)));
-    const Vector3 b = vector(body_.localPosToWorld(loop.link_b, vector(loop.p_BP)));
-    inertia_.point_jacobian(loop.link_a, a, J_a_);
-    inertia_.point_jacobian(loop.link_b, b, J_b_);
+    const Vector3 a = bodies_.point(loop.body_a, loop.p_A);
+    const Vector3 b = bodies_.point(loop.body_b, loop.p_B);
+    bodies_.point_jacobian(loop.body_a, a, J_a_);
+    bodies_.point_jacobian(loop.body_b, b, J_b_);
     J_a_ -= J_b_;
     const Vector3 gap = a - b;
     const double imp = law_.impedance(gap.norm());  // MuJoCo takes the norm of the gap for all three rows
@@ -78,4 +85,4 @@ void JointStage::project(Eigen::Ref<DofVector> y) const noexcept {
   y.noalias() -= P_.transpose() * response;
 }
 
-}  // namespace crossgait::bullet
+}  // namespace crossgait::contact

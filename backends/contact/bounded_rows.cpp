@@ -1,11 +1,11 @@
-#include "crossgait/backends/bullet/bounded_rows.h"
+#include "crossgait/backends/contact/bounded_rows.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
 
-namespace crossgait::bullet {
+namespace crossgait::contact {
 
 BoundedRows::BoundedRows()
     : bound(kMaxJoints),
@@ -132,4 +132,4 @@ void BoundedRows::sweep(const ConeProblem& contacts, bool coulomb, double tolera
   }
 }
 
-}  // namespace crossgait::bullet
+}  // namespace crossgait::contact

@@ -1,6 +1,6 @@
 // Bounded rows along with contacts, against the conditions that define the solution: of a row between its
 // bounds the velocity w is zero, at a bound it points away from it.
-#include "crossgait/backends/bullet/bounded_rows.h"
+#include "crossgait/backends/contact/bounded_rows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace crossgait::bullet {
+namespace crossgait::contact {
 namespace {
 
 struct Problem {
@@ -131,4 +131,4 @@ TEST(BoundedRows, OneAloneIsTheHuberLaw) {
 }
 
 }  // namespace
-}  // namespace crossgait::bullet
+}  // namespace crossgait::contact

@@ -1,9 +1,9 @@
-#include "crossgait/backends/bullet/cone_solver.h"
+#include "crossgait/backends/contact/cone_solver.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace crossgait::bullet {
+namespace crossgait::contact {
 namespace {
 
 bool in_cone(const Vector3& x, double friction) noexcept {
@@ -154,4 +154,4 @@ int ConeProblem::solve_coulomb(double tolerance, int max_sweeps) noexcept {
   return max_sweeps;
 }
 
-}  // namespace crossgait::bullet
+}  // namespace crossgait::contact

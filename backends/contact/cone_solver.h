@@ -4,7 +4,7 @@
 #include "crossgait/physics/math.h"
 #include "crossgait/physics/state.h"
 
-namespace crossgait::bullet {
+namespace crossgait::contact {
 
 /// Minimises 1/2 x'Ax + b'x over contacts x_i = (normal, tangent, tangent) with |tangents| <= friction *
 /// normal. This is the dual that MuJoCo's Newton solver reaches with elliptic cones: the cone couples normal
@@ -43,4 +43,4 @@ struct ConeProblem {
 /// The block problem: argmin 1/2 x'Hx + g'x over one cone. `start` seeds the search on the cone's surface.
 Vector3 solve_cone_block(const Matrix3& H, const Vector3& g, double friction, const Vector3& start) noexcept;
 
-}  // namespace crossgait::bullet
+}  // namespace crossgait::contact

@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "crossgait/backends/bullet/cone_solver.h"
+#include "crossgait/backends/contact/cone_solver.h"
 
-namespace crossgait::bullet {
+namespace crossgait::contact {
 
 /// Rows with w = A x + C y + b, where y are the contacts' impulses, such that x = bound where w < 0, x =
 /// -bound where w > 0 and between the two where w = 0: the minimum of 1/2 x'Ax + (C y + b)'x over |x| <=
@@ -55,4 +55,4 @@ class BoundedRows {
   ConeProblem reduced_;  ///< the contacts, with the rows between eliminated
 };
 
-}  // namespace crossgait::bullet
+}  // namespace crossgait::contact

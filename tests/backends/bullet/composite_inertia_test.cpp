@@ -1,5 +1,5 @@
 // The inertia that Crossgait computes for Bullet's multibody, against Bullet's own algorithms.
-#include "crossgait/backends/bullet/joint_space_inertia.h"
+#include "crossgait/backends/bullet/composite_inertia.h"
 
 #include <random>
 
@@ -18,7 +18,8 @@ struct Machine {
   Machine(const scenes::RobotPtr& robot, bool fixed, std::mt19937& random)
       : spec(scenes::world_of(robot)),
         model((spec.fixed_base = fixed, spec)),
-        inertia(model.body(), model.armature()) {
+        composite(model.body()),
+        inertia(*robot, fixed) {
     const RobotState state = scenes::random_state(*robot, random);
     btMultiBody& body = model.body();
     body.setBasePos(vector(state.p_WB));
@@ -27,7 +28,7 @@ struct Machine {
     btAlignedObjectArray<btQuaternion> rotations;
     btAlignedObjectArray<btVector3> origins;
     body.forwardKinematics(rotations, origins);
-    inertia.update();
+    composite.update(inertia);
   }
 
   int dofs() const { return inertia.dofs(); }
@@ -52,7 +53,8 @@ struct Machine {
 
   WorldSpec spec;
   MultibodyModel model;
-  JointSpaceInertia inertia;
+  CompositeInertia composite;
+  contact::JointSpaceInertia inertia;
 };
 
 /// Calls `check` with several robots, free and fixed, in random poses.
@@ -70,7 +72,7 @@ void for_machines(Check check) {
   }
 }
 
-TEST(JointSpaceInertia, IsTheInverseOfBulletsResponse) {
+TEST(CompositeInertia, IsTheInverseOfBulletsResponse) {
   double worst = 0;
   for_machines([&](Machine& machine) {
     const Eigen::MatrixXd inverse = machine.inverse();
@@ -87,7 +89,8 @@ TEST(JointSpaceInertia, SolvesWithArmature) {
   for_machines([&](Machine& machine) {
     const int n = machine.dofs(), size = n - machine.first();
     Eigen::MatrixXd M = machine.inertia.bare_matrix().bottomRightCorner(size, size);
-    M.diagonal().tail(n - 6) += machine.model.armature();
+    for (int i = 0; i < n - 6; ++i)
+      M(size - n + 6 + i, size - n + 6 + i) += machine.spec.robot->joint(i).armature;
     const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(n, -1, 1);
     DofVector x = b;
     machine.inertia.half_solve(x);
@@ -112,7 +115,7 @@ TEST(JointSpaceInertia, MultipliesWithoutArmature) {
   });
 }
 
-TEST(JointSpaceInertia, PointJacobianIsBulletsContactJacobian) {
+TEST(CompositeInertia, PointJacobianIsBulletsContactJacobian) {
   for_machines([&](Machine& machine) {
     const btMultiBody& body = machine.model.body();
     btAlignedObjectArray<btScalar> r;
@@ -123,7 +126,7 @@ TEST(JointSpaceInertia, PointJacobianIsBulletsContactJacobian) {
     Eigen::VectorXd row(n);
     for (int link = -1; link < body.getNumLinks(); ++link) {
       const btVector3 point = body.localPosToWorld(link, btVector3(0.03, -0.02, 0.05));
-      machine.inertia.point_jacobian(link, vector(point), J);
+      machine.composite.point_jacobian(link, vector(point), J);
       for (int k = 0; k < 3; ++k) {
         btVector3 normal(0, 0, 0);
         normal[k] = 1;

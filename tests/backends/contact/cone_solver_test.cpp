@@ -1,7 +1,7 @@
 // The contact solve against the conditions that define its solution: with w = A x + b, every contact has x in
 // its friction cone, w in the dual cone, and x.w = 0 (Boyd and Vandenberghe, Convex Optimization, 2004,
 // section 5.9).
-#include "crossgait/backends/bullet/cone_solver.h"
+#include "crossgait/backends/contact/cone_solver.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace crossgait::bullet {
+namespace crossgait::contact {
 namespace {
 
 /// How far a point and its gradient are from optimal, relative to the size of either.
@@ -182,4 +182,4 @@ TEST(CoulombSolve, SatisfiesTheLawItStates) {
 }
 
 }  // namespace
-}  // namespace crossgait::bullet
+}  // namespace crossgait::contact

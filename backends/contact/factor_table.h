@@ -1,0 +1,81 @@
+// Names of the settings between two ends of an engine, one switch per factor.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "crossgait/physics/engine.h"
+#include "crossgait/physics/error.h"
+
+namespace crossgait::contact {
+
+template <typename Factors>
+struct FactorRow {
+  ModelFactor factor;
+  bool Factors::*member;
+};
+
+/// @tparam Factors  a struct of switches, all of them off at one end and on at the other
+template <typename Factors>
+struct FactorTable {
+  std::string off, on;  ///< names of the ends, "bullet:matched" and "bullet"
+  /// All switches, in the order in which `needs` are satisfied.
+  std::vector<FactorRow<Factors>> rows;
+
+  /// `base` with changes `+NAME` (on) and `-NAME` (off), one after the other.
+  /// @throws ConfigError for an unknown factor, a change that changes nothing, or a combination without
+  /// meaning; messages name `backend`
+  Factors changed(Factors base, std::string_view changes, std::string_view backend) const {
+    while (!changes.empty()) {
+      const std::string_view change = take_change(changes);
+      bool& factor = base.*find_row(change.substr(1), backend).member;
+      const bool adds = change.front() == '+';
+      if (factor == adds)
+        throw ConfigError("engine", backend, "changes that change something", std::string(change));
+      factor = adds;
+    }
+    check_meaning(base, backend);
+    return base;
+  }
+
+  /// The shortest name: "bullet", "bullet:matched", "bullet:matched+surface", "bullet-sweeps".
+  std::string name_of(const Factors& factors) const {
+    std::string added, removed;
+    std::size_t count = 0;
+    for (const FactorRow<Factors>& row : rows) {
+      (factors.*row.member ? added : removed) +=
+          fmt::format("{}{}", factors.*row.member ? '+' : '-', row.factor.name);
+      count += factors.*row.member ? 1 : 0;
+    }
+    return count <= rows.size() / 2 ? off + added : on + removed;
+  }
+
+ private:
+  const FactorRow<Factors>& find_row(std::string_view name, std::string_view backend) const {
+    std::vector<std::string_view> known;
+    for (const FactorRow<Factors>& row : rows) {
+      if (row.factor.name == name) return row;
+      known.push_back(row.factor.name);
+    }
+    throw ConfigError("engine", backend, fmt::format("factors out of {}", fmt::join(known, ", ")),
+                      fmt::format("\"{}\"", name));
+  }
+
+  void check_meaning(const Factors& factors, std::string_view backend) const {
+    for (const FactorRow<Factors>& row : rows) {
+      if (!(factors.*row.member)) continue;
+      for (const std::string_view need : row.factor.needs) {
+        if (!(factors.*find_row(need, backend).member)) {
+          throw ConfigError("engine", backend, fmt::format("{} along with {}", need, row.factor.name),
+                            fmt::format("{} without {}", row.factor.name, need));
+        }
+      }
+    }
+  }
+};
+
+}  // namespace crossgait::contact

@@ -1,0 +1,65 @@
+// Everything bilateral of one step: armature, joint torques and closed loops, eliminated exactly.
+#pragma once
+
+#include <vector>
+
+#include "crossgait/backends/contact/body_kinematics.h"
+#include "crossgait/backends/contact/soft_constraint.h"
+#include "crossgait/physics/world_spec.h"
+
+namespace crossgait::contact {
+
+/// Sweeps converge badly here (armature is sixty times a link's inertia), so the joint rows and the loops are
+/// eliminated by one Cholesky factorisation, whatever the law of contact. Contacts then see the robot through
+/// `project`: the inverse inertia of a machine whose loops hold.
+class JointStage {
+ public:
+  /// @param spec,bodies  must outlive it
+  JointStage(const WorldSpec& spec, const BodyKinematics& bodies);
+
+  /// For the engine to fill in each step, before `solve`.
+  JointSpaceInertia& inertia() noexcept { return inertia_; }
+  const JointSpaceInertia& inertia() const noexcept { return inertia_; }
+
+  /// @param before  velocities before the step
+  /// @param free    velocities after the engine's own forward dynamics (gravity, gyroscopic and applied
+  /// forces; M0)
+  /// @param torque  joint torques, N m
+  void solve(const DofVector& before, const DofVector& free, const JointVector& torque) noexcept;
+
+  /// Velocities after torques, armature and loops, before contact.
+  const DofVector& velocity() const noexcept { return velocity_; }
+
+  /// Given y = half_solve(J'), returns what remains of it once the loops respond: half_solve'(y_p) =
+  /// M_loops^-1 J'.
+  void project(Eigen::Ref<DofVector> y) const noexcept;
+
+ private:
+  static constexpr int kMaxLoops = 16;
+  using LoopMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3 * kMaxLoops, 3 * kMaxLoops>;
+  using LoopVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 * kMaxLoops, 1>;
+
+  struct LoopPoints {
+    int body_a, body_b;
+    Vector3 p_A, p_B;       // in the bodies' frames C
+    double inverse_weight;  // 1/kg, sum over both bodies
+  };
+
+  void solve_smooth(const DofVector& before, const DofVector& free, const JointVector& torque) noexcept;
+  void assemble_loops(const DofVector& before) noexcept;
+
+  JointSpaceInertia inertia_;
+  const BodyKinematics& bodies_;
+  std::vector<LoopPoints> loops_;
+  SoftLaw law_;
+  double step_;
+
+  DofVector velocity_, work_;
+  PointJacobian J_a_, J_b_;
+  Eigen::MatrixXd Y_;  // dofs x 3 loops: half_solve(J')
+  Eigen::MatrixXd P_;  // 3 loops x dofs: L_K^-1 Y', where L_K L_K' = Y'Y + R
+  LoopVector regularization_, rhs_;
+  LoopMatrix K_;
+};
+
+}  // namespace crossgait::contact

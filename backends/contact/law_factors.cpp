@@ -1,0 +1,23 @@
+#include "crossgait/backends/contact/law_factors.h"
+
+namespace crossgait::contact {
+
+const std::vector<FactorRow<LawFactors>>& law_factor_rows() {
+  using F = LawFactors;
+  static const std::vector<FactorRow<F>> kRows{
+      {{"surface", "contact forces act on the robot's surface, not midway", {}}, &F::surface},
+      {{"coulomb", "friction bounded by the normal force, not by MuJoCo's convex cone", {}}, &F::coulomb},
+      {{"hard_friction", "friction stops slip at once, not like a damper", {}}, &F::hard_friction},
+      {{"hard_normal", "penetration stops at once, not like a spring and damper", {}}, &F::hard_normal},
+      // A spring at a point that does not touch would push or pull through the air.
+      {{"speculative", "points just above the ground count", {"hard_normal"}}, &F::speculative},
+      {{"hard_joint_friction",
+        "dry friction stops a joint at once, not like a damper",
+        {},
+        [](const RobotDescription& robot) { return robot.has_joint_friction(); }},
+       &F::hard_joint_friction},
+  };
+  return kRows;
+}
+
+}  // namespace crossgait::contact
