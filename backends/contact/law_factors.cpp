@@ -20,4 +20,15 @@ const std::vector<FactorRow<LawFactors>>& law_factor_rows() {
   return kRows;
 }
 
+std::string law_name(const LawFactors& factors) {
+  std::string name = "mujoco";
+  bool hard = true;
+  for (const FactorRow<LawFactors>& row : law_factor_rows()) {
+    if (row.member == &LawFactors::hard_joint_friction) continue;
+    hard &= factors.*row.member;
+    if (factors.*row.member) name += "+" + row.factor.name;
+  }
+  return hard ? "hard" : name;
+}
+
 }  // namespace crossgait::contact

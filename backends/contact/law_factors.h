@@ -2,6 +2,7 @@
 // be traced to one.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "crossgait/backends/contact/factor_table.h"
@@ -22,5 +23,9 @@ struct LawFactors {
 
 /// In the order in which `needs` are satisfied.
 const std::vector<FactorRow<LawFactors>>& law_factor_rows();
+
+/// As in Laws::contact, the same for every engine: "mujoco" where all are off, "hard" where all are on, else
+/// "mujoco+surface+coulomb". Dry friction of joints is not of it.
+std::string law_name(const LawFactors& factors);
 
 }  // namespace crossgait::contact
