@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "crossgait/physics/drives.h"
@@ -22,11 +23,17 @@ struct Capabilities {
 };
 
 /// The laws that an engine solves, by name. Engines that agree in all of them solve the same equations, so
-/// that nothing but rounding may lie between them: they are held to the tight tolerances.
+/// that nothing but rounding may lie between them: they are held to the tight tolerances. Behind a slash
+/// stands how an engine departs from the law by the way in which it solves it: "hard/sweeps".
 struct Laws {
-  std::string contact;         ///< normal force and friction between robot and terrain: "mujoco", "bullet"
+  std::string contact;         ///< normal force and friction between robot and terrain: "mujoco", "hard"
   std::string loops;           ///< of loop closures: "mujoco" (soft, with its reference acceleration)
-  std::string joint_friction;  ///< dry friction in joints: "mujoco" (soft), "bullet" (hard); "" for none
+  std::string joint_friction;  ///< dry friction in joints: "mujoco" (soft), "hard"; "" for none
+
+  /// The law of contact without the way in which it is solved: two engines of one are no two opinions of it.
+  std::string_view contact_law() const noexcept {
+    return std::string_view(contact).substr(0, contact.find('/'));
+  }
 
   bool operator==(const Laws&) const = default;
 };

@@ -18,10 +18,10 @@ EngineInfo make_info(const ContactFactors& factors) {
   const bool matched = factors == ContactFactors::matched();
   info.capabilities.soft_contact = !factors.hard_normal;
   info.capabilities.allocates = factors.narrowphase || factors.sweeps;  // both are Bullet's own code
-  // What lies between the two laws is a law of its own.
-  info.laws = {.contact = matched ? "mujoco" : info.name,
+  const std::string way = factors.sweeps ? "/sweeps" : "", points = factors.narrowphase ? "/narrowphase" : "";
+  info.laws = {.contact = contact::law_name(factors) + (factors.sweeps ? way : points),
                .loops = "mujoco",
-               .joint_friction = factors.hard_joint_friction ? "bullet" : "mujoco"};
+               .joint_friction = factors.hard_joint_friction ? "hard" + way : "mujoco"};
   if (matched) {
     info.mode = "MuJoCo's contact law in Bullet's dynamics";
   } else if (factors == ContactFactors::native()) {
