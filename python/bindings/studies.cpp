@@ -64,7 +64,7 @@ class Recorder {
     nb::list tables;
     for (const std::vector<double>& numbers : tables_) {
       const std::size_t width = columns_ ? columns_->names().size() : 1;
-      const NewArray<double> table({numbers.size() / width, width});
+      const NewArray<double> table(numbers.size() / width, width);
       std::copy(numbers.begin(), numbers.end(), table.data);
       tables.append(table.array);
     }
