@@ -34,6 +34,7 @@ void add_video_command(CLI::App& program);
 void add_env_command(CLI::App& program);
 void add_rollout_command(CLI::App& program);
 void add_transfer_command(CLI::App& program);
+void add_course_command(CLI::App& program);
 void add_tune_command(CLI::App& program);
 /// @param again  set to the command line that is to be run next, by a callback
 void add_rerun_command(CLI::App& program, std::vector<std::string>& again);

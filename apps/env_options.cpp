@@ -7,19 +7,18 @@
 #include "crossgait/study/run_spec.h"
 
 namespace crossgait::apps {
-void EnvOptions::add_to(CLI::App& command, bool world) {
+void EnvOptions::add_to(CLI::App& command, EnvScope scope) {
   command
       .add_option("--config", config,
                   "Environment as YAML (`crossgait env --yaml` writes one); options come on top")
       ->type_name("FILE.yaml");
-  if (world) {
+  if (scope == EnvScope::kAll) {
     command.add_option("--engine,--backend", engine, "Engine and mode (see `crossgait backends`)");
     command.add_option("--terrain", terrain, "The ground (see `crossgait terrain --list`)")
         ->type_name("NAME[:k=v,...]|FILE.png|FILE.csv");
     add_seed_option(command, "--terrain-seed", terrain_seed, "Seed of a random terrain");
   }
   command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file");
-  command.add_option("--friction", friction, "Coefficient of friction between feet and ground");
   command.add_option("--gait", gait, "The gait, with its preferred parameters (see `crossgait gait --list`)");
   command.add_option("--set", settings, "Change a gait parameter at the start; may be repeated")
       ->type_name("NAME=VALUE");
@@ -28,13 +27,15 @@ void EnvOptions::add_to(CLI::App& command, bool world) {
       .add_option("--observe", observe,
                   "Observation blocks beside the configured ones, comma-separated (`crossgait env --list`)")
       ->delimiter(',');
+  command.add_option("--residual-scale", residual_scale,
+                     "Largest residual of a foot target per coordinate, m");
+  command.add_option("--policy-dt", policy_dt, "Time between two actions, s");
+  if (scope == EnvScope::kMethodAlone) return;
+  command.add_option("--friction", friction, "Coefficient of friction between feet and ground");
   command
       .add_option("--command", velocity,
                   "Velocity to walk at: forward and left in m/s, turning left in rad/s")
       ->type_name("VX,VY,YAWRATE");
-  command.add_option("--residual-scale", residual_scale,
-                     "Largest residual of a foot target per coordinate, m");
-  command.add_option("--policy-dt", policy_dt, "Time between two actions, s");
   command.add_option("--episode-seconds", episode_seconds, "Simulated length of an episode, s");
 }
 

@@ -11,6 +11,13 @@ namespace crossgait::apps {
 /// `--workers`. Adds the option alone.
 void add_workers_option(CLI::App& command, std::size_t& workers);
 
+/// What options may say of an environment.
+enum class EnvScope {
+  kAll,
+  kManyWorlds,   ///< all but --engine and --terrain: where a command takes lists of them
+  kMethodAlone,  ///< what moves the robot: where a course says everything else
+};
+
 /// A configuration file and what is given on top of it.
 struct EnvOptions {
   std::string config;
@@ -21,8 +28,7 @@ struct EnvOptions {
   std::string velocity;
   std::optional<double> friction, residual_scale, policy_dt, episode_seconds;
 
-  /// @param world  with --engine and --terrain; without, where a command takes lists of them
-  void add_to(CLI::App& command, bool world = true);
+  void add_to(CLI::App& command, EnvScope scope = EnvScope::kAll);
   /// @throws ConfigError
   EnvConfig make() const;
 

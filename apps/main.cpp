@@ -54,6 +54,7 @@ void add_commands(CLI::App& program, std::vector<std::string>& again) {
   add_env_command(program);
   add_rollout_command(program);
   add_transfer_command(program);
+  add_course_command(program);
   add_tune_command(program);
   add_rerun_command(program, again);
 }

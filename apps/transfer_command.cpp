@@ -80,7 +80,7 @@ void add_transfer_command(CLI::App& program) {
       ->capture_default_str();
   add_episode_options(*command, options->runs);
   options->page.add_to(*command, "Write a page that replays an episode in every engine, as one HTML file");
-  options->env.add_to(*command, false);
+  options->env.add_to(*command, EnvScope::kManyWorlds);
   options->json.add_to(*command);
   on_run(*command, [options] { run(*options); });
 }

@@ -21,19 +21,12 @@ void check_interface(const Policy& policy, const QuadrupedEnv& env) {
 
 template <typename Value>
 std::optional<MeanAndDeviation> over(const std::vector<EpisodeSummary>& episodes, const Value& value) {
-  double n = 0, sum = 0, squares = 0;
+  std::vector<double> values;
   for (const EpisodeSummary& e : episodes) {
-    if (const std::optional<double> v = value(e)) {
-      ++n;
-      sum += *v;
-    }
+    if (const std::optional<double> v = value(e)) values.push_back(*v);
   }
-  if (n == 0) return std::nullopt;
-  const double mean = sum / n;
-  for (const EpisodeSummary& e : episodes) {
-    if (const std::optional<double> v = value(e)) squares += (*v - mean) * (*v - mean);
-  }
-  return MeanAndDeviation{mean, n > 1 ? std::sqrt(squares / (n - 1)) : 0};
+  if (values.empty()) return std::nullopt;
+  return mean_and_deviation(values);
 }
 
 MeanAndDeviation over(const std::vector<EpisodeSummary>& episodes, double MotionSummary::*member) {
@@ -46,6 +39,15 @@ std::optional<MeanAndDeviation> over(const std::vector<EpisodeSummary>& episodes
 }
 
 }  // namespace
+
+MeanAndDeviation mean_and_deviation(std::span<const double> values) noexcept {
+  const auto n = static_cast<double>(values.size());
+  double sum = 0, squares = 0;
+  for (const double v : values) sum += v;
+  const double mean = sum / n;
+  for (const double v : values) squares += (v - mean) * (v - mean);
+  return {mean, n > 1 ? std::sqrt(squares / (n - 1)) : 0};
+}
 
 EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed,
                            const EpisodeObserver& observer) {

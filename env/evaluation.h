@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "crossgait/env/progress.h"
@@ -44,6 +45,8 @@ std::vector<EpisodeSummary> evaluate_policy(const EnvFactory& make_env, const Po
 struct MeanAndDeviation {
   double mean = 0, deviation = 0;
 };
+/// Of at least one value.
+MeanAndDeviation mean_and_deviation(std::span<const double> values) noexcept;
 
 /// What a set of episodes comes to.
 struct Evaluation {

@@ -20,6 +20,17 @@ class Interrupted : public std::exception {
   const char* what() const noexcept override { return "interrupted"; }
 };
 
+/// Tells `progress`, and whether it wants no more: to be asked between parts of a job, since a part that is
+/// finished says nothing.
+inline bool interrupted_at(const Progress& progress, double share) {
+  try {
+    if (progress) progress(share);
+    return false;
+  } catch (const Interrupted&) {
+    return true;
+  }
+}
+
 /// Progress of a job whose parts are done on several threads. An Interrupted ends in it, so that the threads
 /// can put down their work instead of taking more.
 class SharedProgress {

@@ -6,20 +6,6 @@
 
 namespace crossgait {
 
-namespace {
-
-// Whether whoever listens wants no more: asked between evaluations, since one that is finished says nothing.
-bool interrupted_at(const Progress& progress, double share) {
-  try {
-    if (progress) progress(share);
-    return false;
-  } catch (const Interrupted&) {
-    return true;
-  }
-}
-
-}  // namespace
-
 std::size_t EpisodeOptions::default_workers() { return std::max(1U, std::thread::hardware_concurrency()); }
 
 EnvFactory env_factory(const EnvConfig& config) {

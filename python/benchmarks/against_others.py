@@ -1,11 +1,13 @@
 """Simulated seconds per core-second of environments, against C++ alone and against what a user would write instead.
 
     python python/benchmarks/against_others.py --program build/release/benchmarks/programs/vector_env_steps
-           [--robot FILE.urdf] [--policy-dt .02 --policy-dt .002] [--rounds 15] [--json FILE]
+           [--robot FILE.urdf] [--policy-dt .02 --policy-dt .002] [--rounds 15] [--only REGEX] [--json FILE]
 
-All in turns, medians (quartiles) over rounds, ratios within a round. Core-seconds are CPU time of all processes of a
-contender; where several cores work at once the time on the wall decides. `numpy_quadruped.py` holds the environments
-over the mujoco package and PyBullet (`pip install pybullet==3.2.7`; without it its line is missing).
+All in turns, every second round the other way round so that a machine that gets slower favours nobody; medians
+(quartiles) over rounds, ratios within a round, with the interval that holds their median with 95 %. Core-seconds are
+CPU time of all processes of a contender; where several cores work at once the time on the wall decides.
+`numpy_quadruped.py` holds the environments over the mujoco package and PyBullet (`pip install pybullet==3.2.7`; without
+it its line is missing).
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import argparse
 import functools
 import importlib.util
 import json
+import re
 import subprocess
 import sys
 import time
@@ -44,18 +47,19 @@ class Turn(NamedTuple):
 Contender = Callable[[float], Turn]  # takes the simulated seconds to make at least
 
 
-def cpu_seconds() -> float:
-    """CPU time of this process, to the nanosecond, and its children, whose times psutil tells in 10 ms, s."""
+def children_seconds() -> float:
+    """CPU time of this process' children, which psutil tells in 10 ms, s. To ask takes milliseconds itself."""
     times = [p.cpu_times() for p in psutil.Process().children(recursive=True)]
-    return time.process_time() + sum(t.user + t.system for t in times)
+    return sum(t.user + t.system for t in times)
 
 
 def timed(simulated: float, work: Callable[[], object]) -> Turn:
     """A turn of this process and its children."""
-    cpu, wall = cpu_seconds(), time.perf_counter()
+    children = children_seconds()
+    own, wall = time.process_time(), time.perf_counter()
     work()
-    wall = time.perf_counter() - wall
-    return Turn(simulated, cpu_seconds() - cpu, wall)
+    own, wall = time.process_time() - own, time.perf_counter() - wall
+    return Turn(simulated, own + children_seconds() - children, wall)
 
 
 def gymnasium_turns(env: Any, policy_dt: float, count: int) -> Contender:
@@ -212,12 +216,20 @@ def walked_speed(env: NumpyQuadrupedEnv) -> float:
     return float(end[0] - start[0]) / 5
 
 
+def median_interval(values: np.ndarray) -> tuple[float, float]:
+    """Order statistics about the median of what the values are drawn from: 95 %, the binomial by a normal."""
+    ordered = np.sort(values)
+    reach = 0.98 * np.sqrt(len(values))
+    low = max(0, int(np.floor(len(values) / 2 - reach)))
+    return float(ordered[low]), float(ordered[len(values) - 1 - low])
+
+
 def measure(options: argparse.Namespace, policy_dt: float) -> dict[str, Any]:
     """Print and return: rates of all, and the ratios."""
-    found = contenders(options, policy_dt)
+    found = {name: turn for name, turn in contenders(options, policy_dt).items() if re.search(options.only, name)}
     turns: dict[str, list[Turn]] = {name: [] for name in found}
     for i in range(options.rounds + 1):
-        for name, turn in found.items():
+        for name, turn in list(found.items()) if i % 2 else reversed(found.items()):
             slow = "NumPy" in name
             turns[name].append(turn(options.seconds / 10 if slow else options.seconds))
         if sys.stderr.isatty():
@@ -234,9 +246,14 @@ def measure(options: argparse.Namespace, policy_dt: float) -> dict[str, Any]:
         print(f"  {name:28}" + "".join(f" {b:8.2f} ({a:.2f} to {c:.2f})" for a, b, c in row.values()))
     for a, b, clock in RATIOS:
         if a in found and b in found:
-            low, middle, high = np.percentile(rates[clock][a] / rates[clock][b], (25, 50, 75))
-            result["ratios"].append({"of": a, "to": b, "clock": clock, "quartiles": [low, middle, high]})
-            print(f"  {a} / {b}, {clock}: {middle:.3f} ({low:.3f} to {high:.3f})")
+            ratios = rates[clock][a] / rates[clock][b]
+            low, middle, high = np.percentile(ratios, (25, 50, 75))
+            median = median_interval(ratios)
+            result["ratios"].append(
+                {"of": a, "to": b, "clock": clock, "quartiles": [low, middle, high], "median_95": median}
+            )
+            within = f"({low:.3f} to {high:.3f}), median within {median[0]:.3f} to {median[1]:.3f}"
+            print(f"  {a} / {b}, {clock}: {middle:.3f} {within}")
     return result
 
 
@@ -249,6 +266,7 @@ def main() -> None:
     parser.add_argument("--policy-dt", type=float, action="append", help="s; .02 and .002 if none is given")
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--seconds", type=float, default=10, help="simulated in a turn; a tenth of it by what is slow")
+    parser.add_argument("--only", metavar="REGEX", default="", help="contenders whose names it is found in")
     parser.add_argument("--json", metavar="FILE", help="write the figures there")
     options = parser.parse_args()
     speeds = {"mujoco + NumPy": walked_speed(MujocoNumpyEnv(options.robot, policy_dt=0.02))}

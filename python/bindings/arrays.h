@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <initializer_list>
-#include <memory>
+#include <cstdint>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -22,18 +22,45 @@ namespace nb = nanobind;
 /// What functions take: float64 or float32, of any shape, in C order.
 using AnyArray = nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>;
 
-/// A new array that owns its numbers, which are left as they come, and a view of them.
+/// numpy.empty, and types that it is asked for; found once, they live as long as the process.
+struct NumpyEmpty {
+  nb::handle empty = nb::module_::import_("numpy").attr("empty").inc_ref();
+  nb::handle bool_type = nb::module_::import_("numpy").attr("bool_").inc_ref();
+  nb::handle int64_type = nb::module_::import_("numpy").attr("int64").inc_ref();
+  nb::handle object_type = nb::module_::import_("builtins").attr("object").inc_ref();
+
+  static const NumpyEmpty& get() {
+    static const auto* found = new NumpyEmpty;
+    return *found;
+  }
+};
+
+/// A new array of NumPy's, whose numbers are left as they come, and where they are. NumPy makes it: a step of
+/// an environment needs several, and nanobind's way to one (capsule, DLPack, numpy.array) takes longer.
 template <typename T>
 struct NewArray {
   T* data;
-  nb::ndarray<nb::numpy, T> array;
+  nb::object array;
 
-  explicit NewArray(std::initializer_list<std::size_t> shape) {
-    std::size_t size = 1;
-    for (const std::size_t n : shape) size *= n;
-    data = new T[size];
-    nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<T*>(p); });
-    array = nb::ndarray<nb::numpy, T>(data, shape.size(), shape.begin(), owner);
+  explicit NewArray(std::size_t size) : NewArray(nb::cast(size)) {}
+  NewArray(std::size_t rows, std::size_t columns) : NewArray(nb::make_tuple(rows, columns)) {}
+
+ private:
+  explicit NewArray(const nb::object& shape) : array(empty(shape)) {
+    Py_buffer view;
+    if (PyObject_GetBuffer(array.ptr(), &view, PyBUF_WRITABLE) != 0) nb::raise_python_error();
+    data = static_cast<T*>(view.buf);  // stays where it is as long as the array lives
+    PyBuffer_Release(&view);
+  }
+
+  static nb::object empty(const nb::object& shape) {
+    const NumpyEmpty& numpy = NumpyEmpty::get();
+    if constexpr (std::is_same_v<T, double>) {
+      return numpy.empty(shape);
+    } else {
+      static_assert(std::is_same_v<T, bool> || std::is_same_v<T, std::int64_t>);
+      return numpy.empty(shape, std::is_same_v<T, bool> ? numpy.bool_type : numpy.int64_type);
+    }
   }
 };
 

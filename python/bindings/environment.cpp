@@ -32,25 +32,25 @@ Environment make_environment(const EnvConfig& config, const std::string& engine)
 }
 
 nb::object reset(Environment& self, std::uint64_t seed) {
-  const NewArray<double> observation({self.env->observation_size()});
+  const NewArray<double> observation(self.env->observation_size());
   {
     const nb::gil_scoped_release release;
     self.env->reset(seed, {observation.data, self.env->observation_size()});
     self.bounds.find({observation.data, self.env->observation_size()}, self.outside);
   }
-  return nb::cast(observation.array);
+  return observation.array;
 }
 
 nb::tuple step(Environment& self, const AnyArray& action) {
   const auto numbers = doubles(action, self.env->action_size(), "action", self.action);
-  const NewArray<double> observation({self.env->observation_size()});
+  const NewArray<double> observation(self.env->observation_size());
   StepResult result;
   {
     const nb::gil_scoped_release release;
     result = self.env->step(numbers, {observation.data, self.env->observation_size()});
     self.bounds.find({observation.data, self.env->observation_size()}, self.outside);
   }
-  return nb::make_tuple(nb::cast(observation.array), result.reward, result.terminated, result.truncated);
+  return nb::make_tuple(observation.array, result.reward, result.terminated, result.truncated);
 }
 
 nb::dict info_of(const Environment& self) {

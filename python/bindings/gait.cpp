@@ -55,14 +55,14 @@ class FootTargets {
   nb::tuple update(double dt) {
     if (!(dt > 0)) throw ConfigError("gait", "dt", "a positive time, s", std::to_string(dt));
     const LegArray<FootTarget>& targets = generator_.update(dt);
-    const NewArray<double> feet({kLegCount, 3}), progress({kLegCount});
-    const NewArray<bool> swing({kLegCount});
+    const NewArray<double> feet(kLegCount, 3), progress(kLegCount);
+    const NewArray<bool> swing(kLegCount);
     for (const Leg leg : kLegs) {
       std::copy_n(targets[leg].position.data(), 3, feet.data + 3 * index(leg));
       swing.data[index(leg)] = targets[leg].swing;
       progress.data[index(leg)] = targets[leg].progress;
     }
-    return nb::make_tuple(nb::cast(feet.array), nb::cast(swing.array), nb::cast(progress.array));
+    return nb::make_tuple(feet.array, swing.array, progress.array);
   }
   void set_command(double vx, double vy, double yaw_rate) {
     if (!generator_.set_command({vx, vy, yaw_rate}))

@@ -98,8 +98,8 @@ nb::dict workspace(const RobotLeg& leg, const std::array<int, 3>& count,
     return sample_workspace(kinematics, kinematics.home_branch(), bounds, count);
   }();
   const std::size_t size = map.samples.size();
-  const NewArray<double> targets({size, 3}), joint_limit({size}), serial({size}), parallel({size});
-  const NewArray<bool> reachable({size});
+  const NewArray<double> targets(size, 3), joint_limit(size), serial(size), parallel(size);
+  const NewArray<bool> reachable(size);
   nb::list status;
   for (std::size_t i = 0; i < size; ++i) {
     const auto [nx, ny] = std::pair(static_cast<std::size_t>(count[0]), static_cast<std::size_t>(count[1]));

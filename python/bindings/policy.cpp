@@ -91,9 +91,9 @@ PythonPolicy make_from_bundle(const PolicyBundle& bundle, const std::string& sou
 nb::object act(PythonPolicy& self, const AnyArray& observation) {
   const PolicyInterface& interface = self.policy->interface();
   const auto numbers = doubles(observation, interface.observation.size(), "observation", self.observation);
-  const NewArray<double> action({interface.action.size()});
+  const NewArray<double> action(interface.action.size());
   self.policy->act(numbers, {action.data, interface.action.size()});
-  return nb::cast(action.array);
+  return action.array;
 }
 
 void check_trained_for(const PolicyInterface& interface, const std::vector<std::string>& observation_names,

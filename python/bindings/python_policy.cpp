@@ -37,7 +37,7 @@ class FunctionPolicy final : public Policy {
   void do_act(std::span<const double> observation, std::span<double> action) noexcept override {
     std::fill(action.begin(), action.end(), 0.0);
     guarded([&] {
-      const NewArray<double> seen({observation.size()});
+      const NewArray<double> seen(observation.size());
       std::copy(observation.begin(), observation.end(), seen.data);
       const nb::object returned = act_->get()(seen.array);
       const auto numbers = numbers_of(returned);

@@ -38,8 +38,6 @@ struct Word {
 struct Words {
   std::vector<Word> numbers, counts, terms, outcomes;
   Word outcome{"outcome"}, reward_terms{"reward_terms"}, out_of_bounds{"out_of_bounds"};
-  nb::handle empty{nb::module_::import_("numpy").attr("empty").inc_ref()};
-  nb::handle object{nb::module_::import_("builtins").attr("object").inc_ref()};
 
   Words() {
     for (const Number& number : kNumbers) numbers.emplace_back(number.name);
@@ -58,20 +56,21 @@ const Words& words() {
 template <typename T>
 class Rows {
  public:
-  Rows(std::size_t rows, std::size_t columns)
-      : block_({rows, columns}), columns_(columns), array_(nb::cast(block_.array)) {
+  Rows(std::size_t rows, std::size_t columns) : block_(rows, columns), columns_(columns) {
     std::fill_n(block_.data, rows * columns, T{});
   }
   T& at(std::size_t row, std::size_t column) { return block_.data[row * columns_ + column]; }
-  nb::object row(std::size_t i) const { return array_[i]; }
+  nb::object row(std::size_t i) const { return block_.array[i]; }
 
  private:
   NewArray<T> block_;
   std::size_t columns_;
-  nb::object array_;
 };
 
-nb::object new_objects(std::size_t count) { return words().empty(count, words().object); }
+nb::object new_objects(std::size_t count) {
+  const NumpyEmpty& numpy = NumpyEmpty::get();
+  return numpy.empty(count, numpy.object_type);
+}
 
 }  // namespace
 
@@ -100,7 +99,7 @@ nb::dict infos(std::size_t count, const RewardTerms& weights,
   }
   Rows<double> numbers(kNumbers.size(), count), rewards(terms.size(), count);
   Rows<std::int64_t> counts(kCounts.size(), count);
-  const NewArray<bool> there({count});
+  const NewArray<bool> there(count);
   const nb::object outcomes = new_objects(count), outsides = new_objects(count);
   for (std::size_t i = 0; i < count; ++i) {
     const StepInfo* one = step(i);
@@ -112,7 +111,7 @@ nb::dict infos(std::size_t count, const RewardTerms& weights,
     outcomes[i] = w.of(one->outcome);
     outsides[i] = outside(i);
   }
-  const nb::object mask = nb::cast(there.array);
+  const nb::object mask = there.array;
   nb::dict result, reward_terms;
   const auto put = [&mask](nb::dict& into, const Word& word, const nb::object& value) {
     into[word.name] = value;

@@ -19,6 +19,7 @@
 #include "crossgait/python/bindings/json.h"
 #include "crossgait/python/bindings/python_policy.h"
 #include "crossgait/python/bindings/walk_config.h"
+#include "crossgait/study/course.h"
 #include "crossgait/study/judgement.h"
 #include "crossgait/study/provenance.h"
 #include "crossgait/study/rollout.h"
@@ -64,7 +65,7 @@ class Recorder {
     nb::list tables;
     for (const std::vector<double>& numbers : tables_) {
       const std::size_t width = columns_ ? columns_->names().size() : 1;
-      const NewArray<double> table({numbers.size() / width, width});
+      const NewArray<double> table(numbers.size() / width, width);
       std::copy(numbers.begin(), numbers.end(), table.data);
       tables.append(table.array);
     }
@@ -287,6 +288,23 @@ Pair transfer(const EnvConfig& config, const PolicyChoice& choice, const std::ve
       progress));
 }
 
+Pair course(const EnvConfig& config, const PolicyChoice& choice, const std::string& name,
+            const std::vector<std::string>& sections, const std::vector<std::string>& engines,
+            const EpisodeOptions& options, const nb::object& progress) {
+  return to_python(run_job(
+      [=](const StageProgress& told) {
+        return with_policies(
+            {choice}, told, [&](const auto& policies, const StageProgress& listening) -> Report {
+              const CourseResult result =
+                  run_course(with_sections(load_course(name), sections), config, policies.front(), engines,
+                             options, progress_of(listening, "on the course"));
+              if (result.interrupted) throw Interrupted();
+              return {to_json(result), describe(result)};
+            });
+      },
+      progress));
+}
+
 Pair tune(const EnvConfig& config, const std::vector<std::string>& engines, const TuneOptions& options,
           const nb::object& progress) {
   const auto tuned = std::make_shared<EnvConfig>();
@@ -351,6 +369,15 @@ void bind_studies(nb::module_& m) {
       },
       nb::arg("environment"), nb::arg("policy"), nb::arg("engines"), nb::arg("terrains"), nb::arg("episodes"),
       nb::arg("workers"), nb::arg("seed"), kProgress);
+  m.def(
+      "_course",
+      [](const EnvConfig& config, const PolicyChoice& policy, const std::string& name,
+         const std::vector<std::string>& sections, const std::vector<std::string>& engines,
+         std::size_t episodes, std::size_t workers, std::uint64_t seed, const nb::object& progress) {
+        return course(config, policy, name, sections, engines, {episodes, workers, seed}, progress);
+      },
+      nb::arg("environment"), nb::arg("policy"), nb::arg("course"), nb::arg("sections"), nb::arg("engines"),
+      nb::arg("episodes"), nb::arg("workers"), nb::arg("seed"), kProgress);
   m.def(
       "_tune",
       [](const EnvConfig& config, const std::vector<std::string>& engines, std::size_t iterations,

@@ -57,23 +57,22 @@ VectorEnvironment make(const EnvConfig& config, std::size_t environments, const 
 
 nb::object reset(VectorEnvironment& self, std::uint64_t seed) {
   const std::size_t size = self.envs->size() * self.envs->observation_size();
-  const NewArray<double> observations({self.envs->size(), self.envs->observation_size()});
+  const NewArray<double> observations(self.envs->size(), self.envs->observation_size());
   {
     const nb::gil_scoped_release release;
     self.envs->reset(seed, {observations.data, size});
     self.find_outside(observations.data, self.outside);
     std::fill(self.ended.begin(), self.ended.end(), 0);
   }
-  return nb::cast(observations.array);
+  return observations.array;
 }
 
 nb::tuple step(VectorEnvironment& self, const AnyArray& actions) {
   const std::size_t count = self.envs->size(), width = self.envs->observation_size();
   const auto numbers = doubles(actions, count * self.envs->action_size(), "actions", self.actions);
   const bool keeps_final = self.auto_reset == AutoReset::kSameStep;
-  const NewArray<double> observations({count, width}), rewards({count}),
-      last({keeps_final ? count : 0, width});
-  const NewArray<bool> terminated({count}), truncated({count});
+  const NewArray<double> observations(count, width), rewards(count), last(keeps_final ? count : 0, width);
+  const NewArray<bool> terminated(count), truncated(count);
   std::fill_n(last.data, keeps_final ? count * width : 0, 0.0);  // of those whose episode goes on
   static_assert(sizeof(bool) == sizeof(std::uint8_t));           // and the core writes 0 or 1
   const auto flags = [count](const NewArray<bool>& array) {
@@ -90,8 +89,8 @@ nb::tuple step(VectorEnvironment& self, const AnyArray& actions) {
     self.find_outside(observations.data, self.outside);
     if (keeps_final) self.note_ended(terminated.data, truncated.data, last.data);
   }
-  return nb::make_tuple(nb::cast(observations.array), nb::cast(rewards.array), nb::cast(terminated.array),
-                        nb::cast(truncated.array), keeps_final ? nb::cast(last.array) : nb::none());
+  return nb::make_tuple(observations.array, rewards.array, terminated.array, truncated.array,
+                        keeps_final ? last.array : nb::none());
 }
 
 nb::dict infos_of(const VectorEnvironment& self) {

@@ -36,8 +36,8 @@ from crossgait._core import (
 )
 from crossgait.errors import ConfigError
 from crossgait.policies import Policy
-from crossgait.results import Bench, CompareResult, Result, Rollout, Transfer, Tuning, Verdict, WalkResult
-from crossgait.studies import bench, compare, rollout, transfer, tune, verdict, walk
+from crossgait.results import Bench, CompareResult, CourseResult, Result, Rollout, Transfer, Tuning, Verdict, WalkResult
+from crossgait.studies import bench, compare, course, rollout, transfer, tune, verdict, walk
 from crossgait.traces import Trace
 
 __version__ = version()
@@ -48,6 +48,7 @@ __all__ = [
     "CompareResult",
     "ConfigError",
     "Contact",
+    "CourseResult",
     "Engine",
     "EnvironmentConfig",
     "FootContact",
@@ -74,6 +75,7 @@ __all__ = [
     "bench",
     "body_poses",
     "compare",
+    "course",
     "derived_seed",
     "engines",
     "gait_parameters",

@@ -13,7 +13,7 @@ from crossgait.errors import ConfigError
 from crossgait.traces import Numbers, Trace
 
 if TYPE_CHECKING:
-    from crossgait.results import Bench, CompareResult, Rollout, Transfer, Tuning, Verdict, WalkResult
+    from crossgait.results import Bench, CompareResult, CourseResult, Rollout, Transfer, Tuning, Verdict, WalkResult
 
 # Okabe and Ito's palette (2008): told apart by the colour-blind, too.
 _PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00")
@@ -145,6 +145,30 @@ def plot_transfer(result: Transfer) -> Figure:
     ax.set_yticks(range(len(cells)), [f"{cell['terrain']}, {cell['backend']}" for cell in cells])
     ax.invert_yaxis()
     ax.set_xlabel("mean speed, m/s (bars: deviation over episodes)")
+    ax.legend(frameon=False)
+    return figure
+
+
+def plot_course(result: CourseResult) -> Figure:
+    """Score of every section, by engine."""
+    cells = result.document["cells"]
+    sections = list(dict.fromkeys(cell["section"]["name"] for cell in cells))
+    engines = list(dict.fromkeys(cell["backend"] for cell in cells))
+    figure, (ax,) = _new(1, 1.5 + 0.3 * len(sections))
+    for i, cell in enumerate(cells):
+        engine = engines.index(cell["backend"])
+        ax.errorbar(
+            cell["score"]["mean"],
+            sections.index(cell["section"]["name"]) + 0.15 * (engine - (len(engines) - 1) / 2),
+            xerr=cell["score"]["deviation"],
+            fmt="o",
+            color=_PALETTE[engine % len(_PALETTE)],
+            label=cell["backend"] if i < len(engines) else None,
+        )
+    ax.set_yticks(range(len(sections)), sections)
+    ax.invert_yaxis()
+    ax.set_xlim(-0.02, 1.02)
+    ax.set_xlabel("distance made over distance asked for (bars: deviation over runs)")
     ax.legend(frameon=False)
     return figure
 

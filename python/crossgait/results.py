@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 from crossgait.traces import Trace
 
@@ -218,6 +219,31 @@ class Transfer(Result):
     def _headline(self) -> str:
         engines = dict.fromkeys(cell["backend"] for cell in self.document["cells"])
         return f"{self.document['policy']} in {', '.join(engines)}"
+
+
+@dataclass(frozen=True, repr=False)
+class CourseResult(Result):
+    """A policy on every section of a course."""
+
+    _row_name = "section"
+    _plot = "plot_course"
+
+    def score(self, engine: str | None = None) -> float:
+        """Over all sections, 0 to 1, in an engine; in the first if none is named."""
+        found = [s for s in self.document["scores"] if engine in (None, s["backend"])]
+        if not found:
+            raise ConfigError("course", "engine", "one that it was run in", repr(engine))
+        return float(found[0]["mean"])
+
+    def _rows(self) -> list[Json]:
+        return [
+            {"section": cell["section"]["name"], **_flat({k: v for k, v in cell.items() if k != "section"})}
+            for cell in self.document["cells"]
+        ]
+
+    def _headline(self) -> str:
+        scores = ", ".join(f"{s['mean']:.3f} in {s['backend']}" for s in self.document["scores"])
+        return f"{self.document['policy']} on course {self.document['course']}: {scores}"
 
 
 @dataclass(frozen=True, repr=False)

@@ -10,7 +10,7 @@ from crossgait import _core
 from crossgait._core import Behaviour, EnvironmentConfig, FunctionPolicy, StartRanges, Walk
 from crossgait.errors import ConfigError
 from crossgait.progress import Progress, ProgressBar, shown
-from crossgait.results import Bench, CompareResult, Rollout, Transfer, Tuning, Verdict, WalkResult
+from crossgait.results import Bench, CompareResult, CourseResult, Rollout, Transfer, Tuning, Verdict, WalkResult
 from crossgait.traces import Trace
 
 Subject = Walk | Behaviour | str
@@ -229,6 +229,41 @@ def transfer(
     with _Shown(progress) as told:
         document, text = _core._transfer(config, policy, names, list(terrains), episodes, _workers(workers), seed, told)
     return Transfer(document, text)
+
+
+def course(
+    policy: Policy = "zero",
+    environment: EnvironmentConfig | None = None,
+    *,
+    course: str = "hard",
+    sections: Sequence[str] = (),
+    engines: Sequence[str] | None = None,
+    episodes: int = 20,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: Progress | bool | None = None,
+) -> CourseResult:
+    """Run a policy, or with `zero` the gait alone, on every section of a course of hard ground (docs/course.md).
+
+    Args:
+        policy: as `rollout` takes one.
+        environment: what moves the robot; ground, loads, pushes and the speed that is asked for are the course's.
+        course: a name, or a file.
+        sections: names of those to run; all by default.
+        engines: the environment's by default.
+        episodes: runs of each section.
+        seed: of the first run.
+        workers: as `verdict`.
+        progress: as `walk`.
+
+    """
+    config = _environment(environment)
+    names = [config.engine] if engines is None else list(engines)
+    with _Shown(progress) as told:
+        document, text = _core._course(
+            config, policy, course, list(sections), names, episodes, _workers(workers), seed, told
+        )
+    return CourseResult(document, text)
 
 
 def tune(

@@ -14,6 +14,7 @@ import nbclient
 import nbformat
 import numpy as np
 import pytest
+from sweep_studies import SHORT, study_file
 
 import crossgait
 from crossgait.policies import MlpNetwork, Policy, PolicyInterface
@@ -63,13 +64,38 @@ def test_the_notebook_runs(tmp_path: Path) -> None:
     assert any("image/png" in output.get("data", {}) for output in shown)
 
 
-# A network's and a cluster's: what these pages say of Python needs more than the package does.
-@pytest.mark.parametrize(
-    ("page", "block"), [p for p in parameters("python") if p.values[0].stem not in {"policies", "sweeps"}]
-)
+# Verdicts that are explained, and films drawn without a graphics card.
+SLOW_CALLS = ("explain=True", "to_video(")
+
+# Uses the function that docs/policies.md defines.
+EXPORT = """
+import torch
+from crossgait import EnvironmentConfig, _core
+
+environment = _core.Environment(EnvironmentConfig.load("environment.yaml"))
+layouts = [[(name, unit) for name, unit, *_ in layout]
+           for layout in (environment.observation_layout, environment.action_layout)]
+seen, acts = map(len, layouts)
+model = torch.nn.Sequential(torch.nn.Linear(seen, 8), torch.nn.Tanh(), torch.nn.Linear(8, acts))
+export("exported.safetensors", model, "tanh", layouts, environment.config.policy_dt, numpy.zeros(seen, numpy.float32),
+       numpy.ones(seen, numpy.float32), 10.0, numpy.random.default_rng(1).normal(size=(4, seen)).astype(numpy.float32))
+"""
+
+
+@pytest.mark.parametrize(("page", "block"), parameters("python"))
 def test_blocks_of_documents_run(page: Path, block: str, tmp_path: Path) -> None:
+    if any(call in block for call in SLOW_CALLS) and not os.environ.get("CROSSGAIT_LONG_TESTS"):
+        pytest.skip("takes minutes: `scripts/nightly documents`")
+    write_environment(tmp_path / "environment.yaml")
+    if page.stem == "sweeps":
+        study_file(tmp_path, SHORT.format(engine=crossgait.available_engines()[0]))
     (tmp_path / "block.py").write_text(block)
     run(["block.py"], tmp_path)
+    if "def export(" in block:  # the bundle that a program of one's own writes is one that Crossgait runs
+        (tmp_path / "block.py").write_text(block + EXPORT)
+        run(["block.py"], tmp_path)
+        options = ["--config", "environment.yaml", "--episodes", "1", "--episode-seconds", ".1"]
+        subprocess.run([PROGRAM, "rollout", "--policy", "exported.safetensors", *options], cwd=tmp_path, check=True)
 
 
 def write_environment(path: Path, *options: str) -> None:

@@ -95,6 +95,19 @@ def test_without_an_environment_it_is_the_default() -> None:
         crossgait.transfer("no-such-policy")
 
 
+def test_a_course_is_the_command() -> None:
+    config = EnvironmentConfig.parse("{engine: bullet}")
+    runs = crossgait.course("zero", config, sections=["speed-1.0"], engines=["mujoco", "bullet"], episodes=1)
+    options = ["--sections", "speed-1.0", "--engines", "mujoco,bullet", "--episodes", "1"]
+    assert without_the_run(command("course", *options)) == without_the_run(runs.to_dict())
+    assert list(runs.to_frame()["section"]) == ["speed-1.0"] * 2
+    assert runs.score() == runs.score("mujoco") != runs.score("bullet")
+    assert "on course hard" in repr(runs)
+    assert runs.plot().axes
+    with pytest.raises(ConfigError, match="speed-3"):
+        crossgait.course("zero", config, sections=["speed-3"])
+
+
 def test_transfer_and_tune_come_back_as_objects() -> None:
     config = EnvironmentConfig.parse('{"policy_dt": 0.02, "episode_seconds": 0.5, "adapt": [step_length]}')
     transfer = crossgait.transfer("zero", config, terrains=["flat"], episodes=1)

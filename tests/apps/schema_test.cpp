@@ -55,6 +55,7 @@ std::vector<Case> cases() {
       {"rollout", "rollout --policy random --baseline --episodes 2 --episode-seconds .1"},
       {"rollout", "rollout --episodes 1 --episode-seconds .05 --command 0,0,0"},
       {"transfer", "transfer --episodes 1 --episode-seconds .1"},
+      {"course", "course --sections speed-1.0,pushed --episodes 1"},
       {"tune", "tune --iterations 1 --population 4 --terrains 1 --unseen 1 --episode-seconds .1"},
       {"engines", "backends"},
       {"robots", "robots"},

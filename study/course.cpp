@@ -1,0 +1,178 @@
+#include "crossgait/study/course.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "crossgait/parity/behaviour.h"
+#include "crossgait/physics/data_path.h"
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/robot.h"
+#include "crossgait/physics/yaml_reader.h"
+
+namespace crossgait {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kTerrainSeeds = 1e9;  // a run draws its ground from as many
+
+std::string find_course(const std::string& name_or_file) {
+  if (name_or_file.ends_with(".yaml")) return name_or_file;
+  const fs::path folder = fs::path(models_dir()) / "courses";
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  if (std::find(names.begin(), names.end(), name_or_file) == names.end()) {
+    throw ConfigError("course", "name", fmt::format("one of {}, or a .yaml file", fmt::join(names, ", ")),
+                      fmt::format("'{}'", name_or_file));
+  }
+  return (folder / (name_or_file + ".yaml")).string();
+}
+
+double read_between(const YamlValue& value, double min, double max, std::string_view unit) {
+  const double number = value.number();
+  if (number < min || number > max) {
+    value.fail(fmt::format("{} to {}{}{}", min, max, unit.empty() ? "" : " ", unit),
+               fmt::format("{}", number));
+  }
+  return number;
+}
+
+Range read_range(const YamlValue& value, double max, std::string_view unit) {
+  const std::vector<YamlValue> ends = value.items();
+  if (ends.size() != 2) value.fail("[min, max]", fmt::format("{} values", ends.size()));
+  const Range range{read_between(ends[0], 0, max, unit), read_between(ends[1], 0, max, unit)};
+  if (range.min > range.max) value.fail("[min, max]", fmt::format("[{}, {}]", range.min, range.max));
+  return range;
+}
+
+CourseSection read_section(const std::string& name, const YamlValue& value) {
+  value.allow_keys({"terrain", "speed", "friction", "payload", "push"});
+  CourseSection section;
+  section.name = name;
+  section.terrain = value.at("terrain").text();
+  section.speed = read_between(value.at("speed"), 0.01, 10, "m/s");
+  if (const auto friction = value.find("friction")) section.friction = read_between(*friction, 0, 10, "");
+  if (const auto payload = value.find("payload")) section.payload = read_between(*payload, 0, 5, "");
+  if (const auto push = value.find("push")) {
+    push->allow_keys({"speed", "interval"});
+    section.push_speed = read_range(push->at("speed"), 10, "m/s");
+    section.push_interval = read_range(push->at("interval"), 1000, "s");
+    if (section.push_interval.min <= 0) push->at("interval").fail("more than 0 s", "0");
+  }
+  return section;
+}
+
+bool is_on(const Range& range) { return range.max > 0; }
+
+}  // namespace
+
+Course load_course(const std::string& name_or_file) {
+  const std::string file = find_course(name_or_file);
+  const YamlValue root = YamlValue::load(file);
+  root.allow_keys({"seconds", "sections"});
+  Course course{fs::path(file).stem().string(), 20, {}};
+  if (const auto seconds = root.find("seconds")) course.seconds = read_between(*seconds, 0.1, 10'000, "s");
+  for (const auto& [name, section] : root.at("sections").entries())
+    course.sections.push_back(read_section(name, section));
+  if (course.sections.empty()) root.at("sections").fail("at least one section", "none");
+  return course;
+}
+
+Course with_sections(Course course, const std::vector<std::string>& names) {
+  if (names.empty()) return course;
+  std::vector<CourseSection> chosen;
+  std::vector<std::string> known;
+  for (const CourseSection& section : course.sections) {
+    known.push_back(section.name);
+    if (std::find(names.begin(), names.end(), section.name) != names.end()) chosen.push_back(section);
+  }
+  for (const std::string& name : names) {
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      throw ConfigError("course " + course.name, "section", fmt::format("one of {}", fmt::join(known, ", ")),
+                        fmt::format("'{}'", name));
+    }
+  }
+  course.sections = std::move(chosen);
+  return course;
+}
+
+EnvConfig section_environment(const EnvConfig& method, const Course& course, const CourseSection& section) {
+  const RobotDescription robot =
+      method.at_its_place(method.robot, [&] { return load_robot(find_robot(method.robot)); });
+  const EnvConfig usual;
+  EnvConfig here = method;
+  here.terrain = section.terrain;
+  here.friction = section.friction;
+  here.command = VelocityCommand{section.speed, 0, 0};
+  here.episode_seconds = course.seconds;
+  here.settle_seconds = usual.settle_seconds;
+  here.tilt_limit_deg = usual.tilt_limit_deg;
+  here.ends = usual.ends;
+  here.randomisation = StartRanges{.push_mps = 0}.over({}, robot);
+  here.randomisation[Randomised::kTerrainSeed] = {0, kTerrainSeeds};
+  if (section.payload > 0) {
+    const double trunk = robot.bodies.front().inertia.mass;
+    const double factor = 1 + section.payload * robot.total_mass() / trunk;
+    here.randomisation[Randomised::kTrunkMass] = {factor, factor};
+  }
+  if (is_on(section.push_speed)) {
+    const double mass = robot.total_mass() * (1 + section.payload);
+    here.randomisation[Randomised::kPushImpulse] = {section.push_speed.min * mass,
+                                                    section.push_speed.max * mass};
+    here.randomisation[Randomised::kPushInterval] = section.push_interval;
+  }
+  here.validate(fmt::format("course {}, section {}", course.name, section.name));
+  return here;
+}
+
+double course_score(const EpisodeSummary& run, const Course& course, const CourseSection& section) noexcept {
+  const double share = run.motion.distance_m / (section.speed * course.seconds);
+  return std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 0;
+}
+
+MeanAndDeviation CourseResult::score(const std::string& engine) const {
+  std::vector<double> means(runs, 0);  // over sections, by run
+  double sections = 0;
+  for (const CourseCell& cell : cells) {
+    if (cell.engine != engine) continue;
+    ++sections;
+    for (std::size_t k = 0; k < runs; ++k) means[k] += cell.scores[k];
+  }
+  if (sections == 0) return {};
+  for (double& mean : means) mean /= sections;
+  return mean_and_deviation(means);
+}
+
+CourseResult run_course(const Course& course, const EnvConfig& method, const NamedPolicy& policy,
+                        const std::vector<std::string>& engines, const EpisodeOptions& options,
+                        const Progress& progress) {
+  CourseResult result{course.name, policy.name, options.episodes, options.seed, {}};
+  const double all = static_cast<double>(course.sections.size() * engines.size());
+  for (const CourseSection& section : course.sections) {
+    EnvConfig here = section_environment(method, course, section);
+    for (const std::string& engine : engines) {
+      here.engine = engine;
+      const double done = static_cast<double>(result.cells.size());
+      result.interrupted = interrupted_at(progress, done / all);
+      if (result.interrupted) return result;
+      const std::vector<EpisodeSummary> episodes =
+          evaluate_policy(env_factory(here), policy.make, options.episodes, options.seed, options.workers,
+                          part_of(progress, done / all, (done + 1) / all));
+      result.interrupted = episodes.size() < options.episodes;
+      if (result.interrupted) return result;
+      CourseCell cell{section, engine, {}, sum_up(episodes)};
+      for (const EpisodeSummary& run : episodes) cell.scores.push_back(course_score(run, course, section));
+      result.cells.push_back(std::move(cell));
+    }
+  }
+  return result;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,81 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/parity/schema.h"
+#include "crossgait/parity/table.h"
+#include "crossgait/study/course.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json to_json(const Range& range) { return {range.min, range.max}; }
+
+ordered_json to_json(const CourseSection& s) {
+  return {{"name", s.name},
+          {"terrain", s.terrain},
+          {"speed_mps", s.speed},
+          {"friction", s.friction},
+          {"payload", s.payload},
+          {"push_speed_mps", to_json(s.push_speed)},
+          {"push_interval_s", to_json(s.push_interval)}};
+}
+
+std::string number(const std::optional<MeanAndDeviation>& value, int digits) {
+  return value ? fmt::format("{:.{}f}", value->mean, digits) : "-";
+}
+
+std::string score(const MeanAndDeviation& s) { return fmt::format("{:.3f} +- {:.3f}", s.mean, s.deviation); }
+
+// In the order of their first cells.
+std::vector<std::string> engines_of(const CourseResult& result) {
+  std::vector<std::string> engines;
+  for (const CourseCell& cell : result.cells) {
+    if (std::find(engines.begin(), engines.end(), cell.engine) == engines.end())
+      engines.push_back(cell.engine);
+  }
+  return engines;
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const CourseResult& r) {
+  ordered_json json{{"course", r.course}, {"policy", r.policy}, {"seed", r.seed}, {"runs", r.runs}};
+  json["cells"] = ordered_json::array();
+  for (const CourseCell& cell : r.cells) {
+    const MeanAndDeviation s = mean_and_deviation(cell.scores);
+    json["cells"].push_back({{"section", to_json(cell.section)},
+                             {"backend", cell.engine},
+                             {"score", {{"mean", s.mean}, {"deviation", s.deviation}}},
+                             {"scores", cell.scores},
+                             {"all", to_json(cell.all)}});
+  }
+  json["scores"] = ordered_json::array();
+  for (const std::string& engine : engines_of(r)) {
+    const MeanAndDeviation s = r.score(engine);
+    json["scores"].push_back({{"backend", engine}, {"mean", s.mean}, {"deviation", s.deviation}});
+  }
+  if (r.interrupted) json["interrupted"] = true;
+  return with_schema("course", json);
+}
+
+Table table(const CourseResult& r) {
+  Table rows({fmt::format("{} on course {}, {} each", short_name(r.policy), r.course, counted(r.runs, "run")),
+              "engine", "asked, m/s", "made, m/s", "score", "outcome", "cost of transport", "drag", "slip"});
+  for (const CourseCell& cell : r.cells) {
+    const Evaluation& e = cell.all;
+    rows.add_row({cell.section.name, cell.engine, fmt::format("{:.2f}", cell.section.speed),
+                  number(e.mean_speed_mps, 3), score(mean_and_deviation(cell.scores)), outcomes_in_words(e),
+                  number(e.cost_of_transport, 2), number(e.drag, 3), number(e.slip_per_path, 3)});
+  }
+  for (const std::string& engine : engines_of(r))
+    rows.add_row({"all sections", engine, "", "", score(r.score(engine))});
+  return rows;
+}
+
+std::string describe(const CourseResult& r) { return table(r).str(); }
+
+}  // namespace crossgait
