@@ -22,6 +22,7 @@ void add_compare_command(CLI::App& program);
 void add_bench_command(CLI::App& program);
 void add_verdict_command(CLI::App& program);
 void add_backends_command(CLI::App& program);
+void add_conformance_command(CLI::App& program);
 void add_robots_command(CLI::App& program);
 void add_terrain_command(CLI::App& program);
 void add_ik_command(CLI::App& program);

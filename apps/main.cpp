@@ -43,6 +43,7 @@ void add_commands(CLI::App& program, std::vector<std::string>& again) {
   add_bench_command(program);
   add_verdict_command(program);
   add_backends_command(program);
+  add_conformance_command(program);
   add_robots_command(program);
   add_terrain_command(program);
   add_ik_command(program);

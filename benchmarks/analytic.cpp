@@ -42,11 +42,11 @@ double euler_gain(const SpatialInertia& inertia, const RobotState& s, double h) 
 
 }  // namespace
 
-TumblingDrift measure_tumbling(const std::string& backend, double h) {
+TumblingDrift measure_tumbling(const Engine& engine, double h) {
   WorldSpec spec = scenes::world_of(scenes::tumbling_body());
   spec.physics_dt = h;
   spec.gravity.setZero();
-  const auto world = make_backend(backend, spec);
+  const auto world = engine.make(spec);
   const SpatialInertia& inertia = world->robot().bodies[0].inertia;
   RobotState start = world->home_state();
   start.p_WB.z() = 2;
@@ -70,10 +70,10 @@ TumblingDrift measure_tumbling(const std::string& backend, double h) {
   return result;
 }
 
-double free_fall_error(const std::string& backend, double h) {
+double free_fall_error(const Engine& engine, double h) {
   WorldSpec spec = scenes::world_of(scenes::tumbling_body());
   spec.physics_dt = h;
-  const auto world = make_backend(backend, spec);
+  const auto world = engine.make(spec);
   RobotState start = world->home_state();
   start.p_WB.z() = 30;
   start.v_WB = {0.3, 0.2, 1};
@@ -84,12 +84,12 @@ double free_fall_error(const std::string& backend, double h) {
   return (world->state().p_WB - (start.p_WB + start.v_WB * t + spec.gravity * (t * t / 2))).norm();
 }
 
-double pendulum_period(const std::string& backend, const scenes::ArmLink& link, double amplitude, double h,
+double pendulum_period(const Engine& engine, const scenes::ArmLink& link, double amplitude, double h,
                        int swings) {
   WorldSpec spec = scenes::world_of(scenes::arm({link}));
   spec.fixed_base = true;
   spec.physics_dt = h;
-  const auto world = make_backend(backend, spec);
+  const auto world = engine.make(spec);
   RobotState start = world->home_state();
   start.q[0] = amplitude;
   world->reset(start);
@@ -97,7 +97,8 @@ double pendulum_period(const std::string& backend, const scenes::ArmLink& link, 
   double first = 0, last = 0;
   int crossings = 0;
   for (int i = 0; crossings <= swings; ++i) {
-    if (i * h > kLongest) throw std::runtime_error(fmt::format("the pendulum does not swing in {}", backend));
+    if (i * h > kLongest)
+      throw std::runtime_error(fmt::format("the pendulum does not swing in {}", engine.name()));
     const double before = world->state().q[0];
     step(*world);
     const double after = world->state().q[0];
@@ -111,12 +112,12 @@ double pendulum_period(const std::string& backend, const scenes::ArmLink& link, 
   return (last - first) / swings;
 }
 
-double pendulum_error(const std::string& backend, double h) {
+double pendulum_error(const Engine& engine, double h) {
   constexpr double kAmplitude = 2.5;  // rad: twice the period of small swings
   const scenes::ArmLink link{};
   const double w = std::sqrt(link.mass * kGravity * link.length / link.joint_inertia());
   const double exact = 4 / w * std::comp_ellint_1(std::sin(kAmplitude / 2));
-  return pendulum_period(backend, link, kAmplitude, h, 3) / exact - 1;
+  return pendulum_period(engine, link, kAmplitude, h, 3) / exact - 1;
 }
 
 std::vector<Convergence> measure_convergence(const std::vector<std::string>& backends,
@@ -124,21 +125,22 @@ std::vector<Convergence> measure_convergence(const std::vector<std::string>& bac
   struct Quantity {
     const char* name;
     const char* unit;
-    double (*error)(const std::string& backend, double h);
+    double (*error)(const Engine& engine, double h);
   };
   constexpr std::array<Quantity, 4> kQuantities{{
       {"free_fall", "m", free_fall_error},
       {"pendulum_period", "relative", pendulum_error},
       {"tumbling_momentum", "relative",
-       [](const std::string& backend, double h) { return measure_tumbling(backend, h).momentum; }},
+       [](const Engine& engine, double h) { return measure_tumbling(engine, h).momentum; }},
       {"tumbling_energy", "relative",
-       [](const std::string& backend, double h) { return measure_tumbling(backend, h).energy; }},
+       [](const Engine& engine, double h) { return measure_tumbling(engine, h).energy; }},
   }};
   std::vector<Convergence> results;
   for (const Quantity& quantity : kQuantities) {
     for (const std::string& backend : backends) {
       Convergence c{quantity.name, quantity.unit, backend, {4e-3, 2e-3, 1e-3, 5e-4}, {}, 0};
-      for (const double h : c.step_s) c.error.push_back(quantity.error(backend, h));
+      const Engine engine = find_engine(backend);
+      for (const double h : c.step_s) c.error.push_back(quantity.error(engine, h));
       c.order = convergence_order(c.step_s, c.error);
       results.push_back(std::move(c));
       progress(static_cast<double>(results.size()) /

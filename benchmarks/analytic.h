@@ -6,6 +6,7 @@
 
 #include "crossgait/benchmarks/robots.h"
 #include "crossgait/parity/comparison.h"
+#include "crossgait/physics/engine.h"
 
 namespace crossgait::benchmarks {
 
@@ -18,16 +19,16 @@ struct TumblingDrift {
   double position = 0;          ///< of the centre of mass from its straight line, m
 };
 /// @throws std::runtime_error (as all below) if the engine diverges
-TumblingDrift measure_tumbling(const std::string& backend, double h);
+TumblingDrift measure_tumbling(const Engine& engine, double h);
 
 /// Distance from the parabola after a second of free fall, m.
-double free_fall_error(const std::string& backend, double h);
+double free_fall_error(const Engine& engine, double h);
 
 /// Mean period over `swings` full swings from rest at `amplitude` (rad), s, timed by zero crossings.
-double pendulum_period(const std::string& backend, const scenes::ArmLink& link, double amplitude, double h,
+double pendulum_period(const Engine& engine, const scenes::ArmLink& link, double amplitude, double h,
                        int swings);
 /// Of the period of a swing of 143 degrees against the elliptic integral, relative.
-double pendulum_error(const std::string& backend, double h);
+double pendulum_error(const Engine& engine, double h);
 
 /// Errors of one quantity over the physics step, and how fast they vanish with it.
 struct Convergence {

@@ -112,7 +112,7 @@ ordered_json analytic(const BenchOptions& options, const Progress& progress) {
       {"plane", scenes::tilted_gravity}, {"height field", scenes::inclined_field}};
   for (const auto& [ground, make_incline] : grounds) {
     for (const std::string& backend : options.backends) {
-      const FrictionCone cone = measure_friction_cone(backend, make_incline);
+      const FrictionCone cone = measure_friction_cone(find_engine(backend), make_incline);
       result["friction"].push_back({{"ground", ground},
                                     {"backend", backend},
                                     {"creep_inside_mps", cone.creep_speed},

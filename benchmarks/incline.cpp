@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/backends/registry.h"
-
 namespace crossgait::scenes {
 
 constexpr double kGravity = 9.81;
@@ -47,13 +45,13 @@ struct Slide {
   double sideways = 0;  ///< across the line of fall at the end, m
 };
 
-Slide let_go(const std::string& backend, scenes::MakeIncline make_incline, double friction_over_tangent,
+Slide let_go(const Engine& engine, scenes::MakeIncline make_incline, double friction_over_tangent,
              int heading) {
   scenes::Incline incline =
       make_incline(incline_angle(friction_over_tangent), 2 * std::numbers::pi * heading / kHeadings);
   incline.spec.contact.friction = kInclineFriction;
   incline.spec.solver.tolerance = 1e-6;
-  const auto world = make_backend(backend, incline.spec);
+  const auto world = engine.make(incline.spec);
   // Not turned about the normal with the heading: its corners lie in W's axes.
   RobotState start = world->home_state();
   start.q_WB = Quaternion::FromTwoVectors(Vector3::UnitZ(), incline.normal);
@@ -62,7 +60,7 @@ Slide let_go(const std::string& backend, scenes::MakeIncline make_incline, doubl
   const bool settled = world->step({}, kSettleSteps) == StepStatus::kOk;
   const Vector3 from = world->state().p_WB;
   if (!settled || world->step({}, kSlideSteps) != StepStatus::kOk) {
-    throw std::runtime_error(fmt::format("the sled diverged in {}", backend));
+    throw std::runtime_error(fmt::format("the sled diverged in {}", engine.name()));
   }
   const RobotState& s = world->state();
   const Vector3 across = incline.normal.cross(incline.downhill);
@@ -75,7 +73,7 @@ double incline_angle(double friction_over_tangent) {
   return std::atan(kInclineFriction / friction_over_tangent);
 }
 
-FrictionCone measure_friction_cone(const std::string& backend, scenes::MakeIncline make_incline) {
+FrictionCone measure_friction_cone(const Engine& engine, scenes::MakeIncline make_incline) {
   FrictionCone result;
   const double angle = incline_angle(kJustOutside);
   const double a = scenes::kGravity * (std::sin(angle) - kInclineFriction * std::cos(angle));
@@ -83,10 +81,10 @@ FrictionCone measure_friction_cone(const std::string& backend, scenes::MakeIncli
   const double expected = a / 2 * (t1 * t1 - t0 * t0);
   double least = HUGE_VAL, most = -HUGE_VAL;
   for (int heading = 0; heading < kHeadings; ++heading) {
-    const Slide inside = let_go(backend, make_incline, kJustInside, heading);
+    const Slide inside = let_go(engine, make_incline, kJustInside, heading);
     result.creep_speed = std::max(result.creep_speed, std::abs(inside.speed));
     result.creep_distance = std::max(result.creep_distance, std::abs(inside.distance));
-    const Slide outside = let_go(backend, make_incline, kJustOutside, heading);
+    const Slide outside = let_go(engine, make_incline, kJustOutside, heading);
     result.distance_error = std::max(result.distance_error, std::abs(outside.distance / expected - 1));
     result.off_line = std::max(result.off_line, std::abs(outside.sideways) / expected);
     least = std::min(least, outside.distance);

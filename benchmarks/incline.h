@@ -2,9 +2,8 @@
 // every heading alike.
 #pragma once
 
-#include <string>
-
 #include "crossgait/benchmarks/scenes.h"
+#include "crossgait/physics/engine.h"
 
 namespace crossgait::scenes {
 
@@ -45,6 +44,6 @@ inline constexpr double kInclineSeconds = 0.3;                  ///< that it is 
 inline constexpr double kJustInside = 1.1, kJustOutside = 0.9;  ///< friction over tan(angle)
 
 /// @throws std::runtime_error if the engine diverges
-FrictionCone measure_friction_cone(const std::string& backend, scenes::MakeIncline make_incline);
+FrictionCone measure_friction_cone(const Engine& engine, scenes::MakeIncline make_incline);
 
 }  // namespace crossgait::benchmarks

@@ -107,7 +107,8 @@ std::vector<ThreadSpeed> measure_scaling(const ScalingSettings& settings, const 
   const auto threads = static_cast<std::size_t>(settings.max_threads);
   std::vector<std::vector<SceneRunner>> runners(settings.backends.size());
   for (std::size_t b = 0; b < runners.size(); ++b) {
-    for (std::size_t t = 0; t < threads; ++t) runners[b].emplace_back(scene, settings.backends[b]);
+    for (std::size_t t = 0; t < threads; ++t)
+      runners[b].emplace_back(scene, find_engine(settings.backends[b]));
   }
   std::vector<std::vector<double>> speed(runners.size() * threads), efficiency(speed.size());
   for (int round = 0; round < settings.rounds; ++round) {

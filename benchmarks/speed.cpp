@@ -35,8 +35,8 @@ std::vector<SpeedScene> speed_scenes() {
   };
 }
 
-SceneRunner::SceneRunner(const SpeedScene& scene, const std::string& backend)
-    : what_(fmt::format("{} in {}", scene.name, backend)), world_(make_backend(backend, scene.spec)) {
+SceneRunner::SceneRunner(const SpeedScene& scene, const Engine& engine)
+    : what_(fmt::format("{} in {}", scene.name, engine.name())), world_(engine.make(scene.spec)) {
   if (scene.spec.fixed_base) {
     RobotState hanging = world_->home_state();
     hanging.p_WB.z() += 1;
@@ -86,7 +86,7 @@ std::vector<SceneSpeed> measure_speed(const SpeedSettings& settings, const Progr
   std::vector<SceneSpeed> results;
   for (std::size_t s = 0; s < all.size(); ++s) {
     std::vector<SceneRunner> runners;
-    for (const std::string& backend : settings.backends) runners.emplace_back(all[s], backend);
+    for (const std::string& backend : settings.backends) runners.emplace_back(all[s], find_engine(backend));
     const std::size_t count = runners.size();
     std::vector<std::vector<double>> time(count), ratio(count);
     std::vector<double> contacts;

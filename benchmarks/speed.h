@@ -8,6 +8,7 @@
 #include "crossgait/benchmarks/scenes.h"
 #include "crossgait/benchmarks/statistics.h"
 #include "crossgait/parity/comparison.h"
+#include "crossgait/physics/engine.h"
 
 namespace crossgait::benchmarks {
 
@@ -40,7 +41,7 @@ struct SceneSpeed {
 class SceneRunner {
  public:
   /// @throws std::runtime_error if the engine diverges on the way
-  SceneRunner(const SpeedScene& scene, const std::string& backend);
+  SceneRunner(const SpeedScene& scene, const Engine& engine);
   /// CPU time of the scene, per step, s. @throws std::runtime_error if the engine diverges
   double run();
   /// `times` runs of it without looking at a clock. False if the engine diverged.

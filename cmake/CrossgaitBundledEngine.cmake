@@ -1,14 +1,19 @@
 # crossgait_bundled_engine(NAME TITLE title PACKAGE name [version] DEBIAN package NAMES names... SOURCES files...
-#                          LIBRARIES targets...)
+#                          LIBRARIES targets... HEADERS beginnings... FILES parts...)
 # The engine in backends/NAME/: the option CROSSGAIT_WITH_<NAME>, a static library crossgait_backend_NAME of SOURCES,
 # which only tests and benchmarks of its inside link, and the plug-in of plugin.cpp around it. NAMES are what it offers.
+# HEADERS are what the names of the engine's own headers begin with, which only its folder may include, and FILES parts of
+# the names of its libraries, which no program that opens plug-ins may be linked to (tests/layering, tests/support).
 # Where the package is missing, the build goes on, and `crossgait backends` says why the names are not available.
 include(CrossgaitEngine)
 set(CROSSGAIT_ENGINES_FOLDER ${PROJECT_BINARY_DIR}/engines)
 set(CROSSGAIT_ENGINES_INSTALL_FOLDER ${CMAKE_INSTALL_LIBDIR}/crossgait/engines)
 
 function(crossgait_bundled_engine name)
-  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "TITLE;DEBIAN" "PACKAGE;NAMES;SOURCES;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "TITLE;DEBIAN" "PACKAGE;NAMES;SOURCES;LIBRARIES;HEADERS;FILES")
+  list(TRANSFORM ARG_HEADERS PREPEND "${name} ")
+  set_property(GLOBAL APPEND PROPERTY CROSSGAIT_ENGINE_HEADERS ${ARG_HEADERS})
+  set_property(GLOBAL APPEND PROPERTY CROSSGAIT_ENGINE_FILES ${ARG_FILES})
   string(TOUPPER CROSSGAIT_WITH_${name} option)
   option(${option} "Build the ${ARG_TITLE} engine if ${ARG_TITLE} is found" ON)
   list(GET ARG_PACKAGE 0 package)

@@ -2,7 +2,7 @@
 # `pkg-config crossgait`.
 include(CMakePackageConfigHelpers)
 
-foreach(folder physics ik gait env parity study report benchmarks)
+foreach(folder physics ik gait env parity study report benchmarks conformance)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/crossgait
           FILES_MATCHING PATTERN "*.h" PATTERN "programs" EXCLUDE)
 endforeach()

@@ -41,7 +41,7 @@ TEST(Registry, NamesAreUniqueAndTellWhyTheyAreMissing) {
 
 TEST(Registry, ListsMujocoThenBulletThenFurtherReleases) {
   // The first is what commands use by default; it and the first of other laws are what `verdict` compares.
-  const std::vector<std::string> names = available_engines();
+  const std::vector<std::string> names = own_engines();
   ASSERT_FALSE(names.empty());
   std::vector<std::string> in_order;
   for (const char* name : {"mujoco", "bullet:matched", "bullet"}) {
@@ -87,7 +87,7 @@ TEST(Registry, FamiliesLeadFromOneEndToTheOther) {
   const WorldSpec spec = scenes::world_of(scenes::sled());
   // Every law that an engine has and MuJoCo 2.2.2 has not is the end of a family.
   const Laws first{.contact = "mujoco", .loops = "mujoco", .joint_friction = "mujoco"};
-  for (const std::string& name : available_engines()) {
+  for (const std::string& name : own_engines()) {
     const bool is_end = std::any_of(engine_families().begin(), engine_families().end(),
                                     [&name](const EngineFamily& f) { return f.to == name; });
     EXPECT_EQ(is_end, find_engine(name).info.laws != first) << name;

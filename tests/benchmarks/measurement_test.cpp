@@ -19,7 +19,8 @@ class Analytic : public BackendTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Analytic);
 
 TEST_P(Analytic, FreeFallIsLateByHalfAStep) {
-  for (const double h : {4e-3, 1e-3}) EXPECT_NEAR(free_fall_error(GetParam(), h), 9.81 * h / 2, 1e-11);
+  for (const double h : {4e-3, 1e-3})
+    EXPECT_NEAR(free_fall_error(find_engine(GetParam()), h), 9.81 * h / 2, 1e-11);
 }
 
 TEST_P(Analytic, OrdersAreThoseOfSemiImplicitEuler) {
@@ -44,7 +45,7 @@ TEST_P(Scenes, TouchTheGroundAsTheyShould) {
   std::set<std::string> names;
   for (const SpeedScene& scene : speed_scenes()) {
     EXPECT_TRUE(names.insert(scene.name).second);
-    const double contacts = SceneRunner(scene, GetParam()).count_contacts();
+    const double contacts = SceneRunner(scene, find_engine(GetParam())).count_contacts();
     if (scene.name.starts_with("trot")) {
       EXPECT_GT(contacts, 2);  // a pair stands, and the other one lands
       EXPECT_LT(contacts, 4);

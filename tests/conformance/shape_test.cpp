@@ -1,11 +1,10 @@
-// Collision shapes of every kind on every engine: where they touch, what they carry, how they roll.
+// Collision shapes of every kind on every engine: what they carry, how they roll. Where they touch:
+// conformance/shapes.cpp.
 #include <cmath>
 #include <numbers>
 
 #include "crossgait/benchmarks/incline.h"
-#include "crossgait/physics/contact_features.h"
-#include "crossgait/physics/multibody.h"
-#include "crossgait/tests/conformance/contact_forces.h"
+#include "crossgait/conformance/contact_forces.h"
 #include "crossgait/tests/support/backend_test.h"
 #include "crossgait/tests/support/constants.h"
 
@@ -60,7 +59,7 @@ class Shapes : public BackendTest {
     measured("sinks in, m", height - backend->state().p_WB.z());
     EXPECT_NEAR(force / weight, 1, 1e-3);
     // No deeper than the contact law has the whole weight sink on one point; Bullet keeps a margin of 1 mm.
-    const double bound = std::max(1e-3, sinking(weight, 1 / backend->robot().total_mass()));
+    const double bound = std::max(1e-3, conformance::sinking(weight, 1 / backend->robot().total_mass()));
     EXPECT_NEAR(backend->state().p_WB.z(), height, bound);
     EXPECT_LT(backend->state().q_WB.angularDistance(start.q_WB), 1e-2);
     EXPECT_LT(backend->state().v_WB.norm(), 1e-3);
@@ -129,90 +128,6 @@ TEST_P(Shapes, ACapsuleRollsDownThePlane) {
 }
 TEST_P(Shapes, ACapsuleRollsDownAField) {
   rolls(ShapeType::kCapsule, {0.05, 0.06, 0}, scenes::inclined_field);
-}
-
-// What contact_features.h says touches, no more and no less, on every engine.
-TEST_P(Shapes, TouchWhereTheirFeaturesAre) {
-  for (const char* terrain : {"flat", "rough:seed=5,flat_radius=0,size_x=2,size_y=2"}) {
-    WorldSpec spec = scenes::world_of(scenes::assortment());
-    spec.terrain = make_terrain(terrain);
-    const auto backend = make(spec);
-    const RobotDescription& robot = backend->robot();
-    const std::vector<ContactFeature> features = contact_features(robot, false);
-    int found = 0;
-    for (int k = 0; k < 40; ++k) {
-      RobotState state = backend->home_state();
-      state.q_WB = from_roll_pitch_yaw(0.7 * k, std::sin(1.0 * k), 2.0 * k);
-      std::vector<Pose> poses;
-      forward_kinematics(robot, state, poses);
-      double lowest = 0;
-      for (const ContactFeature& feature : features) {
-        const auto b = static_cast<std::size_t>(feature.body);
-        const Pose& X_BG = robot.bodies[b].shapes[static_cast<std::size_t>(feature.shape)].X_BG;
-        lowest = std::min(lowest, (poses[b] * X_BG * feature.p_GC).z() - state.p_WB.z());
-      }
-      state.p_WB.z() = spec.terrain.height(0, 0) - lowest - 0.05 * (k % 2 + 0.2);
-      backend->reset(state);
-      ASSERT_EQ(backend->step(scenes::home_targets(robot)), StepStatus::kOk);
-      forward_kinematics(robot, state, poses);
-      int expected = 0;
-      for (const ContactFeature& feature : features) {
-        const auto b = static_cast<std::size_t>(feature.body);
-        const Pose X_WG = poses[b] * robot.bodies[b].shapes[static_cast<std::size_t>(feature.shape)].X_BG;
-        const SphereCentres centres =
-            sphere_centres(feature, X_WG * feature.p_GC, X_WG.linear() * feature.axis_G, spec.terrain, 0);
-        for (int i = 0; i < centres.count; ++i) {
-          SphereContact touch;
-          if (!spec.terrain.touch_sphere(centres.points[static_cast<std::size_t>(i)], feature.radius, touch))
-            continue;
-          ++expected;
-          const auto is_it = [&](const Contact& c) {  // rounding of poses
-            return c.body == feature.body && std::abs(c.distance - touch.distance) < 1e-9 &&
-                   (c.p_WP - touch.position).norm() < 1e-9 && (c.normal - touch.normal).norm() < 1e-6;
-          };
-          EXPECT_TRUE(std::any_of(backend->contacts().begin(), backend->contacts().end(), is_it))
-              << terrain << ", pose " << k << ", body " << robot.bodies[b].name;
-        }
-      }
-      const auto below = std::count_if(backend->contacts().begin(), backend->contacts().end(),
-                                       [](const Contact& c) { return c.distance <= 0; });
-      EXPECT_EQ(below, expected) << terrain << ", pose " << k;
-      found += expected;
-    }
-    EXPECT_GT(found, 100);
-  }
-}
-
-// Three hulls of 32 vertices each, all under the ground: 96 points.
-TEST_P(Shapes, OfTooManyPointsTheDeepestCount) {
-  RobotDescription robot;
-  robot.name = "prisms";
-  Body body;
-  body.name = "trunk";
-  body.inertia = scenes::solid_box(3, {0.2, 0.1, 0.1});
-  for (int k = 0; k < 3; ++k) {
-    CollisionShape hull = shape_of(ShapeType::kHull, Vector3::Zero());
-    hull.name = "hull" + std::to_string(k);
-    hull.X_BG.translation().x() = 0.2 * (k - 1);
-    for (int i = 0; i < kMaxHullVertices; ++i) {
-      const double angle = 2 * std::numbers::pi * i / kMaxHullVertices;
-      hull.vertices.emplace_back(0.05 * std::cos(angle), 0.05 * std::sin(angle), 0.003 * i + 0.0001 * k);
-    }
-    body.shapes.push_back(hull);
-  }
-  robot.bodies.push_back(body);
-  const auto backend = make(scenes::finished(robot));
-  RobotState start = backend->home_state();
-  start.p_WB.z() = -0.12;
-  backend->reset(start);
-  ASSERT_EQ(backend->step({}), StepStatus::kOk);
-  const ContactList& contacts = backend->contacts();
-  EXPECT_EQ(contacts.count, kMaxContacts);
-  EXPECT_EQ(contacts.dropped, 3 * kMaxHullVertices - kMaxContacts);
-  double shallowest = -1;
-  for (const Contact& c : contacts) shallowest = std::max(shallowest, c.distance);
-  // Sorted by depth they go hull by hull, vertex by vertex: the 64th is vertex 21 of the first hull.
-  EXPECT_NEAR(shallowest, -0.12 + 0.003 * 21, 1e-12);
 }
 
 }  // namespace

@@ -73,17 +73,23 @@ if(NOT OUTPUT STREQUAL _models)
   message(FATAL_ERROR "modelsdir: expected '${_models}', found '${OUTPUT}'")
 endif()
 
-# An engine built elsewhere, and the same one as a stranger's compiler options would make it.
-foreach(build engine stranger)
-  set(options "")
-  if(build STREQUAL stranger)
-    set(options "-DEIGEN_MAX_ALIGN_BYTES=64")
-  endif()
-  run("configuring the engine" ${CMAKE_COMMAND} -G ${GENERATOR} -S ${ENGINE} -B ${SCRATCH}/${build}
-      -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${flags} ${options}"
-      -DCMAKE_PREFIX_PATH=${prefix})
-  run("building the engine" ${CMAKE_COMMAND} --build ${SCRATCH}/${build})
-endforeach()
+# An engine built elsewhere: the console block of docs/adding-an-engine.md, as it stands.
+file(STRINGS ${ROOT}/docs/adding-an-engine.md lines REGEX "^\\$ ")
+list(TRANSFORM lines REPLACE "^\\$ " "")
+list(JOIN lines "\n" script)
+file(MAKE_DIRECTORY ${SCRATCH}/guide)
+file(WRITE ${SCRATCH}/guide.sh "set -e\ncd '${SCRATCH}/guide'\n${script}\n")
+run("what docs/adding-an-engine.md says" ${CMAKE_COMMAND} -E env CROSSGAIT=${ROOT} PREFIX=${prefix} CXX=${CXX}
+    "CXXFLAGS=${flags} -Wall -Wextra -Wpedantic -Wshadow -Werror" CMAKE_GENERATOR=${GENERATOR} CMAKE_BUILD_TYPE=${BUILD_TYPE}
+    sh ${SCRATCH}/guide.sh)
+expect_in_output("checks passed, 0 failed")
+expect_in_output("trot on flat")
+
+# The same one as a stranger's compiler options would make it.
+run("configuring a stranger's engine" ${CMAKE_COMMAND} -G ${GENERATOR} -S ${SCRATCH}/guide/my_engine -B ${SCRATCH}/stranger
+    -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${flags} -DEIGEN_MAX_ALIGN_BYTES=64"
+    -DCMAKE_PREFIX_PATH=${prefix})
+run("building a stranger's engine" ${CMAKE_COMMAND} --build ${SCRATCH}/stranger)
 
 # The program finds its engines and robots beside itself, wherever it was put: a robot that only the moved copy has is
 # listed.
@@ -118,15 +124,16 @@ foreach(engine ${ENGINES})
   expect_engine(${engine} file "^${SCRATCH}/moved/${LIBDIR}/crossgait/engines/libcrossgait_engine_${engine}.so$")
 endforeach()
 
-set(ENV{CROSSGAIT_ENGINE_PATH} ${SCRATCH}/engine)
+set(ENV{CROSSGAIT_ENGINE_PATH} ${SCRATCH}/guide/build)
 run("crossgait with an engine built elsewhere" ${crossgait} backends --json -)
-expect_engine(statue available "ON|true")
-expect_engine(statue version "^1\\.0$")
-expect_engine(statue file "^${SCRATCH}/engine/libcrossgait_engine_statue.so$")
-run("a walk in it" ${crossgait} walk --engine statue --seconds .1 --json -)
-expect_in_output("\"backend\": \"statue\"")
+expect_engine(skeleton available "ON|true")
+expect_engine(skeleton version "^1\\.0$")
+expect_engine(skeleton file "^${SCRATCH}/guide/build/libcrossgait_engine_skeleton.so$")
+run("a trot in it" ${crossgait} walk --engine skeleton --gait trot --seconds 2 --json -)
+expect_in_output("\"backend\": \"skeleton\"")
+expect_in_output("\"outcome\": \"walked\"")
 
 set(ENV{CROSSGAIT_ENGINE_PATH} ${SCRATCH}/stranger)
 run("crossgait with a stranger's engine" ${crossgait} backends --json -)
-expect_engine(statue available "OFF|false")
-expect_engine(statue reason "EIGEN_MAX_ALIGN_BYTES 64 instead of EIGEN_MAX_ALIGN_BYTES")
+expect_engine(skeleton available "OFF|false")
+expect_engine(skeleton reason "EIGEN_MAX_ALIGN_BYTES 64 instead of EIGEN_MAX_ALIGN_BYTES")

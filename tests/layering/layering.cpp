@@ -17,8 +17,9 @@ struct Folder {
   bool knows_backends;                        ///< may speak of engines, and of the interface to them
 };
 
-const std::vector<std::string_view> kEverything{"physics", "backends", "ik",   "gait", "env",   "parity",
-                                                "study",   "report",   "view", "apps", "tests", "benchmarks"};
+const std::vector<std::string_view> kEverything{"physics", "backends",   "ik",         "gait", "env",
+                                                "parity",  "study",      "report",     "view", "apps",
+                                                "tests",   "benchmarks", "conformance"};
 
 /// Programs that measure speed stand beside what they measure and may use what tests do.
 constexpr std::string_view kPrograms = "benchmarks/programs";
@@ -37,18 +38,21 @@ const std::vector<Folder>& folders() {
       {"report", {"physics", "ik", "gait", "env", "parity", "study"}, true},
       {"view", {"physics", "ik", "gait", "env", "parity", "study", "report"}, true},
       {"benchmarks", {"physics", "backends", "ik", "gait", "env", "parity"}, true},
+      {"conformance", {"physics", "backends", "ik", "gait", "env", "parity", "benchmarks"}, true},
       {kPrograms, kEverything, true},
   };
   return all;
 }
 
-/// The engine (its folder's name) that `header` belongs to; empty for every other header.
+/// The engine (its folder's name) that `header` belongs to, by what engines say (crossgait_bundled_engine);
+/// empty for every other header.
 std::string_view engine_of(std::string_view header) {
-  for (const std::string_view prefix : {"mujoco/", "mujoco.h", "mjmodel.h", "mjdata.h"}) {
-    if (header.starts_with(prefix)) return "mujoco";
-  }
-  for (const std::string_view prefix : {"bullet/", "Bullet", "LinearMath/", "btBullet"}) {
-    if (header.starts_with(prefix)) return "bullet";
+  std::string_view rows = CROSSGAIT_ENGINE_HEADERS;  // "mujoco mujoco/,mujoco mjmodel.h,bullet btBullet"
+  while (!rows.empty()) {
+    const std::string_view row = rows.substr(0, rows.find(','));
+    const std::size_t gap = row.find(' ');
+    if (header.starts_with(row.substr(gap + 1))) return row.substr(0, gap);
+    rows.remove_prefix(std::min(row.size() + 1, rows.size()));
   }
   return "";
 }

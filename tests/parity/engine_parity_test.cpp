@@ -2,7 +2,6 @@
 // which engines may differ (docs/parity-measurements.md has what was measured).
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "crossgait/physics/multibody.h"
 #include "crossgait/tests/parity/matched_pair.h"
@@ -304,38 +303,15 @@ TEST(LoopBias, MovesRobotsWithLoopsAlone) {
 
 class UnmatchedPair : public ::testing::TestWithParam<Pair> {
  protected:
-  struct Walk {
-    double distance = 0, rms_roll = 0, rms_pitch = 0;  // m, degrees
-  };
-
-  static Walk walk(const std::string& backend, const char* terrain) {
-    WorldSpec spec = scenes::world_of(scenes::quadruped());
-    spec.terrain = make_terrain(terrain);
-    const auto world = make_backend(backend, spec);
-    const scenes::Trot gait(*spec.robot);
-    double roll = 0, pitch = 0;
-    int count = 0;
-    while (world->state().time < scenes::Trot::kStand + 5) {
-      EXPECT_EQ(world->step(gait.targets(world->state().time)), StepStatus::kOk);
-      if (::testing::Test::HasFailure()) break;
-      const Vector3 angles = roll_pitch_yaw(world->state().q_WB);
-      roll += angles.x() * angles.x();
-      pitch += angles.y() * angles.y();
-      ++count;
-    }
-    const double degrees = 180 / std::numbers::pi;
-    return {world->state().p_WB.head<2>().norm(), degrees * std::sqrt(roll / count),
-            degrees * std::sqrt(pitch / count)};
-  }
-
   static void compare(const char* terrain, double distance, double attitude) {
-    const Walk a = walk(GetParam().a, terrain), b = walk(GetParam().b, terrain);
-    measured("distance, relative", b.distance / a.distance - 1);
-    measured("RMS roll, degrees", b.rms_roll - a.rms_roll);
-    measured("RMS pitch, degrees", b.rms_pitch - a.rms_pitch);
-    EXPECT_NEAR(b.distance / a.distance, 1, distance);
-    EXPECT_NEAR(b.rms_roll, a.rms_roll, attitude);
-    EXPECT_NEAR(b.rms_pitch, a.rms_pitch, attitude);
+    const conformance::TrotSummary a = conformance::summarise_trot(find_engine(GetParam().a), terrain),
+                                   b = conformance::summarise_trot(find_engine(GetParam().b), terrain);
+    measured("distance, relative", b.distance_m / a.distance_m - 1);
+    measured("RMS roll, degrees", b.rms_roll_deg - a.rms_roll_deg);
+    measured("RMS pitch, degrees", b.rms_pitch_deg - a.rms_pitch_deg);
+    EXPECT_NEAR(b.distance_m / a.distance_m, 1, distance);
+    EXPECT_NEAR(b.rms_roll_deg, a.rms_roll_deg, attitude);
+    EXPECT_NEAR(b.rms_pitch_deg, a.rms_pitch_deg, attitude);
   }
 };
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(UnmatchedPair);

@@ -5,9 +5,11 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "crossgait/backends/bundled_engines.h"
 #include "crossgait/backends/registry.h"
 #include "crossgait/benchmarks/scenes.h"
 
@@ -24,6 +26,18 @@ class BackendTest : public ::testing::TestWithParam<std::string> {
   /// What the backend declares: the only thing that a test may skip or choose by.
   static Capabilities capabilities() { return find_engine(GetParam()).info.capabilities; }
 };
+
+/// Available engines that come with Crossgait, without those that CROSSGAIT_ENGINE_PATH adds: for tests of
+/// what is stored about them.
+inline std::vector<std::string> own_engines() {
+  std::vector<std::string> names = available_engines();
+  std::erase_if(names, [](const std::string& name) {
+    return std::none_of(bundled_engines().begin(), bundled_engines().end(), [&](const BundledEngine& engine) {
+      return std::find(engine.names.begin(), engine.names.end(), name) != engine.names.end();
+    });
+  });
+  return names;
+}
 
 /// "bullet:matched" as a test name: "bullet_matched".
 inline std::string test_name(std::string_view backend) {

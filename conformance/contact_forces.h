@@ -5,10 +5,10 @@
 
 #include "crossgait/physics/physics_backend.h"
 
-namespace crossgait {
+namespace crossgait::conformance {
 
 /// How deep a soft contact with default softness sinks at rest under `force`, at most, m: MuJoCo's R f = K
-/// imp r with impedance at its least, w the inverse weight (1/kg).
+/// imp r with impedance at its least. @param inverse_weight  1/kg
 inline double sinking(double force, double inverse_weight) {
   const Softness soft;
   const double R = (1 - soft.impedance_min) / soft.impedance_min * inverse_weight;
@@ -22,4 +22,4 @@ inline Vector3 total_force(const PhysicsBackend& backend) {
   return sum;
 }
 
-}  // namespace crossgait
+}  // namespace crossgait::conformance

@@ -1,4 +1,4 @@
-// The smallest engine: its robots are of stone. A skeleton for others.
+// The smallest engine: its robots are of stone.
 #pragma once
 
 #include <string>

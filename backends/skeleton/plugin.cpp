@@ -1,5 +1,5 @@
-// The plug-in libcrossgait_engine_statue.so.
-#include "statue.h"
+// The plug-in libcrossgait_engine_skeleton.so: one engine, no family of factors.
+#include "skeleton_backend.h"
 
 #include "crossgait/physics/engine_plugin.h"
 
@@ -11,16 +11,19 @@ using namespace crossgait;
 std::string version() { return "1.0"; }
 
 constexpr EnginePlugin kPlugin{
+    .rank = 200,  // after the engines that come with Crossgait: none of its defaults changes
     .header_version = version,
     .library_version = version,
     .engines =
         [] {
-          return std::vector<OfferedEngine>{{statue::engine("statue", version()).info, "Stone"}};
+          return std::vector<OfferedEngine>{
+              {skeleton::engine(version()).info, "Plain code: hard contact on a composite-rigid-body tree"}};
         },
     .families = [] { return std::vector<EngineFamily>(); },
     .find = [](std::string_view name) -> std::optional<Engine> {
-      if (name != "statue") return std::nullopt;
-      return statue::engine("statue", version());
+      Engine engine = skeleton::engine(version());
+      if (name != engine.name()) return std::nullopt;
+      return engine;
     },
 };
 

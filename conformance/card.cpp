@@ -1,0 +1,124 @@
+#include "crossgait/conformance/card.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "crossgait/parity/schema.h"
+#include "crossgait/parity/table.h"
+
+namespace crossgait::conformance {
+namespace {
+
+std::string with_unit(const Demand& demand) {
+  return demand.unit.empty() ? demand.what : fmt::format("{} ({})", demand.what, demand.unit);
+}
+
+std::string describe(const Outcome& outcome) {
+  const Check& check = *outcome.check;
+  std::string text = fmt::format("{:7} {}: {}\n", name(outcome.status), check.name, check.proves);
+  if (outcome.status == Status::kSkipped) text += fmt::format("          needs: {}\n", outcome.reason);
+  if (outcome.status == Status::kFailed && !outcome.reason.empty())
+    text += fmt::format("          {}\n", outcome.reason);
+  for (std::size_t i = 0; i < outcome.values.size(); ++i) {
+    const Demand& demand = check.demands[i];
+    const double value = outcome.values[i];
+    text += fmt::format("        {} {:62} {:>10.4g}  {}\n", demand.holds(value) ? ' ' : '!',
+                        with_unit(demand), value, demand.bound());
+  }
+  return text;
+}
+
+std::string names_of(const Card& card, Status status) {
+  std::vector<std::string> names;
+  for (const Outcome& outcome : card.outcomes)
+    if (outcome.status == status) names.push_back(outcome.check->name);
+  return names.empty() ? "" : fmt::format(" ({})", fmt::join(names, ", "));
+}
+
+nlohmann::ordered_json number(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json to_json(const Outcome& outcome) {
+  const Check& check = *outcome.check;
+  nlohmann::ordered_json measurements = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < outcome.values.size(); ++i) {
+    const Demand& demand = check.demands[i];
+    measurements.push_back({{"what", demand.what},
+                            {"unit", demand.unit},
+                            {"value", number(outcome.values[i])},
+                            {"low", number(demand.low)},
+                            {"high", number(demand.high)},
+                            {"why", demand.reason},
+                            {"holds", demand.holds(outcome.values[i])}});
+  }
+  return {{"name", check.name},       {"proves", check.proves},
+          {"needs", check.need.what}, {"status", name(outcome.status)},
+          {"reason", outcome.reason}, {"measurements", std::move(measurements)}};
+}
+
+// A bar would end the cell.
+std::string cell(const std::string& text) {
+  std::string result;
+  for (const char c : text) result += c == '|' ? std::string("\\|") : std::string(1, c);
+  return result;
+}
+
+}  // namespace
+
+int Card::count(Status status) const noexcept {
+  return static_cast<int>(std::count_if(outcomes.begin(), outcomes.end(),
+                                        [&](const Outcome& outcome) { return outcome.status == status; }));
+}
+
+std::string_view name(Status status) {
+  constexpr std::array<std::string_view, 3> kNames{"passed", "failed", "skipped"};
+  return kNames.at(static_cast<std::size_t>(status));
+}
+
+std::string describe(const Card& card) {
+  const EngineInfo& engine = card.engine;
+  std::string text = fmt::format("{}: {} {}, {}\n", engine.name, engine.engine, engine.version, engine.mode);
+  for (const Outcome& outcome : card.outcomes) text += describe(outcome);
+  text += fmt::format("\n{} passed", counted(static_cast<std::size_t>(card.count(Status::kPassed)), "check"));
+  for (const Status status : {Status::kFailed, Status::kSkipped})
+    text += fmt::format(", {} {}{}", card.count(status), name(status), names_of(card, status));
+  return text + "\n";
+}
+
+nlohmann::ordered_json to_json(const Card& card) {
+  const EngineInfo& engine = card.engine;
+  nlohmann::ordered_json checks = nlohmann::ordered_json::array();
+  for (const Outcome& outcome : card.outcomes) checks.push_back(to_json(outcome));
+  return with_schema("conformance", {{"engine",
+                                      {{"name", engine.name},
+                                       {"engine", engine.engine},
+                                       {"version", engine.version},
+                                       {"mode", engine.mode},
+                                       {"contact_law", engine.laws.contact},
+                                       {"loop_law", engine.laws.loops},
+                                       {"joint_friction_law", engine.laws.joint_friction}}},
+                                     {"passed", card.count(Status::kPassed)},
+                                     {"failed", card.count(Status::kFailed)},
+                                     {"skipped", card.count(Status::kSkipped)},
+                                     {"checks", std::move(checks)}});
+}
+
+std::string markdown_of_checks() {
+  std::string text =
+      "| check | what it proves; what is demanded | bound | why just there |\n|---|---|---|---|\n";
+  for (const Check& check : checks()) {
+    const std::string need = check.need.what.empty() ? "" : fmt::format(" Needs: {}.", check.need.what);
+    text += fmt::format("| `{}` | **{}.**{} | | |\n", check.name, cell(check.proves), cell(need));
+    for (const Demand& demand : check.demands)
+      text +=
+          fmt::format("| | {} | {} | {} |\n", cell(with_unit(demand)), demand.bound(), cell(demand.reason));
+  }
+  return text;
+}
+
+}  // namespace crossgait::conformance

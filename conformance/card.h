@@ -1,0 +1,32 @@
+// What an engine made of the checks, for people and for programs; and what the checks are.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "crossgait/conformance/check.h"
+
+namespace crossgait::conformance {
+
+struct Card {
+  EngineInfo engine;
+  std::vector<Outcome> outcomes;
+
+  int count(Status status) const noexcept;
+};
+
+/// "passed", "failed", "skipped".
+std::string_view name(Status status);
+
+/// Every check with what it proves, every number with its bound; at the end how many passed, failed and were
+/// skipped, and which.
+std::string describe(const Card& card);
+/// docs/schemas/conformance.json.
+nlohmann::ordered_json to_json(const Card& card);
+
+/// All checks with what they prove, demand and need, as the table in docs/adding-an-engine.md.
+std::string markdown_of_checks();
+
+}  // namespace crossgait::conformance

@@ -1,0 +1,76 @@
+// What every engine is held to, as values: the tests and `crossgait conformance` run the same checks.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "crossgait/physics/engine.h"
+
+/// Checks of engines through nothing but the public interface; docs/adding-an-engine.md lists them.
+namespace crossgait::conformance {
+
+/// The engine that is asked, and those that it may be compared with.
+struct Subject {
+  Engine engine;
+  std::vector<Engine> others;  ///< the available ones in the order of the registry
+
+  std::unique_ptr<PhysicsBackend> make(const WorldSpec& spec) const { return engine.make(spec); }
+  /// In a world that has everything else by default.
+  std::unique_ptr<PhysicsBackend> make(const std::shared_ptr<const RobotDescription>& robot) const;
+};
+
+/// @throws ConfigError as find_engine
+Subject subject_of(std::string_view engine);
+
+/// A number that a check measures, and where it has to lie, bounds included. One that is not finite lies
+/// nowhere.
+struct Demand {
+  std::string what, unit;  ///< unit is empty for a pure number
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  std::string reason;  ///< why just there
+
+  bool holds(double value) const noexcept;
+  /// "<= 1e-11", ">= 0.3", "0.48 to 0.52", "reported" if it has none.
+  std::string bound() const;
+};
+
+/// At most so much. @param reason  why just there
+Demand at_most(double bound, std::string what, std::string unit, std::string reason);
+Demand at_least(double bound, std::string what, std::string unit, std::string reason);
+Demand between(double low, double high, std::string what, std::string unit, std::string reason);
+
+/// What an engine declares, without which a check means nothing: the only thing that one is skipped for.
+struct Need {
+  std::string what;  ///< in words: "Laws::joint_friction is not empty"; empty if there is none
+  bool (*is_met)(const Subject&) = nullptr;
+};
+
+struct Check {
+  std::string name;    ///< "free_fall"
+  std::string proves;  ///< one sentence
+  std::vector<Demand> demands;
+  /// One value for each demand, in their order. Throws if the engine diverges or refuses.
+  std::function<std::vector<double>(const Subject&)> measure;
+  Need need = {};
+};
+
+/// All, in an order in which a fault shows first where its cause is.
+const std::vector<Check>& checks();
+
+enum class Status { kPassed, kFailed, kSkipped };
+
+struct Outcome {
+  const Check* check = nullptr;
+  Status status = Status::kFailed;
+  std::vector<double> values;  ///< of the demands; empty where nothing was measured
+  std::string reason;          ///< what was thrown, or the need that is not met
+};
+
+Outcome run_check(const Check& check, const Subject& subject);
+
+}  // namespace crossgait::conformance

@@ -1,0 +1,126 @@
+// Every check of conformance/ on every engine of the registry, and that the guide says what they demand.
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "crossgait/conformance/card.h"
+#include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/constants.h"
+
+namespace crossgait::conformance {
+namespace {
+
+std::vector<std::string> names_of_checks() {
+  std::vector<std::string> names;
+  for (const Check& check : checks()) names.push_back(check.name);
+  return names;
+}
+
+const Check& check_of(const std::string& name) {
+  for (const Check& check : checks())
+    if (check.name == name) return check;
+  throw std::logic_error("no check " + name);
+}
+
+class EveryCheck : public ::testing::TestWithParam<std::tuple<std::string, std::string>> {};
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(EveryCheck);
+INSTANTIATE_TEST_SUITE_P(EveryBackend, EveryCheck,
+                         ::testing::Combine(::testing::ValuesIn(names_of_checks()),
+                                            ::testing::ValuesIn(available_engines())),
+                         [](const auto& test) {
+                           return std::get<0>(test.param) + "_" + test_name(std::get<1>(test.param));
+                         });
+
+TEST_P(EveryCheck, Holds) {
+  const Check& check = check_of(std::get<0>(GetParam()));
+  const Outcome outcome = run_check(check, subject_of(std::get<1>(GetParam())));
+  if (outcome.status == Status::kSkipped) GTEST_SKIP() << "needs: " << outcome.reason;
+  EXPECT_EQ(outcome.reason, "");
+  for (std::size_t i = 0; i < outcome.values.size(); ++i) {
+    const Demand& demand = check.demands[i];
+    measured(check.name + ": " + demand.what + (demand.unit.empty() ? "" : ", " + demand.unit),
+             outcome.values[i]);
+    EXPECT_TRUE(demand.holds(outcome.values[i])) << demand.what << ": " << demand.bound();
+  }
+  EXPECT_EQ(outcome.status, Status::kPassed);
+}
+
+TEST(Checks, AreNamedOnceAndSayWhatTheyAre) {
+  std::set<std::string> names;
+  for (const Check& check : checks()) {
+    EXPECT_TRUE(names.insert(check.name).second) << check.name;
+    EXPECT_FALSE(check.proves.empty()) << check.name;
+    EXPECT_FALSE(check.demands.empty()) << check.name;
+    EXPECT_EQ(check.need.what.empty(), check.need.is_met == nullptr) << check.name;
+    for (const Demand& demand : check.demands) {
+      EXPECT_FALSE(demand.what.empty()) << check.name;
+      EXPECT_FALSE(demand.reason.empty()) << check.name << ": " << demand.what;
+      EXPECT_LE(demand.low, demand.high) << check.name << ": " << demand.what;
+    }
+  }
+}
+
+TEST(Checks, NothingThatIsNotFiniteHolds) {
+  for (const Demand& demand :
+       {at_most(1, "", "", ""), at_least(-1, "", "", ""), between(-1, 1, "", "", ""), Demand{}}) {
+    EXPECT_TRUE(demand.holds(0));
+    for (const double value : {test::kNaN, test::kInfinity, -test::kInfinity})
+      EXPECT_FALSE(demand.holds(value));
+  }
+  EXPECT_FALSE(at_most(1, "", "", "").holds(1.5));
+  EXPECT_FALSE(at_least(1, "", "", "").holds(0.5));
+  EXPECT_EQ(at_most(1e-11, "", "", "").bound(), "<= 1e-11");
+  EXPECT_EQ(at_least(0.3, "", "", "").bound(), ">= 0.3");
+  EXPECT_EQ(between(0.48, 0.52, "", "", "").bound(), "0.48 to 0.52");
+  EXPECT_EQ(Demand{}.bound(), "reported");
+}
+
+// The guide's table is what `crossgait conformance --list` prints.
+TEST(Checks, StandInTheGuideAsTheyAre) {
+  std::ifstream file(std::string(CROSSGAIT_SOURCE_DIR) + "/docs/adding-an-engine.md");
+  std::stringstream guide;
+  guide << file.rdbuf();
+  EXPECT_NE(guide.str().find("\n\n" + markdown_of_checks()), std::string::npos)
+      << "docs/adding-an-engine.md: replace the table by the output of `crossgait conformance --list`";
+}
+
+TEST(Card, SaysWhatPassedFailedAndWasSkipped) {
+  const Subject subject = subject_of(available_engines().front());
+  const Check good{
+      "good", "It holds", {at_most(1, "one", "m", "so")}, [](const Subject&) { return std::vector{0.5}; }};
+  const Check bad{
+      "bad", "It does not", {at_most(1, "two", "", "so")}, [](const Subject&) { return std::vector{2.0}; }};
+  const Check thrown{
+      "thrown", "It ends", {at_most(1, "three", "", "so")}, [](const Subject&) -> std::vector<double> {
+        throw std::runtime_error("the sled diverged");
+      }};
+  const Check needs{"needs",
+                    "It is not asked",
+                    {at_most(1, "four", "", "so")},
+                    [](const Subject&) { return std::vector{0.5}; },
+                    {"Capabilities::wings", [](const Subject&) { return false; }}};
+  Card card{subject.engine.info, {}};
+  for (const Check* check : {&good, &bad, &thrown, &needs})
+    card.outcomes.push_back(run_check(*check, subject));
+  const std::string text = describe(card);
+  for (const char* said :
+       {"passed  good: It holds\n", "failed  bad: It does not\n", "! two", "the sled diverged",
+        "needs: Capabilities::wings", "1 check passed, 2 failed (bad, thrown), 1 skipped (needs)"})
+    EXPECT_NE(text.find(said), std::string::npos) << said << " in\n" << text;
+  const nlohmann::ordered_json json = to_json(card);
+  EXPECT_EQ(json["failed"], 2);
+  EXPECT_EQ(json["checks"][1]["measurements"][0]["holds"], false);
+  EXPECT_EQ(json["checks"][3]["status"], "skipped");
+  EXPECT_TRUE(json["checks"][0]["measurements"][0]["low"].is_null());  // there is none
+}
+
+TEST(Card, ACheckThatMeasuresAnotherNumberOfValuesIsAFaultOfOurs) {
+  const Check check{"short",
+                    "One is missing",
+                    {at_most(1, "one", "", "so"), at_most(1, "two", "", "so")},
+                    [](const Subject&) { return std::vector{0.5}; }};
+  EXPECT_THROW(run_check(check, subject_of(available_engines().front())), std::logic_error);
+}
+
+}  // namespace
+}  // namespace crossgait::conformance
