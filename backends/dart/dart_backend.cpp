@@ -1,8 +1,7 @@
 #include "crossgait/backends/dart/dart_backend.h"
 
-#include <fmt/format.h>
-
 #include <dart/config.hpp>
+#include <fmt/format.h>
 
 #include "crossgait/backends/contact/contact_stage.h"
 #include "crossgait/backends/dart/law.h"
@@ -14,7 +13,8 @@ namespace {
 using contact::DofVector;
 using contact::PointJacobian;
 
-// DART ends the process where a square of a velocity or a force is no number any more; nothing that walks comes near.
+// DART ends the process where a square of a velocity or a force is no number any more; nothing that walks
+// comes near.
 constexpr double kMaxVelocity = 1e9;  // m/s, rad/s
 constexpr double kMaxTorque = 1e15;   // N m
 
@@ -58,8 +58,9 @@ class DartBackend final : public PhysicsBackend {
         model_(spec()),
         bodies_(kinematics(model_)),
         features_(contact::body_features(robot(), spec().fixed_base, model_.X_BC())),
-        finder_(features_, spec().terrain,
-                factors.speculative ? contact_margins(features_, robot().bodies.size()) : std::vector<double>()),
+        finder_(
+            features_, spec().terrain,
+            factors.speculative ? contact_margins(features_, robot().bodies.size()) : std::vector<double>()),
         joints_(spec(), bodies_),
         contacts_(spec(), factors, bodies_, joints_),
         v_(DofVector::Zero(6 + robot().joint_count())) {
@@ -70,9 +71,10 @@ class DartBackend final : public PhysicsBackend {
 
  private:
   static contact::BodyKinematics kinematics(const SkeletonModel& model) {
-    return {model.X_BC(), [&model](int body, const Vector3& p_CP) { return Vector3(model.X_WC(body) * p_CP); },
-            [&model](int body, const Vector3& v_C) { return Vector3(model.X_WC(body).linear() * v_C); },
-            [&model](int body, const Vector3& p_WP, PointJacobian& J) { model.point_jacobian(body, p_WP, J); }};
+    return {
+        model.X_BC(), [&model](int body, const Vector3& p_CP) { return Vector3(model.X_WC(body) * p_CP); },
+        [&model](int body, const Vector3& v_C) { return Vector3(model.X_WC(body).linear() * v_C); },
+        [&model](int body, const Vector3& p_WP, PointJacobian& J) { model.point_jacobian(body, p_WP, J); }};
   }
 
   Vector3 p_BC_W() const { return q_WB_ * Vector3(model_.X_BC().front().translation()); }

@@ -14,11 +14,12 @@ namespace {
 
 std::string header_version() { return DART_VERSION; }
 
-// DART's library does not say its version, but its file does: libdart.so.6.12, or libdart.so.6.12.1 behind it.
+// DART's library does not say its version, but its file does: libdart.so.6.12, or libdart.so.6.12.1 behind
+// it.
 std::string library_version() {
   Dl_info library{};
-  const auto create = static_cast<::dart::dynamics::SkeletonPtr (*)(const std::string&)>(
-      &::dart::dynamics::Skeleton::create);
+  const auto create =
+      static_cast<::dart::dynamics::SkeletonPtr (*)(const std::string&)>(&::dart::dynamics::Skeleton::create);
   if (dladdr(reinterpret_cast<const void*>(create), &library) == 0) return header_version();
   const std::string_view file = library.dli_fname;
   constexpr std::string_view kEnding = ".so.";
@@ -30,8 +31,10 @@ std::string library_version() {
 }
 
 std::vector<OfferedEngine> engines() {
-  return {{matched_engine().info, "DART dynamics under MuJoCo's contact law: equal to `mujoco` up to rounding"},
-          {hard_engine().info, "DART dynamics with hard contact and Coulomb's disc: Bullet's law, solved to convergence"}};
+  return {
+      {matched_engine().info, "DART dynamics under MuJoCo's contact law: equal to `mujoco` up to rounding"},
+      {hard_engine().info,
+       "DART dynamics with hard contact and Coulomb's disc: Bullet's law, solved to convergence"}};
 }
 
 constexpr EnginePlugin kPlugin{

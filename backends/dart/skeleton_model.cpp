@@ -33,7 +33,8 @@ SkeletonModel::SkeletonModel(const WorldSpec& spec)
   skeleton_->disableSelfCollisionCheck();
   for (const dd::BodyNode* body : nodes_) {
     std::vector<int>& dofs = dofs_.emplace_back();
-    for (const std::size_t k : body->getDependentGenCoordIndices()) dofs.push_back(static_cast<int>(k) + first_);
+    for (const std::size_t k : body->getDependentGenCoordIndices())
+      dofs.push_back(static_cast<int>(k) + first_);
   }
   positions_.setZero(static_cast<Eigen::Index>(skeleton_->getNumDofs()));
   velocities_ = positions_;
@@ -50,9 +51,11 @@ void SkeletonModel::add_body(const RobotDescription& robot, std::size_t i, bool 
     joint.mName = body.joint.name;
     joint.mAxis = body.joint.axis;
     joint.mT_ParentBodyToJoint = X_BC_[parent].inverse() * body.X_PB;
-    nodes_.push_back(skeleton_->createJointAndBodyNodePair<dd::RevoluteJoint>(nodes_[parent], joint, own).second);
+    nodes_.push_back(
+        skeleton_->createJointAndBodyNodePair<dd::RevoluteJoint>(nodes_[parent], joint, own).second);
   } else if (fixed_base) {
-    const auto pair = skeleton_->createJointAndBodyNodePair<dd::WeldJoint>(nullptr, dd::WeldJoint::Properties(), own);
+    const auto pair =
+        skeleton_->createJointAndBodyNodePair<dd::WeldJoint>(nullptr, dd::WeldJoint::Properties(), own);
     weld_ = pair.first;
     nodes_.push_back(pair.second);
   } else {

@@ -13,8 +13,8 @@
 
 namespace crossgait::dart {
 
-/// Where the base is. DART keeps positions of a free joint as a logarithm and takes it back with an error of the third
-/// order near the identity (1e-9 m in a trot): the pose is kept beside it instead.
+/// Where the base is. DART keeps positions of a free joint as a logarithm and takes it back with an error of
+/// the third order near the identity (1e-9 m in a trot): the pose is kept beside it instead.
 class BaseJoint final : public ::dart::dynamics::FreeJoint {
  public:
   explicit BaseJoint(const Properties& properties) : FreeJoint(properties) {}
@@ -30,27 +30,27 @@ class BaseJoint final : public ::dart::dynamics::FreeJoint {
   Pose X_WC_ = Pose::Identity();
 };
 
-/// Configuration and velocities are the caller's: DART integrates nothing. Its own are forward dynamics (Featherstone's
-/// articulated bodies), inertias, Jacobians and poses.
+/// Configuration and velocities are the caller's: DART integrates nothing. Its own are forward dynamics
+/// (Featherstone's articulated bodies), inertias, Jacobians and poses.
 ///
-/// Degrees of freedom are [w_W, v_W of the base's centre of mass, joint velocities], in world axes; DART's free joint
-/// has them in the axes of the base, which turn.
+/// Degrees of freedom are [w_W, v_W of the base's centre of mass, joint velocities], in world axes; DART's
+/// free joint has them in the axes of the base, which turn.
 class SkeletonModel {
  public:
   explicit SkeletonModel(const WorldSpec& spec);
 
   /// @param X_WC  of the base's centre of mass  @param v  velocities
   void place(const Pose& X_WC, const JointVector& q, const contact::DofVector& v);
-  /// Velocities after a step of `h` seconds of gravity, gyroscopic forces and `push` (N, in W, at the base's centre of
-  /// mass), without joint torques, armature, loops or contact.
+  /// Velocities after a step of `h` seconds of gravity, gyroscopic forces and `push` (N, in W, at the base's
+  /// centre of mass), without joint torques, armature, loops or contact.
   void free_velocity(double h, const Vector3& push, contact::DofVector& v);
   /// M0, without armature: the sum of J' I J over DART's bodies.
   void bare_inertia(contact::JointSpaceInertia& inertia);
   /// 3 x dofs: velocity in W of the point of `body` at p_WP.
   void point_jacobian(int body, const Vector3& p_WP, contact::PointJacobian& J) const;
 
-  /// Frame C of a body: its own axes, and for the base its centre of mass instead of its origin, since only about that
-  /// do linear and angular momentum decouple.
+  /// Frame C of a body: its own axes, and for the base its centre of mass instead of its origin, since only
+  /// about that do linear and angular momentum decouple.
   const std::vector<Pose>& X_BC() const noexcept { return X_BC_; }
   /// Pose of C.
   const Pose& X_WC(int body) const { return node(body).getWorldTransform(); }
@@ -62,14 +62,14 @@ class SkeletonModel {
   void add_body(const RobotDescription& robot, std::size_t i, bool fixed_base);
 
   ::dart::dynamics::SkeletonPtr skeleton_;
-  BaseJoint* base_ = nullptr;                          ///< of a free base
-  ::dart::dynamics::WeldJoint* weld_ = nullptr;        ///< of a fixed one
-  std::vector<::dart::dynamics::BodyNode*> nodes_;     ///< by body
-  std::vector<std::vector<int>> dofs_;                 ///< by body: ours, of the columns of DART's Jacobian
+  BaseJoint* base_ = nullptr;                       ///< of a free base
+  ::dart::dynamics::WeldJoint* weld_ = nullptr;     ///< of a fixed one
+  std::vector<::dart::dynamics::BodyNode*> nodes_;  ///< by body
+  std::vector<std::vector<int>> dofs_;              ///< by body: ours, of the columns of DART's Jacobian
   std::vector<Pose> X_BC_;
   Matrix3 R_WB_ = Matrix3::Identity();
-  Eigen::VectorXd positions_, velocities_;             ///< DART's
-  int first_ = 0;                                      ///< dof that can move
+  Eigen::VectorXd positions_, velocities_;  ///< DART's
+  int first_ = 0;                           ///< dof that can move
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, contact::kMaxDofs> jacobian_, momentum_;
 };
 
