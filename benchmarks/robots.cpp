@@ -167,28 +167,61 @@ RobotPtr assortment() {
   return finished(robot);
 }
 
-RobotPtr millipede() {
+RobotPtr millipede(int legs, int toes) {
   constexpr double kLink = 0.04, kRadius = 0.008;  // m; forward or backward as much as down
   RobotDescription robot;
   robot.name = "millipede";
   robot.bodies.push_back(free_body("trunk", solid_box(0.34, {0.2, 0.05, 0.02})));
-  for (int i = 0; i < kMaxJoints; ++i) {
+  for (int i = 0; i < legs; ++i) {
     const int row = i / 2;
     const double side = i % 2 == 0 ? 1 : -1, ahead = row % 2 == 0 ? 1 : -1;
     const Vector3 tip(ahead * kLink, 0, -kLink);
     Body leg = free_body("leg" + std::to_string(i), solid_box(0.02, {0.005, 0.005, 0.03}, tip / 2));
     leg.parent = 0;
-    leg.X_PB.translation() = Vector3(0.025 * (row - 7.5), side * 0.06, 0);
+    leg.X_PB.translation() = Vector3(0.025 * (row - (legs / 2 - 1) / 2.0), side * 0.06, 0);
     leg.joint.name = "hip" + std::to_string(i);
     leg.joint.axis = Vector3::UnitY();
     leg.joint.damping = 0.02;
     leg.joint.armature = 2e-4;
     leg.joint.actuated = true;
     leg.joint.kp = leg.joint.effort_limit = 1;
-    leg.shapes.push_back(shape("foot" + std::to_string(i), ShapeType::kSphere, {kRadius, 0, 0}, tip));
+    for (int toe = 0; toe < toes; ++toe) {
+      const Vector3 centre = tip + Vector3(0, 0.01 * toe, 0);
+      leg.shapes.push_back(
+          shape("foot" + std::to_string(i * toes + toe), ShapeType::kSphere, {kRadius, 0, 0}, centre));
+    }
     robot.bodies.push_back(leg);
   }
   robot.home_height = kLink + kRadius;
+  return finished(robot);
+}
+
+RobotPtr heavy_sledge(int points) {
+  constexpr double kRadius = 0.02, kBelly = 0.1;  // m
+  RobotDescription robot;
+  robot.name = "heavy_sledge";
+  robot.bodies.push_back(free_body("trunk", solid_box(30, {0.4, 0.15, kBelly}, {0.02, -0.01, 0.01})));
+  for (int i = 0; i < points; ++i) {
+    const double ahead = 0.8 * (i / 2) / std::max(1, points / 2 - 1) - 0.4, left = i % 2 == 0 ? 0.15 : -0.15;
+    robot.bodies[0].shapes.push_back(shape("belly" + std::to_string(i), ShapeType::kSphere, {kRadius, 0, 0},
+                                           {ahead, left, kRadius - kBelly}));
+  }
+  for (int i = 0; i < 4; ++i) {
+    const Vector3 tip(0.25, 0, 0.05);
+    Body leg = free_body("leg" + std::to_string(i), solid_box(1.5, {0.12, 0.02, 0.02}, tip / 2));
+    leg.parent = 0;
+    leg.X_PB.translation() = Vector3(i < 2 ? 0.35 : -0.35, i % 2 == 0 ? 0.2 : -0.2, 0);
+    leg.joint.name = "hip" + std::to_string(i);
+    leg.joint.axis = Vector3::UnitY();
+    leg.joint.damping = 0.5;
+    leg.joint.armature = 0.02;
+    leg.joint.actuated = true;
+    leg.joint.kp = 60;
+    leg.joint.effort_limit = 40;
+    leg.shapes.push_back(shape("foot" + std::to_string(i), ShapeType::kSphere, {kRadius, 0, 0}, tip));
+    robot.bodies.push_back(leg);
+  }
+  robot.home_height = kBelly;
   return finished(robot);
 }
 

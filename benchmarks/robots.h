@@ -60,9 +60,15 @@ CollisionShape gem();
 /// on servos: it lands on any of them.
 RobotPtr assortment();
 
-/// A trunk on 32 servo-driven legs of one link each, as many as a robot may have joints: it stands on as many
+/// A trunk on servo-driven legs of one link each: 32, as many as a robot may have joints, stand on as many
 /// spheres as eight quadrupeds.
-RobotPtr millipede();
+/// @param legs  even, up to kMaxJoints
+/// @param toes  spheres per leg, side by side
+RobotPtr millipede(int legs = kMaxJoints, int toes = 1);
+
+/// A trunk of 30 kg on its belly, which is `points` spheres in two rows, with four legs of one link in the
+/// air.
+RobotPtr heavy_sledge(int points);
 
 /// Everything at once that a frame or sign error could hide behind elsewhere: a base whose centre of mass is
 /// off its origin, full inertia tensors, rotated joint frames, oblique axes, a branch, a loop, unequal

@@ -1,4 +1,4 @@
-// Contact impulses of the matched mode: a quadratic problem over a product of friction cones.
+// Contact impulses: a quadratic problem over a product of friction cones.
 #pragma once
 
 #include "crossgait/physics/math.h"
@@ -7,7 +7,7 @@
 namespace crossgait::contact {
 
 /// Minimises 1/2 x'Ax + b'x over contacts x_i = (normal, tangent, tangent) with |tangents| <= friction *
-/// normal. This is the dual that MuJoCo's Newton solver reaches with elliptic cones: the cone couples normal
+/// normal. This is the dual of PrimalProblem: the cone couples normal
 /// and friction, whereas Bullet's own projection bounds friction by the normal impulse of the previous sweep.
 struct ConeProblem {
   static constexpr int kMaxRows = 3 * kMaxContacts;

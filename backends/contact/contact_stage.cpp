@@ -8,13 +8,6 @@
 namespace crossgait::contact {
 namespace {
 
-// Gauss-Seidel converges linearly where MuJoCo's Newton converges quadratically: the same tolerance asks for
-// more.
-constexpr double kSweepTolerance = 1e-3;
-constexpr double kRoundingFloor = 1e-15;
-constexpr int kMaxSweeps = 1000;
-// mjMINMU of mjmodel.h: MuJoCo's contacts are never quite without friction.
-constexpr double kMinFriction = 1e-5;
 // Bullet's default, btContactSolverInfo::m_erp2.
 constexpr double kErrorReduction = 0.2;
 
@@ -39,35 +32,99 @@ ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, con
       friction_law_(spec.robot->friction_softness, spec.physics_dt),
       inverse_weights_(translational_inverse_weights(*spec.robot, spec.fixed_base)),
       frictional_joints_(contact::frictional_joints(spec)) {
-  const Eigen::Index n = joints_.inertia().dofs();
-  rows_.setZero(n, ConeProblem::kMaxRows);
-  projected_.setZero(n, ConeProblem::kMaxRows);
-  joint_friction_.count = static_cast<int>(frictional_joints_.size());
-  joint_rows_.setZero(n, joint_friction_.count);
-  projected_joints_.setZero(n, joint_friction_.count);
+  loops_.setZero(joints_.inertia().dofs(), 3 * static_cast<Eigen::Index>(spec.robot->loops.size()));
+  const bool hard = factors_.hard_normal || factors_.hard_friction ||
+                    (factors_.hard_joint_friction && !frictional_joints_.empty());
+  if (hard || factors_.coulomb) {
+    dual_ = std::make_unique<DualProblem>(joints_, static_cast<int>(frictional_joints_.size()));
+  } else {
+    primal_ =
+        std::make_unique<PrimalProblem>(joints_.inertia().dofs(), joints_.coupled_dofs(), coefficient());
+  }
+  for (int body = 0; body <= spec.robot->joint_count(); ++body)
+    dofs_.push_back(joints_.inertia().dofs_of(body));
 }
 
 const DofVector& ContactStage::solve(const DofVector& before, const ContactPoints& points) noexcept {
   velocity_ = joints_.velocity();
   if (points.count == 0 && frictional_joints_.empty()) return velocity_;
-  assemble(before, points);
-  const double tolerance = std::max(kRoundingFloor, kSweepTolerance * spec_.solver.tolerance);
-  if (!frictional_joints_.empty()) {
-    assemble_joint_friction(before);
-    joint_friction_.solve(cone_, factors_.coulomb, tolerance, kMaxSweeps);
-    cone_.x.head(3 * points.count) = joint_friction_.contact_impulses().head(3 * points.count);
-  } else if (factors_.coulomb) {
-    cone_.solve_coulomb(tolerance, kMaxSweeps);
+  if (primal_) {
+    joints_.scaled_loop_rows(loops_);
+    primal_->begin(loops_);
+    add_rows(*primal_, before, points);
+    DofVector guess = before - velocity_;  // as if nothing were accelerated
+    joints_.inertia().half_multiply(guess);
+    primal_->solve(guess, spec_.solver.tolerance);
+    apply(*primal_, points);
   } else {
-    cone_.solve(tolerance, kMaxSweeps);
+    dual_->begin();
+    add_rows(*dual_, before, points);
+    dual_->solve(coefficient(), factors_.coulomb, spec_.solver.tolerance);
+    apply(*dual_, points);
   }
-  apply(points);
   return velocity_;
 }
 
-// Writes a row's regularisation on the diagonal. @returns the velocity that the row asks for, m/s
-double ContactStage::set_row(const ContactPoint& point, int contact, int axis) noexcept {
-  double& regularization = cone_.A(3 * contact + axis, 3 * contact + axis);
+double ContactStage::coefficient() const noexcept {
+  constexpr double kMinFriction = 1e-5;  // mjMINMU of mjmodel.h: MuJoCo's contacts are never quite without
+  return std::max(spec_.contact.friction, kMinFriction);
+}
+
+template <typename Problem>
+void ContactStage::add_rows(Problem& problem, const DofVector& before, const ContactPoints& points) noexcept {
+  for (int i = 0; i < points.count; ++i) {
+    const ContactPoint& point = points.points[static_cast<std::size_t>(i)];
+    ContactRows& rows = rows_[static_cast<std::size_t>(i)];
+    describe(point, before, rows);
+    joints_.inertia().half_solve_rows(point.body, J_);
+    problem.add_contact(dofs_of(point.body), J_, rows.R, rows.b);
+  }
+  for (const FrictionalJoint& joint : frictional_joints_) {
+    const int dof = 6 + joint.joint;
+    const auto [R, target] = friction_row(joint, friction_law_, factors_.hard_joint_friction, before[dof]);
+    DofVector z = DofVector::Unit(before.size(), dof);
+    joints_.inertia().half_solve(z);
+    problem.add_bounded(dofs_of(joint.joint + 1), z, R, velocity_[dof] - target,
+                        spec_.physics_dt * joint.friction);
+  }
+}
+
+template <typename Problem>
+void ContactStage::apply(const Problem& problem, const ContactPoints& points) noexcept {
+  DofVector change = problem.u();
+  joints_.inertia().finish_solve(change);
+  velocity_ += change;
+  for (int i = 0; i < points.count; ++i) {
+    const ContactPoint& point = points.points[static_cast<std::size_t>(i)];
+    const ContactRows& rows = rows_[static_cast<std::size_t>(i)];
+    const Vector3 impulse = problem.contact_impulse(i);
+    if (point.distance > 0 && impulse[0] <= 0) continue;  // speculative
+    report(point, rows.frame.transpose() * impulse / spec_.physics_dt,
+           rows.frame.transpose() * rows.velocity_before);
+  }
+  contacts_.dropped = points.dropped;
+}
+
+// A contact's rows, and in J_ its Jacobian in its own frame: by the dofs that move the body.
+void ContactStage::describe(const ContactPoint& point, const DofVector& before, ContactRows& rows) noexcept {
+  // On the robot's surface, or midway between the surfaces.
+  const Vector3 p_WP = factors_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
+  bodies_.point_jacobian(point.body, p_WP, J_);
+  rows.frame = contact_frame(point.normal);
+  rows.velocity_before.setZero();
+  rows.b.setZero();
+  for (const int dof : dofs_of(point.body)) {
+    const Vector3 column = rows.frame * J_.col(dof);
+    J_.col(dof) = column;
+    rows.velocity_before += before[dof] * column;
+    rows.b += joints_.velocity()[dof] * column;
+  }
+  for (int axis = 0; axis < 3; ++axis) rows.b[axis] -= set_row(point, axis, rows);
+}
+
+// Sets a row's regularisation. @returns the velocity that the row asks for, m/s
+double ContactStage::set_row(const ContactPoint& point, int axis, ContactRows& rows) const noexcept {
+  double& regularization = rows.R[axis];
   if (axis == 0 ? factors_.hard_normal : factors_.hard_friction) {
     regularization = 0;
     if (axis > 0) return 0;
@@ -78,61 +135,7 @@ double ContactStage::set_row(const ContactPoint& point, int contact, int axis) n
   const double R = SoftLaw::regularization(imp, inverse_weights_[static_cast<std::size_t>(point.body)]);
   // Friction rows share the normal's impedance and damping, without a spring.
   regularization = axis == 0 ? R : R / spec_.contact.impratio;
-  return contact_law_.target_velocity(velocity_before_[static_cast<std::size_t>(contact)][axis], imp,
-                                      axis == 0 ? point.distance : 0.0);
-}
-
-void ContactStage::assemble(const DofVector& before, const ContactPoints& points) noexcept {
-  const Eigen::Index rows = 3 * points.count;
-  for (int i = 0; i < points.count; ++i) {
-    const std::size_t k = static_cast<std::size_t>(i);
-    const ContactPoint& point = points.points[k];
-    // On the robot's surface, or midway between the surfaces.
-    const Vector3 p_WP = factors_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
-    bodies_.point_jacobian(point.body, p_WP, J_);
-    frames_[k] = contact_frame(point.normal);
-    J_ = (frames_[k] * J_).eval();
-    velocity_before_[k].noalias() = J_ * before;
-
-    for (int r = 0; r < 3; ++r) {
-      const Eigen::Index row = 3 * i + r;
-      const double target = set_row(point, i, r);
-      cone_.b[row] = J_.row(r).dot(joints_.velocity()) - target;
-      rows_.col(row) = J_.row(r).transpose();
-      respond(row, rows_, projected_);
-    }
-  }
-  for (Eigen::Index c = 0; c < rows; ++c) {
-    const double regularization = cone_.A(c, c);
-    cone_.A.col(c).head(rows).noalias() = rows_.leftCols(rows).transpose() * projected_.col(c);
-    cone_.A(c, c) += regularization;
-  }
-  cone_.contacts = points.count;
-  cone_.friction = std::max(spec_.contact.friction, kMinFriction);
-}
-
-// From a row's J', in a column, the response of the machine to it: half_solve(J'), and what remains of it.
-void ContactStage::respond(Eigen::Index column, Eigen::MatrixXd& rows,
-                           Eigen::MatrixXd& projected) const noexcept {
-  joints_.inertia().half_solve(rows.col(column));
-  projected.col(column) = rows.col(column);
-  joints_.project(projected.col(column));
-}
-
-void ContactStage::apply(const ContactPoints& points) noexcept {
-  const Eigen::Index rows = 3 * points.count;
-  DofVector change = projected_.leftCols(rows) * cone_.x.head(rows);
-  if (joint_friction_.count > 0) add_joint_friction(change);
-  joints_.inertia().finish_solve(change);
-  velocity_ += change;
-  for (int i = 0; i < points.count; ++i) {
-    const std::size_t k = static_cast<std::size_t>(i);
-    if (points.points[k].distance > 0 && cone_.x[3 * i] <= 0) continue;  // speculative
-    const Matrix3 to_world = frames_[k].transpose();
-    report(points.points[k], to_world * cone_.x.segment<3>(3 * i) / spec_.physics_dt,
-           to_world * velocity_before_[k]);
-  }
-  contacts_.dropped = points.dropped;
+  return contact_law_.target_velocity(rows.velocity_before[axis], imp, axis == 0 ? point.distance : 0.0);
 }
 
 void ContactStage::report(const ContactPoint& point, const Vector3& force,

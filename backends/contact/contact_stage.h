@@ -2,23 +2,17 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <span>
 #include <vector>
 
-#include "crossgait/backends/contact/bounded_rows.h"
-#include "crossgait/backends/contact/cone_solver.h"
 #include "crossgait/backends/contact/contact_points.h"
-#include "crossgait/backends/contact/joint_stage.h"
+#include "crossgait/backends/contact/dual_problem.h"
+#include "crossgait/backends/contact/joint_friction.h"
 #include "crossgait/backends/contact/law_factors.h"
+#include "crossgait/backends/contact/primal_problem.h"
 
 namespace crossgait::contact {
-
-/// A joint with dry friction.
-struct FrictionalJoint {
-  int joint = -1;             ///< as in RobotDescription::joint
-  double friction = 0;        ///< N m
-  double inverse_weight = 0;  ///< MuJoCo's, 1/(kg m^2)
-};
-std::vector<FrictionalJoint> frictional_joints(const WorldSpec& spec);
 
 /// With MuJoCo's factors contacts are placed midway between the surfaces, softened like MuJoCo's, and solved
 /// over true friction cones; any of these can be another's.
@@ -43,14 +37,20 @@ class ContactStage {
   const std::vector<FrictionalJoint>& frictional_joints() const noexcept { return frictional_joints_; }
 
  private:
-  void assemble(const DofVector& before, const ContactPoints& points) noexcept;
-  void respond(Eigen::Index column, Eigen::MatrixXd& rows, Eigen::MatrixXd& projected) const noexcept;
-  double set_row(const ContactPoint& point, int contact, int axis) noexcept;
-  void apply(const ContactPoints& points) noexcept;
+  struct ContactRows {
+    Matrix3 frame;            // rows: normal, two tangents
+    Vector3 velocity_before;  // in that frame
+    Vector3 R, b;             // regularisation; velocity less what the rows ask for
+  };
 
-  // joint_friction.cpp
-  void assemble_joint_friction(const DofVector& before) noexcept;
-  void add_joint_friction(DofVector& change) const noexcept;
+  std::span<const int> dofs_of(int body) const noexcept { return dofs_[static_cast<std::size_t>(body)]; }
+  double coefficient() const noexcept;
+  template <typename Problem>
+  void add_rows(Problem& problem, const DofVector& before, const ContactPoints& points) noexcept;
+  void describe(const ContactPoint& point, const DofVector& before, ContactRows& rows) noexcept;
+  double set_row(const ContactPoint& point, int axis, ContactRows& rows) const noexcept;
+  template <typename Problem>
+  void apply(const Problem& problem, const ContactPoints& points) noexcept;
 
   const WorldSpec& spec_;
   LawFactors factors_;
@@ -59,15 +59,13 @@ class ContactStage {
   SoftLaw contact_law_, friction_law_;
   std::vector<double> inverse_weights_;  // MuJoCo's, by body, 1/kg
   std::vector<FrictionalJoint> frictional_joints_;
+  std::vector<std::vector<int>> dofs_;  // by body: those that move it, rising
 
-  ConeProblem cone_;
-  BoundedRows joint_friction_;
+  std::unique_ptr<PrimalProblem> primal_;  // one of the two
+  std::unique_ptr<DualProblem> dual_;
+  std::array<ContactRows, kMaxContacts> rows_;
+  Eigen::MatrixXd loops_;
   PointJacobian J_;
-  Eigen::MatrixXd rows_;                               // dofs x 3 contacts: half_solve(J')
-  Eigen::MatrixXd projected_;                          // the same after project()
-  Eigen::MatrixXd joint_rows_, projected_joints_;      // likewise: dofs x joints with friction
-  std::array<Eigen::Matrix3d, kMaxContacts> frames_;   // rows: normal, two tangents
-  std::array<Vector3, kMaxContacts> velocity_before_;  // in that frame
   DofVector velocity_;
   ContactList contacts_;
 };

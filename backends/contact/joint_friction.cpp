@@ -1,7 +1,5 @@
-// Dry friction in joints: rows of one joint's velocity with a bounded impulse, solved along with the
-// contacts. MuJoCo's give way like a damper until they reach the bound (MuJoCo 2.2 manual, "Computation >
-// Constraint model > Friction loss"); those of hard engines stop the joint at once.
-#include "crossgait/backends/contact/contact_stage.h"
+#include "crossgait/backends/contact/joint_friction.h"
+
 #include "crossgait/physics/multibody.h"
 
 namespace crossgait::contact {
@@ -16,32 +14,10 @@ std::vector<FrictionalJoint> frictional_joints(const WorldSpec& spec) {
   return joints;
 }
 
-// After assemble, whose rows they see.
-void ContactStage::assemble_joint_friction(const DofVector& before) noexcept {
-  const Eigen::Index n = joint_friction_.count, contact_rows = 3 * cone_.contacts;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const FrictionalJoint& joint = frictional_joints_[static_cast<std::size_t>(i)];
-    const Eigen::Index dof = 6 + joint.joint;
-    joint_rows_.col(i).setZero();
-    joint_rows_(dof, i) = 1;
-    respond(i, joint_rows_, projected_joints_);
-    joint_friction_.A.col(i).head(n).setZero();
-    double target = 0;
-    if (!factors_.hard_joint_friction) {
-      const double imp = friction_law_.impedance(0);  // nothing is violated
-      joint_friction_.A(i, i) = SoftLaw::regularization(imp, joint.inverse_weight);
-      target = friction_law_.target_velocity(before[dof], imp, 0);
-    }
-    joint_friction_.bound[i] = spec_.physics_dt * joint.friction;
-    joint_friction_.b[i] = joints_.velocity()[dof] - target;
-  }
-  joint_friction_.A.topLeftCorner(n, n).noalias() += joint_rows_.transpose() * projected_joints_;
-  joint_friction_.C.topLeftCorner(n, contact_rows).noalias() =
-      projected_joints_.transpose() * rows_.leftCols(contact_rows);
-}
-
-void ContactStage::add_joint_friction(DofVector& change) const noexcept {
-  change.noalias() += projected_joints_ * joint_friction_.x.head(joint_friction_.count);
+FrictionRow friction_row(const FrictionalJoint& joint, const SoftLaw& law, bool hard, double speed) noexcept {
+  if (hard) return {};
+  const double imp = law.impedance(0);  // nothing is violated
+  return {SoftLaw::regularization(imp, joint.inverse_weight), law.target_velocity(speed, imp, 0)};
 }
 
 }  // namespace crossgait::contact

@@ -1,5 +1,6 @@
 #include "crossgait/backends/contact/joint_space_inertia.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace crossgait::contact {
@@ -56,6 +57,29 @@ void JointSpaceInertia::finish_solve(DofVector& x) const noexcept {
     for (int j = parent(i); j >= 0; j = parent(j)) xi -= H(i, j) * x[j];
     x[i] = xi;
   }
+}
+
+void JointSpaceInertia::half_solve_rows(int body, PointJacobian& J) const noexcept {
+  for (int i = last_dof(body); i >= 0; i = parent(i)) {
+    const Vector3 column = J.col(i);
+    for (int j = parent(i); j >= 0; j = parent(j)) J.col(j) -= H(i, j) * column;
+    J.col(i) = sqrt_inverse_d_[static_cast<std::size_t>(i)] * column;
+  }
+}
+
+void JointSpaceInertia::half_multiply(DofVector& x) const noexcept {
+  for (int i = n_ - 1; i >= first_; --i) {
+    for (int j = parent(i); j >= 0; j = parent(j)) x[i] += H(i, j) * x[j];
+    x[i] /= sqrt_inverse_d_[static_cast<std::size_t>(i)];
+  }
+  for (int i = 0; i < first_; ++i) x[i] = 0;
+}
+
+std::vector<int> JointSpaceInertia::dofs_of(int body) const {
+  std::vector<int> dofs;
+  for (int i = last_dof(body); i >= 0; i = parent(i)) dofs.push_back(i);
+  std::reverse(dofs.begin(), dofs.end());
+  return dofs;
 }
 
 Eigen::MatrixXd JointSpaceInertia::bare_matrix() const {

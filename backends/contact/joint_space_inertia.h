@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "crossgait/physics/robot.h"
 
@@ -41,6 +42,15 @@ class JointSpaceInertia {
   void half_solve(Eigen::Ref<DofVector> x) const noexcept;
   /// x <- L^-1 D^-1/2 x, which completes `half_solve` to M^-1.
   void finish_solve(DofVector& x) const noexcept;
+  /// `half_solve` of the three rows of a point of `body` at once: J <- J L^-1 D^-1/2, by the dofs alone that
+  /// move the body; the other columns are not looked at.
+  void half_solve_rows(int body, PointJacobian& J) const noexcept;
+  /// x <- D^1/2 L x: undoes `finish_solve`.
+  void half_multiply(DofVector& x) const noexcept;
+  /// The last dof that moves a body: that of its joint; -1 for what nothing moves.
+  int last_dof(int body) const noexcept { return body > 0 ? 5 + body : (first_ == 0 ? 5 : -1); }
+  /// All that move it, rising.
+  std::vector<int> dofs_of(int body) const;
   /// M0 (without armature), symmetric.
   Eigen::MatrixXd bare_matrix() const;
 

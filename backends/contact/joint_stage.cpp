@@ -85,4 +85,19 @@ void JointStage::project(Eigen::Ref<DofVector> y) const noexcept {
   y.noalias() -= P_.transpose() * response;
 }
 
+void JointStage::scaled_loop_rows(Eigen::MatrixXd& E) const noexcept {
+  E.noalias() = Y_ * regularization_.cwiseSqrt().cwiseInverse().asDiagonal();
+}
+
+std::vector<std::vector<int>> JointStage::coupled_dofs() const {
+  std::vector<std::vector<int>> sets;
+  for (int body = 0; body <= inertia_.dofs() - 6; ++body) sets.push_back(inertia_.dofs_of(body));
+  for (const LoopPoints& loop : loops_) {
+    sets.push_back(inertia_.dofs_of(loop.body_a));
+    const std::vector<int> other = inertia_.dofs_of(loop.body_b);
+    sets.back().insert(sets.back().end(), other.begin(), other.end());
+  }
+  return sets;
+}
+
 }  // namespace crossgait::contact

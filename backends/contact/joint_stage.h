@@ -34,6 +34,12 @@ class JointStage {
   /// M_loops^-1 J'.
   void project(Eigen::Ref<DofVector> y) const noexcept;
 
+  /// E = half_solve(J') of the loops over the root of their regularisation, dofs x 3 loops: the inverse of
+  /// what `project` does is 1 + E E'.
+  void scaled_loop_rows(Eigen::MatrixXd& E) const noexcept;
+  /// Sets of dofs that act on one another: of each body those that move it, and both ends of each loop.
+  std::vector<std::vector<int>> coupled_dofs() const;
+
  private:
   static constexpr int kMaxLoops = 16;
   using LoopMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3 * kMaxLoops, 3 * kMaxLoops>;

@@ -30,6 +30,8 @@ TEST_P(StepAllocation, NoneForShapesOfEveryKind) {
   EXPECT_EQ(allocations_of_a_fall(engine(), make_terrain("rough:flat_radius=0", 2)), 0U);
 }
 
+TEST_P(StepAllocation, NoneForManyContacts) { EXPECT_EQ(allocations_of_a_crowd_of_contacts(engine()), 0U); }
+
 TEST_P(StepAllocation, NoneForJointFriction) {
   EXPECT_EQ(allocations_of_a_trot(engine(), make_terrain("rough", 2), 0.02), 0U);
 }

@@ -51,6 +51,22 @@ inline std::size_t allocations_of_a_fall(const Engine& engine, const Terrain& te
   return scope.count();
 }
 
+/// A robot with joint friction that lands on 60 points.
+inline std::size_t allocations_of_a_crowd_of_contacts(const Engine& engine) {
+  const auto backend =
+      engine.make(scenes::world_of(scenes::with_joint_friction(scenes::heavy_sledge(60), 0.5)));
+  RobotState start = backend->home_state();
+  start.p_WB.z() += 0.02;
+  backend->reset(start);
+  const JointTargets targets = scenes::home_targets(backend->robot());
+  EXPECT_EQ(backend->step(targets, 10), StepStatus::kOk);
+  EXPECT_EQ(backend->contacts().count, 0);
+  const AllocationScope scope;
+  EXPECT_EQ(backend->step(targets, 300), StepStatus::kOk);
+  EXPECT_EQ(backend->contacts().count, 60);
+  return scope.count();
+}
+
 inline std::size_t allocations_of_pushes_and_refused_targets(const Engine& engine) {
   const auto backend = engine.make(scenes::world_of(scenes::quadruped()));
   const JointTargets targets = scenes::home_targets(backend->robot());

@@ -1,6 +1,7 @@
 // The inertia that Crossgait computes for Bullet's multibody, against Bullet's own algorithms.
 #include "crossgait/backends/bullet/composite_inertia.h"
 
+#include <algorithm>
 #include <random>
 
 #include <Eigen/LU>
@@ -100,6 +101,38 @@ TEST(JointSpaceInertia, SolvesWithArmature) {
     EXPECT_LT((x.tail(size) - expected).norm(), 1e-11 * expected.norm());
     EXPECT_NEAR(energy, b.tail(size).dot(expected), 1e-11 * energy);
     for (int i = 0; i < machine.first(); ++i) EXPECT_EQ(x[i], 0);
+  });
+}
+
+TEST(JointSpaceInertia, HalfMultipliesBack) {
+  for_machines([&](Machine& machine) {
+    const DofVector x = Eigen::VectorXd::LinSpaced(machine.dofs(), 2, -1);
+    DofVector y = x;
+    machine.inertia.half_multiply(y);
+    machine.inertia.finish_solve(y);
+    EXPECT_LT((y - x).tail(machine.dofs() - machine.first()).norm(), 1e-12 * x.norm());
+    for (int i = 0; i < machine.first(); ++i) EXPECT_EQ(y[i], 0);
+  });
+}
+
+TEST(JointSpaceInertia, HalfSolvesThePointsOfABodyByWhatMovesIt) {
+  for_machines([&](Machine& machine) {
+    const int n = machine.dofs();
+    for (int body = machine.first() > 0 ? 1 : 0; body <= n - 6; ++body) {
+      PointJacobian J(3, n);
+      machine.composite.point_jacobian(body - 1, {0.1, 0.2, 0.3}, J);
+      const PointJacobian whole = J;
+      machine.inertia.half_solve_rows(body, J);
+      const std::vector<int> dofs = machine.inertia.dofs_of(body);
+      ASSERT_TRUE(std::is_sorted(dofs.begin(), dofs.end()));
+      for (int row = 0; row < 3; ++row) {
+        DofVector expected = whole.row(row).transpose();
+        machine.inertia.half_solve(expected);
+        DofVector found = DofVector::Zero(n);
+        for (const int dof : dofs) found[dof] = J(row, dof);
+        EXPECT_LT((found - expected).norm(), 1e-14 * (1 + expected.norm()));
+      }
+    }
   });
 }
 

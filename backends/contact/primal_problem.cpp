@@ -1,0 +1,234 @@
+#include "crossgait/backends/contact/primal_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace crossgait::contact {
+
+PrimalProblem::PrimalProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction)
+    : friction_(friction),
+      Z_(3, (kMaxContacts + kMaxJoints) * dofs),
+      constant_(dofs, coupled),
+      hessian_(constant_),
+      u_(DofVector::Zero(dofs)),
+      gradient_(DofVector::Zero(dofs)),
+      d_(DofVector::Zero(dofs)) {
+  loops_u_.resize(3 * kMaxDofs);
+  loops_d_.resize(3 * kMaxDofs);
+}
+
+void PrimalProblem::begin(const Eigen::MatrixXd& loops) noexcept {
+  columns_ = contact_count_ = bounded_count_ = 0;
+  loops_ = &loops;
+  constant_.set_identity();
+  constant_.add_products(loops);
+}
+
+void PrimalProblem::add_contact(std::span<const int> dofs, const PointJacobian& Z, const Vector3& R,
+                                const Vector3& b) noexcept {
+  Contact& contact = contacts_[static_cast<std::size_t>(contact_count_++)];
+  contact.dofs = dofs;
+  contact.first = columns_;
+  contact.scale = R.cwiseSqrt().cwiseInverse();
+  contact.slope = friction_ * contact.scale[0] / contact.scale[1];
+  contact.b = contact.scale.cwiseProduct(b);
+  for (const int dof : dofs) Z_.col(columns_++) = contact.scale.cwiseProduct(Z.col(dof));
+}
+
+void PrimalProblem::add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,
+                                double bound) noexcept {
+  Bounded& row = bounded_[static_cast<std::size_t>(bounded_count_++)];
+  row.dofs = dofs;
+  row.first = columns_;
+  row.scale = 1 / std::sqrt(R);
+  row.bound = bound / row.scale;
+  row.b = row.scale * b;
+  for (const int dof : dofs) Z_(0, columns_++) = row.scale * z[dof];
+}
+
+Vector3 PrimalProblem::contact_impulse(int i) const noexcept {
+  const Contact& contact = contacts_[static_cast<std::size_t>(i)];
+  return contact.scale.cwiseProduct(contact.x);
+}
+
+double PrimalProblem::bounded_impulse(int i) const noexcept {
+  const Bounded& row = bounded_[static_cast<std::size_t>(i)];
+  return row.scale * row.x;
+}
+
+// The impulse is the point of the cone nearest to -y.
+Vector3 PrimalProblem::project(const Contact& contact, const Vector3& y, Zone& zone) noexcept {
+  const double m = contact.slope, normal = -y[0], tangent = std::sqrt(y[1] * y[1] + y[2] * y[2]);
+  if (tangent <= m * normal) {
+    zone = Zone::kStick;
+    return -y;
+  }
+  if (m * tangent <= -normal) {
+    zone = Zone::kApart;
+    return Vector3::Zero();
+  }
+  zone = Zone::kSlip;
+  const double x = (normal + m * tangent) / (1 + m * m), share = -m * x / tangent;
+  return {x, share * y[1], share * y[2]};
+}
+
+// How the impulse follows -y: the derivative of `project`.
+Matrix3 PrimalProblem::response(const Contact& contact, const Vector3& y, Zone zone) noexcept {
+  if (zone == Zone::kStick) return Matrix3::Identity();
+  const double m = contact.slope, tangent = std::sqrt(y[1] * y[1] + y[2] * y[2]);
+  const Vector3 across(0, -y[1] / tangent, -y[2] / tangent), along = Vector3::UnitX() + m * across;
+  const double turn = (-y[0] + m * tangent) * m / tangent;
+  Matrix3 S = along * along.transpose() - turn * across * across.transpose();
+  S(1, 1) += turn;
+  S(2, 2) += turn;
+  return S / (1 + m * m);
+}
+
+// Impulses at u. @returns the cost
+double PrimalProblem::evaluate() noexcept {
+  const Eigen::Index loops = loops_->cols();
+  loops_u_.head(loops).noalias() = loops_->transpose() * u_;
+  double cost = (u_.squaredNorm() + loops_u_.head(loops).squaredNorm()) / 2;
+  for (int i = 0; i < contact_count_; ++i) {
+    Contact& contact = contacts_[static_cast<std::size_t>(i)];
+    contact.y = contact.b + product(contact, u_);
+    contact.x = project(contact, contact.y, contact.zone);
+    cost += contact.x.squaredNorm() / 2;
+  }
+  for (int i = 0; i < bounded_count_; ++i) {
+    Bounded& row = bounded_[static_cast<std::size_t>(i)];
+    row.y = row.b + product(row, u_);
+    row.x = std::clamp(-row.y, -row.bound, row.bound);
+    cost += -row.x * row.y - row.x * row.x / 2;
+  }
+  return cost;
+}
+
+Vector3 PrimalProblem::product(const Contact& contact, const DofVector& v) const noexcept {
+  Vector3 result = Vector3::Zero();
+  int column = contact.first;
+  for (const int dof : contact.dofs) result += v[dof] * Z_.col(column++);
+  return result;
+}
+
+double PrimalProblem::product(const Bounded& row, const DofVector& v) const noexcept {
+  double result = 0;
+  int column = row.first;
+  for (const int dof : row.dofs) result += v[dof] * Z_(0, column++);
+  return result;
+}
+
+void PrimalProblem::find_gradient() noexcept {
+  gradient_ = u_;
+  gradient_.noalias() += *loops_ * loops_u_.head(loops_->cols());
+  for (int i = 0; i < contact_count_; ++i) {
+    const Contact& contact = contacts_[static_cast<std::size_t>(i)];
+    if (contact.zone == Zone::kApart) continue;
+    int column = contact.first;
+    for (const int dof : contact.dofs) gradient_[dof] -= Z_.col(column++).dot(contact.x);
+  }
+  for (int i = 0; i < bounded_count_; ++i) {
+    const Bounded& row = bounded_[static_cast<std::size_t>(i)];
+    int column = row.first;
+    for (const int dof : row.dofs) gradient_[dof] -= Z_(0, column++) * row.x;
+  }
+}
+
+void PrimalProblem::find_hessian() noexcept {
+  hessian_.copy_values(constant_);
+  for (int i = 0; i < contact_count_; ++i) {
+    const Contact& contact = contacts_[static_cast<std::size_t>(i)];
+    if (contact.zone == Zone::kApart) continue;
+    const Matrix3 S = response(contact, contact.y, contact.zone);
+    for (std::size_t r = 0; r < contact.dofs.size(); ++r) {
+      const Vector3 SZ = S * Z_.col(contact.first + static_cast<int>(r));
+      for (std::size_t c = 0; c <= r; ++c)
+        hessian_.at(contact.dofs[r], contact.dofs[c]) += SZ.dot(Z_.col(contact.first + static_cast<int>(c)));
+    }
+  }
+  for (int i = 0; i < bounded_count_; ++i) {
+    const Bounded& row = bounded_[static_cast<std::size_t>(i)];
+    if (std::abs(row.y) > row.bound) continue;
+    for (std::size_t r = 0; r < row.dofs.size(); ++r) {
+      for (std::size_t c = 0; c <= r; ++c)
+        hessian_.at(row.dofs[r], row.dofs[c]) +=
+            Z_(0, row.first + static_cast<int>(r)) * Z_(0, row.first + static_cast<int>(c));
+    }
+  }
+}
+
+// Derivatives of the cost along d_.
+PrimalProblem::Slope PrimalProblem::slope_at(double a) const noexcept {
+  Slope slope{line_.first + a * line_.second, line_.second};
+  for (int i = 0; i < contact_count_; ++i) {
+    const Contact& contact = contacts_[static_cast<std::size_t>(i)];
+    const Vector3 y = contact.y + a * contact.step;
+    Zone zone;
+    slope.first -= project(contact, y, zone).dot(contact.step);
+    if (zone != Zone::kApart) slope.second += contact.step.dot(response(contact, y, zone) * contact.step);
+  }
+  for (int i = 0; i < bounded_count_; ++i) {
+    const Bounded& row = bounded_[static_cast<std::size_t>(i)];
+    const double y = row.y + a * row.step;
+    slope.first -= std::clamp(-y, -row.bound, row.bound) * row.step;
+    if (std::abs(y) <= row.bound) slope.second += row.step * row.step;
+  }
+  return slope;
+}
+
+// The lowest point along d_, as a share of it: Newton's method kept inside by bisection. The cost is convex
+// and its slope continuous.
+double PrimalProblem::search_line() noexcept {
+  constexpr double kFlat = 1e-6;  // of the slope at the start: what is left costs no iteration
+  const Eigen::Index loops = loops_->cols();
+  loops_d_.head(loops).noalias() = loops_->transpose() * d_;
+  line_ = {u_.dot(d_) + loops_u_.head(loops).dot(loops_d_.head(loops)),
+           d_.squaredNorm() + loops_d_.head(loops).squaredNorm()};
+  for (int i = 0; i < contact_count_; ++i) {
+    Contact& contact = contacts_[static_cast<std::size_t>(i)];
+    contact.step = product(contact, d_);
+  }
+  for (int i = 0; i < bounded_count_; ++i) {
+    Bounded& row = bounded_[static_cast<std::size_t>(i)];
+    row.step = product(row, d_);
+  }
+  const double start = std::abs(gradient_.dot(d_));
+  double low = 0, high = std::numeric_limits<double>::infinity(), a = 1;
+  for (int i = 0; i < 50; ++i) {
+    const Slope slope = slope_at(a);
+    if (std::abs(slope.first) <= kFlat * start) break;
+    (slope.first < 0 ? low : high) = a;
+    a -= slope.first / slope.second;
+    if (!(a > low && a < high)) a = std::isfinite(high) ? (low + high) / 2 : 2 * low;
+  }
+  return a;
+}
+
+int PrimalProblem::solve(const DofVector& guess, double tolerance) noexcept {
+  // Below this share the gradient may be rounding, and then shrinks no more.
+  constexpr double kMayBeRounding = 1e-9;
+  u_.setZero();
+  const double at_zero = evaluate();
+  u_ = guess;
+  if (!(evaluate() < at_zero)) {
+    u_.setZero();
+    evaluate();
+  }
+  double last = std::numeric_limits<double>::infinity();
+  for (int i = 0;; ++i) {
+    find_gradient();
+    const double length = gradient_.norm(), size = u_.norm();
+    if (length <= tolerance * size || i == kMaxIterations) return i;
+    if (length <= kMayBeRounding * size && length > last / 2) return i;
+    last = length;
+    find_hessian();
+    hessian_.factor();
+    d_ = -gradient_;
+    hessian_.solve(d_);
+    u_ += search_line() * d_;
+    evaluate();
+  }
+}
+
+}  // namespace crossgait::contact

@@ -1,0 +1,95 @@
+// Contacts and dry friction in joints as a problem in the robot's velocities, solved by Newton's method.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "crossgait/backends/contact/sparse_symmetric.h"
+#include "crossgait/physics/state.h"
+
+namespace crossgait::contact {
+
+/// Minimises over u
+///
+///     1/2 u'u + 1/2 |E'u|^2 + sum of s(Z'u + b) over contacts + sum of h(z'u + b) over bounded rows,
+///
+/// where u are velocities in units in which the inertia is the identity (JointSpaceInertia::half_solve), E
+/// the loops' rows over the root of their regularisation, and s and h the least costs of impulses x that
+/// their bounds allow: s(y) = max over the cone |tangents| <= friction * normal of -y'x - 1/2 x'Rx, and h
+/// likewise over |x| <= bound. That is the problem MuJoCo's Newton solver has (MuJoCo 2.2 manual,
+/// "Computation > Constraint model", primal problem; Todorov 2014), and the dual of ConeProblem and
+/// BoundedRows. Its Hessian has the size of the robot, however many contacts there are.
+class PrimalProblem {
+ public:
+  static constexpr int kMaxIterations = 100;
+
+  /// @param coupled  sets of dofs: those of the rows that will be added, and of the loops
+  PrimalProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction);
+
+  /// Without any row. @param loops  E: dofs x rows
+  void begin(const Eigen::MatrixXd& loops) noexcept;
+  /// A contact (normal, two tangents), up to kMaxContacts.
+  /// @param dofs  that it moves, rising; has to stay as it is until `solve` is done
+  /// @param Z     3 x dofs, of which those columns alone are read
+  /// @param R     regularisation, > 0, the same for both tangents
+  void add_contact(std::span<const int> dofs, const PointJacobian& Z, const Vector3& R,
+                   const Vector3& b) noexcept;
+  /// A row whose impulse is within +-bound, up to kMaxJoints. @param z  by dofs, R > 0
+  void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b, double bound) noexcept;
+
+  /// Newton's method with an exact line search, from `guess` or zero, whichever is better.
+  /// @param tolerance  stops when u is known to this share of it. (The Hessian is at least the identity: u is
+  /// no further from the solution than the gradient is long.)
+  /// @returns iterations
+  int solve(const DofVector& guess, double tolerance) noexcept;
+
+  const DofVector& u() const noexcept { return u_; }
+  /// Impulse of the contact that was added as the i-th.
+  Vector3 contact_impulse(int i) const noexcept;
+  double bounded_impulse(int i) const noexcept;
+
+ private:
+  enum class Zone { kApart, kStick, kSlip };
+  // In units of R^(1/2): the impulse of a contact is then the point of its cone nearest to -y, and its cost
+  // half the square of that.
+  struct Contact {
+    std::span<const int> dofs;
+    int first;  // column of Z_
+    double slope;
+    Vector3 scale;          // R^(-1/2)
+    Vector3 b, y, step, x;  // y = Z'u + b, step = Z'd, x impulse
+    Zone zone;
+  };
+  struct Bounded {
+    std::span<const int> dofs;
+    int first;
+    double bound, scale, b, y, step, x;
+  };
+  struct Slope {
+    double first, second;  // derivatives
+  };
+
+  static Vector3 project(const Contact& contact, const Vector3& y, Zone& zone) noexcept;
+  static Matrix3 response(const Contact& contact, const Vector3& y, Zone zone) noexcept;
+  Vector3 product(const Contact& contact, const DofVector& v) const noexcept;
+  double product(const Bounded& row, const DofVector& v) const noexcept;
+  double evaluate() noexcept;
+  void find_gradient() noexcept;
+  void find_hessian() noexcept;
+  Slope slope_at(double a) const noexcept;
+  double search_line() noexcept;
+
+  double friction_;
+  int columns_ = 0, contact_count_ = 0, bounded_count_ = 0;
+  std::array<Contact, kMaxContacts> contacts_;
+  std::array<Bounded, kMaxJoints> bounded_;
+  Eigen::Matrix3Xd Z_;  // of all rows, one after the other; of a bounded one the first row
+  const Eigen::MatrixXd* loops_ = nullptr;
+  Eigen::VectorXd loops_u_, loops_d_;  // E'u, E'd
+  SparseSymmetric constant_, hessian_;
+  DofVector u_, gradient_, d_;
+  Slope line_{};  // along d_ of what is not rows
+};
+
+}  // namespace crossgait::contact

@@ -1,0 +1,49 @@
+// A symmetric positive definite matrix over degrees of freedom, most of whose entries are zero by the
+// robot's structure.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "crossgait/backends/contact/joint_space_inertia.h"
+
+namespace crossgait::contact {
+
+/// Factored as L^T D L from the last degree of freedom to the first (children before parents), over the
+/// entries alone that can be other than zero. Legs fill in towards the base and not each other: a robot of
+/// four legs of five joints takes a quarter of the work of a full matrix, one of 32 legs a tenth.
+class SparseSymmetric {
+ public:
+  /// @param size     up to kMaxDofs
+  /// @param coupled  sets of dofs, any two of which of one set may have an entry
+  SparseSymmetric(int size, const std::vector<std::vector<int>>& coupled);
+
+  void set_identity() noexcept;
+  /// From a matrix of the same size and pattern.
+  void copy_values(const SparseSymmetric& other) noexcept;
+  /// Adds E E', whose entries lie within the pattern. @param E  size x any
+  void add_products(const Eigen::MatrixXd& E) noexcept;
+  /// row >= column
+  double& at(int row, int column) noexcept {
+    return values_[static_cast<std::size_t>(row * kMaxDofs + column)];
+  }
+  /// In place: `set_identity` or `copy_values` begins anew.
+  void factor() noexcept;
+  /// x <- A^-1 x, after `factor`.
+  void solve(DofVector& x) const noexcept;
+
+ private:
+  double value(int row, int column) const noexcept {
+    return values_[static_cast<std::size_t>(row * kMaxDofs + column)];
+  }
+
+  struct Row {
+    std::array<int, kMaxDofs> columns;  // below the diagonal, rising; those that fill in as well
+    int count = 0;
+  };
+  int size_;
+  std::array<Row, kMaxDofs> rows_;
+  std::array<double, kMaxDofs * kMaxDofs> values_{};
+};
+
+}  // namespace crossgait::contact
