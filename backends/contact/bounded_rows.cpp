@@ -68,6 +68,7 @@ void BoundedRows::eliminate(const ConeProblem& contacts) noexcept {
 
   reduced_.contacts = contacts.contacts;
   reduced_.friction = contacts.friction;
+  reduced_.bound = contacts.bound;
   const auto LC = LC_.topLeftCorner(n, rows);
   reduced_.A.topLeftCorner(rows, rows) = contacts.A.topLeftCorner(rows, rows);
   reduced_.A.topLeftCorner(rows, rows).noalias() -= LC.transpose() * LC;
@@ -127,6 +128,7 @@ void BoundedRows::sweep(const ConeProblem& contacts, bool coulomb, double tolera
     reduced_.b.head(contact_rows) = contacts.b.head(contact_rows);
     reduced_.b.head(contact_rows).noalias() +=
         C.topLeftCorner(count, contact_rows).transpose() * x.head(count);
+    if (coulomb) reduced_.begin_coulomb(tolerance, max_sweeps);
     const ConeProblem::Sweep swept = coulomb ? reduced_.sweep_coulomb() : reduced_.sweep();
     if (std::max(change, swept.change) <= tolerance * std::max(largest, swept.largest)) return;
   }

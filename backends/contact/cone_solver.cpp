@@ -123,13 +123,20 @@ ConeProblem::Sweep ConeProblem::sweep_coulomb() noexcept {
   for (Eigen::Index i = 0; i < rows; i += 3) {
     const Vector3 old = x.segment<3>(i);
     x[i] = std::max(0.0, x[i] - gradient(i) / A(i, i));
-    // One step size for both directions, or friction would not oppose slip.
-    const double step = 1 / std::max(A(i + 1, i + 1), A(i + 2, i + 2));
-    const double u = x[i + 1] - step * gradient(i + 1), v = x[i + 2] - step * gradient(i + 2);
-    const double limit = friction * x[i], size = std::hypot(u, v);
-    const double scale = size > limit ? limit / size : 1;
-    x[i + 1] = scale * u;
-    x[i + 2] = scale * v;
+    if (bound == FrictionBound::kDisc) {
+      // One step size for both directions, or friction would not oppose slip.
+      const double step = 1 / std::max(A(i + 1, i + 1), A(i + 2, i + 2));
+      const double u = x[i + 1] - step * gradient(i + 1), v = x[i + 2] - step * gradient(i + 2);
+      const double limit = friction * x[i], size = std::hypot(u, v);
+      const double scale = size > limit ? limit / size : 1;
+      x[i + 1] = scale * u;
+      x[i + 2] = scale * v;
+    } else {
+      const bool given = bound == FrictionBound::kFrictionlessPyramid;
+      const double limit = friction * (given ? frictionless_[static_cast<std::size_t>(i / 3)] : x[i]);
+      for (Eigen::Index k = i + 1; k < i + 3; ++k)
+        x[k] = std::clamp(x[k] - gradient(k) / A(k, k), -limit, limit);
+    }
     result.change = std::max(result.change, (x.segment<3>(i) - old).lpNorm<Eigen::Infinity>());
     result.largest = std::max(result.largest, x.segment<3>(i).lpNorm<Eigen::Infinity>());
   }
@@ -145,8 +152,28 @@ int ConeProblem::solve(double tolerance, int max_sweeps) noexcept {
   return max_sweeps;
 }
 
+void ConeProblem::begin_coulomb(double tolerance, int max_sweeps) noexcept {
+  if (bound != FrictionBound::kFrictionlessPyramid) return;
+  frictionless_.fill(0);
+  for (int count = 0; count < max_sweeps; ++count) {
+    Sweep swept;
+    for (int c = 0; c < contacts; ++c) {
+      double gradient = b[3 * c];
+      for (int k = 0; k < contacts; ++k)
+        gradient += A(3 * k, 3 * c) * frictionless_[static_cast<std::size_t>(k)];
+      double& impulse = frictionless_[static_cast<std::size_t>(c)];
+      const double next = std::max(0.0, impulse - gradient / A(3 * c, 3 * c));
+      swept.change = std::max(swept.change, std::abs(next - impulse));
+      swept.largest = std::max(swept.largest, next);
+      impulse = next;
+    }
+    if (swept.change <= tolerance * swept.largest) return;
+  }
+}
+
 int ConeProblem::solve_coulomb(double tolerance, int max_sweeps) noexcept {
   x.head(3 * contacts).setZero();
+  begin_coulomb(tolerance, max_sweeps);
   for (int count = 1; count <= max_sweeps; ++count) {
     const auto [change, largest] = sweep_coulomb();
     if (change <= tolerance * largest) return count;

@@ -1,6 +1,8 @@
 // Contact impulses: a quadratic problem over a product of friction cones.
 #pragma once
 
+#include <array>
+
 #include "crossgait/physics/math.h"
 #include "crossgait/physics/state.h"
 
@@ -9,6 +11,13 @@ namespace crossgait::contact {
 /// Minimises 1/2 x'Ax + b'x over contacts x_i = (normal, tangent, tangent) with |tangents| <= friction *
 /// normal. This is the dual of PrimalProblem: the cone couples normal
 /// and friction, whereas Bullet's own projection bounds friction by the normal impulse of the previous sweep.
+///
+/// What bounds friction in `solve_coulomb`: the disc of radius friction * normal; a pyramid, each tangent by
+/// itself; or a pyramid whose size is not that of the normal impulses but of those that there would be
+/// without friction (what Baraff's and Dantzig's algorithm of the Open Dynamics Engine, and DART's after it,
+/// works with).
+enum class FrictionBound : unsigned char { kDisc, kPyramid, kFrictionlessPyramid };
+
 struct ConeProblem {
   static constexpr int kMaxRows = 3 * kMaxContacts;
 
@@ -16,6 +25,7 @@ struct ConeProblem {
 
   int contacts = 0;
   double friction = 0;
+  FrictionBound bound = FrictionBound::kDisc;
   Eigen::MatrixXd A;  ///< leading 3 contacts square block, symmetric positive definite
   Eigen::VectorXd b;  ///< leading 3 contacts
   Eigen::VectorXd x;  ///< result, leading 3 contacts
@@ -38,6 +48,11 @@ struct ConeProblem {
   /// One sweep of either, from `x`.
   Sweep sweep() noexcept;
   Sweep sweep_coulomb() noexcept;
+  /// Before the first of `sweep_coulomb`: what bounds friction where that is given.
+  void begin_coulomb(double tolerance, int max_sweeps) noexcept;
+
+ private:
+  std::array<double, kMaxContacts> frictionless_{};  ///< normal impulses without friction
 };
 
 /// The block problem: argmin 1/2 x'Hx + g'x over one cone. `start` seeds the search on the cone's surface.

@@ -8,16 +8,26 @@
 namespace crossgait::contact {
 namespace {
 
-// Bullet's default, btContactSolverInfo::m_erp2.
-constexpr double kErrorReduction = 0.2;
-
-Matrix3 contact_frame(const Vector3& normal) {
-  const Vector3 helper = std::abs(normal.y()) < 0.5 ? Vector3::UnitY() : Vector3::UnitZ();
+// Rows: the normal, the direction along the ground that is nearest to `along`, and the one across it.
+Matrix3 contact_frame(const Vector3& normal, const Vector3& along) {
   Matrix3 frame;
   frame.row(0) = normal;
-  frame.row(1) = (helper - normal * normal.dot(helper)).normalized();
+  frame.row(1) = (along - normal * normal.dot(along)).normalized();
   frame.row(2) = normal.cross(frame.row(1).transpose());
   return frame;
+}
+
+// Where the law does not care how tangents lie.
+Matrix3 contact_frame(const Vector3& normal) {
+  return contact_frame(normal, std::abs(normal.y()) < 0.5 ? Vector3::UnitY() : Vector3::UnitZ());
+}
+
+// DART's: across the world's z, or x where that is the normal (ContactConstraint::getTangentBasisMatrixODE).
+Matrix3 stock_frame(const Vector3& normal) {
+  constexpr double kParallel = 1e-6;
+  Vector3 tangent = normal.cross(Vector3::UnitZ());
+  if (tangent.norm() < kParallel) tangent = normal.cross(Vector3::UnitX());
+  return contact_frame(normal, tangent);
 }
 
 }  // namespace
@@ -36,7 +46,11 @@ ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, con
   const bool hard = factors_.hard_normal || factors_.hard_friction ||
                     (factors_.hard_joint_friction && !frictional_joints_.empty());
   if (hard || factors_.coulomb) {
-    dual_ = std::make_unique<DualProblem>(joints_, static_cast<int>(frictional_joints_.size()));
+    const FrictionBound bound = factors_.stock     ? FrictionBound::kFrictionlessPyramid
+                                : factors_.pyramid ? FrictionBound::kPyramid
+                                                   : FrictionBound::kDisc;
+    dual_ = std::make_unique<DualProblem>(joints_, static_cast<int>(frictional_joints_.size()), bound,
+                                          factors_.stock ? kStockContact.mixing : kHardContact.mixing);
   } else {
     primal_ =
         std::make_unique<PrimalProblem>(joints_.inertia().dofs(), joints_.coupled_dofs(), coefficient());
@@ -110,7 +124,7 @@ void ContactStage::describe(const ContactPoint& point, const DofVector& before, 
   // On the robot's surface, or midway between the surfaces.
   const Vector3 p_WP = factors_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
   bodies_.point_jacobian(point.body, p_WP, J_);
-  rows.frame = contact_frame(point.normal);
+  rows.frame = frame_at(point, before);
   rows.velocity_before.setZero();
   rows.b.setZero();
   for (const int dof : dofs_of(point.body)) {
@@ -122,6 +136,19 @@ void ContactStage::describe(const ContactPoint& point, const DofVector& before, 
   for (int axis = 0; axis < 3; ++axis) rows.b[axis] -= set_row(point, axis, rows);
 }
 
+// Where a contact's rows point. In J_ is its Jacobian in W.
+Matrix3 ContactStage::frame_at(const ContactPoint& point, const DofVector& before) const noexcept {
+  if (factors_.stock) return stock_frame(point.normal);
+  if (factors_.pyramid) {
+    constexpr double kStill = 1e-9;  // m/s: no direction
+    Vector3 slip = Vector3::Zero();
+    for (const int dof : dofs_of(point.body)) slip += before[dof] * J_.col(dof);
+    slip -= point.normal * point.normal.dot(slip);
+    if (slip.norm() > kStill) return contact_frame(point.normal, slip);
+  }
+  return contact_frame(point.normal);
+}
+
 // Sets a row's regularisation. @returns the velocity that the row asks for, m/s
 double ContactStage::set_row(const ContactPoint& point, int axis, ContactRows& rows) const noexcept {
   double& regularization = rows.R[axis];
@@ -129,7 +156,9 @@ double ContactStage::set_row(const ContactPoint& point, int axis, ContactRows& r
     regularization = 0;
     if (axis > 0) return 0;
     const double h = spec_.physics_dt;  // a gap may close, of a penetration a share is undone
-    return point.distance > 0 ? -point.distance / h : -kErrorReduction * point.distance / h;
+    if (point.distance > 0) return -point.distance / h;
+    const HardContact& hard = factors_.stock ? kStockContact : kHardContact;
+    return std::min(-hard.error_reduction * point.distance / h, hard.most_push_out);
   }
   const double imp = contact_law_.impedance(point.distance);
   const double R = SoftLaw::regularization(imp, inverse_weights_[static_cast<std::size_t>(point.body)]);

@@ -48,6 +48,7 @@ class ContactStage {
   template <typename Problem>
   void add_rows(Problem& problem, const DofVector& before, const ContactPoints& points) noexcept;
   void describe(const ContactPoint& point, const DofVector& before, ContactRows& rows) noexcept;
+  Matrix3 frame_at(const ContactPoint& point, const DofVector& before) const noexcept;
   double set_row(const ContactPoint& point, int axis, ContactRows& rows) const noexcept;
   template <typename Problem>
   void apply(const Problem& problem, const ContactPoints& points) noexcept;

@@ -13,7 +13,9 @@ constexpr int kMaxSweeps = 1000;
 
 }  // namespace
 
-DualProblem::DualProblem(const JointStage& joints, int most_bounded) : joints_(joints) {
+DualProblem::DualProblem(const JointStage& joints, int most_bounded, FrictionBound bound, double mixing)
+    : joints_(joints), mixing_(mixing) {
+  cone_.bound = bound;
   const Eigen::Index n = joints.inertia().dofs();
   rows_.setZero(n, ConeProblem::kMaxRows);
   projected_.setZero(n, ConeProblem::kMaxRows);
@@ -56,7 +58,7 @@ void DualProblem::solve(double friction, bool coulomb, double tolerance) noexcep
   for (Eigen::Index c = 0; c < rows; ++c) {
     const double R = cone_.A(c, c);
     cone_.A.col(c).head(rows).noalias() = rows_.leftCols(rows).transpose() * projected_.col(c);
-    cone_.A(c, c) += R;
+    cone_.A(c, c) += R + mixing_ * cone_.A(c, c);
   }
   cone_.friction = friction;
   if (n > 0) {

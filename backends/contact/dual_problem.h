@@ -14,7 +14,9 @@ namespace crossgait::contact {
 class DualProblem {
  public:
   /// @param joints  must outlive it
-  DualProblem(const JointStage& joints, int most_bounded);
+  /// @param bound   of friction, by Coulomb's law
+  /// @param mixing  added to the response of a contact's rows to themselves, as a share of it
+  DualProblem(const JointStage& joints, int most_bounded, FrictionBound bound, double mixing);
 
   void begin() noexcept;
   /// As in PrimalProblem, R >= 0.
@@ -30,6 +32,7 @@ class DualProblem {
 
  private:
   const JointStage& joints_;
+  double mixing_;
   ConeProblem cone_;
   BoundedRows bounded_;
   Eigen::MatrixXd rows_, projected_;                  // dofs x 3 contacts: Z', and what the loops leave of it

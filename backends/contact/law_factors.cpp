@@ -28,6 +28,8 @@ std::string law_name(const LawFactors& factors) {
     hard &= factors.*row.member;
     if (factors.*row.member) name += "+" + row.factor.name;
   }
+  if (factors.stock) return "dart";
+  if (factors.pyramid) return "hard+pyramid";
   return hard ? "hard" : name;
 }
 

@@ -18,14 +18,29 @@ struct LawFactors {
   bool speculative = false;    ///< points just above the ground count: they may close the gap and no more
   bool hard_joint_friction = false;  ///< dry friction stops a joint at once, not like a damper
 
+  // Beyond hard contact with Coulomb's disc, with all of the above: laws of their own.
+  bool pyramid = false;  ///< friction is bounded along the slip and across it, each by itself
+  bool stock = false;    ///< as DART ships: see HardContact
+
   bool operator==(const LawFactors&) const = default;
 };
+
+/// Constants of hard contact.
+struct HardContact {
+  double error_reduction;  ///< share of a penetration that is undone in a step
+  double most_push_out;    ///< m/s
+  double mixing;           ///< constraint force mixing, as a share of each row's own response
+};
+/// Bullet's default (btContactSolverInfo::m_erp2).
+inline constexpr HardContact kHardContact{0.2, 1e300, 0};
+/// DART's (DART 6.12, dart/constraint/ContactConstraint.cpp: DART_ERP, DART_MAX_ERV, DART_CFM).
+inline constexpr HardContact kStockContact{0.01, 1e-3, 1e-5};
 
 /// In the order in which `needs` are satisfied.
 const std::vector<FactorRow<LawFactors>>& law_factor_rows();
 
 /// As in Laws::contact, the same for every engine: "mujoco" where all are off, "hard" where all are on, else
-/// "mujoco+surface+coulomb". Dry friction of joints is not of it.
+/// "mujoco+surface+coulomb"; "hard+pyramid", "dart" for stock. Dry friction of joints is not of it.
 std::string law_name(const LawFactors& factors);
 
 }  // namespace crossgait::contact

@@ -1,7 +1,6 @@
 #include "crossgait/backends/dart/dart_backend.h"
 
 #include <dart/config.hpp>
-#include <fmt/format.h>
 
 #include "crossgait/backends/contact/contact_stage.h"
 #include "crossgait/backends/dart/law.h"
@@ -22,7 +21,7 @@ EngineInfo make_info(const DartFactors& factors) {
   EngineInfo info;
   info.engine = "DART";
   info.version = DART_VERSION;
-  info.name = factor_table().name_of(factors);
+  info.name = name_of(factors);
   info.capabilities.soft_contact = !factors.hard_normal;
   info.capabilities.exact_field_query = true;  // the ground is Crossgait's
   info.capabilities.allocates = true;
@@ -33,6 +32,10 @@ EngineInfo make_info(const DartFactors& factors) {
     info.mode = "MuJoCo's contact law in DART's dynamics";
   } else if (factors == kHard) {
     info.mode = "hard contact, Coulomb's disc";
+  } else if (factors.pyramid) {
+    info.mode = "hard contact, friction pyramid along the slip";
+  } else if (factors.stock) {
+    info.mode = "hard contact as DART ships";
   } else {
     info.mode = "between MuJoCo's contact law and hard contact";
   }
@@ -213,28 +216,19 @@ Engine engine_of(const DartFactors& factors) {
 
 }  // namespace
 
-Engine matched_engine(std::string_view changes) {
-  return engine_of(factor_table().changed(kMatched, changes, fmt::format("dart:matched{}", changes)));
-}
-
-Engine hard_engine(std::string_view changes) {
-  return engine_of(factor_table().changed(kHard, changes, fmt::format("dart{}", changes)));
-}
-
 std::optional<Engine> find(std::string_view name) {
-  const auto [base, changes] = split_factors(name);
-  if (base == "dart:matched") return matched_engine(changes);
-  if (base == "dart") return hard_engine(changes);
-  return std::nullopt;
+  const std::optional<DartFactors> factors = find_factors(name);
+  if (!factors) return std::nullopt;
+  return engine_of(*factors);
 }
 
 EngineFamily family() {
   EngineFamily family{factor_table().off, factor_table().on, {}, {}};
   for (const auto& row : factor_table().rows) family.factors.push_back(row.factor);
   family.with = [](const std::vector<std::string>& names) {
-    std::string changes;
-    for (const std::string& name : names) changes += "+" + name;
-    return matched_engine(changes);
+    std::string changed = factor_table().off;
+    for (const std::string& name : names) changed += "+" + name;
+    return *find(changed);
   };
   return family;
 }

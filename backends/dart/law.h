@@ -1,6 +1,10 @@
 // What contact and joint friction of `dart` are made of, piece by piece.
 #pragma once
 
+#include <optional>
+#include <string>
+#include <string_view>
+
 #include "crossgait/backends/contact/law_factors.h"
 
 namespace crossgait::dart {
@@ -9,8 +13,17 @@ namespace crossgait::dart {
 using DartFactors = contact::LawFactors;
 inline constexpr DartFactors kMatched{};
 inline constexpr DartFactors kHard{true, true, true, true, true, true};
+inline constexpr DartFactors kPyramid{true, true, true, true, true, true, true};
+inline constexpr DartFactors kStock{true, true, true, true, false, true, false, true};
 
 /// From "dart:matched" to "dart".
 const contact::FactorTable<DartFactors>& factor_table();
+
+/// Of a name: an end with changes behind it, "dart+pyramid" (friction bounded by a pyramid along the slip) or
+/// "dart+stock" (contact as DART ships: no point above the ground counts). Nothing for a name of others.
+/// @throws ConfigError if a change is invalid
+std::optional<DartFactors> find_factors(std::string_view name);
+/// The shortest name.
+std::string name_of(const DartFactors& factors);
 
 }  // namespace crossgait::dart

@@ -31,10 +31,10 @@ std::string library_version() {
 }
 
 std::vector<OfferedEngine> engines() {
-  return {
-      {matched_engine().info, "DART dynamics under MuJoCo's contact law: equal to `mujoco` up to rounding"},
-      {hard_engine().info,
-       "DART dynamics with hard contact and Coulomb's disc: Bullet's law, solved to convergence"}};
+  return {{find("dart:matched")->info,
+           "DART dynamics under MuJoCo's contact law: equal to `mujoco` up to rounding"},
+          {find("dart")->info,
+           "DART dynamics with hard contact and Coulomb's disc: Bullet's law, solved to convergence"}};
 }
 
 constexpr EnginePlugin kPlugin{
