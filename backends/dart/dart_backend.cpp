@@ -1,5 +1,7 @@
 #include "crossgait/backends/dart/dart_backend.h"
 
+#include <limits>
+
 #include <dart/config.hpp>
 
 #include "crossgait/backends/contact/contact_stage.h"
@@ -99,8 +101,8 @@ class DartBackend final : public PhysicsBackend {
 
   StepStatus do_step(const JointVector& tau, const Vector3& push) noexcept override {
     const bool finite = v_.allFinite() && tau.allFinite() && push.allFinite();
-    if (!finite || v_.cwiseAbs().maxCoeff() > kMaxVelocity || tau.cwiseAbs().maxCoeff() > kMaxTorque ||
-        push.norm() > kMaxTorque) {
+    if (!finite || v_.lpNorm<Eigen::Infinity>() > kMaxVelocity ||
+        tau.lpNorm<Eigen::Infinity>() > kMaxTorque || push.norm() > kMaxTorque) {
       return StepStatus::kDiverged;
     }
     const double h = spec().physics_dt;
@@ -113,7 +115,7 @@ class DartBackend final : public PhysicsBackend {
     points_.clear();
     finder_.find(bodies_, points_);
     const DofVector& after = contacts_.solve(v_, points_);
-    if (!after.allFinite() || after.cwiseAbs().maxCoeff() > kMaxVelocity) return StepStatus::kDiverged;
+    if (!after.allFinite() || after.lpNorm<Eigen::Infinity>() > kMaxVelocity) return StepStatus::kDiverged;
     v_ = after;
     integrate(h);
     place();
@@ -142,7 +144,10 @@ class DartBackend final : public PhysicsBackend {
 
   void do_read_contacts(ContactList& contacts) const noexcept override { contacts = contacts_.contacts(); }
 
-  double do_terrain_height(double x, double y) const override { return spec().terrain.height(x, y); }
+  double do_terrain_height(double x, double y) const override {
+    return spec().terrain.contains(x, y) ? spec().terrain.height(x, y)
+                                         : std::numeric_limits<double>::quiet_NaN();
+  }
 
   Pose do_body_pose(int body) const override {
     return model_.X_WC(body) * model_.X_BC()[static_cast<std::size_t>(body)].inverse();

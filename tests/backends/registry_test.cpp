@@ -39,12 +39,12 @@ TEST(Registry, NamesAreUniqueAndTellWhyTheyAreMissing) {
   for (const char* name : {"mujoco", "bullet", "bullet:matched"}) EXPECT_TRUE(names.contains(name)) << name;
 }
 
-TEST(Registry, ListsMujocoThenBulletThenFurtherReleases) {
+TEST(Registry, ListsMujocoThenTheOthersThenFurtherReleases) {
   // The first is what commands use by default; it and the first of other laws are what `verdict` compares.
   const std::vector<std::string> names = own_engines();
   ASSERT_FALSE(names.empty());
   std::vector<std::string> in_order;
-  for (const char* name : {"mujoco", "bullet:matched", "bullet"}) {
+  for (const char* name : {"mujoco", "bullet:matched", "bullet", "dart:matched", "dart"}) {
     if (std::find(names.begin(), names.end(), name) != names.end()) in_order.emplace_back(name);
   }
   for (const std::string& name : names) {
