@@ -37,7 +37,7 @@ BehaviourSpec behaviour(const VerdictCommand& options) {
   return {PolicyConfig{environment, options.policy}, options.starts, walk.terrain_seed};
 }
 
-std::vector<std::string> two_engines(const std::vector<std::string>& asked) {
+std::vector<std::string> chosen_engines(const std::vector<std::string>& asked) {
   std::vector<std::string> engines = asked;
   const std::vector<std::string> all = available_engines();
   if (engines.empty() && !all.empty()) {
@@ -49,9 +49,10 @@ std::vector<std::string> two_engines(const std::vector<std::string>& asked) {
     engines = {all.front()};
     if (other != all.end()) engines.push_back(*other);
   }
-  if (engines.size() != 2 || engines[0] == engines[1])
-    throw ConfigError("command line", "--engines", "two different engines",
+  if (engines.size() < 2) {
+    throw ConfigError("command line", "--engines", "two or more engines",
                       fmt::format("{}", fmt::join(engines, ",")));
+  }
   return engines;
 }
 
@@ -62,31 +63,43 @@ std::string what_is_kept(const std::string& stored_runs) {
                      counted(RunStore(stored_runs).size(), "run"), stored_runs);
 }
 
+ReportPage page_of(const Judgements& judged) {
+  ReportPage page;
+  page.title = judged.pairs.front().verdict.behaviour;
+  for (const Judgement& pair : judged.pairs)
+    page.verdicts.push_back(verdict_document(to_json(pair), "verdict"));
+  if (judged.pairs.size() > 1) {
+    page.tables.push_back(words_table(judged));
+    page.sentences = sentences(judged);
+  }
+  return page;
+}
+
 void run(const VerdictCommand& options) {
-  const std::vector<std::string> engines = two_engines(options.engines);
+  const std::vector<std::string> engines = chosen_engines(options.engines);
   options.page.check();
   const BehaviourSpec spec = behaviour(options);
   const Provenance provenance = options.json.provenance({to_json(spec), engines, {{"--engines", engines}}});
   Stages stages;
-  std::optional<Judgement> judgement;
+  std::optional<Judgements> judged;
   try {
-    judgement = judge_behaviour(spec, engines[0], engines[1], options.judgement, stages.progress());
+    judged = judge_engines(spec, engines, options.judgement, stages.progress());
   } catch (const Interrupted&) {
     throw EndedEarly(what_is_kept(options.judgement.stored_runs));
   }
-  if (options.page.asked()) {
-    ReportPage page;
-    page.title = judgement->verdict.behaviour;
-    page.verdicts.push_back(verdict_document(to_json(*judgement), "verdict"));
-    options.page.write(std::move(page), provenance);
+  if (options.page.asked()) options.page.write(page_of(*judged), provenance);
+  if (judged->pairs.size() == 1) {
+    const Judgement& two = judged->pairs.front();
+    options.json.emit(describe(two), to_json(two), provenance);
+  } else {
+    options.json.emit(describe(*judged), to_json(*judged), provenance);
   }
-  options.json.emit(describe(*judgement), to_json(*judgement), provenance);
 }
 
 void add_judgement_options(CLI::App& command, VerdictCommand& options) {
   VerdictOptions& verdict = options.judgement.verdict;
   StartRanges& starts = options.starts;
-  command.add_option("--starts", verdict.starts, "Starts that both engines run from, at least 4")
+  command.add_option("--starts", verdict.starts, "Starts that every engine runs from, at least 4")
       ->check(CLI::Range(4, 10000))
       ->capture_default_str();
   command
@@ -120,18 +133,20 @@ void add_judgement_options(CLI::App& command, VerdictCommand& options) {
 
 void add_verdict_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
-      "verdict", "Does a behaviour depend on the engine? The gap between two, in spreads within one");
+      "verdict", "Does a behaviour depend on the engine? The gap between engines, in spreads within one");
   command->footer(
       "\nExamples:\n"
       "  crossgait verdict\n"
       "  crossgait verdict --explain\n"
+      "  crossgait verdict --engines mujoco,bullet,dart+pyramid,dart+stock\n"
       "  crossgait verdict --gait gallop --terrain rough --starts 24 --json verdict.json\n"
       "  crossgait verdict --policy policy.safetensors --config env.yaml\n"
       "docs/verdict.md has the rule.");
   auto options = std::make_shared<VerdictCommand>();
   command
       ->add_option("--engines", options->engines,
-                   "Two, comma-separated; by default the first that there is, and the first of other laws")
+                   "Two or more, comma-separated; by default the first that there is, and the first of other "
+                   "laws. Of more than two: which agree, and whether one stands apart")
       ->delimiter(',');
   options->walk.add_to(*command);
   options->judgement.verdict.workers = EpisodeOptions::default_workers();

@@ -56,7 +56,7 @@ double pooled(const WithinSpread& a, const WithinSpread& b) {
 
 StatisticVerdict judge_one(const std::vector<Statistic>& statistics, std::size_t s,
                            const std::vector<Variation>& variations, const RunTable& a, const RunTable& b,
-                           const VerdictOptions& options) {
+                           const VerdictOptions& options, std::size_t pairs) {
   const std::size_t starts = a.front().size();
   StatisticVerdict v;
   v.statistic = statistics[s];
@@ -75,7 +75,7 @@ StatisticVerdict judge_one(const std::vector<Statistic>& statistics, std::size_t
     const double spread = pooled(within(a, variations, s, left_out), within(b, variations, s, left_out));
     return gap(left_out) / std::hypot(spread, v.floor);
   };
-  const double confidence = 1 - (1 - options.confidence) / static_cast<double>(statistics.size());
+  const double confidence = 1 - (1 - options.confidence) / static_cast<double>(statistics.size() * pairs);
   v.gap = jackknife(starts, gap, confidence);
   v.score = jackknife(starts, score, confidence);
   if (v.score.low > -options.limit && v.score.high < options.limit) {
@@ -86,11 +86,11 @@ StatisticVerdict judge_one(const std::vector<Statistic>& statistics, std::size_t
   return v;
 }
 
-// All runs of both engines under every variation that the control step allows.
+// All runs of all engines under every variation that the control step allows.
 class Campaign {
  public:
-  Campaign(const Behaviour& behaviour, const Engine& a, const Engine& b, const VerdictOptions& options)
-      : behaviour_(behaviour), engines_{&a, &b}, options_(options) {
+  Campaign(const Behaviour& behaviour, std::span<const Engine> engines, const VerdictOptions& options)
+      : behaviour_(behaviour), engines_(engines), options_(options), tables_(engines.size()) {
     for (const Variation& variation : variations()) {
       if (behaviour.allows(variation)) {
         variations_.push_back(variation);
@@ -101,15 +101,16 @@ class Campaign {
   }
 
   void run(const Progress& progress) {
-    const std::size_t starts = options_.starts, per_engine = variations_.size() * starts;
+    const std::size_t starts = options_.starts, per_engine = variations_.size() * starts,
+                      count = engines_.size() * per_engine;
     for (RunTable& table : tables_)
       table.assign(variations_.size(), std::vector<std::vector<double>>(starts));
-    SharedProgress shared(progress, 2 * per_engine);
-    WorkerPool pool(std::min(options_.workers, 2 * per_engine));
-    pool.run(2 * per_engine, [&](std::size_t i) {
+    SharedProgress shared(progress, count);
+    WorkerPool pool(std::min(options_.workers, count));
+    pool.run(count, [&](std::size_t i) {
       if (shared.interrupted()) return;
       const std::size_t engine = i / per_engine, v = i % per_engine / starts, k = i % starts;
-      tables_[engine][v][k] = behaviour_.run(*engines_[engine], variations_[v], k);
+      tables_[engine][v][k] = behaviour_.run(engines_[engine], variations_[v], k);
       shared.part_done();
     });
     if (shared.interrupted()) throw Interrupted();
@@ -119,11 +120,10 @@ class Campaign {
   // those at which it does.
   void leave_out_unstable() {
     for (std::size_t v = variations_.size() - 1; v > 0; --v) {
-      for (std::size_t e = 0; e < 2; ++e) {
+      for (std::size_t e = 0; e < engines_.size(); ++e) {
         if (failures(e, v) <= failures(e, 0)) continue;
         left_out_.push_back(fmt::format("{}: {} of {} runs fail in {}, {} as asked", variations_[v].name,
-                                        failures(e, v), options_.starts, engines_[e]->name(),
-                                        failures(e, 0)));
+                                        failures(e, v), options_.starts, engines_[e].name(), failures(e, 0)));
         variations_.erase(variations_.begin() + static_cast<std::ptrdiff_t>(v));
         for (RunTable& table : tables_) table.erase(table.begin() + static_cast<std::ptrdiff_t>(v));
         break;
@@ -131,11 +131,17 @@ class Campaign {
     }
   }
 
-  Verdict judge_all() {
-    Verdict verdict{
-        behaviour_.name, engines_[0]->name(), engines_[1]->name(), options_, variations_, left_out_, {}};
-    verdict.statistics = judge(behaviour_.statistics, variations_, tables_[0], tables_[1], options_);
-    return verdict;
+  std::vector<Verdict> judge_all() const {
+    const std::size_t n = engines_.size();
+    std::vector<Verdict> verdicts;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t k = i + 1; k < n; ++k) {
+        verdicts.push_back(
+            {behaviour_.name, engines_[i].name(), engines_[k].name(), options_, variations_, left_out_,
+             judge(behaviour_.statistics, variations_, tables_[i], tables_[k], options_, n * (n - 1) / 2)});
+      }
+    }
+    return verdicts;
   }
 
  private:
@@ -149,11 +155,11 @@ class Campaign {
   }
 
   const Behaviour& behaviour_;
-  std::array<const Engine*, 2> engines_;
+  std::span<const Engine> engines_;
   VerdictOptions options_;
   std::vector<Variation> variations_;
   std::vector<std::string> left_out_;
-  std::array<RunTable, 2> tables_;
+  std::vector<RunTable> tables_;
 };
 
 }  // namespace
@@ -188,20 +194,28 @@ Conclusion Verdict::conclusion() const noexcept {
 
 std::vector<StatisticVerdict> judge(const std::vector<Statistic>& statistics,
                                     const std::vector<Variation>& variations, const RunTable& a,
-                                    const RunTable& b, const VerdictOptions& options) {
+                                    const RunTable& b, const VerdictOptions& options, std::size_t pairs) {
   std::vector<StatisticVerdict> result;
   for (std::size_t s = 0; s < statistics.size(); ++s)
-    result.push_back(judge_one(statistics, s, variations, a, b, options));
+    result.push_back(judge_one(statistics, s, variations, a, b, options, pairs));
   return result;
+}
+
+std::vector<Verdict> reach_verdicts(const Behaviour& behaviour, std::span<const Engine> engines,
+                                    const VerdictOptions& options, const Progress& progress) {
+  options.validate();
+  if (engines.size() < 2)
+    throw ConfigError("verdict", "engines", "two or more", fmt::format("{}", engines.size()));
+  Campaign campaign(behaviour, engines, options);
+  campaign.run(progress);
+  campaign.leave_out_unstable();
+  return campaign.judge_all();
 }
 
 Verdict reach_verdict(const Behaviour& behaviour, const Engine& a, const Engine& b,
                       const VerdictOptions& options, const Progress& progress) {
-  options.validate();
-  Campaign campaign(behaviour, a, b, options);
-  campaign.run(progress);
-  campaign.leave_out_unstable();
-  return campaign.judge_all();
+  const std::array<Engine, 2> both{a, b};
+  return reach_verdicts(behaviour, both, options, progress).front();
 }
 
 }  // namespace crossgait

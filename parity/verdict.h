@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,9 @@ struct WithinSpread {
 ///     score = gap / sqrt(spread^2 + floor^2)
 ///
 /// (added as independent spreads add: the larger counts, and no kink where one overtakes the other)
-/// and has a jackknife interval over starts with confidence 1 - (1 - confidence) / m for m statistics
-/// (Bonferroni, so that all m words together are right with at least `confidence`). With `limit` L (1: as far
+/// and has a jackknife interval over starts with confidence 1 - (1 - confidence) / m for m words: one for
+/// each statistic of each pair of engines (Bonferroni, so that all m together are right with at least
+/// `confidence`). With `limit` L (1: as far
 /// apart as one engine is from itself):
 /// - **agrees** if the whole interval lies within (-L, L): the engines are equivalent to within their own
 ///   spread (two one-sided tests; Schuirmann 1987), or differ by less than anyone would act on;
@@ -73,15 +75,23 @@ struct Verdict {
   Conclusion conclusion() const noexcept;
 };
 
-/// The rule alone, on runs that were made. @param a,b of equal shape, nominal variation first
+/// The rule alone, on runs that were made.
+/// @param a,b    of equal shape, nominal variation first
+/// @param pairs  of engines that are judged together
 std::vector<StatisticVerdict> judge(const std::vector<Statistic>& statistics,
                                     const std::vector<Variation>& variations, const RunTable& a,
-                                    const RunTable& b, const VerdictOptions& options);
+                                    const RunTable& b, const VerdictOptions& options, std::size_t pairs = 1);
 
-/// Runs `behaviour` in both engines from every start under every variation, and judges. Variations that the
-/// control step does not allow, or under which either engine fails more often than as asked, are left out.
-/// @param progress called with the share of runs done, one call at a time, from any thread
+/// Runs `behaviour` in every engine from every start under every variation, once, and judges all pairs: the
+/// first with each that follows, then the second, and so on. Variations that the control step does not allow,
+/// or under which any engine fails more often than as asked, are left out.
+/// @param engines   two or more
+/// @param progress  called with the share of runs done, one call at a time, from any thread
 /// @throws ConfigError
+std::vector<Verdict> reach_verdicts(const Behaviour& behaviour, std::span<const Engine> engines,
+                                    const VerdictOptions& options, const Progress& progress = {});
+
+/// The same of two.
 Verdict reach_verdict(const Behaviour& behaviour, const Engine& a, const Engine& b,
                       const VerdictOptions& options, const Progress& progress = {});
 

@@ -1,11 +1,12 @@
 #include "crossgait/study/judgement.h"
 
+#include <algorithm>
+#include <map>
+#include <memory>
+
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "crossgait/backends/registry.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/verdict_report.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/study/run_store.h"
 
@@ -36,48 +37,107 @@ WorldSpec world_of(const BehaviourSpec& spec) {
   return EnvModel::make(std::get<PolicyConfig>(spec.what).environment)->world;
 }
 
-Judgement judge_behaviour(const BehaviourSpec& spec, const std::string& a, const std::string& b,
-                          const JudgementOptions& options, const StageProgress& progress) {
+namespace {
+
+std::vector<Engine> find_engines(const std::vector<std::string>& names) {
+  std::vector<Engine> engines;
+  for (const std::string& name : names) {
+    engines.push_back(find_engine(name));
+    const auto same = [&](const Engine& e) { return e.name() == engines.back().name(); };
+    if (std::count_if(engines.begin(), engines.end(), same) > 1)
+      throw ConfigError("verdict", "engines", "different ones", fmt::format("'{}' twice", name));
+  }
+  if (engines.size() < 2)
+    throw ConfigError("verdict", "engines", "two or more", fmt::format("{}", engines.size()));
+  return engines;
+}
+
+// Of every pair; those without one are none, unless no pair has one.
+std::vector<std::optional<EngineFamily>> find_families(const std::vector<Engine>& engines) {
+  std::vector<std::optional<EngineFamily>> families;
+  std::optional<ConfigError> none;
+  bool any = false;
+  for (std::size_t i = 0; i < engines.size(); ++i) {
+    for (std::size_t k = i + 1; k < engines.size(); ++k) {
+      families.emplace_back();
+      try {
+        families.back() = find_family(engines[i], engines[k]);
+        any = true;
+      } catch (const ConfigError& error) {
+        none = error;
+      }
+    }
+  }
+  if (!any) throw ConfigError(*none);
+  return families;
+}
+
+// Each family once, for the pairs that do not agree; of two engines, whatever they do.
+void explain(Judgements& result, const std::vector<std::optional<EngineFamily>>& families,
+             const Behaviour& behaviour, const WorldSpec& world, const JudgementOptions& options,
+             const StageProgress& progress) {
+  const VerdictOptions& how = options.verdict;
+  std::map<std::string, Attribution> made;
+  for (std::size_t p = 0; p < families.size(); ++p) {
+    if (!families[p]) continue;
+    if (families.size() > 1 && result.pairs[p].verdict.conclusion() == Conclusion::kAgrees) continue;
+    const std::string ends = families[p]->from + " to " + families[p]->to;
+    if (!made.contains(ends)) {
+      const std::string stage = families.size() > 1 ? "explaining " + ends : "explaining";
+      made.emplace(ends, attribute(behaviour, family_for(*families[p], *world.robot),
+                                   {how.starts, how.confidence, how.workers}, progress_of(progress, stage)));
+    }
+    result.pairs[p].attribution = made.at(ends);
+  }
+}
+
+}  // namespace
+
+Judgements judge_engines(const BehaviourSpec& spec, const std::vector<std::string>& engines,
+                         const JudgementOptions& options, const StageProgress& progress) {
   Behaviour behaviour = make_behaviour(spec);
   if (!options.stored_runs.empty())
     behaviour = with_store(std::move(behaviour), spec, std::make_shared<RunStore>(options.stored_runs));
-  return judge_behaviour(behaviour, world_of(spec), a, b, options, progress);
+  return judge_engines(behaviour, world_of(spec), engines, options, progress);
+}
+
+Judgements judge_engines(const Behaviour& behaviour, const WorldSpec& world,
+                         const std::vector<std::string>& names, const JudgementOptions& options,
+                         const StageProgress& progress) {
+  options.verdict.validate();
+  const std::vector<Engine> engines = find_engines(names);
+  std::vector<std::optional<EngineFamily>> families;
+  if (options.explain) families = find_families(engines);
+
+  Judgements result;
+  std::vector<std::unique_ptr<PhysicsBackend>> worlds;
+  for (const Engine& engine : engines) {
+    result.engines.push_back({engine.name(), std::string(engine.info.laws.contact_law())});
+    worlds.push_back(engine.make(world));
+  }
+  std::vector<std::vector<AuditFinding>> models;
+  for (std::size_t i = 0; i < worlds.size(); ++i) {
+    for (std::size_t k = i + 1; k < worlds.size(); ++k)
+      models.push_back(audit_models(*worlds[i], *worlds[k]));
+  }
+  const std::vector<Verdict> verdicts =
+      reach_verdicts(behaviour, engines, options.verdict, progress_of(progress, "judging"));
+  for (std::size_t p = 0; p < verdicts.size(); ++p)
+    result.pairs.push_back({std::move(models[p]), verdicts[p], std::nullopt});
+  result.standing = stand(result.engines, verdicts);
+  explain(result, families, behaviour, world, options, progress);
+  return result;
+}
+
+Judgement judge_behaviour(const BehaviourSpec& spec, const std::string& a, const std::string& b,
+                          const JudgementOptions& options, const StageProgress& progress) {
+  return judge_engines(spec, {a, b}, options, progress).pairs.front();
 }
 
 Judgement judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, const std::string& a,
                           const std::string& b, const JudgementOptions& options,
                           const StageProgress& progress) {
-  options.verdict.validate();
-  const Engine engine_a = find_engine(a), engine_b = find_engine(b);
-  std::optional<EngineFamily> family;
-  if (options.explain) family = find_family(engine_a, engine_b);
-
-  Judgement result;
-  const auto world_a = engine_a.make(world), world_b = engine_b.make(world);
-  result.models = audit_models(*world_a, *world_b);
-  result.verdict =
-      reach_verdict(behaviour, engine_a, engine_b, options.verdict, progress_of(progress, "judging"));
-  if (family) {
-    const VerdictOptions& how = options.verdict;
-    result.attribution =
-        attribute(behaviour, family_for(*family, *world.robot), {how.starts, how.confidence, how.workers},
-                  progress_of(progress, "explaining"));
-  }
-  return result;
-}
-
-nlohmann::ordered_json to_json(const Judgement& judgement) {
-  nlohmann::ordered_json json = with_schema("verdict", to_json(judgement.verdict));
-  json["models"] = to_json(judgement.models);
-  if (judgement.attribution) json["attribution"] = to_json(*judgement.attribution);
-  return json;
-}
-
-std::string describe(const Judgement& judgement) {
-  std::string text =
-      fmt::format("{}\nModels: {}.\n", describe(judgement.verdict), describe(judgement.models));
-  if (judgement.attribution) text += fmt::format("\n{}", describe(*judgement.attribution));
-  return text;
+  return judge_engines(behaviour, world, {a, b}, options, progress).pairs.front();
 }
 
 }  // namespace crossgait

@@ -9,6 +9,8 @@
 
 #include "crossgait/parity/attribution.h"
 #include "crossgait/parity/model_audit.h"
+#include "crossgait/parity/standing.h"
+#include "crossgait/parity/table.h"
 #include "crossgait/parity/verdict.h"
 #include "crossgait/study/run_spec.h"
 
@@ -24,6 +26,15 @@ struct Judgement {
   std::vector<AuditFinding> models;  ///< what the two engines' worlds hold differently
   Verdict verdict;
   std::optional<Attribution> attribution;
+};
+
+/// Of many engines, from one set of runs.
+struct Judgements {
+  std::vector<JudgedEngine> engines;
+  /// Of every pair, in the order of `reach_verdicts`. Attributions are of pairs that do not agree and lie at
+  /// the ends of a family; pairs at the ends of one family share theirs.
+  std::vector<Judgement> pairs;
+  Standing standing;
 };
 
 /// What is being done, for a line of progress, and the share of it that is done.
@@ -43,6 +54,14 @@ Judgement judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, co
                           const std::string& b, const JudgementOptions& options = {},
                           const StageProgress& progress = {});
 
+/// The same of two engines or more, none of which is run twice.
+/// @throws ConfigError also for an engine that is named twice, and for `explain` where no pair has a family
+Judgements judge_engines(const BehaviourSpec& spec, const std::vector<std::string>& engines,
+                         const JudgementOptions& options = {}, const StageProgress& progress = {});
+Judgements judge_engines(const Behaviour& behaviour, const WorldSpec& world,
+                         const std::vector<std::string>& engines, const JudgementOptions& options = {},
+                         const StageProgress& progress = {});
+
 /// The family whose ends are `a` and `b`, either way round; an engine of the same laws may stand for an end.
 /// @throws ConfigError if there is none
 EngineFamily find_family(const Engine& a, const Engine& b);
@@ -53,5 +72,12 @@ WorldSpec world_of(const BehaviourSpec& spec);
 /// Keys as in docs/schemas/verdict.json.
 nlohmann::ordered_json to_json(const Judgement& judgement);
 std::string describe(const Judgement& judgement);
+/// Keys as in docs/schemas/verdicts.json.
+nlohmann::ordered_json to_json(const Judgements& judgements);
+std::string describe(const Judgements& judgements);
+/// Clusters, and the outlier or why none is named.
+std::vector<std::string> sentences(const Judgements& judgements);
+/// The words of all pairs, engine by engine.
+Table words_table(const Judgements& judgements);
 
 }  // namespace crossgait

@@ -1,0 +1,202 @@
+#include "crossgait/parity/standing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace crossgait {
+namespace {
+
+using Indices = std::vector<std::size_t>;
+
+// How far apart two engines may be: the largest end of any statistic's interval.
+double distance(const Verdict& pair) {
+  double most = 0;
+  for (const StatisticVerdict& s : pair.statistics)
+    most = std::max({most, std::abs(s.score.low), std::abs(s.score.high)});
+  return most;
+}
+
+class Words {
+ public:
+  Words(const std::vector<JudgedEngine>& engines, const std::vector<Verdict>& pairs)
+      : engines_(engines), pairs_(pairs) {}
+
+  std::size_t engines() const { return engines_.size(); }
+  const Verdict& pair(std::size_t i, std::size_t k) const {
+    return pairs_[pair_index(std::min(i, k), std::max(i, k), engines_.size())];
+  }
+  bool is(std::size_t i, std::size_t k, Conclusion what) const { return pair(i, k).conclusion() == what; }
+
+  bool all_across(const Indices& a, const Indices& b, Conclusion what) const {
+    return std::all_of(a.begin(), a.end(), [&](std::size_t i) {
+      return std::all_of(b.begin(), b.end(), [&](std::size_t k) { return is(i, k, what); });
+    });
+  }
+  bool all_agree(const Indices& a) const {
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      for (std::size_t k = i + 1; k < a.size(); ++k) {
+        if (!is(a[i], a[k], Conclusion::kAgrees)) return false;
+      }
+    }
+    return true;
+  }
+  std::set<std::string> laws(const Indices& a) const {
+    std::set<std::string> found;
+    for (const std::size_t i : a) found.insert(engines_[i].law);
+    return found;
+  }
+  Indices without(const Indices& a) const {
+    Indices rest;
+    for (std::size_t i = 0; i < engines_.size(); ++i) {
+      if (std::find(a.begin(), a.end(), i) == a.end()) rest.push_back(i);
+    }
+    return rest;
+  }
+  std::string names(const Indices& a) const {
+    std::vector<std::string> found;
+    for (const std::size_t i : a) found.push_back(engines_[i].name);
+    return fmt::format("{}", fmt::join(found, ", "));
+  }
+
+ private:
+  const std::vector<JudgedEngine>& engines_;
+  const std::vector<Verdict>& pairs_;
+};
+
+double farthest(const Words& words, const Indices& a, const Indices& b) {
+  double most = 0;
+  for (const std::size_t i : a) {
+    for (const std::size_t k : b) most = std::max(most, distance(words.pair(i, k)));
+  }
+  return most;
+}
+
+std::vector<Indices> clusters_of(const Words& words) {
+  std::vector<Indices> clusters;
+  for (std::size_t i = 0; i < words.engines(); ++i) clusters.push_back({i});
+  for (;;) {
+    std::size_t a = 0, b = 0;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < clusters.size(); ++i) {
+      for (std::size_t k = i + 1; k < clusters.size(); ++k) {
+        if (!words.all_across(clusters[i], clusters[k], Conclusion::kAgrees)) continue;
+        const double far = farthest(words, clusters[i], clusters[k]);
+        if (far >= nearest) continue;
+        nearest = far;
+        a = i;
+        b = k;
+      }
+    }
+    if (a == b) break;
+    clusters[a].insert(clusters[a].end(), clusters[b].begin(), clusters[b].end());
+    clusters.erase(clusters.begin() + static_cast<std::ptrdiff_t>(b));
+  }
+  for (Indices& cluster : clusters) std::sort(cluster.begin(), cluster.end());
+  std::stable_sort(clusters.begin(), clusters.end(),
+                   [](const Indices& x, const Indices& y) { return x.size() > y.size(); });
+  return clusters;
+}
+
+Indices bridges_of(const Words& words, const std::vector<Indices>& clusters) {
+  Indices bridges;
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    for (std::size_t d = c + 1; d < clusters.size(); ++d) {
+      for (const std::size_t i : clusters[c]) {
+        for (const std::size_t k : clusters[d]) {
+          if (words.is(i, k, Conclusion::kAgrees))
+            bridges.push_back(pair_index(std::min(i, k), std::max(i, k), words.engines()));
+        }
+      }
+    }
+  }
+  std::sort(bridges.begin(), bridges.end());
+  return bridges;
+}
+
+// Single engines first, then all engines of a law that has several.
+std::vector<Indices> candidates(const Words& words, const std::vector<JudgedEngine>& engines) {
+  std::vector<Indices> found;
+  for (std::size_t i = 0; i < engines.size(); ++i) found.push_back({i});
+  std::set<std::string> seen;
+  for (const JudgedEngine& engine : engines) {
+    if (!seen.insert(engine.law).second) continue;
+    Indices of_law;
+    for (std::size_t k = 0; k < engines.size(); ++k) {
+      if (engines[k].law == engine.law) of_law.push_back(k);
+    }
+    if (of_law.size() > 1 && words.laws(words.without(of_law)).size() > 1) found.push_back(of_law);
+  }
+  return found;
+}
+
+bool stands_apart(const Words& words, const Indices& set) {
+  const Indices rest = words.without(set);
+  return words.laws(rest).size() >= 2 && words.all_across(set, rest, Conclusion::kEngineDependent) &&
+         words.all_agree(rest) && words.all_agree(set);
+}
+
+std::vector<std::string> separating(const Words& words, const Indices& set) {
+  std::vector<std::string> names;
+  const Indices rest = words.without(set);
+  const std::vector<StatisticVerdict>& statistics = words.pair(set.front(), rest.front()).statistics;
+  for (std::size_t s = 0; s < statistics.size(); ++s) {
+    const bool everywhere = std::all_of(set.begin(), set.end(), [&](std::size_t i) {
+      return std::all_of(rest.begin(), rest.end(), [&](std::size_t k) {
+        return words.pair(i, k).statistics[s].conclusion == Conclusion::kEngineDependent;
+      });
+    });
+    if (everywhere) names.push_back(statistics[s].statistic.name);
+  }
+  return names;
+}
+
+std::string no_outlier(const Words& words, const std::vector<Indices>& clusters,
+                       const std::vector<Verdict>& pairs, const std::set<std::string>& laws) {
+  if (clusters.size() == 1) return "all agree";
+  std::vector<std::string> open;
+  for (const Verdict& pair : pairs) {
+    if (pair.conclusion() == Conclusion::kUnresolved)
+      open.push_back(fmt::format("{} and {}", pair.a, pair.b));
+  }
+  if (laws.size() < 3) {
+    return fmt::format(
+        "engines of one contact law are one vote, and there are {} ({}): of two nobody can say which is odd",
+        laws.size(), fmt::join(laws, ", "));
+  }
+  if (!open.empty()) {
+    return fmt::format("unresolved: {}; more starts would tell", fmt::join(open, ", "));
+  }
+  std::vector<std::string> sets;
+  for (const Indices& cluster : clusters) sets.push_back(fmt::format("{{{}}}", words.names(cluster)));
+  return fmt::format("no engine, and no law, stands against others that agree: {}", fmt::join(sets, ", "));
+}
+
+}  // namespace
+
+Standing stand(const std::vector<JudgedEngine>& engines, const std::vector<Verdict>& pairs) {
+  const Words words(engines, pairs);
+  Standing standing;
+  standing.clusters = clusters_of(words);
+  standing.bridges = bridges_of(words, standing.clusters);
+  const std::set<std::string> laws = words.laws(words.without({}));
+  if (laws.size() >= 3) {
+    for (const Indices& set : candidates(words, engines)) {
+      if (!stands_apart(words, set)) continue;
+      const Indices rest = words.without(set);
+      standing.outlier = set;
+      standing.statistics = separating(words, set);
+      standing.reason = fmt::format("engine-dependent from each of {}, which agree ({})", words.names(rest),
+                                    fmt::join(words.laws(rest), ", "));
+      return standing;
+    }
+  }
+  standing.reason = no_outlier(words, standing.clusters, pairs, laws);
+  return standing;
+}
+
+}  // namespace crossgait

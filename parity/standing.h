@@ -1,0 +1,47 @@
+// Where many engines stand to one another: which agree, and whether one stands apart.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "crossgait/parity/verdict.h"
+
+namespace crossgait {
+
+/// One engine of those that were judged.
+struct JudgedEngine {
+  std::string name, law;  ///< law: Laws::contact_law
+};
+
+/// Of the words of all pairs. `pairs` below stand as `reach_verdicts` has them.
+///
+/// **Clusters.** Two engines may be in one cluster only if they agree, and so may all others of it (complete
+/// linkage): clusters are joined, the two nearest first, as long as every pair across them agrees. How near
+/// two engines are is the largest end of any statistic's interval. "Agrees" is not transitive (a with b and b
+/// with c, but not a with c): b then is in the nearer cluster, and `bridges` names the pairs that agree
+/// across clusters.
+///
+/// **The outlier.** A set of engines stands apart if each of it is engine-dependent from each of the others,
+/// while the others agree among each other, and so does the set. Engines of one contact law count as one
+/// vote, since they agree by construction: the set is one engine, or all engines of one law; the others have
+/// to be of two laws or more, and all together of three or more, or nobody could say which of two is odd.
+/// Where any of these pairs is unresolved no outlier is named.
+struct Standing {
+  std::vector<std::vector<std::size_t>> clusters;  ///< engines, rising; the largest cluster first
+  std::vector<std::size_t> bridges;                ///< pairs that agree across clusters
+  std::vector<std::size_t> outlier;                ///< engines that stand apart; empty if none is named
+  std::vector<std::string> statistics;  ///< in which the outlier is engine-dependent from all others
+  std::string reason;                   ///< why an outlier is named, or none
+};
+
+/// @param engines  two or more
+/// @param pairs    `reach_verdicts` of them
+Standing stand(const std::vector<JudgedEngine>& engines, const std::vector<Verdict>& pairs);
+
+/// Where the pair of engines i < k of n stands.
+constexpr std::size_t pair_index(std::size_t i, std::size_t k, std::size_t n) noexcept {
+  return i * (2 * n - i - 1) / 2 + k - i - 1;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,134 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "crossgait/parity/schema.h"
+#include "crossgait/parity/verdict_report.h"
+#include "crossgait/study/judgement.h"
+
+namespace crossgait {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json pair_json(const Judgement& judgement) {
+  ordered_json json = to_json(judgement.verdict);
+  json["models"] = to_json(judgement.models);
+  if (judgement.attribution) json["attribution"] = to_json(*judgement.attribution);
+  return json;
+}
+
+std::vector<std::string> names_of(const Judgements& judgements, const std::vector<std::size_t>& engines) {
+  std::vector<std::string> names;
+  for (const std::size_t i : engines) names.push_back(judgements.engines[i].name);
+  return names;
+}
+
+// An engine, or a law of which there are several.
+std::string outlier_name(const Judgements& judgements) {
+  const JudgedEngine& first = judgements.engines[judgements.standing.outlier.front()];
+  return judgements.standing.outlier.size() == 1 ? first.name : first.law;
+}
+
+// Statistics of a pair that are not found to agree.
+std::string differences(const Verdict& verdict) {
+  std::vector<std::string> found;
+  for (const StatisticVerdict& s : verdict.statistics) {
+    if (s.conclusion == Conclusion::kAgrees) continue;
+    found.push_back(fmt::format("{} {:+.2f}{}", s.statistic.name, s.score.estimate,
+                                s.conclusion == Conclusion::kUnresolved ? " (unresolved)" : ""));
+  }
+  return fmt::format("{}", fmt::join(found, ", "));
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const Judgement& judgement) {
+  return with_schema("verdict", pair_json(judgement));
+}
+
+std::string describe(const Judgement& judgement) {
+  std::string text =
+      fmt::format("{}\nModels: {}.\n", describe(judgement.verdict), describe(judgement.models));
+  if (judgement.attribution) text += fmt::format("\n{}", describe(*judgement.attribution));
+  return text;
+}
+
+nlohmann::ordered_json to_json(const Judgements& j) {
+  const Verdict& first = j.pairs.front().verdict;
+  const Standing& standing = j.standing;
+  ordered_json json{{"behaviour", first.behaviour}, {"engines", ordered_json::array()}};
+  for (const JudgedEngine& engine : j.engines)
+    json["engines"].push_back({{"name", engine.name}, {"contact_law", engine.law}});
+  json["clusters"] = ordered_json::array();
+  for (const auto& cluster : standing.clusters) json["clusters"].push_back(names_of(j, cluster));
+  json["bridges"] = ordered_json::array();
+  for (const std::size_t p : standing.bridges)
+    json["bridges"].push_back({{"a", j.pairs[p].verdict.a}, {"b", j.pairs[p].verdict.b}});
+  json["outlier"] = standing.outlier.empty() ? ordered_json(nullptr) : ordered_json(outlier_name(j));
+  json["outlier_engines"] = names_of(j, standing.outlier);
+  json["outlier_statistics"] = standing.statistics;
+  json["reason"] = standing.reason;
+  json["pairs"] = ordered_json::array();
+  for (const Judgement& pair : j.pairs) json["pairs"].push_back(pair_json(pair));
+  return with_schema("verdicts", json);
+}
+
+std::vector<std::string> sentences(const Judgements& j) {
+  std::vector<std::string> found;
+  for (const std::vector<std::size_t>& cluster : j.standing.clusters) {
+    const auto names = names_of(j, cluster);
+    found.push_back(cluster.size() == 1 ? fmt::format("Alone: {}.", names.front())
+                                        : fmt::format("Agree with one another: {}.", fmt::join(names, ", ")));
+  }
+  for (const std::size_t p : j.standing.bridges)
+    found.push_back(fmt::format("Also agree: {} and {}.", j.pairs[p].verdict.a, j.pairs[p].verdict.b));
+  if (j.standing.outlier.empty()) {
+    found.push_back(fmt::format("No outlier is named: {}.", j.standing.reason));
+  } else {
+    found.push_back(fmt::format("The outlier is {}: {}; in {}.", outlier_name(j), j.standing.reason,
+                                fmt::join(j.standing.statistics, ", ")));
+  }
+  return found;
+}
+
+Table words_table(const Judgements& j) {
+  std::vector<std::string> header{j.pairs.front().verdict.behaviour, "law"};
+  for (const JudgedEngine& engine : j.engines) header.push_back(engine.name);
+  Table table(header);
+  const std::size_t n = j.engines.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    std::vector<std::string> row{j.engines[i].name, j.engines[i].law};
+    for (std::size_t k = 0; k < n; ++k) {
+      row.emplace_back(
+          i == k ? "." : name(j.pairs[pair_index(std::min(i, k), std::max(i, k), n)].verdict.conclusion()));
+    }
+    table.add_row(row);
+  }
+  return table;
+}
+
+std::string describe(const Judgements& j) {
+  std::string text = words_table(j).str() + "\n";
+  for (const Judgement& pair : j.pairs) {
+    const Verdict& v = pair.verdict;
+    text += fmt::format("{} against {}: {}{}{}.{}\n", v.b, v.a, name(v.conclusion()),
+                        v.conclusion() == Conclusion::kAgrees ? "" : ": ", differences(v),
+                        pair.models.empty() ? "" : fmt::format(" Models: {}.", describe(pair.models)));
+  }
+  text += fmt::format("\n{}\n", fmt::join(sentences(j), "\n"));
+  const Verdict& first = j.pairs.front().verdict;
+  text += fmt::format(
+      "\n{} starts. Scores as of two engines (crossgait verdict --engines A,B), at {:g} % confidence for all "
+      "pairs together.\n",
+      first.options.starts, 100 * first.options.confidence);
+  for (const std::string& reason : first.left_out) text += "Left out: " + reason + ".\n";
+  for (const Judgement& pair : j.pairs) {
+    if (pair.attribution)
+      text +=
+          fmt::format("\n{} against {}:\n{}", pair.verdict.b, pair.verdict.a, describe(*pair.attribution));
+  }
+  return text;
+}
+
+}  // namespace crossgait
