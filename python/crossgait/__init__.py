@@ -36,8 +36,8 @@ from crossgait._core import (
 )
 from crossgait.errors import ConfigError
 from crossgait.policies import Policy
-from crossgait.results import Bench, CompareResult, Result, Rollout, Transfer, Tuning, Verdict, WalkResult
-from crossgait.studies import bench, compare, rollout, transfer, tune, verdict, walk
+from crossgait.results import Bench, CompareResult, Conformance, Result, Rollout, Transfer, Tuning, Verdict, WalkResult
+from crossgait.studies import bench, compare, conformance, rollout, transfer, tune, verdict, walk
 from crossgait.traces import Trace
 
 __version__ = version()
@@ -47,6 +47,7 @@ __all__ = [
     "Bench",
     "CompareResult",
     "ConfigError",
+    "Conformance",
     "Contact",
     "Engine",
     "EnvironmentConfig",
@@ -74,6 +75,7 @@ __all__ = [
     "bench",
     "body_poses",
     "compare",
+    "conformance",
     "derived_seed",
     "engines",
     "gait_parameters",
