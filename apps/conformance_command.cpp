@@ -1,5 +1,4 @@
 // crossgait conformance: is this an engine? The checks that every engine is held to, as a card.
-#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -22,36 +21,17 @@ struct ConformanceCommand {
   JsonOption json;
 };
 
-std::vector<const conformance::Check*> chosen_checks(const std::vector<std::string>& only) {
-  std::vector<const conformance::Check*> chosen;
-  for (const conformance::Check& check : conformance::checks()) {
-    if (only.empty() || std::find(only.begin(), only.end(), check.name) != only.end())
-      chosen.push_back(&check);
-  }
-  for (const std::string& name : only) {
-    const auto is_it = [&](const conformance::Check* check) { return check->name == name; };
-    if (std::none_of(chosen.begin(), chosen.end(), is_it))
-      throw ConfigError("command line", "--only", "names of checks (`crossgait conformance --list`)", name);
-  }
-  return chosen;
-}
-
 void run(const ConformanceCommand& options) {
   if (options.list) {
     print(conformance::markdown_of_checks());
     return;
   }
-  const std::vector<const conformance::Check*> chosen = chosen_checks(options.only);
   if (options.engine.empty())
     throw ConfigError("command line", "--engine",
                       fmt::format("one of {}", fmt::join(available_engines(), ", ")), "none");
-  const conformance::Subject subject = conformance::subject_of(options.engine);
-  conformance::Card card{subject.engine.info, {}};
   ProgressLine progress(fmt::format("checking {}", options.engine));
-  for (const conformance::Check* check : chosen) {
-    card.outcomes.push_back(conformance::run_check(*check, subject));
-    progress.update(static_cast<double>(card.outcomes.size()) / static_cast<double>(chosen.size()));
-  }
+  const conformance::Card card =
+      conformance::check_engine(options.engine, options.only, [&](double share) { progress.update(share); });
   options.json.emit(describe(card), to_json(card));
   if (const int failed = card.count(conformance::Status::kFailed); failed > 0)
     throw std::runtime_error(

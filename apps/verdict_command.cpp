@@ -63,7 +63,7 @@ std::string what_is_kept(const std::string& stored_runs) {
                      counted(RunStore(stored_runs).size(), "run"), stored_runs);
 }
 
-ReportPage page_of(const Judgements& judged) {
+ReportPage page_of(const JudgementOfMany& judged) {
   ReportPage page;
   page.title = judged.pairs.front().verdict.behaviour;
   for (const Judgement& pair : judged.pairs)
@@ -81,7 +81,7 @@ void run(const VerdictCommand& options) {
   const BehaviourSpec spec = behaviour(options);
   const Provenance provenance = options.json.provenance({to_json(spec), engines, {{"--engines", engines}}});
   Stages stages;
-  std::optional<Judgements> judged;
+  std::optional<JudgementOfMany> judged;
   try {
     judged = judge_engines(spec, engines, options.judgement, stages.progress());
   } catch (const Interrupted&) {

@@ -9,6 +9,7 @@
 
 #include "crossgait/parity/schema.h"
 #include "crossgait/parity/table.h"
+#include "crossgait/physics/error.h"
 
 namespace crossgait::conformance {
 namespace {
@@ -61,6 +62,20 @@ nlohmann::ordered_json to_json(const Outcome& outcome) {
           {"reason", outcome.reason}, {"measurements", std::move(measurements)}};
 }
 
+std::vector<const Check*> chosen_checks(const std::vector<std::string>& only) {
+  std::vector<const Check*> chosen;
+  for (const Check& check : checks()) {
+    if (only.empty() || std::find(only.begin(), only.end(), check.name) != only.end())
+      chosen.push_back(&check);
+  }
+  for (const std::string& name : only) {
+    const auto is_it = [&](const Check* check) { return check->name == name; };
+    if (std::none_of(chosen.begin(), chosen.end(), is_it))
+      throw ConfigError("conformance", "only", "names of checks (`crossgait conformance --list`)", name);
+  }
+  return chosen;
+}
+
 // A bar would end the cell.
 std::string cell(const std::string& text) {
   std::string result;
@@ -73,6 +88,17 @@ std::string cell(const std::string& text) {
 int Card::count(Status status) const noexcept {
   return static_cast<int>(std::count_if(outcomes.begin(), outcomes.end(),
                                         [&](const Outcome& outcome) { return outcome.status == status; }));
+}
+
+Card check_engine(std::string_view engine, const std::vector<std::string>& only, const Progress& progress) {
+  const std::vector<const Check*> chosen = chosen_checks(only);
+  const Subject subject = subject_of(engine);
+  Card card{subject.engine.info, {}};
+  for (const Check* check : chosen) {
+    card.outcomes.push_back(run_check(*check, subject));
+    if (progress) progress(static_cast<double>(card.outcomes.size()) / static_cast<double>(chosen.size()));
+  }
+  return card;
 }
 
 std::string_view name(Status status) {

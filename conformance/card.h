@@ -2,11 +2,13 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "crossgait/conformance/check.h"
+#include "crossgait/env/progress.h"
 
 namespace crossgait::conformance {
 
@@ -16,6 +18,11 @@ struct Card {
 
   int count(Status status) const noexcept;
 };
+
+/// Runs the checks of these names, or all if there are none.
+/// @param progress  told after each
+/// @throws ConfigError for an engine or a check that is not there
+Card check_engine(std::string_view engine, const std::vector<std::string>& only, const Progress& progress);
 
 /// "passed", "failed", "skipped".
 std::string_view name(Status status);

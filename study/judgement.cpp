@@ -73,7 +73,7 @@ std::vector<std::optional<EngineFamily>> find_families(const std::vector<Engine>
 }
 
 // Each family once, for the pairs that do not agree; of two engines, whatever they do.
-void explain(Judgements& result, const std::vector<std::optional<EngineFamily>>& families,
+void explain(JudgementOfMany& result, const std::vector<std::optional<EngineFamily>>& families,
              const Behaviour& behaviour, const WorldSpec& world, const JudgementOptions& options,
              const StageProgress& progress) {
   const VerdictOptions& how = options.verdict;
@@ -93,7 +93,7 @@ void explain(Judgements& result, const std::vector<std::optional<EngineFamily>>&
 
 }  // namespace
 
-Judgements judge_engines(const BehaviourSpec& spec, const std::vector<std::string>& engines,
+JudgementOfMany judge_engines(const BehaviourSpec& spec, const std::vector<std::string>& engines,
                          const JudgementOptions& options, const StageProgress& progress) {
   Behaviour behaviour = make_behaviour(spec);
   if (!options.stored_runs.empty())
@@ -101,7 +101,7 @@ Judgements judge_engines(const BehaviourSpec& spec, const std::vector<std::strin
   return judge_engines(behaviour, world_of(spec), engines, options, progress);
 }
 
-Judgements judge_engines(const Behaviour& behaviour, const WorldSpec& world,
+JudgementOfMany judge_engines(const Behaviour& behaviour, const WorldSpec& world,
                          const std::vector<std::string>& names, const JudgementOptions& options,
                          const StageProgress& progress) {
   options.verdict.validate();
@@ -109,7 +109,7 @@ Judgements judge_engines(const Behaviour& behaviour, const WorldSpec& world,
   std::vector<std::optional<EngineFamily>> families;
   if (options.explain) families = find_families(engines);
 
-  Judgements result;
+  JudgementOfMany result;
   std::vector<std::unique_ptr<PhysicsBackend>> worlds;
   for (const Engine& engine : engines) {
     result.engines.push_back({engine.name(), std::string(engine.info.laws.contact_law())});

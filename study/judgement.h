@@ -29,7 +29,7 @@ struct Judgement {
 };
 
 /// Of many engines, from one set of runs.
-struct Judgements {
+struct JudgementOfMany {
   std::vector<JudgedEngine> engines;
   /// Of every pair, in the order of `reach_verdicts`. Attributions are of pairs that do not agree and lie at
   /// the ends of a family; pairs at the ends of one family share theirs.
@@ -56,9 +56,9 @@ Judgement judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, co
 
 /// The same of two engines or more, none of which is run twice.
 /// @throws ConfigError also for an engine that is named twice, and for `explain` where no pair has a family
-Judgements judge_engines(const BehaviourSpec& spec, const std::vector<std::string>& engines,
+JudgementOfMany judge_engines(const BehaviourSpec& spec, const std::vector<std::string>& engines,
                          const JudgementOptions& options = {}, const StageProgress& progress = {});
-Judgements judge_engines(const Behaviour& behaviour, const WorldSpec& world,
+JudgementOfMany judge_engines(const Behaviour& behaviour, const WorldSpec& world,
                          const std::vector<std::string>& engines, const JudgementOptions& options = {},
                          const StageProgress& progress = {});
 
@@ -73,11 +73,11 @@ WorldSpec world_of(const BehaviourSpec& spec);
 nlohmann::ordered_json to_json(const Judgement& judgement);
 std::string describe(const Judgement& judgement);
 /// Keys as in docs/schemas/verdicts.json.
-nlohmann::ordered_json to_json(const Judgements& judgements);
-std::string describe(const Judgements& judgements);
+nlohmann::ordered_json to_json(const JudgementOfMany& judgements);
+std::string describe(const JudgementOfMany& judgements);
 /// Clusters, and the outlier or why none is named.
-std::vector<std::string> sentences(const Judgements& judgements);
+std::vector<std::string> sentences(const JudgementOfMany& judgements);
 /// The words of all pairs, engine by engine.
-Table words_table(const Judgements& judgements);
+Table words_table(const JudgementOfMany& judgements);
 
 }  // namespace crossgait

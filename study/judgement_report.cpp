@@ -18,14 +18,15 @@ ordered_json pair_json(const Judgement& judgement) {
   return json;
 }
 
-std::vector<std::string> names_of(const Judgements& judgements, const std::vector<std::size_t>& engines) {
+std::vector<std::string> names_of(const JudgementOfMany& judgements,
+                                  const std::vector<std::size_t>& engines) {
   std::vector<std::string> names;
   for (const std::size_t i : engines) names.push_back(judgements.engines[i].name);
   return names;
 }
 
 // An engine, or a law of which there are several.
-std::string outlier_name(const Judgements& judgements) {
+std::string outlier_name(const JudgementOfMany& judgements) {
   const JudgedEngine& first = judgements.engines[judgements.standing.outlier.front()];
   return judgements.standing.outlier.size() == 1 ? first.name : first.law;
 }
@@ -54,7 +55,7 @@ std::string describe(const Judgement& judgement) {
   return text;
 }
 
-nlohmann::ordered_json to_json(const Judgements& j) {
+nlohmann::ordered_json to_json(const JudgementOfMany& j) {
   const Verdict& first = j.pairs.front().verdict;
   const Standing& standing = j.standing;
   ordered_json json{{"behaviour", first.behaviour}, {"engines", ordered_json::array()}};
@@ -74,7 +75,7 @@ nlohmann::ordered_json to_json(const Judgements& j) {
   return with_schema("verdicts", json);
 }
 
-std::vector<std::string> sentences(const Judgements& j) {
+std::vector<std::string> sentences(const JudgementOfMany& j) {
   std::vector<std::string> found;
   for (const std::vector<std::size_t>& cluster : j.standing.clusters) {
     const auto names = names_of(j, cluster);
@@ -86,13 +87,17 @@ std::vector<std::string> sentences(const Judgements& j) {
   if (j.standing.outlier.empty()) {
     found.push_back(fmt::format("No outlier is named: {}.", j.standing.reason));
   } else {
-    found.push_back(fmt::format("The outlier is {}: {}; in {}.", outlier_name(j), j.standing.reason,
+    const bool law = j.standing.outlier.size() > 1;
+    const std::string who = law ? fmt::format("the law {} ({})", outlier_name(j),
+                                              fmt::join(names_of(j, j.standing.outlier), ", "))
+                                : outlier_name(j);
+    found.push_back(fmt::format("The outlier is {}: {}; in {}.", who, j.standing.reason,
                                 fmt::join(j.standing.statistics, ", ")));
   }
   return found;
 }
 
-Table words_table(const Judgements& j) {
+Table words_table(const JudgementOfMany& j) {
   std::vector<std::string> header{j.pairs.front().verdict.behaviour, "law"};
   for (const JudgedEngine& engine : j.engines) header.push_back(engine.name);
   Table table(header);
@@ -108,7 +113,7 @@ Table words_table(const Judgements& j) {
   return table;
 }
 
-std::string describe(const Judgements& j) {
+std::string describe(const JudgementOfMany& j) {
   std::string text = words_table(j).str() + "\n";
   for (const Judgement& pair : j.pairs) {
     const Verdict& v = pair.verdict;

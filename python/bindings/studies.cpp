@@ -10,6 +10,7 @@
 
 #include "crossgait/backends/registry.h"
 #include "crossgait/benchmarks/bench.h"
+#include "crossgait/conformance/card.h"
 #include "crossgait/parity/report.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/python/bindings/arrays.h"
@@ -330,6 +331,17 @@ Pair bench(const std::vector<std::string>& engines, const std::vector<std::strin
       progress));
 }
 
+Pair conformance_of(const std::string& engine, const std::vector<std::string>& only,
+                    const nb::object& progress) {
+  return to_python(run_job(
+      [=](const StageProgress& told) -> Report {
+        const conformance::Card card =
+            conformance::check_engine(engine, only, progress_of(told, "checking " + engine));
+        return {to_json(card), describe(card)};
+      },
+      progress));
+}
+
 }  // namespace
 
 void bind_studies(nb::module_& m) {
@@ -387,6 +399,7 @@ void bind_studies(nb::module_& m) {
       },
       nb::arg("environment"), nb::arg("engines"), nb::arg("iterations"), nb::arg("population"),
       nb::arg("terrains"), nb::arg("unseen"), nb::arg("workers"), nb::arg("seed"), kProgress);
+  m.def("_conformance", &conformance_of, nb::arg("engine"), nb::arg("only"), kProgress);
   m.def("_bench", &bench, nb::arg("engines"), nb::arg("sections"), nb::arg("quick"), kProgress);
 }
 

@@ -36,8 +36,8 @@ from crossgait._core import (
 )
 from crossgait.errors import ConfigError
 from crossgait.policies import Policy
-from crossgait.results import Bench, CompareResult, CourseResult, Result, Rollout, Transfer, Tuning, Verdict, WalkResult
-from crossgait.studies import bench, compare, course, rollout, transfer, tune, verdict, walk
+from crossgait.results import Bench, CompareResult, Conformance, CourseResult, Result, Rollout, Transfer, Tuning, Verdict, WalkResult
+from crossgait.studies import bench, compare, conformance, course, rollout, transfer, tune, verdict, walk
 from crossgait.traces import Trace
 
 __version__ = version()
@@ -47,6 +47,7 @@ __all__ = [
     "Bench",
     "CompareResult",
     "ConfigError",
+    "Conformance",
     "Contact",
     "CourseResult",
     "Engine",
@@ -75,6 +76,7 @@ __all__ = [
     "bench",
     "body_poses",
     "compare",
+    "conformance",
     "course",
     "derived_seed",
     "engines",

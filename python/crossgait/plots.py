@@ -13,7 +13,7 @@ from crossgait.errors import ConfigError
 from crossgait.traces import Numbers, Trace
 
 if TYPE_CHECKING:
-    from crossgait.results import Bench, CompareResult, CourseResult, Rollout, Transfer, Tuning, Verdict, WalkResult
+    from crossgait.results import Bench, CompareResult, Conformance, CourseResult, Rollout, Transfer, Tuning, Verdict, WalkResult
 
 # Okabe and Ito's palette (2008): told apart by the colour-blind, too.
 _PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00")
@@ -203,4 +203,19 @@ def plot_bench(result: Bench) -> Figure:
     ax.set_yscale("log")
     ax.set_ylabel(f"time of a step over {engines[0]}'s")
     ax.legend(frameon=False)
+    return figure
+
+
+def plot_conformance(result: Conformance) -> Figure:
+    """Every number that has an upper bound above zero, over that bound: what is left of 1 is margin."""
+    rows = [row for row in result._rows() if row.get("high") and row["value"] is not None]
+    figure, (ax,) = _new(1, max(3.5, 0.18 * len(rows)))
+    over = [max(abs(row["value"]) / row["high"], 1e-6) for row in rows]
+    colours = [_WORDS["agrees"] if row["holds"] else _WORDS["engine-dependent"] for row in rows]
+    ax.scatter(over, range(len(rows)), color=colours, s=12)
+    ax.axvline(1, color="black", linewidth=0.8)
+    ax.set_yticks(range(len(rows)), [f"{row['check']}: {row['what']}" for row in rows], fontsize=6)
+    ax.invert_yaxis()
+    ax.set_xscale("log")
+    ax.set_xlabel("number over its bound")
     return figure

@@ -274,3 +274,27 @@ class Bench(Result):
 
     def _headline(self) -> str:
         return f"benchmark of {', '.join(b if isinstance(b, str) else b['name'] for b in self.document['backends'])}"
+
+
+@dataclass(frozen=True, repr=False)
+class Conformance(Result):
+    """What an engine made of the checks that every engine is held to."""
+
+    _row_name = "check"
+    _plot = "plot_conformance"
+
+    @property
+    def passed(self) -> bool:
+        """Whether no check failed."""
+        return bool(self.document["failed"] == 0)
+
+    def _rows(self) -> list[Json]:
+        return [
+            {"check": check["name"], "status": check["status"], **number}
+            for check in self.document["checks"]
+            for number in check["measurements"] or [{}]
+        ]
+
+    def _headline(self) -> str:
+        d = self.document
+        return f"{d['engine']['name']}: {d['passed']} passed, {d['failed']} failed, {d['skipped']} skipped"

@@ -10,7 +10,7 @@ from crossgait import _core
 from crossgait._core import Behaviour, EnvironmentConfig, FunctionPolicy, StartRanges, Walk
 from crossgait.errors import ConfigError
 from crossgait.progress import Progress, ProgressBar, shown
-from crossgait.results import Bench, CompareResult, CourseResult, Rollout, Transfer, Tuning, Verdict, WalkResult
+from crossgait.results import Bench, CompareResult, Conformance, CourseResult, Rollout, Transfer, Tuning, Verdict, WalkResult
 from crossgait.traces import Trace
 
 Subject = Walk | Behaviour | str
@@ -300,3 +300,10 @@ def bench(
     with _Shown(progress) as told:
         document, text = _core._bench(names, list(sections), quick, told)
     return Bench(document, text)
+
+
+def conformance(engine: str, *, only: Sequence[str] = (), progress: Progress | bool | None = None) -> Conformance:
+    """Check an engine against what every engine is held to; `only` some checks, by name, or all."""
+    with _Shown(progress) as told:
+        document, text = _core._conformance(engine, list(only), told)
+    return Conformance(document, text)

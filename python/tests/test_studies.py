@@ -119,6 +119,17 @@ def test_transfer_and_tune_come_back_as_objects() -> None:
     assert "step_length" in tuning.environment.to_yaml()
 
 
+def test_conformance_is_the_command(engine: str) -> None:
+    card = crossgait.conformance(engine, only=["free_fall", "hard_friction"])
+    told = command("conformance", "--engine", engine, "--only", "free_fall,hard_friction")
+    assert without_the_run(card.to_dict()) == without_the_run(told)
+    assert card.passed
+    assert card.to_frame().loc["free_fall"]["holds"].all()
+    assert len(card.plot().axes[0].get_yticklabels()) >= 3
+    with pytest.raises(ConfigError, match="no_such_check"):
+        crossgait.conformance(engine, only=["no_such_check"])
+
+
 def test_a_trace_is_the_commands_file(tmp_path: Path) -> None:
     result = crossgait.walk("trot", seconds=0.5, trace=True)
     assert result.trace is not None

@@ -41,6 +41,11 @@ std::vector<Command> commands() {
         {"verdict", "verdict --seconds .2 --settle .1 --starts 4 --engines " + first_and_last_engine()});
     all.push_back({"verdict_policy", "verdict --policy zero --seconds .2 --settle .1 --starts 4"});
   }
+  if (available_engines().size() > 2) {
+    const std::vector<std::string> engines = available_engines();
+    all.push_back({"verdict_many", "verdict --seconds .2 --settle .1 --starts 4 --engines " + engines[0] +
+                                       "," + engines[1] + "," + engines[2]});
+  }
   return all;
 }
 

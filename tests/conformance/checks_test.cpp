@@ -85,6 +85,7 @@ TEST(Checks, StandInTheGuideAsTheyAre) {
 }
 
 TEST(Card, SaysWhatPassedFailedAndWasSkipped) {
+  ASSERT_FALSE(available_engines().empty());
   const Subject subject = subject_of(available_engines().front());
   const Check good{
       "good", "It holds", {at_most(1, "one", "m", "so")}, [](const Subject&) { return std::vector{0.5}; }};

@@ -1,0 +1,226 @@
+// Clusters and the outlier: on words that are set by hand, and on made-up runs with a fault that is known.
+#include "crossgait/parity/standing.h"
+
+#include <algorithm>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "crossgait/physics/error.h"
+#include "crossgait/physics/physics_backend.h"
+#include "crossgait/physics/random.h"
+
+namespace crossgait {
+namespace {
+
+using Indices = std::vector<std::size_t>;
+
+/// Words of pairs by the engines' names; all others agree. A pair's score is .1 unless it is given.
+struct Said {
+  std::vector<JudgedEngine> engines;
+  std::map<std::string, Conclusion> words = {};
+  std::map<std::string, double> scores = {};
+
+  Standing stand() const {
+    std::vector<Verdict> pairs;
+    for (std::size_t i = 0; i < engines.size(); ++i) {
+      for (std::size_t k = i + 1; k < engines.size(); ++k) {
+        Verdict pair;
+        pair.a = engines[i].name;
+        pair.b = engines[k].name;
+        StatisticVerdict slip, way;
+        slip.statistic.name = "slip";
+        way.statistic.name = "way";
+        way.conclusion = Conclusion::kAgrees;
+        const auto word = words.find(pair.a + pair.b);
+        slip.conclusion = word == words.end() ? Conclusion::kAgrees : word->second;
+        const auto score = scores.find(pair.a + pair.b);
+        slip.score.high = score == scores.end() ? 0.1 : score->second;
+        pair.statistics = {slip, way};
+        EXPECT_EQ(pair_index(i, k, engines.size()), pairs.size());
+        pairs.push_back(pair);
+      }
+    }
+    return crossgait::stand(engines, pairs);
+  }
+};
+
+constexpr Conclusion kApart = Conclusion::kEngineDependent, kOpen = Conclusion::kUnresolved;
+
+TEST(Standing, OneAgainstOthersOfTwoLawsStandsApart) {
+  const Standing s =
+      Said{{{"a", "1"}, {"b", "2"}, {"c", "3"}, {"d", "4"}}, {{"ac", kApart}, {"bc", kApart}, {"cd", kApart}}}
+          .stand();
+  EXPECT_EQ(s.clusters, (std::vector<Indices>{{0, 1, 3}, {2}}));
+  EXPECT_EQ(s.outlier, Indices{2});
+  EXPECT_EQ(s.statistics, std::vector<std::string>{"slip"});
+  EXPECT_NE(s.reason.find("a, b, d"), std::string::npos) << s.reason;
+}
+
+TEST(Standing, EnginesOfOneLawAreOneVote) {
+  // Three against one, but two laws: soft and hard.
+  const std::map<std::string, Conclusion> apart{{"ad", kApart}, {"bd", kApart}, {"cd", kApart}};
+  const Standing two = Said{{{"a", "1"}, {"b", "1"}, {"c", "1"}, {"d", "2"}}, apart}.stand();
+  EXPECT_TRUE(two.outlier.empty());
+  EXPECT_NE(two.reason.find("one vote"), std::string::npos) << two.reason;
+  EXPECT_EQ(two.clusters, (std::vector<Indices>{{0, 1, 2}, {3}}));
+  // Of three laws, all engines of one stand apart together.
+  const Standing law = Said{{{"a", "1"}, {"b", "1"}, {"c", "2"}, {"d", "3"}},
+                            {{"ac", kApart}, {"ad", kApart}, {"bc", kApart}, {"bd", kApart}}}
+                           .stand();
+  EXPECT_EQ(law.outlier, (Indices{0, 1}));
+  // Three laws, but two that differ from each other and from the third: nobody stands against a majority.
+  const Standing all =
+      Said{{{"a", "1"}, {"b", "2"}, {"c", "3"}}, {{"ab", kApart}, {"ac", kApart}, {"bc", kApart}}}.stand();
+  EXPECT_TRUE(all.outlier.empty());
+  EXPECT_EQ(all.clusters.size(), 3U);
+}
+
+TEST(Standing, AnEngineThatLeavesItsOwnLawStandsApart) {
+  // a and b share a law; b has a fault.
+  const Standing s =
+      Said{{{"a", "1"}, {"b", "1"}, {"c", "2"}, {"d", "3"}}, {{"ab", kApart}, {"bc", kApart}, {"bd", kApart}}}
+          .stand();
+  EXPECT_EQ(s.outlier, Indices{1});
+}
+
+TEST(Standing, NamesNobodyWhileAPairIsUnresolved) {
+  const std::vector<JudgedEngine> engines{{"a", "1"}, {"b", "2"}, {"c", "3"}, {"d", "4"}};
+  // The outlier's own pair, and a pair of the others.
+  for (const std::string open : {"cd", "ab"}) {
+    std::map<std::string, Conclusion> words{{"ac", kApart}, {"bc", kApart}, {"cd", kApart}};
+    words[open] = kOpen;
+    const Standing s = Said{engines, words}.stand();
+    EXPECT_TRUE(s.outlier.empty()) << open;
+    EXPECT_NE(s.reason.find("unresolved"), std::string::npos) << s.reason;
+  }
+}
+
+TEST(Standing, TwoThatStandApartAreNoOutlier) {
+  const Standing s = Said{{{"a", "1"}, {"b", "2"}, {"c", "3"}, {"d", "4"}},
+                          {{"ac", kApart}, {"bc", kApart}, {"ad", kApart}, {"bd", kApart}}}
+                         .stand();
+  EXPECT_EQ(s.clusters, (std::vector<Indices>{{0, 1}, {2, 3}}));
+  EXPECT_TRUE(s.outlier.empty());
+  EXPECT_NE(s.reason.find("{a, b}, {c, d}"), std::string::npos) << s.reason;
+}
+
+TEST(Standing, OfAChainTheNearerAreACluster) {
+  // a and b agree, b and c agree, a and c do not; b is nearer to c.
+  Said chain{{{"a", "1"}, {"b", "2"}, {"c", "3"}}, {{"ac", kApart}}, {{"ab", 0.9}, {"bc", 0.2}}};
+  Standing s = chain.stand();
+  EXPECT_EQ(s.clusters, (std::vector<Indices>{{1, 2}, {0}}));
+  EXPECT_EQ(s.bridges, Indices{0});  // a and b
+  EXPECT_TRUE(s.outlier.empty());
+  chain.scores = {{"ab", 0.2}, {"bc", 0.9}};
+  s = chain.stand();
+  EXPECT_EQ(s.clusters, (std::vector<Indices>{{0, 1}, {2}}));
+  EXPECT_EQ(s.bridges, Indices{2});
+}
+
+TEST(Standing, AllThatAgreeAreOneCluster) {
+  const Standing s = Said{{{"a", "1"}, {"b", "2"}, {"c", "3"}}}.stand();
+  EXPECT_EQ(s.clusters, (std::vector<Indices>{{0, 1, 2}}));
+  EXPECT_TRUE(s.bridges.empty());
+  EXPECT_EQ(s.reason, "all agree");
+}
+
+/// Four engines of four laws on made-up runs. Distance 1 m, give or take .1 m by the start, which all share,
+/// and .02 m by the engine; `fault` m more in one of them.
+struct Planted {
+  std::uint64_t seed;
+  std::size_t faulty;
+  double fault;
+
+  Standing stand() const {
+    std::vector<Engine> engines;
+    std::vector<JudgedEngine> judged;
+    for (const char* name : {"a", "b", "c", "d"}) {
+      EngineInfo info;
+      info.name = info.laws.contact = name;
+      engines.push_back({info, [](const WorldSpec&) { return std::unique_ptr<PhysicsBackend>(); }});
+      judged.push_back({name, name});
+    }
+    Behaviour behaviour;
+    behaviour.name = "made up";
+    behaviour.statistics = {
+        {"distance", "m", 0.02, 0.005}, {"height", "m", 0.02, 0.005}, {"failures", "share", 0, 0.05, true}};
+    behaviour.physics_dt = 1e-3;
+    behaviour.control_dt = 4e-3;
+    behaviour.run = [this](const Engine& engine, const Variation& variation, std::size_t start) {
+      const auto which = static_cast<std::size_t>(engine.name().front() - 'a');
+      Random shared(derived_seed(seed, start)), own(derived_seed(derived_seed(seed, 1000 + which), start));
+      std::vector<double> values;
+      for (int s = 0; s < 2; ++s)
+        values.push_back(1 + 0.1 * shared.uniform(-1, 1) + 0.02 * own.uniform(-1, 1) +
+                         0.001 * variation.step);
+      if (which == faulty) values[0] += fault;
+      values.push_back(0);
+      return values;
+    };
+    return crossgait::stand(judged, reach_verdicts(behaviour, engines, {.starts = 16}));
+  }
+};
+
+TEST(PlantedOutliers, AreNamedTwentyTimesOfTwenty) {
+  int named = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const Planted planted{seed, seed % 4, seed % 3 == 0 ? -0.5 : 0.5};
+    const Standing s = planted.stand();
+    EXPECT_EQ(s.outlier, Indices{planted.faulty}) << s.reason;
+    if (s.outlier != Indices{planted.faulty}) continue;
+    ++named;
+    EXPECT_EQ(s.statistics, std::vector<std::string>{"distance"});
+  }
+  EXPECT_EQ(named, 20);
+}
+
+TEST(PlantedOutliers, AreNotSeenWhereThereAreNone) {
+  int alarms = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const Standing s = Planted{100 + seed, 0, 0}.stand();
+    alarms += s.outlier.empty() ? 0 : 1;
+    EXPECT_EQ(s.clusters.front().size(), 4U) << seed;
+  }
+  EXPECT_EQ(alarms, 0);
+}
+
+// Nothing that an engine does not do is held against it: what all share moves all.
+TEST(PlantedOutliers, AreNotNamedOfAFaultWithinTheSpread) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed)
+    EXPECT_TRUE((Planted{200 + seed, 1, 0.02}.stand().outlier.empty()));
+}
+
+TEST(ReachVerdicts, OfMoreEnginesAreNoSurerThanOfTwo) {
+  // The same runs, judged with two others: the same means, wider intervals.
+  Behaviour behaviour;
+  behaviour.name = "made up";
+  behaviour.statistics = {{"distance", "m", 0.02, 0.005}};
+  behaviour.physics_dt = behaviour.control_dt = 1e-3;
+  std::map<std::string, int> runs;
+  behaviour.run = [&runs](const Engine& engine, const Variation&, std::size_t start) {
+    ++runs[engine.name()];
+    Random own(derived_seed(static_cast<std::uint64_t>(engine.name().front()), start));
+    return std::vector<double>{1 + 0.1 * own.uniform(-1, 1)};
+  };
+  std::vector<Engine> engines;
+  for (const char* name : {"a", "b", "c"}) {
+    EngineInfo info;
+    info.name = name;
+    engines.push_back({info, [](const WorldSpec&) { return std::unique_ptr<PhysicsBackend>(); }});
+  }
+  const Verdict two = reach_verdict(behaviour, engines[0], engines[1], {});
+  const int once = runs["a"];
+  runs.clear();
+  const std::vector<Verdict> all = reach_verdicts(behaviour, engines, {});
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_EQ(all[0].a + all[0].b + all[1].a + all[1].b + all[2].a + all[2].b, "abacbc");
+  for (const auto& [name, count] : runs) EXPECT_EQ(count, once) << name;  // none is run twice
+  EXPECT_EQ(all[0].statistics[0].gap.estimate, two.statistics[0].gap.estimate);
+  EXPECT_LT(all[0].statistics[0].score.low, two.statistics[0].score.low);
+  EXPECT_GT(all[0].statistics[0].score.high, two.statistics[0].score.high);
+  EXPECT_THROW(reach_verdicts(behaviour, std::span(engines).first(1), {}), ConfigError);
+}
+
+}  // namespace
+}  // namespace crossgait
