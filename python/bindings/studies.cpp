@@ -144,14 +144,19 @@ JudgementOptions judgement_options(std::size_t starts, double limit, double conf
   return options;
 }
 
-Pair judge(const BehaviourSpec& spec, const std::string& a, const std::string& b,
+// Of two engines the document of `crossgait verdict --engines A,B`, of more that of all of them.
+Report report_of(const JudgementOfMany& judged, const Json& made) {
+  const bool two = judged.pairs.size() == 1;
+  Json json = two ? to_json(judged.pairs.front()) : to_json(judged);
+  json["provenance"] = made;
+  return {json, two ? describe(judged.pairs.front()) : describe(judged)};
+}
+
+Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines,
            const JudgementOptions& options, const nb::object& progress) {
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
-        const Judgement judgement = judge_behaviour(spec, a, b, options, told);
-        Json json = to_json(judgement);
-        json["provenance"] = provenance(to_json(spec), {a, b});
-        return {json, describe(judgement)};
+        return report_of(judge_engines(spec, engines, options, told), provenance(to_json(spec), engines));
       },
       progress));
 }
@@ -164,17 +169,14 @@ void refuse_stored_runs(const JudgementOptions& options) {
 }
 
 Pair judge(const PythonBehaviour& behaviour, const StartRanges& starts_from, std::uint64_t seed,
-           const std::string& a, const std::string& b, const JudgementOptions& options,
+           const std::vector<std::string>& engines, const JudgementOptions& options,
            const nb::object& progress) {
   refuse_stored_runs(options);
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
-        const Judgement judgement =
-            judge_behaviour(make_behaviour(behaviour.walk, behaviour.setup(), starts_from, seed),
-                            behaviour.walk.world(), a, b, options, told);
-        Json json = to_json(judgement);
-        json["provenance"] = provenance(subject_json(behaviour), {a, b});
-        return {json, describe(judgement)};
+        return report_of(judge_engines(make_behaviour(behaviour.walk, behaviour.setup(), starts_from, seed),
+                                       behaviour.walk.world(), engines, options, told),
+                         provenance(subject_json(behaviour), engines));
       },
       progress));
 }
@@ -196,7 +198,7 @@ Report with_policies(const std::vector<PolicyChoice>& choices, const StageProgre
 }
 
 Pair judge(const EnvConfig& environment, const PythonPolicy& policy, const StartRanges& starts_from,
-           std::uint64_t seed, const std::string& a, const std::string& b, const JudgementOptions& options,
+           std::uint64_t seed, const std::vector<std::string>& engines, const JudgementOptions& options,
            const nb::object& progress) {
   refuse_stored_runs(options);
   return to_python(run_job(
@@ -205,11 +207,9 @@ Pair judge(const EnvConfig& environment, const PythonPolicy& policy, const Start
             {policy}, told, [&](const auto& policies, const StageProgress& listening) -> Report {
               const Behaviour behaviour = policy_behaviour(environment, policies.front().make,
                                                            policies.front().name, starts_from, seed);
-              const Judgement judgement =
-                  judge_behaviour(behaviour, EnvModel::make(environment)->world, a, b, options, listening);
-              Json json = to_json(judgement);
-              json["provenance"] = provenance({{"python", policy.name}}, {a, b});
-              return {json, describe(judgement)};
+              return report_of(
+                  judge_engines(behaviour, EnvModel::make(environment)->world, engines, options, listening),
+                  provenance({{"python", policy.name}}, engines));
             });
       },
       progress));
@@ -231,31 +231,32 @@ void bind_judgements(nb::module_& m) {
               "The speed that one push would give to the robot; None: by its size.");
   m.def(
       "_judge_walk",
-      [](const Subject& walk, const std::string& a, const std::string& b, const StartRanges& starts_from,
+      [](const Subject& walk, const std::vector<std::string>& engines, const StartRanges& starts_from,
          std::uint64_t seed, std::size_t starts, double limit, double confidence, std::size_t workers,
          bool explain, const std::string& runs, const nb::object& progress) {
         const JudgementOptions options = judgement_options(starts, limit, confidence, workers, explain, runs);
         if (const auto* config = std::get_if<WalkConfig>(&walk))
-          return judge({*config, starts_from, seed}, a, b, options, progress);
-        return judge(std::get<PythonBehaviour>(walk), starts_from, seed, a, b, options, progress);
+          return judge({*config, starts_from, seed}, engines, options, progress);
+        return judge(std::get<PythonBehaviour>(walk), starts_from, seed, engines, options, progress);
       },
-      nb::arg("walk"), nb::arg("a"), nb::arg("b"), nb::arg("starts_from"), nb::arg("seed"), nb::arg("starts"),
+      nb::arg("walk"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"), nb::arg("starts"),
       nb::arg("limit"), nb::arg("confidence"), nb::arg("workers"), nb::arg("explain"), nb::arg("runs"),
       kProgress);
   m.def(
       "_judge_policy",
-      [](const EnvConfig& environment, const PolicyChoice& policy, const std::string& a, const std::string& b,
+      [](const EnvConfig& environment, const PolicyChoice& policy, const std::vector<std::string>& engines,
          const StartRanges& starts_from, std::uint64_t seed, std::size_t starts, double limit,
          double confidence, std::size_t workers, bool explain, const std::string& runs,
          const nb::object& progress) {
         const JudgementOptions options = judgement_options(starts, limit, confidence, workers, explain, runs);
         if (const auto* text = std::get_if<std::string>(&policy))
-          return judge({PolicyConfig{environment, *text}, starts_from, seed}, a, b, options, progress);
-        return judge(environment, std::get<PythonPolicy>(policy), starts_from, seed, a, b, options, progress);
+          return judge({PolicyConfig{environment, *text}, starts_from, seed}, engines, options, progress);
+        return judge(environment, std::get<PythonPolicy>(policy), starts_from, seed, engines, options,
+                     progress);
       },
-      nb::arg("environment"), nb::arg("policy"), nb::arg("a"), nb::arg("b"), nb::arg("starts_from"),
-      nb::arg("seed"), nb::arg("starts"), nb::arg("limit"), nb::arg("confidence"), nb::arg("workers"),
-      nb::arg("explain"), nb::arg("runs"), kProgress);
+      nb::arg("environment"), nb::arg("policy"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"),
+      nb::arg("starts"), nb::arg("limit"), nb::arg("confidence"), nb::arg("workers"), nb::arg("explain"),
+      nb::arg("runs"), kProgress);
 }
 
 Pair rollout(const EnvConfig& config, const std::vector<PolicyChoice>& choices, const EpisodeOptions& options,

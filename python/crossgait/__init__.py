@@ -36,8 +36,20 @@ from crossgait._core import (
 )
 from crossgait.errors import ConfigError
 from crossgait.policies import Policy
-from crossgait.results import Bench, CompareResult, Conformance, CourseResult, Result, Rollout, Transfer, Tuning, Verdict, WalkResult
-from crossgait.studies import bench, compare, conformance, course, rollout, transfer, tune, verdict, walk
+from crossgait.results import (
+    Bench,
+    CompareResult,
+    Conformance,
+    CourseResult,
+    Result,
+    Rollout,
+    Transfer,
+    Tuning,
+    Verdict,
+    Verdicts,
+    WalkResult,
+)
+from crossgait.studies import bench, compare, conformance, course, rollout, transfer, tune, verdict, verdicts, walk
 from crossgait.traces import Trace
 
 __version__ = version()
@@ -68,6 +80,7 @@ __all__ = [
     "Transfer",
     "Tuning",
     "Verdict",
+    "Verdicts",
     "Walk",
     "WalkResult",
     "World",
@@ -89,5 +102,6 @@ __all__ = [
     "transfer",
     "tune",
     "verdict",
+    "verdicts",
     "walk",
 ]

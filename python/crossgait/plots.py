@@ -13,7 +13,18 @@ from crossgait.errors import ConfigError
 from crossgait.traces import Numbers, Trace
 
 if TYPE_CHECKING:
-    from crossgait.results import Bench, CompareResult, Conformance, CourseResult, Rollout, Transfer, Tuning, Verdict, WalkResult
+    from crossgait.results import (
+        Bench,
+        CompareResult,
+        Conformance,
+        CourseResult,
+        Rollout,
+        Transfer,
+        Tuning,
+        Verdict,
+        Verdicts,
+        WalkResult,
+    )
 
 # Okabe and Ito's palette (2008): told apart by the colour-blind, too.
 _PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00")
@@ -114,6 +125,36 @@ def plot_verdict(result: Verdict) -> Figure:
     ax.set_xlim(-1.05 * reach, 1.05 * reach)
     ax.set_xlabel(f"gap over spread, {d['b']} less {d['a']} (arrows: beyond the picture)")
     ax.set_title(f"{d['behaviour']}: {d['word']}")
+    return figure
+
+
+def plot_verdicts(result: Verdicts) -> Figure:
+    """Score of every statistic, by pair, between the limits within which engines agree."""
+    pairs = result.document["pairs"]
+    names = [s["name"] for s in pairs[0]["statistics"]]
+    figure, (ax,) = _new(1, 1.5 + 0.4 * len(names))
+    for i, pair in enumerate(pairs):
+        scores = [s["score"] for s in pair["statistics"]]
+        middle = np.array([score["estimate"] for score in scores])
+        ends = np.array([[score["low"] for score in scores], [score["high"] for score in scores]])
+        places = np.arange(len(names)) + 0.7 * ((i + 0.5) / len(pairs) - 0.5)
+        label = f"{pair['b']} against {pair['a']}"
+        ax.errorbar(
+            middle,
+            places,
+            xerr=np.abs(ends - middle),
+            fmt="o",
+            markersize=3,
+            label=label,
+            color=_PALETTE[i % len(_PALETTE)],
+        )
+    limit = pairs[0]["limit"]
+    ax.axvspan(-limit, limit, color="#eeeeee", zorder=0)
+    ax.set_yticks(range(len(names)), names)
+    ax.invert_yaxis()
+    ax.set_xscale("symlog", linthresh=limit)
+    ax.set_xlabel("score (grey: agrees)")
+    ax.legend(frameon=False, fontsize="x-small")
     return figure
 
 

@@ -187,6 +187,57 @@ class Verdict(Result):
 
 
 @dataclass(frozen=True, repr=False)
+class Verdicts(Result):
+    """Which engines agree on a behaviour, and whether one stands apart (docs/verdict.md)."""
+
+    _row_name = "pair"
+    _plot = "plot_verdicts"
+
+    @property
+    def pairs(self) -> list[Verdict]:
+        """The verdict of every pair."""
+        return [Verdict(pair, "") for pair in self.document["pairs"]]
+
+    @property
+    def clusters(self) -> list[list[str]]:
+        """Engines that agree, each with all others of its cluster; the largest first."""
+        clusters: list[list[str]] = self.document["clusters"]
+        return clusters
+
+    @property
+    def outlier(self) -> str | None:
+        """The engine that stands apart, or the contact law of several; None if none is named (see `reason`)."""
+        outlier: str | None = self.document["outlier"]
+        return outlier
+
+    @property
+    def reason(self) -> str:
+        """Why an outlier is named, or none."""
+        reason: str = self.document["reason"]
+        return reason
+
+    def word(self, a: str, b: str) -> str:
+        """Of one pair, either way round. Raises KeyError."""
+        for pair in self.document["pairs"]:
+            if {pair["a"], pair["b"]} == {a, b}:
+                word: str = pair["word"]
+                return word
+        raise KeyError((a, b))
+
+    def _rows(self) -> list[Json]:
+        return [
+            {"a": pair["a"], "b": pair["b"], "word": pair["word"]}
+            | {s["name"]: s["score"]["estimate"] for s in pair["statistics"]}
+            for pair in self.document["pairs"]
+        ]
+
+    def _headline(self) -> str:
+        sets = " | ".join(", ".join(cluster) for cluster in self.clusters)
+        outlier = f"; the outlier is {self.outlier}" if self.outlier else ""
+        return f"{self.document['behaviour']}: {sets}{outlier}"
+
+
+@dataclass(frozen=True, repr=False)
 class Rollout(Result):
     """Whole episodes of policies in one engine."""
 

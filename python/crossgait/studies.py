@@ -10,7 +10,18 @@ from crossgait import _core
 from crossgait._core import Behaviour, EnvironmentConfig, FunctionPolicy, StartRanges, Walk
 from crossgait.errors import ConfigError
 from crossgait.progress import Progress, ProgressBar, shown
-from crossgait.results import Bench, CompareResult, Conformance, CourseResult, Rollout, Transfer, Tuning, Verdict, WalkResult
+from crossgait.results import (
+    Bench,
+    CompareResult,
+    Conformance,
+    CourseResult,
+    Rollout,
+    Transfer,
+    Tuning,
+    Verdict,
+    Verdicts,
+    WalkResult,
+)
 from crossgait.traces import Trace
 
 Subject = Walk | Behaviour | str
@@ -32,14 +43,14 @@ def _default_engine() -> str:
     return available[0]
 
 
-def _two_engines(engines: Sequence[str] | None) -> tuple[str, str]:
+def _two_engines(engines: Sequence[str] | None) -> list[str]:
     if engines is None:
         by_name = {engine.name: engine for engine in _core.engines() if engine.available}
         first = _default_engine()
         engines = [first, *(n for n, e in by_name.items() if e.laws != by_name[first].laws)][:2]
     if len(engines) != 2 or engines[0] == engines[1]:
         raise ConfigError("verdict", "engines", "two different engines", ", ".join(engines))
-    return engines[0], engines[1]
+    return list(engines)
 
 
 def _engines(engines: Sequence[str] | None) -> list[str]:
@@ -170,19 +181,87 @@ def verdict(
         options: as `walk`.
 
     """
-    a, b = _two_engines(engines)
+    document, text = _judged(
+        _two_engines(engines),
+        subject,
+        environment,
+        (starts, limit, confidence, _workers(workers), explain, os.fspath(runs)),
+        start_ranges,
+        seed,
+        progress,
+        options,
+    )
+    return Verdict(document, text)
+
+
+def verdicts(
+    subject: Subject | Policy,
+    engines: Sequence[str],
+    environment: EnvironmentConfig | None = None,
+    *,
+    explain: bool = False,
+    starts: int = 12,
+    limit: float = 1,
+    confidence: float = 0.95,
+    start_ranges: StartRanges | None = None,
+    seed: int = 0,
+    workers: int | None = None,
+    runs: str | os.PathLike[str] = "",
+    progress: Progress | bool | None = None,
+    **options: Any,
+) -> Verdicts:
+    """Judge a behaviour in more than two engines: which agree, and whether one stands apart.
+
+    Args:
+        subject: as `verdict`.
+        engines: three or more; none is run twice.
+        environment: of a policy.
+        explain: also say what the gaps come from, of pairs that do not agree and whose differences are known.
+        starts: as `verdict`.
+        limit: as `verdict`.
+        confidence: of all words of all pairs together.
+        start_ranges: as `verdict`.
+        seed: as `verdict`.
+        workers: as `verdict`.
+        runs: as `verdict`.
+        progress: as `walk`.
+        options: as `walk`.
+
+    """
+    if len(engines) < 3:
+        raise ConfigError("verdicts", "engines", "three or more; crossgait.verdict judges two", ", ".join(engines))
+    document, text = _judged(
+        list(engines),
+        subject,
+        environment,
+        (starts, limit, confidence, _workers(workers), explain, os.fspath(runs)),
+        start_ranges,
+        seed,
+        progress,
+        options,
+    )
+    return Verdicts(document, text)
+
+
+def _judged(
+    engines: list[str],
+    subject: Subject | Policy,
+    environment: EnvironmentConfig | None,
+    how: tuple[int, float, float, int, bool, str],
+    start_ranges: StartRanges | None,
+    seed: int,
+    progress: Progress | bool | None,
+    options: dict[str, Any],
+) -> tuple[Any, str]:
     ranges = start_ranges if start_ranges is not None else StartRanges()
-    how = (starts, limit, confidence, _workers(workers), explain, os.fspath(runs))
     with _Shown(progress) as told:
         if environment is None and not isinstance(subject, FunctionPolicy):
             if isinstance(subject, str):
                 options.setdefault("seed", seed)
-            document, text = _core._judge_walk(_subject(subject, options), a, b, ranges, seed, *how, told)
-        elif environment is not None and isinstance(subject, Policy) and not options:
-            document, text = _core._judge_policy(environment, subject, a, b, ranges, seed, *how, told)
-        else:
-            raise TypeError("a policy is judged in an environment, which says all that options would")
-    return Verdict(document, text)
+            return _core._judge_walk(_subject(subject, options), engines, ranges, seed, *how, told)
+        if environment is not None and isinstance(subject, Policy) and not options:
+            return _core._judge_policy(environment, subject, engines, ranges, seed, *how, told)
+        raise TypeError("a policy is judged in an environment, which says all that options would")
 
 
 def rollout(

@@ -95,6 +95,29 @@ def test_without_an_environment_it_is_the_default() -> None:
         crossgait.transfer("no-such-policy")
 
 
+def test_verdicts_of_many_are_the_command() -> None:
+    engines = crossgait.available_engines()[:3]
+    if len(engines) < 3:
+        pytest.skip("needs three engines")
+    judged = crossgait.verdicts("trot", engines, starts=4, seconds=0.3)
+    told = command("verdict", "--engines", ",".join(engines), "--starts", "4", "--seconds", ".3")
+    assert without_the_run(judged.to_dict()) == without_the_run(told)
+    assert [(pair.document["a"], pair.document["b"]) for pair in judged.pairs] == [
+        (engines[0], engines[1]),
+        (engines[0], engines[2]),
+        (engines[1], engines[2]),
+    ]
+    assert judged.word(engines[1], engines[0]) == judged.pairs[0].word
+    assert sorted(name for cluster in judged.clusters for name in cluster) == sorted(engines)
+    assert judged.outlier is None  # two laws of contact
+    assert "one vote" in judged.reason or judged.reason == "all agree"
+    assert len(judged.to_frame()) == 3
+    assert judged.plot().axes
+    assert "trot" in repr(judged)
+    with pytest.raises(ConfigError, match="three or more"):
+        crossgait.verdicts("trot", engines[:2])
+
+
 def test_a_course_is_the_command() -> None:
     config = EnvironmentConfig.parse("{engine: bullet}")
     runs = crossgait.course("zero", config, sections=["speed-1.0"], engines=["mujoco", "bullet"], episodes=1)
