@@ -8,16 +8,15 @@
 
 namespace crossgait::contact {
 
-/// Minimises 1/2 x'Ax + b'x over contacts x_i = (normal, tangent, tangent) with |tangents| <= friction *
-/// normal. This is the dual of PrimalProblem: the cone couples normal
-/// and friction, whereas Bullet's own projection bounds friction by the normal impulse of the previous sweep.
-///
 /// What bounds friction in `solve_coulomb`: the disc of radius friction * normal; a pyramid, each tangent by
 /// itself; or a pyramid whose size is not that of the normal impulses but of those that there would be
 /// without friction (what Baraff's and Dantzig's algorithm of the Open Dynamics Engine, and DART's after it,
 /// works with).
 enum class FrictionBound : unsigned char { kDisc, kPyramid, kFrictionlessPyramid };
 
+/// Minimises 1/2 x'Ax + b'x over contacts x_i = (normal, tangent, tangent) with |tangents| <= friction *
+/// normal. This is the dual of PrimalProblem: the cone couples normal and friction, whereas Bullet's own
+/// projection bounds friction by the normal impulse of the previous sweep.
 struct ConeProblem {
   static constexpr int kMaxRows = 3 * kMaxContacts;
 
