@@ -9,20 +9,22 @@
 namespace crossgait::bullet {
 namespace {
 
-EngineInfo make_info(const ContactFactors& factors) {
+EngineInfo make_info(const ContactFactors& factors, bool own_code) {
   const int version = btGetVersion();
   EngineInfo info;
   info.engine = "Bullet";
   info.version = fmt::format("{}.{:02}", version / 100, version % 100);
-  info.name = factor_table().name_of(factors);
+  info.name = own_code ? "bullet:own" : factor_table().name_of(factors);
   const bool matched = factors == ContactFactors::matched();
   info.capabilities.soft_contact = !factors.hard_normal;
-  info.capabilities.allocates = factors.narrowphase || factors.sweeps;  // both are Bullet's own code
+  info.capabilities.allocates = factors.narrowphase;  // Bullet's own code
   const std::string way = factors.sweeps ? "/sweeps" : "", points = factors.narrowphase ? "/narrowphase" : "";
   info.laws = {.contact = contact::law_name(factors) + (factors.sweeps ? way : points),
                .loops = "mujoco",
                .joint_friction = factors.hard_joint_friction ? "hard" + way : "mujoco"};
-  if (matched) {
+  if (own_code) {
+    info.mode = "hard contact, by Bullet's own code";
+  } else if (matched) {
     info.mode = "MuJoCo's contact law in Bullet's dynamics";
   } else if (factors == ContactFactors::native()) {
     info.mode = "hard contact, projected Gauss-Seidel";
@@ -34,8 +36,8 @@ EngineInfo make_info(const ContactFactors& factors) {
 
 class BulletBackend final : public PhysicsBackend {
  public:
-  BulletBackend(const WorldSpec& world, const ContactFactors& factors)
-      : PhysicsBackend(world), factors_(factors), info_(make_info(factors)) {
+  BulletBackend(const WorldSpec& world, const ContactFactors& factors, bool own_code)
+      : PhysicsBackend(world), factors_(factors), own_code_(own_code), info_(make_info(factors, own_code)) {
     build();
     reset();
   }
@@ -47,7 +49,7 @@ class BulletBackend final : public PhysicsBackend {
     world_.reset();
     solver_.reset();
     model_ = std::make_unique<MultibodyModel>(spec());
-    solver_ = std::make_unique<ConstraintSolver>(spec(), factors_, *model_);
+    solver_ = std::make_unique<ConstraintSolver>(spec(), factors_, own_code_, *model_);
     world_ = std::make_unique<CollisionWorld>(spec(), factors_, *model_, *solver_);
     poisoned_ = false;
   }
@@ -180,6 +182,7 @@ class BulletBackend final : public PhysicsBackend {
   }
 
   ContactFactors factors_;
+  bool own_code_;
   EngineInfo info_;
   // Declared in order of dependence: each holds references to the ones before.
   std::unique_ptr<MultibodyModel> model_;
@@ -188,9 +191,10 @@ class BulletBackend final : public PhysicsBackend {
   bool poisoned_ = false;
 };
 
-Engine engine_of(const ContactFactors& factors) {
-  return {make_info(factors),
-          [factors](const WorldSpec& spec) { return std::make_unique<BulletBackend>(spec, factors); }};
+Engine engine_of(const ContactFactors& factors, bool own_code = false) {
+  return {make_info(factors, own_code), [factors, own_code](const WorldSpec& spec) {
+            return std::make_unique<BulletBackend>(spec, factors, own_code);
+          }};
 }
 
 }  // namespace
@@ -205,9 +209,12 @@ Engine native_engine(std::string_view changes) {
   return engine_of(factor_table().changed(ContactFactors::native(), changes, name));
 }
 
+Engine own_engine() { return engine_of(ContactFactors::native(), true); }
+
 std::optional<Engine> find(std::string_view name) {
   const auto [base, changes] = split_factors(name);
   if (base == "bullet:matched") return matched_engine(changes);
+  if (name == "bullet:own") return own_engine();
   if (base == "bullet" || base == "bullet:native") return native_engine(changes);
   return std::nullopt;
 }

@@ -18,8 +18,12 @@ Engine matched_engine(std::string_view changes = {});
 /// @throws ConfigError if a change is invalid
 Engine native_engine(std::string_view changes = {});
 
-/// Either of them by its name, "bullet:native" being an alias of "bullet", with changes behind it. Nothing
-/// for any other name.
+/// What `bullet` is held against: contacts and dry friction in joints by the code of Bullet's library, in
+/// place of the same rows and sweeps by Crossgait's. Slower, and no part of the family.
+Engine own_engine();
+
+/// Any of them by its name: "bullet:matched" and "bullet" (or "bullet:native") with changes behind them,
+/// "bullet:own". Nothing for any other name.
 /// @throws ConfigError if a change is invalid
 std::optional<Engine> find(std::string_view name);
 

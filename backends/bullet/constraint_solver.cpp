@@ -17,10 +17,11 @@ contact::BodyKinematics kinematics(const MultibodyModel& model, const CompositeI
 
 }  // namespace
 
-ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const ContactFactors& factors,
+ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const ContactFactors& factors, bool own_code,
                                    MultibodyModel& model)
     : spec_(spec),
       factors_(factors),
+      own_code_(own_code),
       model_(model),
       composite_(model.body()),
       bodies_(kinematics(model, composite_)),
@@ -28,12 +29,12 @@ ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const ContactFactors& 
       finder_(model.contact_features(), spec.terrain,
               factors.speculative ? contact_margins(model.contact_features(), model.body().getNumLinks())
                                   : std::vector<double>()),
-      contacts_(spec, factors, bodies_, joints_),
+      contacts_(spec, factors, bodies_, joints_, factors.sweeps),
       torque_(JointVector::Zero(spec.robot->joint_count())) {
   const Eigen::Index n = joints_.inertia().dofs();
   before_.setZero(n);
   correction_.setZero(n);
-  if (factors_.sweeps) make_friction_motors();
+  if (own_code_) make_friction_motors();
 }
 
 DofVector ConstraintSolver::bullet_velocity() const noexcept {
@@ -72,7 +73,7 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
     set_velocity(DofVector::Zero(before_.size()));
     return;
   }
-  if (!factors_.sweeps) {
+  if (!own_code_) {
     points_.clear();
     if (factors_.narrowphase) {
       read_contacts(manifolds, manifold_count);

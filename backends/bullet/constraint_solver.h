@@ -1,5 +1,5 @@
-// Bullet's constraint solver with Crossgait's joint stage, and contacts and dry friction in joints made of
-// either engine's factors.
+// What Bullet's world calls to solve constraints: Crossgait's joint stage, and contacts and dry friction in
+// joints made of either engine's factors.
 #pragma once
 
 #include <memory>
@@ -24,7 +24,9 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  ConstraintSolver(const WorldSpec& spec, const ContactFactors& factors, MultibodyModel& model);
+  /// @param own_code  contacts and dry friction in joints by Bullet's own code; for all of Bullet's factors
+  ConstraintSolver(const WorldSpec& spec, const ContactFactors& factors, bool own_code,
+                   MultibodyModel& model);
 
   /// Call before the world steps: remembers velocities and the torques to apply.
   void begin_step(const JointVector& torque) noexcept;
@@ -46,7 +48,7 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   void read_contacts(btPersistentManifold** manifolds, int count) noexcept;
   int leg_at(int link, const Vector3& p_WP) const noexcept;
 
-  // Bullet's own sweeps: native_contact.cpp
+  // Bullet's own code: native_contact.cpp
   btScalar solveGroupCacheFriendlySetup(btCollisionObject** bodies, int body_count,
                                         btPersistentManifold** manifolds, int manifold_count,
                                         btTypedConstraint** constraints, int constraint_count,
@@ -62,6 +64,7 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
 
   const WorldSpec& spec_;
   ContactFactors factors_;
+  bool own_code_;
   MultibodyModel& model_;
   CompositeInertia composite_;
   contact::BodyKinematics bodies_;

@@ -8,8 +8,9 @@ const contact::FactorTable<ContactFactors>& factor_table() {
     table.rows.push_back({{"narrowphase", "contact points found by Bullet's collision detection", {}},
                           &ContactFactors::narrowphase});
     for (const auto& [factor, member] : contact::law_factor_rows()) table.rows.push_back({factor, member});
-    // Bullet's own code has all of the others built in.
-    ModelFactor sweeps{"sweeps", "Bullet's own rows and sweeps, not a converged solution", {}};
+    // Bullet's sweeps are over rows of all its other factors.
+    ModelFactor sweeps{
+        "sweeps", "as many sweeps as Bullet makes, in its order, not a converged solution", {}};
     for (const auto& [factor, member] : table.rows) sweeps.needs.push_back(factor.name);
     table.rows.push_back({sweeps, &ContactFactors::sweeps});
     return table;

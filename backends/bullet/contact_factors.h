@@ -10,11 +10,11 @@ namespace crossgait::bullet {
 /// and the terrain, is the same in all of them.
 struct ContactFactors : contact::LawFactors {
   bool narrowphase = false;  ///< contact points from Bullet's collision detection, not `touch_sphere` alone
-  bool sweeps = false;       ///< Bullet's own rows and projected Gauss-Seidel sweeps, not a converged solve
+  bool sweeps = false;       ///< as many projected Gauss-Seidel sweeps as Bullet makes, not a converged solve
 
   /// MuJoCo's contact law in Bullet's dynamics.
   static constexpr ContactFactors matched() { return {}; }
-  /// Bullet as it ships.
+  /// The law of Bullet as it ships.
   static constexpr ContactFactors native() { return {{true, true, true, true, true, true}, true, true}; }
 
   bool operator==(const ContactFactors&) const = default;

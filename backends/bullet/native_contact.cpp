@@ -1,7 +1,6 @@
-// Native mode: Bullet's rows and projected Gauss-Seidel sweeps, as Bullet ships them: hard contact (position
-// error reduction erp2 = 0.2, no softness), friction bounded by the normal impulse of the sweep, motors for
-// the dry friction of joints. The one change: rows respond through the joint stage (armature, closed loops)
-// instead of the bare tree.
+// bullet:own, by the code of Bullet's library as it ships: hard contact (position error reduction erp2 = 0.2,
+// no softness), friction bounded by the normal impulse of the sweep, motors for the dry friction of joints.
+// The one change: rows respond through the joint stage (armature, closed loops) instead of the bare tree.
 #include <algorithm>
 #include <cmath>
 

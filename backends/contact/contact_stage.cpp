@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "crossgait/backends/contact/convergence.h"
 #include "crossgait/physics/multibody.h"
 
 namespace crossgait::contact {
@@ -33,7 +34,7 @@ Matrix3 stock_frame(const Vector3& normal) {
 }  // namespace
 
 ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, const BodyKinematics& bodies,
-                           const JointStage& joints)
+                           const JointStage& joints, bool sweeps)
     : spec_(spec),
       factors_(factors),
       bodies_(bodies),
@@ -41,19 +42,22 @@ ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, con
       contact_law_(spec.contact.softness, spec.physics_dt),
       friction_law_(spec.robot->friction_softness, spec.physics_dt),
       inverse_weights_(translational_inverse_weights(*spec.robot, spec.fixed_base)),
-      frictional_joints_(contact::frictional_joints(spec)) {
+      frictional_joints_(contact::frictional_joints(spec)),
+      sweeps_(sweeps) {
   loops_.setZero(joints_.inertia().dofs(), 3 * static_cast<Eigen::Index>(spec.robot->loops.size()));
   const bool hard = factors_.hard_normal || factors_.hard_friction ||
                     (factors_.hard_joint_friction && !frictional_joints_.empty());
-  if (hard || factors_.coulomb) {
-    const FrictionBound bound = factors_.stock     ? FrictionBound::kFrictionlessPyramid
-                                : factors_.pyramid ? FrictionBound::kPyramid
-                                                   : FrictionBound::kDisc;
+  const int dofs = joints_.inertia().dofs();
+  const FrictionBound bound = factors_.stock     ? FrictionBound::kFrictionlessPyramid
+                              : factors_.pyramid ? FrictionBound::kPyramid
+                                                 : FrictionBound::kDisc;
+  if (!hard && !factors_.coulomb) {
+    primal_ = std::make_unique<PrimalProblem>(dofs, joints_.coupled_dofs(), coefficient());
+  } else if (bound == FrictionBound::kDisc && (sweeps_ || (factors_.coulomb && frictional_joints_.empty()))) {
+    sweep_ = std::make_unique<SweepProblem>(dofs, joints_.coupled_dofs(), coefficient());
+  } else {
     dual_ = std::make_unique<DualProblem>(joints_, static_cast<int>(frictional_joints_.size()), bound,
                                           factors_.stock ? kStockContact.mixing : kHardContact.mixing);
-  } else {
-    primal_ =
-        std::make_unique<PrimalProblem>(joints_.inertia().dofs(), joints_.coupled_dofs(), coefficient());
   }
   for (int body = 0; body <= spec.robot->joint_count(); ++body)
     dofs_.push_back(joints_.inertia().dofs_of(body));
@@ -70,6 +74,12 @@ const DofVector& ContactStage::solve(const DofVector& before, const ContactPoint
     joints_.inertia().half_multiply(guess);
     primal_->solve(guess, spec_.solver.tolerance);
     apply(*primal_, points);
+  } else if (sweep_) {
+    joints_.scaled_loop_rows(loops_);
+    sweep_->begin(loops_);
+    add_rows(*sweep_, before, points);
+    sweep();
+    apply(*sweep_, points);
   } else {
     dual_->begin();
     add_rows(*dual_, before, points);
@@ -82,6 +92,15 @@ const DofVector& ContactStage::solve(const DofVector& before, const ContactPoint
 double ContactStage::coefficient() const noexcept {
   constexpr double kMinFriction = 1e-5;  // mjMINMU of mjmodel.h: MuJoCo's contacts are never quite without
   return std::max(spec_.contact.friction, kMinFriction);
+}
+
+void ContactStage::sweep() noexcept {
+  const SolverSpec& solver = spec_.solver;
+  if (sweeps_) {
+    sweep_->sweep(solver.iterations, solver.tolerance);
+  } else {
+    sweep_->converge(kMaxSweeps, std::max(kRoundingFloor, kSweepTolerance * solver.tolerance));
+  }
 }
 
 template <typename Problem>

@@ -11,6 +11,7 @@
 #include "crossgait/backends/contact/joint_friction.h"
 #include "crossgait/backends/contact/law_factors.h"
 #include "crossgait/backends/contact/primal_problem.h"
+#include "crossgait/backends/contact/sweep_problem.h"
 
 namespace crossgait::contact {
 
@@ -19,8 +20,9 @@ namespace crossgait::contact {
 class ContactStage {
  public:
   /// @param spec,bodies,joints  must outlive it
+  /// @param sweeps  solve by as many sweeps as the spec has iterations, converged or not; needs Coulomb's law
   ContactStage(const WorldSpec& spec, const LawFactors& factors, const BodyKinematics& bodies,
-               const JointStage& joints);
+               const JointStage& joints, bool sweeps = false);
 
   /// Forgets the contacts of the last step.
   void begin_step() noexcept { contacts_.clear(); }
@@ -45,6 +47,7 @@ class ContactStage {
 
   std::span<const int> dofs_of(int body) const noexcept { return dofs_[static_cast<std::size_t>(body)]; }
   double coefficient() const noexcept;
+  void sweep() noexcept;
   template <typename Problem>
   void add_rows(Problem& problem, const DofVector& before, const ContactPoints& points) noexcept;
   void describe(const ContactPoint& point, const DofVector& before, ContactRows& rows) noexcept;
@@ -62,7 +65,9 @@ class ContactStage {
   std::vector<FrictionalJoint> frictional_joints_;
   std::vector<std::vector<int>> dofs_;  // by body: those that move it, rising
 
-  std::unique_ptr<PrimalProblem> primal_;  // one of the two
+  bool sweeps_;
+  std::unique_ptr<PrimalProblem> primal_;  // one of the three
+  std::unique_ptr<SweepProblem> sweep_;
   std::unique_ptr<DualProblem> dual_;
   std::array<ContactRows, kMaxContacts> rows_;
   Eigen::MatrixXd loops_;

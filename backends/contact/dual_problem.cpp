@@ -2,17 +2,9 @@
 
 #include <algorithm>
 
+#include "crossgait/backends/contact/convergence.h"
+
 namespace crossgait::contact {
-namespace {
-
-// Gauss-Seidel converges linearly where MuJoCo's Newton converges quadratically: the same tolerance asks for
-// more.
-constexpr double kSweepTolerance = 1e-3;
-constexpr double kRoundingFloor = 1e-15;
-constexpr int kMaxSweeps = 1000;
-
-}  // namespace
-
 DualProblem::DualProblem(const JointStage& joints, int most_bounded, FrictionBound bound, double mixing)
     : joints_(joints), mixing_(mixing) {
   cone_.bound = bound;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bitset>
+#include <cmath>
 #include <span>
 
 namespace crossgait::contact {
@@ -82,6 +83,45 @@ void SparseSymmetric::solve(DofVector& x) const noexcept {
   for (int k = 0; k < size_; ++k) {
     const Row& row = rows_[static_cast<std::size_t>(k)];
     x[k] /= value(k, k);
+    for (int n = 0; n < row.count; ++n) {
+      const int i = row.columns[static_cast<std::size_t>(n)];
+      x[k] -= value(k, i) * x[i];
+    }
+  }
+}
+
+std::vector<int> SparseSymmetric::reach(const std::vector<int>& dofs) const {
+  std::bitset<kMaxDofs> reached;
+  for (const int dof : dofs) reached.set(static_cast<std::size_t>(dof));
+  std::vector<int> result;
+  for (int k = size_ - 1; k >= 0; --k) {
+    if (!reached[static_cast<std::size_t>(k)]) continue;
+    const Row& row = rows_[static_cast<std::size_t>(k)];
+    for (int n = 0; n < row.count; ++n)
+      reached.set(static_cast<std::size_t>(row.columns[static_cast<std::size_t>(n)]));
+    result.push_back(k);
+  }
+  std::reverse(result.begin(), result.end());
+  return result;
+}
+
+void SparseSymmetric::half_solve_rows(const std::vector<int>& reach, PointJacobian& J) const noexcept {
+  for (auto dof = reach.rbegin(); dof != reach.rend(); ++dof) {
+    const int k = *dof;
+    const Row& row = rows_[static_cast<std::size_t>(k)];
+    const Vector3 column = J.col(k);
+    for (int n = 0; n < row.count; ++n) {
+      const int i = row.columns[static_cast<std::size_t>(n)];
+      J.col(i) -= value(k, i) * column;
+    }
+    J.col(k) = column / std::sqrt(value(k, k));
+  }
+}
+
+void SparseSymmetric::finish_solve(DofVector& x) const noexcept {
+  for (int k = 0; k < size_; ++k) {
+    const Row& row = rows_[static_cast<std::size_t>(k)];
+    x[k] /= std::sqrt(value(k, k));
     for (int n = 0; n < row.count; ++n) {
       const int i = row.columns[static_cast<std::size_t>(n)];
       x[k] -= value(k, i) * x[i];

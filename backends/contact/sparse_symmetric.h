@@ -32,6 +32,13 @@ class SparseSymmetric {
   /// x <- A^-1 x, after `factor`.
   void solve(DofVector& x) const noexcept;
 
+  /// The dofs that `half_solve_rows` reaches from these, rising.
+  std::vector<int> reach(const std::vector<int>& dofs) const;
+  /// J <- J L^-1 D^-1/2 for three rows that are zero but in `reach`; after `factor`.
+  void half_solve_rows(const std::vector<int>& reach, PointJacobian& J) const noexcept;
+  /// x <- L^-1 D^-1/2 x.
+  void finish_solve(DofVector& x) const noexcept;
+
  private:
   double value(int row, int column) const noexcept {
     return values_[static_cast<std::size_t>(row * kMaxDofs + column)];

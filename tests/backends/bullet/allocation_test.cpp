@@ -23,11 +23,13 @@ void* allocate(std::size_t size) {
 }();
 
 TEST(NativeAllocation, NoneOfCrossgaitsOwnPerStep) {
-  const Engine native = native_engine();
-  EXPECT_EQ(allocations_of_a_trot(native, Terrain()), 0U);
-  EXPECT_EQ(allocations_of_a_trot(native, make_terrain("rough", 2)), 0U);
-  EXPECT_EQ(allocations_of_a_trot(native, Terrain(), 0.02), 0U);
-  EXPECT_EQ(allocations_of_pushes_and_refused_targets(native), 0U);
+  for (const Engine& engine : {native_engine(), own_engine()}) {
+    EXPECT_EQ(allocations_of_a_trot(engine, Terrain()), 0U);
+    EXPECT_EQ(allocations_of_a_trot(engine, make_terrain("rough", 2)), 0U);
+    EXPECT_EQ(allocations_of_a_trot(engine, Terrain(), 0.02), 0U);
+    EXPECT_EQ(allocations_of_pushes_and_refused_targets(engine), 0U);
+    EXPECT_EQ(allocations_of_a_crowd_of_contacts(engine, 300), 0U);
+  }
 }
 
 TEST(NativeAllocation, NoneOfCrossgaitsOwnPerStepOfAnEnvironment) {

@@ -1,0 +1,80 @@
+// Contacts by Coulomb's law and dry friction in joints, solved by projected Gauss-Seidel sweeps over
+// velocities.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "crossgait/backends/contact/sparse_symmetric.h"
+#include "crossgait/physics/state.h"
+
+namespace crossgait::contact {
+
+/// The law of ConeProblem::solve_coulomb: each normal impulse pushes and stops its approach whatever friction
+/// does, and its tangents are the point of the disc of radius friction * normal that opposes slip best.
+///
+/// Sweeps go over the rows as Bullet's do (btMultiBodyConstraintSolver::solveSingleIteration): bounded rows,
+/// in turns from either end, then all normals, then the tangents of each contact together. What a row has
+/// done to the robot is kept as velocities, in units in which the inertia of the robot with its loops is the
+/// identity; there a row is as long as the path from its body to the base, whereas in joint velocities (and
+/// in Bullet) its response is as long as the robot.
+class SweepProblem {
+ public:
+  /// @param coupled  as in PrimalProblem
+  SweepProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction);
+
+  /// Filled in like PrimalProblem, R >= 0.
+  void begin(const Eigen::MatrixXd& loops) noexcept;
+  void add_contact(std::span<const int> dofs, const PointJacobian& Z, const Vector3& R,
+                   const Vector3& b) noexcept;
+  void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b, double bound) noexcept;
+
+  /// From zero, as Bullet does it, until no row's velocity changes by more than `enough` in a sweep, m/s or
+  /// rad/s (of two tangents the sum, signs and all: so it is in Bullet), or `max_sweeps` are done.
+  /// @returns sweeps
+  int sweep(int max_sweeps, double enough) noexcept;
+  /// Until no impulse changes by more than this share of the largest. @returns sweeps
+  int converge(int max_sweeps, double share) noexcept;
+
+  /// Velocities as in PrimalProblem.
+  const DofVector& u() const noexcept { return u_; }
+  Vector3 contact_impulse(int i) const noexcept { return contacts_[static_cast<std::size_t>(i)].x; }
+  double bounded_impulse(int i) const noexcept { return bounded_[static_cast<std::size_t>(i)].x; }
+
+ private:
+  struct Contact {
+    const std::vector<int>* dofs;  // that it reaches
+    int first;                     // column of Z_
+    Vector3 R, b, x;
+    double normal_step, tangent_step;  // impulse per velocity
+  };
+  struct Bounded {
+    const std::vector<int>* dofs;
+    int first;
+    double R, b, bound, step, x;
+  };
+  struct Change {
+    double velocity = 0, impulse = 0, largest = 0;
+  };
+
+  const std::vector<int>& reach(std::span<const int> dofs) const noexcept;
+  Change sweep_once(bool bounded_forward) noexcept;
+  void sweep_bounded(bool forward, Change& change) noexcept;
+  void sweep_normals(Change& change) noexcept;
+  void sweep_tangents(Change& change) noexcept;
+  void finish() noexcept;
+
+  double friction_;
+  int columns_ = 0, contact_count_ = 0, bounded_count_ = 0;
+  std::array<Contact, kMaxContacts> contacts_;
+  std::array<Bounded, kMaxJoints> bounded_;
+  bool has_loops_ = false;
+  SparseSymmetric loops_;                // 1 + E E', factored
+  std::vector<std::vector<int>> reach_;  // by the last dof of a row's
+  PointJacobian row_;
+  Eigen::Matrix3Xd Z_;
+  DofVector w_, u_;
+};
+
+}  // namespace crossgait::contact

@@ -1,0 +1,171 @@
+// Sweeps over velocities against the law that they are to solve, and against sweeps over impulses.
+#include "crossgait/backends/contact/sweep_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "crossgait/backends/contact/cone_solver.h"
+
+namespace crossgait::contact {
+namespace {
+
+/// A base of three and two legs of four with a loop across each, as dofs.
+struct Machine {
+  static constexpr int kDofs = 11;
+  const std::vector<std::vector<int>> bodies{
+      {0, 1, 2}, {0, 1, 2, 3, 4}, {0, 1, 2, 3, 5, 6}, {0, 1, 2, 7, 8, 9}, {0, 1, 2, 7, 10}};
+  std::vector<std::vector<int>> coupled = bodies;
+  Machine() {
+    coupled.push_back({0, 1, 2, 3, 4, 0, 1, 2, 3, 5, 6});
+    coupled.push_back({0, 1, 2, 7, 8, 9, 0, 1, 2, 7, 10});
+  }
+};
+
+struct Drawn {
+  Eigen::MatrixXd loops, Z;  // dofs x loops; 3 contacts, then bounded rows, x dofs
+  Eigen::VectorXd R, b, bound;
+  int contacts = 0;
+
+  Eigen::MatrixXd A() const {
+    const Eigen::MatrixXd W =
+        Eigen::MatrixXd::Identity(Machine::kDofs, Machine::kDofs) + loops * loops.transpose();
+    Eigen::MatrixXd result = Z * W.inverse() * Z.transpose();
+    result.diagonal() += R;
+    return result;
+  }
+};
+
+/// Fills `problem` and says what with.
+Drawn draw(const Machine& machine, std::mt19937& random, int contacts, int bounded, int loops, double R,
+           SweepProblem& problem) {
+  std::normal_distribution<double> normal;
+  Drawn drawn;
+  drawn.contacts = contacts;
+  drawn.loops = Eigen::MatrixXd::Zero(Machine::kDofs, loops);
+  for (int k = 0; k < loops; ++k) {
+    for (const int dof : machine.coupled[5 + static_cast<std::size_t>(k % 2)])
+      drawn.loops(dof, k) = normal(random);
+  }
+  problem.begin(drawn.loops);
+  const int rows = 3 * contacts + bounded;
+  drawn.Z = Eigen::MatrixXd::Zero(rows, Machine::kDofs);
+  drawn.R = Eigen::VectorXd::Constant(rows, R);
+  drawn.b = Eigen::VectorXd::NullaryExpr(rows, [&] { return normal(random); });
+  drawn.bound = Eigen::VectorXd::NullaryExpr(rows, [&] { return 0.3 * std::exp(normal(random)); });
+  for (int row = 0; row < rows; ++row) {
+    const int body = row < 3 * contacts ? row / 3 : row;
+    for (const int dof : machine.bodies[static_cast<std::size_t>(body) % 5])
+      drawn.Z(row, dof) = normal(random);
+  }
+  for (int i = 0; i < contacts; ++i) {
+    const PointJacobian Z = drawn.Z.middleRows(3 * i, 3);
+    problem.add_contact(machine.bodies[static_cast<std::size_t>(i) % 5], Z, drawn.R.segment<3>(3 * i),
+                        drawn.b.segment<3>(3 * i));
+  }
+  for (int row = 3 * contacts; row < rows; ++row) {
+    problem.add_bounded(machine.bodies[static_cast<std::size_t>(row) % 5], drawn.Z.row(row).transpose(),
+                        drawn.R[row], drawn.b[row], drawn.bound[row]);
+  }
+  return drawn;
+}
+
+Eigen::VectorXd impulses(const SweepProblem& problem, const Drawn& drawn) {
+  Eigen::VectorXd x(drawn.b.size());
+  for (int i = 0; i < drawn.contacts; ++i) x.segment<3>(3 * i) = problem.contact_impulse(i);
+  for (Eigen::Index row = 3 * drawn.contacts; row < x.size(); ++row)
+    x[row] = problem.bounded_impulse(static_cast<int>(row) - 3 * drawn.contacts);
+  return x;
+}
+
+// Row by row, for random contacts and joints that see each other.
+TEST(SweepProblem, SatisfiesTheLawItStates) {
+  const Machine machine;
+  std::mt19937 random(1);
+  constexpr double kFriction = 0.5;
+  SweepProblem problem(Machine::kDofs, machine.coupled, kFriction);
+  int sticking = 0, sliding = 0, apart = 0, between = 0, at_bound = 0;
+  for (int n = 0; n < 600; ++n) {
+    const Drawn drawn = draw(machine, random, 1 + n % 3, n % 4, n % 3 * 3, 3, problem);
+    ASSERT_LT(problem.converge(20000, 1e-14), 20000) << n;
+    const Eigen::VectorXd x = impulses(problem, drawn), w = drawn.A() * x + drawn.b;
+    for (Eigen::Index i = 0; i < 3 * drawn.contacts; i += 3) {
+      const Eigen::Vector2d force(x[i + 1], x[i + 2]), slip(w[i + 1], w[i + 2]);
+      const double limit = kFriction * x[i];
+      ASSERT_GE(x[i], 0);
+      ASSERT_GT(w[i], -1e-10);
+      ASSERT_NEAR(x[i] * w[i], 0, 1e-10);
+      ASSERT_LE(force.norm(), limit + 1e-12);
+      if (x[i] == 0) {
+        ++apart;
+      } else if (slip.norm() > 1e-9) {  // as large as it may be, straight against the slip
+        ++sliding;
+        ASSERT_NEAR((force + limit * slip / slip.norm()).norm(), 0, 1e-8) << n;
+      } else {
+        ++sticking;
+      }
+    }
+    for (Eigen::Index i = 3 * drawn.contacts; i < x.size(); ++i) {
+      ASSERT_LE(std::abs(x[i]), drawn.bound[i]);
+      if (std::abs(x[i]) < drawn.bound[i]) {
+        ++between;
+        ASSERT_NEAR(w[i], 0, 1e-10);
+      } else {
+        ++at_bound;
+        ASSERT_LT(w[i] * x[i], 1e-10);
+      }
+    }
+    // What it says of the robot's velocity is what these impulses do.
+    const Eigen::MatrixXd W =
+        Eigen::MatrixXd::Identity(Machine::kDofs, Machine::kDofs) + drawn.loops * drawn.loops.transpose();
+    ASSERT_LT((W * problem.u() - drawn.Z.transpose() * x).norm(), 1e-11 * (1 + x.norm())) << n;
+  }
+  for (const int count : {sticking, sliding, apart, between, at_bound}) EXPECT_GT(count, 50);
+}
+
+TEST(SweepProblem, ConvergesToWhatSweepsOverImpulsesDo) {
+  const Machine machine;
+  std::mt19937 random(2);
+  constexpr double kFriction = 0.7;
+  SweepProblem problem(Machine::kDofs, machine.coupled, kFriction);
+  for (int n = 0; n < 100; ++n) {
+    const Drawn drawn = draw(machine, random, 1 + n % 3, 0, n % 3 * 3, 3, problem);
+    problem.converge(20000, 1e-14);
+    const int rows = 3 * drawn.contacts;
+    ConeProblem impulse;
+    impulse.contacts = drawn.contacts;
+    impulse.friction = kFriction;
+    impulse.A.topLeftCorner(rows, rows) = drawn.A();
+    impulse.b.head(rows) = drawn.b;
+    impulse.solve_coulomb(1e-14, 20000);
+    EXPECT_LT((impulses(problem, drawn) - impulse.x.head(rows)).norm(), 1e-10) << n;
+  }
+}
+
+TEST(SweepProblem, MakesNoMoreSweepsThanItMay) {
+  const Machine machine;
+  std::mt19937 random(3);
+  SweepProblem problem(Machine::kDofs, machine.coupled, 0.5);
+  (void)draw(machine, random, 3, 2, 3, 0.01, problem);
+  EXPECT_EQ(problem.sweep(7, 0), 7);
+  (void)draw(machine, random, 3, 2, 3, 0.01, problem);
+  const int loose = problem.sweep(20000, 1e-3);
+  EXPECT_GT(loose, 1);
+  EXPECT_LT(loose, 20000);
+}
+
+TEST(SweepProblem, WhatNothingMovesGetsNoImpulse) {
+  SweepProblem problem(Machine::kDofs, Machine().coupled, 0.5);
+  const Eigen::MatrixXd no_loops(Machine::kDofs, 0);
+  problem.begin(no_loops);
+  problem.add_contact({}, PointJacobian::Zero(3, Machine::kDofs), Vector3::Zero(), {-1, 1, 0});
+  problem.sweep(10, 0);
+  EXPECT_EQ(problem.contact_impulse(0).norm(), 0);
+  EXPECT_EQ(problem.u().norm(), 0);
+}
+
+}  // namespace
+}  // namespace crossgait::contact
