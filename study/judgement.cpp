@@ -94,7 +94,7 @@ void explain(JudgementOfMany& result, const std::vector<std::optional<EngineFami
 }  // namespace
 
 JudgementOfMany judge_engines(const BehaviourSpec& spec, const std::vector<std::string>& engines,
-                         const JudgementOptions& options, const StageProgress& progress) {
+                              const JudgementOptions& options, const StageProgress& progress) {
   Behaviour behaviour = make_behaviour(spec);
   if (!options.stored_runs.empty())
     behaviour = with_store(std::move(behaviour), spec, std::make_shared<RunStore>(options.stored_runs));
@@ -102,8 +102,8 @@ JudgementOfMany judge_engines(const BehaviourSpec& spec, const std::vector<std::
 }
 
 JudgementOfMany judge_engines(const Behaviour& behaviour, const WorldSpec& world,
-                         const std::vector<std::string>& names, const JudgementOptions& options,
-                         const StageProgress& progress) {
+                              const std::vector<std::string>& names, const JudgementOptions& options,
+                              const StageProgress& progress) {
   options.verdict.validate();
   const std::vector<Engine> engines = find_engines(names);
   std::vector<std::optional<EngineFamily>> families;

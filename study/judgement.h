@@ -57,10 +57,10 @@ Judgement judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, co
 /// The same of two engines or more, none of which is run twice.
 /// @throws ConfigError also for an engine that is named twice, and for `explain` where no pair has a family
 JudgementOfMany judge_engines(const BehaviourSpec& spec, const std::vector<std::string>& engines,
-                         const JudgementOptions& options = {}, const StageProgress& progress = {});
+                              const JudgementOptions& options = {}, const StageProgress& progress = {});
 JudgementOfMany judge_engines(const Behaviour& behaviour, const WorldSpec& world,
-                         const std::vector<std::string>& engines, const JudgementOptions& options = {},
-                         const StageProgress& progress = {});
+                              const std::vector<std::string>& engines, const JudgementOptions& options = {},
+                              const StageProgress& progress = {});
 
 /// The family whose ends are `a` and `b`, either way round; an engine of the same laws may stand for an end.
 /// @throws ConfigError if there is none
