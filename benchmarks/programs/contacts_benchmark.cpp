@@ -63,7 +63,7 @@ double distance(SpeedScene scene, const std::string& a, const std::string& b) {
 void measure(const SpeedScene& scene, const std::vector<std::string>& engines, int rounds, Table& table,
              nlohmann::ordered_json& json) {
   std::vector<benchmarks::SceneRunner> runners;
-  for (const std::string& engine : engines) runners.emplace_back(scene, engine);
+  for (const std::string& engine : engines) runners.emplace_back(scene, find_engine(engine));
   std::vector<std::vector<double>> time(engines.size()), ratio(engines.size());
   std::vector<double> contacts;
   for (benchmarks::SceneRunner& runner : runners) contacts.push_back(runner.count_contacts());  // warms up
