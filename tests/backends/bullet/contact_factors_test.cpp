@@ -167,7 +167,7 @@ TEST(ContactFactors, AnyCanBeSavedAndRestored) {
     const auto backend = make(name, scenes::world_of(scenes::quadruped()));
     EXPECT_EQ(backend->info().name, name);
     EXPECT_NE(backend->info().laws.contact, "mujoco");
-    EXPECT_NE(backend->info().laws.contact, "bullet");
+    EXPECT_NE(backend->info().laws.contact, "hard/sweeps");
     const scenes::Trot trot(backend->robot());
     const auto walk = [&](int from, int to) {
       for (int i = from; i < to; ++i) ASSERT_EQ(backend->step(trot.targets(i * 1e-3)), StepStatus::kOk);

@@ -86,7 +86,7 @@ TEST(OwnCode, AFallIsTheSame) {
 
 TEST(OwnCode, HasAName) {
   EXPECT_EQ(find("bullet:own").value().name(), "bullet:own");
-  EXPECT_EQ(find("bullet:own").value().info.laws.contact, "bullet");
+  EXPECT_EQ(find("bullet:own").value().info.laws.contact, "hard/sweeps");
   EXPECT_FALSE(find("bullet:own+surface"));
 }
 
