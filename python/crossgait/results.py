@@ -226,7 +226,7 @@ class Verdicts(Result):
 
     def _rows(self) -> list[Json]:
         return [
-            {"a": pair["a"], "b": pair["b"], "word": pair["word"]}
+            {"pair": f"{pair['b']} against {pair['a']}", "word": pair["word"]}
             | {s["name"]: s["score"]["estimate"] for s in pair["statistics"]}
             for pair in self.document["pairs"]
         ]

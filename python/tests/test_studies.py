@@ -123,7 +123,7 @@ def test_a_course_is_the_command() -> None:
     runs = crossgait.course("zero", config, sections=["speed-1.0"], engines=["mujoco", "bullet"], episodes=1)
     options = ["--sections", "speed-1.0", "--engines", "mujoco,bullet", "--episodes", "1"]
     assert without_the_run(command("course", *options)) == without_the_run(runs.to_dict())
-    assert list(runs.to_frame()["section"]) == ["speed-1.0"] * 2
+    assert list(runs.to_frame().index) == ["speed-1.0"] * 2
     assert runs.score() == runs.score("mujoco") != runs.score("bullet")
     assert "on course hard" in repr(runs)
     assert runs.plot().axes
