@@ -35,11 +35,16 @@ python_venv() {
   echo "$wanted" >"$venv/installed"
 }
 
+# python_environment VENV: what the Python package and its tests take, without the package.
+python_environment() {
+  scripts/install-dependencies --python
+  python_venv "$1" python/requirements.txt
+}
+
 # python_package VENV: Crossgait's Python package in this virtual environment, from this tree.
 python_package() {
   local venv=$1
-  scripts/install-dependencies --python
-  python_venv "$venv" python/requirements.txt
+  python_environment "$venv"
   # As in the other builds, and with the compiler's name as there, so that what they have compiled is taken from the cache.
   [[ -e build/python/build.ninja ]] || echo "Building build/python (some minutes, the first time)"
   CXX=${CXX:-c++} CCACHE_BASEDIR=$PWD run_quietly "building the Python package" "$venv/bin/python" -m pip install --quiet \
