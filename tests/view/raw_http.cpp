@@ -1,6 +1,7 @@
 #include "crossgait/tests/view/raw_http.h"
 
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <stdexcept>
 
@@ -63,6 +64,13 @@ std::string RawConnection::read_until(const std::string& text, int times) const 
     }
   }
   return all;
+}
+
+bool RawConnection::ends() const {
+  read_all();
+  char byte = 0;
+  const ssize_t count = ::recv(socket_, &byte, 1, MSG_DONTWAIT);
+  return count == 0 || (count < 0 && errno != EAGAIN && errno != EWOULDBLOCK);
 }
 
 RawAnswer ask(int port, const std::string& request) {

@@ -19,6 +19,8 @@ class RawConnection {
   std::string read_all() const;
   /// At least up to where `text` has come `times` times, or the end.
   std::string read_until(const std::string& text, int times) const;
+  /// Reads what is left; whether the server ended the connection, rather than left it open for a minute.
+  bool ends() const;
 
  private:
   bool read_some(std::string& to) const;

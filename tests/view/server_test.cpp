@@ -179,7 +179,9 @@ TEST_F(ViewServerTest, EndsWhileClientsAreThere) {
   watching.send(request_text("GET", at("/frames"), port_));
   watching.read_until("data: ", 1);
   server_.reset();
-  EXPECT_NE(watching.read_all(), "") << "the rest, and the end";
+  // What was on its way may have been read already: the end is what counts.
+  EXPECT_TRUE(watching.ends());
+  EXPECT_TRUE(silent.ends());
 }
 
 }  // namespace
