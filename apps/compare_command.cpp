@@ -112,12 +112,14 @@ std::string describe_verdicts(const WalkComparison& result) {
         "verdict's.\n",
         pair.a, pair.b);
   }
+  if (result.comparison.runs.size() > 2)
+    text += "\n`crossgait verdict` with the same engines says which agree, and whether one stands apart.\n";
   return text;
 }
 
 constexpr const char* kHint =
-    "\nPhysics or engine? --verdict weighs the gaps against the spread within an engine (60 more walks a "
-    "pair).\n";
+    "\nPhysics or engine? --verdict weighs the gaps against the spread within an engine (30 more walks an "
+    "engine).\n";
 
 void run(const CompareCommand& options) {
   const WalkConfig config = options.walk.make();
@@ -180,7 +182,7 @@ void add_compare_command(CLI::App& program) {
                     "Exit code 1 if engines of the same laws are not the same within 1e-6 m and rad");
   command->add_flag(
       "--verdict", options->compare.verdict,
-      "Also judge whether the difference is the engine's (60 more runs per pair of different laws; see "
+      "Also judge whether the difference is the engine's (30 more runs per engine; see "
       "`crossgait verdict`)");
   options->compare.judge.workers = EpisodeOptions::default_workers();
   options->json.add_to(*command);

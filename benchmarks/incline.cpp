@@ -54,7 +54,7 @@ Slide let_go(const Engine& engine, scenes::MakeIncline make_incline, double fric
   const auto world = engine.make(incline.spec);
   // Not turned about the normal with the heading: its corners lie in W's axes.
   RobotState start = world->home_state();
-  start.q_WB = Quaternion::FromTwoVectors(Vector3::UnitZ(), incline.normal);
+  start.q_WB = rotation_of_z_to(incline.normal);
   start.p_WB = incline.normal * scenes::kSledRadius;
   world->reset(start);
   const bool settled = world->step({}, kSettleSteps) == StepStatus::kOk;

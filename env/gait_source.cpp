@@ -103,6 +103,14 @@ GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& 
   return choice;
 }
 
+MultiGaitOptions multi_gait_options(const GaitChoice& choice, const GaitScale& scale) {
+  MultiGaitOptions options =
+      choice.automatic == kGuidesAutomaticGait ? guide_multi_gait_options() : MultiGaitOptions();
+  options = scaled(std::move(options), scale);
+  options.bands = choice.bands;
+  return options;
+}
+
 LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept {
   LegArray<Vector3> feet;
   for (const Leg leg : kLegs) feet[leg] = targets[leg].position;
@@ -116,11 +124,7 @@ TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const Ro
   LegController legs(std::move(robot), layers.compensation);
   const LegArray<Vector3> p_BL = leg_origins(legs.kinematics());
   if (!choice.gait) {
-    MultiGaitOptions options =
-        choice.automatic == kGuidesAutomaticGait ? guide_multi_gait_options() : MultiGaitOptions();
-    options = scaled(std::move(options), scale);
-    options.bands = choice.bands;
-    MultiGaitController controller(options, p_BL);
+    MultiGaitController controller(multi_gait_options(choice, scale), p_BL);
     require(!choice.command || controller.set_command(*choice.command));
     return walk_legs(std::move(controller), std::move(legs), choice.command, heading_hold);
   }

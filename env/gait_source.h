@@ -39,6 +39,9 @@ struct GaitChoice {
 GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings,
                        const std::optional<VelocityCommand>& command = {}, const GaitScale& scale = {});
 
+/// Of a gait that is chosen by speed, at the robot's size.
+MultiGaitOptions multi_gait_options(const GaitChoice& choice, const GaitScale& scale);
+
 /// The positions alone, as LegController takes them.
 LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept;
 

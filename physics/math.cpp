@@ -19,4 +19,12 @@ Quaternion from_roll_pitch_yaw(double roll, double pitch, double yaw) {
                     AngleAxisd(roll, Vector3::UnitX()));
 }
 
+// Eigen's FromTwoVectors brings a singular value decomposition, and a quarter of a minute of compilation.
+Quaternion rotation_of_z_to(const Vector3& axis) {
+  const Vector3 across = Vector3::UnitZ().cross(axis);  // the sine of the angle times its axis
+  const double sine = across.norm();
+  if (sine == 0) return axis.z() >= 0 ? Quaternion::Identity() : Quaternion(0, 1, 0, 0);
+  return Quaternion(Eigen::AngleAxisd(std::atan2(sine, axis.z()), across / sine));
+}
+
 }  // namespace crossgait

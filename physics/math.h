@@ -35,5 +35,7 @@ inline Pose make_pose(const Quaternion& q, const Vector3& p) {
 Vector3 roll_pitch_yaw(const Quaternion& q);
 /// Inverse of `roll_pitch_yaw`.
 Quaternion from_roll_pitch_yaw(double roll, double pitch, double yaw);
+/// The least rotation that takes z to `axis` (unit); about x where that is -z.
+Quaternion rotation_of_z_to(const Vector3& axis);
 
 }  // namespace crossgait

@@ -40,6 +40,24 @@ Comparison compare_walks(const WorldSpec& world, const WalkSetup& setup,
   return compare_engines(worlds, setup, tolerances, progress_of(progress, "comparing"), observer);
 }
 
+namespace {
+
+// Of pairs of different laws; no engine is run twice.
+std::vector<Verdict> judge_walks(const WalkConfig& config, const std::vector<std::string>& names,
+                                 const VerdictOptions& options, const StageProgress& progress) {
+  std::vector<Engine> engines;
+  for (const std::string& name : names) engines.push_back(find_engine(name));
+  const auto same_laws = [](const Engine& a, const Engine& b) { return a.info.laws == b.info.laws; };
+  if (std::all_of(engines.begin(), engines.end(), [&](const Engine& e) { return same_laws(e, engines[0]); }))
+    return {};
+  std::vector<Verdict> verdicts = reach_verdicts(make_behaviour({config, {}, config.terrain_seed}), engines,
+                                                 options, progress_of(progress, "judging"));
+  std::erase_if(verdicts, [&](const Verdict& v) { return same_laws(find_engine(v.a), find_engine(v.b)); });
+  return verdicts;
+}
+
+}  // namespace
+
 WalkComparison compare_walks(const WalkConfig& config, const std::vector<std::string>& engines,
                              const CompareOptions& options, const StageProgress& progress,
                              const SampleObserver& observer) {
@@ -48,17 +66,10 @@ WalkComparison compare_walks(const WalkConfig& config, const std::vector<std::st
       compare_walks(config.world(), config.setup(), engines, options.tolerances, progress, observer);
   result.interrupted = result.comparison.interrupted;
   if (!options.verdict || result.interrupted) return result;
-  const Behaviour behaviour = make_behaviour({config, {}, config.terrain_seed});
-  for (const PairDifference& pair : result.comparison.pairs) {
-    if (pair.same_laws) continue;
-    const Engine a = find_engine(pair.a), b = find_engine(pair.b);
-    const std::string stage = fmt::format("judging {} and {}", pair.a, pair.b);
-    try {
-      result.verdicts.push_back(reach_verdict(behaviour, a, b, options.judge, progress_of(progress, stage)));
-    } catch (const Interrupted&) {
-      result.interrupted = true;
-      break;
-    }
+  try {
+    result.verdicts = judge_walks(config, engines, options.judge, progress);
+  } catch (const Interrupted&) {
+    result.interrupted = true;
   }
   return result;
 }

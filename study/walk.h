@@ -17,7 +17,7 @@ WalkRun walk(const WalkConfig& config, const std::string& engine, const Progress
 
 struct CompareOptions {
   DivergenceTolerances tolerances;  ///< for engines of different laws
-  bool verdict = false;             ///< also judge every pair of engines of different laws
+  bool verdict = false;             ///< also judge every pair of engines of different laws, all from one set of runs
   VerdictOptions judge{.starts = 6};
 };
 
@@ -27,8 +27,8 @@ struct WalkComparison {
   bool interrupted = false;       ///< before its end, by a progress that threw Interrupted
 };
 
-/// The same walk in every engine. An interruption leaves the walks up to the same step, or the verdicts that
-/// were reached. @throws ConfigError for fewer than two engines, or one twice
+/// The same walk in every engine. An interruption leaves the walks up to the same step, or the walks without
+/// verdicts. @throws ConfigError for fewer than two engines, or one twice
 WalkComparison compare_walks(const WalkConfig& config, const std::vector<std::string>& engines,
                              const CompareOptions& options = {}, const StageProgress& progress = {},
                              const SampleObserver& observer = {});

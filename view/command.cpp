@@ -89,6 +89,7 @@ const std::map<std::string, Reader>& readers() {
        [](Keys& k) -> ViewCommand {
          return ParameterCommand{k.text("name"), k.number("value")};
        }},
+      {"curve", [](Keys& k) -> ViewCommand { return CurveCommand{k.text("curve")}; }},
       {"push", [](Keys& k) -> ViewCommand { return PushCommand{k.vector("impulse")}; }},
       {"terrain",
        [](Keys& k) -> ViewCommand {

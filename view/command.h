@@ -16,7 +16,7 @@ namespace crossgait {
 struct DriveCommand {
   VelocityCommand velocity;
 };
-/// {"do": "gait", "gait": NAME}
+/// {"do": "gait", "gait": NAME}, `auto` among them
 struct GaitCommand {
   std::string gait;
 };
@@ -24,6 +24,10 @@ struct GaitCommand {
 struct ParameterCommand {
   std::string name;
   double value = 0;
+};
+/// {"do": "curve", "curve": NAME}: of SwingCurve
+struct CurveCommand {
+  std::string curve;
 };
 /// {"do": "push", "impulse": [x, y, z]}, N s, in the axes of W
 struct PushCommand {
@@ -49,8 +53,8 @@ struct RecordCommand {
   bool on = false;
 };
 
-using ViewCommand = std::variant<DriveCommand, GaitCommand, ParameterCommand, PushCommand, TerrainCommand,
-                                 EnginesCommand, PauseCommand, StandCommand, RecordCommand>;
+using ViewCommand = std::variant<DriveCommand, GaitCommand, ParameterCommand, CurveCommand, PushCommand,
+                                 TerrainCommand, EnginesCommand, PauseCommand, StandCommand, RecordCommand>;
 
 /// Longest text of a command, bytes.
 inline constexpr std::size_t kMaxCommandBytes = 4096;

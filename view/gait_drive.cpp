@@ -21,6 +21,11 @@ void require_within(double value, double most, const char* element, const char* 
                     fmt::format("{:g}", value));
 }
 
+// A generator has to have one; `set_gait` chooses among those by speed.
+Gait first_gait(const std::string& gait, const GaitScale& scale) {
+  return scaled(is_automatic(gait) ? default_speed_bands().front().gait : find_gait(gait), scale);
+}
+
 }  // namespace
 
 DriveLimits drive_limits(const RobotDescription& robot) noexcept {
@@ -50,8 +55,9 @@ GaitDrive::GaitDrive(std::shared_ptr<const RobotDescription> robot, const std::s
       scale_(gait_scale(*robot_)),
       hold_heading_(scaled(HeadingHold(), scale_)),
       legs_(robot_),
-      generator_(scaled(find_gait(gait), scale_), scaled(find_gait(gait), scale_).preferred,
+      generator_(first_gait(gait, scale_), first_gait(gait, scale_).preferred,
                  leg_origins(legs_.kinematics()), scaled(StepLimits(), scale_)) {
+  set_gait(gait);
   restart();
 }
 
@@ -69,12 +75,32 @@ void GaitDrive::set_command(const VelocityCommand& command) {
   check_drive(*robot_, command);
   static_cast<void>(generator_.set_command(command));  // finite: within bounds
   command_ = command;
+  if (by_speed_) walk_as(chosen_by_speed());
 }
 
 void GaitDrive::set_gait(const std::string& gait) {
-  const Gait wanted = scaled(find_gait(gait), scale_);
-  generator_.set_gait(wanted);
-  static_cast<void>(generator_.set_parameters(wanted.preferred));  // valid: `validate(Gait)`
+  if (is_automatic(gait)) {
+    const MultiGaitOptions options = multi_gait_options(choose_gait(gait, {}, command_, scale_), scale_);
+    by_speed_.emplace(options, leg_origins(legs_.kinematics()));
+  } else {
+    const Gait wanted = scaled(find_gait(gait), scale_);
+    generator_.set_gait(wanted);
+    by_speed_.reset();
+  }
+  chosen_ = gait;
+  settings_ = {};
+  walk_as(by_speed_ ? chosen_by_speed() : generator_.gait().preferred);
+}
+
+GaitParameters GaitDrive::chosen_by_speed() {
+  static_cast<void>(by_speed_->set_command(command_));  // finite: within bounds
+  const GaitGenerator& chosen = by_speed_->generator();
+  if (chosen.gait().name != generator_.gait().name) generator_.set_gait(chosen.gait());
+  return chosen.parameters();
+}
+
+void GaitDrive::walk_as(const GaitParameters& parameters) {
+  static_cast<void>(generator_.set_parameters(settings_.over(parameters)));  // valid: both were checked
 }
 
 void GaitDrive::set_parameter(const std::string& name, double value) {
@@ -83,9 +109,13 @@ void GaitDrive::set_parameter(const std::string& name, double value) {
     throw ConfigError("drive", name, fmt::format("{:g} to {:g}", range.min, range.max),
                       fmt::format("{:g}", value));
   }
-  GaitParameters parameters = generator_.parameters();
-  set(parameters, name, value);
-  static_cast<void>(generator_.set_parameters(parameters));  // `set` has checked it
+  set(settings_, name, value);
+  walk_as(generator_.parameters());
+}
+
+void GaitDrive::set_curve(const std::string& curve) {
+  assign(settings_, "swing=" + curve);
+  walk_as(generator_.parameters());
 }
 
 void GaitDrive::look(const RobotState& state, double dt) noexcept {

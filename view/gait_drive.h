@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "crossgait/env/gait_source.h"
+#include "crossgait/gait/multi_gait_controller.h"
 
 namespace crossgait {
 
@@ -35,13 +37,19 @@ class GaitDrive {
 
   /// @throws ConfigError beyond `drive_limits`, or not finite
   void set_command(const VelocityCommand& command);
-  /// Changes over to a gait with the parameters that it prefers. @throws ConfigError for an unknown name
+  /// Changes over to a gait with the parameters that it prefers, or to whichever suits the speed
+  /// (`is_automatic`). @throws ConfigError for an unknown name
   void set_gait(const std::string& gait);
-  /// @throws ConfigError for an unknown name, or a value outside `parameter_range`
+  /// Where the gait is chosen by speed, of every one of them. @throws ConfigError for an unknown name, or a
+  /// value outside `parameter_range`
   void set_parameter(const std::string& name, double value);
+  /// Of the swing, likewise. @throws ConfigError for an unknown name
+  void set_curve(const std::string& curve);
   /// Back to standing, with gait and parameters as they are and no command.
   void restart();
 
+  /// What `set_gait` was told.
+  const std::string& chosen_gait() const noexcept { return chosen_; }
   const VelocityCommand& command() const noexcept { return command_; }
   const GaitGenerator& generator() const noexcept { return generator_; }
 
@@ -54,12 +62,22 @@ class GaitDrive {
   void advance(double dt, ControlTargets& out) noexcept;
 
  private:
+  /// Changes over to the gait for the speed. @returns its parameters
+  GaitParameters chosen_by_speed();
+  /// With the driver's settings in their places.
+  void walk_as(const GaitParameters& parameters);
+
   std::shared_ptr<const RobotDescription> robot_;
   GaitScale scale_;
+  std::string chosen_;
   HeadingHold hold_heading_;
   HeadingHoldState heading_;
   LegController legs_;
   GaitGenerator generator_;
+  /// Asked for gait and parameters at every command, and for nothing else; none where the gait is chosen by
+  /// hand.
+  std::optional<MultiGaitController> by_speed_;
+  GaitSettings settings_;  ///< of the driver, since the gait was chosen
   VelocityCommand command_;
   LegArray<Vector3> standing_{};  // feet before the first step, in the leg frames, m
 };

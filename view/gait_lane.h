@@ -26,8 +26,10 @@ class GaitLane final : public Lane {
   void set_command(const VelocityCommand& command) override { drive_.set_command(command); }
   void set_gait(const std::string& gait) override { drive_.set_gait(gait); }
   void set_parameter(const std::string& name, double value) override { drive_.set_parameter(name, value); }
+  void set_curve(const std::string& curve) override { drive_.set_curve(curve); }
 
   const VelocityCommand& command() const noexcept override { return drive_.command(); }
+  std::string chosen_gait() const override { return drive_.chosen_gait(); }
   const GaitGenerator* gait() const noexcept override { return &drive_.generator(); }
   const PhysicsBackend& world() const noexcept override { return *world_; }
   const ControlTargets& targets() const noexcept override { return loop_.targets(); }

@@ -43,12 +43,18 @@ class Lane {
 
   /// @throws ConfigError beyond `drive_limits`, or not finite
   virtual void set_command(const VelocityCommand& command) = 0;
-  /// With the parameters that it prefers. @throws ConfigError for an unknown name, or where a policy drives
+  /// With the parameters that it prefers; `auto` is the gait for the speed. @throws ConfigError for an
+  /// unknown name, or where a policy drives
   virtual void set_gait(const std::string& gait) = 0;
   /// @throws ConfigError for an unknown name, a value outside `parameter_range`, or where a policy drives
   virtual void set_parameter(const std::string& name, double value) = 0;
 
+  /// Of SwingCurve. @throws ConfigError for an unknown name, or where a policy drives
+  virtual void set_curve(const std::string& curve) = 0;
+
   virtual const VelocityCommand& command() const noexcept = 0;
+  /// What `set_gait` was told; a policy's own gait; empty where joints are commanded.
+  virtual std::string chosen_gait() const = 0;
   /// Null where joints are commanded.
   virtual const GaitGenerator* gait() const noexcept = 0;
   virtual const PhysicsBackend& world() const noexcept = 0;

@@ -91,6 +91,12 @@ void PolicyLane::set_command(const VelocityCommand& command) {
 void PolicyLane::set_gait(const std::string& gait) { refuse_to_meddle(gait); }
 void PolicyLane::set_parameter(const std::string& name, double /*value*/) { refuse_to_meddle(name); }
 
+void PolicyLane::set_curve(const std::string& curve) { refuse_to_meddle(curve); }
+
+std::string PolicyLane::chosen_gait() const {
+  return gait() == nullptr ? std::string() : std::string(gait()->gait().name);
+}
+
 const GaitGenerator* PolicyLane::gait() const noexcept {
   const AdaptiveGaitController* controller = env_.gait();
   return controller == nullptr ? nullptr : &controller->generator();

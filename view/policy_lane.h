@@ -28,8 +28,10 @@ class PolicyLane final : public Lane {
   void set_command(const VelocityCommand& command) override;
   void set_gait(const std::string& gait) override;
   void set_parameter(const std::string& name, double value) override;
+  void set_curve(const std::string& curve) override;
 
   const VelocityCommand& command() const noexcept override { return command_; }
+  std::string chosen_gait() const override;
   const GaitGenerator* gait() const noexcept override;
   const PhysicsBackend& world() const noexcept override { return env_.backend(); }
   const ControlTargets& targets() const noexcept override { return env_.targets(); }

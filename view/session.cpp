@@ -56,6 +56,7 @@ void ViewSession::apply(const ViewCommand& command) {
           [this](const ParameterCommand& c) {
             change_all([&c](Lane& lane) { lane.set_parameter(c.name, c.value); });
           },
+          [this](const CurveCommand& c) { change_all([&c](Lane& lane) { lane.set_curve(c.curve); }); },
           [this](const PushCommand& c) { push(c.impulse); },
           [this](const TerrainCommand& c) { change_terrain(c); },
           [this](const EnginesCommand& c) { choose_engines(c.engines); },

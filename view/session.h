@@ -62,20 +62,21 @@ class ViewSession {
   // As documents, for pages (session_documents.cpp).
 
   /// What does not change: `engines`, `most_engines`, `gaits` (`name`, `summary`), `parameters` (`name`,
-  /// `unit`, `help`, `min`, `max`), `terrains` (`name`, `help`), `limits` (`forward`, `left`, `yaw_rate`,
-  /// `push`), `mass` (kg) and `policy` (its name, null where a hand drives).
+  /// `unit`, `help`, `min`, `max`), `curves` (of the swing), `terrains` (`name`, `help`), `limits`
+  /// (`forward`, `left`, `yaw_rate`, `push`), `mass` (kg) and `policy` (its name, null where a hand drives).
   nlohmann::ordered_json options() const;
   /// What changes with the ground: `revision`, `scene` (report/scene.h) and its `numbers` in base64.
   nlohmann::ordered_json scene() const;
   /// Grows with every change of the ground.
   int scene_revision() const noexcept { return scene_revision_; }
-  /// The moment: `scene` (revision), `paused`, `gait`, `phase` and `parameters` (values, in the order of
-  /// `options`; all three null where joints are commanded), `command` (`vx`, `vy`, `yaw_rate`), `terrain`,
-  /// `seed`, `recorded` (s, null if nothing is being recorded), `reports` (recordings so far) and `robots`:
-  /// `engine`, `law` (of contact), `outcome`, `time` (s), `poses` of all bodies in W (x, y, z in m,
-  /// quaternion x, y, z, w), `feet` (centres in W, m), `forces` on them (in W, N), `contact` and `swing` by
-  /// leg, `velocity` of the base (forward, left in m/s, turning left in rad/s), `roll`, `pitch` (rad) and
-  /// `height` over the ground (m). Numbers are rounded to 1e-5.
+  /// The moment: `scene` (revision), `paused`, `chosen` (what the driver chose, `auto` perhaps), `gait` (the
+  /// one that walks), `curve`, `phase` and `parameters` (values, in the order of `options`; all five null
+  /// where joints are commanded), `command` (`vx`, `vy`, `yaw_rate`), `terrain`, `seed`, `recorded` (s, null
+  /// if nothing is being recorded), `reports` (recordings so far) and `robots`: `engine`, `law` (of contact),
+  /// `outcome`, `time` (s), `poses` of all bodies in W (x, y, z in m, quaternion x, y, z, w), `feet` (centres
+  /// in W, m), `forces` on them (in W, N), `contact` and `swing` by leg, `velocity` of the base (forward,
+  /// left in m/s, turning left in rad/s), `roll`, `pitch` (rad) and `height` over the ground (m). Numbers are
+  /// rounded to 1e-5.
   nlohmann::ordered_json frame() const;
 
   /// The last recording that was finished; null if there is none. It does not change any more.

@@ -69,6 +69,8 @@ ordered_json ViewSession::options() const {
   ordered_json gaits_ = ordered_json::array(), parameters = ordered_json::array(),
                terrains = ordered_json::array();
   for (const Gait& gait : gaits()) gaits_.push_back({{"name", gait.name}, {"summary", gait.summary}});
+  for (const std::string_view gait : {kAutomaticGait, kGuidesAutomaticGait})
+    gaits_.push_back({{"name", gait}, {"summary", "the gait for the speed"}});
   for (const ParameterRow& row : gait_parameters()) {
     const AdaptationRanges::Interval range = parameter_range(row.name, scale);
     parameters.push_back(
@@ -80,6 +82,7 @@ ordered_json ViewSession::options() const {
           {"most_engines", kMaxLanes},
           {"gaits", std::move(gaits_)},
           {"parameters", std::move(parameters)},
+          {"curves", {name(SwingCurve::kBezier), name(SwingCurve::kMatched)}},
           {"terrains", std::move(terrains)},
           {"limits",
            {{"forward", limits.forward},
@@ -111,6 +114,8 @@ ordered_json ViewSession::frame() const {
   return {{"scene", scene_revision_},
           {"paused", paused_},
           {"gait", gait != nullptr ? ordered_json(gait->gait().name) : ordered_json()},
+          {"chosen", gait != nullptr ? ordered_json(lanes_.front()->chosen_gait()) : ordered_json()},
+          {"curve", gait != nullptr ? ordered_json(name(gait->parameters().swing)) : ordered_json()},
           {"phase", gait != nullptr ? ordered_json(rounded(gait->phase())) : ordered_json()},
           {"command", {{"vx", command.vx}, {"vy", command.vy}, {"yaw_rate", command.yaw_rate}}},
           {"parameters", std::move(parameters)},

@@ -41,6 +41,20 @@ TEST(RollPitchYaw, OfAQuaternionJustBeyondUprightAreANumber) {
   }
 }
 
+TEST(RotationOfZ, TakesZToAnyAxisAndTurnsNothingElse) {
+  const double small = 1e-9;
+  for (const Vector3& axis :
+       {Vector3(0, 0, 1), Vector3(0, 0, -1), Vector3(1, 0, 0), Vector3(0, -1, 0), Vector3(1, 2, -3),
+        Vector3(-0.2, 0.1, 5), Vector3(small, 0, 1), Vector3(0, small, -1)}) {
+    const Vector3 unit = axis.normalized();
+    const Quaternion turn = rotation_of_z_to(unit);
+    EXPECT_NEAR(turn.norm(), 1, 1e-15);                                    // rounding
+    EXPECT_LE((turn * Vector3::UnitZ() - unit).norm(), 1e-15) << axis;     // rounding
+    EXPECT_LE(std::abs(turn.vec().dot(Vector3::UnitZ())), 1e-16) << axis;  // no turn about z
+    EXPECT_LE((turn * unit.cross(Vector3::UnitZ()) - unit.cross(Vector3::UnitZ())).norm(), 1e-15) << axis;
+  }
+}
+
 TEST(Fnv1a, IsThatOfItsTestVectors) {
   // draft-eastlake-fnv, appendix C.
   EXPECT_EQ(fnv1a_hex(""), "cbf29ce484222325");

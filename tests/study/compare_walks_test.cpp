@@ -1,4 +1,6 @@
 // Which engines can be compared, and what the comparison is told as.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -41,6 +43,29 @@ TEST(CompareWalks, WalksInTheEnginesThatAreAskedFor) {
   }
   EXPECT_TRUE(result.verdicts.empty());  // not asked for
   EXPECT_FALSE(result.interrupted);
+}
+
+TEST(CompareWalks, JudgesPairsOfDifferentLawsFromOneSetOfRuns) {
+  const std::vector<std::string> available = available_engines();
+  for (const char* engine : {"mujoco", "bullet:matched", "bullet"}) {
+    if (std::find(available.begin(), available.end(), engine) == available.end())
+      GTEST_SKIP() << "needs " << engine;
+  }
+  WalkConfig config;
+  config.gait = choose_gait("trot", {});
+  config.timing = {.seconds = 0.1, .settle_seconds = 0.1};
+  CompareOptions options;
+  options.verdict = true;
+  options.judge.starts = 4;
+  std::size_t judging = 0;
+  const auto progress = [&judging](const std::string& stage, double) { judging += stage == "judging"; };
+  const std::vector<Verdict> verdicts =
+      compare_walks(config, {"mujoco", "bullet:matched", "bullet"}, options, progress).verdicts;
+  ASSERT_EQ(verdicts.size(), 2U);
+  EXPECT_EQ(verdicts[0].a + " " + verdicts[0].b, "mujoco bullet");
+  EXPECT_EQ(verdicts[1].a + " " + verdicts[1].b, "bullet:matched bullet");
+  EXPECT_EQ(judging, 3U * 4 * variations().size());  // engines, starts: one report per run
+  EXPECT_TRUE(compare_walks(config, {"mujoco", "bullet:matched"}, options).verdicts.empty());
 }
 
 TEST(CompareWalks, AreReportedWithTheirVerdicts) {

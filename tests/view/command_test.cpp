@@ -28,6 +28,8 @@ TEST(ViewCommand, SaysWhatItSays) {
   EXPECT_EQ(engines.engines, (std::vector<std::string>{"a", "b"}));
   EXPECT_TRUE(std::get<PauseCommand>(parse_view_command(R"({"do": "pause", "on": true})")).on);
   EXPECT_EQ(std::get<GaitCommand>(parse_view_command(R"({"do": "gait", "gait": "walk"})")).gait, "walk");
+  EXPECT_EQ(std::get<CurveCommand>(parse_view_command(R"({"do": "curve", "curve": "bezier"})")).curve,
+            "bezier");
   EXPECT_FALSE(std::get<RecordCommand>(parse_view_command(R"({"do": "record", "on": false})")).on);
   EXPECT_TRUE(std::holds_alternative<StandCommand>(parse_view_command(R"({"do": "stand"})")));
 }

@@ -231,6 +231,50 @@ TEST_P(ViewSessionTest, EverySliderMayBeMovedToItsEnds) {
   }
 }
 
+TEST_P(ViewSessionTest, AutoIsTheGaitForTheSpeed) {
+  const auto drive = [this](double vx) {
+    tell(*session_, nlohmann::json{{"do", "drive"}, {"vx", vx}, {"vy", 0}, {"yaw_rate", 0}}.dump());
+  };
+  const auto gait = [this] { return session_->frame().at("gait").get<std::string>(); };
+  const auto parameters = [this] { return session_->lanes().front()->gait()->parameters(); };
+  tell(*session_, R"({"do": "gait", "gait": "auto"})");
+  drive(0.05);
+  EXPECT_EQ(gait(), "walk");
+  EXPECT_EQ(session_->frame().at("chosen"), "auto");
+  tell(*session_, R"({"do": "set", "name": "step_height", "value": 0.035})");
+  tell(*session_, R"({"do": "curve", "curve": "matched"})");
+  const double walks = parameters().cycle_time;
+  session_->advance(kSecond);
+  drive(0.2);
+  EXPECT_EQ(gait(), "trot");
+  EXPECT_LT(parameters().cycle_time, walks);
+  EXPECT_EQ(parameters().step_height, 0.035) << "the driver's settings are those of every gait";
+  EXPECT_EQ(parameters().swing, SwingCurve::kMatched);
+  const double before = state_of(*session_).p_WB.x();
+  session_->advance(2 * kSecond);
+  EXPECT_GT(state_of(*session_).p_WB.x() - before, 0.2);  // of .4 m
+  EXPECT_EQ(session_->lanes().front()->outcome(), Outcome::kWalked);
+  // It goes on choosing in another engine.
+  tell(*session_, engines_command({available_engines().front()}));
+  drive(0.05);
+  EXPECT_EQ(gait(), "walk");
+  tell(*session_, R"({"do": "gait", "gait": "trot"})");
+  EXPECT_EQ(gait(), "trot");
+  EXPECT_EQ(session_->frame().at("chosen"), "trot");
+  EXPECT_NE(parameters().step_height, 0.035) << "chosen anew, a gait is as it prefers to be";
+  tell(*session_, R"({"do": "gait", "gait": "auto:guide"})");
+  EXPECT_EQ(gait(), "walk:guide");
+}
+
+TEST_P(ViewSessionTest, TakesTheCurvesThatItOffers) {
+  for (const nlohmann::json curves = session_->options().at("curves"); const auto& curve : curves) {
+    tell(*session_, nlohmann::json{{"do", "curve"}, {"curve", curve}}.dump());
+    EXPECT_EQ(session_->frame().at("curve"), curve);
+  }
+  EXPECT_EQ(session_->options().at("curves").size(), 2U);
+  EXPECT_THROW(tell(*session_, R"({"do": "curve", "curve": "square"})"), ConfigError);
+}
+
 TEST_P(ViewSessionTest, APolicyWalksWhereItIsTold) {
   EnvConfig config;
   config.policy_dt = 0.02;
@@ -246,6 +290,7 @@ TEST_P(ViewSessionTest, APolicyWalksWhereItIsTold) {
   EXPECT_EQ(session->recording()->motion->runs.front().trace.rows(), 100U) << "one per policy step";
   EXPECT_THROW(tell(*session, R"({"do": "gait", "gait": "walk"})"), ConfigError);
   EXPECT_THROW(tell(*session, R"({"do": "set", "name": "cycle_time", "value": 0.3})"), ConfigError);
+  EXPECT_THROW(tell(*session, R"({"do": "curve", "curve": "bezier"})"), ConfigError);
   EXPECT_THROW(tell(*session, R"({"do": "drive", "vx": 9, "vy": 0, "yaw_rate": 0})"), ConfigError);
   for (const std::string& other : available_engines()) {
     const RobotState before = state_of(*session);
@@ -268,6 +313,7 @@ TEST_P(ViewSessionTest, APolicyOfJointsHasNoGait) {
   const auto session = make_policy_session({GetParam()}, joint_environment(), "zero");
   session->advance(20);
   EXPECT_TRUE(session->frame().at("gait").is_null());
+  EXPECT_TRUE(session->frame().at("chosen").is_null());
   EXPECT_TRUE(session->frame().at("parameters").is_null());
 }
 

@@ -77,6 +77,8 @@ export interface Motion {
   usual_load?: number;
   /** The ground is a plane that goes along with the robot. */
   endless?: boolean;
+  /** Whether runs go on while they are shown. */
+  live?: boolean;
 }
 
 export interface Interval {

@@ -24,6 +24,11 @@ const KEYS: [string, string][] = [
 const KEY_PUSH = 0.4;
 const GRAVITY = 9.81;
 
+/** What walks, and who chose it. */
+function gaitOf(frame: LiveFrame): string | null {
+  return frame.chosen === frame.gait ? frame.gait : `${frame.chosen}: ${frame.gait}`;
+}
+
 export class LivePage {
   view: View | null = null;
   frame: LiveFrame | null = null;
@@ -108,7 +113,7 @@ export class LivePage {
     this.tell(frame);
   }
   private tell(frame: LiveFrame): void {
-    this.facts.textContent = `${this.scene!.scene.robot} on ${frame.terrain} \u00b7 ${[this.options.policy, frame.gait].filter(Boolean).join(" on ")} \u00b7 ${frame.robots.map((robot) => robot.engine).join(", ")}`;
+    this.facts.textContent = `${this.scene!.scene.robot} on ${frame.terrain} \u00b7 ${[this.options.policy, gaitOf(frame)].filter(Boolean).join(" on ")} \u00b7 ${frame.robots.map((robot) => robot.engine).join(", ")}`;
     this.clock.textContent = `${frame.robots[0]!.time.toFixed(1)} s, ${frame.paused ? "paused" : `${frame.rate.toFixed(2)}\u00d7`}`;
     this.clock.title = "Simulated time, and how fast it passes";
     this.pause.setAttribute("aria-pressed", String(frame.paused));
@@ -133,13 +138,12 @@ export class LivePage {
     this.view?.dispose();
     const { scene, numbers } = this.scene!;
     this.runs = frame.robots.map((robot, i) => new LiveRun(i, robot));
-    const motion: Motion = { scene, runs: this.runs.map((run) => run.document), pairs: [], panels: [], notes: [], usual_load: (this.options.mass * GRAVITY) / 2, endless: scene.ground === null };
+    const motion: Motion = { scene, runs: this.runs.map((run) => run.document), pairs: [], panels: [], notes: [], usual_load: (this.options.mass * GRAVITY) / 2, endless: scene.ground === null, live: true };
     const canvas = h("canvas", { tabindex: 0, role: "img", "aria-label": `${scene.robot} in 3D. Keys w, a, s, d turn the view, plus and minus zoom.` });
     this.holder.replaceChildren(canvas);
     const view = (this.view = new View(motion, this.runs, new Numbers(numbers), canvas));
     view.follow = this.follow.querySelector("input")!.checked;
-    // Beside it, a robot would stand on other ground than its own, unless all of it is alike.
-    this.sideBySide.hidden = frame.robots.length < 2 || !motion.endless;
+    this.sideBySide.hidden = frame.robots.length < 2;
     view.show(0, true);
     this.arrange();
     if (before) {

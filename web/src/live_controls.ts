@@ -103,6 +103,7 @@ export class Controls {
   private readonly drive: [keyof LiveFrame["command"], Slider][];
   private readonly parameters: Slider[];
   private readonly gait: HTMLSelectElement;
+  private readonly curve: HTMLSelectElement;
   private readonly engines: HTMLSelectElement[];
   private readonly terrain: HTMLSelectElement;
   private readonly seed: HTMLInputElement;
@@ -124,6 +125,7 @@ export class Controls {
     this.drive = [velocity("vx", "forward", "m/s", limits.forward), velocity("vy", "left", "m/s", limits.left), velocity("yaw_rate", "turn left", "rad/s", limits.yaw_rate)];
     this.parameters = known.parameters.map((p) => new Slider({ ...p, label: p.name.replaceAll("_", " ") }, (value) => send({ do: "set", name: p.name, value })));
     this.gait = options(known.gaits.map((g) => [g.name, g.summary]), "Gait", (gait) => send({ do: "gait", gait }));
+    this.curve = options(known.curves.map((curve) => [curve, "The path of a foot through the air"]), "Swing curve", (curve) => send({ do: "curve", curve }));
     this.engines = Array.from({ length: known.most_engines }, (_, i) =>
       options([...(i > 0 ? ([["none", ""]] as [string, string][]) : []), ...known.engines.map((e): [string, string] => [e, ""])], i > 0 ? `Engine beside it, ${i}` : "Engine", () => this.chooseEngines()),
     );
@@ -134,7 +136,7 @@ export class Controls {
     this.settings = h("input", { type: "text", placeholder: "key=value,...", "aria-label": "Parameters of the ground", title: "As behind the colon of --terrain, e.g. rise=.01,run=.1", change: () => this.changeGround() });
     this.seed = h("input", { type: "number", min: 0, step: 1, value: 0, "aria-label": "Seed of the ground", title: "Seed", change: () => this.changeGround() });
     // A policy has its own mind about the gait: sliders show what it does.
-    if (known.policy !== null) for (const control of [this.gait, ...this.parameters]) control.disabled = true;
+    if (known.policy !== null) for (const control of [this.gait, this.curve, ...this.parameters]) control.disabled = true;
     this.element = h("div", { class: "controls" }, this.numbers(), ...this.groups());
   }
 
@@ -144,7 +146,8 @@ export class Controls {
     const show = (select: HTMLSelectElement, value: string) => {
       if (document.activeElement !== select && select.value !== value) select.value = value;
     };
-    if (frame.gait) show(this.gait, frame.gait);
+    if (frame.chosen) show(this.gait, frame.chosen);
+    if (frame.curve) show(this.curve, frame.curve);
     this.engines.forEach((select, i) => show(select, frame.robots[i]?.engine ?? "none"));
     const ground = `${frame.terrain} ${frame.seed}`;
     if (ground !== this.terrainShown) {
@@ -179,7 +182,7 @@ export class Controls {
       section("Drive", ...this.drive.map(([, slider]) => slider.element)),
       section("Engine", h("div", { class: "row" }, this.engines[0]!, h("span", { class: "muted" }, "beside it"), ...this.engines.slice(1))),
       section("Ground", h("div", { class: "row" }, this.terrain, this.settings, h("label", {}, "seed", this.seed))),
-      section("Gait", h("div", { class: "row" }, this.gait), ...[this.parameters[height]!, ...others].map((slider) => slider.element)),
+      section("Gait", h("div", { class: "row" }, this.gait, h("label", {}, "swing", this.curve)), ...[this.parameters[height]!, ...others].map((slider) => slider.element)),
     ];
   }
 }

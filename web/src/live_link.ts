@@ -6,6 +6,8 @@ export interface LiveOptions {
   most_engines: number;
   gaits: { name: string; summary: string }[];
   parameters: { name: string; unit: string; help: string; min: number; max: number }[];
+  /** Of the swing. */
+  curves: string[];
   terrains: { name: string; help: string }[];
   limits: { forward: number; left: number; yaw_rate: number; push: number };
   mass: number;
@@ -46,8 +48,10 @@ export interface LiveFrame {
   scene: number;
   paused: boolean;
   rate: number;
-  /** These three are null where a policy commands joints. */
+  /** These five are null where a policy commands joints. What was chosen may be "auto"; the gait is what walks. */
+  chosen: string | null;
   gait: string | null;
+  curve: string | null;
   phase: number | null;
   parameters: number[] | null;
   command: Velocity;
@@ -62,6 +66,7 @@ export type Command =
   | ({ do: "drive" } & Velocity)
   | { do: "gait"; gait: string }
   | { do: "set"; name: string; value: number }
+  | { do: "curve"; curve: string }
   | { do: "push"; impulse: [number, number, number] }
   | { do: "terrain"; terrain: string; seed: number }
   | { do: "engines"; engines: string[] }

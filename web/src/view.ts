@@ -108,8 +108,8 @@ export class View {
   private readonly renderer: WebGLRenderer;
   private readonly groups: Group[] = [];
   private ground: Group | null = null;
-  /** Of every run, made when they first stand side by side. */
-  private strips: Group[] = [];
+  /** Of every run, made when they first stand side by side: the ground around it, and where along y its middle is. */
+  private strips: { ground: Group; middle: number }[] = [];
   private readonly groundMaterial = new MeshLambertMaterial({ vertexColors: true });
   private readonly gridMaterial = new LineBasicMaterial();
   private readonly sun = new DirectionalLight(0xffffff, 2.2);
@@ -174,7 +174,8 @@ export class View {
       this.robots.push(robot);
       this.groups.push(group);
     }
-    this.ground = this.groundOf(scene.reach);
+    const [, y0, , y1] = scene.way;
+    this.ground = this.groundOf(y0 - scene.reach, y1 + scene.reach);
     this.three.add(this.ground);
     const reach = 6 * this.size;
     this.sun.castShadow = true;
@@ -185,11 +186,10 @@ export class View {
     this.three.add(this.sun, this.sun.target, this.sky);
   }
 
-  private groundOf(beside: number): Group {
+  private groundOf(y0: number, y1: number): Group {
     const { ground, way, reach } = this.motion.scene;
     const group = new Group();
     const [x0, x1] = [way[0] - reach, way[2] + reach];
-    const [y0, y1] = [way[1] - beside, way[3] + beside];
     if (ground) {
       group.add(new Mesh(fieldGeometry(ground, this.numbers, y0, y1), this.groundMaterial));
     } else {
@@ -203,30 +203,52 @@ export class View {
     return group;
   }
 
+  /** Each robot on ground of its own: a plane is the same everywhere. */
+  private get inStrips(): boolean {
+    return this.sideBySide && !this.motion.endless;
+  }
+
+  /** Of a replay the ground beside the whole way, of a live robot that around it. */
+  private stripOf(i: number): { ground: Group; middle: number } {
+    const [, y0, , y1] = this.motion.scene.way;
+    const beside = 2.6 * this.size;
+    const middle = this.motion.live ? this.robots[i]!.bodies[0]!.position.y : 0;
+    const ground = this.motion.live ? this.groundOf(middle - beside, middle + beside) : this.groundOf(y0 - beside, y1 + beside);
+    this.groups[i]!.add(ground);
+    return { ground, middle };
+  }
+
+  /** Strips of live robots that have left the middle of theirs. */
+  private moveStrips(): void {
+    const left = this.strips.flatMap((strip, i) => (Math.abs(this.robots[i]!.bodies[0]!.position.y - strip.middle) > this.size ? [i] : []));
+    for (const i of left) {
+      const old = this.strips[i]!.ground;
+      this.groups[i]!.remove(old);
+      old.traverse((part) => part instanceof Mesh && (part.geometry as BufferGeometry).dispose());
+      this.strips[i] = this.stripOf(i);
+    }
+    if (left.length > 0) this.paint();
+  }
+
   /** Colours, and what is there at all. */
   paint(): void {
     const several = this.runs.length > 1;
     const [, y0, , y1] = this.motion.scene.way;
-    const apart = (this.motion.endless ? 0 : y1 - y0) + 5.4 * this.size;
-    const inStrips = this.sideBySide && !this.motion.endless;
+    const apart = (this.motion.live ? 0 : y1 - y0) + 5.4 * this.size;
+    const { inStrips } = this;
     this.groundMaterial.color.set(theme.variable("--ground"));
     this.gridMaterial.color.set(theme.variable("--grid"));
     this.three.background = new Color(theme.variable("--sky"));
     this.sky.intensity = theme.name === "dark" ? 1.1 : 1.7;
-    if (inStrips && this.strips.length === 0) {
-      this.strips = this.groups.map((group) => {
-        const strip = this.groundOf(2.6 * this.size);
-        group.add(strip);
-        return strip;
-      });
-    }
+    if (inStrips && this.strips.length === 0) this.strips = this.groups.map((_, i) => this.stripOf(i));
     if (this.ground) this.ground.visible = !inStrips;
-    for (const strip of this.strips) strip.visible = inStrips;
+    for (const strip of this.strips) strip.ground.visible = inStrips;
     const seen = this.shown.flatMap((shown, i) => (shown ? [i] : []));
     this.groups.forEach((group, i) => {
       group.visible = this.shown[i]!;
       const place = seen.indexOf(i);
-      group.position.y = this.sideBySide ? ((seen.length - 1) / 2 - place) * apart : 0;
+      const middle = inStrips && this.motion.live ? this.strips[i]!.middle : 0;
+      group.position.y = this.sideBySide ? ((seen.length - 1) / 2 - place) * apart - middle : 0;
       const robot = this.robots[i]!;
       robot.paint(theme.colour(i), !several, several && !this.sideBySide && place > 0);
       robot.arrows.visible = this.forces;
@@ -246,6 +268,7 @@ export class View {
       const share = exact || to <= from ? 0 : Math.min(1, Math.max(0, (time - from) / (to - from)));
       robot.show(frame, share);
     });
+    if (this.inStrips && this.motion.live) this.moveStrips();
     const base = this.base();
     if (this.follow) {
       const moved = base.clone().sub(this.watched);
@@ -306,7 +329,8 @@ export class View {
     const { poses } = this.runs[run]!;
     const object = this.robots[run]?.bodies[0];
     const x = object ? object.position : new Vector3().fromArray(poses, 0);
-    return new Vector3(x.x, x.y, poses[2]);
+    // In its strip a live robot is where the strip is.
+    return new Vector3(x.x, this.inStrips && this.motion.live ? 0 : x.y, poses[2]);
   }
   private resize(): void {
     const box = this.canvas.parentElement!.getBoundingClientRect();

@@ -83,9 +83,21 @@ test("two engines walk side by side, on another ground, and two look on", async 
   await page.keyboard.press("b");
   const ys = await page.evaluate(() => window.crossgait.view.robots.map((robot) => robot.parent.position.y));
   assert.ok(ys[0] > ys[1], `side by side: ${ys}`);
-  // On ground that is not alike everywhere they stand in one place, each on its own.
+  // On ground that is not alike everywhere each takes a strip of it along.
   await page.getByLabel("Ground", { exact: true }).selectOption("rough");
-  for (const each of [page, other.page]) await each.waitForFunction(() => window.crossgait.frame.terrain === "rough" && window.crossgait.view.motion.scene.ground && window.crossgait.view.robots.every((robot) => robot.parent.position.y === 0));
+  const onRough = (strips) => window.crossgait.frame.terrain === "rough" && window.crossgait.view.motion.scene.ground && window.crossgait.view.strips.length === strips;
+  await page.waitForFunction(onRough, 2);
+  await other.page.waitForFunction(onRough, 0); // which has them in one place
+  const strips = () => page.evaluate(() => window.crossgait.view.robots.map((robot, i) => ({ drawn: robot.parent.position.y + robot.bodies[0].position.y, away: robot.bodies[0].position.y - window.crossgait.view.strips[i].middle, size: window.crossgait.view.motion.scene.standing_height })));
+  const [a, b] = await strips();
+  assert.ok(a.drawn - b.drawn > 4 * a.size, `strips apart: ${a.drawn}, ${b.drawn}`);
+  // Sideways, until they have left the strips that they began on.
+  await page.evaluate(() => (window.begun = window.crossgait.view.strips[0].middle));
+  await page.keyboard.press("q");
+  await page.keyboard.press("q");
+  await page.waitForFunction(() => window.crossgait.view.strips[0].middle > window.begun);
+  await page.keyboard.press(" ");
+  for (const { away, size } of await strips()) assert.ok(Math.abs(away) <= 1.1 * size, `${away} m off its strip`);
   await page.getByLabel("Engine beside it, 1").selectOption("none");
   await other.page.waitForFunction(() => window.crossgait.view.robots.length === 1);
   await page.getByLabel("Ground", { exact: true }).selectOption("flat");
@@ -109,6 +121,10 @@ test("sliders set parameters, and pulling at the robot pushes it", async () => {
   const gait = page.getByLabel("Gait", { exact: true });
   await gait.selectOption("walk");
   await page.waitForFunction(() => window.crossgait.frame.gait === "walk");
+  await gait.selectOption("auto");
+  await page.waitForFunction(() => window.crossgait.frame.chosen === "auto" && document.querySelector("header").textContent.includes("auto: walk"));
+  await page.getByLabel("Swing curve").selectOption("matched");
+  await page.waitForFunction(() => window.crossgait.frame.curve === "matched");
   const posts = [];
   page.on("request", (request) => request.method() === "POST" && posts.push(request.postDataJSON()));
   const place = await page.evaluate(() => {
