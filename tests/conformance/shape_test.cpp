@@ -77,8 +77,7 @@ class Shapes : public BackendTest {
     const double radius = size.x();
     RobotState start = backend->home_state();
     // Its axis z along W's y, level.
-    start.q_WB = rotation_of_z_to(incline.normal) *
-                 from_roll_pitch_yaw(kQuarterTurn, 0, 0);
+    start.q_WB = rotation_of_z_to(incline.normal) * from_roll_pitch_yaw(kQuarterTurn, 0, 0);
     start.p_WB = incline.normal * radius;
     backend->reset(start);
     const auto speed_after = [&](int steps) {
