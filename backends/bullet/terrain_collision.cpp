@@ -77,9 +77,8 @@ std::unique_ptr<btCompoundShape> make_link_shape(const std::vector<contact::Body
   for (const contact::BodyFeature& of : features) {
     if (of.feature.body != link + 1) continue;
     children.push_back(make_feature_shape(of.feature));
-    const btQuaternion turn = of.feature.rim > 0
-                                  ? quaternion(rotation_of_z_to(of.axis_C))
-                                  : btQuaternion::getIdentity();
+    const btQuaternion turn =
+        of.feature.rim > 0 ? quaternion(rotation_of_z_to(of.axis_C)) : btQuaternion::getIdentity();
     compound->addChildShape(btTransform(turn, vector(of.p_CF)), children.back().get());
   }
   return compound;
