@@ -180,10 +180,9 @@ void add_compare_command(CLI::App& program) {
   options->page.add_to(*command);
   command->add_flag("--require", options->require,
                     "Exit code 1 if engines of the same laws are not the same within 1e-6 m and rad");
-  command->add_flag(
-      "--verdict", options->compare.verdict,
-      "Also judge whether the difference is the engine's (30 more runs per engine; see "
-      "`crossgait verdict`)");
+  command->add_flag("--verdict", options->compare.verdict,
+                    "Also judge whether the difference is the engine's (30 more runs per engine; see "
+                    "`crossgait verdict`)");
   options->compare.judge.workers = EpisodeOptions::default_workers();
   options->json.add_to(*command);
   on_run(*command, [options] { run(*options); });

@@ -17,7 +17,7 @@ WalkRun walk(const WalkConfig& config, const std::string& engine, const Progress
 
 struct CompareOptions {
   DivergenceTolerances tolerances;  ///< for engines of different laws
-  bool verdict = false;             ///< also judge every pair of engines of different laws, all from one set of runs
+  bool verdict = false;  ///< also judge every pair of engines of different laws, all from one set of runs
   VerdictOptions judge{.starts = 6};
 };
 
