@@ -72,6 +72,11 @@ void add_result(ReportPage& page, const Recorded& recorded) {
   if (result.contains("provenance")) page.provenances.emplace_back(result.at("provenance"));
   if (kind == "verdict") {
     page.verdicts.push_back(verdict_document(result, recorded.file));
+  } else if (kind == "verdicts") {
+    VerdictsDocument many = verdicts_document(result, recorded.file);
+    page.tables.push_back(std::move(many.words));
+    page.sentences = std::move(many.sentences);
+    for (auto& verdict : many.verdicts) page.verdicts.push_back(std::move(verdict));
   } else if (kind == "walk") {
     page.tables.push_back(table_of({result}, recorded.file));
   } else if (kind == "compare") {

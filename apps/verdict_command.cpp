@@ -66,12 +66,14 @@ std::string what_is_kept(const std::string& stored_runs) {
 ReportPage page_of(const JudgementOfMany& judged) {
   ReportPage page;
   page.title = judged.pairs.front().verdict.behaviour;
-  for (const Judgement& pair : judged.pairs)
-    page.verdicts.push_back(verdict_document(to_json(pair), "verdict"));
-  if (judged.pairs.size() > 1) {
-    page.tables.push_back(words_table(judged));
-    page.sentences = sentences(judged);
+  if (judged.pairs.size() == 1) {
+    page.verdicts.push_back(verdict_document(to_json(judged.pairs.front()), "verdict"));
+    return page;
   }
+  VerdictsDocument many = verdicts_document(to_json(judged), "verdict");
+  page.tables.push_back(std::move(many.words));
+  page.sentences = std::move(many.sentences);
+  page.verdicts = std::move(many.verdicts);
   return page;
 }
 

@@ -199,4 +199,19 @@ Standing stand(const std::vector<JudgedEngine>& engines, const std::vector<Verdi
   return standing;
 }
 
+Table words_table(const std::string& title, const std::vector<JudgedEngine>& engines,
+                  const std::vector<std::string>& words) {
+  std::vector<std::string> header{title, "law"};
+  for (const JudgedEngine& engine : engines) header.push_back(engine.name);
+  Table table(header);
+  const std::size_t n = engines.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    std::vector<std::string> row{engines[i].name, engines[i].law};
+    for (std::size_t k = 0; k < n; ++k)
+      row.emplace_back(i == k ? "." : words[pair_index(std::min(i, k), std::max(i, k), n)]);
+    table.add_row(row);
+  }
+  return table;
+}
+
 }  // namespace crossgait

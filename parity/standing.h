@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "crossgait/parity/table.h"
 #include "crossgait/parity/verdict.h"
 
 namespace crossgait {
@@ -34,6 +35,12 @@ struct Standing {
   std::vector<std::string> statistics;  ///< in which the outlier is engine-dependent from all others
   std::string reason;                   ///< why an outlier is named, or none
 };
+
+/// What is said of every pair, engine by engine.
+/// @param title  of the table
+/// @param words  of all pairs, as `reach_verdicts` has them
+Table words_table(const std::string& title, const std::vector<JudgedEngine>& engines,
+                  const std::vector<std::string>& words);
 
 /// @param engines  two or more
 /// @param pairs    `reach_verdicts` of them

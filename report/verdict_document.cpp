@@ -1,5 +1,8 @@
 #include "crossgait/report/verdict_document.h"
 
+#include <fmt/format.h>
+
+#include "crossgait/parity/standing.h"
 #include "crossgait/physics/error.h"
 
 namespace crossgait {
@@ -78,6 +81,29 @@ nlohmann::ordered_json verdict_document(const nlohmann::json& verdict, const std
                                 : ordered_json()}};
   } catch (const Json::exception& problem) {
     throw ConfigError(file, "verdict", "a result as `crossgait verdict --json` writes it", problem.what());
+  }
+}
+
+VerdictsDocument verdicts_document(const nlohmann::json& verdicts, const std::string& file) {
+  try {
+    std::vector<JudgedEngine> engines;
+    for (const Json& engine : verdicts.at("engines"))
+      engines.push_back({engine.at("name"), engine.at("contact_law")});
+    std::vector<std::string> words;
+    std::vector<ordered_json> pairs;
+    for (const Json& pair : verdicts.at("pairs")) {
+      pairs.push_back(verdict_document(pair, file));
+      words.push_back(pair.at("word"));
+    }
+    const std::size_t n = engines.size();
+    if (n < 2 || pairs.size() != n * (n - 1) / 2) {
+      throw ConfigError(file, "pairs", "one of every two engines, which are two or more",
+                        fmt::format("{} of {} engines", pairs.size(), n));
+    }
+    return {words_table(verdicts.at("behaviour"), engines, words),
+            verdicts.at("sentences").get<std::vector<std::string>>(), std::move(pairs)};
+  } catch (const Json::exception& problem) {
+    throw ConfigError(file, "verdicts", "a result as `crossgait verdict --json` writes it", problem.what());
   }
 }
 

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
+
+#include "crossgait/parity/table.h"
 
 namespace crossgait {
 
@@ -12,5 +15,15 @@ namespace crossgait {
 /// `attribution` (null if there is none).
 /// @throws ConfigError naming `file` and what is missing or of another kind
 nlohmann::ordered_json verdict_document(const nlohmann::json& verdict, const std::string& file);
+
+/// Of many engines.
+struct VerdictsDocument {
+  Table words;                                   ///< of all pairs, engine by engine
+  std::vector<std::string> sentences;            ///< clusters, and the outlier or why none is named
+  std::vector<nlohmann::ordered_json> verdicts;  ///< `verdict_document` of every pair
+};
+
+/// What a page needs of docs/schemas/verdicts.json. @throws ConfigError likewise
+VerdictsDocument verdicts_document(const nlohmann::json& verdicts, const std::string& file);
 
 }  // namespace crossgait

@@ -70,6 +70,7 @@ nlohmann::ordered_json to_json(const JudgementOfMany& j) {
   json["outlier_engines"] = names_of(j, standing.outlier);
   json["outlier_statistics"] = standing.statistics;
   json["reason"] = standing.reason;
+  json["sentences"] = sentences(j);
   json["pairs"] = ordered_json::array();
   for (const Judgement& pair : j.pairs) json["pairs"].push_back(pair_json(pair));
   return with_schema("verdicts", json);
@@ -98,19 +99,9 @@ std::vector<std::string> sentences(const JudgementOfMany& j) {
 }
 
 Table words_table(const JudgementOfMany& j) {
-  std::vector<std::string> header{j.pairs.front().verdict.behaviour, "law"};
-  for (const JudgedEngine& engine : j.engines) header.push_back(engine.name);
-  Table table(header);
-  const std::size_t n = j.engines.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    std::vector<std::string> row{j.engines[i].name, j.engines[i].law};
-    for (std::size_t k = 0; k < n; ++k) {
-      row.emplace_back(
-          i == k ? "." : name(j.pairs[pair_index(std::min(i, k), std::max(i, k), n)].verdict.conclusion()));
-    }
-    table.add_row(row);
-  }
-  return table;
+  std::vector<std::string> words;
+  for (const Judgement& pair : j.pairs) words.emplace_back(name(pair.verdict.conclusion()));
+  return words_table(j.pairs.front().verdict.behaviour, j.engines, words);
 }
 
 std::string describe(const JudgementOfMany& j) {

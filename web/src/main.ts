@@ -164,7 +164,9 @@ function header(report: ReportDocument): HTMLElement {
   const { motion } = report;
   const facts = motion
     ? `${motion.scene.robot} on ${motion.scene.terrain} \u00b7 ${motion.runs.map((run) => (run.engine ? `${run.name} (${run.engine})` : run.name)).join(", ")}`
-    : report.verdicts.map((v) => `${v.a} and ${v.b}: ${v.word}`).join(", ");
+    : report.verdicts.length > 1
+      ? `${new Set(report.verdicts.flatMap((v) => [v.a, v.b])).size} engines`
+      : report.verdicts.map((v) => `${v.a} and ${v.b}: ${v.word}`).join(", ");
   const keys = h("details", { class: "help" }, h("summary", {}, "keys"), h("dl", {}, ...KEYS.flatMap(([k, what]) => [h("dt", {}, k), h("dd", {}, what)])));
   return h("header", {}, h("h1", {}, report.title), h("p", {}, facts), h("span", { class: "right" }, motion ? keys : null, button("\u25d0", "Light or dark (t)", () => theme.toggle())));
 }
@@ -204,11 +206,14 @@ function buildReport(report: ReportDocument): object {
   } else {
     page.append(results);
   }
+  // Of many engines first what they come to, then every pair.
+  const many = !motion && report.verdicts.length > 1;
+  const found = findings(report, many ? "Which engines agree" : "Statistics");
+  if (found && many) results.append(found);
   for (const verdict of report.verdicts) results.append(verdictSection(verdict));
   const drawn = charts(report);
   results.append(...drawn.elements);
-  const found = findings(report);
-  if (found) results.append(found);
+  if (found && !many) results.append(found);
   results.append(origin(report));
   listen(stage);
   return { ...handles, charts: drawn.figures };

@@ -2,9 +2,12 @@
 import type { Provenance, ReportDocument } from "./document";
 import { h } from "./dom";
 
+/** Of verdicts. */
+const WORDS = new Set(["agrees", "engine-dependent", "unresolved"]);
+
 function table(header: string[], rows: string[][]): HTMLElement {
   const cells = (row: string[], tag: "th" | "td") =>
-    row.map((text, i) => h(i === 0 ? "th" : tag, { scope: tag === "th" ? "col" : i === 0 ? "row" : false }, text));
+    row.map((text, i) => h(i === 0 ? "th" : tag, { scope: tag === "th" ? "col" : i === 0 ? "row" : false }, WORDS.has(text) ? h("span", { class: `word ${text}` }, text) : text));
   return h(
     "div",
     { class: "scroll" },
@@ -12,12 +15,12 @@ function table(header: string[], rows: string[][]): HTMLElement {
   );
 }
 
-export function findings(report: ReportDocument): HTMLElement | null {
+export function findings(report: ReportDocument, title: string): HTMLElement | null {
   if (report.tables.length === 0 && report.sentences.length === 0 && report.texts.length === 0) return null;
   return h(
     "section",
     { class: "group" },
-    h("h2", {}, "Statistics"),
+    h("h2", {}, title),
     ...report.tables.map(({ header, rows }) => table(header, rows)),
     ...report.sentences.map((sentence) => h("p", {}, sentence)),
     ...report.texts.map((text) => h("pre", { class: "text" }, text)),

@@ -85,7 +85,7 @@ export function verdictSection(verdict: Verdict): HTMLElement {
     ),
   );
   const scale = h("tr", { class: "scale" }, h("td", { colspan: 6 }), h("td", { class: "picture" }, axis.scale()), h("td", {}));
-  const models = verdict.models.map((m) => h("li", {}, `${m.quantity} of ${m.element}: ${m.a} and ${m.b} ${m.unit}`));
+  const models = verdict.models.map((m) => h("li", {}, `${m.quantity} of ${m.element}: ${digits(m.a)} and ${digits(m.b)}${m.unit === "-" ? "" : ` ${m.unit}`}`));
   return h(
     "section",
     { class: "group verdict" },

@@ -217,3 +217,28 @@ test("a verdict shows every statistic between the limits", async () => {
   assert.deepEqual(problems, []);
   await page.close();
 });
+
+test("a verdict of many begins with who agrees", async () => {
+  const { page, problems } = await open("many.html");
+  const result = JSON.parse(readFileSync(join(pages, "many.json"), "utf8"));
+  assert.deepEqual(
+    await page.locator(".results h2").allTextContents().then((heads) => heads.map((head) => head.replace(/ (agrees|engine-dependent|unresolved)$/, ""))),
+    ["Which engines agree", ...result.pairs.map(({ a, b }) => `${a} and ${b}`), "Where this comes from"],
+  );
+  const matrix = page.locator(".results section").first();
+  assert.equal(await matrix.locator("td .word").count(), 2 * result.pairs.length, "every pair, either way round");
+  assert.match(await matrix.textContent(), /[Oo]utlier|agree/);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+// A4 without its margins, in the pixels of a style sheet.
+test("nothing is wider than paper", async () => {
+  for (const name of ["many.html", "verdict.html", "compare.html", "bench.html"]) {
+    const { page } = await open(name, { width: 703, height: 1000 });
+    await page.emulateMedia({ media: "print" });
+    const wide = await page.evaluate(() => [...document.querySelectorAll(".scroll, .panel, .stage")].filter((box) => box.scrollWidth > box.clientWidth + 1).map((box) => `${box.textContent.slice(0, 40)}: ${box.scrollWidth} of ${box.clientWidth}`));
+    assert.deepEqual(wide, [], name);
+    await page.close();
+  }
+});
