@@ -17,6 +17,8 @@ if(CROSSGAIT_SANITIZE)
                                                      # g++ warns falsely in instrumented standard headers
                                                      -Wno-maybe-uninitialized)
   target_link_options(crossgait_options INTERFACE -fsanitize=${CROSSGAIT_SANITIZE})
+  # Under a sanitizer Eigen would align memory by hand, and libraries that were built without one (DART) could not free it.
+  target_compile_definitions(crossgait_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
 
 function(crossgait_library name)
