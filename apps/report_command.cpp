@@ -73,10 +73,7 @@ void add_result(ReportPage& page, const Recorded& recorded) {
   if (kind == "verdict") {
     page.verdicts.push_back(verdict_document(result, recorded.file));
   } else if (kind == "verdicts") {
-    VerdictsDocument many = verdicts_document(result, recorded.file);
-    page.tables.push_back(std::move(many.words));
-    page.sentences = std::move(many.sentences);
-    for (auto& verdict : many.verdicts) page.verdicts.push_back(std::move(verdict));
+    verdicts_document(result, recorded.file).add_to(page);
   } else if (kind == "walk") {
     page.tables.push_back(table_of({result}, recorded.file));
   } else if (kind == "compare") {

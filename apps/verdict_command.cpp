@@ -11,7 +11,6 @@
 #include "crossgait/apps/page_option.h"
 #include "crossgait/apps/walk_options.h"
 #include "crossgait/backends/registry.h"
-#include "crossgait/parity/table.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/report/verdict_document.h"
 #include "crossgait/study/judgement.h"
@@ -68,12 +67,9 @@ ReportPage page_of(const JudgementOfMany& judged) {
   page.title = judged.pairs.front().verdict.behaviour;
   if (judged.pairs.size() == 1) {
     page.verdicts.push_back(verdict_document(to_json(judged.pairs.front()), "verdict"));
-    return page;
+  } else {
+    verdicts_document(to_json(judged), "verdict").add_to(page);
   }
-  VerdictsDocument many = verdicts_document(to_json(judged), "verdict");
-  page.tables.push_back(std::move(many.words));
-  page.sentences = std::move(many.sentences);
-  page.verdicts = std::move(many.verdicts);
   return page;
 }
 

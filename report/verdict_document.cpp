@@ -1,5 +1,8 @@
 #include "crossgait/report/verdict_document.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include <fmt/format.h>
 
 #include "crossgait/parity/standing.h"
@@ -82,6 +85,12 @@ nlohmann::ordered_json verdict_document(const nlohmann::json& verdict, const std
   } catch (const Json::exception& problem) {
     throw ConfigError(file, "verdict", "a result as `crossgait verdict --json` writes it", problem.what());
   }
+}
+
+void VerdictsDocument::add_to(ReportPage& page) && {
+  page.tables.push_back(std::move(words));
+  std::move(sentences.begin(), sentences.end(), std::back_inserter(page.sentences));
+  std::move(verdicts.begin(), verdicts.end(), std::back_inserter(page.verdicts));
 }
 
 VerdictsDocument verdicts_document(const nlohmann::json& verdicts, const std::string& file) {

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/table.h"
+#include "crossgait/report/page.h"
 
 namespace crossgait {
 
@@ -21,6 +21,9 @@ struct VerdictsDocument {
   Table words;                                   ///< of all pairs, engine by engine
   std::vector<std::string> sentences;            ///< clusters, and the outlier or why none is named
   std::vector<nlohmann::ordered_json> verdicts;  ///< `verdict_document` of every pair
+
+  /// Onto the end of what a page has of each.
+  void add_to(ReportPage& page) &&;
 };
 
 /// What a page needs of docs/schemas/verdicts.json. @throws ConfigError likewise

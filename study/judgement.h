@@ -10,7 +10,6 @@
 #include "crossgait/parity/attribution.h"
 #include "crossgait/parity/model_audit.h"
 #include "crossgait/parity/standing.h"
-#include "crossgait/parity/table.h"
 #include "crossgait/parity/verdict.h"
 #include "crossgait/study/run_spec.h"
 
@@ -75,9 +74,5 @@ std::string describe(const Judgement& judgement);
 /// Keys as in docs/schemas/verdicts.json.
 nlohmann::ordered_json to_json(const JudgementOfMany& judgements);
 std::string describe(const JudgementOfMany& judgements);
-/// Clusters, and the outlier or why none is named.
-std::vector<std::string> sentences(const JudgementOfMany& judgements);
-/// The words of all pairs, engine by engine.
-Table words_table(const JudgementOfMany& judgements);
 
 }  // namespace crossgait

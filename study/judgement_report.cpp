@@ -42,6 +42,36 @@ std::string differences(const Verdict& verdict) {
   return fmt::format("{}", fmt::join(found, ", "));
 }
 
+// Clusters, and the outlier or why none is named.
+std::vector<std::string> sentences(const JudgementOfMany& j) {
+  std::vector<std::string> found;
+  for (const std::vector<std::size_t>& cluster : j.standing.clusters) {
+    const auto names = names_of(j, cluster);
+    found.push_back(cluster.size() == 1 ? fmt::format("Alone: {}.", names.front())
+                                        : fmt::format("Agree with one another: {}.", fmt::join(names, ", ")));
+  }
+  for (const std::size_t p : j.standing.bridges)
+    found.push_back(fmt::format("Also agree: {} and {}.", j.pairs[p].verdict.a, j.pairs[p].verdict.b));
+  if (j.standing.outlier.empty()) {
+    found.push_back(fmt::format("No outlier is named: {}.", j.standing.reason));
+  } else {
+    const bool law = j.standing.outlier.size() > 1;
+    const std::string who = law ? fmt::format("the law {} ({})", outlier_name(j),
+                                              fmt::join(names_of(j, j.standing.outlier), ", "))
+                                : outlier_name(j);
+    found.push_back(fmt::format("The outlier is {}: {}; in {}.", who, j.standing.reason,
+                                fmt::join(j.standing.statistics, ", ")));
+  }
+  return found;
+}
+
+// The words of all pairs, engine by engine.
+Table words_table(const JudgementOfMany& j) {
+  std::vector<std::string> words;
+  for (const Judgement& pair : j.pairs) words.emplace_back(name(pair.verdict.conclusion()));
+  return crossgait::words_table(j.pairs.front().verdict.behaviour, j.engines, words);
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const Judgement& judgement) {
@@ -74,34 +104,6 @@ nlohmann::ordered_json to_json(const JudgementOfMany& j) {
   json["pairs"] = ordered_json::array();
   for (const Judgement& pair : j.pairs) json["pairs"].push_back(pair_json(pair));
   return with_schema("verdicts", json);
-}
-
-std::vector<std::string> sentences(const JudgementOfMany& j) {
-  std::vector<std::string> found;
-  for (const std::vector<std::size_t>& cluster : j.standing.clusters) {
-    const auto names = names_of(j, cluster);
-    found.push_back(cluster.size() == 1 ? fmt::format("Alone: {}.", names.front())
-                                        : fmt::format("Agree with one another: {}.", fmt::join(names, ", ")));
-  }
-  for (const std::size_t p : j.standing.bridges)
-    found.push_back(fmt::format("Also agree: {} and {}.", j.pairs[p].verdict.a, j.pairs[p].verdict.b));
-  if (j.standing.outlier.empty()) {
-    found.push_back(fmt::format("No outlier is named: {}.", j.standing.reason));
-  } else {
-    const bool law = j.standing.outlier.size() > 1;
-    const std::string who = law ? fmt::format("the law {} ({})", outlier_name(j),
-                                              fmt::join(names_of(j, j.standing.outlier), ", "))
-                                : outlier_name(j);
-    found.push_back(fmt::format("The outlier is {}: {}; in {}.", who, j.standing.reason,
-                                fmt::join(j.standing.statistics, ", ")));
-  }
-  return found;
-}
-
-Table words_table(const JudgementOfMany& j) {
-  std::vector<std::string> words;
-  for (const Judgement& pair : j.pairs) words.emplace_back(name(pair.verdict.conclusion()));
-  return words_table(j.pairs.front().verdict.behaviour, j.engines, words);
 }
 
 std::string describe(const JudgementOfMany& j) {

@@ -8,15 +8,6 @@
 namespace crossgait {
 namespace {
 
-// A change of the robot alone. The description is shared, so it is copied.
-std::function<void(WorldSpec&)> of_robot(std::function<void(RobotDescription&)> change) {
-  return [change = std::move(change)](WorldSpec& spec) {
-    auto robot = std::make_shared<RobotDescription>(*spec.robot);
-    change(*robot);
-    spec.robot = std::move(robot);
-  };
-}
-
 constexpr std::size_t kBody = 5;  // any but the base
 constexpr int kJoint = 4;         // that it hangs on
 const char* const kBodyName = "body FL_lower_right";
@@ -42,6 +33,14 @@ void split_the_other_way(WorldSpec& spec) {
 }
 
 }  // namespace
+
+std::function<void(WorldSpec&)> of_robot(std::function<void(RobotDescription&)> change) {
+  return [change = std::move(change)](WorldSpec& spec) {
+    auto robot = std::make_shared<RobotDescription>(*spec.robot);
+    change(*robot);
+    spec.robot = std::move(robot);
+  };
+}
 
 std::vector<PlantedFault> planted_faults() {
   using R = RobotDescription;

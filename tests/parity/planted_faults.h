@@ -18,6 +18,9 @@ struct PlantedFault {
   std::string terrain = "flat";
 };
 
+/// A change of the robot alone. The description is shared, so it is copied.
+std::function<void(WorldSpec&)> of_robot(std::function<void(RobotDescription&)> change);
+
 /// Every fault at the size at which it is still worth finding: a few per cent, or half a millimetre.
 std::vector<PlantedFault> planted_faults();
 

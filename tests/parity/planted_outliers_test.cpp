@@ -11,7 +11,6 @@
 #include <gtest/gtest.h>
 
 #include "crossgait/parity/standing.h"
-#include "crossgait/parity/verdict_report.h"
 #include "crossgait/tests/parity/planted_faults.h"
 #include "crossgait/tests/support/backend_test.h"
 
@@ -37,22 +36,16 @@ struct GrossFault {
 
 template <typename Change>
 std::function<void(WorldSpec&)> of_joints(Change change) {
-  return [change](WorldSpec& spec) {
-    auto robot = std::make_shared<RobotDescription>(*spec.robot);
-    for (Body& body : robot->bodies) change(body.joint);
-    spec.robot = std::move(robot);
-  };
+  return of_robot([change](RobotDescription& robot) {
+    for (Body& body : robot.bodies) change(body.joint);
+  });
 }
 
 /// What changes how a robot crawls by more than the floors of the statistics.
 const std::vector<GrossFault> kFaults{
     {"servos of half the stiffness", of_joints([](Joint& joint) { joint.kp /= 2; })},
     {"a trunk of three times the mass",
-     [](WorldSpec& spec) {
-       auto robot = std::make_shared<RobotDescription>(*spec.robot);
-       robot->bodies[0].inertia.mass *= 3;
-       spec.robot = std::move(robot);
-     }},
+     of_robot([](RobotDescription& robot) { robot.bodies[0].inertia.mass *= 3; })},
     {"the gravity of Mars", [](WorldSpec& spec) { spec.gravity.z() = -3.73; }},
     {"ground of ice", [](WorldSpec& spec) { spec.contact.friction = 0.05; }},
     {"joints of ten times the damping", of_joints([](Joint& joint) { joint.damping *= 10; })},
@@ -93,8 +86,7 @@ class Crawl {
         return behaviour_.run(engine, variation, start);
       return sound_run(engine, variation, start);
     };
-    const auto vs = reach_verdicts(behaviour, engines, {.starts = 6, .workers = 2});
-    return crossgait::stand(judged, vs);
+    return crossgait::stand(judged, reach_verdicts(behaviour, engines, {.starts = 6, .workers = 2}));
   }
 
  private:
