@@ -64,6 +64,13 @@ constexpr std::array kTerms{
                      -(square(r.v_heading.x() - r.command.vx) + square(r.v_heading.y() - r.command.vy)) /
                      (square(kVelocityWidth) * r.size));
                }},
+    RewardTerm{"progress", "-",
+               "velocity along the direction faced at the start over the commanded one, -1 to 1; 0 if none "
+               "is asked for",
+               0,
+               [](const Record& r) {
+                 return r.command.vx > 0 ? std::clamp(r.v_start.x() / r.command.vx, -1.0, 1.0) : 0;
+               }},
     RewardTerm{"yaw_rate_tracking", "-", "exp(-(yaw rate - commanded)^2 / (.5 rad/s / root of size)^2)", 0,
                [](const Record& r) {
                  return std::exp(-square((r.after.w_WB.z() - r.command.yaw_rate) / kYawRateWidth) * r.size);

@@ -17,6 +17,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "crossgait/env/env_model.h"
+#include "crossgait/env/hierarchical_policy.h"
 #include "crossgait/env/mlp_policy.h"
 #include "crossgait/env/policy_bundle_names.h"
 #include "crossgait/physics/error.h"
@@ -121,7 +122,16 @@ void bind_interface(nb::module_& m) {
           nb::sig("def action_layout(self) -> list[tuple[str, str, float, float]]"))
       .def_prop_ro("layout_hash",
                    [](const PolicyInterface& i) { return layout_hash(i.observation, i.action); })
-      .def_ro("policy_dt", &PolicyInterface::policy_dt, "s between two actions.");
+      .def_ro("policy_dt", &PolicyInterface::policy_dt, "s between two actions.")
+      .def(
+          "member",
+          [](const PolicyInterface& i, const std::string& part, const std::vector<std::string>& observation,
+             double policy_dt) { return member_interface(i, observation, part, policy_dt, "member"); },
+          nb::arg("part"), nb::kw_only(), nb::arg("observation") = std::vector<std::string>{},
+          nb::arg("policy_dt"),
+          "What a member of a hierarchical policy runs on (docs/policies.md). `part`: of the action, "
+          "\"delta.\" or \"residual.\"; `observation`: names, or beginnings of names that end in \".\"; all "
+          "if there are none. Raises ConfigError.");
   m.attr("LAYOUT_VERSION") = kLayoutVersion;
 }
 

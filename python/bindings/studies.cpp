@@ -392,6 +392,14 @@ void bind_studies(nb::module_& m) {
       nb::arg("environment"), nb::arg("policy"), nb::arg("course"), nb::arg("sections"), nb::arg("engines"),
       nb::arg("episodes"), nb::arg("workers"), nb::arg("seed"), kProgress);
   m.def(
+      "course_sections",
+      [](const std::string& course) {
+        std::vector<std::string> names;
+        for (const CourseSection& section : load_course(course).sections) names.push_back(section.name);
+        return names;
+      },
+      nb::arg("course"), "Names of a course's sections. Raises ConfigError for one that cannot be read.");
+  m.def(
       "_tune",
       [](const EnvConfig& config, const std::vector<std::string>& engines, std::size_t iterations,
          std::size_t population, std::size_t terrains, std::size_t unseen, std::size_t workers,

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import sys
 import time
@@ -20,8 +21,9 @@ from crossgait.sweep.strict_yaml import write_yaml
 from crossgait.train import Plan, folder, presets
 from crossgait.train.environments import TrainingEnvs
 from crossgait.train.record import Board, Table, read
-from crossgait.train.trainer import BEST, EVALUATIONS, LAST, PROGRESS, Clock, Trainer
+from crossgait.train.trainer import EVALUATIONS, PROGRESS, Clock, Trainer
 
+BEST, LAST = "best.safetensors", "last.safetensors"
 TWO = crossgait.available_engines()[::2][:2]  # of different laws, where there are more
 
 
@@ -65,6 +67,16 @@ def plan(**changes: Any) -> Plan:
         ({"evaluation": {"score": "beauty"}}, "evaluation.score"),
         ({"evaluation": {"set": {"adapt": ["step_height"]}}}, "evaluation.set"),
         ({"evaluation": {"engines": ["havok"]}}, "evaluation.engines: havok"),
+        ({"evaluation": {"score": "course", "course": "easy"}}, "evaluation.course"),
+        ({"curriculum": [{"mix": [{"shares": 1}]}]}, "curriculum[0].mix[0].shares"),
+        ({"curriculum": [{"mix": [{"share": 0}]}]}, "curriculum[0].mix[0].share"),
+        ({"curriculum": [{"mix": [{}, {"command": {"vx": [2, 1]}}]}]}, "curriculum[0].mix[1].command.vx"),
+        ({"curriculum": [{"mix": [{}, {"set": {"adapt": ["step_height"]}}]}]}, "curriculum[0].mix[1].set"),
+        ({"curriculum": [{"mix": [{"share": 9}, {"share": 1, "set": {"terrain": "flat"}}]}]}, "curriculum[0].mix"),
+        (
+            {"curriculum": [{"mix": [{}, {"set": {"randomisation": {"terrain_seed": [1000005, 1000006]}}}]}]},
+            "terrain_seeds",
+        ),
     ],
 )
 def test_what_is_wrong_is_named(changes: dict[str, Any], element: str) -> None:
@@ -126,7 +138,7 @@ def test_presets_are_what_their_names_say() -> None:
     for name in presets():
         interface = _core.PolicyInterface(Plan.preset(name).evaluated)
         sizes[name] = (len(interface.action_layout), len(interface.observation_layout))
-    assert sizes == {"adaptive": (16, 69), "adaptive-terrain": (16, 77), "joints": (12, 48)}
+    assert sizes == {"adaptive": (16, 69), "adaptive-terrain": (16, 77), "hierarchical": (18, 72), "joints": (12, 48)}
     changed = Plan.preset("adaptive", ["algorithm.n_steps=64", "algorithm.batch_size=64", "environment.friction=1e-1"])
     assert changed["algorithm"]["n_steps"] == 64
     assert changed["environment"]["friction"] == 0.1
@@ -145,7 +157,7 @@ def test_environments_are_shared_out() -> None:
 
 def test_mixed_engines_are_the_engines_own_environments_side_by_side() -> None:
     made = plan(engines=dict.fromkeys(TWO, 1))
-    envs = TrainingEnvs(made.engines, made.stages[0])
+    envs = TrainingEnvs(made)
     envs.begin(made.stages[0], 7)
     parts = []
     for i, (engine, count) in enumerate(made.engines):
@@ -180,7 +192,7 @@ def test_commands_are_drawn_for_every_episode_and_seen_from_its_first_observatio
         "observation": [{"block": "command", "scale": [2, 2, 0.25], "clip": 0.9}],
     }
     made = plan(environment=environment, curriculum=[stage])
-    envs = TrainingEnvs(made.engines, made.stages[0])
+    envs = TrainingEnvs(made)
     envs.begin(made.stages[0], 3)
     seen = envs.reset()
     assert len(np.unique(seen[:, 0])) == 4
@@ -202,10 +214,41 @@ def test_commands_are_drawn_for_every_episode_and_seen_from_its_first_observatio
 def test_a_stage_changes_the_ground() -> None:
     made = plan(curriculum=[{"set": {"terrain": "flat"}}, {"from": 100, "set": {"terrain": "stairs"}}])
     assert [made.stage(steps).index for steps in (0, 99, 100, 500)] == [0, 0, 1, 1]
-    envs = TrainingEnvs(made.engines, made.stages[0])
+    envs = TrainingEnvs(made)
     envs.begin(made.stages[1], 0)
     envs.reset()
     assert [config.terrain for config in envs.get_attr("config")] == ["stairs"] * 4
+
+
+def test_shares_of_a_stage_meet_grounds_and_commands_of_their_own() -> None:
+    mix = [
+        {"share": 2, "command": {"vx": [0.1, 0.2]}},
+        {
+            "share": 1,
+            "set": {"terrain": "slope:angle=5", "friction": 0.4},
+            "command": {"vx": [0.3, 0.4], "vy": [0.1, 0.1]},
+        },
+        {"set": {"randomisation": {"push_impulse": [0.1, 0.2], "push_interval": [0.1, 0.2]}}},
+    ]
+    environment = training.SMALL["environment"] | {
+        "command": {"vx": 0.2, "vy": 0, "yaw_rate": 0},
+        "observation": ["command"],
+    }
+    stage = {"set": {"terrain": "stairs"}, "command": {"yaw_rate": [-0.3, -0.2]}, "mix": mix}
+    made = plan(environment=environment, curriculum=[stage], engines=dict.fromkeys(TWO, 1), environments=8)
+    dealt = [(engine, share.share, count) for engine, share, count in made.shared_out(made.stages[0])]
+    assert dealt == [(engine, share, count) for engine in TWO for share, count in ((2.0, 2), (1.0, 1), (1.0, 1))]
+    envs = TrainingEnvs(made)
+    envs.begin(made.stages[0], 3)
+    seen = envs.reset()
+    terrains = [config.terrain for config in envs.get_attr("config")]
+    assert terrains == ["stairs", "stairs", "slope:angle=5", "stairs"] * len(TWO)
+    frictions = [float(re.search(r"^friction: (.*)$", c.to_yaml(), re.M)[1]) for c in envs.get_attr("config")]  # type: ignore[index]
+    assert frictions == [0.6, 0.6, 0.4, 0.6] * len(TWO)
+    for row, (low, high) in enumerate([(0.1, 0.2), (0.1, 0.2), (0.3, 0.4), (0.2, 0.2)]):
+        assert ((low - 1e-6 <= seen[row::4, 0]) & (seen[row::4, 0] <= high + 1e-6)).all()
+    assert ((seen[:, 2] >= -0.3 - 1e-6) & (seen[:, 2] <= -0.2 + 1e-6)).all()  # the stage's, for every share
+    np.testing.assert_allclose(seen[:, 1], [0, 0, 0.1, 0] * len(TWO), atol=1e-7)
 
 
 # ---- runs
@@ -328,6 +371,40 @@ def test_the_best_policy_is_that_of_the_worst_engine(tmp_path: Path, monkeypatch
         trainer._rollout()
         kept.append((trainer.state["best"]["steps"], (tmp_path / BEST).read_bytes() == (tmp_path / LAST).read_bytes()))
     assert kept == [(160, True), (320, True), (320, False)]
+
+
+def test_a_course_may_be_what_decides(tmp_path: Path) -> None:
+    (tmp_path / "two.yaml").write_text(
+        "seconds: 1\nsections: {even: {terrain: flat, speed: .2}, high: {terrain: stairs, speed: .3}}\n"
+    )
+    asked = training.SMALL["evaluation"] | {"score": "course", "course": "two.yaml", "episodes": 2}
+    environment = training.SMALL["environment"] | {"command": {"vx": 0.2, "vy": 0, "yaw_rate": 0}}
+    (tmp_path / "train.yaml").write_text(
+        write_yaml(training.small(environment=environment, evaluation=asked, steps=320))
+    )
+    training.done(["-m", "crossgait.train", "train.yaml", "--out", "run"], tmp_path)
+    run = tmp_path / "run"
+    (row,) = read(run / EVALUATIONS)
+    told = crossgait.course(
+        str(run / BEST),
+        crossgait.EnvironmentConfig.load(str(run / "environment.yaml")),
+        course=str(tmp_path / "two.yaml"),
+        episodes=2,
+        seed=1,
+    )
+    assert row["score"] == row["mujoco.course"] == told.score()
+    assert 0 < row["score"] != row["zero"]
+    speeds = [cell["all"]["mean_speed_mps"]["mean"] for cell in told.document["cells"]]
+    assert row["mujoco.mean_speed_mps"] == pytest.approx(np.mean(speeds))
+    assert row["mujoco.mean_speed_mps.deviation"] == pytest.approx(np.std(speeds))
+    card = (run / "card.md").read_text()
+    for words in (
+        "| section | policy, mujoco | zero, mujoco |",
+        "| even |",
+        "| high |",
+        "| engine | policy | course |",
+    ):
+        assert words in card, words
 
 
 def test_one_run_at_a_time_in_a_folder(tmp_path: Path) -> None:

@@ -64,6 +64,7 @@ TEST(Reward, EveryTermIsItsFormula) {
       {"energy_efficiency", 15 * 15 + 20 * 20},  // .3 and .4 rad/s in .02 s
       {"smooth_adaptation", 0.01 * 0.01 + 0.1 * 0.1},
       {"velocity_tracking", std::exp(-(0.03 * 0.03 + 0.03 * 0.03) / 0.01)},
+      {"progress", 1},  // faster than asked for
       {"yaw_rate_tracking", std::exp(-0.04)},
       {"vertical_velocity", 0.0004},
       {"tilt_rate", 0.25},

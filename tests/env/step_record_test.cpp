@@ -91,6 +91,7 @@ std::map<std::string, double> expected_terms(const QuadrupedEnv& env, const Seen
       {"velocity_tracking",
        std::exp(-(std::pow(v.dot(now) - kCommand.vx, 2) + std::pow(v.dot(left_of(now)) - kCommand.vy, 2)) /
                 std::pow(0.1, 2))},
+      {"progress", std::clamp(v.dot(start) / kCommand.vx, -1.0, 1.0)},
       {"yaw_rate_tracking", std::exp(-std::pow((after.w_WB.z() - kCommand.yaw_rate) / 0.5, 2))},
       {"vertical_velocity", std::pow(v.z(), 2)},
       {"tilt_rate", std::pow(after.w_WB.x(), 2) + std::pow(after.w_WB.y(), 2)},

@@ -6,10 +6,14 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from crossgait.commands import INTERRUPTED, exit_code
 from crossgait.errors import ConfigError
 from crossgait.train.plan import Plan, presets
+
+if TYPE_CHECKING:
+    from crossgait.train.trainer import Trained
 
 DESCRIPTION = """\
 Train a policy with PPO (Stable-Baselines3) in one engine or several, and evaluate it in all of them. Every rollout
@@ -24,6 +28,7 @@ examples:
   python -m crossgait.train --preset adaptive --set "engines={mujoco: 1, bullet: 1}" --out runs/mixed
   python -m crossgait.train config.yaml --seed 1 --steps 3000000 --out runs/mine-1
   python -m crossgait.train --resume --out runs/mine-1
+  python -m crossgait.train --preset hierarchical --out runs/h      # planner, residuals under it, both together
   python -m crossgait.compare_policies runs/mine-1/best.safetensors zero
   python -m crossgait.play runs/mine-1/best.safetensors --video walk.mp4
 """
@@ -81,18 +86,28 @@ def _run(options: argparse.Namespace) -> int:
         return 0
     from crossgait.train import card
     from crossgait.train import folder as folders
-    from crossgait.train.trainer import Trainer
 
     with folders.locked(folder):
         folders.begin(folder, plan, folders.command_line(), resume=options.resume)
-        trainer = Trainer(plan, folder, resume=options.resume, progress=options.progress)
         try:
-            trainer.run()
+            trained = _trained(plan, folder, options)
         except KeyboardInterrupt:
             print(f"interrupted: python -m crossgait.train --resume --out {folder} goes on", file=sys.stderr)
             return INTERRUPTED
-        print(card.write(plan, folder, trainer.state), end="")
+        print(card.write(plan, folder, trained), end="")
     return 0
+
+
+def _trained(plan: Plan, folder: Path, options: argparse.Namespace) -> list[Trained]:
+    from crossgait.train import hierarchy
+    from crossgait.train.trainer import Trainer
+
+    settings = {"resume": options.resume, "progress": options.progress}
+    if plan.parts:
+        return hierarchy.train(plan, folder, **settings)
+    trainer = Trainer(plan, folder, **settings)
+    trainer.run()
+    return [trainer.trained]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

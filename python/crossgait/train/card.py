@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,13 +11,15 @@ from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 from crossgait.train import evaluation, record
 from crossgait.train.plan import Plan
-from crossgait.train.trainer import BEST, EVALUATIONS, PROGRESS, Clock
+from crossgait.train.trainer import EVALUATIONS, PROGRESS, Clock, Trained
 
 Json = dict[str, Any]
 
 CARD = "card.md"
+_SPREAD = "Mean +- standard deviation. One training run: the spread over training seeds takes several."
 #: Headings of the table of results, by statistic.
 _COLUMNS = {
+    evaluation.COURSE: "course",
     "total_reward": "return",
     "mean_speed_mps": "speed, m/s",
     "cost_of_transport": "cost of transport",
@@ -25,38 +28,31 @@ _COLUMNS = {
 }
 
 
-def write(plan: Plan, folder: Path, state: Json) -> str:
-    """Evaluate the best policy once more, on seeds of its own, write card and plots; returns what to print."""
-    best, asked = str(folder / BEST), plan["evaluation"]
+def write(plan: Plan, folder: Path, trained: Sequence[Trained]) -> str:
+    """Evaluate the best policies once more, on seeds of their own, write card and plots; returns what to print.
+
+    `trained` is the policy, or the parts of a hierarchical one.
+    """
+    asked = plan["evaluation"]
     # Other episodes than those that chose the best policy, which is the best on these partly by luck.
-    settings = (plan.evaluated, plan.evaluation_engines, asked["final_episodes"], asked["seed"] + 1)
-    results = evaluation.evaluate([best, "zero"], *settings, workers=plan["workers"], progress=None)
-    table = _table({"policy": results[best], "zero": results["zero"]})
-    pictures = _pictures(plan, folder)
-    spent = Clock(state["spent"])
-    lines = [f"# {folder.resolve().name}", "", *_what(plan, folder, state), "", "## Results", ""]
-    lines += [
-        f"{asked['final_episodes']} episodes in each engine, the same for all, on terrain seeds "
-        f"{asked['terrain_seeds'][0]} to {asked['terrain_seeds'][1]}, which training did not see; mean +- standard "
-        "deviation over episodes. One training run: the spread over training seeds takes several.",
-        "",
-        *table,
-        "",
-        "## Time",
-        "",
-        _time(spent),
-    ]
+    policies = [*(str(part.best) for part in trained), "zero"]
+    results = evaluation.of_plan(policies, plan, asked["final_episodes"], asked["seed"] + 1, progress=None)
+    by_name = {part.name: results[str(part.best)] for part in trained} | {"zero": results["zero"]}
+    table, times = _table(by_name), [_time(part) for part in trained]
+    lines = [f"# {folder.resolve().name}", "", *_what(plan, folder, trained), "", "## Results", ""]
+    lines += [f"{_evaluated_on(plan)} {_SPREAD}", "", *table, "", *_sections(by_name), "## Time", "", *times]
     if plan["verdict"]:
+        best = max(trained, key=lambda part: float(part.state["best"]["score"]))
         lines += ["", "## Verdict", "", *_verdict(plan, best)]
-    lines += ["", "## Curves", "", *(f"![{name}]({name}.png)" for name in pictures)]
-    if not pictures:
+    lines += ["", "## Curves", "", *(link for part in trained for link in _pictures(part, folder))]
+    if lines[-1] == "":
         lines.append("None: matplotlib is not installed.")
     with written_whole(folder / CARD) as beside:
         beside.write_text("\n".join(lines) + "\n")
-    return "\n".join([*table, "", _time(spent), f"{folder / CARD}"]) + "\n"
+    return "\n".join([*table, "", *times, f"{folder / CARD}"]) + "\n"
 
 
-def _what(plan: Plan, folder: Path, state: Json) -> list[str]:
+def _what(plan: Plan, folder: Path, trained: Sequence[Trained]) -> list[str]:
     commands = [json.loads(line) for line in (folder / "commands.jsonl").read_text().splitlines()]
     first, versions = commands[0], commands[-1]["versions"]
     engines = ", ".join(f"{name} ({count})" for name, count in plan.engines)
@@ -68,11 +64,10 @@ def _what(plan: Plan, folder: Path, state: Json) -> list[str]:
     return [
         f"PPO on {environment['robot']}, actions: {environment['action']}, seed {plan['seed']}.",
         "",
-        f"- Policy: `{BEST}`, after {state['best']['steps']} of {_steps(folder)} steps: the best by the lowest "
-        f"{plan['evaluation']['score']} of {', '.join(plan.evaluation_engines)}.",
+        *(_which(part, folder) for part in trained),
         f"- Trained in: {engines} (environments).",
         f"- Reward: {reward}.",
-        f"- Stages: {'; '.join(_stages(plan))}.",
+        *(f"- Stages of the {part.name}: {'; '.join(_stages(part.plan))}." for part in trained),
         f"- Made by `{' '.join(first['command'])}`" + (f", gone on with {times} times" if times else "") + ".",
         f"- Source: {source}; {', '.join(f'{name} {version}' for name, version in versions.items())}; "
         f"{first['processors']} processors.",
@@ -80,25 +75,64 @@ def _what(plan: Plan, folder: Path, state: Json) -> list[str]:
     ]
 
 
-def _steps(folder: Path) -> int:
-    return int(record.read(folder / PROGRESS)[-1]["steps"])
+def _which(part: Trained, folder: Path) -> str:
+    last = int(record.read(part.folder / PROGRESS)[-1]["steps"])
+    dt, asked = part.plan.stages[0].environment.policy_dt, part.plan["evaluation"]
+    return (
+        f"- {part.name.capitalize()}: `{part.best.relative_to(folder)}`, after {part.state['best']['steps']} of {last} "
+        f"steps of {dt:g} s ({last * dt / 3600:.1f} h of simulated time): the best by the lowest {asked['score']} of "
+        f"{', '.join(part.plan.evaluation_engines)}."
+    )
 
 
 def _stages(plan: Plan) -> list[str]:
     texts = []
     for stage in plan.stages:
-        command = ", ".join(f"{key} {low:g} to {high:g}" for key, (low, high) in stage.command.items())
-        texts.append(f"from {stage.begin}: {stage.environment.terrain}" + (f", {command}" if command else ""))
+        met = []
+        for share in stage.mix:
+            command = ", ".join(f"{key} {low:g} to {high:g}" for key, (low, high) in share.command.items())
+            met.append(share.environment.terrain + (f", {command}" if command else ""))
+        texts.append(f"from {stage.begin}: {' / '.join(met)}")
     return texts
 
 
+def _evaluated_on(plan: Plan) -> str:
+    asked = plan["evaluation"]
+    if asked["score"] == evaluation.COURSE:
+        runs = f"{asked['final_episodes']} runs of every section in each engine"
+        return f"Course `{asked['course']}`, {runs}; deviations of the score from run to run, else between sections."
+    low, high = asked["terrain_seeds"]
+    return (
+        f"{asked['final_episodes']} episodes in each engine, the same for all, on terrain seeds {low} to {high}, which "
+        "training did not see."
+    )
+
+
+def _sections(results: dict[str, dict[str, Json]]) -> list[str]:
+    """Scores on a course, section by section; nothing without one."""
+    columns = {
+        f"{policy}, {engine}": said["sections"]
+        for policy, by_engine in results.items()
+        for engine, said in by_engine.items()
+        if evaluation.COURSE in said
+    }
+    if not columns:
+        return []
+    lines = [f"| section | {' | '.join(columns)} |", "|" + "---|" * (1 + len(columns))]
+    for section in next(iter(columns.values())):
+        lines.append(f"| {section} | {' | '.join(_cell(column[section]) for column in columns.values())} |")
+    return [*lines, ""]
+
+
 def _table(results: dict[str, dict[str, Json]]) -> list[str]:
-    heads = ["engine", "policy", *_COLUMNS.values(), "ended early"]
+    first = next(iter(next(iter(results.values())).values()))
+    columns = {name: head for name, head in _COLUMNS.items() if name in first or name != evaluation.COURSE}
+    heads = ["engine", "policy", *columns.values(), "ended early"]
     lines = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
     for engine in next(iter(results.values())):
         for policy, by_engine in results.items():
             said = by_engine[engine]
-            cells = [_cell(said.get(name)) for name in _COLUMNS]
+            cells = [_cell(said.get(name)) for name in columns]
             ended = f"{evaluation.failures(said)} of {said['episodes']}"
             lines.append(f"| {' | '.join([engine, policy, *cells, ended])} |")
     return lines
@@ -108,32 +142,34 @@ def _cell(told: Json | None) -> str:
     return f"{told['mean']:.4g} +- {told['deviation']:.2g}" if told else "-"
 
 
-def _time(clock: Clock) -> str:
+def _time(part: Trained) -> str:
+    clock = Clock(part.state["spent"])
     shares = ", ".join(f"{name} {100 * share:.1f} %" for name, share in clock.shares().items())
-    total = sum(clock.spent.values())
+    total, evaluations = sum(clock.spent.values()), clock.spent["evaluation"]
     return (
-        f"{record.duration(total)}, of which evaluations {record.duration(clock.spent['evaluation'])}. "
+        f"{part.name.capitalize()}: {record.duration(total)}, of which evaluations {record.duration(evaluations)}. "
         f"Of the rest: {shares}."
     )
 
 
-def _verdict(plan: Plan, best: str) -> list[str]:
+def _verdict(plan: Plan, best: Trained) -> list[str]:
     import crossgait
 
     try:
-        said = crossgait.verdict(best, environment=plan.evaluated, progress=False)
+        said = crossgait.verdict(str(best.best), environment=plan.evaluated, progress=False)
     except ConfigError as error:
         return [f"None: {error}"]
     return ["```", str(said), "```"]
 
 
-def _pictures(plan: Plan, folder: Path) -> list[str]:
-    """Names of the pictures that were made; none without matplotlib."""
+def _pictures(part: Trained, folder: Path) -> list[str]:
+    """Links from `folder` to the pictures that were made; none without matplotlib."""
     try:
         from matplotlib.figure import Figure
     except ImportError:
         return []
-    rows, evaluated = record.read(folder / PROGRESS), record.read(folder / EVALUATIONS)
+    plan = part.plan
+    rows, evaluated = record.read(part.folder / PROGRESS), record.read(part.folder / EVALUATIONS)
     groups = {
         "learning-curve": {"in training, reward per step": ["reward"]},
         "reward-terms": {"weighted reward per step": [n for n in rows[0] if n.startswith("reward.")]},
@@ -152,9 +188,10 @@ def _pictures(plan: Plan, folder: Path) -> list[str]:
             scores = [f"{engine}.{plan['evaluation']['score']}" for engine in plan.evaluation_engines]
             _draw(places[-1], evaluated, [*scores, "zero"], f"evaluated, {plan['evaluation']['score']}")
         places[-1].set_xlabel("steps")
-        with written_whole(folder / f"{name}.png") as beside:
+        picture = part.folder / f"{name}.png"
+        with written_whole(picture) as beside:
             figure.savefig(beside, dpi=110)
-        made.append(name)
+        made.append(f"![{part.name}: {name}]({picture.relative_to(folder)})")
     return made
 
 

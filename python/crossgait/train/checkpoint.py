@@ -44,17 +44,14 @@ def save(folder: Path, model: PPO, normalise: VecNormalize, state: dict[str, Any
 
 def load(folder: Path, model: PPO, normalise: VecNormalize) -> dict[str, Any]:
     """Put everything back as it was and return `state`. Raises ConfigError. Nothing in the file is executed."""
-    path = folder / NAME
+    document = read(folder)
     try:
-        document = torch.load(path, map_location="cpu", weights_only=True)
-        if document["version"] != VERSION:
-            raise ValueError(f"version {document['version']}")
         model.policy.load_state_dict(document["policy"])
         model.policy.optimizer.load_state_dict(document["optimiser"])
         model.num_timesteps, model._n_updates = document["steps"], document["updates"]
         if normalise.norm_obs:
-            _restore(normalise.obs_rms, document["observation"])  # type: ignore[arg-type]
-        _restore(normalise.ret_rms, document["return"])
+            restore_statistics(normalise.obs_rms, document["observation"])  # type: ignore[arg-type]
+        restore_statistics(normalise.ret_rms, document["return"])
         states = document["random"]
         torch.set_rng_state(states["torch"])
         kind, keys, *rest = states["numpy"]
@@ -62,9 +59,24 @@ def load(folder: Path, model: PPO, normalise: VecNormalize) -> dict[str, Any]:
         version, words, gauss = states["python"]
         random.setstate((version, tuple(words), gauss))
     except Exception as error:  # of zip files, pickles, shapes
-        raise ConfigError(str(path), "file", "a checkpoint of this configuration", str(error)) from error
+        raise _not_ours(folder, error) from error
     state: dict[str, Any] = document["state"]
     return state
+
+
+def read(folder: Path) -> dict[str, Any]:
+    """All that a checkpoint holds, by name. Raises ConfigError. Nothing in the file is executed."""
+    try:
+        document: dict[str, Any] = torch.load(folder / NAME, map_location="cpu", weights_only=True)
+        if document["version"] != VERSION:
+            raise ValueError(f"version {document['version']}")
+    except Exception as error:  # of zip files, pickles
+        raise _not_ours(folder, error) from error
+    return document
+
+
+def _not_ours(folder: Path, error: Exception) -> ConfigError:
+    return ConfigError(str(folder / NAME), "file", "a checkpoint of this configuration", str(error))
 
 
 def _numpy_state() -> tuple[Any, ...]:
@@ -76,5 +88,6 @@ def _statistics(of: Any) -> dict[str, Any]:
     return {"mean": torch.as_tensor(of.mean), "var": torch.as_tensor(of.var), "count": float(of.count)}
 
 
-def _restore(of: RunningMeanStd, saved: dict[str, Any]) -> None:
+def restore_statistics(of: RunningMeanStd, saved: dict[str, Any]) -> None:
+    """Put a mean and its like back."""
     of.mean, of.var, of.count = saved["mean"].numpy(), saved["var"].numpy(), saved["count"]

@@ -1,4 +1,4 @@
-"""The environments of a training run: native vector environments, one for each engine, behind one VecEnv."""
+"""The environments of a training run: native vector environments, one for each engine and ground, behind one VecEnv."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from crossgait.envs.not_copyable import NotCopyable
 from crossgait.sb3 import CrossgaitVecEnv
 from crossgait.sweep.strict_yaml import parse_yaml
 from crossgait.train.keys import COMMAND
-from crossgait.train.plan import Stage
+from crossgait.train.plan import Plan, Share, Stage
 from crossgait.train.tally import Tally
 
 _IDS = {"gait": "Crossgait/AdaptiveGait-v0", "joints": "Crossgait/JointControl-v0"}
@@ -35,12 +35,12 @@ class TrainingEnvs(NotCopyable, VecEnv):
 
     """
 
-    def __init__(self, engines: Sequence[tuple[str, int]], stage: Stage, workers: int | None = None) -> None:
-        """Build the worlds. `engines` are names and counts. Raises ConfigError."""
-        self._engines, self._workers = list(engines), workers
+    def __init__(self, plan: Plan) -> None:
+        """Build the worlds of the first stage. Raises ConfigError."""
+        self._plan = plan
         self._seed = 0
         self._core_seconds = 0.0  # of vector environments of former stages
-        self._enter(stage)
+        self._enter(plan.stages[0])
         first = self._parts[0]
         count = sum(part.num_envs for part in self._parts)
         self.tally = Tally(count)
@@ -48,14 +48,17 @@ class TrainingEnvs(NotCopyable, VecEnv):
 
     def _enter(self, stage: Stage) -> None:
         self._stage = stage
-        name = _IDS[stage.environment.action]
+        name, workers, dealt = _IDS[stage.environment.action], self._plan["workers"], self._plan.shared_out(stage)
         self._parts = [
-            CrossgaitVecEnv(name, count, config=stage.environment, engine=engine, workers=self._workers)
-            for engine, count in self._engines
+            CrossgaitVecEnv(name, count, config=share.environment, engine=engine, workers=workers)
+            for engine, share, count in dealt
         ]
         ends = np.cumsum([0, *(part.num_envs for part in self._parts)])
         self._slices = [slice(int(a), int(b)) for a, b in pairwise(ends)]
-        self._commands = _Commands(stage, self._parts[0]) if stage.command else None
+        self._commands = [
+            _Commands(share, part) if share.command else None
+            for part, (_, share, _) in zip(self._parts, dealt, strict=True)
+        ]
 
     @property
     def core_seconds(self) -> float:
@@ -76,20 +79,20 @@ class TrainingEnvs(NotCopyable, VecEnv):
         for i, part in enumerate(self._parts):
             part.seed(derived_seed(self._seed, i) % 2**63)
         observations = np.concatenate([part.reset() for part in self._parts])
-        if self._commands is not None:
-            self._commands.random = np.random.default_rng(derived_seed(self._seed, _COMMANDS_SEED))
-            self._command(range(self.num_envs), observations)
+        self._random = np.random.default_rng(derived_seed(self._seed, _COMMANDS_SEED))
+        self._command(range(self.num_envs), observations)
         self.reset_infos = [info for part in self._parts for info in part.reset_infos]
         return observations
 
     def _command(self, which: Sequence[int], observations: npt.NDArray[np.float32]) -> None:
         """Draw commands of environments whose episode has just begun, and show them in their first observation."""
-        assert self._commands is not None
         for i in which:
             part = next(k for k, s in enumerate(self._slices) if i < s.stop)
-            command = self._commands.draw()
-            self._parts[part].env_method("set_command", *command, indices=[i - self._slices[part].start])
-            self._commands.show(command, observations[i])
+            commands = self._commands[part]
+            if commands is not None:
+                command = commands.draw(self._random)
+                self._parts[part].env_method("set_command", *command, indices=[i - self._slices[part].start])
+                commands.show(command, observations[i])
 
     def step_async(self, actions: npt.NDArray[Any]) -> None:
         """Take what `step_wait` does."""
@@ -101,7 +104,7 @@ class TrainingEnvs(NotCopyable, VecEnv):
         results = [part.step_wait() for part in self._parts]
         observations, rewards, dones = (np.concatenate([r[k] for r in results]) for k in range(3))
         infos = [info for result in results for info in result[3]]
-        if self._commands is not None and dones.any():
+        if dones.any():
             self._command([int(i) for i in np.flatnonzero(dones)], observations)
         self.tally.add(rewards, dones, infos)
         return observations, rewards, dones, infos
@@ -132,22 +135,21 @@ class TrainingEnvs(NotCopyable, VecEnv):
 
 
 class _Commands:
-    """Commands of episodes, drawn uniformly from a stage's ranges; what it does not name is the configuration's."""
+    """Commands of episodes, drawn uniformly from a share's ranges; what it does not name is the configuration's."""
 
-    def __init__(self, stage: Stage, part: CrossgaitVecEnv) -> None:
-        self.random = np.random.default_rng(0)
-        said = parse_yaml(stage.environment.to_yaml(), "environment")
+    def __init__(self, share: Share, part: CrossgaitVecEnv) -> None:
+        said = parse_yaml(share.environment.to_yaml(), "environment")
         nominal = said.get("command") or {}
         fixed = {key: float(nominal.get(key, 0)) for key in COMMAND}
-        self._ranges = [stage.command.get(key, (fixed[key], fixed[key])) for key in COMMAND]
+        self._ranges = [share.command.get(key, (fixed[key], fixed[key])) for key in COMMAND]
         # Where the first observation shows it. The core has written it with the configuration's command; entries of
         # other ages (a delay, a history) keep that one until the new one has come of age.
         names = part.vector.layout.observation.names
         self._at = [names.index(f"command.{key}") if f"command.{key}" in names else None for key in COMMAND]
         self._scale, self._clip = _seen(said["observation"])
 
-    def draw(self) -> tuple[float, float, float]:
-        vx, vy, yaw_rate = (float(self.random.uniform(low, high)) for low, high in self._ranges)
+    def draw(self, random: np.random.Generator) -> tuple[float, float, float]:
+        vx, vy, yaw_rate = (float(random.uniform(low, high)) for low, high in self._ranges)
         return vx, vy, yaw_rate
 
     def show(self, command: tuple[float, float, float], observation: npt.NDArray[np.float32]) -> None:

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import json
+import statistics
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+from crossgait import studies
 from crossgait._core import EnvironmentConfig
 from crossgait.studies import rollout
+from crossgait.train.plan import Plan
 
 Json = dict[str, Any]
 
+#: The score of a course stands beside the statistics of its runs by this name.
+COURSE = "course"
 #: What tables show of episodes, with its unit.
 SHOWN = {"total_reward": "", "mean_speed_mps": "m/s", "cost_of_transport": "", "drag": "", "slip_per_path": ""}
 
@@ -37,6 +43,54 @@ def evaluate(
     return results
 
 
+def evaluate_on_course(
+    policies: Sequence[str],
+    course: str,
+    environment: EnvironmentConfig,
+    engines: Sequence[str],
+    runs: int,
+    seed: int,
+    workers: int | None = None,
+    progress: bool | None = False,
+) -> dict[str, dict[str, Json]]:
+    """The same of a course, with so many runs of every section, and beside it `course` and `sections`, the scores."""
+    results: dict[str, dict[str, Json]] = {policy: {} for policy in policies}
+    for policy in policies:
+        options: Json = {"engines": engines, "episodes": runs, "seed": seed, "workers": workers, "progress": progress}
+        done = studies.course(policy, environment, course=course, **options).document
+        for scored in done["scores"]:
+            cells = [cell for cell in done["cells"] if cell["backend"] == scored["backend"]]
+            results[policy][scored["backend"]] = _over_sections(cells) | {
+                COURSE: {"mean": scored["mean"], "deviation": scored["deviation"]},
+                "sections": {cell["section"]["name"]: cell["score"] for cell in cells},
+            }
+    return results
+
+
+def of_plan(
+    policies: Sequence[str], plan: Plan, episodes: int, seed: int, progress: bool | None = False
+) -> dict[str, dict[str, Json]]:
+    """Where a plan's policies are evaluated: in its `evaluated` environment, or on its course, in its engines."""
+    asked, workers = plan["evaluation"], plan["workers"]
+    where = (plan.evaluated, plan.evaluation_engines, episodes, seed, workers, progress)
+    if asked["score"] == COURSE:
+        return evaluate_on_course(policies, asked["course"], *where)
+    return evaluate(policies, *where)
+
+
+def _over_sections(cells: Sequence[Json]) -> Json:
+    """Means of the sections' means, which count alike, with the deviation from section to section."""
+    runs = [cell["all"] for cell in cells]
+    said: Json = {"episodes": sum(run["episodes"] for run in runs), "outcomes": Counter[str]()}
+    for run in runs:
+        said["outcomes"].update(run["outcomes"])
+    for name in SHOWN:
+        means = [run[name]["mean"] for run in runs if run.get(name)]
+        if means:
+            said[name] = {"mean": statistics.fmean(means), "deviation": statistics.pstdev(means)}
+    return said
+
+
 def score(by_engine: dict[str, Json], statistic: str) -> float:
     """The mean of `statistic` in the engine where it is the lowest."""
     return min(float(said[statistic]["mean"]) for said in by_engine.values())
@@ -51,7 +105,7 @@ def row(by_engine: dict[str, Json], statistic: str) -> Json:
     """One flat row: the score and, by engine, means, deviations and failures."""
     flat: Json = {"score": score(by_engine, statistic)}
     for engine, said in by_engine.items():
-        for name in SHOWN:
+        for name in (*SHOWN, *([COURSE] if COURSE in said else [])):
             told = said.get(name)
             flat[f"{engine}.{name}"] = told["mean"] if told else None
             flat[f"{engine}.{name}.deviation"] = told["deviation"] if told else None

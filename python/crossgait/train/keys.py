@@ -118,18 +118,37 @@ TABLE: dict[str, Key | dict[str, Key]] = {
         "final_episodes": _whole(20, 1),
         "seed": _whole(1, 0),
         "terrain_seeds": _SEEDS,
-        "score": _one_of("total_reward", "total_reward", "mean_speed_mps", "distance_m"),
+        "score": _one_of("total_reward", "total_reward", "mean_speed_mps", "distance_m", "course"),
+        "course": Key("hard", "a course's name or file", lambda v: isinstance(v, str)),
         "set": Key({}, "a mapping of an environment's keys", lambda v: isinstance(v, dict)),
     },
+    "hierarchy": Key(None, "a mapping or null", lambda v: v is None or isinstance(v, dict)),
     "verdict": _flag(False),
 }
 
-#: Of a stage of the curriculum.
-STAGE: dict[str, Key] = {
-    "from": _whole(0, 0),
+_PART: dict[str, Key] = {
+    "steps": _whole(None, 1, optional=True),
+    "set": Key({}, "a mapping of this file's keys", lambda v: isinstance(v, dict)),
+}
+_SEES: dict[str, Key] = {
+    "observation": Key([], "a list of names", lambda v: isinstance(v, list) and all(isinstance(n, str) for n in v))
+}
+#: Of `hierarchy`.
+HIERARCHY: dict[str, Key | dict[str, Key]] = {
+    "planner_dt": _number(0.1, 1e-6),
+    "planner": _SEES | _PART,
+    "residual": _SEES | _PART,
+    "together": dict(_PART),
+}
+
+_SET: dict[str, Key] = {
     "set": Key({}, "a mapping of an environment's keys", lambda v: isinstance(v, dict)),
     "command": Key({}, "a mapping of vx, vy, yaw_rate to [min, max]", lambda v: isinstance(v, dict)),
 }
+#: Of a stage of the curriculum.
+STAGE: dict[str, Key] = {"from": _whole(0, 0), "mix": Key([], "a list of shares", lambda v: isinstance(v, list))} | _SET
+#: Of a share of a stage's environments.
+SHARE: dict[str, Key] = {"share": _number(1.0, 1e-3)} | _SET
 COMMAND = ("vx", "vy", "yaw_rate")
 
 

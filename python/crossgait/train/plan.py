@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from crossgait import _core
 from crossgait._core import EnvironmentConfig, PolicyInterface
 from crossgait.errors import ConfigError
 from crossgait.sweep.strict_yaml import parse_yaml, read_yaml, write_yaml
-from crossgait.train.keys import COMMAND, STAGE, TABLE, Json, filled, is_range, shown
+from crossgait.train.keys import COMMAND, HIERARCHY, SHARE, STAGE, TABLE, Json, filled, is_range, shown
 
 _PRESETS = Path(__file__).parent / "presets"
 
@@ -24,14 +24,27 @@ def presets() -> list[str]:
     return sorted(path.stem for path in _PRESETS.glob("*.yaml"))
 
 
+#: Ranges that each episode draws its command from, by vx, vy and yaw_rate; none: the environment's own command.
+Commands = dict[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Share:
+    """What some of the environments of a stage meet."""
+
+    share: float  #: of the environments, beside the others' shares
+    environment: EnvironmentConfig
+    command: Commands
+
+
 @dataclass(frozen=True)
 class Stage:
     """A part of the curriculum."""
 
     index: int
     begin: int  #: steps after which it begins
-    environment: EnvironmentConfig
-    command: dict[str, tuple[float, float]]  #: ranges that each episode draws its command from; empty: none
+    environment: EnvironmentConfig  #: without what single shares change
+    mix: tuple[Share, ...]  #: at least one
 
 
 @dataclass(frozen=True)
@@ -42,6 +55,7 @@ class Plan:
     document: Json  #: as in the file, with every default; its environment stands in place
     stages: tuple[Stage, ...]
     evaluated: EnvironmentConfig  #: the last stage's, on held-out ground
+    parts: Mapping[str, Plan] = field(default_factory=dict)  #: of a hierarchical policy, in order; of one policy none
 
     @staticmethod
     def load(path: str | os.PathLike[str], changes: Sequence[str] = ()) -> Plan:
@@ -68,9 +82,10 @@ class Plan:
         base = _base(source, document, folder or Path())
         stages = tuple(_stages(source, document, base, folder or Path()))
         _place(document["evaluation"]["set"], source, "evaluation.set", folder or Path())
+        _place(document["evaluation"], source, "evaluation", folder or Path())
         plan = Plan(source, document, stages, _evaluated(source, document, stages[-1].environment))
         _check(plan)
-        return plan
+        return plan if document["hierarchy"] is None else replace(plan, parts=_parts(plan, folder or Path()))
 
     def to_yaml(self) -> str:
         """The whole, with every default."""
@@ -88,10 +103,63 @@ class Plan:
         """Engines with the number of environments that each has."""
         return _shared_out(self.document["engines"], self.document["environments"])
 
+    def shared_out(self, stage: Stage) -> list[tuple[str, Share, int]]:
+        """The environments of a stage: engine, what they meet, and how many."""
+        dealt = []
+        for engine, count in self.engines:
+            shares = _shared_out({str(i): share.share for i, share in enumerate(stage.mix)}, count)
+            dealt += [(engine, stage.mix[int(i)], number) for i, number in shares if number > 0]
+        return dealt
+
     @property
     def evaluation_engines(self) -> list[str]:
         """Where the policy is evaluated."""
         return list(self.document["evaluation"]["engines"] or _core.available_engines())
+
+
+def _parts(plan: Plan, folder: Path) -> dict[str, Plan]:
+    """What each part of a hierarchical policy is trained by: the file's own keys, and over them the part's."""
+    source, document = plan.source, plan.document
+    said = document["hierarchy"] = filled(source, document["hierarchy"], HIERARCHY, "hierarchy.")
+    _check_members(plan, said)
+    plans = {}
+    for name in ("planner", "residual", "together"):
+        own = dict(said[name]["set"])
+        if found := next((key for key in ("hierarchy", "environment", "seed") if key in own), None):
+            raise ConfigError(source, f"hierarchy.{name}.set.{found}", "a key that parts may differ in", "another")
+        given = _merged(document | {"hierarchy": None, "steps": said[name]["steps"] or document["steps"]}, own)
+        if name == "planner":  # coarse steps, evaluated as a part of the whole
+            fine = given["environment"]["policy_dt"]
+            given["environment"]["policy_dt"] = said["planner_dt"]
+            given["evaluation"]["set"].setdefault("policy_dt", fine)
+        if name == "together":  # both members bring their normalisation along
+            given["normalise"]["observation"] = False
+        plans[name] = Plan.parse(given, f"{source}: hierarchy.{name}", folder)
+    return plans
+
+
+def _check_members(plan: Plan, said: Json) -> None:
+    environment = plan.stages[0].environment
+    whole, fine, pace = PolicyInterface(environment), environment.policy_dt, said["planner_dt"]
+    steps = round(pace / fine)
+    if steps < 1 or abs(steps * fine - pace) > 1e-9 * fine:
+        raise ConfigError(
+            plan.source, "hierarchy.planner_dt", f"a multiple of the policy step, {fine:g} s", f"{pace:g}"
+        )
+    for name, part, dt in (("planner", "delta.", pace), ("residual", "residual.", fine)):
+        try:
+            whole.member(part, observation=said[name]["observation"], policy_dt=dt)
+        except ConfigError as error:
+            raise ConfigError(plan.source, f"hierarchy.{name}: {error.element}", error.expected, error.found) from error
+
+
+def _merged(below: Json, above: Json) -> Json:
+    """A copy of `below` with what `above` says in its place, section by section."""
+    merged: Json = json.loads(json.dumps(below))
+    for key, value in above.items():
+        nested = isinstance(TABLE.get(key), dict) and isinstance(value, dict)
+        merged[key] = merged[key] | value if nested else value
+    return merged
 
 
 def _apply(document: Json, change: str) -> None:
@@ -129,7 +197,7 @@ def _place(keys: Json, source: str, where: str, folder: Path) -> None:
     """Name files in `keys` by whole paths, from `folder`. Raises ConfigError for an engine, named elsewhere."""
     if "engine" in keys:
         raise ConfigError(source, f"{where}.engine", "no engine: `engines` names them", shown(keys["engine"]))
-    for key in ("robot", "terrain"):
+    for key in ("robot", "terrain", "course"):
         if isinstance(keys.get(key), str):
             file, colon, settings = keys[key].partition(":")
             if (folder / file).is_file():
@@ -157,14 +225,25 @@ def _stages(source: str, document: Json, base: EnvironmentConfig, folder: Path) 
         if (i == 0 and said["from"] != 0) or (i > 0 and said["from"] <= stages[-1].begin):
             expected = "0 for the first stage" if i == 0 else f"more than {stages[-1].begin}"
             raise ConfigError(source, f"{where}.from", expected, str(said["from"]))
-        for key, value in said["command"].items():
-            if key not in COMMAND or not is_range(value):
-                raise ConfigError(source, f"{where}.command.{key}", "vx, vy or yaw_rate with [min, max]", shown(value))
-        _place(said["set"], source, f"{where}.set", folder)
-        environment = _updated(base, said["set"], f"{source}: {where}.set")
-        command = {key: (float(low), float(high)) for key, (low, high) in said["command"].items()}
-        stages.append(Stage(i, said["from"], environment, command))
+        environment, command = _said(source, said, base, where, folder)
+        mix = [
+            Share(float(one["share"]), *_said(source, one, environment, f"{where}.mix[{k}]", folder, command))
+            for k, one in enumerate(filled(source, m, SHARE, f"{where}.mix[{k}].") for k, m in enumerate(said["mix"]))
+        ]
+        stages.append(Stage(i, said["from"], environment, tuple(mix or [Share(1.0, environment, command)])))
     return stages
+
+
+def _said(
+    source: str, said: Json, base: EnvironmentConfig, where: str, folder: Path, over: Commands | None = None
+) -> tuple[EnvironmentConfig, Commands]:
+    """What `set` and `command` of a stage or a share make of a base and its commands."""
+    for key, value in said["command"].items():
+        if key not in COMMAND or not is_range(value):
+            raise ConfigError(source, f"{where}.command.{key}", "vx, vy or yaw_rate with [min, max]", shown(value))
+    _place(said["set"], source, f"{where}.set", folder)
+    command = {key: (float(low), float(high)) for key, (low, high) in said["command"].items()}
+    return _updated(base, said["set"], f"{source}: {where}.set"), (over or {}) | command
 
 
 def _evaluated(source: str, document: Json, last: EnvironmentConfig) -> EnvironmentConfig:
@@ -188,19 +267,29 @@ def _check(plan: Plan) -> None:
         if count == 0:
             raise ConfigError(source, "environments", f"enough for a share of {engine}", str(document["environments"]))
     low, high = document["evaluation"]["terrain_seeds"]
-    layouts = {}
+    layout = PolicyInterface(plan.stages[0].environment).layout_hash
     for stage in plan.stages:
-        first, last = _terrain_seeds(stage.environment)
-        if first <= high and low <= last:
-            found = f"[{low}, {high}], where training has [{first:g}, {last:g}]"
-            raise ConfigError(source, "evaluation.terrain_seeds", "seeds that training does not see", found)
-        layouts[stage.index] = PolicyInterface(stage.environment).layout_hash
-        if layouts[stage.index] != layouts[0]:
-            raise ConfigError(source, f"curriculum[{stage.index}].set", "the first stage's layout", "another")
-    if PolicyInterface(plan.evaluated).layout_hash != layouts[0]:
+        for k, share in enumerate(stage.mix):
+            first, last = _terrain_seeds(share.environment)
+            if first <= high and low <= last:
+                found = f"[{low}, {high}], where training has [{first:g}, {last:g}]"
+                raise ConfigError(source, "evaluation.terrain_seeds", "seeds that training does not see", found)
+            if PolicyInterface(share.environment).layout_hash != layout:
+                where = f"curriculum[{stage.index}]" + (f".mix[{k}]" if len(stage.mix) > 1 else "")
+                raise ConfigError(source, f"{where}.set", "the first stage's layout", "another")
+        dealt = {share.environment.to_yaml() for _, share, _ in plan.shared_out(stage)}
+        if len(dealt) < len({share.environment.to_yaml() for share in stage.mix}):
+            expected = f"enough for {len(stage.mix)} shares in every engine"
+            raise ConfigError(source, f"curriculum[{stage.index}].mix", expected, f"{document['environments']}")
+    if PolicyInterface(plan.evaluated).layout_hash != layout:
         raise ConfigError(source, "evaluation.set", "the layout of training", "another")
     _check_engines(source, "engines", [name for name, _ in counts], plan.evaluated)
     _check_engines(source, "evaluation.engines", plan.evaluation_engines, plan.evaluated)
+    if document["evaluation"]["score"] == "course":
+        try:
+            _core.course_sections(document["evaluation"]["course"])
+        except ConfigError as error:
+            raise ConfigError(source, f"evaluation.course: {error.element}", error.expected, error.found) from error
     rollout = document["environments"] * document["algorithm"]["n_steps"]
     if document["algorithm"]["batch_size"] > rollout:
         expected = f"at most environments x n_steps, {rollout}"

@@ -100,7 +100,8 @@ class Board:
 class Line:
     """How far it is: one line of a terminal, rewritten; one every half minute elsewhere, if asked for."""
 
-    def __init__(self, wanted: bool | None) -> None:
+    def __init__(self, wanted: bool | None, title: str = "") -> None:
+        self._title = f"{title}: " if title else ""
         self._terminal = sys.stderr.isatty()
         self._wanted = self._terminal if wanted is None else wanted
         self._next = 0.0
@@ -112,7 +113,8 @@ class Line:
         self._next = time.monotonic() + (0.5 if self._terminal else 30)
         left = duration((total - steps) / steps_per_second) if steps_per_second > 0 else "?"
         speed = f", {row['speed_mps']:.3f} m/s" if row.get("speed_mps") is not None else ""
-        text = f"{steps}/{total} steps, {steps_per_second:.0f} steps/s, {left} left, reward {row['reward']:.4g}{speed}"
+        pace = f"{steps}/{total} steps, {steps_per_second:.0f} steps/s, {left} left"
+        text = f"{self._title}{pace}, reward {row['reward']:.4g}{speed}"
         sys.stderr.write(f"\r\x1b[K{text}" if self._terminal else f"{text}\n")
         sys.stderr.flush()
 

@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import torch
-from stable_baselines3 import PPO
-from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.utils import set_random_seed
-from stable_baselines3.common.vec_env import VecNormalize
+from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
-import crossgait
 from crossgait._core import derived_seed
-from crossgait.files import written_whole
 from crossgait.train import checkpoint, evaluation, record
 from crossgait.train.environments import TrainingEnvs
+from crossgait.train.learner import Learner, WholePolicy
 from crossgait.train.plan import Plan
 from crossgait.train.tally import of_environments
 
 Json = dict[str, Any]
 
-BEST, LAST = "best.safetensors", "last.safetensors"
+BEST, LAST = "best", "last"  #: names of policies, without extension
 PROGRESS, EVALUATIONS = "progress.csv", "evaluations.csv"
-_ACTIVATIONS = {"tanh": torch.nn.Tanh, "elu": torch.nn.ELU, "relu": torch.nn.ReLU}
 #: Of PPO's own log.
 _LOGGED = (
     "value_loss",
@@ -50,32 +47,42 @@ class Clock:
         return {name: part / total if total > 0 else 0.0 for name, part in parts.items()}
 
 
-class TimedPPO(PPO):
-    """PPO that knows how long its epochs took."""
+@dataclass(frozen=True)
+class Trained:
+    """What a trainer has come to."""
 
-    seconds = 0.0  #: wall time of `train` so far, s
-
-    def train(self) -> None:
-        """As PPO's."""
-        begin = time.perf_counter()
-        super().train()
-        self.seconds += time.perf_counter() - begin
+    name: str  #: of the part of a hierarchical policy; "policy" of a whole one
+    plan: Plan
+    folder: Path
+    best: Path  #: the file that `--policy` takes
+    state: Json  #: of the trainer
 
 
 class Trainer:
     """One run in one folder. It holds the folder's lock for as long as it lives (`crossgait.train.folder`)."""
 
-    def __init__(self, plan: Plan, folder: Path, *, resume: bool, progress: bool | None = None) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        folder: Path,
+        *,
+        resume: bool,
+        progress: bool | None = None,
+        learner: Learner | None = None,
+        title: str = "",
+    ) -> None:
         """Build environments and model; with `resume` as the folder's checkpoint, if it has one, says.
 
+        `learner` is what is trained, one policy for the whole action by default; `title` begins the line of progress.
         Raises ConfigError.
         """
-        self.plan, self.folder = plan, folder
+        self.plan, self.folder, self._title = plan, folder, title
+        self.learner = learner or WholePolicy(plan)
         torch.set_num_threads(plan["threads"])
         set_random_seed(plan["seed"])
-        self.envs = TrainingEnvs(plan.engines, plan.stages[0], plan["workers"])
-        self.normalise = _normalised(self.envs, plan)
-        self.model = _model(self.normalise, plan)
+        self.envs = TrainingEnvs(plan)
+        self.normalise = _normalised(self.learner.environments(self.envs), plan)
+        self.model = self.learner.model(plan, self.normalise)
         self.model.lr_schedule = self._learning_rate
         self.state: Json = {"rollout": 0, "best": None, "evaluated": -1, "zero": None, "spent": {}}
         there = resume and (folder / checkpoint.NAME).exists()
@@ -86,13 +93,19 @@ class Trainer:
         self._progress = record.Table(folder / PROGRESS, "rollout", last)
         self._evaluations = record.Table(folder / EVALUATIONS, "rollout", last)
         self._board = record.Board(folder)
-        self._line = record.Line(progress)
+        self._line = record.Line(progress, title)
         self._forward = _ForwardTime(self.model.policy)
 
     @property
     def steps(self) -> int:
         """Policy steps of all environments so far."""
         return int(self.model.num_timesteps)
+
+    @property
+    def trained(self) -> Trained:
+        """What there is so far."""
+        best = next(self.folder.glob(f"{BEST}.*"))
+        return Trained(self._title or "policy", self.plan, self.folder, best, self.state)
 
     def run(self) -> None:
         """Train to the end; whatever stops it, what the last checkpoint holds is kept."""
@@ -148,32 +161,26 @@ class Trainer:
         row |= {name: float(log[f"train/{name}"]) for name in _LOGGED if f"train/{name}" in log}
         return row
 
-    def policy(self) -> crossgait.Policy:
-        """The policy as it is now, checked against the model's own actions."""
-        environment = self.plan.stages[0].environment
-        seen: Any = self.normalise.get_original_obs() if self.model._last_obs is not None else None
-        return crossgait.Policy.from_sb3(self.model, environment, self.normalise, observations=seen)
-
     def _evaluate(self) -> None:
         begin = time.perf_counter()
         asked = self.plan["evaluation"]
-        last = self.folder / LAST
-        self.policy().save(last)
-        names = [str(last)] + (["zero"] if self.state["zero"] is None else [])
-        settings = (self.plan.evaluated, self.plan.evaluation_engines, asked["episodes"], asked["seed"])
-        done = evaluation.evaluate(names, *settings, workers=self.plan["workers"])
+        last = str(self.learner.save(self.model, self.normalise, self.folder, LAST))
+        done = self._evaluated([last] + (["zero"] if self.state["zero"] is None else []))
         if self.state["zero"] is None:
             self.state["zero"] = evaluation.row(done["zero"], asked["score"])
-        row = evaluation.row(done[str(last)], asked["score"])
+        row = evaluation.row(done[last], asked["score"])
         if self.state["best"] is None or row["score"] > self.state["best"]["score"]:
+            self.learner.save(self.model, self.normalise, self.folder, BEST)
             self.state["best"] = {"steps": self.steps, "score": row["score"]}
-            with written_whole(self.folder / BEST) as beside:
-                beside.write_bytes(last.read_bytes())
         self.state["evaluated"] = self.state["rollout"]
         self.clock.spent["evaluation"] += time.perf_counter() - begin
         told = {"rollout": self.state["rollout"], "steps": self.steps, "zero": self.state["zero"]["score"]} | row
         self._evaluations.add(told)
         self._board.add("evaluation", self.steps, told)
+
+    def _evaluated(self, policies: list[str]) -> dict[str, dict[str, Json]]:
+        asked = self.plan["evaluation"]
+        return evaluation.of_plan(policies, self.plan, asked["episodes"], asked["seed"])
 
     def _save(self) -> None:
         self.state["spent"] = dict(self.clock.spent)
@@ -195,7 +202,7 @@ class _ForwardTime:
         self.seconds += time.perf_counter() - self._begin
 
 
-def _normalised(envs: TrainingEnvs, plan: Plan) -> VecNormalize:
+def _normalised(envs: VecEnv, plan: Plan) -> VecNormalize:
     asked = plan["normalise"]
     return VecNormalize(
         envs,
@@ -205,16 +212,3 @@ def _normalised(envs: TrainingEnvs, plan: Plan) -> VecNormalize:
         clip_reward=float(asked["clip_reward"]),
         gamma=plan["algorithm"]["gamma"],
     )
-
-
-def _model(envs: VecNormalize, plan: Plan) -> TimedPPO:
-    asked, network = dict(plan["algorithm"]), plan["network"]
-    del asked["learning_rate"]
-    kwargs = {
-        "net_arch": network["hidden"],
-        "activation_fn": _ACTIVATIONS[network["activation"]],
-        "log_std_init": float(network["log_std_init"]),
-    }
-    model = TimedPPO("MlpPolicy", envs, policy_kwargs=kwargs, device="cpu", seed=plan["seed"] % 2**32, **asked)
-    model.set_logger(Logger(folder=None, output_formats=[]))
-    return model
