@@ -32,7 +32,7 @@ nlohmann::json subject_of(const CourseCommand& options, const EnvConfig& method,
 }
 
 void run(const CourseCommand& options) {
-  const EnvConfig method = options.env.make();
+  const EnvConfig method = options.env.make(options.policy);
   const std::vector<std::string> engines =
       options.engines.empty() ? std::vector<std::string>{method.engine} : options.engines;
   const Course course = with_sections(load_course(options.course), options.sections);

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "crossgait/backends/registry.h"
+#include "crossgait/env/bundled_policies.h"
 #include "crossgait/gait/scale.h"
 #include "crossgait/study/run_spec.h"
 
@@ -10,7 +11,8 @@ namespace crossgait::apps {
 void EnvOptions::add_to(CLI::App& command, EnvScope scope) {
   command
       .add_option("--config", config,
-                  "Environment as YAML (`crossgait env --yaml` writes one); options come on top")
+                  "Environment as YAML (`crossgait env --yaml` writes one), or that of a policy that comes with "
+                  "Crossgait; options come on top")
       ->type_name("FILE.yaml");
   if (scope == EnvScope::kAll) {
     command.add_option("--engine,--backend", engine, "Engine and mode (see `crossgait backends`)");
@@ -39,10 +41,12 @@ void EnvOptions::add_to(CLI::App& command, EnvScope scope) {
   command.add_option("--episode-seconds", episode_seconds, "Simulated length of an episode, s");
 }
 
-EnvConfig EnvOptions::make() const {
+EnvConfig EnvOptions::make(const std::string& policy) const {
   EnvConfig c;
   if (!config.empty()) {
     c = load_env_config(config);
+  } else if (const auto own = environment_of_policy(policy)) {
+    c = load_env_config(*own);
   } else if (!available_engines().empty()) {
     c.engine = available_engines().front();
   }

@@ -44,7 +44,7 @@ ReportPage page_of(const Rollout& rollout, const std::vector<std::string>& polic
 }
 
 void run(const RolloutCommand& options) {
-  const EnvConfig config = options.env.make();
+  const EnvConfig config = options.env.make(options.policies.empty() ? "" : options.policies.front());
   options.page.check(config);
   std::vector<std::string> policies = options.policies;
   if (options.baseline && std::find(policies.begin(), policies.end(), "zero") == policies.end())

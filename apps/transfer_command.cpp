@@ -41,7 +41,7 @@ ReportPage page_of(const Transfer& transfer, const EnvConfig& config, const std:
 
 void run(const TransferCommand& options) {
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
-  const EnvConfig config = options.env.make();
+  const EnvConfig config = options.env.make(options.policy);
   options.page.check(config);
   nlohmann::json subject = policy_subject(config, {options.policy}, options.runs.seed);
   subject["terrains"] = options.terrains;

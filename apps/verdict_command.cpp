@@ -11,6 +11,7 @@
 #include "crossgait/apps/page_option.h"
 #include "crossgait/apps/walk_options.h"
 #include "crossgait/backends/registry.h"
+#include "crossgait/env/bundled_policies.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/report/verdict_document.h"
 #include "crossgait/study/judgement.h"
@@ -32,7 +33,9 @@ struct VerdictCommand {
 BehaviourSpec behaviour(const VerdictCommand& options) {
   const WalkConfig walk = options.walk.make();
   if (options.policy.empty()) return {walk, options.starts, walk.terrain_seed};
-  const EnvConfig environment = options.config.empty() ? walk.environment() : load_env_config(options.config);
+  const std::string file =
+      options.config.empty() ? environment_of_policy(options.policy).value_or("") : options.config;
+  const EnvConfig environment = file.empty() ? walk.environment() : load_env_config(file);
   return {PolicyConfig{environment, options.policy}, options.starts, walk.terrain_seed};
 }
 

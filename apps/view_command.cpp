@@ -8,6 +8,7 @@
 #include "crossgait/apps/interruption.h"
 #include "crossgait/apps/open_address.h"
 #include "crossgait/backends/registry.h"
+#include "crossgait/env/bundled_policies.h"
 #include "crossgait/env/env_config.h"
 #include "crossgait/env/progress.h"
 #include "crossgait/physics/error.h"
@@ -30,7 +31,9 @@ struct ViewOptions {
 };
 
 EnvConfig config_of(const ViewOptions& options) {
-  EnvConfig config = options.file.empty() ? EnvConfig() : load_env_config(options.file);
+  const std::string file =
+      options.file.empty() ? environment_of_policy(options.policy).value_or("") : options.file;
+  EnvConfig config = file.empty() ? EnvConfig() : load_env_config(file);
   if (!options.robot.empty()) config.robot = options.robot;
   if (!options.terrain.empty()) config.terrain = options.terrain;
   if (!options.gait.empty()) config.gait = options.gait;

@@ -5,6 +5,10 @@
 #include <cmath>
 #include <filesystem>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "crossgait/env/bundled_policies.h"
 #include "crossgait/env/hierarchical_policy.h"
 #include "crossgait/env/mlp_policy.h"
 #include "crossgait/env/scripted_policy.h"
@@ -60,10 +64,15 @@ void Policy::act(std::span<const double> observation, std::span<double> action) 
 std::unique_ptr<Policy> make_policy(const std::string& text, const PolicyInterface& interface) {
   if (text == "zero") return std::make_unique<ZeroPolicy>(interface);
   if (text == "random") return std::make_unique<RandomPolicy>(interface);
-  const std::string extension = std::filesystem::path(text).extension();
-  if (extension == ".safetensors") return std::make_unique<MlpPolicy>(text, interface);
-  if (extension == ".yaml") return make_described(text, interface);
-  throw ConfigError("policy", text, "zero, random, FILE.safetensors or FILE.yaml", "none of these");
+  const std::string file = find_policy_file(text);
+  const std::string extension = std::filesystem::path(file).extension();
+  if (extension == ".safetensors") return std::make_unique<MlpPolicy>(file, interface);
+  if (extension == ".yaml") return make_described(file, interface);
+  std::vector<std::string> known{"zero", "random"};
+  for (std::string& name : policy_names()) known.push_back(std::move(name));
+  throw ConfigError("policy", text,
+                    fmt::format("{}, FILE.safetensors or FILE.yaml", fmt::join(known, ", ")),
+                    "none of these");
 }
 
 }  // namespace crossgait

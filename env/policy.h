@@ -50,7 +50,7 @@ class Policy {
   PolicyInterface interface_;
 };
 
-/// Makes a policy for `interface` from `zero`, `random`, a policy bundle (FILE.safetensors) or a policy
+/// Makes a policy for `interface` from `zero`, `random`, a name of `policy_names()`, a policy bundle (FILE.safetensors) or a policy
 /// description (FILE.yaml: scripted or hierarchical; docs/policies.md).
 /// @throws ConfigError for an unknown name, a file that is no policy, or one for another layout or layout
 /// version, saying what differs

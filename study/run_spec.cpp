@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "crossgait/backends/registry.h"
+#include "crossgait/env/bundled_policies.h"
 #include "crossgait/env/env_model.h"
 #include "crossgait/physics/data_path.h"
 #include "crossgait/physics/error.h"
@@ -154,7 +155,7 @@ Json to_json(const PolicyConfig& c, const RobotDescription& robot) {
           {"robot", identity_of(robot)},
           {"terrain", terrain_json(c.environment.terrain)},
           {"environment", to_yaml(config)},
-          {"policy", content_of(c.policy)}};
+          {"policy", content_of(find_policy_file(c.policy))}};
 }
 
 // @param r  stated for its robot

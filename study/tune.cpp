@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "crossgait/env/env_model.h"
@@ -59,6 +61,28 @@ double score(const Evaluation& e) {
   return e.mean_speed_mps.mean - static_cast<double>(e.ended_early()) - 0.1 * clamped;
 }
 
+// A set of runs: of terrain seeds from `first` on, or of a course from a seed.
+struct Ground {
+  std::uint64_t first;
+  std::size_t runs;
+};
+
+CourseResult run_zero(const Course& course, const EnvConfig& config, const std::string& engine,
+                      const Ground& ground, std::size_t workers) {
+  return run_course(course, config, find_policy("zero"), {engine},
+                    {.episodes = ground.runs, .workers = workers, .seed = ground.first});
+}
+
+// What a set of parameters is worth: on a course, in the engine where that is the least.
+double worth(const EnvConfig& config, const std::vector<std::string>& engines, const TuneOptions& options) {
+  const Ground ground{options.seed, options.terrains};
+  if (!options.course) return score(walk(config, ground.first, ground.runs));
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::string& engine : engines)
+    least = std::min(least, run_zero(*options.course, config, engine, ground, 1).score(engine).mean);
+  return least;
+}
+
 struct Distribution {
   Point mean, deviation;
 
@@ -107,7 +131,7 @@ void search(const TuneOptions& options, const Progress& progress, Tuning& result
     SharedProgress shared(generation, points.size());
     pool.run(points.size(), [&](std::size_t k) {
       if (shared.interrupted()) return;
-      scores[k] = score(walk(with_parameters(start, rows, points[k]), options.seed, options.terrains));
+      scores[k] = worth(with_parameters(start, rows, points[k]), result.engines, options);
       shared.part_done();
     });
     if (shared.interrupted()) throw Interrupted();
@@ -128,21 +152,30 @@ void search(const TuneOptions& options, const Progress& progress, Tuning& result
 }
 
 void add_checks(const TuneOptions& options, const Progress& progress, Tuning& result) {
-  const auto add = [&](const std::string& ground, std::uint64_t first, std::size_t terrains) {
-    for (const auto& [name, config] :
+  const auto add = [&](const std::string& name, const Ground& ground) {
+    for (const auto& [parameters, config] :
          {std::pair{"default", &result.start}, std::pair{"tuned", &result.tuned}}) {
-      TuneCheck line{ground, name, {}};
+      TuneCheck line{name, parameters, {}, {}};
       for (const std::string& engine : result.engines) {
-        EnvConfig c = *config;
-        c.engine = engine;
-        line.per_engine.push_back(walk(c, first, terrains));
+        if (options.course) {
+          line.course.push_back(run_zero(*options.course, *config, engine, ground, options.workers));
+        } else {
+          EnvConfig c = *config;
+          c.engine = engine;
+          line.per_engine.push_back(walk(c, ground.first, ground.runs));
+        }
         if (progress) progress(1);
       }
       result.checks.push_back(std::move(line));
     }
   };
-  add("seeds tuned on", options.seed, options.terrains);
-  if (options.unseen > 0) add("unseen seeds", options.seed + options.terrains, options.unseen);
+  add("seeds tuned on", {options.seed, options.terrains});
+  if (options.unseen > 0) add("unseen seeds", {options.seed + options.terrains, options.unseen});
+}
+
+double value_of(const TuneCheck& line, std::size_t engine) {
+  if (!line.course.empty()) return line.course[engine].score(line.course[engine].cells.front().engine).mean;
+  return line.per_engine[engine].mean_speed_mps.mean;
 }
 
 }  // namespace
@@ -152,8 +185,9 @@ Tuning tune_gait(const EnvConfig& start, const std::vector<std::string>& engines
   if (start.action != ActionKind::kGait)
     throw ConfigError(start.source, "action", "gait, whose parameters are tuned", name(start.action));
   const EnvConfig whole = EnvModel::make(start)->stated();
-  Tuning result{whole, whole, score(walk(whole, options.seed, options.terrains)), {}, engines, {}};
+  Tuning result{whole, whole, options.course ? options.course->name : "", 0, {}, engines, {}};
   try {
+    result.score = worth(whole, engines, options);
     search(options, progress, result);
     add_checks(options, progress, result);
   } catch (const Interrupted&) {
@@ -163,19 +197,25 @@ Tuning tune_gait(const EnvConfig& start, const std::vector<std::string>& engines
 }
 
 nlohmann::ordered_json to_json(const Tuning& t) {
-  nlohmann::ordered_json json{{"backend", t.start.engine},
-                              {"terrain", t.start.terrain},
-                              {"history", t.history},
-                              {"checks", nlohmann::ordered_json::array()}};
+  using nlohmann::ordered_json;
+  ordered_json json{{"backend", t.start.engine},
+                    {"terrain", t.start.terrain},
+                    {"history", t.history},
+                    {"checks", ordered_json::array()}};
+  if (!t.course.empty()) json["course"] = t.course;
   if (t.interrupted) json["interrupted"] = true;
   for (const ParameterRow& row : rows_of(t.start))
     json["parameters"][std::string(row.name)] = stated(t.tuned).*row.member;
   for (const TuneCheck& line : t.checks) {
     for (std::size_t k = 0; k < t.engines.size(); ++k) {
-      json["checks"].push_back({{"ground", line.ground},
-                                {"parameters", line.parameters},
-                                {"backend", t.engines[k]},
-                                {"all", to_json(line.per_engine[k])}});
+      ordered_json check{
+          {"ground", line.ground}, {"parameters", line.parameters}, {"backend", t.engines[k]}};
+      if (line.course.empty()) {
+        check["all"] = to_json(line.per_engine[k]);
+      } else {
+        check["course"] = to_json(line.course[k]);
+      }
+      json["checks"].push_back(std::move(check));
     }
   }
   return with_schema("tune", json);
@@ -187,19 +227,19 @@ std::array<Table, 2> tables(const Tuning& t) {
     parameters.add_row({std::string(row.name), fmt::format("{:.4f}", stated(t.start).*row.member),
                         fmt::format("{:.4f}", stated(t.tuned).*row.member), std::string(row.unit)});
   }
-  std::vector<std::string> header{fmt::format("mean speed on {}, m/s", t.start.terrain), "parameters"};
+  std::vector<std::string> header{t.course.empty() ? fmt::format("mean speed on {}, m/s", t.start.terrain)
+                                                   : fmt::format("score on course {}", t.course),
+                                  "parameters"};
   header.insert(header.end(), t.engines.begin(), t.engines.end());
   Table speeds(header);
   for (std::size_t i = 0; i < t.checks.size(); ++i) {
     std::vector<std::string> row{t.checks[i].ground, t.checks[i].parameters};
     for (std::size_t k = 0; k < t.engines.size(); ++k) {
-      const Evaluation& e = t.checks[i].per_engine[k];
-      std::string text = fmt::format("{:.4f}", e.mean_speed_mps.mean);
-      if (i % 2 == 1) {
-        const double before = t.checks[i - 1].per_engine[k].mean_speed_mps.mean;
-        text += fmt::format(" ({:.2f} x)", e.mean_speed_mps.mean / before);
-      }
-      if (e.ended_early() > 0) text += fmt::format(", {}", outcomes_in_words(e));
+      std::string text = fmt::format("{:.4f}", value_of(t.checks[i], k));
+      if (i % 2 == 1)
+        text += fmt::format(" ({:.2f} x)", value_of(t.checks[i], k) / value_of(t.checks[i - 1], k));
+      if (t.course.empty() && t.checks[i].per_engine[k].ended_early() > 0)
+        text += fmt::format(", {}", outcomes_in_words(t.checks[i].per_engine[k]));
       row.push_back(text);
     }
     speeds.add_row(row);
@@ -209,7 +249,9 @@ std::array<Table, 2> tables(const Tuning& t) {
 
 std::string describe(const Tuning& t) {
   const auto [parameters, speeds] = tables(t);
-  return fmt::format("{}\nTuned in {}\n{}", parameters.str(), t.start.engine, speeds.str());
+  const std::string where =
+      t.course.empty() ? t.start.engine : fmt::format("{}", fmt::join(t.engines, ", "));
+  return fmt::format("{}\nTuned in {}\n{}", parameters.str(), where, speeds.str());
 }
 
 }  // namespace crossgait

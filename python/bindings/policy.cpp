@@ -16,6 +16,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "crossgait/env/bundled_policies.h"
 #include "crossgait/env/env_model.h"
 #include "crossgait/env/hierarchical_policy.h"
 #include "crossgait/env/mlp_policy.h"
@@ -215,6 +216,11 @@ void bind_policy(nb::module_& m) {
   bind_interface(m);
   bind_network(m);
   bind_bundle(m);
+  m.def("policy_names", &policy_names, "Of the policies that come with Crossgait, sorted.");
+  m.def("find_policy_file", &find_policy_file, nb::arg("text"),
+        "The file of the policy of that name; `text` itself if there is none.");
+  m.def("environment_of_policy", &environment_of_policy, nb::arg("text"),
+        "The environment's file of the policy of that name; None for any other text.");
   nb::class_<PythonPolicy>(m, "Policy", "One instance serves one environment at a time: it may remember.")
       .def(nb::new_(&make_from_text), nb::arg("text"), nb::arg("interface"),
            "zero, random, FILE.safetensors or FILE.yaml (docs/policies.md). Raises ConfigError.")

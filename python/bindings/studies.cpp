@@ -403,11 +403,14 @@ void bind_studies(nb::module_& m) {
       "_tune",
       [](const EnvConfig& config, const std::vector<std::string>& engines, std::size_t iterations,
          std::size_t population, std::size_t terrains, std::size_t unseen, std::size_t workers,
-         std::uint64_t seed, const nb::object& progress) {
-        return tune(config, engines, {iterations, population, terrains, unseen, workers, seed}, progress);
+         std::uint64_t seed, const std::optional<std::string>& course, const nb::object& progress) {
+        TuneOptions options{iterations, population, terrains, unseen, workers, seed};
+        if (course) options.course = load_course(*course);
+        return tune(config, engines, options, progress);
       },
       nb::arg("environment"), nb::arg("engines"), nb::arg("iterations"), nb::arg("population"),
-      nb::arg("terrains"), nb::arg("unseen"), nb::arg("workers"), nb::arg("seed"), kProgress);
+      nb::arg("terrains"), nb::arg("unseen"), nb::arg("workers"), nb::arg("seed"), nb::arg("course").none(),
+      kProgress);
   m.def("_conformance", &conformance_of, nb::arg("engine"), nb::arg("only"), kProgress);
   m.def("_bench", &bench, nb::arg("engines"), nb::arg("sections"), nb::arg("quick"), kProgress);
 }

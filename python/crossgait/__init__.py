@@ -31,6 +31,7 @@ from crossgait._core import (
     gaits,
     legs,
     models_dir,
+    policy_names,
     robots,
     version,
 )
@@ -97,6 +98,7 @@ __all__ = [
     "gaits",
     "legs",
     "models_dir",
+    "policy_names",
     "robots",
     "rollout",
     "transfer",

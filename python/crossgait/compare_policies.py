@@ -33,6 +33,9 @@ def environment_of(policies: Sequence[str], given: str | None) -> EnvironmentCon
     if given is not None:
         return EnvironmentConfig.load(given)
     for policy in policies:
+        own = _core.environment_of_policy(policy)
+        if own is not None:
+            return EnvironmentConfig.load(own)
         beside = Path(policy).parent / ENVIRONMENT
         if policy.endswith((".safetensors", ".yaml")) and beside.exists():
             return EnvironmentConfig.load(str(beside))

@@ -219,7 +219,7 @@ def plot_tuning(result: Tuning) -> Figure:
     figure, (ax,) = _new(1, 3.5)
     ax.step(range(len(result.document["history"])), result.document["history"], where="post", color=_PALETTE[0])
     ax.set_xlabel("generation")
-    ax.set_ylabel("best score, m/s")
+    ax.set_ylabel("best score" if "course" in result.document else "best score, m/s")
     return figure
 
 

@@ -310,7 +310,10 @@ class Tuning(Result):
         return [{"generation": i, "best": score} for i, score in enumerate(self.document["history"])]
 
     def _headline(self) -> str:
-        return f"tuned to {self.document['score']:.3f} m/s"
+        course, history = self.document.get("course"), self.document["history"]
+        if not history:
+            return "not tuned"
+        return f"tuned to {history[-1]:.3f} {'m/s' if course is None else f'on course {course}'}"
 
 
 @dataclass(frozen=True, repr=False)

@@ -25,7 +25,9 @@ from crossgait.results import (
 from crossgait.traces import Trace
 
 Subject = Walk | Behaviour | str
-Policy = str | FunctionPolicy  #: a name (zero, random), a file, or a policy of your own
+#: A name (zero, random, one of `crossgait.policy_names()`), a file, or a policy of your own. Without an environment a
+#: policy that comes with Crossgait runs in its own.
+Policy = str | FunctionPolicy
 
 
 def _subject(subject: Subject, options: dict[str, Any]) -> Walk | Behaviour:
@@ -57,8 +59,12 @@ def _engines(engines: Sequence[str] | None) -> list[str]:
     return list(engines) if engines is not None else _core.available_engines()
 
 
-def _environment(environment: EnvironmentConfig | None) -> EnvironmentConfig:
-    return environment if environment is not None else EnvironmentConfig.parse("{}")
+def _environment(environment: EnvironmentConfig | None, policy: Policy | None = None) -> EnvironmentConfig:
+    """The one given, that of a policy which comes with Crossgait, or the default."""
+    if environment is not None:
+        return environment
+    own = _core.environment_of_policy(policy) if isinstance(policy, str) else None
+    return EnvironmentConfig.parse("{}") if own is None else EnvironmentConfig.load(own)
 
 
 def _workers(workers: int | None) -> int:
@@ -254,6 +260,8 @@ def _judged(
     options: dict[str, Any],
 ) -> tuple[Any, str]:
     ranges = start_ranges if start_ranges is not None else StartRanges()
+    if environment is None and isinstance(subject, str) and subject in _core.policy_names():
+        environment = _environment(None, subject)
     with _Shown(progress) as told:
         if environment is None and not isinstance(subject, FunctionPolicy):
             if isinstance(subject, str):
@@ -285,7 +293,7 @@ def rollout(
 
     """
     chosen = [policies] if isinstance(policies, Policy) else list(policies)
-    config = _environment(environment)
+    config = _environment(environment, chosen[0] if chosen else None)
     with _Shown(progress) as told:
         document, text = _core._rollout(config, chosen, episodes, _workers(workers), seed, told)
     return Rollout(document, text)
@@ -303,7 +311,7 @@ def transfer(
     progress: Progress | bool | None = None,
 ) -> Transfer:
     """Run one policy, and none, in every engine on every ground."""
-    config = _environment(environment)
+    config = _environment(environment, policy)
     names = _engines(engines)
     with _Shown(progress) as told:
         document, text = _core._transfer(config, policy, names, list(terrains), episodes, _workers(workers), seed, told)
@@ -336,7 +344,7 @@ def course(
         progress: as `walk`.
 
     """
-    config = _environment(environment)
+    config = _environment(environment, policy)
     names = [config.engine] if engines is None else list(engines)
     with _Shown(progress) as told:
         document, text = _core._course(
@@ -354,15 +362,20 @@ def tune(
     terrains: int = 2,
     unseen: int = 3,
     seed: int = 0,
+    course: str | None = None,
     workers: int | None = None,
     progress: Progress | bool | None = None,
 ) -> Tuning:
-    """Search for faster gait parameters in the environment's engine, and check them in all `engines`."""
+    """Search for faster gait parameters in the environment's engine, and check them in all `engines`.
+
+    With a `course` (a name or a file) search for the score on it instead, in the engine of `engines` where it is the
+    lowest; `terrains` and `unseen` are then runs of its sections.
+    """
     config = _environment(environment)
     names = _engines(engines)
     with _Shown(progress) as told:
         (document, text), tuned = _core._tune(
-            config, names, iterations, population, terrains, unseen, _workers(workers), seed, told
+            config, names, iterations, population, terrains, unseen, _workers(workers), seed, course, told
         )
     return Tuning(document, text, tuned)
 

@@ -140,6 +140,25 @@ def test_transfer_and_tune_come_back_as_objects() -> None:
     )
     assert tuning.environment is not None
     assert "step_length" in tuning.environment.to_yaml()
+    assert f"tuned to {tuning.document['history'][-1]:.3f} m/s" in repr(tuning)
+    assert tuning.plot().axes
+
+
+def test_a_gait_is_tuned_for_a_course(tmp_path: Path) -> None:
+    course = tmp_path / "two.yaml"
+    course.write_text("seconds: .3\nsections: {even: {terrain: flat, speed: .2}, high: {terrain: stairs, speed: .3}}\n")
+    config = EnvironmentConfig.parse('{"adapt": [cycle_time]}')
+    engines = crossgait.available_engines()[:2]
+    tuning = crossgait.tune(
+        config, engines=engines, iterations=1, population=4, terrains=1, unseen=0, course=str(course)
+    )
+    assert "on course two" in repr(tuning)
+    assert tuning.environment is not None
+    scores = crossgait.course("zero", tuning.environment, course=str(course), engines=engines, episodes=1)
+    assert tuning.document["history"][-1] == min(scores.score(engine) for engine in engines)
+    options = ["--course", str(course), "--adapt", "cycle_time", "--iterations", "1", "--population", "4"]
+    told = command("tune", *options, "--terrains", "1", "--unseen", "0", "--engines", ",".join(engines))
+    assert told["parameters"] == tuning.document["parameters"]
 
 
 def test_conformance_is_the_command(engine: str) -> None:

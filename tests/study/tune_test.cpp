@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -95,6 +96,43 @@ Tuning some_tuning() {
               {"unseen seeds", "default", {tuned_walk(0.16), tuned_walk(0.2, Outcome::kCollapsed)}},
               {"unseen seeds", "tuned", {tuned_walk(0.2), tuned_walk(0.1)}}};
   return t;
+}
+
+TEST(Tuning, OnACourseTheEngineCountsWhereTheScoreIsLowest) {
+  const Course course{
+      "two",
+      0.4,
+      {{.name = "even", .speed = 0.3}, {.name = "high", .terrain = "stairs:rise=.02", .speed = 0.2}}};
+  EnvConfig start = steps_of(0.05);
+  start.adapt = {"cycle_time"};
+  const std::vector<std::string> engines = available_engines();
+  const TuneOptions options{
+      .iterations = 2, .population = 4, .terrains = 2, .unseen = 1, .workers = 2, .seed = 3, .course = course};
+  const Tuning tuning = tune_gait(start, engines, options);
+  const auto scores = [&](const EnvConfig& config, std::uint64_t seed, std::size_t runs) {
+    const CourseResult result = run_course(course, config, find_policy("zero"), engines,
+                                           {.episodes = runs, .workers = 1, .seed = seed});
+    std::vector<double> each;
+    for (const std::string& engine : engines) each.push_back(result.score(engine).mean);
+    return each;
+  };
+  const std::vector<double> tuned = scores(tuning.tuned, 3, 2), before = scores(tuning.start, 3, 2);
+  EXPECT_EQ(tuning.score, *std::min_element(tuned.begin(), tuned.end()));
+  EXPECT_GT(tuning.score, *std::min_element(before.begin(), before.end()));
+  EXPECT_EQ(tuning.history.back(), tuning.score);
+  ASSERT_EQ(tuning.checks.size(), 4U);
+  const std::vector<double> unseen = scores(tuning.tuned, 5, 1);
+  for (std::size_t k = 0; k < engines.size(); ++k) {
+    EXPECT_EQ(tuning.checks[1].course[k].score(engines[k]).mean, tuned[k]);
+    EXPECT_EQ(tuning.checks[3].course[k].score(engines[k]).mean, unseen[k]);
+  }
+  const std::vector<Cells> rows = table_rows(describe(tuning));
+  EXPECT_EQ(rows[3][0], "score on course two");
+  EXPECT_EQ(rows[4][2], fmt::format("{:.4f}", before[0]));
+  const nlohmann::ordered_json json = to_json(tuning);
+  EXPECT_EQ(json["course"], "two");
+  EXPECT_FALSE(json["checks"][0].contains("all"));
+  EXPECT_EQ(json["checks"][0]["course"]["cells"].size(), 2U);
 }
 
 TEST(TuneReport, HasEveryParameterAndEverySpeedWithItsFactor) {

@@ -62,14 +62,15 @@ class Policy:
         """A policy by name or file.
 
         Args:
-            policy: "zero", "random", a bundle (FILE.safetensors) or a description (FILE.yaml; docs/policies.md)
+            policy: "zero", "random", one of `crossgait.policy_names()`, a bundle (FILE.safetensors) or a description
+                (FILE.yaml; docs/policies.md)
             environment: what it runs on, as `interface_of` takes it
 
         Raises:
             ConfigError: for an unknown name, a bad file, or one for another layout, saying what differs
 
         """
-        text, interface = os.fspath(policy), interface_of(environment)
+        text, interface = _core.find_policy_file(os.fspath(policy)), interface_of(environment)
         if text.endswith(_BUNDLE):
             return cls._of_bundle(PolicyBundle.read(text), text, interface)
         return cls(_core.Policy(text, interface))
