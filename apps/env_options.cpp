@@ -10,9 +10,10 @@
 namespace crossgait::apps {
 void EnvOptions::add_to(CLI::App& command, EnvScope scope) {
   command
-      .add_option("--config", config,
-                  "Environment as YAML (`crossgait env --yaml` writes one), or that of a policy that comes with "
-                  "Crossgait; options come on top")
+      .add_option(
+          "--config", config,
+          "Environment as YAML (`crossgait env --yaml` writes one), or that of a policy that comes with "
+          "Crossgait; options come on top")
       ->type_name("FILE.yaml");
   if (scope == EnvScope::kAll) {
     command.add_option("--engine,--backend", engine, "Engine and mode (see `crossgait backends`)");

@@ -29,7 +29,8 @@ struct EnvOptions {
   std::optional<double> friction, residual_scale, policy_dt, episode_seconds;
 
   void add_to(CLI::App& command, EnvScope scope = EnvScope::kAll);
-  /// @param policy  without --config, the environment of a policy that comes with Crossgait is where one begins
+  /// @param policy  without --config, the environment of a policy that comes with Crossgait is where one
+  /// begins
   /// @throws ConfigError
   EnvConfig make(const std::string& policy = {}) const;
 

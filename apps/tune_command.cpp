@@ -18,7 +18,7 @@ struct TuneCommand {
   EnvOptions env;
   std::vector<std::string> engines;  // for the final table
   TuneOptions tune;
-  std::string course, out;
+  std::string course, aim = "speed", out;
   PageOption page;
   JsonOption json;
 };
@@ -29,7 +29,9 @@ ReportPage page_of(const Tuning& tuning, std::uint64_t seed) {
                                                    tuning.start.terrain, tuning.start.engine)
                                      : fmt::format("{} tuned on course {}", tuning.start.gait, tuning.course);
   for (Table& table : tables(tuning)) page.tables.push_back(std::move(table));
-  Chart search{.title = "Search", .x_label = "generation", .y_label = tuning.course.empty() ? "best score so far, m/s" : "best score so far"};
+  Chart search{.title = "Search",
+               .x_label = "generation",
+               .y_label = "best score so far (m/s, minus cost, or of the course)"};
   Chart::Series& best = search.series.emplace_back(Chart::Series{"", 0, true, {}});
   for (std::size_t i = 0; i < tuning.history.size(); ++i)
     best.points.push_back({static_cast<double>(i + 1), tuning.history[i]});
@@ -42,6 +44,7 @@ ReportPage page_of(const Tuning& tuning, std::uint64_t seed) {
 void run(const TuneCommand& options) {
   TuneOptions how = options.tune;
   if (!options.course.empty()) how.course = load_course(options.course);
+  if (options.aim == "cost") how.aim = TuneFor::kCost;
   EnvConfig start = options.env.make();
   if (!options.env.terrain && options.env.config.empty()) start.terrain = "rough";
   if (options.env.adapt.empty() && options.env.config.empty()) {
@@ -56,8 +59,7 @@ void run(const TuneCommand& options) {
                                engines,
                                {{"--engine", {start.engine}}, {"--engines", engines}}});
   ProgressLine progress("tuning");
-  const Tuning tuning =
-      tune_gait(start, engines, how, [&](double share) { progress.update(share); });
+  const Tuning tuning = tune_gait(start, engines, how, [&](double share) { progress.update(share); });
   if (!options.out.empty()) write_file_atomically(options.out, to_yaml(tuning.tuned));
   if (options.page.asked()) options.page.write(page_of(tuning, options.tune.seed), provenance);
   options.json.emit(describe(tuning), to_json(tuning), provenance);
@@ -71,13 +73,16 @@ void run(const TuneCommand& options) {
 
 void add_tune_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
-      "tune", "Search gait parameters for speed or a course of hard ground, and try them in the other engines");
+      "tune",
+      "Search gait parameters for speed or a course of hard ground, and try them in the other engines");
   command->footer(
       "\nExamples:\n"
       "  crossgait tune\n"
       "  crossgait tune --engine bullet --adapt step_length,cycle_time --out fast.yaml\n"
       "  crossgait rollout --config fast.yaml\n"
-      "  crossgait tune --course hard --adapt cycle_time,body_height,stance_offset --terrains 1 --out hard.yaml");
+      "  crossgait tune --for cost --command .5,0,0 --adapt cycle_time,body_height,load_share\n"
+      "  crossgait tune --course hard --adapt cycle_time,body_height,stance_offset --terrains 1 --out "
+      "hard.yaml");
   auto options = std::make_shared<TuneCommand>();
   command->add_option("--iterations", options->tune.iterations, "Generations")
       ->check(CLI::Range(1, 10000))
@@ -85,7 +90,9 @@ void add_tune_command(CLI::App& program) {
   command->add_option("--population", options->tune.population, "Parameter sets per generation")
       ->check(CLI::Range(4, 100000))
       ->capture_default_str();
-  command->add_option("--terrains", options->tune.terrains, "Terrain seeds that every set walks on, or runs of a course's sections")
+  command
+      ->add_option("--terrains", options->tune.terrains,
+                   "Terrain seeds that every set walks on, or runs of a course's sections")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_option("--unseen", options->tune.unseen, "Other terrain seeds, or runs, for the final table")
@@ -95,10 +102,19 @@ void add_tune_command(CLI::App& program) {
       ->add_option("--engines", options->engines,
                    "Engines of the final table, and of a course, comma-separated; all by default")
       ->delimiter(',');
+  CLI::Option* course =
+      command
+          ->add_option(
+              "--course", options->course,
+              "Search for the score on a course (hard, or a file), by the engine where it is the lowest")
+          ->type_name("NAME|FILE.yaml");
   command
-      ->add_option("--course", options->course,
-                   "Search for the score on a course (hard, or a file), by the engine where it is the lowest")
-      ->type_name("NAME|FILE.yaml");
+      ->add_option(
+          "--for", options->aim,
+          "Search for speed, or for the least cost of transport at the speed that --command asks for")
+      ->check(CLI::IsMember({"speed", "cost"}))
+      ->excludes(course)
+      ->capture_default_str();
   add_seed_option(*command, "--seed", options->tune.seed, "Seed of the search and first terrain seed")
       ->capture_default_str();
   add_workers_option(*command, options->tune.workers);

@@ -70,8 +70,7 @@ std::unique_ptr<Policy> make_policy(const std::string& text, const PolicyInterfa
   if (extension == ".yaml") return make_described(file, interface);
   std::vector<std::string> known{"zero", "random"};
   for (std::string& name : policy_names()) known.push_back(std::move(name));
-  throw ConfigError("policy", text,
-                    fmt::format("{}, FILE.safetensors or FILE.yaml", fmt::join(known, ", ")),
+  throw ConfigError("policy", text, fmt::format("{}, FILE.safetensors or FILE.yaml", fmt::join(known, ", ")),
                     "none of these");
 }
 

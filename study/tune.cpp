@@ -61,6 +61,15 @@ double score(const Evaluation& e) {
   return e.mean_speed_mps.mean - static_cast<double>(e.ended_early()) - 0.1 * clamped;
 }
 
+// Minus the cost of transport, which is unknown of a robot that did not move; what falls or is slower than
+// asked for comes behind everything that does not.
+double cost_score(const Evaluation& e, double commanded) {
+  constexpr double kSlow = 0.95, kPenalty = 100;  // costs of gaits are 5 to 20
+  const double share = e.mean_speed_mps.mean / commanded;
+  const double lacking = std::max(0.0, kSlow - share) + static_cast<double>(e.ended_early());
+  return -(e.cost_of_transport ? e.cost_of_transport->mean : kPenalty) - kPenalty * lacking;
+}
+
 // A set of runs: of terrain seeds from `first` on, or of a course from a seed.
 struct Ground {
   std::uint64_t first;
@@ -76,7 +85,10 @@ CourseResult run_zero(const Course& course, const EnvConfig& config, const std::
 // What a set of parameters is worth: on a course, in the engine where that is the least.
 double worth(const EnvConfig& config, const std::vector<std::string>& engines, const TuneOptions& options) {
   const Ground ground{options.seed, options.terrains};
-  if (!options.course) return score(walk(config, ground.first, ground.runs));
+  if (!options.course) {
+    const Evaluation walked = walk(config, ground.first, ground.runs);
+    return options.aim == TuneFor::kCost ? cost_score(walked, config.command->vx) : score(walked);
+  }
   double least = std::numeric_limits<double>::infinity();
   for (const std::string& engine : engines)
     least = std::min(least, run_zero(*options.course, config, engine, ground, 1).score(engine).mean);
@@ -173,9 +185,12 @@ void add_checks(const TuneOptions& options, const Progress& progress, Tuning& re
   if (options.unseen > 0) add("unseen seeds", {options.seed + options.terrains, options.unseen});
 }
 
-double value_of(const TuneCheck& line, std::size_t engine) {
+// NaN for the cost of a robot that did not move.
+double value_of(const TuneCheck& line, TuneFor aim, std::size_t engine) {
   if (!line.course.empty()) return line.course[engine].score(line.course[engine].cells.front().engine).mean;
-  return line.per_engine[engine].mean_speed_mps.mean;
+  const Evaluation& e = line.per_engine[engine];
+  if (aim == TuneFor::kSpeed) return e.mean_speed_mps.mean;
+  return e.cost_of_transport ? e.cost_of_transport->mean : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace
@@ -184,8 +199,10 @@ Tuning tune_gait(const EnvConfig& start, const std::vector<std::string>& engines
                  const Progress& progress) {
   if (start.action != ActionKind::kGait)
     throw ConfigError(start.source, "action", "gait, whose parameters are tuned", name(start.action));
+  if (options.aim == TuneFor::kCost && !(start.command && start.command->vx > 0))
+    throw ConfigError(start.source, "command", "a speed forward, at which the cost is tuned", "none");
   const EnvConfig whole = EnvModel::make(start)->stated();
-  Tuning result{whole, whole, options.course ? options.course->name : "", 0, {}, engines, {}};
+  Tuning result{whole, whole, options.course ? options.course->name : "", options.aim, 0, {}, engines, {}};
   try {
     result.score = worth(whole, engines, options);
     search(options, progress, result);
@@ -200,16 +217,19 @@ nlohmann::ordered_json to_json(const Tuning& t) {
   using nlohmann::ordered_json;
   ordered_json json{{"backend", t.start.engine},
                     {"terrain", t.start.terrain},
+                    {"for", t.aim == TuneFor::kCost ? "cost" : "speed"},
                     {"history", t.history},
                     {"checks", ordered_json::array()}};
-  if (!t.course.empty()) json["course"] = t.course;
+  if (!t.course.empty()) {
+    json.erase("for");
+    json["course"] = t.course;
+  }
   if (t.interrupted) json["interrupted"] = true;
   for (const ParameterRow& row : rows_of(t.start))
     json["parameters"][std::string(row.name)] = stated(t.tuned).*row.member;
   for (const TuneCheck& line : t.checks) {
     for (std::size_t k = 0; k < t.engines.size(); ++k) {
-      ordered_json check{
-          {"ground", line.ground}, {"parameters", line.parameters}, {"backend", t.engines[k]}};
+      ordered_json check{{"ground", line.ground}, {"parameters", line.parameters}, {"backend", t.engines[k]}};
       if (line.course.empty()) {
         check["all"] = to_json(line.per_engine[k]);
       } else {
@@ -227,17 +247,23 @@ std::array<Table, 2> tables(const Tuning& t) {
     parameters.add_row({std::string(row.name), fmt::format("{:.4f}", stated(t.start).*row.member),
                         fmt::format("{:.4f}", stated(t.tuned).*row.member), std::string(row.unit)});
   }
-  std::vector<std::string> header{t.course.empty() ? fmt::format("mean speed on {}, m/s", t.start.terrain)
-                                                   : fmt::format("score on course {}", t.course),
-                                  "parameters"};
+  const bool cost = t.aim == TuneFor::kCost;
+  std::string measure = fmt::format("mean speed on {}, m/s", t.start.terrain);
+  if (cost)
+    measure = fmt::format("cost of transport on {} at {:g} m/s", t.start.terrain, t.start.command->vx);
+  if (!t.course.empty()) measure = fmt::format("score on course {}", t.course);
+  std::vector<std::string> header{measure, "parameters"};
   header.insert(header.end(), t.engines.begin(), t.engines.end());
   Table speeds(header);
   for (std::size_t i = 0; i < t.checks.size(); ++i) {
     std::vector<std::string> row{t.checks[i].ground, t.checks[i].parameters};
     for (std::size_t k = 0; k < t.engines.size(); ++k) {
-      std::string text = fmt::format("{:.4f}", value_of(t.checks[i], k));
+      std::string text = fmt::format("{:.4f}", value_of(t.checks[i], t.aim, k));
       if (i % 2 == 1)
-        text += fmt::format(" ({:.2f} x)", value_of(t.checks[i], k) / value_of(t.checks[i - 1], k));
+        text +=
+            fmt::format(" ({:.2f} x)", value_of(t.checks[i], t.aim, k) / value_of(t.checks[i - 1], t.aim, k));
+      if (cost && t.course.empty())
+        text += fmt::format(", {:.2f} m/s", t.checks[i].per_engine[k].mean_speed_mps.mean);
       if (t.course.empty() && t.checks[i].per_engine[k].ended_early() > 0)
         text += fmt::format(", {}", outcomes_in_words(t.checks[i].per_engine[k]));
       row.push_back(text);
@@ -249,8 +275,7 @@ std::array<Table, 2> tables(const Tuning& t) {
 
 std::string describe(const Tuning& t) {
   const auto [parameters, speeds] = tables(t);
-  const std::string where =
-      t.course.empty() ? t.start.engine : fmt::format("{}", fmt::join(t.engines, ", "));
+  const std::string where = t.course.empty() ? t.start.engine : fmt::format("{}", fmt::join(t.engines, ", "));
   return fmt::format("{}\nTuned in {}\n{}", parameters.str(), where, speeds.str());
 }
 

@@ -28,8 +28,7 @@ class BundledPolicies : public ScratchFolder {
     const PolicyInterface interface = small_interface();
     write_policy_bundle(path("policies/walker/walker.safetensors"),
                         make_policy_bundle(random_network(interface, {8}), interface, "walker"));
-    write("policies/plan/plan.yaml",
-          "kind: scripted\nlayout_version: 3\nsteps: [{time: 0, action: {}}]\n");
+    write("policies/plan/plan.yaml", "kind: scripted\nlayout_version: 3\nsteps: [{time: 0, action: {}}]\n");
     write("policies/other/policy.safetensors", "not by its folder's name");
     setenv("CROSSGAIT_DATA", folder_.c_str(), 1);
   }

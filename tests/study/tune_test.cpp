@@ -11,6 +11,7 @@
 #include "crossgait/backends/registry.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/random.h"
+#include "crossgait/tests/physics/config_error.h"
 #include "crossgait/tests/support/table_rows.h"
 
 namespace crossgait {
@@ -106,8 +107,13 @@ TEST(Tuning, OnACourseTheEngineCountsWhereTheScoreIsLowest) {
   EnvConfig start = steps_of(0.05);
   start.adapt = {"cycle_time"};
   const std::vector<std::string> engines = available_engines();
-  const TuneOptions options{
-      .iterations = 2, .population = 4, .terrains = 2, .unseen = 1, .workers = 2, .seed = 3, .course = course};
+  const TuneOptions options{.iterations = 2,
+                            .population = 4,
+                            .terrains = 2,
+                            .unseen = 1,
+                            .workers = 2,
+                            .seed = 3,
+                            .course = course};
   const Tuning tuning = tune_gait(start, engines, options);
   const auto scores = [&](const EnvConfig& config, std::uint64_t seed, std::size_t runs) {
     const CourseResult result = run_course(course, config, find_policy("zero"), engines,
@@ -133,6 +139,36 @@ TEST(Tuning, OnACourseTheEngineCountsWhereTheScoreIsLowest) {
   EXPECT_EQ(json["course"], "two");
   EXPECT_FALSE(json["checks"][0].contains("all"));
   EXPECT_EQ(json["checks"][0]["course"]["cells"].size(), 2U);
+}
+
+TEST(Tuning, ForCostTheCheapestCountsThatIsFastEnough) {
+  EnvConfig start = steps_of(0.05);
+  start.adapt = {"cycle_time", "body_height"};
+  start.command = VelocityCommand{0.2, 0, 0};
+  start.episode_seconds = 1.5;
+  const TuneOptions options{.iterations = 2,
+                            .population = 6,
+                            .terrains = 1,
+                            .unseen = 0,
+                            .workers = 2,
+                            .seed = 3,
+                            .aim = TuneFor::kCost};
+  const Tuning tuning = tune_gait(start, {start.engine}, options);
+  ASSERT_EQ(tuning.checks.size(), 2U);
+  const Evaluation &before = tuning.checks[0].per_engine[0], &after = tuning.checks[1].per_engine[0];
+  ASSERT_TRUE(before.cost_of_transport && after.cost_of_transport);
+  const double lacking = std::max(0.0, 0.95 - after.mean_speed_mps.mean / 0.2);
+  EXPECT_DOUBLE_EQ(tuning.score, -after.cost_of_transport->mean - 100 * lacking);
+  EXPECT_LE(after.cost_of_transport->mean + 100 * lacking,
+            before.cost_of_transport->mean + 100 * std::max(0.0, 0.95 - before.mean_speed_mps.mean / 0.2));
+  EXPECT_EQ(to_json(tuning)["for"], "cost");
+  const std::vector<Cells> rows = table_rows(describe(tuning));
+  EXPECT_EQ(rows[4][0], "cost of transport on flat at 0.2 m/s");
+  EXPECT_EQ(rows[5][2].substr(0, 7), fmt::format("{:.4f}", before.cost_of_transport->mean).substr(0, 7));
+  start.command.reset();
+  const ConfigError error =
+      config_error([&] { static_cast<void>(tune_gait(start, {start.engine}, options)); });
+  EXPECT_EQ(error.element(), "command");
 }
 
 TEST(TuneReport, HasEveryParameterAndEverySpeedWithItsFactor) {
