@@ -1,0 +1,77 @@
+"""The policies that come with Crossgait: found by name, and worth what their cards say."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import crossgait
+from crossgait import ConfigError, _core
+from crossgait.train import Plan
+
+NAMES = crossgait.policy_names()
+
+
+def folder(name: str) -> Path:
+    return Path(crossgait.models_dir()) / "policies" / name
+
+
+def results(name: str) -> dict[str, Any]:
+    said: dict[str, Any] = json.loads((folder(name) / "results.json").read_text())
+    return said
+
+
+def test_there_are_some() -> None:
+    assert "scara_adaptive" in NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_card_is_what_the_course_gives(name: str) -> None:
+    """The first runs of the hardest sections, in an engine of each kind that there is, to the last digit."""
+    said = results(name)
+    engines = [engine for engine in said["engines"] if engine in crossgait.available_engines()][:2]
+    sections = ["slope-20deg", "pushed"]
+    done = crossgait.course(name, sections=sections, engines=engines, episodes=2)
+    for cell in done.document["cells"]:
+        stored = said["course"]["policy"]["sections"][cell["backend"]][cell["section"]["name"]]["runs"]
+        assert cell["scores"] == stored[:2], (cell["backend"], cell["section"]["name"])
+    card = (folder(name) / "card.md").read_text()
+    for engine in said["engines"]:
+        mean, deviation = said["course"]["policy"]["scores"][engine]
+        assert f"{mean:.3f} +- {deviation:.3f}" in card
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_file_that_made_it_is_beside_it(name: str) -> None:
+    plan = Plan.load(folder(name) / "train.yaml")
+    environment = crossgait.EnvironmentConfig.load(str(folder(name) / "environment.yaml"))
+    assert plan.evaluated == environment
+    policy = crossgait.Policy.load(name, environment)
+    assert policy.interface.layout_hash == _core.PolicyInterface(environment).layout_hash
+    for file in ("card.md", "training.md", "about.json"):
+        assert (folder(name) / file).stat().st_size > 100
+    assert sum(file.stat().st_size for file in folder(name).iterdir()) < 1_000_000
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_it_runs_by_its_name_alone(name: str, tmp_path: Path) -> None:
+    program = Path(crossgait.__file__).parent / "bin" / "crossgait"
+    command = [str(program)] if program.exists() else [sys.executable, "-m", "crossgait"]
+    options = ["rollout", "--policy", name, "--episodes", "1", "--episode-seconds", "1", "--json", "-"]
+    done = subprocess.run([*command, *options], cwd=tmp_path, capture_output=True, text=True, env=os.environ.copy())
+    assert done.returncode == 0, done.stderr
+    own = crossgait.EnvironmentConfig.load(str(folder(name) / "environment.yaml"))
+    same = crossgait.rollout(name, own.updated('{"episode_seconds": 1}', "test"), episodes=1)
+    told = json.loads(done.stdout)["policies"][0]["all"]
+    assert told == same.document["policies"][0]["all"]
+
+
+def test_an_unknown_name_is_told_which_there_are() -> None:
+    with pytest.raises(ConfigError, match="scara_adaptive"):
+        crossgait.rollout("scara_adaptiv", episodes=1)
