@@ -119,10 +119,12 @@ TEST_F(MakePolicy, RefusesWhatIsNoPolicy) {
   const auto error_of = [](const std::string& text) {
     return std::string(config_error([&] { (void)make_policy(text, small_interface()); }).what());
   };
-  EXPECT_EQ(error_of("best"),
-            "policy: best: expected zero, random, FILE.safetensors or FILE.yaml, found none of these");
-  EXPECT_EQ(error_of(""),
-            "policy: : expected zero, random, FILE.safetensors or FILE.yaml, found none of these");
+  // Between them the names of the policies that come with Crossgait: bundled_policies_test.cpp.
+  for (const std::string& text : {std::string("best"), std::string()}) {
+    const std::string error = error_of(text);
+    EXPECT_TRUE(error.starts_with("policy: " + text + ": expected zero, random, ")) << error;
+    EXPECT_TRUE(error.ends_with("FILE.safetensors or FILE.yaml, found none of these")) << error;
+  }
   EXPECT_EQ(error_of("/nowhere/p.yaml"), "/nowhere/p.yaml: file: expected a readable file, found none");
   EXPECT_EQ(error_of("/nowhere/p.safetensors"),
             "/nowhere/p.safetensors: file: expected a readable file, found none");
