@@ -44,10 +44,8 @@ void EnvOptions::add_to(CLI::App& command, EnvScope scope) {
 
 EnvConfig EnvOptions::make(const std::string& policy) const {
   EnvConfig c;
-  if (!config.empty()) {
-    c = load_env_config(config);
-  } else if (const auto own = environment_of_policy(policy)) {
-    c = load_env_config(*own);
+  if (const std::string file = environment_file(config, policy); !file.empty()) {
+    c = load_env_config(file);
   } else if (!available_engines().empty()) {
     c.engine = available_engines().front();
   }

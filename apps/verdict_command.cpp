@@ -33,8 +33,7 @@ struct VerdictCommand {
 BehaviourSpec behaviour(const VerdictCommand& options) {
   const WalkConfig walk = options.walk.make();
   if (options.policy.empty()) return {walk, options.starts, walk.terrain_seed};
-  const std::string file =
-      options.config.empty() ? environment_of_policy(options.policy).value_or("") : options.config;
+  const std::string file = environment_file(options.config, options.policy);
   const EnvConfig environment = file.empty() ? walk.environment() : load_env_config(file);
   return {PolicyConfig{environment, options.policy}, options.starts, walk.terrain_seed};
 }

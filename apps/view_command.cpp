@@ -31,8 +31,7 @@ struct ViewOptions {
 };
 
 EnvConfig config_of(const ViewOptions& options) {
-  const std::string file =
-      options.file.empty() ? environment_of_policy(options.policy).value_or("") : options.file;
+  const std::string file = environment_file(options.file, options.policy);
   EnvConfig config = file.empty() ? EnvConfig() : load_env_config(file);
   if (!options.robot.empty()) config.robot = options.robot;
   if (!options.terrain.empty()) config.terrain = options.terrain;

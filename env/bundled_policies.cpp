@@ -24,6 +24,7 @@ fs::path file_in(const fs::path& folder) {
 }
 
 bool is_name(const std::string& text) {
+  if (fs::path(text).has_extension()) return false;  // a path, wherever models are
   const std::vector<std::string> names = policy_names();
   return std::find(names.begin(), names.end(), text) != names.end();
 }
@@ -46,6 +47,10 @@ std::string find_policy_file(const std::string& text) {
 std::optional<std::string> environment_of_policy(const std::string& text) {
   if (!is_name(text)) return std::nullopt;
   return (policies_folder() / text / "environment.yaml").string();
+}
+
+std::string environment_file(const std::string& given, const std::string& policy) {
+  return given.empty() ? environment_of_policy(policy).value_or("") : given;
 }
 
 }  // namespace crossgait

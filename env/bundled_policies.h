@@ -15,5 +15,7 @@ std::string find_policy_file(const std::string& text);
 
 /// The environment.yaml that the policy of that name was made for; nothing for any other text.
 std::optional<std::string> environment_of_policy(const std::string& text);
+/// `given` if it names a file, else that environment; empty if there is neither.
+std::string environment_file(const std::string& given, const std::string& policy);
 
 }  // namespace crossgait

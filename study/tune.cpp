@@ -217,11 +217,11 @@ nlohmann::ordered_json to_json(const Tuning& t) {
   using nlohmann::ordered_json;
   ordered_json json{{"backend", t.start.engine},
                     {"terrain", t.start.terrain},
-                    {"for", t.aim == TuneFor::kCost ? "cost" : "speed"},
                     {"history", t.history},
                     {"checks", ordered_json::array()}};
-  if (!t.course.empty()) {
-    json.erase("for");
+  if (t.course.empty()) {
+    json["for"] = t.aim == TuneFor::kCost ? "cost" : "speed";
+  } else {
     json["course"] = t.course;
   }
   if (t.interrupted) json["interrupted"] = true;

@@ -43,6 +43,9 @@ TEST_F(BundledPolicies, AreFoldersWithAFileOfTheirName) {
   EXPECT_EQ(find_policy_file("walker"), path("policies/walker/walker.safetensors"));
   EXPECT_EQ(find_policy_file("plan"), path("policies/plan/plan.yaml"));
   EXPECT_EQ(environment_of_policy("plan"), path("policies/plan/environment.yaml"));
+  EXPECT_EQ(environment_file("", "plan"), path("policies/plan/environment.yaml"));
+  EXPECT_EQ(environment_file("mine.yaml", "plan"), "mine.yaml");
+  EXPECT_EQ(environment_file("", "zero"), "");
   for (const char* text : {"zero", "other", "empty", "walker.safetensors", "", "../policies/walker"}) {
     EXPECT_EQ(find_policy_file(text), text);
     EXPECT_EQ(environment_of_policy(text), std::nullopt) << text;

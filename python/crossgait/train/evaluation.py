@@ -10,7 +10,6 @@ from typing import Any
 
 from crossgait import studies
 from crossgait._core import EnvironmentConfig
-from crossgait.studies import rollout
 from crossgait.train.plan import Plan
 
 Json = dict[str, Any]
@@ -37,7 +36,7 @@ def evaluate(
     results: dict[str, dict[str, Json]] = {policy: {} for policy in policies}
     for engine in engines:
         config = environment.updated(json.dumps({"engine": engine}), "engine")
-        done = rollout(list(policies), config, episodes=episodes, seed=seed, workers=workers, progress=progress)
+        done = studies.rollout(list(policies), config, episodes=episodes, seed=seed, workers=workers, progress=progress)
         for policy, said in zip(policies, done.document["policies"], strict=True):
             results[policy][engine] = said["all"]
     return results

@@ -16,8 +16,9 @@ from crossgait._core import LAYOUT_VERSION, PolicyBundle, PolicyInterface
 from crossgait.files import written_whole
 from crossgait.sweep.strict_yaml import read_yaml, write_yaml
 from crossgait.train import checkpoint, ppo
+from crossgait.train.keys import PLANNER, RESIDUAL
 from crossgait.train.learner import Learner, seen
-from crossgait.train.members import PLANNER, RESIDUAL, Member, MemberEnvs, TwoPaceEnvs
+from crossgait.train.members import Member, MemberEnvs, TwoPaceEnvs
 from crossgait.train.plan import Plan
 from crossgait.train.ppo import TimedPPO
 from crossgait.train.trainer import BEST, Trained, Trainer
@@ -43,23 +44,27 @@ class Hierarchy:
         planner = Member.of(whole, PLANNER, said["planner"]["observation"], said["planner_dt"])
         return Hierarchy(planner, Member.of(whole, RESIDUAL, said["residual"]["observation"], fine), period)
 
-    def write(self, planner: crossgait.Policy, residual: crossgait.Policy | None, file: Path, tag: str) -> None:
-        """A description and its bundles, whose names end in `tag`; the residuals are zero if there are none.
+    def write(
+        self, folder: Path, name: str, steps: int, planner: crossgait.Policy, residual: crossgait.Policy | None
+    ) -> Path:
+        """Write `name`.yaml, a description, and its bundles, whose names tell the steps; returns the description.
 
-        The description is written last, and bundles that none in the folder names any more are taken away then: what it
-        names is there at any moment.
+        The residuals are zero if there are none. The description is written last, and bundles that none in the folder
+        names any more are taken away then: what it names is there at any moment.
         """
+        file = folder / f"{name}.yaml"
         said: Json = {"kind": "hierarchical", "layout_version": LAYOUT_VERSION}
-        for name, member, policy in (("planner", self.planner, planner), ("residual", self.residual, residual)):
-            said[name] = {"policy": "zero" if policy is None else f"{name}-{tag}.safetensors"}
+        for part, member, policy in (("planner", self.planner, planner), ("residual", self.residual, residual)):
+            said[part] = {"policy": "zero" if policy is None else f"{part}-{steps}.safetensors"}
             if member.sees:
-                said[name]["observation"] = list(member.sees)
+                said[part]["observation"] = list(member.sees)
             if policy is not None:
-                policy.save(file.parent / said[name]["policy"])
+                policy.save(folder / said[part]["policy"])
         said["planner"]["dt"] = self.planner.interface.policy_dt
         with written_whole(file) as beside:
             beside.write_text(write_yaml(said))
-        _remove_unnamed(file.parent)
+        _remove_unnamed(folder)
+        return file
 
 
 def _remove_unnamed(folder: Path) -> None:
@@ -96,9 +101,7 @@ class PlannerAlone:
         """As a description without residuals."""
         interface, golden = self._hierarchy.planner.interface, seen(model, normalise)
         planner = crossgait.Policy.from_sb3(model, interface, normalise, observations=golden)
-        file = folder / f"{name}.yaml"
-        self._hierarchy.write(planner, None, file, str(model.num_timesteps))
-        return file
+        return self._hierarchy.write(folder, name, model.num_timesteps, planner, None)
 
 
 class ResidualUnderPlanner:
@@ -121,9 +124,7 @@ class ResidualUnderPlanner:
         h, golden = self._hierarchy, seen(model, normalise)
         planner = crossgait.Policy.from_network(self._bundle.network, h.planner.interface)
         residual = crossgait.Policy.from_sb3(model, h.residual.interface, normalise, observations=golden)
-        file = folder / f"{name}.yaml"
-        h.write(planner, residual, file, str(model.num_timesteps))
-        return file
+        return h.write(folder, name, model.num_timesteps, planner, residual)
 
 
 class BothTogether:
@@ -148,7 +149,7 @@ class BothTogether:
         start = Start(
             Normalised.of(planner.network, h.planner.observation),
             Normalised.of(residual.network, h.residual.observation),
-            _critic(fast, h.residual, residual),
+            _critic(fast, h.residual, residual, normalise.epsilon),
             log_std,
         )
         checkpoint.restore_statistics(normalise.ret_rms, fast["return"])
@@ -158,24 +159,20 @@ class BothTogether:
         """As a description with both members."""
         h, policy, golden = self._hierarchy, model.policy, seen(model, normalise)
         assert isinstance(policy, TwoPacePolicy)
-        made = []
-        for member, net in ((h.planner, policy.planner), (h.residual, policy.residual)):
-            made.append(
-                crossgait.Policy.from_torch(
-                    net.layers,
-                    member.interface,
-                    normalisation=(net.mean.numpy(), net.std.numpy()),
-                    clip=net.clip,
-                    observations=None if golden is None else golden[:, member.observation],
-                )
+        planner, residual = (
+            crossgait.Policy.from_torch(
+                net.layers,
+                member.interface,
+                normalisation=(net.mean.numpy(), net.std.numpy()),
+                clip=net.clip,
+                observations=None if golden is None else golden[:, member.observation],
             )
-        file = folder / f"{name}.yaml"
-        h.write(made[0], made[1], file, str(model.num_timesteps))
-        return file
+            for member, net in ((h.planner, policy.planner), (h.residual, policy.residual))
+        )
+        return h.write(folder, name, model.num_timesteps, planner, residual)
 
 
 _MEMBERS = ("planner", "residual")
-VARIANCE_FLOOR = 1e-8  #: that VecNormalize adds
 
 
 def read_bundle(folder: Path, member: str) -> PolicyBundle:
@@ -184,8 +181,8 @@ def read_bundle(folder: Path, member: str) -> PolicyBundle:
     return PolicyBundle.read(str(folder / read_yaml(description)[member]["policy"]))
 
 
-def _critic(state: Json, member: Member, bundle: PolicyBundle) -> Normalised:
-    """The value network of a single policy's checkpoint, which sees what its actor saw."""
+def _critic(state: Json, member: Member, bundle: PolicyBundle, epsilon: float) -> Normalised:
+    """The value network of a single policy's checkpoint, which sees what its actor saw; `epsilon` is VecNormalize's."""
     weights = state["policy"]
     hidden = sorted(
         {name.rsplit(".", 1)[0] for name in weights if name.startswith("mlp_extractor.value_net.")},
@@ -199,7 +196,7 @@ def _critic(state: Json, member: Member, bundle: PolicyBundle) -> Normalised:
     if seen is None:
         mean, std = torch.zeros(len(member.observation)), torch.ones(len(member.observation))
     else:
-        mean, std = seen["mean"], torch.sqrt(seen["var"] + VARIANCE_FLOOR)
+        mean, std = seen["mean"], torch.sqrt(seen["var"] + epsilon)
     return Normalised(layers, member.observation, mean, std, bundle.network.clip)
 
 

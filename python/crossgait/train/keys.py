@@ -150,6 +150,8 @@ STAGE: dict[str, Key] = {"from": _whole(0, 0), "mix": Key([], "a list of shares"
 #: Of a share of a stage's environments.
 SHARE: dict[str, Key] = {"share": _number(1.0, 1e-3)} | _SET
 COMMAND = ("vx", "vy", "yaw_rate")
+#: Beginnings of the names of actions, of the members of a hierarchical policy.
+PLANNER, RESIDUAL = "delta.", "residual."
 
 
 def filled(source: str, given: Any, table: Mapping[str, Key | dict[str, Key]], where: str = "") -> Json:

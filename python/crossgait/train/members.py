@@ -17,9 +17,6 @@ from crossgait._core import PolicyBundle, PolicyInterface
 Array = npt.NDArray[Any]
 Indices = npt.NDArray[np.intp]
 
-#: Beginnings of the names of a member's actions.
-PLANNER, RESIDUAL = "delta.", "residual."
-
 
 @dataclass(frozen=True)
 class Member:

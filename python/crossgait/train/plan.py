@@ -14,7 +14,19 @@ from crossgait import _core
 from crossgait._core import EnvironmentConfig, PolicyInterface
 from crossgait.errors import ConfigError
 from crossgait.sweep.strict_yaml import parse_yaml, read_yaml, write_yaml
-from crossgait.train.keys import COMMAND, HIERARCHY, SHARE, STAGE, TABLE, Json, filled, is_range, shown
+from crossgait.train.keys import (
+    COMMAND,
+    HIERARCHY,
+    PLANNER,
+    RESIDUAL,
+    SHARE,
+    STAGE,
+    TABLE,
+    Json,
+    filled,
+    is_range,
+    shown,
+)
 
 _PRESETS = Path(__file__).parent / "presets"
 
@@ -146,7 +158,7 @@ def _check_members(plan: Plan, said: Json) -> None:
         raise ConfigError(
             plan.source, "hierarchy.planner_dt", f"a multiple of the policy step, {fine:g} s", f"{pace:g}"
         )
-    for name, part, dt in (("planner", "delta.", pace), ("residual", "residual.", fine)):
+    for name, part, dt in (("planner", PLANNER, pace), ("residual", RESIDUAL, fine)):
         try:
             whole.member(part, observation=said[name]["observation"], policy_dt=dt)
         except ConfigError as error:

@@ -165,7 +165,8 @@ class Trainer:
         begin = time.perf_counter()
         asked = self.plan["evaluation"]
         last = str(self.learner.save(self.model, self.normalise, self.folder, LAST))
-        done = self._evaluated([last] + (["zero"] if self.state["zero"] is None else []))
+        names = [last] + (["zero"] if self.state["zero"] is None else [])
+        done = evaluation.of_plan(names, self.plan, asked["episodes"], asked["seed"])
         if self.state["zero"] is None:
             self.state["zero"] = evaluation.row(done["zero"], asked["score"])
         row = evaluation.row(done[last], asked["score"])
@@ -177,10 +178,6 @@ class Trainer:
         told = {"rollout": self.state["rollout"], "steps": self.steps, "zero": self.state["zero"]["score"]} | row
         self._evaluations.add(told)
         self._board.add("evaluation", self.steps, told)
-
-    def _evaluated(self, policies: list[str]) -> dict[str, dict[str, Json]]:
-        asked = self.plan["evaluation"]
-        return evaluation.of_plan(policies, self.plan, asked["episodes"], asked["seed"])
 
     def _save(self) -> None:
         self.state["spent"] = dict(self.clock.spent)
