@@ -64,6 +64,11 @@ constexpr std::array kTerms{
                      -(square(r.v_heading.x() - r.command.vx) + square(r.v_heading.y() - r.command.vy)) /
                      (square(kVelocityWidth) * r.size));
                }},
+    RewardTerm{"velocity_error", "m/s",
+               "|v_xy - commanded| in the heading frame: tells far from the command too", 0,
+               [](const Record& r) {
+                 return std::hypot(r.v_heading.x() - r.command.vx, r.v_heading.y() - r.command.vy);
+               }},
     RewardTerm{"progress", "-",
                "velocity along the direction faced at the start over the commanded one, -1 to 1; 0 if none "
                "is asked for",
@@ -75,6 +80,8 @@ constexpr std::array kTerms{
                [](const Record& r) {
                  return std::exp(-square((r.after.w_WB.z() - r.command.yaw_rate) / kYawRateWidth) * r.size);
                }},
+    RewardTerm{"yaw_rate_error", "rad/s", "|yaw rate - commanded|", 0,
+               [](const Record& r) { return std::abs(r.after.w_WB.z() - r.command.yaw_rate); }},
     RewardTerm{"vertical_velocity", "m^2/s^2", "squared velocity of the base along z", 0,
                [](const Record& r) { return square(r.after.v_WB.z()); }},
     RewardTerm{"tilt_rate", "rad^2/s^2", "squared angular velocity of the base about the horizontal axes", 0,

@@ -50,7 +50,7 @@ std::span<const RewardTerm> reward_terms();
 /// @throws ConfigError listing the known names
 std::size_t find_reward_term(std::string_view name);
 
-inline constexpr std::size_t kRewardTerms = 21;
+inline constexpr std::size_t kRewardTerms = 23;
 /// One number per row of the table.
 using RewardTerms = std::array<double, kRewardTerms>;
 

@@ -19,6 +19,33 @@ def ask(program, *arguments):
             return json.load(text)
 
 
+class Method:
+    """What is measured: the policy, or a gait without one, in an environment."""
+
+    def __init__(self, name, policy, config):
+        self.name, self.arguments = name, ["--policy", policy, "--config", config]
+
+
+def shown(told):
+    """What cards say of episodes."""
+    mean = {key: told[key]["mean"] for key in ("mean_speed_mps", "cost_of_transport", "drag", "slip_per_path") if told.get(key)}
+    ended = sum(n for name, n in told["outcomes"].items() if name not in ("walked", "slid", "no_progress"))
+    return mean | {"episodes": told["episodes"], "ended_early": ended}
+
+
+def falls_bound(ended, episodes):
+    """Upper end of the exact one-sided 95 % interval of a share (Clopper and Pearson, 1934), by bisection."""
+    low, high = ended / episodes, 1.0
+    for _ in range(60):
+        share = (low + high) / 2
+        term = total = (1 - share) ** episodes
+        for k in range(ended):
+            term *= (episodes - k) / (k + 1) * share / (1 - share)
+            total += term
+        low, high = (share, high) if total > 0.05 else (low, share)
+    return high
+
+
 def table(head, rows):
     """In Markdown."""
     lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]

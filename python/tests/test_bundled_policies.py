@@ -31,13 +31,21 @@ def test_there_are_some() -> None:
     assert "scara_adaptive" in NAMES
 
 
-@pytest.mark.parametrize("name", NAMES)
+def judged_by(what: str) -> list[str]:
+    return [name for name in NAMES if results(name)["judged_by"] == what]
+
+
+def some_engines(said: dict[str, Any]) -> list[str]:
+    """One of each kind that there is."""
+    return [engine for engine in said["engines"] if engine in crossgait.available_engines()][:2]
+
+
+@pytest.mark.parametrize("name", judged_by("course"))
 def test_the_card_is_what_the_course_gives(name: str) -> None:
-    """The first runs of the hardest sections, in an engine of each kind that there is, to the last digit."""
+    """The first runs of the hardest sections, to the last digit."""
     said = results(name)
-    engines = [engine for engine in said["engines"] if engine in crossgait.available_engines()][:2]
     sections = ["slope-20deg", "pushed"]
-    done = crossgait.course(name, sections=sections, engines=engines, episodes=2)
+    done = crossgait.course(name, sections=sections, engines=some_engines(said), episodes=2)
     for cell in done.document["cells"]:
         stored = said["course"]["policy"]["sections"][cell["backend"]][cell["section"]["name"]]["runs"]
         assert cell["scores"] == stored[:2], (cell["backend"], cell["section"]["name"])
@@ -45,6 +53,25 @@ def test_the_card_is_what_the_course_gives(name: str) -> None:
     for engine in said["engines"]:
         mean, deviation = said["course"]["policy"]["scores"][engine]
         assert f"{mean:.3f} +- {deviation:.3f}" in card
+
+
+@pytest.mark.parametrize("name", judged_by("commands"))
+def test_the_card_is_how_it_follows_commands(name: str) -> None:
+    """The first episodes at the fastest turn on rough ground, to the last digit."""
+    said = results(name)
+    own = crossgait.EnvironmentConfig.load(str(folder(name) / "environment.yaml"))
+    weight = float(own.to_yaml().split("velocity_error: ")[1].split()[0])
+    card = (folder(name) / "card.md").read_text().split("### rough")[1]
+    for engine in some_engines(said):
+        stored = said["commands"]["policy"]["rough"][engine]["1,0.5"]
+        asked = {"engine": engine, "terrain": "rough:size_x=50,size_y=30"}
+        command = {"vx": 1, "vy": 0, "yaw_rate": 0.5}
+        done = crossgait.rollout(name, own.updated(json.dumps(asked | {"command": command}), "test"), episodes=2)
+        episodes = done.document["policies"][0]["episodes"]
+        errors = [e["reward_terms"]["velocity_error"] / weight / e["steps"] for e in episodes]
+        assert errors == stored["runs"][:2], engine
+        row = next(line for line in card.splitlines() if line.startswith("| 1,0.5 |"))
+        assert f"{stored['velocity_error']:.3f}, {stored['yaw_rate_error']:.3f}" in row
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -64,8 +64,10 @@ TEST(Reward, EveryTermIsItsFormula) {
       {"energy_efficiency", 15 * 15 + 20 * 20},  // .3 and .4 rad/s in .02 s
       {"smooth_adaptation", 0.01 * 0.01 + 0.1 * 0.1},
       {"velocity_tracking", std::exp(-(0.03 * 0.03 + 0.03 * 0.03) / 0.01)},
+      {"velocity_error", std::hypot(0.03, 0.03)},
       {"progress", 1},  // faster than asked for
       {"yaw_rate_tracking", std::exp(-0.04)},
+      {"yaw_rate_error", 0.1},
       {"vertical_velocity", 0.0004},
       {"tilt_rate", 0.25},
       {"orientation", 1 - std::pow(std::cos(0.1) * std::cos(0.2), 2)},

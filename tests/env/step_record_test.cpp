@@ -91,8 +91,10 @@ std::map<std::string, double> expected_terms(const QuadrupedEnv& env, const Seen
       {"velocity_tracking",
        std::exp(-(std::pow(v.dot(now) - kCommand.vx, 2) + std::pow(v.dot(left_of(now)) - kCommand.vy, 2)) /
                 std::pow(0.1, 2))},
+      {"velocity_error", std::hypot(v.dot(now) - kCommand.vx, v.dot(left_of(now)) - kCommand.vy)},
       {"progress", std::clamp(v.dot(start) / kCommand.vx, -1.0, 1.0)},
       {"yaw_rate_tracking", std::exp(-std::pow((after.w_WB.z() - kCommand.yaw_rate) / 0.5, 2))},
+      {"yaw_rate_error", std::abs(after.w_WB.z() - kCommand.yaw_rate)},
       {"vertical_velocity", std::pow(v.z(), 2)},
       {"tilt_rate", std::pow(after.w_WB.x(), 2) + std::pow(after.w_WB.y(), 2)},
       {"orientation", std::pow(gravity_in_base.x(), 2) + std::pow(gravity_in_base.y(), 2)},
