@@ -75,6 +75,19 @@ def test_the_card_is_how_it_follows_commands(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_the_verdict_is_that_of_the_card(name: str) -> None:
+    said = results(name)["verdict"]
+    if {said["a"], said["b"]} - set(crossgait.available_engines()):
+        pytest.skip(f"{said['a']} or {said['b']} is not there")
+    environment = crossgait.EnvironmentConfig.load(str(folder(name) / "environment.yaml"))
+    told = crossgait.verdict(name, environment=environment, engines=[said["a"], said["b"]]).document
+    assert {key: told[key] for key in ("word", "starts", "statistics")} == {
+        key: said[key] for key in ("word", "starts", "statistics")
+    }
+    assert f"**{said['word'].replace('_', ' ')}**" in (folder(name) / "card.md").read_text()
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_the_file_that_made_it_is_beside_it(name: str) -> None:
     plan = Plan.load(folder(name) / "train.yaml")
     environment = crossgait.EnvironmentConfig.load(str(folder(name) / "environment.yaml"))
