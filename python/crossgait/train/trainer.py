@@ -170,7 +170,8 @@ class Trainer:
         if self.state["zero"] is None:
             self.state["zero"] = evaluation.row(done["zero"], asked["score"])
         row = evaluation.row(done[last], asked["score"])
-        if self.state["best"] is None or row["score"] > self.state["best"]["score"]:
+        # Of equals the later, which the reward has shaped for longer: a course's score ends at 1.
+        if self.state["best"] is None or row["score"] >= self.state["best"]["score"]:
             self.learner.save(self.model, self.normalise, self.folder, BEST)
             self.state["best"] = {"steps": self.steps, "score": row["score"]}
         self.state["evaluated"] = self.state["rollout"]
