@@ -138,7 +138,13 @@ def test_presets_are_what_their_names_say() -> None:
     for name in presets():
         interface = _core.PolicyInterface(Plan.preset(name).evaluated)
         sizes[name] = (len(interface.action_layout), len(interface.observation_layout))
-    assert sizes == {"adaptive": (16, 69), "adaptive-terrain": (16, 77), "hierarchical": (18, 72), "joints": (12, 48)}
+    assert sizes == {
+        "adaptive": (16, 69),
+        "adaptive-terrain": (16, 77),
+        "guide": (16, 69),
+        "hierarchical": (18, 72),
+        "joints": (12, 48),
+    }
     changed = Plan.preset("adaptive", ["algorithm.n_steps=64", "algorithm.batch_size=64", "environment.friction=1e-1"])
     assert changed["algorithm"]["n_steps"] == 64
     assert changed["environment"]["friction"] == 0.1
