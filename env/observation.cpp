@@ -69,10 +69,15 @@ double ring_radius(const Source& s) {
   return kTerrainRingRadius * gait_scale(*s.backend.spec().robot).length;
 }
 
-void write_terrain(const Source& s, double*& out) {
+void write_ring_over(double level, const Source& s, double*& out) {
   const Vector3& p = state(s).p_WB;
   for (const double height : sample_ring(s.backend.spec().terrain, p.x(), p.y(), yaw(s), ring_radius(s)))
-    put(out, height);
+    put(out, height - level);
+}
+
+double ground_below(const Source& s) {
+  const Vector3& p = state(s).p_WB;
+  return s.backend.spec().terrain.height(p.x(), p.y());
 }
 
 void write_engine_terrain(const Source& s, double*& out) {
@@ -151,8 +156,13 @@ constexpr std::array kBlocks{
                      },
                      kNeedsGait},
     ObservationBlock{"terrain", "heights of the shared terrain on a ring of .15 m about the base", false,
-                     [](const Context&, Layout& l) { describe_ring(l, "terrain"); }, write_terrain},
-    ObservationBlock{"engine_terrain", "the same, asked of the engine's own geometry", false,
+                     [](const Context&, Layout& l) { describe_ring(l, "terrain"); },
+                     [](const Source& s, double*& out) { write_ring_over(0, s, out); }},
+    ObservationBlock{"terrain_local", "the same over the height of the ground below the base", false,
+                     [](const Context&, Layout& l) { describe_ring(l, "terrain_local"); },
+                     // Heights in W grow with the way up a slope, beyond what any policy was trained on.
+                     [](const Source& s, double*& out) { write_ring_over(ground_below(s), s, out); }},
+    ObservationBlock{"engine_terrain", "as terrain, asked of the engine's own geometry", false,
                      [](const Context&, Layout& l) { describe_ring(l, "engine_terrain"); },
                      write_engine_terrain},
     ObservationBlock{"command", "velocity asked of the body", false,
@@ -187,10 +197,7 @@ constexpr std::array kBlocks{
                      [](const Source& s, double*& out) { put(out, in_base(s, state(s).w_WB)); }},
     ObservationBlock{"height", "of the base's origin over the ground below it", false,
                      [](const Context&, Layout& l) { add(l, "height", "m"); },
-                     [](const Source& s, double*& out) {
-                       const Vector3& p = state(s).p_WB;
-                       put(out, p.z() - s.backend.spec().terrain.height(p.x(), p.y()));
-                     }},
+                     [](const Source& s, double*& out) { put(out, state(s).p_WB.z() - ground_below(s)); }},
     ObservationBlock{"last_action", "the action before, clipped", false,
                      [](const Context& c, Layout& l) {
                        for (const LayoutEntry& entry : c.action.entries)

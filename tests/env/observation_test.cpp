@@ -102,6 +102,8 @@ TEST_P(Layouts, ReadAsWhatTheirNamesSay) {
        {"front", "front_right", "right", "back_right", "back", "back_left", "left", "front_left"}) {
     // The ray test of an engine is exact to 2e-6 m (design, parity-measurements.md).
     EXPECT_NEAR(at(std::string("engine_terrain.") + place), at(std::string("terrain.") + place), 2e-6);
+    EXPECT_EQ(at(std::string("terrain_local.") + place),
+              at(std::string("terrain.") + place) - ground.height(state.p_WB.x(), state.p_WB.y()));
   }
   EXPECT_EQ(at("command.vy"), 0.02);
   EXPECT_NEAR(std::atan2(at("phase.sin"), at("phase.cos")),
