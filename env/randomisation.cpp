@@ -32,8 +32,9 @@ constexpr std::array kRandomisationRows{
     RandomisationRow{kEffortLimit, "effort_limit", "x", "scale of the servos' largest torque", 1, 0.1, 10},
     RandomisationRow{kTerrainSeed, "terrain_seed", "-", "seed of the terrain's generator, whole numbers", -1,
                      0, 1e9},
+    // Of a robot of 100 kg, 1 m/s takes 100 N s.
     RandomisationRow{kPushImpulse, "push_impulse", "N s", "sideways push on the trunk, from any direction", 0,
-                     0, 10},
+                     0, 1e4},
     RandomisationRow{kPushInterval, "push_interval", "s", "time to the first push and between two", 0, 0,
                      1e6},
     RandomisationRow{kPushCount, "push_count", "-", "pushes at most, whole numbers; 0 for no limit", 0, 0,

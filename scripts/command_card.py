@@ -19,18 +19,21 @@ def weights_of(environment):
     return {name: float(weight) for name, weight in found.items()}
 
 
-def cell(program, method, engine, ground, command, episodes):
-    """Means over every policy step of every episode, from standing, and what each episode has for an error of velocity."""
+def followed(program, method, engine, ground, command, episodes, weights):
+    """What is said of all episodes, from standing, and what each has for errors of velocity and yaw rate, means over its policy steps."""
     said = ask(program, "rollout", *method.arguments, "--engine", engine, "--terrain", ground, "--episode-seconds", "20",
                "--command", f"{command[0]},0,{command[1]}", "--episodes", str(episodes))["policies"][0]
-    weights = weights_of(method.arguments[-1])
 
     def errors(name):
         return [e["reward_terms"][name] / weights[name] / e["steps"] for e in said["episodes"]]
 
-    velocity, yaw_rate = errors("velocity_error"), errors("yaw_rate_error")
-    return shown(said["all"]) | {
-        "slip_m_per_s": said["all"]["slip_m"]["mean"] / 20, "velocity_error": sum(velocity) / episodes,
+    return said["all"], errors("velocity_error"), errors("yaw_rate_error")
+
+
+def cell(program, method, engine, ground, command, episodes):
+    told, velocity, yaw_rate = followed(program, method, engine, ground, command, episodes, weights_of(method.arguments[-1]))
+    return shown(told) | {
+        "slip_m_per_s": told["slip_m"]["mean"] / 20, "velocity_error": sum(velocity) / episodes,
         "yaw_rate_error": sum(yaw_rate) / episodes, "runs": velocity}
 
 

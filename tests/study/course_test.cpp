@@ -133,6 +133,15 @@ TEST(CourseSections, TakeTheMethodFromTheEnvironmentAndAllElseFromTheCourse) {
   EXPECT_FALSE(other.randomisation.is_on(Randomised::kPushImpulse));
 }
 
+TEST(CourseSections, AreForRobotsOfEveryWeight) {
+  EnvConfig config = method("mujoco");
+  config.robot = "serial_quadruped";  // 12.6 kg, where scara_quadruped has .7
+  const Course course = load_course("hard");
+  for (const CourseSection& section : course.sections) {
+    EXPECT_NO_THROW(EnvModel::make(section_environment(config, course, section))) << section.name;
+  }
+}
+
 TEST(CourseScores, AreTheShareOfTheWayAskedFor) {
   const Course course = short_course();  // .2 m/s for .4 s: .08 m
   const CourseSection& section = course.sections[0];
