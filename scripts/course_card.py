@@ -1,4 +1,5 @@
 """What the cards of policies say that drive a gait: the course, speed on rough ground, cost of transport (scripts/policy-cards)."""
+import json
 import os
 
 from cards import Method, ask, falls_bound, shown, table
@@ -9,9 +10,11 @@ CHEAP_GROUND = "rough:amplitude=.01,size_x=50,size_y=10"
 
 
 def methods_of(folder, files):
-    """The policy in environment.yaml, tuned gaits each in its own."""
+    """The policy in environment.yaml, gaits each in its own: beside it, or where about.json says that its opponents are."""
     found = [Method("policy", os.path.basename(folder), os.path.join(folder, "environment.yaml"))]
-    tuned = [Method(label, "zero", os.path.join(folder, file)) for file, label in files.items()]
+    with open(os.path.join(folder, "about.json"), encoding="utf-8") as text:
+        opponents = os.path.join(os.path.dirname(folder), json.load(text).get("opponents", os.path.basename(folder)))
+    tuned = [Method(label, "zero", os.path.join(opponents, file)) for file, label in files.items()]
     return found + [m for m in tuned if os.path.exists(m.arguments[-1])]
 
 
@@ -27,9 +30,10 @@ def on_course(options, folder):
 
 
 def rolled_out(options, folder, files, command, terrain, episodes):
-    """`episodes` of the policy, and as many of the gaits as there are runs of a section."""
+    """`episodes` of the policy, and as many of the gaits as there are runs of a section; `command` in m/s, or None for none."""
+    asked = [] if command is None else ["--command", f"{command},0,0"]
     return {method.name: {engine: shown(ask(
-        options.program, "rollout", *method.arguments, "--engine", engine, "--command", f"{command},0,0", "--terrain", terrain,
+        options.program, "rollout", *method.arguments, "--engine", engine, *asked, "--terrain", terrain,
         "--episode-seconds", "20", "--episodes", str(episodes if method.name == "policy" else options.runs),
     )["policies"][0]["all"]) for engine in options.engines} for method in methods_of(folder, files)}
 
