@@ -74,6 +74,22 @@ def test_the_card_is_how_it_follows_commands(name: str) -> None:
         assert f"{stored['velocity_error']:.3f}, {stored['yaw_rate_error']:.3f}" in row
 
 
+@pytest.mark.parametrize("name", judged_by("speed"))
+def test_the_card_is_how_fast_it_goes(name: str) -> None:
+    """All episodes in one engine, to the last digit."""
+    said = results(name)
+    own = crossgait.EnvironmentConfig.load(str(folder(name) / "environment.yaml"))
+    engine = some_engines(said)[0]
+    asked = {"engine": engine, "terrain": "rough:size_x=50,size_y=10", "episode_seconds": 20}
+    done = crossgait.rollout(name, own.updated(json.dumps(asked), "test"), episodes=said["runs"])
+    told = done.document["policies"][0]["all"]
+    stored = said["speed"]["policy"][engine]
+    for statistic in ("mean_speed_mps", "cost_of_transport", "drag", "slip_per_path"):
+        assert told[statistic]["mean"] == stored[statistic]
+    card = (folder(name) / "card.md").read_text()
+    assert f"| `{engine}` | policy | {stored['mean_speed_mps']:.3f} |" in card
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_the_verdict_is_that_of_the_card(name: str) -> None:
     said = results(name)["verdict"]
