@@ -206,4 +206,4 @@ def _draw(ax: Any, rows: list[record.Row], columns: list[str], label: str) -> No
     ax.set_ylabel(label)
     ax.grid(alpha=0.3)
     if len(columns) > 1:
-        ax.legend(frameon=False, fontsize="small")
+        ax.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1, 0.5))
