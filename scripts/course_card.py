@@ -1,7 +1,5 @@
 """What the cards of policies say that drive a gait: the course, speed on rough ground, cost of transport (scripts/policy-cards)."""
-import json
 import os
-import sys
 
 from cards import Method, ask, falls_bound, shown, table
 
@@ -15,32 +13,6 @@ def methods_of(folder, files):
     found = [Method("policy", os.path.basename(folder), os.path.join(folder, "environment.yaml"))]
     tuned = [Method(label, "zero", os.path.join(folder, file)) for file, label in files.items()]
     return found + [m for m in tuned if os.path.exists(m.arguments[-1])]
-
-
-def of_engines(measured, engines):
-    """The part of `measured` (results by engine, at any depth) that is of these engines."""
-    if not isinstance(measured, dict):
-        return measured
-    if set(engines) <= measured.keys():
-        return {e: measured[e] for e in engines}
-    return {key: of_engines(value, engines) for key, value in measured.items()}
-
-
-def of_opponents(options, folder):
-    """What the gaits did that are another policy's opponents as well, by part of the card: they are measured once, for its card.
-    Empty where about.json names none."""
-    with open(os.path.join(folder, "about.json"), encoding="utf-8") as text:
-        name = json.load(text).get("opponents")
-    if name is None:
-        return {}
-    path = os.path.join(os.path.dirname(folder), name, "results.json")
-    with open(path, encoding="utf-8") as text:
-        stored = json.load(text)
-    if stored["runs"] != options.runs or not set(options.engines) <= set(stored["engines"]):
-        sys.exit(f"{path}: expected {options.runs} runs in {', '.join(options.engines)}, "
-                 f"found {stored['runs']} in {', '.join(stored['engines'])}: measure {name} first")
-    return {part: of_engines({method: m for method, m in stored[part].items() if method != "policy"}, options.engines)
-            for part in ("course", "fast", "cheap")}
 
 
 def on_course(options, folder):
@@ -96,13 +68,12 @@ def rollout_text(results, engines):
 
 
 def measure(options, folder, note):
-    opponents = of_opponents(options, folder)
     note("course")
     results = {"course": on_course(options, folder)}
     note("fast and cheap")
     results["fast"] = rolled_out(options, folder, {"tuned.yaml": "tuned gait"}, FAST, ROUGH, options.episodes)
     results["cheap"] = rolled_out(options, folder, {"cheap.yaml": "gait tuned for cost"}, CHEAP, CHEAP_GROUND, options.runs)
-    return {part: results[part] | opponents.get(part, {}) for part in results}
+    return results
 
 
 def sections(name, results):
