@@ -67,6 +67,20 @@ TEST(VerdictCommand, JudgesPolicies) {
   EXPECT_EQ(verdict["behaviour"], "policy zero on flat, 0.2 s");
 }
 
+TEST(VerdictCommand, JudgesAPolicyInTheWorldOfItsConfiguration) {
+  if (!has_two_engines()) GTEST_SKIP() << "one engine alone";
+  const std::string file = write_file(
+      "verdict_env.yaml", "terrain: rough\nfriction: .3\nepisode_seconds: .2\nsettle_seconds: .1\n");
+  const json verdict = run_json("verdict --starts 4 --policy zero --config " + file);
+  EXPECT_EQ(verdict["behaviour"], "policy zero on rough, 0.2 s");
+  // As one that the options describe, which is the same world.
+  const json typed = run_json("verdict --policy zero --terrain rough --friction .3" + kShort);
+  EXPECT_EQ(verdict["statistics"], typed["statistics"]);
+  const json other = run_json("verdict --policy zero" + kShort);
+  EXPECT_NE(verdict["statistics"], other["statistics"]);
+  std::filesystem::remove(file);
+}
+
 TEST(VerdictCommand, PushesPoliciesAsItPushesWalks) {
   if (!has_two_engines()) GTEST_SKIP() << "one engine alone";
   const json soft = run_json("verdict --policy zero --push 0" + kShort);
