@@ -5,22 +5,11 @@
 
 #include "crossgait/conformance/card.h"
 #include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/conformance_check.h"
 #include "crossgait/tests/support/constants.h"
 
 namespace crossgait::conformance {
 namespace {
-
-std::vector<std::string> names_of_checks() {
-  std::vector<std::string> names;
-  for (const Check& check : checks()) names.push_back(check.name);
-  return names;
-}
-
-const Check& check_of(const std::string& name) {
-  for (const Check& check : checks())
-    if (check.name == name) return check;
-  throw std::logic_error("no check " + name);
-}
 
 class EveryCheck : public ::testing::TestWithParam<std::tuple<std::string, std::string>> {};
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(EveryCheck);
@@ -31,19 +20,7 @@ INSTANTIATE_TEST_SUITE_P(EveryBackend, EveryCheck,
                            return std::get<0>(test.param) + "_" + test_name(std::get<1>(test.param));
                          });
 
-TEST_P(EveryCheck, Holds) {
-  const Check& check = check_of(std::get<0>(GetParam()));
-  const Outcome outcome = run_check(check, subject_of(std::get<1>(GetParam())));
-  if (outcome.status == Status::kSkipped) GTEST_SKIP() << "needs: " << outcome.reason;
-  EXPECT_EQ(outcome.reason, "");
-  for (std::size_t i = 0; i < outcome.values.size(); ++i) {
-    const Demand& demand = check.demands[i];
-    measured(check.name + ": " + demand.what + (demand.unit.empty() ? "" : ", " + demand.unit),
-             outcome.values[i]);
-    EXPECT_TRUE(demand.holds(outcome.values[i])) << demand.what << ": " << demand.bound();
-  }
-  EXPECT_EQ(outcome.status, Status::kPassed);
-}
+TEST_P(EveryCheck, Holds) { expect_holds(std::get<0>(GetParam()), std::get<1>(GetParam())); }
 
 TEST(Checks, AreNamedOnceAndSayWhatTheyAre) {
   std::set<std::string> names;

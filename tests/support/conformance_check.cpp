@@ -1,0 +1,40 @@
+#include "crossgait/tests/support/conformance_check.h"
+
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "crossgait/tests/support/backend_test.h"
+
+namespace crossgait::conformance {
+namespace {
+
+const Check& check_of(const std::string& name) {
+  for (const Check& check : checks())
+    if (check.name == name) return check;
+  throw std::logic_error("no check " + name);
+}
+
+}  // namespace
+
+std::vector<std::string> names_of_checks() {
+  std::vector<std::string> names;
+  for (const Check& check : checks()) names.push_back(check.name);
+  return names;
+}
+
+void expect_holds(const std::string& name, const std::string& engine) {
+  const Check& check = check_of(name);
+  const Outcome outcome = run_check(check, subject_of(engine));
+  if (outcome.status == Status::kSkipped) GTEST_SKIP() << "needs: " << outcome.reason;
+  EXPECT_EQ(outcome.reason, "");
+  for (std::size_t i = 0; i < outcome.values.size(); ++i) {
+    const Demand& demand = check.demands[i];
+    measured(check.name + ": " + demand.what + (demand.unit.empty() ? "" : ", " + demand.unit),
+             outcome.values[i]);
+    EXPECT_TRUE(demand.holds(outcome.values[i])) << demand.what << ": " << demand.bound();
+  }
+  EXPECT_EQ(outcome.status, Status::kPassed);
+}
+
+}  // namespace crossgait::conformance

@@ -1,0 +1,17 @@
+// The checks of conformance/ as tests: with the figures that they measured.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "crossgait/conformance/check.h"
+
+namespace crossgait::conformance {
+
+std::vector<std::string> names_of_checks();
+
+/// Runs the check of this name, which there has to be, in the engine; skips the test if the engine does not
+/// declare what the check needs.
+void expect_holds(const std::string& check, const std::string& engine);
+
+}  // namespace crossgait::conformance
