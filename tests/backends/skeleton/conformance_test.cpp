@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/registry.h"
 #include "crossgait/tests/support/conformance_check.h"
 
 namespace crossgait::conformance {
