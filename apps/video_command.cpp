@@ -104,7 +104,7 @@ void run(const VideoCommand& options) {
   command.emplace_back("--");
   command.insert(command.end(), traces.begin(), traces.end());
   const auto drawn = run_child(command, {}, ChildErrors::kShown);
-  if (!drawn || drawn->exit_code != 0) throw ChildFailed(drawn ? drawn->exit_code : -1);
+  if (!drawn || drawn->exit_code != 0) throw ChildFailed{drawn ? drawn->exit_code : -1};
   print(drawn->out);
 }
 

@@ -173,12 +173,12 @@ RobotPtr millipede(int legs, int toes) {
   robot.name = "millipede";
   robot.bodies.push_back(free_body("trunk", solid_box(0.34, {0.2, 0.05, 0.02})));
   for (int i = 0; i < legs; ++i) {
-    const int row = i / 2;
+    const int row = i / 2, last = legs / 2 - 1;
     const double side = i % 2 == 0 ? 1 : -1, ahead = row % 2 == 0 ? 1 : -1;
     const Vector3 tip(ahead * kLink, 0, -kLink);
     Body leg = free_body("leg" + std::to_string(i), solid_box(0.02, {0.005, 0.005, 0.03}, tip / 2));
     leg.parent = 0;
-    leg.X_PB.translation() = Vector3(0.025 * (row - (legs / 2 - 1) / 2.0), side * 0.06, 0);
+    leg.X_PB.translation() = Vector3(0.025 * (row - last / 2.0), side * 0.06, 0);
     leg.joint.name = "hip" + std::to_string(i);
     leg.joint.axis = Vector3::UnitY();
     leg.joint.damping = 0.02;
@@ -202,7 +202,8 @@ RobotPtr heavy_sledge(int points) {
   robot.name = "heavy_sledge";
   robot.bodies.push_back(free_body("trunk", solid_box(30, {0.4, 0.15, kBelly}, {0.02, -0.01, 0.01})));
   for (int i = 0; i < points; ++i) {
-    const double ahead = 0.8 * (i / 2) / std::max(1, points / 2 - 1) - 0.4, left = i % 2 == 0 ? 0.15 : -0.15;
+    const int row = i / 2, last = std::max(1, points / 2 - 1);
+    const double ahead = 0.8 * row / last - 0.4, left = i % 2 == 0 ? 0.15 : -0.15;
     robot.bodies[0].shapes.push_back(shape("belly" + std::to_string(i), ShapeType::kSphere, {kRadius, 0, 0},
                                            {ahead, left, kRadius - kBelly}));
   }

@@ -1,6 +1,8 @@
 // The same input gives the same bits: in a rerun, after a reset, after restoring a snapshot, in another
 // thread.
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <exception>
 #include <thread>
@@ -21,9 +23,9 @@ bool same_bits(const RobotState& a, const RobotState& b) {
     return x.size() == y.size() &&
            std::memcmp(x.data(), y.data(), sizeof(double) * static_cast<std::size_t>(x.size())) == 0;
   };
-  return std::memcmp(&a.time, &b.time, sizeof(double)) == 0 && equal(a.p_WB, b.p_WB) &&
-         equal(a.q_WB.coeffs(), b.q_WB.coeffs()) && equal(a.v_WB, b.v_WB) && equal(a.w_WB, b.w_WB) &&
-         equal(a.q, b.q) && equal(a.qd, b.qd);
+  return std::bit_cast<std::uint64_t>(a.time) == std::bit_cast<std::uint64_t>(b.time) &&
+         equal(a.p_WB, b.p_WB) && equal(a.q_WB.coeffs(), b.q_WB.coeffs()) && equal(a.v_WB, b.v_WB) &&
+         equal(a.w_WB, b.w_WB) && equal(a.q, b.q) && equal(a.qd, b.qd);
 }
 
 using States = std::vector<RobotState>;

@@ -164,7 +164,7 @@ PrimalProblem::Slope PrimalProblem::slope_at(double a) const noexcept {
   for (int i = 0; i < contact_count_; ++i) {
     const Contact& contact = contacts_[static_cast<std::size_t>(i)];
     const Vector3 y = contact.y + a * contact.step;
-    Zone zone;
+    Zone zone = Zone::kApart;
     slope.first -= project(contact, y, zone).dot(contact.step);
     if (zone != Zone::kApart) slope.second += contact.step.dot(response(contact, y, zone) * contact.step);
   }
