@@ -58,7 +58,7 @@ Judgement judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, co
 JudgementOfMany judge_engines(const BehaviourSpec& spec, const std::vector<std::string>& engines,
                               const JudgementOptions& options = {}, const StageProgress& progress = {});
 JudgementOfMany judge_engines(const Behaviour& behaviour, const WorldSpec& world,
-                              const std::vector<std::string>& engines, const JudgementOptions& options = {},
+                              const std::vector<std::string>& names, const JudgementOptions& options = {},
                               const StageProgress& progress = {});
 
 /// The family whose ends are `a` and `b`, either way round; an engine of the same laws may stand for an end.

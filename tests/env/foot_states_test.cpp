@@ -40,7 +40,7 @@ TEST(FootStates, AreThoseOfForwardKinematicsAndItsDerivative) {
   }
 }
 
-TEST(FootStates, NeedLegs) { EXPECT_THROW(FootKinematics(*scenes::sled()), ConfigError); }
+TEST(FootStates, NeedLegs) { EXPECT_THROW(FootKinematics{*scenes::sled()}, ConfigError); }
 
 }  // namespace
 }  // namespace crossgait
