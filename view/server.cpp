@@ -110,8 +110,10 @@ class ViewServer::Implementation {
     server_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       return admit(request, response) ? Handled::Unhandled : Handled::Handled;
     });
-    server_.set_exception_handler([](const httplib::Request&, httplib::Response& response,
-                                     std::exception_ptr) { answer(response, 500, "the request failed"); });
+    server_.set_exception_handler(
+        [](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
+          answer(response, 500, "the request failed");
+        });
   }
 
   bool admit(const httplib::Request& request, httplib::Response& response) const {

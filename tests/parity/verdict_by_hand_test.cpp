@@ -158,7 +158,7 @@ TEST(JudgeByHand, TheWordHangsOnTheWholeInterval) {
 }
 
 TEST(JudgeByHand, ABehaviourIsTheWorstOfItsStatistics) {
-  const auto of = [](std::vector<Conclusion> conclusions) {
+  const auto of = [](const std::vector<Conclusion>& conclusions) {
     Verdict verdict;
     for (const Conclusion c : conclusions) verdict.statistics.emplace_back().conclusion = c;
     return verdict.conclusion();

@@ -224,7 +224,7 @@ TEST_F(TerrainPng, SaysWhichScaleItTook) {
 // A text chunk of a few kilobytes unfolds to megabytes, and there may be a thousand.
 TEST_F(TerrainPng, PassesOverWhatStandsBesideThePixels) {
   const std::string broken =
-      png_chunk("zTXt", std::string("a\0\0no zlib stream", 18)) + png_chunk("iCCP", "damaged");
+      png_chunk("zTXt", std::string("a\0\0no zlib stream", 17)) + png_chunk("iCCP", "damaged");
   EXPECT_EQ(heights(load(png_file({3, 2}, std::string("\0\xff\0\x33\0\x66\x99\xcc", 8), broken))),
             heights(load(small_picture())));
 }

@@ -12,6 +12,6 @@ std::vector<std::string> names_of_checks();
 
 /// Runs the check of this name, which there has to be, in the engine; skips the test if the engine does not
 /// declare what the check needs.
-void expect_holds(const std::string& check, const std::string& engine);
+void expect_holds(const std::string& name, const std::string& engine);
 
 }  // namespace crossgait::conformance

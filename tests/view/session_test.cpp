@@ -281,7 +281,7 @@ TEST_P(ViewSessionTest, AutoIsTheGaitForTheSpeed) {
 }
 
 TEST_P(ViewSessionTest, TakesTheCurvesThatItOffers) {
-  for (const nlohmann::json curves = session_->options().at("curves"); const auto& curve : curves) {
+  for (const auto curves = session_->options().at("curves"); const auto& curve : curves) {
     tell(*session_, nlohmann::json{{"do", "curve"}, {"curve", curve}}.dump());
     EXPECT_EQ(session_->frame().at("curve"), curve);
   }
