@@ -38,7 +38,7 @@ def rolled_out(options, folder, files, command, terrain, episodes):
 def course_text(results, engines):
     rows = [[f"`{e}`"] + [f"{m['scores'][e][0]:.3f} +- {m['scores'][e][1]:.3f}" for m in results.values()] for e in engines]
     if "tuned gait" in results:
-        for row, e in zip(rows, engines):
+        for row, e in zip(rows, engines, strict=True):
             mine, theirs = results["policy"]["scores"][e][0], results["tuned gait"]["scores"][e][0]
             row.append(f"{(mine - theirs) / (1 - theirs):.2f}")
     head = ["engine", *results] + (["of what the tuned gait loses, won back"] if "tuned gait" in results else [])
