@@ -1,17 +1,20 @@
 // Time of a physics step of the trot, as a ratio to a bare mj_step loop under the same recorded controls. The
 // engines are linked, not opened as plug-ins: the bare loop needs MuJoCo's own functions in this program.
 // Interleaved within one run, median of several repetitions, with the spread:
-//   build/release/benchmarks/programs/step_benchmark [REPETITIONS] [FILE.json]
+//   build/release/benchmarks/programs/step_benchmark [REPETITIONS] [FILE.json|- [ROBOT [FRICTION]]]
+// ROBOT is scara_quadruped or serial_quadruped, FRICTION the dry friction of each of its joints, N m.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "crossgait/backends/mujoco/mujoco_backend.h"
 #include "crossgait/benchmarks/programs/mujoco/bare_mujoco.h"
+#include "crossgait/benchmarks/robots.h"
 #include "crossgait/benchmarks/scenes.h"
 #include "crossgait/parity/table.h"
 #include "crossgait/physics/atomic_file.h"
@@ -46,6 +49,12 @@ struct Series {
   std::vector<double> time, ratio;  // us; to the bare loop of the same repetition
 };
 
+scenes::RobotPtr robot(std::string_view name, double friction) {
+  const scenes::RobotPtr chosen =
+      name == "serial_quadruped" ? scenes::serial_quadruped() : scenes::quadruped();
+  return scenes::with_joint_friction(chosen, friction);
+}
+
 double quantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
@@ -55,7 +64,7 @@ double quantile(std::vector<double> values, double share) {
 
 int main(int argc, char** argv) {
   const int repetitions = argc > 1 ? std::max(1, std::atoi(argv[1])) : 15;
-  const WorldSpec spec = scenes::world_of(scenes::quadruped());
+  const WorldSpec spec = scenes::world_of(robot(argc > 3 ? argv[3] : "", argc > 4 ? std::atof(argv[4]) : 0));
   const scenes::Trot trot(*spec.robot);
   std::vector<JointTargets> targets;
   for (int i = 0; i < kSteps; ++i) targets.push_back(trot.targets(i * spec.physics_dt));
@@ -107,6 +116,6 @@ int main(int argc, char** argv) {
         {"us_per_step", quantile(s.time, 0.5)}, {"ratio", median}, {"ratio_quartiles", {low, high}}};
   }
   fmt::print("{}", table.str());
-  if (argc > 2) write_file_atomically(argv[2], json.dump(2) + "\n");
+  if (argc > 2 && argv[2][0] != '-') write_file_atomically(argv[2], json.dump(2) + "\n");
   return EXIT_SUCCESS;
 }
