@@ -70,6 +70,23 @@ TEST_P(PlantedFaults, AreNamed) {
   }
 }
 
+// What is no more than a share of 1e-6 of a usual size is none; twice that is.
+TEST_P(PlantedFaults, BeginAtTheTolerance) {
+  for (const TinyFault& fault : tiny_faults()) {
+    const WorldSpec sound = world_on("flat");
+    for (const double size : {0.5, 2.0}) {
+      WorldSpec other = sound;
+      fault.plant(other, size * fault.tolerance);
+      const auto a = make(sound), b = make(other);
+      const std::vector<AuditFinding> findings = audit_models(*a, *b);
+      const bool found = std::any_of(findings.begin(), findings.end(), [&fault](const AuditFinding& finding) {
+        return finding.quantity == fault.quantity;
+      });
+      EXPECT_EQ(found, size > 1) << fault.quantity << ", " << size << ": " << describe(findings);
+    }
+  }
+}
+
 TEST_P(PlantedFaults, CornersOfACylinderAreNamed) {
   if (reference() == GetParam()) GTEST_SKIP() << "one engine alone, which can only agree with itself";
   for (const char* terrain : {"flat", "rough:seed=1,size_x=2,size_y=2"}) {

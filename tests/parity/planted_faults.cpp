@@ -42,6 +42,24 @@ std::function<void(WorldSpec&)> of_robot(std::function<void(RobotDescription&)> 
   };
 }
 
+std::vector<TinyFault> tiny_faults() {
+  const auto of_body = [](void (*change)(Body&, double)) {
+    return [change](WorldSpec& spec, double size) {
+      of_robot([=](RobotDescription& robot) { change(robot.bodies[kBody], size); })(spec);
+    };
+  };
+  return {
+      {"time step", 1e-6, [](WorldSpec& spec, double size) { spec.physics_dt *= 1 + size; }},
+      {"mass", 1e-6, of_body([](Body& body, double size) { body.inertia.mass *= 1 + size; })},
+      {"centre of mass", 1e-8, of_body([](Body& body, double size) { body.inertia.p_BC.x() += size; })},
+      {"inertia", 1e-6, of_body([](Body& body, double size) { body.inertia.I_C *= 1 + size; })},
+      {"link placement", 1e-7,  // of a leg as a whole: its loop stays closed
+       [](WorldSpec& spec, double size) {
+         of_robot([=](RobotDescription& robot) { robot.bodies[1].X_PB.translation().x() += size; })(spec);
+       }},
+  };
+}
+
 std::vector<PlantedFault> planted_faults() {
   using R = RobotDescription;
   return {

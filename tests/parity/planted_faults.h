@@ -24,6 +24,15 @@ std::function<void(WorldSpec&)> of_robot(std::function<void(RobotDescription&)> 
 /// Every fault at the size at which it is still worth finding: a few per cent, or half a millimetre.
 std::vector<PlantedFault> planted_faults();
 
+/// One that an audit begins to see at a tolerance, of a given size: a share, or m.
+struct TinyFault {
+  std::string quantity;
+  double tolerance = 0;
+  std::function<void(WorldSpec&, double size)> plant;
+};
+
+std::vector<TinyFault> tiny_faults();
+
 /// Where a gait has the feet before its first step, in the leg frames, m.
 LegArray<Vector3> standing_feet(const std::string& gait, const RobotDescription& robot);
 

@@ -197,6 +197,7 @@ TEST(ComparisonReport, PutsRunsSideBySideAndSaysHowFarPairsLieApart) {
   EXPECT_EQ(rows[22],
             (Cells{"three and one: base 0.012 m apart at most, joints 0.34 rad, attitude 0.056 rad; "
                    "the same within 1e-06 m and 1e-05 rad."}));
+  EXPECT_NE(text.find("\n\none and two: base"), std::string::npos) << "an empty line parts them\n" << text;
   EXPECT_EQ(describe(Comparison{}), "nothing to compare\n");
 }
 

@@ -116,6 +116,27 @@ TEST_F(Inferred, HipAxesAreLevelAtHomeAboutWhateverAbductionAxis) {
   }
 }
 
+// An axis that leans more than it is away from the other cannot turn it level; it turns it as near as it
+// gets.
+TEST_F(Inferred, HipAxesAreAsLevelAsTheyGet) {
+  constexpr double kLean = 10 * M_PI / 180, kBetween = 4 * M_PI / 180, kTurned = 0.6;
+  for (const double sign : {1.0, -1.0}) {
+    SerialUrdf urdf;
+    const auto leaning = [sign](double angle) { return Vector3(0, std::cos(angle), sign * std::sin(angle)); };
+    urdf.abduction_axis = leaning(kLean);
+    urdf.hip_axis = Eigen::AngleAxisd(-kTurned, urdf.abduction_axis) * leaning(kLean - kBetween);
+    const RobotDescription robot = load(urdf).robot;
+    const std::vector<Pose> poses = at_home(robot);
+    for (const Leg leg : kLegs) {
+      const LegModel& model = (*robot.legs)[leg];
+      const int hip = model.joint("hip");
+      const Vector3 axis = poses[static_cast<std::size_t>(hip) + 1].linear() * robot.joint(hip).axis;
+      EXPECT_NEAR(std::asin(axis.z()), sign * (kLean - kBetween), 1e-7) << name(leg);
+      EXPECT_NEAR(robot.home[model.joint("abduction")], kTurned, 1e-7) << name(leg);
+    }
+  }
+}
+
 TEST_F(Inferred, KneesBendForwardWhereTheyCannotBendBackward) {
   SerialUrdf urdf;
   urdf.knee_limits = R"(lower="0.5" upper="2.6" effort="30" velocity="1")";

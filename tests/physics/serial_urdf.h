@@ -16,7 +16,7 @@ namespace crossgait {
 /// a link and a trunk of 8 kg whose centre of mass is .03 m ahead.
 struct SerialUrdf {
   bool abduction = true;
-  Vector3 abduction_axis = Vector3::UnitX();
+  Vector3 abduction_axis = Vector3::UnitX(), hip_axis = Vector3::UnitY();
   std::string knee_limits = R"(lower="-2.6" upper="-0.5" effort="30" velocity="1")";
   std::string foot_shape = R"(<sphere radius="0.02"/>)";  ///< empty: none
   Vector3 foot_at = {0, 0, -0.2};                         ///< from the knee, m
@@ -61,9 +61,9 @@ struct SerialUrdf {
     if (abduction) {
       out += link(p + "_hip", 1, Vector3::Zero(), "");
       out += joint(p + "_abduction", "trunk", p + "_hip", hip, abduction_axis, usual);
-      out += joint(p + "_pitch", p + "_hip", p + "_thigh", aside, Vector3::UnitY(), usual);
+      out += joint(p + "_pitch", p + "_hip", p + "_thigh", aside, hip_axis, usual);
     } else {
-      out += joint(p + "_pitch", "trunk", p + "_thigh", hip + aside, Vector3::UnitY(), usual);
+      out += joint(p + "_pitch", "trunk", p + "_thigh", hip + aside, hip_axis, usual);
     }
     const Vector3 foot = R * foot_at;
     out += link(p + "_thigh", 1, {0, 0, -0.1}, "");
