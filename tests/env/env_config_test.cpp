@@ -101,6 +101,21 @@ TEST(EnvConfig, ActionJointsBeginsWithWhatJointPoliciesUse) {
   EXPECT_EQ(EnvModel::make(joint_environment())->interface.observation.size(), 48U);
 }
 
+// What docs/environment.md says, written out.
+TEST(EnvConfig, ActionJointsEarnsWhatTheGuideToItSays) {
+  EXPECT_EQ(to_yaml(parse_env_config("action: joints\n", "env.yaml")),
+            to_yaml(parse_env_config(
+                "action: joints\n"
+                "joints: {scale: 0.5, limit: 1, delay: 0}\n"
+                "command: {vx: 0.3, vy: 0, yaw_rate: 0}\n"
+                "observation: [base_linear_velocity_local, base_angular_velocity_local, gravity, "
+                "joint_offsets, joint_velocities, last_action, command]\n"
+                "policy_dt: 0.02\n"
+                "reward: {velocity_tracking: 1, yaw_rate_tracking: .3, orientation: -2, action_rate: -.01, "
+                "foot_slip: -1, fall: -10}\n",
+                "env.yaml")));
+}
+
 TEST(EnvConfig, KeysOfOneKindOfActionAreErrorsWithTheOther) {
   EXPECT_EQ(complaint("action: joints\ngait: walk\n"),
             "env.yaml: line 2, gait: expected this key with action: gait alone, found action: joints");

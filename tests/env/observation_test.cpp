@@ -161,6 +161,10 @@ TEST_P(Layouts, OfARobotOfAnotherSizeAreOfItsSize) {
               1e-12);
 }
 
+TEST(ObservationBlocks, SayWhatTheyAre) {
+  for (const ObservationBlock& block : observation_blocks()) EXPECT_FALSE(block.help.empty()) << block.name;
+}
+
 TEST(ObservationBlocks, UnknownNamesListTheKnown) {
   const ConfigError error = config_error([] { (void)find_observation_block("smell"); });
   EXPECT_EQ(error.found(), "'smell'");

@@ -21,6 +21,10 @@ TEST(Random, IsTheSameEverywhere) {
   for (int i = 0; i < 100; ++i) EXPECT_EQ(random.uniform(), static_cast<double>(engine() >> 11) * 0x1p-53);
 }
 
+TEST(Randomisation, RowsSayWhatTheyAre) {
+  for (const RandomisationRow& row : randomisation_rows()) EXPECT_FALSE(row.help.empty()) << row.name;
+}
+
 TEST(Randomisation, IsOffByDefault) {
   const Randomisation off;
   EXPECT_NO_THROW(off.validate());

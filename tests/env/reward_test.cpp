@@ -97,6 +97,10 @@ TEST(Reward, EveryTermIsItsFormula) {
   EXPECT_EQ(terms, RewardTerms{});
 }
 
+TEST(Reward, TermsSayWhatTheyAre) {
+  for (const RewardTerm& term : reward_terms()) EXPECT_FALSE(term.help.empty()) << term.name;
+}
+
 TEST(Reward, TheGuidesWeights) {
   const RewardTerms weights = guide_reward_weights();
   const std::map<std::string, double> guide{{"forward_velocity", 2000},  {"lateral_velocity", -2},
