@@ -1,7 +1,6 @@
 // What a page holds: where bodies and feet are, and text that stays text.
 #include "crossgait/report/page.h"
 
-#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -17,10 +16,10 @@
 #include "crossgait/report/verdict_document.h"
 #include "crossgait/report/watched_episodes.h"
 #include "crossgait/study/rollout.h"
-#include "crossgait/study/walk.h"
 #include "crossgait/tests/physics/config_error.h"
 #include "crossgait/tests/physics/mesh_bytes.h"
 #include "crossgait/tests/physics/scratch_folder.h"
+#include "crossgait/tests/report/walked_motion.h"
 #include "crossgait/tests/support/backend_test.h"
 
 namespace crossgait {
@@ -28,42 +27,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-std::shared_ptr<const RobotDescription> scara() {
-  return std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped")));
-}
-
-std::vector<double> floats(const PageNumbers& numbers, const ordered_json& reference) {
-  const std::size_t at = reference.at("at"), count = reference.at("count");
-  std::vector<double> values;
-  for (std::size_t i = at; i < at + count; ++i) values.push_back(std::bit_cast<float>(numbers.words().at(i)));
-  return values;
-}
-
 Vector3 vector_at(const std::vector<double>& values, std::size_t at) {
   return {values.at(at), values.at(at + 1), values.at(at + 2)};
-}
-
-struct Walked {
-  std::vector<TraceSample> samples;
-  TraceTable trace;
-};
-
-Walked walk_in(const std::string& engine, const WalkConfig& config,
-               const std::shared_ptr<const RobotDescription>& robot) {
-  RunRecorder recorder(robot);
-  std::vector<TraceSample> samples;
-  walk(config, engine, {}, [&](std::size_t, const TraceSample& sample) {
-    recorder.add(sample);
-    samples.push_back(sample);
-  });
-  return {samples, recorder.take(engine)};
-}
-
-WalkConfig short_rough_walk() {
-  WalkConfig config;
-  config.terrain = "rough:size_x=4,size_y=4";
-  config.timing.seconds = 0.6;
-  return config;
 }
 
 /// One upright stand of the bundled robot, with whatever else a test asks for.
