@@ -241,6 +241,31 @@ TEST_F(SceneOfMeshes, AMeshIsThereOnceWithItsTriangles) {
   EXPECT_EQ(scene.at("bodies").at(1).at("shapes").size(), robot.bodies[1].shapes.size());
 }
 
+TEST(Scene, ShowsWhatCollidesWhereNothingElseIsToBeSeen) {
+  const RobotDescription robot = *scenes::assortment();
+  PageNumbers numbers;
+  const ordered_json scene = scene_document(robot, {}, {}, numbers);
+  std::size_t hulls = 0;
+  for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
+    ASSERT_TRUE(robot.bodies[i].visuals.empty());
+    const ordered_json& shown = scene.at("bodies").at(i).at("shapes");
+    ASSERT_EQ(shown.size(), robot.bodies[i].shapes.size()) << robot.bodies[i].name;
+    for (std::size_t k = 0; k < shown.size(); ++k) {
+      const CollisionShape& shape = robot.bodies[i].shapes[k];
+      EXPECT_EQ(shown.at(k).at("type"), name(shape.type)) << shape.name;
+      const std::vector<double> position = shown.at(k).at("position");
+      EXPECT_EQ(vector_at(position, 0), shape.X_BG.translation()) << shape.name;
+      ASSERT_EQ(shown.at(k).contains("vertices"), shape.type == ShapeType::kHull) << shape.name;
+      if (shape.type != ShapeType::kHull) continue;
+      const std::vector<double> vertices = floats(numbers, shown.at(k).at("vertices"));
+      ASSERT_EQ(vertices.size(), 3 * shape.vertices.size());
+      EXPECT_LT((vector_at(vertices, 0) - shape.vertices.front()).norm(), 1e-7);  // floats
+      ++hulls;
+    }
+  }
+  EXPECT_GT(hulls, 0U);
+}
+
 TEST(PageNumbersAreBase64, AsInTheStandard) {
   PageNumbers numbers;
   EXPECT_EQ(numbers.base64(), "");
