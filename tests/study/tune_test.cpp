@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "crossgait/backends/registry.h"
+#include "crossgait/env/evaluation.h"
 #include "crossgait/physics/error.h"
 #include "crossgait/physics/random.h"
 #include "crossgait/tests/physics/config_error.h"
@@ -58,6 +59,27 @@ TEST(Tuning, BeginsWithNormalDrawsAboutTheStart) {
             start.parameters.find("step_length").value());
   ASSERT_EQ(tuning.checks.size(), 2U);  // on no unseen seeds
   EXPECT_EQ(tuning.checks[1].per_engine[0].mean_speed_mps.mean, tuning.score);
+}
+
+// Distance of the start on rough ground of one seed, m.
+double walked_on(EnvConfig config, std::uint64_t seed) {
+  config.terrain_seed = seed;
+  return evaluate_policy(env_factory(config), find_policy("zero").make, 1, 0).front().motion.distance_m;
+}
+
+TEST(Tuning, WalksOnSeedsFromItsOwnAndChecksOnThoseBehind) {
+  EnvConfig start = steps_of(0.065);
+  start.terrain = "rough";
+  start.episode_seconds = 0.4;
+  const TuneOptions options{
+      .iterations = 1, .population = 4, .terrains = 2, .unseen = 1, .workers = 1, .seed = 3};
+  const Tuning tuning = tune_gait(start, {start.engine}, options);
+  const double third = walked_on(start, 3), fourth = walked_on(start, 4), fifth = walked_on(start, 5);
+  EXPECT_NE(third, fourth);
+  EXPECT_NE(fourth, fifth);
+  ASSERT_EQ(tuning.checks.size(), 4U);  // default and tuned
+  EXPECT_NEAR(tuning.checks[0].per_engine[0].distance_m.mean, (third + fourth) / 2, 1e-15);  // rounding
+  EXPECT_EQ(tuning.checks[2].per_engine[0].distance_m.mean, fifth);
 }
 
 TEST(Tuning, NeedsSomethingToTune) {
