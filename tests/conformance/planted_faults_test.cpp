@@ -5,6 +5,7 @@
 
 #include "crossgait/conformance/check.h"
 #include "crossgait/tests/support/backend_test.h"
+#include "crossgait/tests/support/conformance_check.h"
 
 namespace crossgait::conformance {
 namespace {
@@ -173,12 +174,10 @@ INSTANTIATE_TEST_SUITE_P(EveryCheck, PlantedFault, ::testing::ValuesIn(planted_f
                          [](const auto& test) { return std::string(test.param.check); });
 
 TEST_P(PlantedFault, IsSeen) {
-  const auto is_it = [](const Check& check) { return check.name == GetParam().check; };
-  const auto check = std::find_if(checks().begin(), checks().end(), is_it);
-  ASSERT_NE(check, checks().end());
-  const std::optional<Subject> subject = subject_for(*check, GetParam().change);
-  if (!subject) GTEST_SKIP() << "no engine here: " << check->need.what;
-  EXPECT_EQ(run_check(*check, *subject).status, Status::kFailed) << subject->engine.name();
+  const Check& check = check_of(GetParam().check);
+  const std::optional<Subject> subject = subject_for(check, GetParam().change);
+  if (!subject) GTEST_SKIP() << "no engine here: " << check.need.what;
+  EXPECT_EQ(run_check(check, *subject).status, Status::kFailed) << subject->engine.name();
 }
 
 TEST(PlantedFaults, ThereIsOneForEveryCheckThatDemandsSomething) {

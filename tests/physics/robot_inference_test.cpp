@@ -31,6 +31,14 @@ class Inferred : public ScratchFolder {
     forward_kinematics(robot, state, poses);
     return poses;
   }
+  /// Of the hip at home, in the base's frame.
+  static Vector3 hip_axis_at_home(const RobotDescription& robot, Leg leg) {
+    const int hip = (*robot.legs)[leg].joint("hip");
+    return at_home(robot)[static_cast<std::size_t>(hip) + 1].linear() * robot.joint(hip).axis;
+  }
+  static double home_abduction(const RobotDescription& robot, Leg leg) {
+    return robot.home[(*robot.legs)[leg].joint("abduction")];
+  }
   static const Inference* find(const RobotReport& report, const std::string& what) {
     for (const Inference& i : report.inferred) {
       if (i.what == what) return &i;
@@ -106,13 +114,9 @@ TEST_F(Inferred, HipAxesAreLevelAtHomeAboutWhateverAbductionAxis) {
   SerialUrdf urdf;
   urdf.abduction_axis = Vector3(0.97, 0.14, 0.2).normalized();
   const RobotDescription robot = load(urdf).robot;
-  const std::vector<Pose> poses = at_home(robot);
   for (const Leg leg : kLegs) {
-    const LegModel& model = (*robot.legs)[leg];
-    const int hip = model.joint("hip");
-    const Vector3 axis = poses[static_cast<std::size_t>(hip) + 1].linear() * robot.joint(hip).axis;
-    EXPECT_NEAR(axis.z(), 0, 1e-9) << name(leg);
-    EXPECT_NEAR(robot.home[model.joint("abduction")], 0, 1e-9) << name(leg) << ": it was level already";
+    EXPECT_NEAR(hip_axis_at_home(robot, leg).z(), 0, 1e-9) << name(leg);
+    EXPECT_NEAR(home_abduction(robot, leg), 0, 1e-9) << name(leg) << ": it was level already";
   }
 }
 
@@ -126,13 +130,10 @@ TEST_F(Inferred, HipAxesAreAsLevelAsTheyGet) {
     urdf.abduction_axis = leaning(kLean);
     urdf.hip_axis = Eigen::AngleAxisd(-kTurned, urdf.abduction_axis) * leaning(kLean - kBetween);
     const RobotDescription robot = load(urdf).robot;
-    const std::vector<Pose> poses = at_home(robot);
     for (const Leg leg : kLegs) {
-      const LegModel& model = (*robot.legs)[leg];
-      const int hip = model.joint("hip");
-      const Vector3 axis = poses[static_cast<std::size_t>(hip) + 1].linear() * robot.joint(hip).axis;
-      EXPECT_NEAR(std::asin(axis.z()), sign * (kLean - kBetween), 1e-7) << name(leg);
-      EXPECT_NEAR(robot.home[model.joint("abduction")], kTurned, 1e-7) << name(leg);
+      const double lean = std::asin(hip_axis_at_home(robot, leg).z());
+      EXPECT_NEAR(lean, sign * (kLean - kBetween), 1e-7) << name(leg);
+      EXPECT_NEAR(home_abduction(robot, leg), kTurned, 1e-7) << name(leg);
     }
   }
 }

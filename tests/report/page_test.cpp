@@ -50,7 +50,7 @@ class PageOfEngine : public BackendTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(PageOfEngine);
 
 TEST_P(PageOfEngine, BodiesAndFeetAreWhereTheTraceHasThem) {
-  const auto robot = scara();
+  const auto robot = scenes::quadruped();
   const WalkConfig config = short_rough_walk();
   const Walked walked = walk_in(GetParam(), config, robot);
   PageNumbers numbers;
@@ -90,7 +90,7 @@ TEST_P(PageOfEngine, BodiesAndFeetAreWhereTheTraceHasThem) {
 }
 
 TEST(Scene, TheGroundIsTheTerrainUnderTheWay) {
-  const auto robot = scara();
+  const auto robot = scenes::quadruped();
   const WalkConfig config = short_rough_walk();
   const Terrain terrain = config.world().terrain;
   PageNumbers numbers;
@@ -118,7 +118,7 @@ TEST(Scene, TheGroundIsTheTerrainUnderTheWay) {
 }
 
 TEST(Motion, RunsApartAreMeasuredAndTheirPartingIsFound) {
-  const auto robot = scara();
+  const auto robot = scenes::quadruped();
   PageNumbers numbers;
   // The second base moves by .1 mm every step: beyond the default 1 mm at the eleventh.
   const ordered_json document = motion_document(
@@ -137,7 +137,7 @@ TEST(Motion, RunsApartAreMeasuredAndTheirPartingIsFound) {
 }
 
 TEST(Motion, TracesAtDifferentTimesAreReplayedWithoutDifferences) {
-  const auto robot = scara();
+  const auto robot = scenes::quadruped();
   TraceTable slower = standing(*robot, 50);
   std::vector<std::vector<double>> columns;
   for (const std::string& column : slower.names()) columns.push_back(slower.column(column));
@@ -196,7 +196,7 @@ TEST(ChartsOfAPage, HoldFinitePointsInTheOrderOfX) {
 }
 
 TEST(Motion, RefusesTracesThatAreNotOfTheRobot) {
-  const auto robot = scara();
+  const auto robot = scenes::quadruped();
   PageNumbers numbers;
   const auto other = std::make_shared<const RobotDescription>(load_robot(find_robot("serial_quadruped")));
   const Motion wrong{other, {}, {{"a", "", standing(*robot, 3)}}, {}};
@@ -205,7 +205,7 @@ TEST(Motion, RefusesTracesThatAreNotOfTheRobot) {
 }
 
 TEST(Motion, RefusesOrientationsThatAreNone) {
-  const auto robot = scara();
+  const auto robot = scenes::quadruped();
   TraceTable good = standing(*robot, 3);
   std::vector<std::vector<double>> columns;
   for (const std::string& column : good.names()) columns.push_back(good.column(column));
@@ -220,7 +220,7 @@ TEST(Motion, RefusesOrientationsThatAreNone) {
 class SceneOfMeshes : public ScratchFolder {};
 
 TEST_F(SceneOfMeshes, AMeshIsThereOnceWithItsTriangles) {
-  RobotDescription robot = *scara();
+  RobotDescription robot = *scenes::quadruped();
   const std::string file =
       write("tetra.stl", binary_stl({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}}));
   VisualShape visual;

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
+#include "crossgait/physics/math.h"
 #include "crossgait/tests/report/walked_motion.h"
 #include "crossgait/tests/support/backend_test.h"
 
@@ -11,8 +11,6 @@ namespace crossgait {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// What a panel of the base shows of a state, in its unit.
 struct OfTheBase {
@@ -25,12 +23,12 @@ std::vector<OfTheBase> panels_of_the_base() {
     const double yaw = roll_pitch_yaw(s.q_WB).z();
     return Vector3(Eigen::AngleAxisd(-yaw, Vector3::UnitZ()) * s.v_WB);
   };
-  return {{"Roll", [](const RobotState& s) { return kDegrees * roll_pitch_yaw(s.q_WB).x(); }},
-          {"Pitch", [](const RobotState& s) { return kDegrees * roll_pitch_yaw(s.q_WB).y(); }},
+  return {{"Roll", [](const RobotState& s) { return kDegreesPerRadian * roll_pitch_yaw(s.q_WB).x(); }},
+          {"Pitch", [](const RobotState& s) { return kDegreesPerRadian * roll_pitch_yaw(s.q_WB).y(); }},
           {"Height of the base", [](const RobotState& s) { return 1e3 * s.p_WB.z(); }},
           {"Speed along the heading", [=](const RobotState& s) { return in_heading(s).x(); }},
           {"Speed to the left", [=](const RobotState& s) { return in_heading(s).y(); }},
-          {"Yaw rate", [](const RobotState& s) { return kDegrees * s.w_WB.z(); }}};
+          {"Yaw rate", [](const RobotState& s) { return kDegreesPerRadian * s.w_WB.z(); }}};
 }
 
 class PanelsOfEngine : public BackendTest {
@@ -49,7 +47,7 @@ class PanelsOfEngine : public BackendTest {
                                 numbers_);
   }
 
-  const std::shared_ptr<const RobotDescription> robot_ = scara();
+  const std::shared_ptr<const RobotDescription> robot_ = scenes::quadruped();
   WalkConfig config_ = short_rough_walk();
   std::vector<Walked> walked_;
   PageNumbers numbers_;

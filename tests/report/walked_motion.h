@@ -8,16 +8,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/physics/data_path.h"
 #include "crossgait/physics/robot.h"
 #include "crossgait/report/motion_document.h"
 #include "crossgait/study/walk.h"
 
 namespace crossgait {
-
-inline std::shared_ptr<const RobotDescription> scara() {
-  return std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped")));
-}
 
 inline std::vector<double> floats(const PageNumbers& numbers, const nlohmann::ordered_json& reference) {
   const std::size_t at = reference.at("at"), count = reference.at("count");

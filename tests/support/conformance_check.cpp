@@ -7,15 +7,12 @@
 #include "crossgait/tests/support/backend_test.h"
 
 namespace crossgait::conformance {
-namespace {
 
 const Check& check_of(const std::string& name) {
   for (const Check& check : checks())
     if (check.name == name) return check;
   throw std::logic_error("no check " + name);
 }
-
-}  // namespace
 
 std::vector<std::string> names_of_checks() {
   std::vector<std::string> names;
