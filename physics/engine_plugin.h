@@ -68,6 +68,8 @@ consteval Text make_stamp() {
   text.add_item("Eigen", EIGEN_WORLD_VERSION * 10000 + EIGEN_MAJOR_VERSION * 100 + EIGEN_MINOR_VERSION);
   text.add_item("EIGEN_MAX_ALIGN_BYTES", EIGEN_MAX_ALIGN_BYTES);
   text.add_item("EIGEN_MAX_STATIC_ALIGN_BYTES", EIGEN_MAX_STATIC_ALIGN_BYTES);
+  // How memory that one side takes is given back by the other. Under the address sanitizer it is another way.
+  text.add_item("EIGEN_MALLOC_ALREADY_ALIGNED", EIGEN_MALLOC_ALREADY_ALIGNED);
   text.add_type<std::string>("std::string");
   text.add_type<std::vector<int>>("std::vector");
   text.add_type<std::shared_ptr<int>>("std::shared_ptr");

@@ -215,8 +215,9 @@ TEST(Program, AnMjcfIsARobotLikeAnyOther) {
     EXPECT_EQ(robot[key], same[key]) << key;
   EXPECT_EQ(robot["body_list"][0]["visuals"], 1);
   EXPECT_EQ(robot["body_list"][3]["visuals"], 2);  // shin and foot
-  for (const json& walk : run_json("robots " + file + " --check")["walks"])
-    EXPECT_TRUE(walk["complaints"].empty()) << walk;
+  const json check = run_json("robots " + file + " --check");
+  ASSERT_FALSE(check["walks"].empty());
+  for (const json& walk : check["walks"]) EXPECT_TRUE(walk["complaints"].empty()) << walk;
   const ProgramResult yaml = run_program("robots " + file + " --yaml");
   EXPECT_NE(yaml.out.find("\nmjcf: '" + file + "'\n"), std::string::npos) << yaml.out;
   // A copy without what it includes.

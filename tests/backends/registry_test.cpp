@@ -5,6 +5,7 @@
 #include <string>
 
 #include "crossgait/physics/error.h"
+#include "crossgait/tests/physics/config_error.h"
 #include "crossgait/tests/support/backend_test.h"
 
 namespace crossgait {
@@ -102,6 +103,15 @@ TEST(Registry, FamiliesLeadFromOneEndToTheOther) {
     }
     EXPECT_EQ(make_backend(name, spec)->info().name, family.to);
     EXPECT_THROW(make_backend(family.to + "+" + family.factors[0].name, spec), ConfigError);
+  }
+}
+
+TEST(Registry, AnEngineHasNoFactorsButItsFamilys) {
+  for (const std::string& name : available_engines()) {
+    for (const char* factor : {"-nothing", "+nothing"}) {
+      const ConfigError error = config_error([&] { static_cast<void>(find_engine(name + factor)); });
+      EXPECT_NE(error.found().find("nothing"), std::string::npos) << name << factor << ": " << error.what();
+    }
   }
 }
 

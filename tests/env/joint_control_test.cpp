@@ -113,6 +113,16 @@ TEST_P(JointActions, AreSeenInTheirOrderAsTheFieldSeesThem) {
   }
 }
 
+TEST(JointHome, IsHowTheRobotStandsAtFirst) {
+  const auto model = EnvModel::make(foreign());
+  const RobotDescription& robot = *model->world.robot;
+  const RobotState state = JointControl(*model).stand(make_terrain("flat"), {});
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const std::string& name = robot.joint(i).name;
+    EXPECT_EQ(state.q[i], name == "FL_hip_pitch" ? 0.7 : name == "RR_knee" ? -1.4 : robot.home[i]) << name;
+  }
+}
+
 TEST_P(JointActions, StandAtHomeUnderTheZeroPolicy) {
   EnvConfig bent = joints_of("scara_quadruped");
   // A five-bar's elbows follow its shoulders: chains that did not meet would jump at the first step.

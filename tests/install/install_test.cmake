@@ -21,7 +21,7 @@ endmacro()
 
 set(flags "")
 if(SANITIZE)
-  set(flags "-fsanitize=${SANITIZE}")
+  set(flags "-fsanitize=${SANITIZE} -DEIGEN_MALLOC_ALREADY_ALIGNED=1") # as of the library: cmake/CrossgaitLibrary.cmake
 endif()
 
 run("installing" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})

@@ -58,6 +58,14 @@ TEST_P(CorruptRobot, IsRejected) {
   EXPECT_NE(error.expected().find(GetParam().expected), std::string::npos) << error.what();
 }
 
+TEST(Robot, SaysWhichBodiesALoopWouldJoin) {
+  RobotDescription robot = load_robot(kRobotFolder + "robot.yaml");
+  robot.legs.reset();
+  robot.loops[1].body_a = 9;
+  robot.loops[1].body_b = 21;
+  EXPECT_EQ(config_error([&] { robot.validate(); }).found(), "9 and 21");
+}
+
 std::vector<Corruption> body_corruptions() {
   return {
       {"NoBodies",

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -253,6 +254,19 @@ TEST_F(RunFiles, ARobotIsWhatItIsWhereverItsFileLies) {
   const std::size_t at = text.find("<mass value=\"") + std::string("<mass value=\"").size();
   std::ofstream(urdf, std::ios::binary) << text.substr(0, at) << "1" << text.substr(at);
   EXPECT_NE(hash_of_robot(copy), hash_of_robot(other));
+  // So does every number of a vector.
+  std::set<std::string> hashes{hash_of_robot(other)};
+  const std::string original = read((fs::path(other).parent_path() / "robot.urdf").string());
+  const std::vector<std::pair<std::string, std::string>> changes = {
+      {R"(<origin xyz="0 0.012 -0.005"/>)", R"(<origin xyz="0 0.013 -0.005"/>)"},  // a centre of mass
+      {R"(iyy="1.53e-05")", R"(iyy="1.54e-05")"},                                  // a moment of inertia
+      {R"(<origin xyz="0.065 0.03 0"/>)", R"(<origin xyz="0.065 0.03 0.0000000001"/>)"},  // a shape's place
+      {R"(<sphere radius="0.01"/>)", R"(<sphere radius="0.011"/>)"}};
+  for (const auto& [old, with] : changes) {
+    write("two/robot.urdf", original);
+    replace(path("two/robot.urdf"), old, with);
+    EXPECT_TRUE(hashes.insert(hash_of_robot(other)).second) << with;
+  }
 }
 
 TEST_F(RunFiles, APolicyIsItsBytesWhereverTheyLie) {

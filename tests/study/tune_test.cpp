@@ -61,6 +61,20 @@ TEST(Tuning, BeginsWithNormalDrawsAboutTheStart) {
   EXPECT_EQ(tuning.checks[1].per_engine[0].mean_speed_mps.mean, tuning.score);
 }
 
+TEST(Tuning, ReachingBeyondTheLegsCostsATenthOfItsShare) {
+  EnvConfig start = steps_of(0.1);
+  start.parameters["body_height"] = 0.1;
+  const TuneOptions options{
+      .iterations = 1, .population = 4, .terrains = 1, .unseen = 0, .workers = 1, .seed = 2};
+  const Tuning tuning = tune_gait(start, {start.engine}, options);
+  const Evaluation& walked = tuning.checks[1].per_engine[0];
+  ASSERT_GT(walked.ik_clamped, 0);
+  EXPECT_NEAR(tuning.score,
+              walked.mean_speed_mps.mean -
+                  0.1 * static_cast<double>(walked.ik_clamped) / static_cast<double>(walked.steps),
+              1e-15);  // rounding
+}
+
 // Distance of the start on rough ground of one seed, m.
 double walked_on(EnvConfig config, std::uint64_t seed) {
   config.terrain_seed = seed;

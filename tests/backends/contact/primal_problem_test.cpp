@@ -181,6 +181,29 @@ TEST(PrimalProblem, TheGuessChangesTheWayAndNotTheEnd) {
   }
 }
 
+TEST(PrimalProblem, BeginsAtTheGuessIfThatIsBetterThanNothing) {
+  // A guess that has the contacts right and goes too far along a row at its bound, where the cost is half the
+  // square of the velocity, less bound times velocity: better than nothing up to twice the solution.
+  Draw draw(4);
+  for (int n = 0; n < 20; ++n) {
+    Case c = draw.problem(6, 0, 0);
+    for (Case::Contact& contact : c.contacts) contact.Z.col(0).setZero();
+    Case::Bounded row;
+    row.z[0] = 1;
+    row.b = -1e6;
+    row.bound = 1000;
+    c.bounded.push_back(row);
+    const Solution from_nothing = solve(c);
+    ASSERT_NEAR(from_nothing.u[0], 1000, 1e-9) << n;
+    DofVector guess = from_nothing.u;
+    guess[0] *= 1.8;
+    EXPECT_LE(solve(c, guess).iterations, 2) << n;
+    guess[0] = 2200;
+    EXPECT_EQ(solve(c, guess).iterations, from_nothing.iterations) << n;
+    EXPECT_GT(from_nothing.iterations, 2) << n;
+  }
+}
+
 // The same contacts as a problem in impulses: A = Z (1 + E E')^-1 Z' + R.
 TEST(PrimalProblem, IsTheDualOfTheConeProblem) {
   Draw draw(3);

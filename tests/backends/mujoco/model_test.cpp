@@ -12,6 +12,7 @@
 #include "crossgait/backends/mujoco/mujoco_backend.h"
 #include "crossgait/backends/mujoco/version.h"
 #include "crossgait/benchmarks/scenes.h"
+#include "crossgait/physics/contact_features.h"
 #include "crossgait/physics/multibody.h"
 
 namespace crossgait::mujoco {
@@ -97,6 +98,24 @@ TEST(MujocoModel, DoesNothingOnItsOwn) {
     EXPECT_EQ(m->jnt_stiffness[i], 0);
   }
   EXPECT_NEAR(mj_getTotalmass(m.get()), spec.robot->total_mass(), 1e-15);
+}
+
+TEST(MujocoModel, AShapeHasAsManyCopiesAsItsContactsNeed) {
+  const auto last_part = [](ShapeType type, const Vector3& size, std::vector<Vector3> vertices = {}) {
+    CollisionShape shape;
+    shape.type = type;
+    shape.size = size;
+    shape.vertices = std::move(vertices);
+    return part_of(shape, feature_count(shape) - 1);
+  };
+  EXPECT_EQ(last_part(ShapeType::kSphere, {0.1, 0, 0}), 0);
+  EXPECT_EQ(last_part(ShapeType::kBox, {0.1, 0.1, 0.1}), 7 / kMaxPlaneContacts);
+  EXPECT_EQ(last_part(ShapeType::kCapsule, {0.1, 0.1, 0}), 1 / kMaxPlaneContacts);
+  // Up to three contacts of a rim.
+  EXPECT_EQ(last_part(ShapeType::kCylinder, {0.1, 0.1, 0}), 1 / (kMaxPlaneContacts / 3));
+  EXPECT_EQ(
+      last_part(ShapeType::kHull, Vector3::Zero(), std::vector<Vector3>(kMaxHullVertices, Vector3::Zero())),
+      (kMaxHullVertices - 1) / kMaxPlaneContacts);
 }
 
 TEST(MujocoModel, ShapesCollideWithTheTerrainAlone) {
