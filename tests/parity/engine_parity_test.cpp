@@ -273,10 +273,12 @@ TEST_P(MatchedPair, MassMatricesAgree) {
 
 // What a release changed in the law of the loops alone: without loops nothing, with loops what was measured.
 TEST(LoopBias, MovesRobotsWithLoopsAlone) {
+  int compared = 0;
   for (const EngineFamily& family : engine_families()) {
     const Engine from = find_engine(family.from), to = find_engine(family.to);
     if (from.info.laws.contact != to.info.laws.contact || from.info.laws.loops == to.info.laws.loops)
       continue;
+    ++compared;
     const auto apart = [&](const scenes::RobotPtr& robot) {
       WorldSpec spec = scenes::world_of(robot);
       spec.solver.tolerance = 1e-12;
@@ -299,6 +301,7 @@ TEST(LoopBias, MovesRobotsWithLoopsAlone) {
     EXPECT_GT(with_loops, 5e-5) << family.to;
     EXPECT_LT(with_loops, 5e-4) << family.to;
   }
+  if (compared == 0) GTEST_SKIP() << "no two releases here whose loops differ";
 }
 
 class UnmatchedPair : public ::testing::TestWithParam<Pair> {

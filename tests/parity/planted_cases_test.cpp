@@ -156,6 +156,7 @@ std::vector<EngineFamily> contact_families() {
 
 // Every two ends of a family are two engines that differ.
 TEST(PlantedBehaviours, ACarefulCrawlAgrees) {
+  if (engine_families().empty()) GTEST_SKIP() << "no engine is made of factors";
   for (const EngineFamily& family : engine_families()) {
     WorldSpec spec = world_on("flat");
     spec.contact.friction = 1.2;
@@ -170,6 +171,7 @@ TEST(PlantedBehaviours, ACarefulCrawlAgrees) {
 
 // Friction that only damps slip lets a robot glide down a slope without a step.
 TEST(PlantedBehaviours, AGlideOnSoftFrictionIsTheEnginesAndItsFrictionIsNamed) {
+  if (contact_families().empty()) GTEST_SKIP() << "no engine is made of factors of contact";
   for (const EngineFamily& ends : contact_families()) {
     const WorldSpec spec = world_on("slope:angle=20");
     const auto stand = [](std::shared_ptr<const RobotDescription> robot) {
@@ -189,6 +191,7 @@ TEST(PlantedBehaviours, AGlideOnSoftFrictionIsTheEnginesAndItsFrictionIsNamed) {
 
 // The last engine of a family with all but one of its factors out of action: the one left is to be named.
 TEST(PlantedBehaviours, ASingleHiddenFactorIsNamed) {
+  if (contact_families().empty()) GTEST_SKIP() << "no engine is made of factors of contact";
   for (const EngineFamily& ends : contact_families()) {
     for (const std::string hidden : {"coulomb", "hard_friction", "hard_normal"}) {
       EngineFamily family = shortened(ends);
