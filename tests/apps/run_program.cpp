@@ -1,11 +1,14 @@
 #include "crossgait/tests/apps/run_program.h"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -34,14 +37,40 @@ ProgramResult run_program(const std::string& arguments) {
 
 namespace {
 
-// Whether the process has a handler for the signal.
+std::string about(pid_t process, const char* file) { return "/proc/" + std::to_string(process) + "/" + file; }
+
+// Whether the process is the program, not the shell that becomes it, and has a handler for the signal.
 bool listens(pid_t process, int signal) {
-  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  std::error_code gone;
+  if (!std::filesystem::equivalent(about(process, "exe"), CROSSGAIT_PROGRAM, gone)) return false;
+  std::ifstream status(about(process, "status"));
   for (std::string line; std::getline(status, line);) {
     if (line.starts_with("SigCgt:"))
       return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1)) % 2 == 1;
   }
   return false;
+}
+
+// What the process has had of the processors, s.
+double work_of(pid_t process) {
+  std::ifstream file(about(process, "stat"));
+  std::string skipped, text(std::istreambuf_iterator<char>(file), {});
+  std::istringstream fields(
+      text.substr(std::min(text.size(), text.rfind(')') + 1)));  // a name may have blanks
+  for (int field = 3; field < 14; ++field) fields >> skipped;
+  double user = 0, system = 0;
+  fields >> user >> system;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+// Until the process has worked for so long, which on a busy machine takes longer; on an idle process no more
+// than twenty times that.
+void wait_for_work(pid_t process, double seconds) {
+  using Clock = std::chrono::steady_clock;
+  const auto limit = Clock::now() + std::chrono::duration<double>(20 * seconds);
+  const double begin = work_of(process);
+  while (work_of(process) - begin < seconds && Clock::now() < limit)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
 }  // namespace
@@ -64,7 +93,7 @@ ProgramResult run_watched(const std::string& arguments, int signal, double after
   struct rusage usage {};
   if (signal != 0) {
     while (!listens(child, signal) && waitpid(child, &status, WNOHANG) == 0) std::this_thread::sleep_for(5ms);
-    std::this_thread::sleep_for(std::chrono::duration<double>(after));
+    wait_for_work(child, after);
     kill(child, signal);
   }
   if (wait4(child, &status, 0, &usage) == child) {

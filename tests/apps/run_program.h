@@ -17,8 +17,8 @@ struct ProgramResult {
 /// @param arguments as typed behind `crossgait`, through the shell
 ProgramResult run_program(const std::string& arguments);
 
-/// The same, watched: `signal`, if any, is sent `after` seconds of work behind the moment in which the
-/// program begins to listen for it.
+/// The same, watched: `signal`, if any, is sent `after` seconds of the processor's work behind the moment in
+/// which the program begins to listen for it; twenty times that if it does not work.
 ProgramResult run_watched(const std::string& arguments, int signal = 0, double after = 0);
 
 /// The contents of a file, "" if there is none.

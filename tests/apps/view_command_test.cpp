@@ -20,7 +20,7 @@ TEST(ViewCommandLine, RefusesWhatItCannotBeginWith) {
 TEST(ViewCommandLine, SaysItsAddressAndEndsWithASignal) {
   const std::string missing = run_program("view --engines none_such").err;
   if (missing.find("view: engines") == std::string::npos) GTEST_SKIP() << missing;  // no server, or no page
-  const ProgramResult result = run_watched("view", SIGINT, 0.1);
+  const ProgramResult result = run_watched("view", SIGINT, 0.02);
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(result.out.starts_with("http://127.0.0.1:")) << result.out;
 }
