@@ -1,14 +1,13 @@
 #include "crossgait/tests/apps/run_program.h"
 
-#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -51,16 +50,12 @@ bool listens(pid_t process, int signal) {
   return false;
 }
 
-// What the process has had of the processors, s.
+// What the process has had of the processors, s; 0 if it is gone.
 double work_of(pid_t process) {
-  std::ifstream file(about(process, "stat"));
-  std::string skipped, text(std::istreambuf_iterator<char>(file), {});
-  std::istringstream fields(
-      text.substr(std::min(text.size(), text.rfind(')') + 1)));  // a name may have blanks
-  for (int field = 3; field < 14; ++field) fields >> skipped;
-  double user = 0, system = 0;
-  fields >> user >> system;
-  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+  clockid_t clock{};
+  timespec time{};
+  if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &time) != 0) return 0;
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 // Until the process has worked for so long, which on a busy machine takes longer; on an idle process no more

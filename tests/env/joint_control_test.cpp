@@ -38,6 +38,12 @@ EnvConfig foreign() {
   return config;
 }
 
+/// Of a joint under `foreign()`, rad.
+double foreign_home(const RobotDescription& robot, int joint) {
+  const std::string& name = robot.joint(joint).name;
+  return name == "FL_hip_pitch" ? 0.7 : name == "RR_knee" ? -1.4 : robot.home[joint];
+}
+
 std::string message_of(const EnvConfig& config) {
   return config_error([&] { static_cast<void>(EnvModel::make(config)); }).what();
 }
@@ -66,9 +72,9 @@ TEST_P(JointActions, AreServoTargetsAboutHome) {
       const std::string& name = robot.joint(servos[k]).name;
       const auto at = std::find(config.joints.order.begin(), config.joints.order.end(), name);
       const double a = action[static_cast<std::size_t>(at - config.joints.order.begin())];
-      const double home = name == "FL_hip_pitch" ? 0.7 : name == "RR_knee" ? -1.4 : robot.home[servos[k]];
       const double scale = name == "FL_hip_pitch" ? 0.25 : 0.5;
-      targets.q[static_cast<Eigen::Index>(k)] = home + scale * std::clamp(a, -1.0, 1.0);
+      targets.q[static_cast<Eigen::Index>(k)] =
+          foreign_home(robot, servos[k]) + scale * std::clamp(a, -1.0, 1.0);
     }
     ASSERT_EQ(alone->step(targets, 20), StepStatus::kOk);
     ASSERT_TRUE(scenes::identical(env.backend().state(), alone->state())) << i;
@@ -104,8 +110,7 @@ TEST_P(JointActions, AreSeenInTheirOrderAsTheFieldSeesThem) {
     const std::string& name = config.joints.order[k];
     int joint = 0;
     while (robot.joint(joint).name != name) ++joint;
-    const double home = name == "FL_hip_pitch" ? 0.7 : name == "RR_knee" ? -1.4 : robot.home[joint];
-    EXPECT_EQ(seen[9 + k], state.q[joint] - home) << name;
+    EXPECT_EQ(seen[9 + k], state.q[joint] - foreign_home(robot, joint)) << name;
     EXPECT_EQ(seen[21 + k], state.qd[joint]) << name;
     EXPECT_EQ(seen[33 + k], action[k]) << name;
     EXPECT_EQ(env.observation_layout().entries[9 + k].name, "dq." + name);
@@ -117,10 +122,8 @@ TEST(JointHome, IsHowTheRobotStandsAtFirst) {
   const auto model = EnvModel::make(foreign());
   const RobotDescription& robot = *model->world.robot;
   const RobotState state = JointControl(*model).stand(make_terrain("flat"), {});
-  for (int i = 0; i < robot.joint_count(); ++i) {
-    const std::string& name = robot.joint(i).name;
-    EXPECT_EQ(state.q[i], name == "FL_hip_pitch" ? 0.7 : name == "RR_knee" ? -1.4 : robot.home[i]) << name;
-  }
+  for (int i = 0; i < robot.joint_count(); ++i)
+    EXPECT_EQ(state.q[i], foreign_home(robot, i)) << robot.joint(i).name;
 }
 
 TEST_P(JointActions, StandAtHomeUnderTheZeroPolicy) {

@@ -256,7 +256,7 @@ TEST_F(RunFiles, ARobotIsWhatItIsWhereverItsFileLies) {
   EXPECT_NE(hash_of_robot(copy), hash_of_robot(other));
   // So does every number of a vector.
   std::set<std::string> hashes{hash_of_robot(other)};
-  const std::string original = read((fs::path(other).parent_path() / "robot.urdf").string());
+  const std::string original = read(path("two/robot.urdf"));
   const std::vector<std::pair<std::string, std::string>> changes = {
       {R"(<origin xyz="0 0.012 -0.005"/>)", R"(<origin xyz="0 0.013 -0.005"/>)"},  // a centre of mass
       {R"(iyy="1.53e-05")", R"(iyy="1.54e-05")"},                                  // a moment of inertia
