@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/backends/registry.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/table.h"
+#include "apps/command.h"
+#include "backends/registry.h"
+#include "physics/core/schema.h"
+#include "physics/core/table.h"
 
 namespace crossgait::apps {
 namespace {

@@ -4,16 +4,16 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/bench_figures.h"
-#include "crossgait/apps/bench_page.h"
-#include "crossgait/apps/command.h"
-#include "crossgait/apps/interruption.h"
-#include "crossgait/apps/page_option.h"
-#include "crossgait/backends/registry.h"
-#include "crossgait/benchmarks/bench.h"
-#include "crossgait/benchmarks/regression.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/error.h"
+#include "apps/bench_figures.h"
+#include "apps/bench_page.h"
+#include "apps/command.h"
+#include "apps/interruption.h"
+#include "apps/page_option.h"
+#include "backends/registry.h"
+#include "benchmarks/bench.h"
+#include "benchmarks/regression.h"
+#include "physics/core/error.h"
+#include "physics/core/table.h"
 
 namespace crossgait::apps {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/apps/bench_figures.h"
+#include "apps/bench_figures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/gnuplot.h"
-#include "crossgait/physics/atomic_file.h"
-#include "crossgait/physics/error.h"
+#include "apps/gnuplot.h"
+#include "physics/core/atomic_file.h"
+#include "physics/core/error.h"
 
 namespace crossgait::apps {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "crossgait/apps/plotting.h"
+#include "apps/plotting.h"
 
 namespace crossgait::apps {
 

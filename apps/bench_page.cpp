@@ -1,9 +1,9 @@
-#include "crossgait/apps/bench_page.h"
+#include "apps/bench_page.h"
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/bench_figures.h"
-#include "crossgait/benchmarks/bench.h"
+#include "apps/bench_figures.h"
+#include "benchmarks/bench.h"
 
 namespace crossgait::apps {
 namespace {

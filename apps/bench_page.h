@@ -3,7 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "crossgait/report/page.h"
+#include "report/page.h"
 
 namespace crossgait::apps {
 

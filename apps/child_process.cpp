@@ -1,4 +1,4 @@
-#include "crossgait/apps/child_process.h"
+#include "apps/child_process.h"
 
 #include <array>
 #include <cerrno>

@@ -1,16 +1,16 @@
-#include "crossgait/apps/command.h"
+#include "apps/command.h"
 
 #include <cstdio>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "crossgait/apps/interruption.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/robot_report.h"
-#include "crossgait/physics/text.h"
+#include "apps/interruption.h"
+#include "physics/core/error.h"
+#include "physics/core/table.h"
+#include "physics/core/text.h"
+#include "physics/robot_files/data_path.h"
+#include "physics/robot_files/robot_report.h"
 
 namespace crossgait::apps {
 

@@ -10,8 +10,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "crossgait/apps/results.h"
-#include "crossgait/physics/robot.h"
+#include "apps/results.h"
+#include "physics/robot/robot.h"
 
 namespace crossgait::apps {
 

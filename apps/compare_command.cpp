@@ -7,17 +7,17 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/interruption.h"
-#include "crossgait/apps/page_option.h"
-#include "crossgait/apps/walk_options.h"
-#include "crossgait/backends/registry.h"
-#include "crossgait/parity/report.h"
-#include "crossgait/parity/verdict_report.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/report/verdict_document.h"
-#include "crossgait/study/rollout.h"
-#include "crossgait/study/walk.h"
+#include "apps/interruption.h"
+#include "apps/page_option.h"
+#include "apps/walk_options.h"
+#include "backends/registry.h"
+#include "parity/report.h"
+#include "parity/verdict_report.h"
+#include "physics/core/error.h"
+#include "physics/robot_files/data_path.h"
+#include "report/verdict_document.h"
+#include "study/rollout.h"
+#include "study/walk.h"
 
 namespace crossgait::apps {
 namespace {

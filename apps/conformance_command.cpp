@@ -5,11 +5,11 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/backends/registry.h"
-#include "crossgait/conformance/card.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/error.h"
+#include "apps/command.h"
+#include "backends/registry.h"
+#include "conformance/card.h"
+#include "physics/core/error.h"
+#include "physics/core/table.h"
 
 namespace crossgait::apps {
 namespace {

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/env_options.h"
-#include "crossgait/apps/interruption.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/study/course.h"
+#include "apps/env_options.h"
+#include "apps/interruption.h"
+#include "physics/core/table.h"
+#include "study/course.h"
 
 namespace crossgait::apps {
 namespace {

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/env_options.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/table.h"
+#include "apps/env_options.h"
+#include "physics/core/schema.h"
+#include "physics/core/table.h"
 
 namespace crossgait::apps {
 namespace {

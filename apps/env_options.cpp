@@ -1,11 +1,11 @@
-#include "crossgait/apps/env_options.h"
+#include "apps/env_options.h"
 
 #include <limits>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/bundled_policies.h"
-#include "crossgait/gait/scale.h"
-#include "crossgait/study/run_spec.h"
+#include "backends/registry.h"
+#include "gait/scale.h"
+#include "policy/bundled_policies.h"
+#include "study/run_spec.h"
 
 namespace crossgait::apps {
 void EnvOptions::add_to(CLI::App& command, EnvScope scope) {

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/study/rollout.h"
+#include "apps/command.h"
+#include "study/rollout.h"
 
 namespace crossgait::apps {
 

@@ -5,13 +5,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/env/gait_source.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/atomic_file.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
+#include "apps/command.h"
+#include "motion/gait_source.h"
+#include "physics/core/atomic_file.h"
+#include "physics/core/error.h"
+#include "physics/core/schema.h"
+#include "physics/core/table.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait::apps {
 namespace {

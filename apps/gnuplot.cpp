@@ -1,11 +1,11 @@
-#include "crossgait/apps/gnuplot.h"
+#include "apps/gnuplot.h"
 
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "crossgait/apps/child_process.h"
-#include "crossgait/physics/error.h"
+#include "apps/child_process.h"
+#include "physics/core/error.h"
 
 namespace crossgait::apps {
 

@@ -1,9 +1,9 @@
-#include "crossgait/apps/interruption.h"
+#include "apps/interruption.h"
 
 #include <array>
 #include <csignal>
 
-#include "crossgait/env/progress.h"
+#include "physics/core/progress.h"
 
 namespace crossgait::apps {
 namespace {

@@ -11,7 +11,7 @@ inline constexpr int kInterruptedExit = 130;  // 128 + SIGINT, as shells have it
 /// From now on the first SIGINT or SIGTERM is remembered; the second ends the program as usual. A signal that
 /// the program was started to ignore stays ignored.
 void listen_for_interruption();
-/// @throws Interrupted (env/progress.h) if there was one
+/// @throws Interrupted (physics/core/progress.h) if there was one
 void check_interruption();
 
 /// Thrown by a command whose job was interrupted, after what is done was written.

@@ -1,8 +1,8 @@
-#include "crossgait/apps/leg_option.h"
+#include "apps/leg_option.h"
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait::apps {
 

@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "crossgait/ik/leg_kinematics.h"
+#include "ik/leg_kinematics.h"
 
 namespace crossgait::apps {
 

@@ -8,13 +8,13 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "crossgait/apps/child_process.h"
-#include "crossgait/apps/command.h"
-#include "crossgait/apps/interruption.h"
-#include "crossgait/apps/suggestion.h"
-#include "crossgait/env/progress.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/study/version.h"
+#include "apps/child_process.h"
+#include "apps/command.h"
+#include "apps/interruption.h"
+#include "apps/suggestion.h"
+#include "physics/core/error.h"
+#include "physics/core/progress.h"
+#include "study/version.h"
 
 namespace crossgait::apps {
 namespace {

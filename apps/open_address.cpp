@@ -1,4 +1,4 @@
-#include "crossgait/apps/open_address.h"
+#include "apps/open_address.h"
 
 #include <array>
 #include <cstdlib>
@@ -10,8 +10,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/physics/atomic_file.h"
+#include "apps/command.h"
+#include "physics/core/atomic_file.h"
 
 namespace crossgait::apps {
 namespace {

@@ -1,11 +1,11 @@
-#include "crossgait/apps/page_option.h"
+#include "apps/page_option.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "crossgait/parity/report.h"
-#include "crossgait/physics/atomic_file.h"
-#include "crossgait/physics/error.h"
+#include "parity/report.h"
+#include "physics/core/atomic_file.h"
+#include "physics/core/error.h"
 
 namespace crossgait::apps {
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/env/env_config.h"
-#include "crossgait/parity/comparison.h"
-#include "crossgait/report/page.h"
-#include "crossgait/study/walk_config.h"
+#include "apps/command.h"
+#include "env/env_config.h"
+#include "parity/comparison.h"
+#include "report/page.h"
+#include "study/walk_config.h"
 
 namespace crossgait::apps {
 

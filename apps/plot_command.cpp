@@ -7,13 +7,13 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/apps/trace_figure.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/stances.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
+#include "apps/command.h"
+#include "apps/trace_figure.h"
+#include "parity/stances.h"
+#include "physics/core/error.h"
+#include "physics/core/schema.h"
+#include "physics/core/table.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait::apps {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/apps/plotting.h"
+#include "apps/plotting.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/apps/gnuplot.h"
-#include "crossgait/physics/atomic_file.h"
-#include "crossgait/physics/error.h"
+#include "apps/gnuplot.h"
+#include "physics/core/atomic_file.h"
+#include "physics/core/error.h"
 
 namespace crossgait::apps {
 namespace {

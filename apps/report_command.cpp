@@ -7,15 +7,15 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/atomic_file.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/read_budget.h"
-#include "crossgait/report/page.h"
-#include "crossgait/report/verdict_document.h"
+#include "apps/command.h"
+#include "physics/core/atomic_file.h"
+#include "physics/core/error.h"
+#include "physics/core/read_budget.h"
+#include "physics/core/schema.h"
+#include "physics/core/table.h"
+#include "physics/robot_files/data_path.h"
+#include "report/page.h"
+#include "report/verdict_document.h"
 
 namespace crossgait::apps {
 namespace {

@@ -1,8 +1,8 @@
 // crossgait rerun: a stored result once more.
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/physics/error.h"
+#include "apps/command.h"
+#include "physics/core/error.h"
 
 namespace crossgait::apps {
 void add_rerun_command(CLI::App& program, std::vector<std::string>& again) {

@@ -1,4 +1,4 @@
-#include "crossgait/apps/results.h"
+#include "apps/results.h"
 
 #include <array>
 #include <cerrno>
@@ -13,11 +13,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/physics/atomic_file.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/text.h"
-#include "crossgait/study/run_spec.h"
+#include "backends/registry.h"
+#include "physics/core/atomic_file.h"
+#include "physics/core/error.h"
+#include "physics/core/text.h"
+#include "study/run_spec.h"
 
 namespace crossgait::apps {
 namespace {

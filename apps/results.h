@@ -8,8 +8,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/env/gait_source.h"
-#include "crossgait/study/provenance.h"
+#include "motion/gait_source.h"
+#include "study/provenance.h"
 
 namespace crossgait::apps {
 

@@ -6,16 +6,15 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/backends/registry.h"
-#include "crossgait/ik/leg_kinematics.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/robot_report.h"
-#include "crossgait/physics/world_spec.h"
-#include "crossgait/study/trial_walk.h"
+#include "apps/command.h"
+#include "backends/registry.h"
+#include "ik/leg_kinematics.h"
+#include "physics/core/error.h"
+#include "physics/core/schema.h"
+#include "physics/core/table.h"
+#include "physics/robot_files/data_path.h"
+#include "physics/robot_files/robot_report.h"
+#include "study/trial_walk.h"
 
 namespace crossgait::apps {
 namespace {
@@ -143,7 +142,7 @@ void show(const RobotsCommand& options) {
     return;
   }
   const Joint& servo = robot.joint((*robot.legs)[Leg::FL].servos.front());
-  const double h = robot.standing_height, time = std::sqrt(h / -WorldSpec{}.gravity.z());
+  const double h = robot.standing_height, time = std::sqrt(h / kGravity);
   ordered_json result = summary(robot);
   Table legs({"leg", "kind", "joints", "foot", "lengths, m"}),
       bodies(

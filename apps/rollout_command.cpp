@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/env_options.h"
-#include "crossgait/apps/interruption.h"
-#include "crossgait/apps/page_option.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/report/watched_episodes.h"
-#include "crossgait/study/rollout.h"
+#include "apps/env_options.h"
+#include "apps/interruption.h"
+#include "apps/page_option.h"
+#include "physics/core/table.h"
+#include "physics/robot_files/data_path.h"
+#include "report/watched_episodes.h"
+#include "study/rollout.h"
 
 namespace crossgait::apps {
 namespace {

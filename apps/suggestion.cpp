@@ -1,4 +1,4 @@
-#include "crossgait/apps/suggestion.h"
+#include "apps/suggestion.h"
 
 #include <algorithm>
 

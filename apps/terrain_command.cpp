@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/math.h"
-#include "crossgait/physics/terrain.h"
+#include "apps/command.h"
+#include "physics/core/error.h"
+#include "physics/core/math.h"
+#include "physics/core/schema.h"
+#include "physics/core/table.h"
+#include "physics/terrain/terrain.h"
 
 namespace crossgait::apps {
 namespace {

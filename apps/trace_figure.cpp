@@ -1,16 +1,16 @@
-#include "crossgait/apps/trace_figure.h"
+#include "apps/trace_figure.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "crossgait/gait/parameters.h"
-#include "crossgait/ik/leg_kinematics.h"
-#include "crossgait/parity/stances.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/math.h"
-#include "crossgait/physics/multibody.h"
+#include "gait/parameters.h"
+#include "ik/leg_kinematics.h"
+#include "parity/stances.h"
+#include "physics/core/error.h"
+#include "physics/core/math.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait::apps {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/apps/plotting.h"
-#include "crossgait/parity/trace_table.h"
-#include "crossgait/physics/robot.h"
+#include "apps/plotting.h"
+#include "motion/trace_table.h"
+#include "physics/robot/robot.h"
 
 namespace crossgait::apps {
 

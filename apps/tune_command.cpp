@@ -2,14 +2,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/env_options.h"
-#include "crossgait/apps/interruption.h"
-#include "crossgait/apps/page_option.h"
-#include "crossgait/backends/registry.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/atomic_file.h"
-#include "crossgait/report/watched_episodes.h"
-#include "crossgait/study/tune.h"
+#include "apps/env_options.h"
+#include "apps/interruption.h"
+#include "apps/page_option.h"
+#include "backends/registry.h"
+#include "physics/core/atomic_file.h"
+#include "physics/core/table.h"
+#include "report/watched_episodes.h"
+#include "study/tune.h"
 
 namespace crossgait::apps {
 namespace {

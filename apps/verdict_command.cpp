@@ -6,16 +6,16 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/env_options.h"
-#include "crossgait/apps/interruption.h"
-#include "crossgait/apps/page_option.h"
-#include "crossgait/apps/walk_options.h"
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/bundled_policies.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/report/verdict_document.h"
-#include "crossgait/study/judgement.h"
-#include "crossgait/study/run_store.h"
+#include "apps/env_options.h"
+#include "apps/interruption.h"
+#include "apps/page_option.h"
+#include "apps/walk_options.h"
+#include "backends/registry.h"
+#include "physics/core/error.h"
+#include "policy/bundled_policies.h"
+#include "report/verdict_document.h"
+#include "study/judgement.h"
+#include "study/run_store.h"
 
 namespace crossgait::apps {
 namespace {

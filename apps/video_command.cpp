@@ -5,14 +5,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "crossgait/apps/child_process.h"
-#include "crossgait/apps/interruption.h"
-#include "crossgait/apps/walk_options.h"
-#include "crossgait/backends/registry.h"
-#include "crossgait/parity/trace.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/study/walk.h"
+#include "apps/child_process.h"
+#include "apps/interruption.h"
+#include "apps/walk_options.h"
+#include "backends/registry.h"
+#include "motion/trace.h"
+#include "physics/core/error.h"
+#include "physics/robot_files/data_path.h"
+#include "study/walk.h"
 
 namespace crossgait::apps {
 namespace {

@@ -4,18 +4,18 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/apps/interruption.h"
-#include "crossgait/apps/open_address.h"
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/bundled_policies.h"
-#include "crossgait/env/env_config.h"
-#include "crossgait/env/progress.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/report/page.h"
-#include "crossgait/study/walk_config.h"
-#include "crossgait/view/request_check.h"
-#include "crossgait/view/server.h"
+#include "apps/command.h"
+#include "apps/interruption.h"
+#include "apps/open_address.h"
+#include "backends/registry.h"
+#include "env/env_config.h"
+#include "physics/core/error.h"
+#include "physics/core/progress.h"
+#include "policy/bundled_policies.h"
+#include "report/page.h"
+#include "study/walk_config.h"
+#include "view/request_check.h"
+#include "view/server.h"
 
 namespace crossgait::apps {
 namespace {

@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/interruption.h"
-#include "crossgait/apps/page_option.h"
-#include "crossgait/apps/walk_options.h"
-#include "crossgait/backends/registry.h"
-#include "crossgait/parity/report.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/study/walk.h"
+#include "apps/interruption.h"
+#include "apps/page_option.h"
+#include "apps/walk_options.h"
+#include "backends/registry.h"
+#include "parity/report.h"
+#include "physics/robot_files/data_path.h"
+#include "study/walk.h"
 
 namespace crossgait::apps {
 namespace {

@@ -1,9 +1,9 @@
-#include "crossgait/apps/walk_options.h"
+#include "apps/walk_options.h"
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/study/run_spec.h"
+#include "physics/core/error.h"
+#include "study/run_spec.h"
 
 namespace crossgait::apps {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/study/walk_config.h"
+#include "apps/command.h"
+#include "study/walk_config.h"
 
 namespace crossgait::apps {
 

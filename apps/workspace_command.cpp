@@ -5,17 +5,17 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/apps/command.h"
-#include "crossgait/apps/leg_option.h"
-#include "crossgait/apps/plotting.h"
-#include "crossgait/env/gait_source.h"
-#include "crossgait/gait/cycle_check.h"
-#include "crossgait/ik/workspace.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/math.h"
+#include "apps/command.h"
+#include "apps/leg_option.h"
+#include "apps/plotting.h"
+#include "gait/cycle_check.h"
+#include "ik/workspace.h"
+#include "motion/gait_source.h"
+#include "physics/core/error.h"
+#include "physics/core/math.h"
+#include "physics/core/schema.h"
+#include "physics/core/table.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait::apps {
 namespace {

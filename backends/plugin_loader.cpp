@@ -1,4 +1,4 @@
-#include "crossgait/backends/plugin_loader.h"
+#include "backends/plugin_loader.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -12,7 +12,7 @@
 #include <fmt/ranges.h>
 #include <link.h>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace fs = std::filesystem;

@@ -1,10 +1,10 @@
-// Opens engines' plug-ins (physics/engine_plugin.h) and says why one cannot be used.
+// Opens engines' plug-ins (physics/engine/engine_plugin.h) and says why one cannot be used.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "crossgait/physics/engine_plugin.h"
+#include "physics/engine/engine_plugin.h"
 
 namespace crossgait {
 

@@ -1,4 +1,4 @@
-#include "crossgait/backends/registry.h"
+#include "backends/registry.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "crossgait/backends/bundled_engines.h"
-#include "crossgait/backends/plugin_loader.h"
-#include "crossgait/physics/error.h"
+#include "backends/bundled_engines.h"
+#include "backends/plugin_loader.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

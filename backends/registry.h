@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "crossgait/physics/engine.h"
-#include "crossgait/physics/mjcf_model.h"
+#include "physics/engine/engine.h"
+#include "physics/robot_files/mjcf/mjcf_model.h"
 
 namespace crossgait {
 
@@ -73,7 +73,8 @@ const std::vector<EngineFamily>& engine_families();
 /// @throws ConfigError for an unknown or unavailable name (listing the available ones)
 Engine find_engine(std::string_view name);
 
-/// Whether an available engine reads robots' files of MuJoCo's format (physics/mjcf_reader.h).
+/// Whether an available engine reads robots' files of MuJoCo's format
+/// (physics/robot_files/mjcf/mjcf_reader.h).
 bool compiles_mjcf();
 
 /// find_engine(name).make(spec).

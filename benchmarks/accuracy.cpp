@@ -1,4 +1,4 @@
-#include "crossgait/benchmarks/accuracy.h"
+#include "benchmarks/accuracy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/benchmarks/statistics.h"
+#include "backends/registry.h"
+#include "benchmarks/statistics.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::benchmarks {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/benchmarks/bench.h"
+#include "benchmarks/bench.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,18 +8,18 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/benchmarks/accuracy.h"
-#include "crossgait/benchmarks/analytic.h"
-#include "crossgait/benchmarks/feet.h"
-#include "crossgait/benchmarks/incline.h"
-#include "crossgait/benchmarks/machine.h"
-#include "crossgait/benchmarks/regression.h"
-#include "crossgait/benchmarks/scaling.h"
-#include "crossgait/benchmarks/speed.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/text.h"
+#include "backends/registry.h"
+#include "benchmarks/accuracy.h"
+#include "benchmarks/convergence.h"
+#include "benchmarks/feet.h"
+#include "benchmarks/machine.h"
+#include "benchmarks/regression.h"
+#include "benchmarks/scaling.h"
+#include "benchmarks/speed.h"
+#include "physics/core/error.h"
+#include "physics/core/schema.h"
+#include "physics/core/text.h"
+#include "scenes/incline.h"
 
 namespace crossgait::benchmarks {
 namespace {
@@ -112,7 +112,7 @@ ordered_json analytic(const BenchOptions& options, const Progress& progress) {
       {"plane", scenes::tilted_gravity}, {"height field", scenes::inclined_field}};
   for (const auto& [ground, make_incline] : grounds) {
     for (const std::string& backend : options.backends) {
-      const FrictionCone cone = measure_friction_cone(find_engine(backend), make_incline);
+      const scenes::FrictionCone cone = scenes::measure_friction_cone(find_engine(backend), make_incline);
       result["friction"].push_back({{"ground", ground},
                                     {"backend", backend},
                                     {"creep_inside_mps", cone.creep_speed},

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "crossgait/parity/comparison.h"
+#include "parity/comparison.h"
 
 namespace crossgait::benchmarks {
 

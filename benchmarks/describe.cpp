@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/benchmarks/bench.h"
-#include "crossgait/parity/table.h"
+#include "benchmarks/bench.h"
+#include "physics/core/table.h"
 
 namespace crossgait::benchmarks {
 namespace {

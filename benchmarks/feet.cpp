@@ -1,4 +1,4 @@
-#include "crossgait/benchmarks/feet.h"
+#include "benchmarks/feet.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/benchmarks/statistics.h"
-#include "crossgait/physics/multibody.h"
+#include "backends/registry.h"
+#include "benchmarks/statistics.h"
+#include "physics/robot/multibody.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::benchmarks {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/parity/comparison.h"
+#include "parity/comparison.h"
 
 namespace crossgait::benchmarks {
 

@@ -1,4 +1,4 @@
-#include "crossgait/benchmarks/machine.h"
+#include "benchmarks/machine.h"
 
 #include <array>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "crossgait/benchmarks/regression.h"
+#include "benchmarks/regression.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
+#include "physics/core/table.h"
 
 namespace crossgait::benchmarks {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/benchmarks/scaling.h"
+#include "benchmarks/scaling.h"
 
 #include <algorithm>
 #include <atomic>
@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/gait_source.h"
-#include "crossgait/env/time_steps.h"
-#include "crossgait/env/walk.h"
+#include "backends/registry.h"
+#include "motion/gait_source.h"
+#include "motion/time_steps.h"
+#include "motion/walk.h"
 
 namespace crossgait::benchmarks {
 namespace {

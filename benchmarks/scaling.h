@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/benchmarks/speed.h"
+#include "benchmarks/speed.h"
 
 namespace crossgait::benchmarks {
 

@@ -1,11 +1,11 @@
-#include "crossgait/benchmarks/speed.h"
+#include "benchmarks/speed.h"
 
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "crossgait/backends/registry.h"
+#include "backends/registry.h"
 
 namespace crossgait::benchmarks {
 std::vector<SpeedScene> speed_scenes() {

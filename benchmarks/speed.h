@@ -5,10 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/benchmarks/statistics.h"
-#include "crossgait/parity/comparison.h"
-#include "crossgait/physics/engine.h"
+#include "benchmarks/statistics.h"
+#include "parity/comparison.h"
+#include "physics/engine/engine.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::benchmarks {
 

@@ -1,7 +1,7 @@
 # crossgait_engine(NAME SOURCES files... [LIBRARIES targets...]): the target crossgait_engine_NAME, which builds the
 # plug-in libcrossgait_engine_NAME.so. `crossgait` and programs that link crossgait::backends find it in the folders of
 # the environment variable CROSSGAIT_ENGINE_PATH. One of the sources defines crossgait_engine_plugin()
-# (crossgait/physics/engine_plugin.h).
+# (crossgait/physics/engine/engine_plugin.h).
 function(crossgait_engine name)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "" "" "SOURCES;LIBRARIES")
   set(target crossgait_engine_${name})

@@ -2,12 +2,23 @@
 # `pkg-config crossgait`.
 include(CMakePackageConfigHelpers)
 
-foreach(folder physics ik gait env parity study report benchmarks conformance)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/crossgait
-          FILES_MATCHING PATTERN "*.h" PATTERN "programs" EXCLUDE)
+# Headers say "physics/x.h" in the tree and "crossgait/physics/x.h" where they are installed: what is around them there is
+# somebody else's.
+set(_headers)
+foreach(folder physics ik gait motion policy env parity study report scenes benchmarks conformance)
+  file(GLOB_RECURSE _folder_headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.h)
+  list(APPEND _headers ${_folder_headers})
 endforeach()
-file(GLOB _registry_headers ${PROJECT_SOURCE_DIR}/backends/*.h)  # not those of an engine's inside
-install(FILES ${_registry_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/crossgait/backends)
+list(FILTER _headers EXCLUDE REGEX "/programs/")
+file(GLOB _registry_headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/backends/*.h)  # not those of an engine's inside
+list(APPEND _headers ${_registry_headers})
+list(JOIN _headers " " _headers)
+list(JOIN CROSSGAIT_CODE_FOLDERS " " _folders)
+install(CODE "set(root \"${PROJECT_SOURCE_DIR}\")
+  set(headers ${_headers})
+  set(folders ${_folders})
+  set(destination \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/crossgait\")")
+install(SCRIPT ${PROJECT_SOURCE_DIR}/cmake/install_headers.cmake)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/models DESTINATION ${CMAKE_INSTALL_DATADIR}/crossgait)
 
 set(_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/crossgait)
@@ -29,9 +40,9 @@ file(RELATIVE_PATH CROSSGAIT_PREFIX_FROM_PKG_CONFIG ${CMAKE_INSTALL_FULL_LIBDIR}
 string(REGEX REPLACE "/$" "" CROSSGAIT_PREFIX_FROM_PKG_CONFIG "${CROSSGAIT_PREFIX_FROM_PKG_CONFIG}")
 configure_file(${PROJECT_SOURCE_DIR}/cmake/crossgait.pc.in ${PROJECT_BINARY_DIR}/crossgait.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/crossgait.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-# Where the models are (physics/data_path.h): a flag with a text in quotes would not survive every shell and makefile.
+# Where the models are (physics/robot_files/data_path.h): a flag with a text in quotes would not survive every shell and makefile.
 install(CODE "
   get_filename_component(_prefix \"\${CMAKE_INSTALL_PREFIX}\" ABSOLUTE)
-  file(WRITE \"\$ENV{DESTDIR}\${_prefix}/${CMAKE_INSTALL_INCLUDEDIR}/crossgait/physics/installed_models.h\"
+  file(WRITE \"\$ENV{DESTDIR}\${_prefix}/${CMAKE_INSTALL_INCLUDEDIR}/crossgait/physics/robot_files/installed_models.h\"
     \"// Written by the installation: where it put the robots and terrains.\n#pragma once\n\"
     \"#define CROSSGAIT_MODELS_DIR \\\"\${_prefix}/${CMAKE_INSTALL_DATADIR}/crossgait/models\\\"\n\")")

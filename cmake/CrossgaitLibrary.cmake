@@ -1,9 +1,17 @@
 # crossgait_library(NAME [INTERNAL] SOURCES ... [PUBLIC targets] [PRIVATE targets]): one static library per folder,
-# exported as crossgait::NAME unless it is internal. Headers are included as "crossgait/<folder>/<file>.h" in the tree
-# (through a link in the build folder) exactly as after installation.
-
-file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
-file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/include/crossgait SYMBOLIC)
+# exported as crossgait::NAME unless it is internal.
+#
+# In the tree an include is the header's path from the root, "physics/robot/leg.h", so that it is found on a bare checkout.
+# The compiler looks in a folder of the build that has a link to each folder of code and to nothing else: "docs/x.h" or
+# "build/x.h" is no include. Whoever uses Crossgait writes "crossgait/physics/robot/leg.h": from an installation, whose
+# headers say so too (CrossgaitInstall.cmake), and in what the tree holds for copying (backends/skeleton, examples).
+set(CROSSGAIT_INCLUDES ${PROJECT_BINARY_DIR}/include)
+set(CROSSGAIT_CODE_FOLDERS physics backends ik gait motion policy env parity study report view scenes benchmarks conformance
+                           apps python tests)
+file(MAKE_DIRECTORY ${CROSSGAIT_INCLUDES}/crossgait)
+foreach(_folder ${CROSSGAIT_CODE_FOLDERS})
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${_folder} ${CROSSGAIT_INCLUDES}/crossgait/${_folder} SYMBOLIC)
+endforeach()
 
 add_library(crossgait_options INTERFACE)
 target_compile_features(crossgait_options INTERFACE cxx_std_20)
@@ -28,7 +36,8 @@ function(crossgait_library name)
   add_library(crossgait::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(${target} PUBLIC cxx_std_20)
-  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${CROSSGAIT_INCLUDES}/crossgait>
+                                              $<BUILD_INTERFACE:${CROSSGAIT_INCLUDES}>
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:crossgait_options>)
   crossgait_precompiled(${target} library)

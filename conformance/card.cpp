@@ -1,4 +1,4 @@
-#include "crossgait/conformance/card.h"
+#include "conformance/card.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
+#include "physics/core/schema.h"
+#include "physics/core/table.h"
 
 namespace crossgait::conformance {
 namespace {

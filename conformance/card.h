@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/conformance/check.h"
-#include "crossgait/env/progress.h"
+#include "conformance/check.h"
+#include "physics/core/progress.h"
 
 namespace crossgait::conformance {
 

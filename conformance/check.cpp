@@ -1,13 +1,13 @@
-#include "crossgait/conformance/check.h"
+#include "conformance/check.h"
 
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/conformance/topics.h"
+#include "backends/registry.h"
+#include "conformance/topics.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::conformance {
 

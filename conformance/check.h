@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "crossgait/physics/engine.h"
+#include "physics/engine/engine.h"
 
 /// Checks of engines through nothing but the public interface; docs/adding-an-engine.md lists them.
 namespace crossgait::conformance {

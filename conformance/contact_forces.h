@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "crossgait/physics/physics_backend.h"
+#include "physics/engine/physics_backend.h"
 
 namespace crossgait::conformance {
 

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "crossgait/conformance/contact_forces.h"
-#include "crossgait/conformance/topics.h"
-#include "crossgait/physics/multibody.h"
+#include "conformance/contact_forces.h"
+#include "conformance/topics.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait::conformance {
 namespace {

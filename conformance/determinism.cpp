@@ -7,7 +7,7 @@
 #include <exception>
 #include <thread>
 
-#include "crossgait/conformance/topics.h"
+#include "conformance/topics.h"
 
 namespace crossgait::conformance {
 namespace {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <utility>
 
-#include "crossgait/benchmarks/analytic.h"
-#include "crossgait/conformance/topics.h"
-#include "crossgait/physics/multibody.h"
+#include "conformance/topics.h"
+#include "physics/robot/multibody.h"
+#include "scenes/analytic.h"
 
 namespace crossgait::conformance {
 namespace {
@@ -49,8 +49,8 @@ std::vector<double> robot_falls_as_one(const Subject& subject) {
 }
 
 std::vector<double> tumbling(const Subject& subject) {
-  const auto drift = [&](double h) { return benchmarks::measure_tumbling(subject.engine, h); };
-  const benchmarks::TumblingDrift coarse = drift(1e-3), fine = drift(5e-4), finest = drift(2.5e-4);
+  const auto drift = [&](double h) { return scenes::measure_tumbling(subject.engine, h); };
+  const scenes::TumblingDrift coarse = drift(1e-3), fine = drift(5e-4), finest = drift(2.5e-4);
   return {coarse.momentum,
           fine.momentum / coarse.momentum,
           finest.momentum / fine.momentum,

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "crossgait/benchmarks/incline.h"
-#include "crossgait/conformance/topics.h"
+#include "conformance/topics.h"
+#include "scenes/incline.h"
 
 namespace crossgait::conformance {
 namespace {
@@ -15,8 +15,7 @@ namespace {
 double allowed_creep(const Subject& subject) {
   if (!is_soft(subject)) return 1e-5;
   const Softness soft;
-  const double load =
-      kGravity * std::sin(benchmarks::incline_angle(benchmarks::kJustInside)) / 4;  // per mass
+  const double load = kGravity * std::sin(scenes::incline_angle(scenes::kJustInside)) / 4;  // per mass
   const double R = (1 - soft.impedance_min) / soft.impedance_min,
                B = 2 / (soft.impedance_max * soft.time_constant);
   // The runners uphill carry less than that, reach the edge of their cones and leave a little more to the
@@ -25,15 +24,15 @@ double allowed_creep(const Subject& subject) {
 }
 
 std::vector<double> friction_cone(const Subject& subject, scenes::MakeIncline make_incline) {
-  const benchmarks::FrictionCone cone = benchmarks::measure_friction_cone(subject.engine, make_incline);
+  const scenes::FrictionCone cone = scenes::measure_friction_cone(subject.engine, make_incline);
   const double creep = allowed_creep(subject);
-  return {cone.creep_speed / creep, cone.creep_distance / (creep * benchmarks::kInclineSeconds),
+  return {cone.creep_speed / creep, cone.creep_distance / (creep * scenes::kInclineSeconds),
           cone.distance_error, cone.range, cone.off_line};
 }
 
 double creep_speed(const Subject& subject, double impratio) {
-  scenes::Incline incline = scenes::tilted_gravity(benchmarks::incline_angle(2 * benchmarks::kJustInside), 0);
-  incline.spec.contact.friction = benchmarks::kInclineFriction;
+  scenes::Incline incline = scenes::tilted_gravity(scenes::incline_angle(2 * scenes::kJustInside), 0);
+  incline.spec.contact.friction = scenes::kInclineFriction;
   incline.spec.contact.impratio = impratio;
   incline.spec.solver.tolerance = 1e-10;
   const auto world = subject.make(incline.spec);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "crossgait/conformance/topics.h"
+#include "conformance/topics.h"
 
 namespace crossgait::conformance {
 namespace {

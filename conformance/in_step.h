@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "crossgait/physics/engine.h"
+#include "physics/engine/engine.h"
 
 namespace crossgait::conformance {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "crossgait/conformance/topics.h"
-#include "crossgait/physics/multibody.h"
+#include "conformance/topics.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait::conformance {
 namespace {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "crossgait/benchmarks/analytic.h"
-#include "crossgait/conformance/topics.h"
+#include "conformance/topics.h"
+#include "scenes/analytic.h"
 
 namespace crossgait::conformance {
 namespace {
@@ -29,7 +29,7 @@ JointTargets target(double angle) { return {JointVector::Constant(1, angle)}; }
 std::vector<double> small_swings(const Subject& subject) {
   const ArmLink link{.armature = 1e-3};
   const double w = frequency_of(link), h = 1e-3, amplitude = 1e-3;
-  const double T = benchmarks::pendulum_period(subject.engine, link, amplitude, h, 5);
+  const double T = scenes::pendulum_period(subject.engine, link, amplitude, h, 5);
   // Semi-implicit Euler turns a harmonic oscillator by acos(1 - (w h)^2 / 2) per step; amplitude adds a^2
   // / 16.
   const double discrete =
@@ -39,16 +39,16 @@ std::vector<double> small_swings(const Subject& subject) {
 }
 
 std::vector<double> large_swings(const Subject& subject) {
-  const double coarse = benchmarks::pendulum_error(subject.engine, 4e-3);
-  const double middle = benchmarks::pendulum_error(subject.engine, 2e-3);
-  const double fine = benchmarks::pendulum_error(subject.engine, 1e-3);
+  const double coarse = scenes::pendulum_error(subject.engine, 4e-3);
+  const double middle = scenes::pendulum_error(subject.engine, 2e-3);
+  const double fine = scenes::pendulum_error(subject.engine, 1e-3);
   return {std::abs(fine), middle / coarse, fine / middle};
 }
 
 std::vector<double> armature(const Subject& subject) {
-  const double plain = benchmarks::pendulum_period(subject.engine, {}, 1e-3, 1e-3, 3);
+  const double plain = scenes::pendulum_period(subject.engine, {}, 1e-3, 1e-3, 3);
   const ArmLink heavy{.armature = 3 * ArmLink{}.joint_inertia()};
-  return {std::abs(benchmarks::pendulum_period(subject.engine, heavy, 1e-3, 1e-3, 3) / plain - 2)};
+  return {std::abs(scenes::pendulum_period(subject.engine, heavy, 1e-3, 1e-3, 3) / plain - 2)};
 }
 
 std::vector<double> damping(const Subject& subject) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "crossgait/conformance/topics.h"
+#include "conformance/topics.h"
 
 namespace crossgait::conformance {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "crossgait/conformance/topics.h"
-#include "crossgait/physics/multibody.h"
+#include "conformance/topics.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait::conformance {
 namespace {

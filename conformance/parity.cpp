@@ -4,11 +4,11 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "crossgait/benchmarks/speed.h"
-#include "crossgait/conformance/contact_forces.h"
-#include "crossgait/conformance/in_step.h"
-#include "crossgait/conformance/topics.h"
-#include "crossgait/parity/model_audit.h"
+#include "benchmarks/speed.h"
+#include "conformance/contact_forces.h"
+#include "conformance/in_step.h"
+#include "conformance/topics.h"
+#include "parity/model_audit.h"
 
 namespace crossgait::conformance {
 namespace {

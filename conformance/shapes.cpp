@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "crossgait/conformance/topics.h"
-#include "crossgait/physics/contact_features.h"
-#include "crossgait/physics/multibody.h"
+#include "conformance/topics.h"
+#include "physics/engine/contact_features.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait::conformance {
 namespace {

@@ -1,10 +1,10 @@
-#include "crossgait/conformance/topics.h"
+#include "conformance/topics.h"
 
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/multibody.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait::conformance {
 

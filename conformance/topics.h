@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/conformance/check.h"
+#include "conformance/check.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::conformance {
 
@@ -20,8 +20,6 @@ std::vector<Check> loop_checks();
 std::vector<Check> joint_friction_checks();
 std::vector<Check> determinism_checks();
 std::vector<Check> parity_checks();
-
-inline constexpr double kGravity = 9.81;  ///< m/s^2, of worlds that say nothing else
 
 /// @throws std::runtime_error if the engine does not take the step
 void advance(PhysicsBackend& world, const JointTargets& targets, int steps = 1);

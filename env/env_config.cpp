@@ -1,4 +1,4 @@
-#include "crossgait/env/env_config.h"
+#include "env/env_config.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/env/time_steps.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/world_spec.h"
+#include "motion/time_steps.h"
+#include "physics/core/error.h"
+#include "physics/engine/world_spec.h"
 
 namespace crossgait {
 namespace {

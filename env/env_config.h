@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/env/joint_settings.h"
-#include "crossgait/env/observation.h"
-#include "crossgait/env/outcome.h"
-#include "crossgait/env/randomisation.h"
-#include "crossgait/env/reward.h"
-#include "crossgait/gait/gait.h"
-#include "crossgait/physics/error.h"
+#include "env/joint_settings.h"
+#include "env/observation.h"
+#include "env/randomisation.h"
+#include "env/reward.h"
+#include "gait/gait.h"
+#include "motion/outcome.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 

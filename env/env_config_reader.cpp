@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "crossgait/env/env_config.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/yaml_reader.h"
+#include "env/env_config.h"
+#include "physics/core/error.h"
+#include "physics/core/yaml_reader.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait {
 namespace {

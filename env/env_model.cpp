@@ -1,9 +1,9 @@
-#include "crossgait/env/env_model.h"
+#include "env/env_model.h"
 
-#include "crossgait/env/gait_source.h"
-#include "crossgait/env/time_steps.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/drives.h"
+#include "motion/gait_source.h"
+#include "motion/time_steps.h"
+#include "physics/robot/drives.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait {
 namespace {

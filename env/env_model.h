@@ -4,11 +4,11 @@
 #include <memory>
 #include <vector>
 
-#include "crossgait/env/env_config.h"
-#include "crossgait/env/foot_states.h"
-#include "crossgait/env/heading_hold.h"
-#include "crossgait/env/observer.h"
-#include "crossgait/env/policy.h"
+#include "env/env_config.h"
+#include "env/observer.h"
+#include "motion/foot_states.h"
+#include "motion/heading_hold.h"
+#include "policy/policy.h"
 
 namespace crossgait {
 

@@ -1,9 +1,9 @@
-#include "crossgait/env/evaluation.h"
+#include "env/evaluation.h"
 
 #include <cmath>
 
-#include "crossgait/env/worker_pool.h"
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
+#include "physics/core/worker_pool.h"
 
 namespace crossgait {
 namespace {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "crossgait/env/progress.h"
-#include "crossgait/env/quadruped_env.h"
+#include "env/quadruped_env.h"
+#include "physics/core/progress.h"
 
 namespace crossgait {
 

@@ -1,6 +1,6 @@
-#include "crossgait/env/gait_control.h"
+#include "env/gait_control.h"
 
-#include "crossgait/env/gait_source.h"
+#include "motion/gait_source.h"
 
 namespace crossgait {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <span>
 
-#include "crossgait/env/env_model.h"
-#include "crossgait/env/leg_controller.h"
+#include "env/env_model.h"
+#include "motion/leg_controller.h"
 
 namespace crossgait {
 

@@ -1,13 +1,13 @@
-#include "crossgait/env/joint_control.h"
+#include "env/joint_control.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "crossgait/env/standing.h"
-#include "crossgait/env/time_steps.h"
-#include "crossgait/ik/leg_kinematics.h"
-#include "crossgait/physics/error.h"
+#include "ik/leg_kinematics.h"
+#include "motion/standing.h"
+#include "motion/time_steps.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

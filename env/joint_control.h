@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "crossgait/env/env_model.h"
+#include "env/env_model.h"
 
 namespace crossgait {
 

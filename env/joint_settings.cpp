@@ -1,4 +1,4 @@
-#include "crossgait/env/joint_settings.h"
+#include "env/joint_settings.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/robot_check.h"
+#include "physics/core/error.h"
+#include "physics/robot/robot_check.h"
 
 namespace crossgait {
 namespace {

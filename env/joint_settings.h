@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "crossgait/physics/robot.h"
+#include "physics/robot/robot.h"
 
 namespace crossgait {
 

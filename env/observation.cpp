@@ -1,4 +1,4 @@
-#include "crossgait/env/observation.h"
+#include "env/observation.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "crossgait/gait/scale.h"
-#include "crossgait/physics/error.h"
+#include "gait/scale.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

@@ -7,12 +7,12 @@
 #include <string_view>
 #include <vector>
 
-#include "crossgait/env/foot_states.h"
-#include "crossgait/env/joint_settings.h"
-#include "crossgait/env/layout.h"
-#include "crossgait/env/observation_term.h"
-#include "crossgait/gait/adaptive_gait_controller.h"
-#include "crossgait/physics/physics_backend.h"
+#include "env/joint_settings.h"
+#include "env/observation_term.h"
+#include "gait/adaptive_gait_controller.h"
+#include "motion/foot_states.h"
+#include "physics/engine/physics_backend.h"
+#include "policy/layout.h"
 
 namespace crossgait {
 
@@ -57,10 +57,6 @@ std::vector<ObservationTerm> standard_observation();
 /// What joint policies are commonly trained on: linear and angular velocity of the base in its own frame,
 /// direction of gravity there, joint angles from home, joint velocities, last action, command.
 std::vector<ObservationTerm> joint_policy_observation();
-
-/// What the names of an action's entries begin with.
-inline constexpr std::string_view kDeltaPrefix = "delta.", kResidualPrefix = "residual.",
-                                  kTargetPrefix = "target.";
 
 /// Deltas of the adapted parameters ("delta.step_height", ...), then residuals ("residual.FL.x", ...), all in
 /// [-1, 1]. Where a parameter's delta scale or range is not the table's, the units of its entries say so: the

@@ -1,4 +1,4 @@
-#include "crossgait/env/observer.h"
+#include "env/observer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/env/time_steps.h"
-#include "crossgait/physics/error.h"
+#include "motion/time_steps.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "crossgait/env/observation.h"
-#include "crossgait/env/observation_term.h"
-#include "crossgait/physics/random.h"
+#include "env/observation.h"
+#include "env/observation_term.h"
+#include "physics/core/random.h"
 
 namespace crossgait {
 

@@ -1,13 +1,13 @@
-#include "crossgait/env/quadruped_env.h"
+#include "env/quadruped_env.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "crossgait/env/check_size.h"
-#include "crossgait/env/gait_source.h"
-#include "crossgait/physics/error.h"
+#include "motion/gait_source.h"
+#include "physics/core/check_size.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {
@@ -92,7 +92,7 @@ WorldSpec QuadrupedEnv::draw_world() {
 Start QuadrupedEnv::draw_start() const {
   const RandomDraw& draw = episode_.draw;
   return {placement_of(draw), draw[Randomised::kStartPhase] * model_->parameters.cycle_time,
-          Pushes(config().randomisation, draw, episode_.random)};
+          pushes_of(config().randomisation, draw, episode_.random)};
 }
 
 void QuadrupedEnv::reset(std::uint64_t seed, std::span<double> observation) {

@@ -5,12 +5,12 @@
 #include <span>
 #include <variant>
 
-#include "crossgait/env/closed_loop.h"
-#include "crossgait/env/env_model.h"
-#include "crossgait/env/gait_control.h"
-#include "crossgait/env/joint_control.h"
-#include "crossgait/physics/engine.h"
-#include "crossgait/physics/random.h"
+#include "env/env_model.h"
+#include "env/gait_control.h"
+#include "env/joint_control.h"
+#include "motion/closed_loop.h"
+#include "physics/core/random.h"
+#include "physics/engine/engine.h"
 
 namespace crossgait {
 

@@ -1,4 +1,4 @@
-#include "crossgait/env/randomisation.h"
+#include "env/randomisation.h"
 
 #include <bit>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {
@@ -112,6 +112,12 @@ RandomDraw draw(const Randomisation& randomisation, Random& random) noexcept {
 
 Placement placement_of(const RandomDraw& draw) noexcept {
   return {draw[kStartX], draw[kStartY], draw[kStartRoll], draw[kStartPitch], draw[kStartYaw]};
+}
+
+Pushes pushes_of(const Randomisation& randomisation, const RandomDraw& draw, const Random& random) noexcept {
+  if (!randomisation.is_on(Randomised::kPushImpulse)) return {};
+  return {randomisation[Randomised::kPushImpulse], randomisation[Randomised::kPushInterval],
+          draw[Randomised::kPushInterval], std::lround(draw[Randomised::kPushCount]), random};
 }
 
 WorldSpec randomised_world(const WorldSpec& nominal, const Randomisation& randomisation,

@@ -5,18 +5,12 @@
 #include <span>
 #include <string_view>
 
-#include "crossgait/env/target_source.h"
-#include "crossgait/physics/random.h"
-#include "crossgait/physics/world_spec.h"
+#include "motion/pushes.h"
+#include "motion/target_source.h"
+#include "physics/core/random.h"
+#include "physics/engine/world_spec.h"
 
 namespace crossgait {
-
-/// Uniform between its ends.
-struct Range {
-  double min = 0, max = 0;
-
-  bool operator==(const Range&) const = default;
-};
 
 /// What is randomised. Scales multiply the configured value; the others add to it.
 enum class Randomised : std::size_t {
@@ -82,6 +76,10 @@ RandomDraw draw(const Randomisation& randomisation, Random& random) noexcept;
 
 /// Where the draw puts the robot down.
 Placement placement_of(const RandomDraw& draw) noexcept;
+
+/// The pushes of a motion whose draw is `draw`; none where no impulse is randomised.
+/// @param random  goes on from where the draws ended
+Pushes pushes_of(const Randomisation& randomisation, const RandomDraw& draw, const Random& random) noexcept;
 
 /// `nominal` with the draw's friction, masses and servos. Masses scale with their inertias; each body but the
 /// trunk draws its own factor. The terrain is the caller's: it comes from a text and a seed.

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "crossgait/gait/velocity_command.h"
-#include "crossgait/physics/math.h"
-#include "crossgait/physics/state.h"
+#include "gait/velocity_command.h"
+#include "physics/core/math.h"
+#include "physics/robot/state.h"
 
 namespace crossgait {
 

@@ -1,16 +1,16 @@
-#include "crossgait/env/vector_env.h"
+#include "env/vector_env.h"
 
 #include <algorithm>
 
-#include "crossgait/env/check_size.h"
+#include "physics/core/check_size.h"
 
 namespace crossgait {
 namespace {
 
-constexpr std::string_view kSource = "vector environment";
+constexpr std::string_view kVectorEnv = "vector environment";
 
 std::size_t at_least_one(std::string_view what, std::size_t count) {
-  if (count == 0) throw ConfigError(kSource, what, "at least 1", "0");
+  if (count == 0) throw ConfigError(kVectorEnv, what, "at least 1", "0");
   return count;
 }
 
@@ -34,7 +34,7 @@ void VectorEnv::begin_episode(std::size_t i, std::span<double> observation) {
 }
 
 void VectorEnv::reset(std::uint64_t seed, std::span<double> observations) {
-  check_size(kSource, "observations", observations.size(), size() * observation_size());
+  check_size(kVectorEnv, "observations", observations.size(), size() * observation_size());
   pool_.run(size(), [&](std::size_t i) {
     slots_[i].seed = derived_seed(seed, i);
     slots_[i].episode = 0;
@@ -43,14 +43,14 @@ void VectorEnv::reset(std::uint64_t seed, std::span<double> observations) {
 }
 
 void VectorEnv::step(std::span<const double> actions, const VectorStep& out) {
-  check_size(kSource, "actions", actions.size(), size() * action_size());
-  check_size(kSource, "observations", out.observations.size(), size() * observation_size());
-  check_size(kSource, "rewards", out.rewards.size(), size());
-  check_size(kSource, "terminated", out.terminated.size(), size());
-  check_size(kSource, "truncated", out.truncated.size(), size());
+  check_size(kVectorEnv, "actions", actions.size(), size() * action_size());
+  check_size(kVectorEnv, "observations", out.observations.size(), size() * observation_size());
+  check_size(kVectorEnv, "rewards", out.rewards.size(), size());
+  check_size(kVectorEnv, "terminated", out.terminated.size(), size());
+  check_size(kVectorEnv, "truncated", out.truncated.size(), size());
   if (!out.final_observations.empty())
-    check_size(kSource, "final_observations", out.final_observations.size(), size() * observation_size());
-  if (!out.final_infos.empty()) check_size(kSource, "final_infos", out.final_infos.size(), size());
+    check_size(kVectorEnv, "final_observations", out.final_observations.size(), size() * observation_size());
+  if (!out.final_infos.empty()) check_size(kVectorEnv, "final_infos", out.final_infos.size(), size());
   pool_.run(size(), [&](std::size_t i) { step_one(i, actions, out); });
 }
 
@@ -80,7 +80,7 @@ void VectorEnv::step_one(std::size_t i, std::span<const double> actions, const V
 
 std::uint64_t VectorEnv::episode_seed(std::size_t i) const {
   const Slot& slot = slots_.at(i);
-  if (slot.episode == 0) throw ConfigError(kSource, "episode_seed", "a reset before it", "none");
+  if (slot.episode == 0) throw ConfigError(kVectorEnv, "episode_seed", "a reset before it", "none");
   return derived_seed(slot.seed, slot.episode - 1);
 }
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "crossgait/env/quadruped_env.h"
-#include "crossgait/env/worker_pool.h"
+#include "env/quadruped_env.h"
+#include "physics/core/worker_pool.h"
 
 namespace crossgait {
 

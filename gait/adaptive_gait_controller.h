@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/gait/gait_generator.h"
+#include "gait/gait_generator.h"
 
 namespace crossgait {
 

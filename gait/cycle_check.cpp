@@ -1,11 +1,11 @@
-#include "crossgait/gait/cycle_check.h"
+#include "gait/cycle_check.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "crossgait/gait/gait_generator.h"
+#include "gait/gait_generator.h"
 
 namespace crossgait {
 

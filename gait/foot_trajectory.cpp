@@ -1,4 +1,4 @@
-#include "crossgait/gait/foot_trajectory.h"
+#include "gait/foot_trajectory.h"
 
 #include <algorithm>
 #include <array>

@@ -4,9 +4,9 @@
 // height is lift - body_height. Everything is continuous in phase, duty factor and parameters.
 #pragma once
 
-#include "crossgait/gait/gait.h"
-#include "crossgait/gait/parameters.h"
-#include "crossgait/physics/math.h"
+#include "gait/gait.h"
+#include "gait/parameters.h"
+#include "physics/core/math.h"
 
 namespace crossgait {
 

@@ -1,10 +1,10 @@
-#include "crossgait/gait/gait.h"
+#include "gait/gait.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "crossgait/gait/parameters.h"
+#include "gait/parameters.h"
 
 namespace crossgait {
 

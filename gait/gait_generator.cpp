@@ -1,4 +1,4 @@
-#include "crossgait/gait/gait_generator.h"
+#include "gait/gait_generator.h"
 
 #include <algorithm>
 #include <array>

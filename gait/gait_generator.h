@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "crossgait/gait/foot_trajectory.h"
-#include "crossgait/gait/gait.h"
-#include "crossgait/gait/phase_clock.h"
-#include "crossgait/gait/velocity_command.h"
+#include "gait/foot_trajectory.h"
+#include "gait/gait.h"
+#include "gait/phase_clock.h"
+#include "gait/velocity_command.h"
 
 namespace crossgait {
 

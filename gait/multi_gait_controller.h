@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "crossgait/gait/gait_generator.h"
+#include "gait/gait_generator.h"
 
 namespace crossgait {
 

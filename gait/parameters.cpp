@@ -1,4 +1,4 @@
-#include "crossgait/gait/parameters.h"
+#include "gait/parameters.h"
 
 #include <array>
 #include <charconv>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

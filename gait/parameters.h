@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "crossgait/physics/leg.h"
+#include "physics/robot/leg.h"
 
 namespace crossgait {
 
@@ -37,7 +37,8 @@ struct GaitParameters {
   double lateral_offset_rl = 0;
   double lateral_offset_rr = 0;
   double duty_factor = 0.6;  ///< share of the cycle that every foot stands, -
-  /// Share of the load on the standing legs that their servos are to make up for (env/servo_compensation.h),
+  /// Share of the load on the standing legs that their servos are to make up for
+  /// (motion/servo_compensation.h),
   /// -. It moves no target: what a gait needs of its servos is as much its own as its steps are.
   double load_share = 1;
   double stance_offset = 0;  ///< forward shift of every foot, m: brings them under the centre of mass

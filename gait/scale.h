@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "crossgait/gait/multi_gait_controller.h"
-#include "crossgait/physics/robot.h"
+#include "gait/multi_gait_controller.h"
+#include "physics/robot/robot.h"
 
 namespace crossgait {
 

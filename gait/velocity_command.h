@@ -1,7 +1,7 @@
 // From the velocity asked of the body to a step of each foot.
 #pragma once
 
-#include "crossgait/gait/foot_trajectory.h"
+#include "gait/foot_trajectory.h"
 
 namespace crossgait {
 

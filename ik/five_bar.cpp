@@ -1,4 +1,4 @@
-#include "crossgait/ik/five_bar.h"
+#include "ik/five_bar.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "crossgait/ik/geometry.h"
-#include "crossgait/ik/two_link_chain.h"
+#include "ik/geometry.h"
+#include "ik/two_link_chain.h"
 
 namespace crossgait {
 

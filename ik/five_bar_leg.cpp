@@ -1,4 +1,4 @@
-#include "crossgait/ik/five_bar_leg.h"
+#include "ik/five_bar_leg.h"
 
 #include <algorithm>
 #include <cmath>

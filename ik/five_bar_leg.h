@@ -1,7 +1,7 @@
 // Inverse, forward and differential kinematics of a five-bar leg on a tilt joint (ik/tilt_mount.h).
 #pragma once
 
-#include "crossgait/ik/five_bar.h"
+#include "ik/five_bar.h"
 
 namespace crossgait {
 

@@ -1,11 +1,11 @@
-#include "crossgait/ik/geometry.h"
+#include "ik/geometry.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "crossgait/ik/leg_frames.h"
-#include "crossgait/physics/error.h"
+#include "ik/leg_frames.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

@@ -1,9 +1,9 @@
 // What the kinematics need to know of a five-bar leg, derived from the robot description.
 #pragma once
 
-#include "crossgait/ik/tilt_mount.h"
-#include "crossgait/physics/leg.h"
-#include "crossgait/physics/robot.h"
+#include "ik/tilt_mount.h"
+#include "physics/robot/leg.h"
+#include "physics/robot/robot.h"
 
 namespace crossgait {
 

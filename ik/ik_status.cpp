@@ -1,4 +1,4 @@
-#include "crossgait/ik/ik_status.h"
+#include "ik/ik_status.h"
 
 #include <array>
 

@@ -1,11 +1,11 @@
-#include "crossgait/ik/least_squares_leg.h"
+#include "ik/least_squares_leg.h"
 
 #include <cmath>
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
-#include "crossgait/ik/leg_frames.h"
+#include "ik/leg_frames.h"
 
 namespace crossgait {
 namespace {

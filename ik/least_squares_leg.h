@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "crossgait/ik/serial_leg.h"
+#include "ik/serial_leg.h"
 
 namespace crossgait {
 

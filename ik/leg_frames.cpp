@@ -1,10 +1,10 @@
-#include "crossgait/ik/leg_frames.h"
+#include "ik/leg_frames.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

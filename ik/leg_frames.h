@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "crossgait/ik/two_link_chain.h"
-#include "crossgait/physics/leg.h"
-#include "crossgait/physics/robot.h"
+#include "ik/two_link_chain.h"
+#include "physics/robot/leg.h"
+#include "physics/robot/robot.h"
 
 namespace crossgait {
 

@@ -1,10 +1,10 @@
-#include "crossgait/ik/leg_kinematics.h"
+#include "ik/leg_kinematics.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <variant>
 
-#include "crossgait/ik/five_bar_leg.h"
-#include "crossgait/ik/least_squares_leg.h"
-#include "crossgait/ik/serial_leg.h"
+#include "ik/five_bar_leg.h"
+#include "ik/least_squares_leg.h"
+#include "ik/serial_leg.h"
 
 namespace crossgait {
 

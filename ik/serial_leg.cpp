@@ -1,10 +1,10 @@
-#include "crossgait/ik/serial_leg.h"
+#include "ik/serial_leg.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "crossgait/ik/leg_frames.h"
+#include "ik/leg_frames.h"
 
 namespace crossgait {
 namespace {

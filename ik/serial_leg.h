@@ -3,9 +3,9 @@
 // ik/tilt_mount.h and ik/two_link_chain.h, hip and knee being shoulder and elbow.
 #pragma once
 
-#include "crossgait/ik/tilt_mount.h"
-#include "crossgait/physics/leg.h"
-#include "crossgait/physics/robot.h"
+#include "ik/tilt_mount.h"
+#include "physics/robot/leg.h"
+#include "physics/robot/robot.h"
 
 namespace crossgait {
 

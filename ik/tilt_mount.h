@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-#include "crossgait/ik/two_link_chain.h"
+#include "ik/two_link_chain.h"
 
 namespace crossgait {
 

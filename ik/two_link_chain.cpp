@@ -1,4 +1,4 @@
-#include "crossgait/ik/two_link_chain.h"
+#include "ik/two_link_chain.h"
 
 namespace crossgait {
 

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "crossgait/ik/ik_status.h"
-#include "crossgait/physics/math.h"
+#include "ik/ik_status.h"
+#include "physics/core/math.h"
 
 namespace crossgait {
 

@@ -1,4 +1,4 @@
-#include "crossgait/ik/workspace.h"
+#include "ik/workspace.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "crossgait/ik/leg_kinematics.h"
+#include "ik/leg_kinematics.h"
 
 namespace crossgait {
 

@@ -1,4 +1,4 @@
-#include "crossgait/parity/attribution.h"
+#include "parity/attribution.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/env/worker_pool.h"
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
+#include "physics/core/worker_pool.h"
 
 namespace crossgait {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/parity/behaviour.h"
-#include "crossgait/parity/jackknife.h"
+#include "parity/behaviour.h"
+#include "parity/jackknife.h"
 
 namespace crossgait {
 

@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/table.h"
-#include "crossgait/parity/verdict_report.h"
+#include "parity/verdict_report.h"
+#include "physics/core/table.h"
 
 namespace crossgait {
 namespace {

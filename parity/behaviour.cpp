@@ -1,12 +1,12 @@
-#include "crossgait/parity/behaviour.h"
+#include "parity/behaviour.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "crossgait/env/time_steps.h"
-#include "crossgait/gait/scale.h"
+#include "gait/scale.h"
+#include "motion/time_steps.h"
 
 namespace crossgait {
 namespace {
@@ -63,7 +63,7 @@ std::vector<double> delays_of(const RobotDescription& robot) {
 Start draw_start(const Randomisation& randomisation, std::uint64_t seed) {
   Random random(seed);
   const RandomDraw draw = crossgait::draw(randomisation, random);
-  return {placement_of(draw), 0, Pushes(randomisation, draw, random)};
+  return {placement_of(draw), 0, pushes_of(randomisation, draw, random)};
 }
 
 // @param trace filled with every control step if not null

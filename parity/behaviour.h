@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/env/evaluation.h"
-#include "crossgait/parity/comparison.h"
+#include "env/evaluation.h"
+#include "parity/comparison.h"
 
 namespace crossgait {
 

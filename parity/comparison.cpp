@@ -1,4 +1,4 @@
-#include "crossgait/parity/comparison.h"
+#include "parity/comparison.h"
 
 #include <optional>
 

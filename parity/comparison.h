@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/env/progress.h"
-#include "crossgait/env/walk.h"
-#include "crossgait/parity/divergence.h"
+#include "motion/walk.h"
+#include "parity/divergence.h"
+#include "physics/core/progress.h"
 
 namespace crossgait {
 

@@ -1,4 +1,4 @@
-#include "crossgait/parity/divergence.h"
+#include "parity/divergence.h"
 
 #include <algorithm>
 #include <array>

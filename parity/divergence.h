@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "crossgait/parity/trace.h"
+#include "motion/trace.h"
 
 namespace crossgait {
 

@@ -1,4 +1,4 @@
-#include "crossgait/parity/jackknife.h"
+#include "parity/jackknife.h"
 
 #include <cmath>
 #include <vector>

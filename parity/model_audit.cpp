@@ -1,4 +1,4 @@
-#include "crossgait/parity/model_audit.h"
+#include "parity/model_audit.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "crossgait/parity/model_probes.h"
-#include "crossgait/physics/error.h"
+#include "parity/model_probes.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

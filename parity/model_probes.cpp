@@ -1,12 +1,12 @@
-#include "crossgait/parity/model_probes.h"
+#include "parity/model_probes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "crossgait/physics/across_axis.h"
-#include "crossgait/physics/contact_features.h"
-#include "crossgait/physics/multibody.h"
+#include "physics/core/across_axis.h"
+#include "physics/engine/contact_features.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait::probes {
 namespace {

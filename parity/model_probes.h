@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "crossgait/physics/physics_backend.h"
+#include "physics/engine/physics_backend.h"
 
 namespace crossgait::probes {
 

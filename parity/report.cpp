@@ -1,4 +1,4 @@
-#include "crossgait/parity/report.h"
+#include "parity/report.h"
 
 #include <cmath>
 #include <functional>
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/table.h"
+#include "physics/core/table.h"
 
 namespace crossgait {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "crossgait/parity/comparison.h"
-#include "crossgait/parity/table.h"
+#include "parity/comparison.h"
+#include "physics/core/table.h"
 
 namespace crossgait {
 

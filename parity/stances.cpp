@@ -1,4 +1,4 @@
-#include "crossgait/parity/stances.h"
+#include "parity/stances.h"
 
 namespace crossgait {
 

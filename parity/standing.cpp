@@ -1,4 +1,4 @@
-#include "crossgait/parity/standing.h"
+#include "parity/standing.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/parity/table.h"
-#include "crossgait/parity/verdict.h"
+#include "parity/verdict.h"
+#include "physics/core/table.h"
 
 namespace crossgait {
 

@@ -1,4 +1,4 @@
-#include "crossgait/parity/verdict.h"
+#include "parity/verdict.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/env/worker_pool.h"
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
+#include "physics/core/worker_pool.h"
 
 namespace crossgait {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/parity/verdict_report.h"
+#include "parity/verdict_report.h"
 
 #include <cmath>
 
@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/table.h"
+#include "physics/core/table.h"
 
 namespace crossgait {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "crossgait/parity/attribution.h"
-#include "crossgait/parity/model_audit.h"
-#include "crossgait/parity/verdict.h"
+#include "parity/attribution.h"
+#include "parity/model_audit.h"
+#include "parity/verdict.h"
 
 namespace crossgait {
 

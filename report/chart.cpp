@@ -1,4 +1,4 @@
-#include "crossgait/report/chart.h"
+#include "report/chart.h"
 
 #include <algorithm>
 #include <cmath>

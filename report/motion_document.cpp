@@ -1,4 +1,4 @@
-#include "crossgait/report/motion_document.h"
+#include "report/motion_document.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/parity/stances.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/multibody.h"
-#include "crossgait/report/panels.h"
-#include "crossgait/report/scene.h"
+#include "parity/stances.h"
+#include "physics/core/error.h"
+#include "physics/robot/multibody.h"
+#include "report/panels.h"
+#include "report/scene.h"
 
 namespace crossgait {
 namespace {

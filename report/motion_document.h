@@ -6,11 +6,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/divergence.h"
-#include "crossgait/physics/robot.h"
-#include "crossgait/physics/terrain.h"
-#include "crossgait/report/page_numbers.h"
-#include "crossgait/report/recorded_run.h"
+#include "parity/divergence.h"
+#include "physics/robot/robot.h"
+#include "physics/terrain/terrain.h"
+#include "report/page_numbers.h"
+#include "report/recorded_run.h"
 
 namespace crossgait {
 

@@ -1,11 +1,11 @@
-#include "crossgait/report/page.h"
+#include "report/page.h"
 
 #include <string_view>
 
-#include "crossgait/parity/schema.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/report/page_template.h"
-#include "crossgait/study/version.h"
+#include "physics/core/error.h"
+#include "physics/core/schema.h"
+#include "report/page_template.h"
+#include "study/version.h"
 
 namespace crossgait {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/table.h"
-#include "crossgait/report/chart.h"
-#include "crossgait/report/motion_document.h"
+#include "physics/core/table.h"
+#include "report/chart.h"
+#include "report/motion_document.h"
 
 namespace crossgait {
 

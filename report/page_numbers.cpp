@@ -1,4 +1,4 @@
-#include "crossgait/report/page_numbers.h"
+#include "report/page_numbers.h"
 
 #include <bit>
 #include <cstddef>

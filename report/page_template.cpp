@@ -1,4 +1,4 @@
-#include "crossgait/report/page_template.h"
+#include "report/page_template.h"
 
 #ifdef CROSSGAIT_PAGE_FILE
 // The assembler copies the file as it is: half a megabyte, which a compiler would take seconds to read as

@@ -1,4 +1,4 @@
-#include "crossgait/report/panels.h"
+#include "report/panels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/env/reward.h"
-#include "crossgait/gait/parameters.h"
-#include "crossgait/report/motion_document.h"
+#include "env/reward.h"
+#include "gait/parameters.h"
+#include "report/motion_document.h"
 
 namespace crossgait {
 namespace {

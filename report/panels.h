@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/report/page_numbers.h"
-#include "crossgait/report/recorded_run.h"
+#include "report/page_numbers.h"
+#include "report/recorded_run.h"
 
 namespace crossgait {
 

@@ -1,11 +1,11 @@
-#include "crossgait/report/recorded_run.h"
+#include "report/recorded_run.h"
 
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "crossgait/parity/trace.h"
-#include "crossgait/parity/trace_table.h"
+#include "motion/trace.h"
+#include "motion/trace_table.h"
 
 namespace crossgait {
 

@@ -1,4 +1,4 @@
-#include "crossgait/report/scene.h"
+#include "report/scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/mesh_vertices.h"
-#include "crossgait/physics/read_budget.h"
+#include "physics/core/error.h"
+#include "physics/core/read_budget.h"
+#include "physics/robot_files/mesh/mesh_vertices.h"
 
 namespace crossgait {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/physics/robot.h"
-#include "crossgait/physics/terrain.h"
-#include "crossgait/report/page_numbers.h"
+#include "physics/robot/robot.h"
+#include "physics/terrain/terrain.h"
+#include "report/page_numbers.h"
 
 namespace crossgait {
 

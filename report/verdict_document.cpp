@@ -1,12 +1,12 @@
-#include "crossgait/report/verdict_document.h"
+#include "report/verdict_document.h"
 
 #include <algorithm>
 #include <iterator>
 
 #include <fmt/format.h>
 
-#include "crossgait/parity/standing.h"
-#include "crossgait/physics/error.h"
+#include "parity/standing.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/report/page.h"
+#include "report/page.h"
 
 namespace crossgait {
 

@@ -1,9 +1,9 @@
-#include "crossgait/report/watched_episodes.h"
+#include "report/watched_episodes.h"
 
 #include <fmt/format.h>
 
-#include "crossgait/env/reward.h"
-#include "crossgait/study/rollout.h"
+#include "env/reward.h"
+#include "study/rollout.h"
 
 namespace crossgait {
 namespace {

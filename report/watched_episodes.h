@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/env/env_config.h"
-#include "crossgait/report/motion_document.h"
+#include "env/env_config.h"
+#include "report/motion_document.h"
 
 namespace crossgait {
 

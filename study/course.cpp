@@ -1,4 +1,4 @@
-#include "crossgait/study/course.h"
+#include "study/course.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "crossgait/parity/behaviour.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/robot.h"
-#include "crossgait/physics/yaml_reader.h"
+#include "parity/behaviour.h"
+#include "physics/core/error.h"
+#include "physics/core/yaml_reader.h"
+#include "physics/robot/robot.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "crossgait/study/rollout.h"
+#include "study/rollout.h"
 
 namespace crossgait {
 

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/study/course.h"
+#include "physics/core/schema.h"
+#include "physics/core/table.h"
+#include "study/course.h"
 
 namespace crossgait {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/study/judgement.h"
+#include "study/judgement.h"
 
 #include <algorithm>
 #include <map>
@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/study/run_store.h"
+#include "backends/registry.h"
+#include "physics/core/error.h"
+#include "study/run_store.h"
 
 namespace crossgait {
 

@@ -7,11 +7,11 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "crossgait/parity/attribution.h"
-#include "crossgait/parity/model_audit.h"
-#include "crossgait/parity/standing.h"
-#include "crossgait/parity/verdict.h"
-#include "crossgait/study/run_spec.h"
+#include "parity/attribution.h"
+#include "parity/model_audit.h"
+#include "parity/standing.h"
+#include "parity/verdict.h"
+#include "study/run_spec.h"
 
 namespace crossgait {
 

@@ -2,9 +2,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/verdict_report.h"
-#include "crossgait/study/judgement.h"
+#include "parity/verdict_report.h"
+#include "physics/core/schema.h"
+#include "study/judgement.h"
 
 namespace crossgait {
 namespace {

@@ -1,7 +1,7 @@
-#include "crossgait/study/provenance.h"
+#include "study/provenance.h"
 
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/hash.h"
+#include "physics/core/error.h"
+#include "physics/core/hash.h"
 
 namespace crossgait {
 namespace {

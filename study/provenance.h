@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/physics/engine.h"
-#include "crossgait/study/version.h"
+#include "physics/engine/engine.h"
+#include "study/version.h"
 
 namespace crossgait {
 

@@ -1,8 +1,8 @@
-#include "crossgait/study/rollout.h"
+#include "study/rollout.h"
 
 #include <thread>
 
-#include "crossgait/backends/registry.h"
+#include "backends/registry.h"
 
 namespace crossgait {
 

@@ -7,9 +7,9 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "crossgait/env/evaluation.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/parity/trace.h"
+#include "env/evaluation.h"
+#include "motion/trace.h"
+#include "physics/core/table.h"
 
 namespace crossgait {
 

@@ -5,10 +5,10 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/report.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/study/rollout.h"
+#include "parity/report.h"
+#include "physics/core/schema.h"
+#include "physics/core/table.h"
+#include "study/rollout.h"
 
 namespace crossgait {
 namespace {

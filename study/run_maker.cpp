@@ -1,7 +1,7 @@
-#include "crossgait/study/run_maker.h"
+#include "study/run_maker.h"
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/study/run_store.h"
+#include "backends/registry.h"
+#include "study/run_store.h"
 
 namespace crossgait {
 

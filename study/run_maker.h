@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/study/run_spec.h"
+#include "study/run_spec.h"
 
 namespace crossgait {
 

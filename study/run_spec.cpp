@@ -1,4 +1,4 @@
-#include "crossgait/study/run_spec.h"
+#include "study/run_spec.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -6,14 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/bundled_policies.h"
-#include "crossgait/env/env_model.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/hash.h"
-#include "crossgait/physics/text.h"
-#include "crossgait/study/rollout.h"
+#include "backends/registry.h"
+#include "env/env_model.h"
+#include "physics/core/error.h"
+#include "physics/core/hash.h"
+#include "physics/core/text.h"
+#include "physics/robot_files/data_path.h"
+#include "policy/bundled_policies.h"
+#include "study/rollout.h"
 
 namespace crossgait {
 namespace {

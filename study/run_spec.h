@@ -9,10 +9,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/behaviour.h"
-#include "crossgait/physics/engine.h"
-#include "crossgait/study/version.h"
-#include "crossgait/study/walk_config.h"
+#include "parity/behaviour.h"
+#include "physics/engine/engine.h"
+#include "study/version.h"
+#include "study/walk_config.h"
 
 namespace crossgait {
 

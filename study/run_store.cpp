@@ -1,13 +1,13 @@
-#include "crossgait/study/run_store.h"
+#include "study/run_store.h"
 
 #include <filesystem>
 #include <fstream>
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/hash.h"
-#include "crossgait/physics/text.h"
+#include "physics/core/error.h"
+#include "physics/core/hash.h"
+#include "physics/core/text.h"
 
 namespace crossgait {
 namespace {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "crossgait/study/run_spec.h"
+#include "study/run_spec.h"
 
 namespace crossgait {
 

@@ -1,4 +1,4 @@
-#include "crossgait/study/trial_walk.h"
+#include "study/trial_walk.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/gait_source.h"
-#include "crossgait/env/walk.h"
-#include "crossgait/parity/table.h"
+#include "backends/registry.h"
+#include "motion/gait_source.h"
+#include "motion/walk.h"
+#include "physics/core/table.h"
 
 namespace crossgait {
 namespace {

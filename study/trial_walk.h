@@ -8,8 +8,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "crossgait/env/motion_statistics.h"
-#include "crossgait/physics/robot.h"
+#include "motion/motion_statistics.h"
+#include "physics/robot/robot.h"
 
 namespace crossgait {
 

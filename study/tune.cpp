@@ -1,4 +1,4 @@
-#include "crossgait/study/tune.h"
+#include "study/tune.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,11 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/env/env_model.h"
-#include "crossgait/env/worker_pool.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/error.h"
+#include "env/env_model.h"
+#include "physics/core/error.h"
+#include "physics/core/schema.h"
+#include "physics/core/table.h"
+#include "physics/core/worker_pool.h"
 
 namespace crossgait {
 namespace {

@@ -11,8 +11,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "crossgait/study/course.h"
-#include "crossgait/study/rollout.h"
+#include "study/course.h"
+#include "study/rollout.h"
 
 namespace crossgait {
 

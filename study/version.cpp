@@ -1,4 +1,4 @@
-#include "crossgait/study/version.h"
+#include "study/version.h"
 
 namespace crossgait {
 

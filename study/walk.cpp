@@ -1,15 +1,15 @@
-#include "crossgait/study/walk.h"
+#include "study/walk.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/parity/report.h"
-#include "crossgait/parity/schema.h"
-#include "crossgait/parity/verdict_report.h"
-#include "crossgait/physics/error.h"
+#include "backends/registry.h"
+#include "parity/report.h"
+#include "parity/verdict_report.h"
+#include "physics/core/error.h"
+#include "physics/core/schema.h"
 
 namespace crossgait {
 namespace {

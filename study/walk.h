@@ -6,8 +6,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "crossgait/parity/verdict.h"
-#include "crossgait/study/judgement.h"
+#include "parity/verdict.h"
+#include "study/judgement.h"
 
 namespace crossgait {
 

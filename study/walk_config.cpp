@@ -1,7 +1,7 @@
-#include "crossgait/study/walk_config.h"
+#include "study/walk_config.h"
 
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait {
 

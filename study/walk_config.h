@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "crossgait/env/env_config.h"
-#include "crossgait/env/gait_source.h"
-#include "crossgait/parity/comparison.h"
+#include "env/env_config.h"
+#include "motion/gait_source.h"
+#include "parity/comparison.h"
 
 namespace crossgait {
 

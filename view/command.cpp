@@ -1,4 +1,4 @@
-#include "crossgait/view/command.h"
+#include "view/command.h"
 
 #include <cmath>
 #include <functional>
@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

@@ -7,8 +7,8 @@
 #include <variant>
 #include <vector>
 
-#include "crossgait/gait/velocity_command.h"
-#include "crossgait/physics/math.h"
+#include "gait/velocity_command.h"
+#include "physics/core/math.h"
 
 namespace crossgait {
 

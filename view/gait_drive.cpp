@@ -1,4 +1,4 @@
-#include "crossgait/view/gait_drive.h"
+#include "view/gait_drive.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

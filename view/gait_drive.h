@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "crossgait/env/gait_source.h"
-#include "crossgait/gait/multi_gait_controller.h"
+#include "gait/multi_gait_controller.h"
+#include "motion/gait_source.h"
 
 namespace crossgait {
 

@@ -1,4 +1,4 @@
-#include "crossgait/view/gait_lane.h"
+#include "view/gait_lane.h"
 
 #include <utility>
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
-#include "crossgait/env/closed_loop.h"
-#include "crossgait/view/gait_drive.h"
-#include "crossgait/view/lane.h"
+#include "motion/closed_loop.h"
+#include "view/gait_drive.h"
+#include "view/lane.h"
 
 namespace crossgait {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "crossgait/env/outcome.h"
-#include "crossgait/gait/gait_generator.h"
-#include "crossgait/physics/engine.h"
+#include "gait/gait_generator.h"
+#include "motion/outcome.h"
+#include "physics/engine/engine.h"
 
 namespace crossgait {
 

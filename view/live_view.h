@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-#include "crossgait/view/session.h"
+#include "view/session.h"
 
 namespace crossgait {
 

@@ -1,7 +1,7 @@
-#include "crossgait/view/policy_lane.h"
+#include "view/policy_lane.h"
 
-#include "crossgait/physics/error.h"
-#include "crossgait/view/gait_drive.h"
+#include "physics/core/error.h"
+#include "view/gait_drive.h"
 
 namespace crossgait {
 namespace {

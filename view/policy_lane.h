@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/env/quadruped_env.h"
-#include "crossgait/view/lane.h"
+#include "env/quadruped_env.h"
+#include "view/lane.h"
 
 namespace crossgait {
 

@@ -1,4 +1,4 @@
-#include "crossgait/view/request_check.h"
+#include "view/request_check.h"
 
 #include <array>
 #include <cerrno>

@@ -1,4 +1,4 @@
-#include "crossgait/view/server.h"
+#include "view/server.h"
 
 #include <atomic>
 #include <stdexcept>
@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <httplib.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/view/request_check.h"
+#include "physics/core/error.h"
+#include "view/request_check.h"
 
 namespace crossgait {
 namespace {

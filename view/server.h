@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "crossgait/view/live_view.h"
+#include "view/live_view.h"
 
 namespace crossgait {
 

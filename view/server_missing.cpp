@@ -1,6 +1,6 @@
 // In the place of server.cpp where cpp-httplib was not found.
-#include "crossgait/physics/error.h"
-#include "crossgait/view/server.h"
+#include "physics/core/error.h"
+#include "view/server.h"
 
 namespace crossgait {
 

@@ -1,4 +1,4 @@
-#include "crossgait/view/session.h"
+#include "view/session.h"
 
 #include <algorithm>
 #include <utility>
@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/view/gait_lane.h"
-#include "crossgait/view/policy_lane.h"
+#include "physics/core/error.h"
+#include "view/gait_lane.h"
+#include "view/policy_lane.h"
 
 namespace crossgait {
 namespace {

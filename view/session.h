@@ -11,10 +11,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/env/env_config.h"
-#include "crossgait/report/page.h"
-#include "crossgait/view/command.h"
-#include "crossgait/view/lane.h"
+#include "env/env_config.h"
+#include "report/page.h"
+#include "view/command.h"
+#include "view/lane.h"
 
 namespace crossgait {
 

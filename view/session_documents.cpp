@@ -1,11 +1,11 @@
 // What a session tells pages.
 #include <cmath>
 
-#include "crossgait/gait/scale.h"
-#include "crossgait/physics/multibody.h"
-#include "crossgait/report/scene.h"
-#include "crossgait/view/gait_drive.h"
-#include "crossgait/view/session.h"
+#include "gait/scale.h"
+#include "physics/robot/multibody.h"
+#include "report/scene.h"
+#include "view/gait_drive.h"
+#include "view/session.h"
 
 namespace crossgait {
 namespace {

@@ -1,10 +1,10 @@
-#include "crossgait/backends/bullet/bullet_backend.h"
+#include "backends/bullet/bullet_backend.h"
 
 #include <fmt/format.h>
 
-#include "crossgait/backends/bullet/collision_world.h"
-#include "crossgait/backends/bullet/convert.h"
-#include "crossgait/physics/principal_inertia.h"
+#include "backends/bullet/collision_world.h"
+#include "backends/bullet/convert.h"
+#include "physics/robot/principal_inertia.h"
 
 namespace crossgait::bullet {
 namespace {

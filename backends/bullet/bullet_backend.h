@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "crossgait/physics/engine.h"
+#include "physics/engine/engine.h"
 
 namespace crossgait::bullet {
 

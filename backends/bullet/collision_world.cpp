@@ -1,11 +1,11 @@
-#include "crossgait/backends/bullet/collision_world.h"
+#include "backends/bullet/collision_world.h"
 
 #include <algorithm>
 #include <limits>
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 
-#include "crossgait/backends/bullet/convert.h"
+#include "backends/bullet/convert.h"
 
 namespace crossgait::bullet {
 namespace {

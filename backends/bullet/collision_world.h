@@ -8,9 +8,9 @@
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <btBulletDynamicsCommon.h>
 
-#include "crossgait/backends/bullet/constraint_solver.h"
-#include "crossgait/backends/bullet/multibody_model.h"
-#include "crossgait/backends/bullet/terrain_collision.h"
+#include "backends/bullet/constraint_solver.h"
+#include "backends/bullet/multibody_model.h"
+#include "backends/bullet/terrain_collision.h"
 
 namespace crossgait::bullet {
 

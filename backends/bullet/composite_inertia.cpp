@@ -1,6 +1,6 @@
-#include "crossgait/backends/bullet/composite_inertia.h"
+#include "backends/bullet/composite_inertia.h"
 
-#include "crossgait/backends/bullet/convert.h"
+#include "backends/bullet/convert.h"
 
 namespace crossgait::bullet {
 namespace {

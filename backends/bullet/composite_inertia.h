@@ -5,7 +5,7 @@
 
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 
-#include "crossgait/backends/contact/joint_space_inertia.h"
+#include "backends/contact/joint_space_inertia.h"
 
 namespace crossgait::bullet {
 

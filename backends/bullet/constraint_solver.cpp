@@ -1,6 +1,6 @@
-#include "crossgait/backends/bullet/constraint_solver.h"
+#include "backends/bullet/constraint_solver.h"
 
-#include "crossgait/backends/bullet/convert.h"
+#include "backends/bullet/convert.h"
 
 namespace crossgait::bullet {
 namespace {

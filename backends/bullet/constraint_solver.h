@@ -8,10 +8,10 @@
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 #include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
 
-#include "crossgait/backends/bullet/composite_inertia.h"
-#include "crossgait/backends/bullet/contact_factors.h"
-#include "crossgait/backends/bullet/multibody_model.h"
-#include "crossgait/backends/contact/contact_stage.h"
+#include "backends/bullet/composite_inertia.h"
+#include "backends/bullet/contact_factors.h"
+#include "backends/bullet/multibody_model.h"
+#include "backends/contact/contact_stage.h"
 
 namespace crossgait::bullet {
 

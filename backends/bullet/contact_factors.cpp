@@ -1,4 +1,4 @@
-#include "crossgait/backends/bullet/contact_factors.h"
+#include "backends/bullet/contact_factors.h"
 
 namespace crossgait::bullet {
 

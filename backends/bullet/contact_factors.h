@@ -2,7 +2,7 @@
 // can be traced to one.
 #pragma once
 
-#include "crossgait/backends/contact/law_factors.h"
+#include "backends/contact/law_factors.h"
 
 namespace crossgait::bullet {
 

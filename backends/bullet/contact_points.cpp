@@ -4,9 +4,9 @@
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
-#include "crossgait/backends/bullet/constraint_solver.h"
-#include "crossgait/backends/bullet/convert.h"
-#include "crossgait/backends/bullet/terrain_collision.h"
+#include "backends/bullet/constraint_solver.h"
+#include "backends/bullet/convert.h"
+#include "backends/bullet/terrain_collision.h"
 
 namespace crossgait::bullet {
 

@@ -6,7 +6,7 @@
 #include <LinearMath/btTransform.h>
 #include <LinearMath/btVector3.h>
 
-#include "crossgait/physics/math.h"
+#include "physics/core/math.h"
 
 namespace crossgait::bullet {
 

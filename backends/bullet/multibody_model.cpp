@@ -1,7 +1,7 @@
-#include "crossgait/backends/bullet/multibody_model.h"
+#include "backends/bullet/multibody_model.h"
 
-#include "crossgait/backends/bullet/convert.h"
-#include "crossgait/physics/principal_inertia.h"
+#include "backends/bullet/convert.h"
+#include "physics/robot/principal_inertia.h"
 
 namespace crossgait::bullet {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 
-#include "crossgait/backends/contact/contact_points.h"
-#include "crossgait/physics/world_spec.h"
+#include "backends/contact/contact_points.h"
+#include "physics/engine/world_spec.h"
 
 namespace crossgait::bullet {
 

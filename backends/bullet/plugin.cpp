@@ -4,8 +4,8 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
-#include "crossgait/backends/bullet/bullet_backend.h"
-#include "crossgait/physics/engine_plugin.h"
+#include "backends/bullet/bullet_backend.h"
+#include "physics/engine/engine_plugin.h"
 
 namespace crossgait::bullet {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/backends/bullet/terrain_collision.h"
+#include "backends/bullet/terrain_collision.h"
 
 #include <new>
 
@@ -9,7 +9,7 @@
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 
-#include "crossgait/backends/bullet/convert.h"
+#include "backends/bullet/convert.h"
 
 namespace crossgait::bullet {
 namespace {

@@ -8,8 +8,8 @@
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 
-#include "crossgait/backends/bullet/multibody_model.h"
-#include "crossgait/physics/terrain.h"
+#include "backends/bullet/multibody_model.h"
+#include "physics/terrain/terrain.h"
 
 namespace crossgait::bullet {
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "crossgait/backends/contact/joint_space_inertia.h"
+#include "backends/contact/joint_space_inertia.h"
 
 namespace crossgait::contact {
 

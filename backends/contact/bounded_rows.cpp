@@ -1,4 +1,4 @@
-#include "crossgait/backends/contact/bounded_rows.h"
+#include "backends/contact/bounded_rows.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "crossgait/backends/contact/cone_solver.h"
+#include "backends/contact/cone_solver.h"
 
 namespace crossgait::contact {
 

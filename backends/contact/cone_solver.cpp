@@ -1,4 +1,4 @@
-#include "crossgait/backends/contact/cone_solver.h"
+#include "backends/contact/cone_solver.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "crossgait/physics/math.h"
-#include "crossgait/physics/state.h"
+#include "physics/core/math.h"
+#include "physics/robot/state.h"
 
 namespace crossgait::contact {
 

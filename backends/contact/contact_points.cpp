@@ -1,4 +1,4 @@
-#include "crossgait/backends/contact/contact_points.h"
+#include "backends/contact/contact_points.h"
 
 #include <algorithm>
 

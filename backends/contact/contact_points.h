@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "crossgait/backends/contact/body_kinematics.h"
-#include "crossgait/physics/contact_features.h"
-#include "crossgait/physics/state.h"
+#include "backends/contact/body_kinematics.h"
+#include "physics/engine/contact_features.h"
+#include "physics/robot/state.h"
 
 namespace crossgait::contact {
 

@@ -1,10 +1,10 @@
-#include "crossgait/backends/contact/contact_stage.h"
+#include "backends/contact/contact_stage.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "crossgait/backends/contact/convergence.h"
-#include "crossgait/physics/multibody.h"
+#include "backends/contact/convergence.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait::contact {
 namespace {

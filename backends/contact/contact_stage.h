@@ -6,12 +6,12 @@
 #include <span>
 #include <vector>
 
-#include "crossgait/backends/contact/contact_points.h"
-#include "crossgait/backends/contact/dual_problem.h"
-#include "crossgait/backends/contact/joint_friction.h"
-#include "crossgait/backends/contact/law_factors.h"
-#include "crossgait/backends/contact/primal_problem.h"
-#include "crossgait/backends/contact/sweep_problem.h"
+#include "backends/contact/contact_points.h"
+#include "backends/contact/dual_problem.h"
+#include "backends/contact/joint_friction.h"
+#include "backends/contact/law_factors.h"
+#include "backends/contact/primal_problem.h"
+#include "backends/contact/sweep_problem.h"
 
 namespace crossgait::contact {
 

@@ -1,8 +1,8 @@
-#include "crossgait/backends/contact/dual_problem.h"
+#include "backends/contact/dual_problem.h"
 
 #include <algorithm>
 
-#include "crossgait/backends/contact/convergence.h"
+#include "backends/contact/convergence.h"
 
 namespace crossgait::contact {
 DualProblem::DualProblem(const JointStage& joints, int most_bounded, FrictionBound bound, double mixing)

@@ -3,9 +3,9 @@
 
 #include <span>
 
-#include "crossgait/backends/contact/bounded_rows.h"
-#include "crossgait/backends/contact/cone_solver.h"
-#include "crossgait/backends/contact/joint_stage.h"
+#include "backends/contact/bounded_rows.h"
+#include "backends/contact/cone_solver.h"
+#include "backends/contact/joint_stage.h"
 
 namespace crossgait::contact {
 

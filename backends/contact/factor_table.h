@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "crossgait/physics/engine.h"
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
+#include "physics/engine/engine.h"
 
 namespace crossgait::contact {
 

@@ -1,6 +1,6 @@
-#include "crossgait/backends/contact/joint_friction.h"
+#include "backends/contact/joint_friction.h"
 
-#include "crossgait/physics/multibody.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait::contact {
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "crossgait/backends/contact/soft_constraint.h"
-#include "crossgait/physics/world_spec.h"
+#include "backends/contact/soft_constraint.h"
+#include "physics/engine/world_spec.h"
 
 namespace crossgait::contact {
 

@@ -1,4 +1,4 @@
-#include "crossgait/backends/contact/joint_space_inertia.h"
+#include "backends/contact/joint_space_inertia.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "crossgait/physics/robot.h"
+#include "physics/robot/robot.h"
 
 namespace crossgait::contact {
 

@@ -1,9 +1,9 @@
-#include "crossgait/backends/contact/joint_stage.h"
+#include "backends/contact/joint_stage.h"
 
 #include <Eigen/Cholesky>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/multibody.h"
+#include "physics/core/error.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait::contact {
 

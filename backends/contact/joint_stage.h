@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "crossgait/backends/contact/body_kinematics.h"
-#include "crossgait/backends/contact/soft_constraint.h"
-#include "crossgait/physics/world_spec.h"
+#include "backends/contact/body_kinematics.h"
+#include "backends/contact/soft_constraint.h"
+#include "physics/engine/world_spec.h"
 
 namespace crossgait::contact {
 

@@ -1,4 +1,4 @@
-#include "crossgait/backends/contact/law_factors.h"
+#include "backends/contact/law_factors.h"
 
 namespace crossgait::contact {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/backends/contact/factor_table.h"
+#include "backends/contact/factor_table.h"
 
 namespace crossgait::contact {
 

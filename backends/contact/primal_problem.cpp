@@ -1,4 +1,4 @@
-#include "crossgait/backends/contact/primal_problem.h"
+#include "backends/contact/primal_problem.h"
 
 #include <algorithm>
 #include <cmath>

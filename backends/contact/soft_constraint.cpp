@@ -1,4 +1,4 @@
-#include "crossgait/backends/contact/soft_constraint.h"
+#include "backends/contact/soft_constraint.h"
 
 #include <algorithm>
 #include <cmath>

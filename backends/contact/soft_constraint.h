@@ -1,7 +1,7 @@
 // MuJoCo's soft-constraint law, as coefficients of velocity-level constraint rows.
 #pragma once
 
-#include "crossgait/physics/robot.h"
+#include "physics/robot/robot.h"
 
 namespace crossgait::contact {
 

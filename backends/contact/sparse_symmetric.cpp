@@ -1,4 +1,4 @@
-#include "crossgait/backends/contact/sparse_symmetric.h"
+#include "backends/contact/sparse_symmetric.h"
 
 #include <algorithm>
 #include <bitset>

@@ -1,4 +1,4 @@
-#include "crossgait/backends/contact/sweep_problem.h"
+#include "backends/contact/sweep_problem.h"
 
 #include <algorithm>
 #include <cmath>

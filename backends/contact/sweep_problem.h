@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "crossgait/backends/contact/sparse_symmetric.h"
-#include "crossgait/physics/state.h"
+#include "backends/contact/sparse_symmetric.h"
+#include "physics/robot/state.h"
 
 namespace crossgait::contact {
 

@@ -1,12 +1,12 @@
-#include "crossgait/backends/dart/dart_backend.h"
+#include "backends/dart/dart_backend.h"
 
 #include <limits>
 
 #include <dart/config.hpp>
 
-#include "crossgait/backends/contact/contact_stage.h"
-#include "crossgait/backends/dart/law.h"
-#include "crossgait/backends/dart/skeleton_model.h"
+#include "backends/contact/contact_stage.h"
+#include "backends/dart/law.h"
+#include "backends/dart/skeleton_model.h"
 
 namespace crossgait::dart {
 namespace {

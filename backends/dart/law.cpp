@@ -1,4 +1,4 @@
-#include "crossgait/backends/dart/law.h"
+#include "backends/dart/law.h"
 
 namespace crossgait::dart {
 

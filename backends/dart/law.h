@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "crossgait/backends/contact/law_factors.h"
+#include "backends/contact/law_factors.h"
 
 namespace crossgait::dart {
 

@@ -6,8 +6,8 @@
 #include <dart/dynamics/Skeleton.hpp>
 #include <dlfcn.h>
 
-#include "crossgait/backends/dart/dart_backend.h"
-#include "crossgait/physics/engine_plugin.h"
+#include "backends/dart/dart_backend.h"
+#include "physics/engine/engine_plugin.h"
 
 namespace crossgait::dart {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/backends/dart/skeleton_model.h"
+#include "backends/dart/skeleton_model.h"
 
 #include <dart/dynamics/RevoluteJoint.hpp>
 #include <dart/dynamics/WeldJoint.hpp>

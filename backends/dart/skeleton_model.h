@@ -7,9 +7,9 @@
 #include <dart/dynamics/Skeleton.hpp>
 #include <dart/dynamics/WeldJoint.hpp>
 
-#include "crossgait/backends/contact/body_kinematics.h"
-#include "crossgait/physics/state.h"
-#include "crossgait/physics/world_spec.h"
+#include "backends/contact/body_kinematics.h"
+#include "physics/engine/world_spec.h"
+#include "physics/robot/state.h"
 
 namespace crossgait::dart {
 

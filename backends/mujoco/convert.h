@@ -3,7 +3,7 @@
 
 #include <mujoco/mujoco.h>
 
-#include "crossgait/physics/math.h"
+#include "physics/core/math.h"
 
 namespace crossgait::mujoco {
 

@@ -1,4 +1,4 @@
-#include "crossgait/backends/mujoco/engine_call.h"
+#include "backends/mujoco/engine_call.h"
 
 #include <algorithm>
 #include <csetjmp>

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include "crossgait/backends/mujoco/version.h"
+#include "backends/mujoco/version.h"
 
 namespace crossgait::mujoco {
 

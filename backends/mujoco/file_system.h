@@ -6,7 +6,7 @@
 
 #include <mujoco/mujoco.h>
 
-#include "crossgait/backends/mujoco/version.h"
+#include "backends/mujoco/version.h"
 
 namespace crossgait::mujoco {
 

@@ -1,15 +1,15 @@
-#include "crossgait/backends/mujoco/mjcf_compiler.h"
+#include "backends/mujoco/mjcf_compiler.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
 
-#include "crossgait/backends/mujoco/engine_call.h"
-#include "crossgait/backends/mujoco/file_system.h"
-#include "crossgait/backends/mujoco/model.h"
-#include "crossgait/backends/mujoco/version.h"
-#include "crossgait/physics/principal_inertia.h"
+#include "backends/mujoco/engine_call.h"
+#include "backends/mujoco/file_system.h"
+#include "backends/mujoco/model.h"
+#include "backends/mujoco/version.h"
+#include "physics/robot/principal_inertia.h"
 
 namespace crossgait::mujoco {
 namespace {

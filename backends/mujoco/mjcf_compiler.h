@@ -1,7 +1,7 @@
 // MuJoCo's compiler for files that others wrote.
 #pragma once
 
-#include "crossgait/physics/mjcf_model.h"
+#include "physics/robot_files/mjcf/mjcf_model.h"
 
 namespace crossgait::mujoco {
 

@@ -1,11 +1,11 @@
-#include "crossgait/backends/mujoco/model.h"
+#include "backends/mujoco/model.h"
 
 #include <array>
 
-#include "crossgait/backends/mujoco/engine_call.h"
-#include "crossgait/backends/mujoco/file_system.h"
-#include "crossgait/backends/mujoco/model_xml.h"
-#include "crossgait/physics/error.h"
+#include "backends/mujoco/engine_call.h"
+#include "backends/mujoco/file_system.h"
+#include "backends/mujoco/model_xml.h"
+#include "physics/core/error.h"
 
 namespace crossgait::mujoco {
 namespace {

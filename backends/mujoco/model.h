@@ -5,7 +5,7 @@
 
 #include <mujoco/mujoco.h>
 
-#include "crossgait/physics/world_spec.h"
+#include "physics/engine/world_spec.h"
 
 namespace crossgait::mujoco {
 

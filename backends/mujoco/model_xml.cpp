@@ -1,14 +1,14 @@
-#include "crossgait/backends/mujoco/model_xml.h"
+#include "backends/mujoco/model_xml.h"
 
 #include <iterator>
 #include <string_view>
 
 #include <fmt/format.h>
 
-#include "crossgait/backends/mujoco/version.h"
-#include "crossgait/physics/contact_features.h"
-#include "crossgait/physics/principal_inertia.h"
-#include "crossgait/physics/state.h"
+#include "backends/mujoco/version.h"
+#include "physics/engine/contact_features.h"
+#include "physics/robot/principal_inertia.h"
+#include "physics/robot/state.h"
 
 namespace crossgait::mujoco {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "crossgait/physics/world_spec.h"
+#include "physics/engine/world_spec.h"
 
 namespace crossgait::mujoco {
 

@@ -1,4 +1,4 @@
-#include "crossgait/backends/mujoco/mujoco_backend.h"
+#include "backends/mujoco/mujoco_backend.h"
 
 #include <array>
 #include <cmath>
@@ -7,13 +7,13 @@
 
 #include <mujoco/mujoco.h>
 
-#include "crossgait/backends/mujoco/convert.h"
-#include "crossgait/backends/mujoco/engine_call.h"
-#include "crossgait/backends/mujoco/model.h"
-#include "crossgait/backends/mujoco/model_xml.h"
-#include "crossgait/backends/mujoco/terrain_collision.h"
-#include "crossgait/backends/mujoco/version.h"
-#include "crossgait/physics/principal_inertia.h"
+#include "backends/mujoco/convert.h"
+#include "backends/mujoco/engine_call.h"
+#include "backends/mujoco/model.h"
+#include "backends/mujoco/model_xml.h"
+#include "backends/mujoco/terrain_collision.h"
+#include "backends/mujoco/version.h"
+#include "physics/robot/principal_inertia.h"
 
 namespace crossgait::mujoco {
 namespace {

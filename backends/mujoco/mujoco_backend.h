@@ -1,7 +1,7 @@
 // MuJoCo behind the PhysicsBackend interface: what the plug-in offers.
 #pragma once
 
-#include "crossgait/physics/engine.h"
+#include "physics/engine/engine.h"
 
 namespace crossgait::mujoco {
 

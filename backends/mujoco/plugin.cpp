@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include "crossgait/backends/mujoco/mjcf_compiler.h"
-#include "crossgait/backends/mujoco/mujoco_backend.h"
-#include "crossgait/backends/mujoco/version.h"
-#include "crossgait/physics/engine_plugin.h"
-#include "crossgait/physics/error.h"
+#include "backends/mujoco/mjcf_compiler.h"
+#include "backends/mujoco/mujoco_backend.h"
+#include "backends/mujoco/version.h"
+#include "physics/core/error.h"
+#include "physics/engine/engine_plugin.h"
 
 namespace crossgait::mujoco {
 namespace {

@@ -1,13 +1,13 @@
-#include "crossgait/backends/mujoco/terrain_collision.h"
+#include "backends/mujoco/terrain_collision.h"
 
 #include <algorithm>
 #include <mutex>
 #include <string>
 #include <utility>
 
-#include "crossgait/backends/mujoco/convert.h"
-#include "crossgait/backends/mujoco/engine_call.h"
-#include "crossgait/backends/mujoco/model_xml.h"
+#include "backends/mujoco/convert.h"
+#include "backends/mujoco/engine_call.h"
+#include "backends/mujoco/model_xml.h"
 
 namespace crossgait::mujoco {
 namespace {

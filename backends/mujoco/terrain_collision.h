@@ -5,9 +5,9 @@
 
 #include <mujoco/mujoco.h>
 
-#include "crossgait/backends/mujoco/version.h"
-#include "crossgait/physics/contact_features.h"
-#include "crossgait/physics/state.h"
+#include "backends/mujoco/version.h"
+#include "physics/engine/contact_features.h"
+#include "physics/robot/state.h"
 
 namespace crossgait::mujoco {
 

@@ -5,8 +5,8 @@
 
 #include "dynamics.h"
 
-#include "crossgait/physics/contact_features.h"
-#include "crossgait/physics/world_spec.h"
+#include "crossgait/physics/engine/contact_features.h"
+#include "crossgait/physics/engine/world_spec.h"
 
 namespace crossgait::skeleton {
 

@@ -5,8 +5,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "crossgait/physics/robot.h"
-#include "crossgait/physics/state.h"
+#include "crossgait/physics/robot/robot.h"
+#include "crossgait/physics/robot/state.h"
 
 namespace crossgait::skeleton {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "crossgait/physics/multibody.h"
+#include "crossgait/physics/robot/multibody.h"
 
 namespace crossgait::skeleton {
 

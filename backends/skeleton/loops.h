@@ -5,7 +5,7 @@
 
 #include "dynamics.h"
 
-#include "crossgait/physics/world_spec.h"
+#include "crossgait/physics/engine/world_spec.h"
 
 namespace crossgait::skeleton {
 

@@ -1,7 +1,7 @@
 // The plug-in libcrossgait_engine_skeleton.so: one engine, no family of factors.
 #include "skeleton_backend.h"
 
-#include "crossgait/physics/engine_plugin.h"
+#include "crossgait/physics/engine/engine_plugin.h"
 
 namespace {
 

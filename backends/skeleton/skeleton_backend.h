@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "crossgait/physics/engine.h"
+#include "crossgait/physics/engine/engine.h"
 
 namespace crossgait::skeleton {
 

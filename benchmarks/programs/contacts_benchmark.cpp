@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/benchmarks/speed.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/atomic_file.h"
+#include "backends/registry.h"
+#include "benchmarks/speed.h"
+#include "physics/core/atomic_file.h"
+#include "physics/core/table.h"
 
 namespace {
 

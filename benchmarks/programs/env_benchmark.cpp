@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/benchmarks/statistics.h"
-#include "crossgait/env/vector_env.h"
-#include "crossgait/parity/table.h"
+#include "backends/registry.h"
+#include "benchmarks/statistics.h"
+#include "env/vector_env.h"
+#include "physics/core/table.h"
 
 namespace crossgait {
 namespace {

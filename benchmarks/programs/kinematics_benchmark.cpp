@@ -2,10 +2,10 @@
 // all four legs, or feet of one leg.
 #include <benchmark/benchmark.h>
 
-#include "crossgait/env/gait_source.h"
-#include "crossgait/env/leg_controller.h"
-#include "crossgait/ik/leg_kinematics.h"
-#include "crossgait/physics/data_path.h"
+#include "ik/leg_kinematics.h"
+#include "motion/gait_source.h"
+#include "motion/leg_controller.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait {
 namespace {

@@ -7,7 +7,7 @@
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
-#include "crossgait/tests/env/policy_interfaces.h"
+#include "tests/policy/policy_interfaces.h"
 
 namespace crossgait {
 namespace {

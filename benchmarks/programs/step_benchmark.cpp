@@ -12,14 +12,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/mujoco/mujoco_backend.h"
-#include "crossgait/benchmarks/programs/mujoco/bare_mujoco.h"
-#include "crossgait/benchmarks/robots.h"
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/parity/table.h"
-#include "crossgait/physics/atomic_file.h"
+#include "backends/mujoco/mujoco_backend.h"
+#include "benchmarks/programs/mujoco/bare_mujoco.h"
+#include "physics/core/atomic_file.h"
+#include "physics/core/table.h"
+#include "scenes/robots.h"
+#include "scenes/scenes.h"
 #ifdef CROSSGAIT_HAS_BULLET
-#include "crossgait/backends/bullet/bullet_backend.h"
+#include "backends/bullet/bullet_backend.h"
 #endif
 
 namespace {

@@ -11,9 +11,9 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/vector_env.h"
-#include "crossgait/physics/error.h"
+#include "backends/registry.h"
+#include "env/vector_env.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/python/bindings/behaviour.h"
+#include "python/bindings/behaviour.h"
 
 #include <utility>
 
@@ -6,9 +6,9 @@
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/string.h>
 
-#include "crossgait/env/standing.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/python/bindings/arrays.h"
+#include "motion/standing.h"
+#include "physics/core/error.h"
+#include "python/bindings/arrays.h"
 
 namespace crossgait::python {
 namespace {

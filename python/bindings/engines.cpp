@@ -1,8 +1,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/python/bindings/bindings.h"
+#include "backends/registry.h"
+#include "python/bindings/bindings.h"
 
 namespace crossgait::python {
 namespace {

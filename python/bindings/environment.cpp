@@ -1,4 +1,4 @@
-#include "crossgait/python/bindings/environment.h"
+#include "python/bindings/environment.h"
 
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/optional.h>
@@ -6,13 +6,13 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/parity/report.h"
-#include "crossgait/python/bindings/arrays.h"
-#include "crossgait/python/bindings/bindings.h"
-#include "crossgait/python/bindings/json.h"
-#include "crossgait/python/bindings/robot.h"
-#include "crossgait/python/bindings/step_info.h"
+#include "backends/registry.h"
+#include "parity/report.h"
+#include "python/bindings/arrays.h"
+#include "python/bindings/bindings.h"
+#include "python/bindings/json.h"
+#include "python/bindings/robot.h"
+#include "python/bindings/step_info.h"
 
 namespace crossgait::python {
 

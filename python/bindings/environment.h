@@ -6,8 +6,8 @@
 
 #include <nanobind/nanobind.h>
 
-#include "crossgait/env/vector_env.h"
-#include "crossgait/python/bindings/observation_bounds.h"
+#include "env/vector_env.h"
+#include "python/bindings/observation_bounds.h"
 
 namespace crossgait::python {
 

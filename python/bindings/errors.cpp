@@ -1,9 +1,9 @@
 // ConfigError becomes crossgait.errors.ConfigError, a ValueError with the same four parts.
 #include <exception>
 
-#include "crossgait/env/progress.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/python/bindings/bindings.h"
+#include "physics/core/error.h"
+#include "physics/core/progress.h"
+#include "python/bindings/bindings.h"
 
 namespace crossgait::python {
 namespace {

@@ -6,13 +6,13 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 
-#include "crossgait/gait/scale.h"
-#include "crossgait/ik/leg_kinematics.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/python/bindings/arrays.h"
-#include "crossgait/python/bindings/bindings.h"
-#include "crossgait/python/bindings/walk_config.h"
+#include "gait/scale.h"
+#include "ik/leg_kinematics.h"
+#include "physics/core/error.h"
+#include "physics/robot_files/data_path.h"
+#include "python/bindings/arrays.h"
+#include "python/bindings/bindings.h"
+#include "python/bindings/walk_config.h"
 
 namespace crossgait::python {
 namespace {

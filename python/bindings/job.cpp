@@ -1,4 +1,4 @@
-#include "crossgait/python/bindings/job.h"
+#include "python/bindings/job.h"
 
 #include <chrono>
 #include <condition_variable>

@@ -10,7 +10,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "crossgait/study/judgement.h"
+#include "study/judgement.h"
 
 namespace crossgait::python {
 

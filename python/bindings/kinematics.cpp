@@ -11,11 +11,11 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "crossgait/ik/workspace.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/python/bindings/arrays.h"
-#include "crossgait/python/bindings/bindings.h"
-#include "crossgait/python/bindings/robot.h"
+#include "ik/workspace.h"
+#include "physics/core/error.h"
+#include "python/bindings/arrays.h"
+#include "python/bindings/bindings.h"
+#include "python/bindings/robot.h"
 
 namespace crossgait::python {
 namespace {

@@ -1,8 +1,8 @@
 // crossgait._core: the C++ core as Python sees it.
 #include <nanobind/stl/string.h>
 
-#include "crossgait/python/bindings/bindings.h"
-#include "crossgait/study/version.h"
+#include "python/bindings/bindings.h"
+#include "study/version.h"
 
 NB_MODULE(_core, m) {
   using namespace crossgait::python;

@@ -1,6 +1,6 @@
-#include "crossgait/python/bindings/observation_bounds.h"
+#include "python/bindings/observation_bounds.h"
 
-#include "crossgait/env/check_size.h"
+#include "physics/core/check_size.h"
 
 namespace crossgait::python {
 

@@ -6,7 +6,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "crossgait/env/layout.h"
+#include "policy/layout.h"
 
 namespace crossgait::python {
 

@@ -1,5 +1,5 @@
 // Policies, and the networks that bundles hold.
-#include "crossgait/env/policy.h"
+#include "policy/policy.h"
 
 #include <array>
 #include <cmath>
@@ -16,15 +16,15 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "crossgait/env/bundled_policies.h"
-#include "crossgait/env/env_model.h"
-#include "crossgait/env/hierarchical_policy.h"
-#include "crossgait/env/mlp_policy.h"
-#include "crossgait/env/policy_bundle_names.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/python/bindings/arrays.h"
-#include "crossgait/python/bindings/bindings.h"
-#include "crossgait/python/bindings/environment.h"
+#include "env/env_model.h"
+#include "physics/core/error.h"
+#include "policy/bundled_policies.h"
+#include "policy/hierarchical_policy.h"
+#include "policy/mlp_policy.h"
+#include "policy/policy_bundle_names.h"
+#include "python/bindings/arrays.h"
+#include "python/bindings/bindings.h"
+#include "python/bindings/environment.h"
 
 namespace crossgait::python {
 namespace {

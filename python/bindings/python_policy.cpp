@@ -1,4 +1,4 @@
-#include "crossgait/python/bindings/python_policy.h"
+#include "python/bindings/python_policy.h"
 
 #include <algorithm>
 #include <optional>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nanobind/stl/string.h>
 
-#include "crossgait/python/bindings/arrays.h"
+#include "python/bindings/arrays.h"
 
 namespace crossgait::python {
 namespace {

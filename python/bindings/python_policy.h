@@ -7,9 +7,9 @@
 #include <string>
 #include <variant>
 
-#include "crossgait/python/bindings/behaviour.h"
-#include "crossgait/study/judgement.h"
-#include "crossgait/study/rollout.h"
+#include "python/bindings/behaviour.h"
+#include "study/judgement.h"
+#include "study/rollout.h"
 
 namespace crossgait::python {
 

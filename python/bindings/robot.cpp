@@ -1,4 +1,4 @@
-#include "crossgait/python/bindings/robot.h"
+#include "python/bindings/robot.h"
 
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/optional.h>
@@ -6,9 +6,9 @@
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/multibody.h"
-#include "crossgait/python/bindings/bindings.h"
+#include "physics/robot/multibody.h"
+#include "physics/robot_files/data_path.h"
+#include "python/bindings/bindings.h"
 
 namespace crossgait::python {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "crossgait/physics/robot_report.h"
+#include "physics/robot_files/robot_report.h"
 
 namespace crossgait::python {
 

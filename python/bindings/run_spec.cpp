@@ -5,11 +5,11 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/hash.h"
-#include "crossgait/physics/text.h"
-#include "crossgait/python/bindings/bindings.h"
-#include "crossgait/study/run_maker.h"
+#include "physics/core/error.h"
+#include "physics/core/hash.h"
+#include "physics/core/text.h"
+#include "python/bindings/bindings.h"
+#include "study/run_maker.h"
 
 namespace crossgait::python {
 namespace {

@@ -1,8 +1,8 @@
-#include "crossgait/python/bindings/step_info.h"
+#include "python/bindings/step_info.h"
 
 #include <array>
 
-#include "crossgait/python/bindings/arrays.h"
+#include "python/bindings/arrays.h"
 
 namespace crossgait::python {
 namespace {

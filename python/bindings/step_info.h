@@ -5,7 +5,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "crossgait/env/quadruped_env.h"
+#include "env/quadruped_env.h"
 
 namespace crossgait::python {
 

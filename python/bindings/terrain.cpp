@@ -1,12 +1,12 @@
-#include "crossgait/physics/terrain.h"
+#include "physics/terrain/terrain.h"
 
 #include <nanobind/eigen/dense.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/python/bindings/bindings.h"
+#include "physics/core/error.h"
+#include "python/bindings/bindings.h"
 
 namespace crossgait::python {
 namespace {

@@ -1,12 +1,12 @@
 #include <nanobind/stl/string.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/vector_env.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/python/bindings/arrays.h"
-#include "crossgait/python/bindings/bindings.h"
-#include "crossgait/python/bindings/environment.h"
-#include "crossgait/python/bindings/step_info.h"
+#include "backends/registry.h"
+#include "env/vector_env.h"
+#include "physics/core/error.h"
+#include "python/bindings/arrays.h"
+#include "python/bindings/bindings.h"
+#include "python/bindings/environment.h"
+#include "python/bindings/step_info.h"
 
 namespace crossgait::python {
 namespace {

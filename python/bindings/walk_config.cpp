@@ -1,4 +1,4 @@
-#include "crossgait/python/bindings/walk_config.h"
+#include "python/bindings/walk_config.h"
 
 #include <optional>
 
@@ -10,8 +10,8 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
-#include "crossgait/gait/scale.h"
-#include "crossgait/physics/data_path.h"
+#include "gait/scale.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait::python {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "crossgait/study/walk_config.h"
+#include "study/walk_config.h"
 
 namespace crossgait::python {
 

@@ -5,12 +5,12 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/multibody.h"
-#include "crossgait/python/bindings/arrays.h"
-#include "crossgait/python/bindings/bindings.h"
-#include "crossgait/python/bindings/robot.h"
+#include "backends/registry.h"
+#include "physics/core/error.h"
+#include "physics/robot/multibody.h"
+#include "python/bindings/arrays.h"
+#include "python/bindings/bindings.h"
+#include "python/bindings/robot.h"
 
 namespace crossgait::python {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/tests/support/allocation_counter.h"
+#include "tests/support/allocation_counter.h"
 
 #include <atomic>
 #include <cstdint>
@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include "crossgait/env/worker_pool.h"
+#include "physics/core/worker_pool.h"
 
 namespace crossgait {
 namespace {

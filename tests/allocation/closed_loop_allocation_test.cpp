@@ -2,8 +2,8 @@
 // their own folder's tests.
 #include <gtest/gtest.h>
 
-#include "crossgait/tests/support/allocations.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "tests/support/allocations.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

@@ -1,6 +1,6 @@
 // No allocation per policy step, in one environment or many.
-#include "crossgait/tests/support/allocations.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "tests/support/allocations.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

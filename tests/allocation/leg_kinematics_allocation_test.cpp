@@ -1,10 +1,10 @@
 // No allocation in the kinematics of any kind of leg, reached or not.
 #include <gtest/gtest.h>
 
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/ik/leg_kinematics.h"
-#include "crossgait/tests/ik/serial_robot.h"
-#include "crossgait/tests/support/allocation_counter.h"
+#include "ik/leg_kinematics.h"
+#include "scenes/scenes.h"
+#include "tests/ik/serial_robot.h"
+#include "tests/support/allocation_counter.h"
 
 namespace crossgait {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/env/policy.h"
-#include "crossgait/tests/env/policy_interfaces.h"
-#include "crossgait/tests/physics/scratch_folder.h"
-#include "crossgait/tests/support/allocation_counter.h"
+#include "policy/policy.h"
+#include "tests/physics/core/scratch_folder.h"
+#include "tests/policy/policy_interfaces.h"
+#include "tests/support/allocation_counter.h"
 
 namespace crossgait {
 namespace {

@@ -2,10 +2,10 @@
 // say so; what remains to be shown of them needs a look inside (tests/backends/bullet/allocation_test.cpp).
 #include <gtest/gtest.h>
 
-#include "crossgait/env/gait_source.h"
-#include "crossgait/env/leg_controller.h"
-#include "crossgait/tests/support/allocations.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "motion/gait_source.h"
+#include "motion/leg_controller.h"
+#include "tests/support/allocations.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

@@ -1,10 +1,10 @@
 // A live session that goes on for ever takes no more memory: its steps allocate nothing.
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/data_path.h"
-#include "crossgait/tests/support/allocation_counter.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/view/session.h"
+#include "physics/robot_files/data_path.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/backend_test.h"
+#include "view/session.h"
 
 namespace crossgait {
 namespace {

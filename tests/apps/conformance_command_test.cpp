@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/conformance/card.h"
-#include "crossgait/tests/apps/run_program.h"
+#include "backends/registry.h"
+#include "conformance/card.h"
+#include "tests/apps/run_program.h"
 
 namespace crossgait {
 namespace {

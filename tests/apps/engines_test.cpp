@@ -2,9 +2,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/tests/apps/run_program.h"
-#include "crossgait/tests/physics/scratch_folder.h"
+#include "backends/registry.h"
+#include "tests/apps/run_program.h"
+#include "tests/physics/core/scratch_folder.h"
 
 namespace crossgait {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/env_config.h"
-#include "crossgait/tests/apps/run_program.h"
+#include "backends/registry.h"
+#include "env/env_config.h"
+#include "tests/apps/run_program.h"
 
 namespace crossgait {
 namespace {

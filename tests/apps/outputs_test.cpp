@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/tests/apps/run_program.h"
+#include "backends/registry.h"
+#include "tests/apps/run_program.h"
 
 namespace crossgait {
 namespace {

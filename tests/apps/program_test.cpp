@@ -8,11 +8,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/gait/parameters.h"
-#include "crossgait/physics/read_budget.h"
-#include "crossgait/physics/text.h"
-#include "crossgait/tests/apps/run_program.h"
+#include "backends/registry.h"
+#include "gait/parameters.h"
+#include "physics/core/read_budget.h"
+#include "physics/core/text.h"
+#include "tests/apps/run_program.h"
 
 namespace crossgait {
 namespace {

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/report/page_template.h"
-#include "crossgait/tests/apps/run_program.h"
+#include "backends/registry.h"
+#include "report/page_template.h"
+#include "tests/apps/run_program.h"
 
 namespace crossgait {
 namespace {

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/study/version.h"
-#include "crossgait/tests/apps/run_program.h"
+#include "backends/registry.h"
+#include "study/version.h"
+#include "tests/apps/run_program.h"
 
 namespace crossgait {
 namespace {

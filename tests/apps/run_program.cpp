@@ -1,4 +1,4 @@
-#include "crossgait/tests/apps/run_program.h"
+#include "tests/apps/run_program.h"
 
 #include <chrono>
 #include <csignal>

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/tests/apps/run_program.h"
+#include "backends/registry.h"
+#include "physics/robot_files/data_path.h"
+#include "tests/apps/run_program.h"
 
 namespace crossgait {
 namespace {

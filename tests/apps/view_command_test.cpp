@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/tests/apps/run_program.h"
+#include "tests/apps/run_program.h"
 
 namespace crossgait {
 namespace {

@@ -1,5 +1,5 @@
 // Robots from MJCF files, through the engine that compiles them.
-#include "crossgait/physics/mjcf_reader.h"
+#include "physics/robot_files/mjcf/mjcf_reader.h"
 
 #include <algorithm>
 #include <numbers>
@@ -8,15 +8,15 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/gait_source.h"
-#include "crossgait/env/walk.h"
-#include "crossgait/physics/mjcf_model.h"
-#include "crossgait/physics/robot_report.h"
-#include "crossgait/tests/physics/config_error.h"
-#include "crossgait/tests/physics/mesh_bytes.h"
-#include "crossgait/tests/physics/scratch_folder.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "backends/registry.h"
+#include "motion/gait_source.h"
+#include "motion/walk.h"
+#include "physics/robot_files/mjcf/mjcf_model.h"
+#include "physics/robot_files/robot_report.h"
+#include "tests/physics/core/config_error.h"
+#include "tests/physics/core/scratch_folder.h"
+#include "tests/physics/robot_files/mesh_bytes.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

@@ -5,11 +5,11 @@
 
 #include <dlfcn.h>
 
-#include "crossgait/backends/plugin_loader.h"
-#include "crossgait/backends/registry.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/physics/scratch_folder.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "backends/plugin_loader.h"
+#include "backends/registry.h"
+#include "physics/core/error.h"
+#include "tests/physics/core/scratch_folder.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

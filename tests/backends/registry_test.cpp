@@ -4,9 +4,9 @@
 #include <sstream>
 #include <string>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/physics/config_error.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "physics/core/error.h"
+#include "tests/physics/core/config_error.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

@@ -3,12 +3,13 @@
 #include <cmath>
 #include <set>
 
-#include "crossgait/benchmarks/accuracy.h"
-#include "crossgait/benchmarks/analytic.h"
-#include "crossgait/benchmarks/feet.h"
-#include "crossgait/benchmarks/scaling.h"
-#include "crossgait/benchmarks/speed.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "benchmarks/accuracy.h"
+#include "benchmarks/convergence.h"
+#include "benchmarks/feet.h"
+#include "benchmarks/scaling.h"
+#include "benchmarks/speed.h"
+#include "scenes/analytic.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait::benchmarks {
 namespace {
@@ -20,7 +21,7 @@ CROSSGAIT_FOR_EVERY_BACKEND(Analytic);
 
 TEST_P(Analytic, FreeFallIsLateByHalfAStep) {
   for (const double h : {4e-3, 1e-3})
-    EXPECT_NEAR(free_fall_error(find_engine(GetParam()), h), 9.81 * h / 2, 1e-11);
+    EXPECT_NEAR(scenes::free_fall_error(find_engine(GetParam()), h), 9.81 * h / 2, 1e-11);
 }
 
 TEST_P(Analytic, OrdersAreThoseOfSemiImplicitEuler) {

@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/benchmarks/bench.h"
-#include "crossgait/benchmarks/regression.h"
-#include "crossgait/physics/error.h"
+#include "backends/registry.h"
+#include "benchmarks/bench.h"
+#include "benchmarks/regression.h"
+#include "physics/core/error.h"
 
 namespace crossgait::benchmarks {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/benchmarks/statistics.h"
+#include "benchmarks/statistics.h"
 
 #include <cmath>
 

@@ -3,10 +3,10 @@
 #include <set>
 #include <sstream>
 
-#include "crossgait/conformance/card.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/conformance_check.h"
-#include "crossgait/tests/support/constants.h"
+#include "conformance/card.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/conformance_check.h"
+#include "tests/support/constants.h"
 
 namespace crossgait::conformance {
 namespace {

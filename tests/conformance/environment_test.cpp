@@ -1,7 +1,7 @@
 // Policies that know nothing, for long: no crash, no NaN, no runaway, whatever they do.
-#include "crossgait/env/vector_env.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/environments.h"
+#include "env/vector_env.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <map>
 
-#include "crossgait/env/gait_source.h"
-#include "crossgait/env/walk.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "motion/gait_source.h"
+#include "motion/walk.h"
+#include "physics/robot_files/data_path.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

@@ -1,5 +1,5 @@
 // Joints without dry friction. What friction does: conformance/joint_friction.cpp.
-#include "crossgait/tests/support/backend_test.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

@@ -3,9 +3,9 @@
 #include <optional>
 #include <set>
 
-#include "crossgait/conformance/check.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/conformance_check.h"
+#include "conformance/check.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/conformance_check.h"
 
 namespace crossgait::conformance {
 namespace {

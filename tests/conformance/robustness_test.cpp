@@ -2,9 +2,9 @@
 #include <cmath>
 #include <functional>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/constants.h"
+#include "physics/core/error.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/constants.h"
 
 namespace crossgait {
 namespace {

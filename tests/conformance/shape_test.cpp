@@ -3,15 +3,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "crossgait/benchmarks/incline.h"
-#include "crossgait/conformance/contact_forces.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/constants.h"
+#include "conformance/contact_forces.h"
+#include "scenes/incline.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/constants.h"
 
 namespace crossgait {
 namespace {
-
-using test::kGravity;
 
 constexpr const char* kFlatField = "slope:angle=0,size_x=1,size_y=1,cell=0.05";
 constexpr double kQuarterTurn = std::numbers::pi / 2;

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "physics/core/error.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

@@ -1,7 +1,7 @@
 // The same environment, seed and actions give the same observations bit for bit: 10,000 policy steps.
-#include "crossgait/env/vector_env.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/environments.h"
+#include "env/vector_env.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {

@@ -1,12 +1,12 @@
-#include "crossgait/env/env_config.h"
+#include "env/env_config.h"
 
 #include <filesystem>
 #include <functional>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/env/env_model.h"
-#include "crossgait/physics/error.h"
+#include "env/env_model.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

@@ -1,16 +1,16 @@
 // Environments whose actions command joints.
-#include "crossgait/env/joint_control.h"
+#include "env/joint_control.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "crossgait/env/mlp_policy.h"
-#include "crossgait/env/quadruped_env.h"
-#include "crossgait/tests/env/policy_interfaces.h"
-#include "crossgait/tests/physics/config_error.h"
-#include "crossgait/tests/physics/scratch_folder.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/environments.h"
+#include "env/quadruped_env.h"
+#include "policy/mlp_policy.h"
+#include "tests/physics/core/config_error.h"
+#include "tests/physics/core/scratch_folder.h"
+#include "tests/policy/policy_interfaces.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {

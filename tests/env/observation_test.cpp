@@ -1,12 +1,12 @@
-#include "crossgait/env/observation.h"
+#include "env/observation.h"
 
 #include <algorithm>
 #include <set>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/physics/config_error.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/environments.h"
+#include "physics/core/error.h"
+#include "tests/physics/core/config_error.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {

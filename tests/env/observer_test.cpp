@@ -1,15 +1,15 @@
 // What a policy sees of a block: recomputed from what an environment that sees everything plainly saw.
-#include "crossgait/env/observer.h"
+#include "env/observer.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/physics/config_error.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/environments.h"
+#include "physics/core/error.h"
+#include "tests/physics/core/config_error.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {

@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/env/hierarchical_policy.h"
-#include "crossgait/tests/env/policy_interfaces.h"
-#include "crossgait/tests/physics/scratch_folder.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/environments.h"
+#include "policy/hierarchical_policy.h"
+#include "tests/physics/core/scratch_folder.h"
+#include "tests/policy/policy_interfaces.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {

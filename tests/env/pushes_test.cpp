@@ -1,9 +1,9 @@
-#include "crossgait/env/pushes.h"
-
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "env/randomisation.h"
 
 namespace crossgait {
 namespace {
@@ -28,7 +28,7 @@ Pushes drawn(const Randomisation& randomisation, std::uint64_t seed, RandomDraw*
   Random random(seed);
   const RandomDraw first = draw(randomisation, random);
   if (draw_of_it != nullptr) *draw_of_it = first;
-  return {randomisation, first, random};
+  return pushes_of(randomisation, first, random);
 }
 
 /// All that are due in control steps of ten seconds, from step `begin` on.

@@ -1,13 +1,13 @@
-#include "crossgait/env/quadruped_env.h"
+#include "env/quadruped_env.h"
 
 #include <limits>
 
-#include "crossgait/env/gait_source.h"
-#include "crossgait/env/walk.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/constants.h"
-#include "crossgait/tests/support/environments.h"
+#include "motion/gait_source.h"
+#include "motion/walk.h"
+#include "physics/core/error.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/constants.h"
+#include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {

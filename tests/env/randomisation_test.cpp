@@ -1,13 +1,13 @@
-#include "crossgait/env/randomisation.h"
+#include "env/randomisation.h"
 
 #include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/benchmarks/robots.h"
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
+#include "scenes/robots.h"
+#include "scenes/scenes.h"
 
 namespace crossgait {
 namespace {

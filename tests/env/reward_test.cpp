@@ -1,12 +1,12 @@
-#include "crossgait/env/reward.h"
+#include "env/reward.h"
 
 #include <cmath>
 #include <map>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/benchmarks/robots.h"
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
+#include "scenes/robots.h"
 
 namespace crossgait {
 namespace {

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <map>
 
-#include "crossgait/env/quadruped_env.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/environments.h"
+#include "env/quadruped_env.h"
+#include "physics/core/error.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {

@@ -1,13 +1,13 @@
-#include "crossgait/gait/adaptive_gait_controller.h"
+#include "gait/adaptive_gait_controller.h"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/gait/test_robot.h"
-#include "crossgait/tests/support/constants.h"
+#include "physics/core/error.h"
+#include "tests/gait/test_robot.h"
+#include "tests/support/constants.h"
 
 namespace crossgait {
 namespace {

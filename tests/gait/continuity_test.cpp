@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/gait/adaptive_gait_controller.h"
-#include "crossgait/gait/multi_gait_controller.h"
-#include "crossgait/tests/gait/test_robot.h"
+#include "gait/adaptive_gait_controller.h"
+#include "gait/multi_gait_controller.h"
+#include "tests/gait/test_robot.h"
 
 namespace crossgait {
 namespace {

@@ -1,14 +1,14 @@
-#include "crossgait/gait/cycle_check.h"
+#include "gait/cycle_check.h"
 
 #include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/gait/multi_gait_controller.h"
-#include "crossgait/ik/leg_kinematics.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
+#include "gait/multi_gait_controller.h"
+#include "ik/leg_kinematics.h"
+#include "physics/core/error.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait {
 namespace {

@@ -1,10 +1,10 @@
-#include "crossgait/gait/foot_trajectory.h"
+#include "gait/foot_trajectory.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/tests/gait/test_robot.h"
+#include "tests/gait/test_robot.h"
 
 namespace crossgait {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/gait/gait_generator.h"
+#include "gait/gait_generator.h"
 
 #include <cmath>
 #include <limits>
@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/gait/test_robot.h"
-#include "crossgait/tests/support/constants.h"
+#include "physics/core/error.h"
+#include "tests/gait/test_robot.h"
+#include "tests/support/constants.h"
 
 namespace crossgait {
 namespace {

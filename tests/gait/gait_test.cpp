@@ -1,4 +1,4 @@
-#include "crossgait/gait/gait.h"
+#include "gait/gait.h"
 
 #include <cmath>
 #include <map>
@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/gait/phase_clock.h"
-#include "crossgait/physics/error.h"
+#include "gait/phase_clock.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

@@ -1,12 +1,12 @@
-#include "crossgait/gait/multi_gait_controller.h"
+#include "gait/multi_gait_controller.h"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/gait/test_robot.h"
+#include "physics/core/error.h"
+#include "tests/gait/test_robot.h"
 
 namespace crossgait {
 namespace {

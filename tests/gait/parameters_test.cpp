@@ -1,4 +1,4 @@
-#include "crossgait/gait/parameters.h"
+#include "gait/parameters.h"
 
 #include <limits>
 #include <set>
@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/support/constants.h"
+#include "physics/core/error.h"
+#include "tests/support/constants.h"
 
 namespace crossgait {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/gait/scale.h"
+#include "gait/scale.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Leg frames of scara_quadruped by hand, for tests that need no kinematics, and measures of foot paths.
 #pragma once
 
-#include "crossgait/gait/gait_generator.h"
+#include "gait/gait_generator.h"
 
 namespace crossgait::test {
 

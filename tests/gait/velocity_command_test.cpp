@@ -1,12 +1,12 @@
-#include "crossgait/gait/velocity_command.h"
+#include "gait/velocity_command.h"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/support/constants.h"
+#include "physics/core/error.h"
+#include "tests/support/constants.h"
 
 namespace crossgait {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/ik/five_bar_leg.h"
+#include "ik/five_bar_leg.h"
 
 #include <cmath>
 #include <limits>
@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/multibody.h"
-#include "crossgait/tests/ik/test_leg.h"
-#include "crossgait/tests/support/constants.h"
+#include "physics/robot/multibody.h"
+#include "physics/robot_files/data_path.h"
+#include "tests/ik/test_leg.h"
+#include "tests/support/constants.h"
 
 namespace crossgait {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/ik/five_bar.h"
+#include "ik/five_bar.h"
 
 #include <cmath>
 #include <numbers>
@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/tests/ik/test_leg.h"
-#include "crossgait/tests/support/constants.h"
+#include "tests/ik/test_leg.h"
+#include "tests/support/constants.h"
 
 namespace crossgait {
 namespace {

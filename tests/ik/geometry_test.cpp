@@ -1,11 +1,11 @@
-#include "crossgait/ik/geometry.h"
+#include "ik/geometry.h"
 
 #include <gtest/gtest.h>
 
-#include "crossgait/ik/leg_kinematics.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/ik/test_leg.h"
+#include "ik/leg_kinematics.h"
+#include "physics/core/error.h"
+#include "physics/robot_files/data_path.h"
+#include "tests/ik/test_leg.h"
 
 namespace crossgait {
 namespace {

@@ -1,12 +1,12 @@
-#include "crossgait/ik/least_squares_leg.h"
+#include "ik/least_squares_leg.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/ik/serial_robot.h"
-#include "crossgait/tests/support/constants.h"
+#include "physics/core/error.h"
+#include "tests/ik/serial_robot.h"
+#include "tests/support/constants.h"
 
 namespace crossgait {
 namespace {

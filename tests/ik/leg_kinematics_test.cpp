@@ -1,12 +1,12 @@
-#include "crossgait/ik/leg_kinematics.h"
+#include "ik/leg_kinematics.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/ik/serial_robot.h"
+#include "physics/core/error.h"
+#include "physics/robot_files/data_path.h"
+#include "tests/ik/serial_robot.h"
 
 namespace crossgait {
 namespace {

@@ -1,9 +1,9 @@
 // What is derived from a robot's joints, and what is refused.
 #include <gtest/gtest.h>
 
-#include "crossgait/ik/serial_leg.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/ik/serial_robot.h"
+#include "ik/serial_leg.h"
+#include "physics/core/error.h"
+#include "tests/ik/serial_robot.h"
 
 namespace crossgait {
 namespace {

@@ -1,11 +1,11 @@
-#include "crossgait/ik/serial_leg.h"
+#include "ik/serial_leg.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/tests/ik/serial_robot.h"
-#include "crossgait/tests/support/constants.h"
+#include "tests/ik/serial_robot.h"
+#include "tests/support/constants.h"
 
 namespace crossgait {
 namespace {

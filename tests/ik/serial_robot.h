@@ -4,8 +4,8 @@
 #include <random>
 #include <vector>
 
-#include "crossgait/ik/serial_leg.h"
-#include "crossgait/physics/multibody.h"
+#include "ik/serial_leg.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait::test {
 

@@ -1,8 +1,8 @@
 // The leg of design figures, written by hand: what the geometry derived from the robot file must equal.
 #pragma once
 
-#include "crossgait/ik/five_bar.h"
-#include "crossgait/ik/geometry.h"
+#include "ik/five_bar.h"
+#include "ik/geometry.h"
 
 namespace crossgait::test {
 

@@ -1,12 +1,12 @@
-#include "crossgait/ik/workspace.h"
+#include "ik/workspace.h"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/ik/test_leg.h"
+#include "physics/core/error.h"
+#include "tests/ik/test_leg.h"
 
 namespace crossgait {
 namespace {

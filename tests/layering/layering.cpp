@@ -1,4 +1,4 @@
-#include "crossgait/tests/layering/layering.h"
+#include "tests/layering/layering.h"
 
 #include <algorithm>
 #include <array>
@@ -7,41 +7,80 @@
 #include <iterator>
 #include <sstream>
 
+#include <fmt/format.h>
+
 namespace crossgait::layering {
 namespace fs = std::filesystem;
 namespace {
 
 struct Folder {
-  std::string_view name;
-  std::vector<std::string_view> may_include;  ///< folders; its own is always allowed
-  bool knows_backends;                        ///< may speak of engines, and of the interface to them
+  std::string_view name;  ///< "ik", or a room of a folder: "physics/robot"
+  std::vector<std::string_view>
+      may_include;             ///< folders with all that is in them, or rooms; its own is always allowed
+  bool knows_backends = true;  ///< may speak of engines, and of the interface to them
 };
 
-const std::vector<std::string_view> kEverything{"physics", "backends",   "ik",         "gait", "env",
-                                                "parity",  "study",      "report",     "view", "apps",
-                                                "tests",   "benchmarks", "conformance"};
+const std::vector<std::string_view> kEverything{
+    "physics", "backends", "ik",   "gait", "motion", "policy",     "env",         "parity",
+    "study",   "report",   "view", "apps", "tests",  "benchmarks", "conformance", "scenes"};
 
 /// Programs that measure speed stand beside what they measure and may use what tests do.
 constexpr std::string_view kPrograms = "benchmarks/programs";
 
+/// A file is held to the row with the longest name that it lies below.
 const std::vector<Folder>& folders() {
   static const std::vector<Folder> all{
-      {"physics", {}, true},
-      {"backends", {"physics"}, true},
+      {"physics/core", {}},
+      {"physics/terrain", {"physics/core"}},
+      {"physics/robot", {"physics/core"}},
+      {"physics/robot_files", {"physics/core", "physics/robot"}},
+      {"physics/engine", {"physics/core", "physics/terrain", "physics/robot", "physics/robot_files/mjcf"}},
+      {"backends", {"physics"}},
       {"ik", {"physics"}, false},
       {"gait", {"physics"}, false},
-      {"env", {"physics", "ik", "gait"}, true},
-      {"parity", {"physics", "ik", "gait", "env"}, true},
-      {"apps", kEverything, true},
-      {"tests", kEverything, true},
-      {"study", {"physics", "backends", "ik", "gait", "env", "parity"}, true},
-      {"report", {"physics", "ik", "gait", "env", "parity", "study"}, true},
-      {"view", {"physics", "ik", "gait", "env", "parity", "study", "report"}, true},
-      {"benchmarks", {"physics", "backends", "ik", "gait", "env", "parity"}, true},
-      {"conformance", {"physics", "backends", "ik", "gait", "env", "parity", "benchmarks"}, true},
-      {kPrograms, kEverything, true},
+      {"motion", {"physics", "ik", "gait"}},
+      {"policy", {"physics", "gait"}},
+      {"env", {"physics", "ik", "gait", "motion", "policy"}},
+      {"parity", {"physics", "ik", "gait", "motion", "policy", "env"}},
+      {"apps", kEverything},
+      {"tests", kEverything},
+      {"study", {"physics", "backends", "ik", "gait", "motion", "policy", "env", "parity"}},
+      {"report", {"physics", "ik", "gait", "motion", "policy", "env", "parity", "study"}},
+      {"view", {"physics", "ik", "gait", "motion", "policy", "env", "parity", "study", "report"}},
+      {"scenes", {"physics", "ik"}},
+      {"benchmarks", {"physics", "backends", "ik", "gait", "motion", "policy", "env", "parity", "scenes"}},
+      {"conformance",
+       {"physics", "backends", "ik", "gait", "motion", "policy", "env", "parity", "benchmarks", "scenes"}},
+      {kPrograms, kEverything},
   };
   return all;
+}
+
+/// Whether `path` lies in `folder` or below it.
+bool is_below(std::string_view path, std::string_view folder) {
+  return path.starts_with(folder) && path.size() > folder.size() && path[folder.size()] == '/';
+}
+
+/// The row that holds for `file`; null where none does.
+const Folder* folder_of(std::string_view file) {
+  const Folder* best = nullptr;
+  for (const Folder& folder : folders()) {
+    if (is_below(file, folder.name) && (best == nullptr || folder.name.size() > best->name.size()))
+      best = &folder;
+  }
+  return best;
+}
+
+/// What stands in the tree for others to copy says "crossgait/physics/...", as they do.
+std::string_view from_root(std::string_view header) {
+  constexpr std::string_view kInstalled = "crossgait/";
+  return header.starts_with(kInstalled) ? header.substr(kInstalled.size()) : header;
+}
+
+/// Whether an include says a path from the root of the tree.
+bool is_ours(std::string_view header) {
+  const std::string_view top = header.substr(0, header.find('/'));
+  return std::find(kEverything.begin(), kEverything.end(), top) != kEverything.end();
 }
 
 /// The engine (its folder's name) that `header` belongs to, by what engines say (crossgait_bundled_engine);
@@ -98,13 +137,13 @@ bool may_include_backend(const fs::path& file, const fs::path& header_folder) {
 
 /// Headers whose users open plug-ins.
 bool opens_plugins(std::string_view header) {
-  return header == "crossgait/backends/registry.h" || header == "crossgait/backends/plugin_loader.h" ||
-         header == "crossgait/tests/support/backend_test.h";
+  return header == "backends/registry.h" || header == "backends/plugin_loader.h" ||
+         header == "tests/support/backend_test.h";
 }
 
 /// Whether a header makes its includer need an engine linked to the program.
 bool links_engine(std::string_view header) {
-  constexpr std::string_view kBackends = "crossgait/backends/";
+  constexpr std::string_view kBackends = "backends/";
   return header.starts_with(kBackends) && header.find('/', kBackends.size()) != std::string_view::npos;
 }
 
@@ -116,14 +155,15 @@ std::string code_of(const std::string& line) {
 }
 
 /// Why `file`, in `folder`, may not include `header`; empty where it may.
-std::string refusal(const fs::path& file, const Folder& folder, std::string_view header) {
-  constexpr std::string_view kOwn = "crossgait/";
-  if (header.starts_with(kOwn)) {
-    const fs::path target = header.substr(kOwn.size());
+std::string refusal(const fs::path& file, const Folder& folder, std::string_view included) {
+  const std::string_view header = from_root(included);
+  if (is_ours(header)) {
+    const fs::path target = header;
     const std::string to = target.begin()->string();
-    const bool allowed = to == folder.name || std::find(folder.may_include.begin(), folder.may_include.end(),
-                                                        to) != folder.may_include.end();
-    if (!allowed) return std::string(folder.name) + " may not include " + to;
+    const bool allowed = is_below(header, folder.name) ||
+                         std::any_of(folder.may_include.begin(), folder.may_include.end(),
+                                     [&](std::string_view other) { return is_below(header, other); });
+    if (!allowed) return fmt::format("{} may not include {}", folder.name, target.parent_path().string());
     const fs::path header_folder = target.parent_path();
     if (to == "backends" && header_folder != "backends" && !may_include_backend(file, header_folder)) {
       return "what is in " + header_folder.string() + " is reached through backends/registry.h";
@@ -141,11 +181,9 @@ std::string refusal(const fs::path& file, const Folder& folder, std::string_view
 
 std::vector<Violation> check_file(const fs::path& file, std::string_view text) {
   static const std::array<std::string_view, 3> engine_words{"mujoco", "bullet", "backend"};
-  const std::string top =
-      file.string().starts_with(kPrograms) ? std::string(kPrograms) : file.begin()->string();
-  const auto folder =
-      std::find_if(folders().begin(), folders().end(), [&](const Folder& f) { return f.name == top; });
-  if (folder == folders().end()) return {{file.string(), 0, "is in no folder that has rules"}};
+  const std::string top = file.begin()->string();
+  const Folder* folder = folder_of(file.string());
+  if (folder == nullptr) return {{file.string(), 0, "is in no folder that has rules"}};
 
   std::vector<Violation> violations;
   std::istringstream lines{std::string(text)};
@@ -175,17 +213,37 @@ std::vector<Violation> check_file(const fs::path& file, std::string_view text) {
   return violations;
 }
 
+std::vector<Violation> includes_that_lead_nowhere(const fs::path& root, const fs::path& file,
+                                                  std::string_view text) {
+  std::vector<Violation> violations;
+  std::istringstream lines{std::string(text)};
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    const std::string_view header = included_header(line);
+    const bool quoted = line.find('"') != std::string::npos && line.find('<') == std::string::npos;
+    // The one header that an installation writes (cmake/CrossgaitInstall.cmake).
+    if (header.empty() || !quoted || header == "physics/robot_files/installed_models.h") continue;
+    if (!fs::is_regular_file(root / from_root(header)) &&
+        !fs::is_regular_file(root / file.parent_path() / header)) {
+      violations.push_back({file.string(), number, "no such file from the root of the tree or beside this one: " + line});
+    }
+  }
+  return violations;
+}
+
 TreeReport check_tree(const fs::path& root) {
   TreeReport report;
-  for (const Folder& folder : folders()) {
-    if (folder.name == kPrograms || !fs::exists(root / folder.name)) continue;  // in its parent
-    for (const auto& entry : fs::recursive_directory_iterator(root / folder.name)) {
+  for (const std::string_view folder : kEverything) {
+    if (!fs::exists(root / folder)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       const fs::path extension = entry.path().extension();
       if (!entry.is_regular_file() || (extension != ".h" && extension != ".cpp")) continue;
       std::ifstream stream(entry.path());
       const std::string text{std::istreambuf_iterator<char>(stream), {}};
       const auto found = check_file(entry.path().lexically_relative(root), text);
       report.violations.insert(report.violations.end(), found.begin(), found.end());
+      const auto lost = includes_that_lead_nowhere(root, entry.path().lexically_relative(root), text);
+      report.violations.insert(report.violations.end(), lost.begin(), lost.end());
       ++report.files;
     }
   }

@@ -1,12 +1,12 @@
 // Shares against cooperative games that can be solved by hand.
-#include "crossgait/parity/attribution.h"
+#include "parity/attribution.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/parity/verdict_report.h"
-#include "crossgait/physics/error.h"
+#include "parity/verdict_report.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

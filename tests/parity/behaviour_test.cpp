@@ -1,10 +1,10 @@
 // What a verdict varies, where runs start and what they are judged by.
-#include "crossgait/parity/behaviour.h"
+#include "parity/behaviour.h"
 
 #include <gtest/gtest.h>
 
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/env/env_model.h"
+#include "env/env_model.h"
+#include "scenes/scenes.h"
 
 namespace crossgait {
 namespace {

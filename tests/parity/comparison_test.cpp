@@ -1,14 +1,14 @@
 // Walks in step are the walks alone, and comparing them as they go is comparing their traces.
-#include "crossgait/parity/comparison.h"
+#include "parity/comparison.h"
 
 #include <bit>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/gait_source.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/tests/support/motion_bits.h"
+#include "backends/registry.h"
+#include "motion/gait_source.h"
+#include "physics/robot_files/data_path.h"
+#include "tests/support/motion_bits.h"
 
 namespace crossgait {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "crossgait/physics/multibody.h"
-#include "crossgait/tests/parity/matched_pair.h"
+#include "physics/robot/multibody.h"
+#include "tests/parity/matched_pair.h"
 
 namespace crossgait {
 namespace {

@@ -4,9 +4,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "crossgait/physics/text.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/environments.h"
+#include "physics/core/text.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {

@@ -1,5 +1,5 @@
 // Intervals against tables and closed forms.
-#include "crossgait/parity/jackknife.h"
+#include "parity/jackknife.h"
 
 #include <cmath>
 #include <numeric>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/random.h"
+#include "physics/core/random.h"
 
 namespace crossgait {
 namespace {

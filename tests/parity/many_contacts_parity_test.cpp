@@ -1,6 +1,6 @@
 // Robots on many points: what one solver does in sweeps over contacts and another in the robot's velocities
 // has one solution.
-#include "crossgait/tests/parity/matched_pair.h"
+#include "tests/parity/matched_pair.h"
 
 namespace crossgait {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/conformance/in_step.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "conformance/in_step.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 

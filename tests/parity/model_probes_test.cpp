@@ -1,6 +1,6 @@
-#include "crossgait/parity/model_probes.h"
+#include "parity/model_probes.h"
 
-#include "crossgait/tests/support/backend_test.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

@@ -2,12 +2,12 @@
 // table of docs/verdict.md: ctest -R parity.Planted -V | grep planted
 #include <cstdio>
 
-#include "crossgait/env/gait_source.h"
-#include "crossgait/parity/attribution.h"
-#include "crossgait/parity/model_audit.h"
-#include "crossgait/parity/verdict_report.h"
-#include "crossgait/tests/parity/planted_faults.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "motion/gait_source.h"
+#include "parity/attribution.h"
+#include "parity/model_audit.h"
+#include "parity/verdict_report.h"
+#include "tests/parity/planted_faults.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

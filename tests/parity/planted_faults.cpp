@@ -1,9 +1,9 @@
-#include "crossgait/tests/parity/planted_faults.h"
+#include "tests/parity/planted_faults.h"
 
 #include <cmath>
 #include <memory>
 
-#include "crossgait/env/gait_source.h"
+#include "motion/gait_source.h"
 
 namespace crossgait {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/env/target_source.h"
-#include "crossgait/physics/world_spec.h"
+#include "motion/target_source.h"
+#include "physics/engine/world_spec.h"
 
 namespace crossgait {
 

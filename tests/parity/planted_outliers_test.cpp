@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/parity/standing.h"
-#include "crossgait/tests/parity/planted_faults.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "parity/standing.h"
+#include "tests/parity/planted_faults.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

@@ -1,12 +1,12 @@
 // What people and programs are told of walks, word for word, from numbers made by hand.
-#include "crossgait/parity/report.h"
+#include "parity/report.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/tests/support/table_rows.h"
+#include "tests/support/table_rows.h"
 
 namespace crossgait {
 namespace {

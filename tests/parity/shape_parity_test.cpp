@@ -1,5 +1,5 @@
 // Shapes of every kind, thrown on to the ground: one set of contact points makes one motion.
-#include "crossgait/tests/parity/matched_pair.h"
+#include "tests/parity/matched_pair.h"
 
 namespace crossgait {
 namespace {

@@ -1,14 +1,14 @@
 // Clusters and the outlier: on words that are set by hand, and on made-up runs with a fault that is known.
-#include "crossgait/parity/standing.h"
+#include "parity/standing.h"
 
 #include <algorithm>
 #include <map>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/physics_backend.h"
-#include "crossgait/physics/random.h"
+#include "physics/core/error.h"
+#include "physics/core/random.h"
+#include "physics/engine/physics_backend.h"
 
 namespace crossgait {
 namespace {
@@ -45,7 +45,7 @@ struct Said {
   }
 };
 
-constexpr Conclusion kApart = Conclusion::kEngineDependent, kOpen = Conclusion::kUnresolved;
+constexpr Conclusion kApart = Conclusion::kEngineDependent, kUndecided = Conclusion::kUnresolved;
 
 TEST(Standing, OneAgainstOthersOfTwoLawsStandsApart) {
   const Standing s =
@@ -89,7 +89,7 @@ TEST(Standing, NamesNobodyWhileAPairIsUnresolved) {
   // The outlier's own pair, and a pair of the others.
   for (const std::string open : {"cd", "ab"}) {
     std::map<std::string, Conclusion> words{{"ac", kApart}, {"bc", kApart}, {"cd", kApart}};
-    words[open] = kOpen;
+    words[open] = kUndecided;
     const Standing s = Said{engines, words}.stand();
     EXPECT_TRUE(s.outlier.empty()) << open;
     EXPECT_NE(s.reason.find("unresolved"), std::string::npos) << s.reason;

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/parity/verdict.h"
+#include "parity/verdict.h"
 
 namespace crossgait {
 namespace {

@@ -1,11 +1,11 @@
 // What people and programs are told of verdicts and attributions, from numbers made by hand.
-#include "crossgait/parity/verdict_report.h"
+#include "parity/verdict_report.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/schema.h"
-#include "crossgait/tests/support/table_rows.h"
+#include "physics/core/schema.h"
+#include "tests/support/table_rows.h"
 
 namespace crossgait {
 namespace {

@@ -1,14 +1,14 @@
 // The rule on made-up runs whose truth is known, and that results do not hang on threads.
-#include "crossgait/parity/verdict.h"
+#include "parity/verdict.h"
 
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/env/gait_source.h"
-#include "crossgait/parity/verdict_report.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "motion/gait_source.h"
+#include "parity/verdict_report.h"
+#include "physics/core/error.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

@@ -1,5 +1,5 @@
 // What a page holds: where bodies and feet are, and text that stays text.
-#include "crossgait/report/page.h"
+#include "report/page.h"
 
 #include <cmath>
 #include <numeric>
@@ -7,20 +7,20 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/reward.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/multibody.h"
-#include "crossgait/report/page_template.h"
-#include "crossgait/report/scene.h"
-#include "crossgait/report/verdict_document.h"
-#include "crossgait/report/watched_episodes.h"
-#include "crossgait/study/rollout.h"
-#include "crossgait/tests/physics/config_error.h"
-#include "crossgait/tests/physics/mesh_bytes.h"
-#include "crossgait/tests/physics/scratch_folder.h"
-#include "crossgait/tests/report/walked_motion.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "backends/registry.h"
+#include "env/reward.h"
+#include "physics/robot/multibody.h"
+#include "physics/robot_files/data_path.h"
+#include "report/page_template.h"
+#include "report/scene.h"
+#include "report/verdict_document.h"
+#include "report/watched_episodes.h"
+#include "study/rollout.h"
+#include "tests/physics/core/config_error.h"
+#include "tests/physics/core/scratch_folder.h"
+#include "tests/physics/robot_files/mesh_bytes.h"
+#include "tests/report/walked_motion.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <functional>
 
-#include "crossgait/physics/math.h"
-#include "crossgait/tests/report/walked_motion.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "physics/core/math.h"
+#include "tests/report/walked_motion.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

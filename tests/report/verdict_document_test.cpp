@@ -1,9 +1,9 @@
 // Verdicts of many engines as a page shows them, from results that may have been written by anybody.
-#include "crossgait/report/verdict_document.h"
+#include "report/verdict_document.h"
 
 #include <gtest/gtest.h>
 
-#include "crossgait/tests/physics/config_error.h"
+#include "tests/physics/core/config_error.h"
 
 namespace crossgait {
 namespace {

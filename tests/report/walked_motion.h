@@ -8,9 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/physics/robot.h"
-#include "crossgait/report/motion_document.h"
-#include "crossgait/study/walk.h"
+#include "physics/robot/robot.h"
+#include "report/motion_document.h"
+#include "study/walk.h"
 
 namespace crossgait {
 

@@ -43,6 +43,10 @@ class InFiles(unittest.TestCase):
         self.assert_accepted("é" * 72 + "\n")
         self.assert_refused("é" * 73 + "\n", "73 characters")
 
+    def test_no_full_stop_after_the_subject(self):
+        self.assert_refused("Read a robot once.\n\nBody.\n", "ends in a full stop")
+        self.assert_accepted("Read version 0.1\n\nBody.\n")
+
     def test_a_blank_line_before_the_body(self):
         self.assert_accepted("Subject\n\nBody, and a line of it that is as long as it likes" + " to be" * 20 + "\n")
         self.assert_accepted("Subject\n \nBody\n")
@@ -62,7 +66,7 @@ class InFiles(unittest.TestCase):
 
     def test_subjects_that_git_writes_may_be_longer(self):
         for begin in ("Merge branch '", 'Revert "', "fixup! ", "squash! ", "amend! "):
-            self.assert_accepted(begin + "x" * 80 + "\n")
+            self.assert_accepted(begin + "x" * 80 + ".\n")
         self.assert_refused("Merges branch " + "x" * 80, "characters")
         self.assert_refused("Merge x\nBody\n", "line 2 is not blank")
 

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/study/walk.h"
+#include "backends/registry.h"
+#include "physics/core/error.h"
+#include "study/walk.h"
 
 namespace crossgait {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/study/course.h"
+#include "study/course.h"
 
 #include <cmath>
 #include <filesystem>
@@ -7,10 +7,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/env/env_model.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "env/env_model.h"
+#include "physics/core/error.h"
+#include "physics/robot_files/data_path.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/study/judgement.h"
-#include "crossgait/study/tune.h"
+#include "backends/registry.h"
+#include "study/judgement.h"
+#include "study/tune.h"
 
 namespace crossgait {
 namespace {

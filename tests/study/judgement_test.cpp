@@ -1,14 +1,14 @@
-#include "crossgait/study/judgement.h"
+#include "study/judgement.h"
 
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/parity/verdict_report.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/physics/scratch_folder.h"
+#include "backends/registry.h"
+#include "parity/verdict_report.h"
+#include "physics/core/error.h"
+#include "physics/robot_files/data_path.h"
+#include "tests/physics/core/scratch_folder.h"
 
 namespace crossgait {
 namespace {

@@ -1,9 +1,9 @@
 // Provenances are compared key by key.
-#include "crossgait/study/provenance.h"
+#include "study/provenance.h"
 
 #include <gtest/gtest.h>
 
-#include "crossgait/physics/error.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

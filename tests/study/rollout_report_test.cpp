@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/study/rollout.h"
-#include "crossgait/tests/support/table_rows.h"
+#include "study/rollout.h"
+#include "tests/support/table_rows.h"
 
 namespace crossgait {
 namespace {

@@ -1,12 +1,12 @@
-#include "crossgait/study/rollout.h"
+#include "study/rollout.h"
 
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
 
-#include "crossgait/study/tune.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/motion_bits.h"
+#include "study/tune.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/motion_bits.h"
 
 namespace crossgait {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/study/run_spec.h"
+#include "study/run_spec.h"
 
 #include <cmath>
 #include <filesystem>
@@ -8,15 +8,15 @@
 
 #include <fmt/format.h>
 
-#include "crossgait/env/env_model.h"
-#include "crossgait/physics/data_path.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/hash.h"
-#include "crossgait/study/run_maker.h"
-#include "crossgait/study/run_store.h"
-#include "crossgait/tests/env/policy_interfaces.h"
-#include "crossgait/tests/physics/scratch_folder.h"
-#include "crossgait/tests/support/backend_test.h"
+#include "env/env_model.h"
+#include "physics/core/error.h"
+#include "physics/core/hash.h"
+#include "physics/robot_files/data_path.h"
+#include "study/run_maker.h"
+#include "study/run_store.h"
+#include "tests/physics/core/scratch_folder.h"
+#include "tests/policy/policy_interfaces.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait {
 namespace {

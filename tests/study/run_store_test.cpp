@@ -1,12 +1,12 @@
-#include "crossgait/study/run_store.h"
+#include "study/run_store.h"
 
 #include <atomic>
 #include <cmath>
 #include <sstream>
 
-#include "crossgait/env/worker_pool.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/physics/scratch_folder.h"
+#include "physics/core/error.h"
+#include "physics/core/worker_pool.h"
+#include "tests/physics/core/scratch_folder.h"
 
 namespace crossgait {
 namespace {

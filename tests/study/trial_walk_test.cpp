@@ -1,12 +1,12 @@
 // Whether a robot walks that was only described.
-#include "crossgait/study/trial_walk.h"
+#include "study/trial_walk.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/physics/data_path.h"
+#include "backends/registry.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait {
 namespace {

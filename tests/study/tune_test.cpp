@@ -1,5 +1,5 @@
 // Where the search begins, and what is told of its end.
-#include "crossgait/study/tune.h"
+#include "study/tune.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,12 +8,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/evaluation.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/random.h"
-#include "crossgait/tests/physics/config_error.h"
-#include "crossgait/tests/support/table_rows.h"
+#include "backends/registry.h"
+#include "env/evaluation.h"
+#include "physics/core/error.h"
+#include "physics/core/random.h"
+#include "tests/physics/core/config_error.h"
+#include "tests/support/table_rows.h"
 
 namespace crossgait {
 namespace {

@@ -1,13 +1,13 @@
 // A walk and an episode of the zero policy are the same motion: one loop, one set of numbers.
 #include <nlohmann/json.hpp>
 
-#include "crossgait/parity/report.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/study/rollout.h"
-#include "crossgait/study/walk.h"
-#include "crossgait/tests/physics/config_error.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/motion_bits.h"
+#include "parity/report.h"
+#include "physics/core/error.h"
+#include "study/rollout.h"
+#include "study/walk.h"
+#include "tests/physics/core/config_error.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/motion_bits.h"
 
 namespace crossgait {
 namespace {

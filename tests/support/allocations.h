@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/env/closed_loop.h"
-#include "crossgait/env/gait_source.h"
-#include "crossgait/env/vector_env.h"
-#include "crossgait/tests/support/allocation_counter.h"
+#include "env/vector_env.h"
+#include "motion/closed_loop.h"
+#include "motion/gait_source.h"
+#include "scenes/scenes.h"
+#include "tests/support/allocation_counter.h"
 
 namespace crossgait {
 
@@ -91,7 +91,7 @@ inline std::size_t allocations_of_a_loop(const Engine& engine, const WorldSpec& 
   randomisation[Randomised::kPushImpulse] = {0.001, 0.005};
   randomisation[Randomised::kPushInterval] = {0.1, 0.2};
   Random random(1);
-  loop.start(*world, source, {{}, 0, Pushes(randomisation, draw(randomisation, random), random)});
+  loop.start(*world, source, {{}, 0, pushes_of(randomisation, draw(randomisation, random), random)});
   loop.advance(*world, source, 750);  // every buffer has had its largest size
   const AllocationScope scope;
   EXPECT_TRUE(loop.advance(*world, source, 750));

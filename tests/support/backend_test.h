@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/bundled_engines.h"
-#include "crossgait/backends/registry.h"
-#include "crossgait/benchmarks/scenes.h"
+#include "backends/bundled_engines.h"
+#include "backends/registry.h"
+#include "scenes/scenes.h"
 
 namespace crossgait {
 

@@ -1,10 +1,10 @@
-#include "crossgait/tests/support/conformance_check.h"
+#include "tests/support/conformance_check.h"
 
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/tests/support/backend_test.h"
+#include "tests/support/backend_test.h"
 
 namespace crossgait::conformance {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/conformance/check.h"
+#include "conformance/check.h"
 
 namespace crossgait::conformance {
 

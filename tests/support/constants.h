@@ -7,6 +7,5 @@ namespace crossgait::test {
 
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
-inline constexpr double kGravity = 9.81;  ///< m/s^2, of worlds that say nothing else
 
 }  // namespace crossgait::test

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/env/quadruped_env.h"
-#include "crossgait/physics/random.h"
+#include "backends/registry.h"
+#include "env/quadruped_env.h"
+#include "physics/core/random.h"
 
 namespace crossgait::scenes {
 

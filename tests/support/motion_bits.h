@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "crossgait/env/motion_statistics.h"
-#include "crossgait/parity/trace.h"
+#include "motion/motion_statistics.h"
+#include "motion/trace.h"
 
 namespace crossgait {
 

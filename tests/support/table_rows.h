@@ -1,4 +1,4 @@
-// A plain-text table (parity/table.h) read back: what its cells say, however wide they are.
+// A plain-text table (physics/core/table.h) read back: what its cells say, however wide they are.
 #pragma once
 
 #include <algorithm>

@@ -1,11 +1,11 @@
 // What environments of one configuration share, and that sharing changes nothing.
-#include "crossgait/env/env_model.h"
+#include "env/env_model.h"
 
-#include "crossgait/env/evaluation.h"
-#include "crossgait/env/vector_env.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/environments.h"
-#include "crossgait/tests/support/motion_bits.h"
+#include "env/evaluation.h"
+#include "env/vector_env.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/environments.h"
+#include "tests/support/motion_bits.h"
 
 namespace crossgait {
 namespace {

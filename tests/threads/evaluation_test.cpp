@@ -1,10 +1,10 @@
-#include "crossgait/env/evaluation.h"
+#include "env/evaluation.h"
 
 #include <cmath>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/environments.h"
+#include "physics/core/error.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {

@@ -1,4 +1,4 @@
-#include "crossgait/env/vector_env.h"
+#include "env/vector_env.h"
 
 #include <atomic>
 #include <fstream>
@@ -10,9 +10,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/support/environments.h"
+#include "physics/core/error.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {

@@ -1,9 +1,9 @@
 // What a viewer may say, and what is refused before anything is done.
-#include "crossgait/view/command.h"
+#include "view/command.h"
 
 #include <gtest/gtest.h>
 
-#include "crossgait/tests/physics/config_error.h"
+#include "tests/physics/core/config_error.h"
 
 namespace crossgait {
 namespace {

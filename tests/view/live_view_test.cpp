@@ -1,11 +1,11 @@
 // The session in its thread: frames keep coming, commands are done or refused, whoever asks.
-#include "crossgait/view/live_view.h"
+#include "view/live_view.h"
 
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/tests/physics/config_error.h"
-#include "crossgait/tests/view/view_setup.h"
+#include "backends/registry.h"
+#include "tests/physics/core/config_error.h"
+#include "tests/view/view_setup.h"
 
 namespace crossgait {
 namespace {

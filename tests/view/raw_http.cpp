@@ -1,4 +1,4 @@
-#include "crossgait/tests/view/raw_http.h"
+#include "tests/view/raw_http.h"
 
 #include <array>
 #include <cerrno>

@@ -1,13 +1,13 @@
 // Who may ask the server for what, and what it does about clients that are too many, too slow or too large.
-#include "crossgait/view/server.h"
+#include "view/server.h"
 
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/tests/physics/config_error.h"
-#include "crossgait/tests/view/raw_http.h"
-#include "crossgait/tests/view/view_setup.h"
-#include "crossgait/view/request_check.h"
+#include "backends/registry.h"
+#include "tests/physics/core/config_error.h"
+#include "tests/view/raw_http.h"
+#include "tests/view/view_setup.h"
+#include "view/request_check.h"
 
 namespace crossgait {
 namespace {

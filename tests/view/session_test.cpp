@@ -1,11 +1,11 @@
 // Commands in, motion out: in every engine there is.
-#include "crossgait/view/session.h"
+#include "view/session.h"
 
 #include <gtest/gtest.h>
 
-#include "crossgait/tests/physics/config_error.h"
-#include "crossgait/tests/support/backend_test.h"
-#include "crossgait/tests/view/view_setup.h"
+#include "tests/physics/core/config_error.h"
+#include "tests/support/backend_test.h"
+#include "tests/view/view_setup.h"
 
 namespace crossgait {
 namespace {

@@ -1,7 +1,7 @@
-#include "crossgait/tests/view/view_setup.h"
+#include "tests/view/view_setup.h"
 
-#include "crossgait/backends/registry.h"
-#include "crossgait/physics/data_path.h"
+#include "backends/registry.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait {
 namespace {

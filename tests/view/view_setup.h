@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "crossgait/view/session.h"
+#include "view/session.h"
 
 namespace crossgait {
 

@@ -1,11 +1,11 @@
-#include "crossgait/benchmarks/programs/mujoco/bare_mujoco.h"
+#include "benchmarks/programs/mujoco/bare_mujoco.h"
 
 #include <array>
 
 #include <mujoco/mujoco.h>
 
-#include "crossgait/backends/mujoco/model.h"
-#include "crossgait/backends/mujoco/model_xml.h"
+#include "backends/mujoco/model.h"
+#include "backends/mujoco/model_xml.h"
 
 namespace crossgait {
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "crossgait/physics/state.h"
-#include "crossgait/physics/world_spec.h"
+#include "physics/engine/world_spec.h"
+#include "physics/robot/state.h"
 
 namespace crossgait {
 

@@ -5,8 +5,8 @@
 #include <LinearMath/btAlignedAllocator.h>
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/bullet/bullet_backend.h"
-#include "crossgait/tests/support/allocations.h"
+#include "backends/bullet/bullet_backend.h"
+#include "tests/support/allocations.h"
 
 namespace crossgait::bullet {
 namespace {

@@ -1,5 +1,5 @@
 // The inertia that Crossgait computes for Bullet's multibody, against Bullet's own algorithms.
-#include "crossgait/backends/bullet/composite_inertia.h"
+#include "backends/bullet/composite_inertia.h"
 
 #include <algorithm>
 #include <random>
@@ -7,9 +7,9 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/bullet/convert.h"
-#include "crossgait/backends/bullet/multibody_model.h"
-#include "crossgait/benchmarks/scenes.h"
+#include "backends/bullet/convert.h"
+#include "backends/bullet/multibody_model.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::bullet {
 namespace {

@@ -1,14 +1,14 @@
 // Names of settings between MuJoCo's contact law and Bullet's, and that the list of factors is complete.
-#include "crossgait/backends/bullet/contact_factors.h"
+#include "backends/bullet/contact_factors.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/bullet/bullet_backend.h"
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/physics/error.h"
+#include "backends/bullet/bullet_backend.h"
+#include "physics/core/error.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::bullet {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/bullet/bullet_backend.h"
-#include "crossgait/benchmarks/scenes.h"
+#include "backends/bullet/bullet_backend.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::bullet {
 namespace {

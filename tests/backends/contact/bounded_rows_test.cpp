@@ -1,6 +1,6 @@
 // Bounded rows along with contacts, against the conditions that define the solution: of a row between its
 // bounds the velocity w is zero, at a bound it points away from it.
-#include "crossgait/backends/contact/bounded_rows.h"
+#include "backends/contact/bounded_rows.h"
 
 #include <algorithm>
 #include <cmath>

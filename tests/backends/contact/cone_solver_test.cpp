@@ -1,7 +1,7 @@
 // The contact solve against the conditions that define its solution: with w = A x + b, every contact has x in
 // its friction cone, w in the dual cone, and x.w = 0 (Boyd and Vandenberghe, Convex Optimization, 2004,
 // section 5.9).
-#include "crossgait/backends/contact/cone_solver.h"
+#include "backends/contact/cone_solver.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // The primal problem against the conditions that define its solution, and against the dual's sweeps.
-#include "crossgait/backends/contact/primal_problem.h"
+#include "backends/contact/primal_problem.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/contact/cone_solver.h"
+#include "backends/contact/cone_solver.h"
 
 namespace crossgait::contact {
 namespace {

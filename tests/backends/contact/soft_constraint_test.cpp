@@ -1,5 +1,5 @@
 // MuJoCo's soft-constraint law against values worked out by hand.
-#include "crossgait/backends/contact/soft_constraint.h"
+#include "backends/contact/soft_constraint.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // A matrix of a tree with loops, against a full one.
-#include "crossgait/backends/contact/sparse_symmetric.h"
+#include "backends/contact/sparse_symmetric.h"
 
 #include <random>
 

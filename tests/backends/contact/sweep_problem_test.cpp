@@ -1,5 +1,5 @@
 // Sweeps over velocities against the law that they are to solve, and against sweeps over impulses.
-#include "crossgait/backends/contact/sweep_problem.h"
+#include "backends/contact/sweep_problem.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/contact/cone_solver.h"
+#include "backends/contact/cone_solver.h"
 
 namespace crossgait::contact {
 namespace {

@@ -2,8 +2,8 @@
 // velocities and forces are numbers.
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/dart/dart_backend.h"
-#include "crossgait/benchmarks/scenes.h"
+#include "backends/dart/dart_backend.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::dart {
 namespace {

@@ -1,11 +1,11 @@
 // DART's forward dynamics, Jacobians and inertias as this engine takes them, held against one another.
-#include "crossgait/backends/dart/skeleton_model.h"
+#include "backends/dart/skeleton_model.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "crossgait/benchmarks/scenes.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::dart {
 namespace {

@@ -12,8 +12,8 @@
 #include <dart/simulation/World.hpp>
 #include <gtest/gtest.h>
 
-#include "crossgait/backends/dart/dart_backend.h"
-#include "crossgait/benchmarks/scenes.h"
+#include "backends/dart/dart_backend.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::dart {
 namespace {

@@ -1,6 +1,6 @@
 // Inside the MuJoCo backend: errors of MuJoCo end as errors of ours, and what MuJoCo has once per process
 // (its handlers and its collision table) stays as others left it.
-#include "crossgait/backends/mujoco/engine_call.h"
+#include "backends/mujoco/engine_call.h"
 
 #include <limits>
 #include <stdexcept>
@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
-#include "crossgait/backends/mujoco/mujoco_backend.h"
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/tests/backends/mujoco/foreign_model.h"
+#include "backends/mujoco/mujoco_backend.h"
+#include "physics/core/error.h"
+#include "scenes/scenes.h"
+#include "tests/backends/mujoco/foreign_model.h"
 
 namespace crossgait::mujoco {
 namespace {

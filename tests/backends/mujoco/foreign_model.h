@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
-#include "crossgait/backends/mujoco/file_system.h"
-#include "crossgait/backends/mujoco/model.h"
+#include "backends/mujoco/file_system.h"
+#include "backends/mujoco/model.h"
 
 namespace crossgait::mujoco {
 

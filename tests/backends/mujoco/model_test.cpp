@@ -1,5 +1,5 @@
 // Inside the MuJoCo backend: the compiled model, and its collision routine.
-#include "crossgait/backends/mujoco/model.h"
+#include "backends/mujoco/model.h"
 
 #include <cmath>
 #include <cstdio>
@@ -8,12 +8,12 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
-#include "crossgait/backends/mujoco/model_xml.h"
-#include "crossgait/backends/mujoco/mujoco_backend.h"
-#include "crossgait/backends/mujoco/version.h"
-#include "crossgait/benchmarks/scenes.h"
-#include "crossgait/physics/contact_features.h"
-#include "crossgait/physics/multibody.h"
+#include "backends/mujoco/model_xml.h"
+#include "backends/mujoco/mujoco_backend.h"
+#include "backends/mujoco/version.h"
+#include "physics/engine/contact_features.h"
+#include "physics/robot/multibody.h"
+#include "scenes/scenes.h"
 
 namespace crossgait::mujoco {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "crossgait/physics/multibody.h"
+#include "crossgait/physics/robot/multibody.h"
 
 namespace statue {
 namespace {

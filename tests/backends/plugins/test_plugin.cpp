@@ -6,9 +6,9 @@
 
 #include "statue.h"
 
-#include "crossgait/physics/engine_plugin.h"
-#include "crossgait/physics/error.h"
-#include "crossgait/physics/mjcf_model.h"
+#include "crossgait/physics/core/error.h"
+#include "crossgait/physics/engine/engine_plugin.h"
+#include "crossgait/physics/robot_files/mjcf/mjcf_model.h"
 
 extern "C" {
 int test_library_version();  // NOLINT(misc-use-internal-linkage): the library's

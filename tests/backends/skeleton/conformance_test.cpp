@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/tests/support/conformance_check.h"
+#include "tests/support/conformance_check.h"
 
 namespace crossgait::conformance {
 namespace {

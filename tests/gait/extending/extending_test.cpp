@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "crossgait/env/observation.h"
-#include "crossgait/gait/adaptive_gait_controller.h"
-#include "crossgait/gait/cycle_check.h"
-#include "crossgait/physics/error.h"
+#include "env/observation.h"
+#include "gait/adaptive_gait_controller.h"
+#include "gait/cycle_check.h"
+#include "physics/core/error.h"
 
 namespace crossgait {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "crossgait/backends/registry.h"
-#include "crossgait/physics/data_path.h"
+#include "crossgait/physics/robot_files/data_path.h"
 
 namespace {
 

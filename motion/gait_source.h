@@ -1,0 +1,77 @@
+// Gaits as sources of foot targets for a walk.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gait/scale.h"
+#include "motion/heading_hold.h"
+#include "motion/leg_controller.h"
+
+namespace crossgait {
+
+/// The names that stand for "the gait for the speed": with `default_speed_bands`, with `guide_speed_bands`.
+inline constexpr std::string_view kAutomaticGait = "auto", kGuidesAutomaticGait = "auto:guide";
+
+constexpr bool is_automatic(std::string_view gait) {
+  return gait == kAutomaticGait || gait == kGuidesAutomaticGait;
+}
+
+/// What to walk: a gait, or whichever suits the commanded speed.
+struct GaitChoice {
+  std::optional<Gait> gait;                ///< empty: by speed (MultiGaitController)
+  std::vector<SpeedBand> bands;            ///< then of these, each with its own preferred parameters
+  std::string automatic{kAutomaticGait};   ///< and this is what that choice is called
+  GaitParameters parameters;               ///< of the gait; of the slowest one, where it is chosen by speed
+  std::optional<VelocityCommand> command;  ///< empty: steps of step_length
+
+  std::string name() const { return gait ? std::string(gait->name) : automatic; }
+};
+
+/// A gait by name with its preferred parameters, changed by assignments "name=value" (see gait/parameters.h).
+/// Where the gait is chosen by speed they change every one of them.
+/// @param gait  a name of `gaits()`, or an automatic one, which needs a command
+/// @param scale  of the robot that is to walk (`gait_scale`): preferred parameters are those of its size;
+///               settings are absolute
+/// @throws ConfigError for an unknown gait, parameter or value, or a command that is not finite
+GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings,
+                       const std::optional<VelocityCommand>& command = {}, const GaitScale& scale = {});
+
+/// Of a gait that is chosen by speed, at the robot's size.
+MultiGaitOptions multi_gait_options(const GaitChoice& choice, const GaitScale& scale);
+
+/// The positions alone, as LegController takes them.
+LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept;
+
+/// Sends a gait's targets for the next `dt` (s) to legs that make up for its share of their load, and says
+/// what it means by them: swing, velocity, parameters.
+/// @param command  empty: the velocity is that of steps of step_length
+void drive_legs(LegController& legs, const GaitGenerator& generator, const LegArray<FootTarget>& feet,
+                const std::optional<VelocityCommand>& command, double dt, ControlTargets& out) noexcept;
+
+/// Of the body, by steps of step_length: one step per stance.
+VelocityCommand nominal_velocity(const GaitGenerator& generator) noexcept;
+
+/// What stands between a gait and the servos besides kinematics. Each can be switched off.
+struct GaitLayers {
+  ServoCompensation compensation;
+  HeadingHold heading_hold;
+};
+
+/// Walks `choice` from standing. Every call makes an independent source.
+/// @throws ConfigError if the robot has no legs
+TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const RobotDescription> robot,
+                              const GaitLayers& layers = {});
+
+/// Foot targets in the leg frames, m, after `dt` more seconds. Asked with dt = 0 before the first step, it
+/// says where the feet stand.
+using FootTargets = std::function<LegArray<Vector3>(double dt)>;
+
+/// Feet from anywhere else: recorded, computed, commanded. Nothing is known of what they mean, so that
+/// statistics of swing and progress stay empty. @throws ConfigError if the robot has no legs
+TargetSource make_feet_source(FootTargets feet, std::shared_ptr<const RobotDescription> robot,
+                              const ServoCompensation& compensation = {});
+
+}  // namespace crossgait

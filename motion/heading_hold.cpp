@@ -1,0 +1,18 @@
+#include "motion/heading_hold.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace crossgait {
+
+double HeadingHoldState::look(const HeadingHold& options, const RobotState& state, double commanded,
+                              double dt) noexcept {
+  if (!options.on) return 0;
+  const double heading = roll_pitch_yaw(state.q_WB).z();
+  if (!wanted_) wanted_ = heading;
+  const double behind = std::remainder(*wanted_ - heading, 2 * M_PI);
+  *wanted_ += commanded * dt;
+  return std::clamp(options.gain * behind, -options.max_rate, options.max_rate);
+}
+
+}  // namespace crossgait

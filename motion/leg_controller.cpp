@@ -1,0 +1,178 @@
+#include "motion/leg_controller.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "gait/scale.h"
+#include "motion/standing.h"
+#include "physics/core/error.h"
+#include "physics/robot/multibody.h"
+
+namespace crossgait {
+namespace {
+
+// Joints that turn slower change their direction, as far as dry friction is concerned.
+constexpr double kSlow = 0.1;  // rad/s, of scara_quadruped
+
+}  // namespace
+
+LegController::LegController(std::shared_ptr<const RobotDescription> description,
+                             const ServoCompensation& compensation)
+    : robot_(std::move(description)),
+      compensation_(compensation),
+      weight_(robot_->total_mass() * kGravity),
+      kinematics_(make_leg_kinematics(*robot_)) {
+  const RobotDescription& robot = *robot_;
+  compensation_.load_depth *= gait_scale(robot).length;
+  const double slow = kSlow / gait_scale(robot).time();
+  const std::vector<int> actuated = robot.actuated_joints();
+  for (const Leg leg : kLegs) {
+    const LegKinematics& kinematics = kinematics_[leg];
+    LegServos& servos = servos_[leg];
+    servos.stiffness.resize(kinematics.servo_count());
+    for (std::size_t k = 0; k < kinematics.servo_joints().size(); ++k) {
+      const int index = kinematics.servo_joints()[k];
+      const Joint& joint = robot.joint(index);
+      const auto it = std::find(actuated.begin(), actuated.end(), index);
+      if (it == actuated.end() || joint.kp <= 0) {
+        throw ConfigError(robot.source, joint.name, "a servo with kp > 0 N m/rad", "none");
+      }
+      servos.slots[k] = it - actuated.begin();
+      servos.stiffness[static_cast<Eigen::Index>(k)] = joint.kp;
+      servos.drag[k] = {joint.kd + joint.damping, joint.friction, slow};
+    }
+    if (kinematics.passive_count() > 0) {
+      const Joint& elbow = robot.joint(kinematics.passive_joints()[0]);
+      servos.passive_drag = {elbow.damping, elbow.friction, slow};
+    }
+    last_[leg].servos = ServoVector::Zero(kinematics.servo_count());
+  }
+  // Actuated joints that belong to no leg hold their home angle.
+  targets_.q.resize(static_cast<Eigen::Index>(actuated.size()));
+  for (std::size_t k = 0; k < actuated.size(); ++k) {
+    targets_.q[static_cast<Eigen::Index>(k)] = robot.home[actuated[k]];
+  }
+}
+
+void LegController::restart() noexcept {
+  moving_ = false;
+  clamped_ = 0;
+}
+
+LegInverse LegController::solve(Leg leg, const Vector3& foot) const noexcept {
+  const LegKinematics& kinematics = kinematics_[leg];
+  if (kinematics.servo_count() == 3) return kinematics.inverse(foot);
+  return kinematics.inverse({foot.x(), 0, foot.z()});
+}
+
+// Torques of the servos that the motion since the last update takes, N m, and those that hold up `load` (N).
+ServoVector LegController::torque(Leg leg, const Vector3& position, const LegPosture& posture, double load,
+                                  double dt) const noexcept {
+  const LegServos& servos = servos_[leg];
+  const LegKinematics& kinematics = kinematics_[leg];
+  const LegJacobian jacobian = kinematics.jacobian(posture);
+  ServoVector torque = -load * jacobian.row(2).transpose();  // the foot pushes down
+  if (compensation_.lag && moving_) {
+    const LastUpdate& last = last_[leg];
+    ServoVector lag = (posture.servos - last.servos) / dt;
+    for (Eigen::Index k = 0; k < lag.size(); ++k)
+      lag[k] = servos.drag[static_cast<std::size_t>(k)].torque(lag[k]);
+    if (const auto* five_bar = kinematics.as<FiveBarGeometry>()) {
+      const Vector3 drag = elbow_drag_force(*five_bar, position, kinematics.home_branch().mode,
+                                            (position - last.position) / dt, servos.passive_drag);
+      lag += jacobian.transpose() * drag;
+    }
+    const ServoVector bound = compensation_.max_lead * servos.stiffness;
+    torque += lag.cwiseMax(-bound).cwiseMin(bound);
+  }
+  if (!torque.allFinite()) torque.setZero();
+  return torque;
+}
+
+const JointTargets& LegController::update(const LegArray<Vector3>& feet, double dt) noexcept {
+  const LegArray<double> shares = load_shares(feet, compensation_.load_depth);
+  const bool compensates = compensation_.lag || compensation_.load;
+  for (const Leg leg : kLegs) {
+    const LegInverse solution = solve(leg, feet[leg]);
+    const LegServos& servos = servos_[leg];
+    status_[leg] = solution.status;
+    if (solution.status != IkStatus::kOk) ++clamped_;
+    ServoVector servo = solution.posture.servos;
+    if (compensates && solution.status == IkStatus::kOk) {
+      const double load = compensation_.load ? load_share_ * weight_ * shares[leg] : 0;
+      servo += torque(leg, feet[leg], solution.posture, load, dt).cwiseQuotient(servos.stiffness);
+    }
+    last_[leg] = {feet[leg], solution.posture.servos};
+    for (Eigen::Index k = 0; k < servo.size(); ++k)
+      targets_.q[servos.slots[static_cast<std::size_t>(k)]] = servo[k];
+  }
+  moving_ = dt > 0;
+  return targets_;
+}
+
+// All joints of a leg, with its foot (leg frame, m) there.
+void LegController::set_joints(Leg leg, const Vector3& foot, JointVector& q) const {
+  const LegInverse solution = solve(leg, foot);
+  if (solution.status != IkStatus::kOk) {
+    throw ConfigError(robot_->source, fmt::format("foot {}", name(leg)), "a standing position within reach",
+                      fmt::format("({:.4g}, {:.4g}, {:.4g}) m in the leg frame (z up): {}", foot.x(),
+                                  foot.y(), foot.z(), name(solution.status)));
+  }
+  const LegKinematics& kinematics = kinematics_[leg];
+  const LegPosture& posture = solution.posture;
+  for (Eigen::Index k = 0; k < posture.servos.size(); ++k)
+    q[kinematics.servo_joints()[static_cast<std::size_t>(k)]] = posture.servos[k];
+  for (Eigen::Index k = 0; k < posture.passive.size(); ++k)
+    q[kinematics.passive_joints()[static_cast<std::size_t>(k)]] = posture.passive[k];
+}
+
+// How far a foot gives way under `load` (N), against its servos, m.
+Vector3 LegController::give(Leg leg, const Vector3& foot, double load) const noexcept {
+  const LegJacobian jacobian = kinematics_[leg].jacobian(solve(leg, foot).posture);
+  const ServoVector torque = load * jacobian.row(2).transpose();
+  return jacobian * torque.cwiseQuotient(servos_[leg].stiffness);
+}
+
+Vector2 LegController::foot_sweep(const LegArray<Vector3>& feet, const GaitParameters& parameters) const {
+  constexpr double kStep = 1e-4;  // m
+  const double share = compensation_.load ? parameters.load_share : 0;
+  const double load = (1 - share) * weight_ / (kLegCount * parameters.duty_factor);
+  RobotState state;
+  state.q = robot_->home;
+  state.qd = JointVector::Zero(robot_->joint_count());
+  std::vector<Pose> ahead, behind;
+  Vector2 advance = Vector2::Zero();
+  for (const int axis : {0, 1}) {
+    const Vector3 way = kStep * Vector3::Unit(axis);
+    for (const Leg leg : kLegs) set_joints(leg, feet[leg] + way, state.q);
+    forward_kinematics(*robot_, state, ahead);
+    for (const Leg leg : kLegs) set_joints(leg, feet[leg] - way, state.q);
+    forward_kinematics(*robot_, state, behind);
+    for (const Leg leg : kLegs) {
+      const LegModel& model = (*robot_->legs)[leg];
+      const auto link = static_cast<std::size_t>(model.foot_body);
+      const Eigen::AngleAxisd turn(ahead[link].linear() * behind[link].linear().transpose());
+      const Vector3 rolled = turn.angle() * turn.axis().cross(-model.foot_radius * Vector3::UnitZ());
+      const Vector3 gave = give(leg, feet[leg] + way, load) - give(leg, feet[leg] - way, load);
+      advance[axis] += (1 + (rolled[axis] + gave[axis]) / (2 * kStep)) / kLegCount;
+    }
+  }
+  return advance.cwiseInverse();
+}
+
+RobotState LegController::standing_state(const LegArray<Vector3>& feet, const Terrain& terrain,
+                                         const Placement& placement) const {
+  JointVector q = robot_->home;
+  for (const Leg leg : kLegs) set_joints(leg, feet[leg], q);
+  return standing_on(terrain, placement, *robot_, q);
+}
+
+void solve_legs(LegController& legs, const LegArray<Vector3>& feet, double dt, ControlTargets& out) noexcept {
+  const std::int64_t before = legs.clamped();
+  out.joints = legs.update(feet, dt);
+  out.ik_clamped = static_cast<int>(legs.clamped() - before);
+}
+
+}  // namespace crossgait

@@ -1,0 +1,94 @@
+// From foot targets to servo targets: inverse kinematics of four legs, and a count of what could not be
+// reached.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "ik/leg_kinematics.h"
+#include "motion/servo_compensation.h"
+#include "motion/target_source.h"
+#include "physics/robot/robot.h"
+#include "physics/robot/state.h"
+#include "physics/terrain/terrain.h"
+
+namespace crossgait {
+
+/// Solves all four legs at once. Constructing one reads the geometry of the robot; updates allocate nothing.
+class LegController {
+ public:
+  /// @throws ConfigError if the robot has no legs, or none that `make_leg_kinematics` knows
+  explicit LegController(std::shared_ptr<const RobotDescription> description,
+                         const ServoCompensation& compensation = {});
+
+  /// @param feet targets in each leg's frame (x forward, y left, z up), m; of legs without abduction y counts
+  ///             as 0
+  /// @param dt   time since the last update, s; velocities are differences over it
+  /// @returns targets of the actuated joints
+  const JointTargets& update(const LegArray<Vector3>& feet, double dt) noexcept;
+
+  /// Share of the load that standing legs make up for, of a gait's parameters; without one, that of the
+  /// default parameters.
+  void set_load_share(double share) noexcept { load_share_ = share; }
+
+  /// Forgets the last update, so that the next one starts from rest, and the count of clamped solutions.
+  void restart() noexcept;
+
+  /// The robot at rest with its feet where `feet` says (in the leg frames) and just clear of `terrain`.
+  /// @throws ConfigError if a foot is out of reach
+  RobotState standing_state(const LegArray<Vector3>& feet, const Terrain& terrain,
+                            const Placement& placement) const;
+  /// Over the world's origin, facing +x.
+  RobotState standing_state(const LegArray<Vector3>& feet, const Terrain& terrain) const {
+    return standing_state(feet, terrain, Placement());
+  }
+
+  /// For GaitGenerator::set_sweep, at these standing feet (leg frames, m), mean of the legs. Two things come
+  /// between a sweep and the body's advance. While the centre of a spherical foot moves by dp, its link turns
+  /// by w dp, and the foot rolls on by r w x z dp. And what the servos do not make up for of their load gives
+  /// way by J K^-1 J' F, which differs from one end of the sweep to the other.
+  /// @throws ConfigError if a foot is out of reach
+  Vector2 foot_sweep(const LegArray<Vector3>& feet, const GaitParameters& parameters) const;
+
+  const LegArray<LegKinematics>& kinematics() const noexcept { return kinematics_; }
+  /// Status of each leg in the last update.
+  const LegArray<IkStatus>& status() const noexcept { return status_; }
+  /// Leg solutions that were not kOk since construction or `restart`.
+  std::int64_t clamped() const noexcept { return clamped_; }
+
+ private:
+  void set_joints(Leg leg, const Vector3& foot, JointVector& q) const;
+  Vector3 give(Leg leg, const Vector3& foot, double load) const noexcept;
+
+  struct LegServos {
+    std::array<Eigen::Index, 3> slots{};  // of the leg's servos in JointTargets
+    ServoVector stiffness;                // N m/rad
+    std::array<JointDrag, 3> drag;        // servo and joint together
+    JointDrag passive_drag;
+  };
+  struct LastUpdate {
+    Vector3 position = Vector3::Zero();  // m
+    ServoVector servos;                  // rad
+  };
+  ServoVector torque(Leg leg, const Vector3& position, const LegPosture& posture, double load,
+                     double dt) const noexcept;
+  LegInverse solve(Leg leg, const Vector3& foot) const noexcept;
+
+  std::shared_ptr<const RobotDescription> robot_;
+  ServoCompensation compensation_;
+  double load_share_ = GaitParameters{}.load_share;
+  double weight_;        // of the robot on Earth, N
+  bool moving_ = false;  // last_ holds an earlier update
+  LegArray<LegKinematics> kinematics_;
+  LegArray<LegServos> servos_{};
+  LegArray<LastUpdate> last_{};
+  LegArray<IkStatus> status_{};
+  JointTargets targets_;
+  std::int64_t clamped_ = 0;
+};
+
+/// Joint targets for feet (in the leg frames, m) after `dt` more seconds, and how many legs could not follow.
+void solve_legs(LegController& legs, const LegArray<Vector3>& feet, double dt, ControlTargets& out) noexcept;
+
+}  // namespace crossgait

@@ -1,0 +1,144 @@
+// What happened in a motion, in numbers: the same ones, under the same names, for walks, episodes and
+// verdicts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "motion/outcome.h"
+#include "motion/target_source.h"
+#include "physics/engine/physics_backend.h"
+#include "physics/robot/loop_gap.h"
+
+namespace crossgait {
+
+/// Statistics of a motion proper, without settling. Speeds are per simulated second, never per wall-clock
+/// second.
+struct MotionSummary {
+  Outcome outcome = Outcome::kWalked;  ///< the worst that holds
+  /// When each outcome that is known at once first held, s since the motion began.
+  std::array<std::optional<double>, kOutcomes> first_at_s;
+
+  double simulated_seconds = 0;  ///< s, less than asked if an outcome ended it
+  std::int64_t physics_steps = 0;
+  double distance_m = 0;  ///< forward, in the direction the robot faced when it set off
+  double lateral_m = 0;   ///< to the left of that
+  /// Way of the base over the ground, as the sum of straight pieces of half a second each, so that swaying
+  /// within a stride does not count.
+  double path_m = 0;
+  double yaw_rad = 0;         ///< change of heading, in (-pi, pi]
+  double mean_speed_mps = 0;  ///< distance over simulated time
+  Vector3 final_position_m = Vector3::Zero();
+  double rms_roll_deg = 0, rms_pitch_deg = 0;
+
+  std::int64_t ik_clamped = 0;     ///< leg solutions that were not exact
+  double limit_factor = 1;         ///< smallest share of the velocity command that the steps could follow
+  double max_penetration_m = 0;    ///< of any contact
+  double max_loop_gap_m = 0;       ///< looked at every 10 ms
+  LegArray<double> duty_factor{};  ///< share of time each foot carried load
+  double slip_m = 0;               ///< path length that loaded feet slid, all four together
+  /// Share of planned swing time in which the foot carried more than a fiftieth of the weight, mean of legs;
+  /// empty where no swing was planned.
+  std::optional<double> drag;
+  /// The same without the first and last tenth of each swing, where a foot may touch and do no harm.
+  std::optional<double> drag_inner;
+  /// `slip_m` over the way that planned stance feet were to sweep, all four together; empty where no plan or
+  /// no way was asked for.
+  std::optional<double> slip_per_path;
+  /// Largest difference of the heading from where the command's yaw rate leads, deg; empty where nothing says
+  /// what was asked for.
+  std::optional<double> heading_error_deg;
+  /// Mechanical work of the servos, the integral of |servo torque x joint velocity| (what joints lose to
+  /// passive damping is in the torque that overcomes it), over weight times `path_m`; empty if the base moved
+  /// less than a tenth of a leg length. Source: Tucker, The energetic cost of moving about, 1975.
+  std::optional<double> cost_of_transport;
+
+  double wall_seconds = 0;  ///< of the whole motion, settling included; set by whoever ran it
+
+  bool has(Outcome which) const noexcept { return first_at_s[static_cast<std::size_t>(which)].has_value(); }
+  /// Fell, collapsed, came apart or diverged: what a share of failures counts.
+  bool failed() const noexcept;
+  double mean_duty_factor() const noexcept;
+};
+
+/// Sum of |servo torque x joint velocity| of the actuated joints, W. @param servos  their indices
+double servo_power(const PhysicsBackend& world, const std::vector<int>& servos) noexcept;
+
+/// Collects a MotionSummary: contacts at every physics step, loops every 10 ms, all else at every control
+/// step. A value: copying one copies what it has seen. Adding to it allocates nothing.
+class MotionStatistics {
+ public:
+  /// Knows the robot; sees nothing yet.
+  explicit MotionStatistics(const RobotDescription& robot, const OutcomeLimits& limits = {});
+
+  /// The motion begins now. @param standing_height  of the base over the ground where it was put down, m
+  void begin(const PhysicsBackend& world, double standing_height) noexcept;
+  /// After every physics step of a control step with these targets.
+  void add_physics_step(const PhysicsBackend& world, const ControlTargets& targets) noexcept;
+  /// After every control step of `dt` seconds, the same for all steps of a motion.
+  void add_control_step(const PhysicsBackend& world, const ControlTargets& targets, double dt) noexcept;
+  void note(Outcome outcome) noexcept;
+
+  /// Outcomes so far, of those that are known at once.
+  bool has(Outcome outcome) const noexcept {
+    return t_.first_at_s[static_cast<std::size_t>(outcome)].has_value();
+  }
+  /// The worst of them, or kWalked.
+  Outcome worst() const noexcept;
+  /// Whether any of `ends` has come about.
+  bool any(const OutcomeSet& ends) const noexcept;
+  /// Roll, pitch, and yaw since the beginning, after the last control step, rad.
+  const Vector3& roll_pitch_yaw() const noexcept { return t_.roll_pitch_yaw; }
+  double start_yaw() const noexcept { return t_.start_yaw; }
+  /// Of the base over the ground when the motion began, settled, m.
+  double begin_height() const noexcept { return t_.begin_height; }
+  double weight() const noexcept { return t_.weight; }  ///< of the robot, N
+  const Vector3& start() const noexcept { return t_.start; }
+  /// Of the base over the ground below it after the last control step, m.
+  double height() const noexcept { return t_.height; }
+  /// Servo power at the end of the last control step, W.
+  double power() const noexcept { return t_.power; }
+
+  MotionSummary summary(const PhysicsBackend& world) const;
+
+ private:
+  void add_attitude(const PhysicsBackend& world) noexcept;
+  void add_way(const PhysicsBackend& world, const ControlTargets& targets, double dt) noexcept;
+  void find_outcomes(const PhysicsBackend& world, double dt) noexcept;
+  bool slid(double path) const noexcept;
+  bool no_progress() const noexcept;
+
+  OutcomeLimits limits_;
+  std::vector<int> servos_;
+  std::shared_ptr<const LoopGaps> loop_gaps_;  // the same for all copies
+  double leg_length_, mass_;
+
+  /// Physics steps of planned swing, and those of them in which the foot carried load.
+  struct Swing {
+    std::int64_t steps = 0, loaded = 0;
+  };
+  static std::optional<double> share_loaded(const LegArray<Swing>& legs) noexcept;
+
+  /// All that grows as the motion goes on.
+  struct Totals {
+    double weight = 0, standing_height = 0, begin_height = 0, start_yaw = 0;
+    Vector3 start = Vector3::Zero(), corner = Vector3::Zero(), roll_pitch_yaw = Vector3::Zero();
+    double time = 0, path = 0;
+    std::int64_t physics_steps = 0, control_steps = 0, corner_steps = 0, low_steps = 0, gap_steps = 0,
+                 ik_clamped = 0;
+    double roll2 = 0, pitch2 = 0, work = 0, power = 0, height = 0, slip = 0;
+    double max_penetration = 0, max_loop_gap = 0, other_load = 0, limit_factor = 1;
+    double stance_slip = 0, stance_way = 0, asked_path = 0, made_path = 0, asked_turn = 0, made_turn = 0;
+    double planned_sweep = 0, asked_yaw = 0;
+    std::optional<double> heading_error;
+    LegArray<std::int64_t> touching{};
+    LegArray<Swing> swings{}, inner{};
+    std::array<std::optional<double>, kOutcomes> first_at_s;
+  };
+  Totals t_;
+};
+
+}  // namespace crossgait

@@ -1,0 +1,90 @@
+#include "motion/outcome.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "physics/core/error.h"
+
+namespace crossgait {
+namespace {
+
+constexpr std::array<OutcomeRow, kOutcomes> kOutcomeRows{{
+    {Outcome::kDiverged, "diverged", "diverged", true},
+    {Outcome::kCameApart, "came_apart", "came apart", true},
+    {Outcome::kFell, "fell", "fell", true},
+    {Outcome::kCollapsed, "collapsed", "collapsed", true},
+    {Outcome::kLeftTerrain, "left_terrain", "left the terrain", true},
+    {Outcome::kSlid, "slid", "slid", false},
+    {Outcome::kNoProgress, "no_progress", "no progress", false},
+    {Outcome::kWalked, "walked", "walked", false},
+}};
+
+}  // namespace
+
+std::span<const OutcomeRow> outcome_rows() { return kOutcomeRows; }
+
+std::string_view name(Outcome outcome) noexcept {
+  return kOutcomeRows[static_cast<std::size_t>(outcome)].name;
+}
+
+Outcome find_outcome(std::string_view name) {
+  std::vector<std::string_view> known;
+  for (const OutcomeRow& row : kOutcomeRows) {
+    if (row.name == name) return row.outcome;
+    known.push_back(row.name);
+  }
+  throw ConfigError("outcome", "name", fmt::format("one of {}", fmt::join(known, ", ")),
+                    fmt::format("'{}'", name));
+}
+
+std::vector<std::string> outcome_names(const OutcomeSet& set) {
+  std::vector<std::string> names;
+  for (const OutcomeRow& row : kOutcomeRows) {
+    if (set.has(row.outcome)) names.emplace_back(row.name);
+  }
+  return names;
+}
+
+Outcome find_ending_outcome(std::string_view name) {
+  const Outcome outcome = find_outcome(name);
+  if (!kOutcomeRows[static_cast<std::size_t>(outcome)].at_once)
+    throw ConfigError("outcome", "ends", "outcomes that are known the moment they happen", std::string(name));
+  return outcome;
+}
+
+OutcomeSet OutcomeSet::that_end(const std::vector<std::string>& names) {
+  OutcomeSet set = of_walks();
+  for (const std::string& name : names) set.add(find_ending_outcome(name));
+  return set;
+}
+
+OutcomeSet OutcomeSet::of_episodes() noexcept {
+  OutcomeSet set;
+  for (const OutcomeRow& row : kOutcomeRows) {
+    if (row.at_once) set.add(row.outcome);
+  }
+  return set;
+}
+
+void OutcomeLimits::validate(std::string_view source) const {
+  const auto require = [&](std::string_view element, double value, double most) {
+    if (!(value > 0 && value <= most))
+      throw ConfigError(source, element, fmt::format("a number in (0, {:g}]", most),
+                        fmt::format("{:g}", value));
+  };
+  require("tilt_limit_deg", tilt_deg, 180);
+  require("low_height", low_height, 1);
+  require("other_load", other_load, 1);
+  require("low_seconds", low_seconds, 1e6);
+  require("load_smoothing", load_smoothing, 1e6);
+  require("loop_gap", loop_gap, 1e6);
+  require("slip", slip, 1e6);
+  require("slip_path", slip_path, 1e6);
+  require("progress", progress, 1);
+  require("asked_path", asked_path, 1e6);
+  require("asked_turn", asked_turn, 1e6);
+}
+
+}  // namespace crossgait

@@ -1,0 +1,14 @@
+// Where a robot's base has to be for its feet to touch the ground.
+#pragma once
+
+#include "motion/target_source.h"
+#include "physics/robot/robot.h"
+
+namespace crossgait {
+
+/// The robot at rest with these joint angles (rad), where `placement` says, so high that no foot is below
+/// `terrain` and the nearest one just clear of it.
+RobotState standing_on(const Terrain& terrain, const Placement& placement, const RobotDescription& robot,
+                       const JointVector& q);
+
+}  // namespace crossgait

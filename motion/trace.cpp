@@ -1,0 +1,85 @@
+#include "motion/trace.h"
+
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace crossgait {
+TraceSample::TraceSample(const PhysicsBackend& world, const ControlTargets& control)
+    : state(world.state()),
+      targets(control.joints),
+      torques(world.torques()),
+      plan(control.plan),
+      parameters(control.parameters) {
+  const LegArray<FootContact> feet = world.foot_contacts();
+  for (const Leg leg : kLegs) {
+    contact[leg] = feet[leg].touching;
+    load[leg] = feet[leg].force.norm();
+    force[leg] = feet[leg].force;
+  }
+}
+
+TraceColumns::TraceColumns(const RobotDescription& robot, const TraceSample& first)
+    : planned_(first.plan.has_value()),
+      parameters_(first.parameters.has_value()),
+      names_{"time",   "p_WB.x", "p_WB.y", "p_WB.z", "q_WB.w", "q_WB.x", "q_WB.y",
+             "q_WB.z", "v_WB.x", "v_WB.y", "v_WB.z", "w_WB.x", "w_WB.y", "w_WB.z"} {
+  for (int i = 0; i < robot.joint_count(); ++i) names_.push_back("q." + robot.joint(i).name);
+  for (const int i : robot.actuated_joints()) names_.push_back("target." + robot.joint(i).name);
+  for (const Leg leg : kLegs) names_.push_back(fmt::format("contact.{}", name(leg)));
+  for (const Leg leg : kLegs) names_.push_back(fmt::format("load.{}", name(leg)));
+  for (const Leg leg : kLegs) {
+    if (planned_) names_.push_back(fmt::format("planned.{}", name(leg)));
+  }
+  for (const ParameterRow& row : gait_parameters()) {
+    if (parameters_) names_.push_back(fmt::format("param.{}", row.name));
+  }
+}
+
+void TraceColumns::append(const TraceSample& sample, std::vector<double>& numbers) const {
+  const auto put_all = [&numbers](const auto& values) {
+    numbers.insert(numbers.end(), values.data(), values.data() + values.size());
+  };
+  const RobotState& s = sample.state;
+  numbers.push_back(s.time);
+  put_all(s.p_WB);
+  for (const double value : {s.q_WB.w(), s.q_WB.x(), s.q_WB.y(), s.q_WB.z()}) numbers.push_back(value);
+  put_all(s.v_WB);
+  put_all(s.w_WB);
+  put_all(s.q);
+  put_all(sample.targets.q);
+  for (const Leg leg : kLegs) numbers.push_back(sample.contact[leg] ? 1 : 0);
+  for (const Leg leg : kLegs) numbers.push_back(sample.load[leg]);
+  for (const Leg leg : kLegs) {
+    if (planned_) numbers.push_back(sample.plan && (*sample.plan)[leg].swing ? 0 : 1);
+  }
+  for (const ParameterRow& row : gait_parameters()) {
+    if (parameters_) numbers.push_back(sample.parameters.value_or(GaitParameters{}).*row.member);
+  }
+}
+
+TraceWriter::TraceWriter(std::shared_ptr<const RobotDescription> robot, const std::string& path)
+    : robot_(std::move(robot)), file_(path) {}
+
+void TraceWriter::begin(const TraceSample& first) {
+  columns_.emplace(*robot_, first);
+  file_.write(fmt::format("{}\n", fmt::join(columns_->names(), ",")));
+}
+
+void TraceWriter::add(const TraceSample& sample) {
+  if (!columns_) begin(sample);
+  numbers_.clear();
+  columns_->append(sample, numbers_);
+  row_.clear();
+  fmt::format_to(std::back_inserter(row_), "{:.17g}\n", fmt::join(numbers_, ","));
+  file_.write(row_);
+}
+
+void TraceWriter::finish() {
+  if (!columns_) begin({});
+  file_.commit();
+}
+
+}  // namespace crossgait

@@ -1,0 +1,53 @@
+#include "physics/core/error.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace crossgait {
+namespace {
+
+// An error says where to look; it does not print the file. Lists of known names are the longest that help.
+constexpr std::size_t kMostQuoted = 500, kMostPath = 4096, kMostExpected = 8192;
+
+/// Bytes of the character of UTF-8 that `text` begins with; 0 if it begins with none, or with a control
+/// character.
+std::size_t printable(std::string_view text) {
+  const auto lead = static_cast<unsigned char>(text.front());
+  if (lead < 0x80) return (lead < 0x20 && lead != '\n' && lead != '\t') || lead == 0x7f ? 0 : 1;
+  if (lead < 0xC2 || lead > 0xF4) return 0;
+  const std::size_t length = lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
+  const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+  const std::string_view rest = text.substr(1, length - 1);
+  return rest.size() == length - 1 && std::all_of(rest.begin(), rest.end(), continues) ? length : 0;
+}
+
+}  // namespace
+
+std::string printable_text(std::string_view text, std::size_t most) {
+  std::string result;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t length = printable(text.substr(at));
+    const std::size_t bytes = std::max<std::size_t>(length, 1);
+    if (at + bytes > most) break;
+    result += length == 0 ? fmt::format("\\x{:02x}", static_cast<unsigned char>(text[at]))
+                          : std::string(text.substr(at, length));
+    at += bytes;
+  }
+  if (at < text.size()) result += fmt::format("... ({} bytes in all)", text.size());
+  return result;
+}
+
+ConfigError::ConfigError(std::string_view source, std::string_view element, std::string_view expected,
+                         std::string_view found)
+    : std::runtime_error(fmt::format("{}: {}: expected {}, found {}", printable_text(source, kMostPath),
+                                     printable_text(element, kMostQuoted),
+                                     printable_text(expected, kMostExpected),
+                                     printable_text(found, kMostQuoted))),
+      source_(printable_text(source, kMostPath)),
+      element_(printable_text(element, kMostQuoted)),
+      expected_(printable_text(expected, kMostExpected)),
+      found_(printable_text(found, kMostQuoted)) {}
+
+}  // namespace crossgait

@@ -1,0 +1,63 @@
+#include "physics/core/table.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace crossgait {
+namespace {
+
+std::size_t width(const std::string& utf8) {
+  return static_cast<std::size_t>(std::count_if(
+      utf8.begin(), utf8.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+// Numbers line up at their right ends, words at their left.
+bool is_number(const std::string& cell) {
+  return !cell.empty() && std::string_view("+-.0123456789").find(cell.front()) != std::string_view::npos;
+}
+
+}  // namespace
+
+std::string counted(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+Table::Table(std::vector<std::string> header) { rows_.push_back(std::move(header)); }
+
+void Table::add_row(std::vector<std::string> cells) {
+  cells.resize(rows_.front().size());
+  rows_.push_back(std::move(cells));
+}
+
+std::string Table::str() const {
+  std::vector<std::size_t> widths(rows_.front().size(), 0);
+  for (const auto& row : rows_) {
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], width(row[c]));
+  }
+  std::vector<bool> right(widths.size(), false);
+  for (std::size_t c = 1; c < widths.size(); ++c) {
+    right[c] =
+        std::any_of(rows_.begin() + 1, rows_.end(), [c](const auto& row) { return is_number(row[c]); });
+  }
+  std::string text;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    std::string line;
+    for (std::size_t c = 0; c < widths.size(); ++c) {
+      const std::string padding(widths[c] - width(rows_[r][c]), ' ');
+      if (c > 0) line += "  ";
+      line += right[c] ? padding + rows_[r][c] : rows_[r][c] + padding;
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+    if (r == 0) {
+      std::size_t total = 2 * (widths.size() - 1);
+      for (const std::size_t w : widths) total += w;
+      text += std::string(total, '-') + "\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace crossgait

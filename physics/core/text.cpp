@@ -1,0 +1,113 @@
+#include "physics/core/text.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "physics/core/error.h"
+
+namespace crossgait {
+namespace {
+
+std::string kind_of(mode_t mode) {
+  if (S_ISDIR(mode)) return "a folder";
+  if (S_ISFIFO(mode)) return "a pipe";
+  if (S_ISSOCK(mode)) return "a socket";
+  return "a device";
+}
+
+/// An open file, closed at the end.
+class OpenFile {
+ public:
+  explicit OpenFile(const std::string& path) : path_(path) {
+    // Not waiting for somebody to write to a pipe.
+    descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor_ < 0) fail(errno == ENOENT ? "none" : std::generic_category().message(errno));
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
+      ::close(descriptor_);
+      fail(kind_of(status.st_mode));
+    }
+    size_ = static_cast<std::size_t>(status.st_size);
+  }
+  ~OpenFile() { ::close(descriptor_); }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  OpenFile(OpenFile&&) = delete;
+  OpenFile& operator=(OpenFile&&) = delete;
+
+  /// As the file system says; a file may grow, and some (of /proc) do not know theirs.
+  std::size_t size() const { return size_; }
+
+  /// Fills `text` from `from` on as far as there is something. @returns how much there was
+  std::size_t read(std::string& text, std::size_t from) const {
+    std::size_t at = from;
+    while (at < text.size()) {
+      const ssize_t count = ::read(descriptor_, text.data() + at, text.size() - at);
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) fail(std::generic_category().message(errno));
+      if (count == 0) break;
+      at += static_cast<std::size_t>(count);
+    }
+    return at - from;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& found) const {
+    throw ConfigError(path_, "file", "a readable file", found);
+  }
+
+  const std::string& path_;
+  int descriptor_ = -1;
+  std::size_t size_ = 0;
+};
+
+}  // namespace
+
+std::string read_text_file(const std::string& path, const ReadBudget& budget) {
+  const OpenFile file(path);
+  const auto check = [&](std::size_t size, const std::string& found) {
+    if (size > budget.bytes) {
+      throw ConfigError(path, "file", fmt::format("at most {}", size_in_words(budget.bytes)), found);
+    }
+  };
+  check(file.size(), size_in_words(file.size()));
+  std::string text;
+  std::size_t used = 0;
+  constexpr std::size_t kStep = 4096;
+  while (used == text.size()) {
+    // One byte more than the file has tells its end.
+    text.resize(used == 0 ? std::max(file.size() + 1, kStep) : 2 * used);
+    used += file.read(text, used);
+    check(used, "more");
+  }
+  text.resize(used);
+  return text;
+}
+
+std::optional<double> parse_number(std::string_view text) noexcept {
+  if (text.starts_with('+')) {
+    text.remove_prefix(1);
+    if (text.starts_with('-')) return std::nullopt;
+  }
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::optional<std::uint64_t> parse_seed(std::string_view text) noexcept {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace crossgait

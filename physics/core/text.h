@@ -1,0 +1,26 @@
+// Reading text: whole files, and numbers that mean the same in every locale.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "physics/core/read_budget.h"
+
+namespace crossgait {
+
+/// Contents of a regular file. Folders, devices and pipes, which may never end, are refused unread.
+/// @throws ConfigError naming the file if it cannot be read, is no regular file, or is larger than the budget
+std::string read_text_file(const std::string& path, const ReadBudget& budget);
+
+/// The finite number that the whole of `text` spells, with a decimal point in any locale; empty for anything
+/// else.
+std::optional<double> parse_number(std::string_view text) noexcept;
+
+/// The whole number from 0 to 2^64 - 1 that the whole of `text` spells; empty for anything else.
+std::optional<std::uint64_t> parse_seed(std::string_view text) noexcept;
+/// What `parse_seed` takes, in words that follow "expected ".
+inline constexpr std::string_view kSeedInWords = "a whole number from 0 to 18446744073709551615";
+
+}  // namespace crossgait

@@ -1,0 +1,73 @@
+#include "physics/core/worker_pool.h"
+
+namespace crossgait {
+namespace {
+
+// Waits until `value` is no longer `old`: for some tens of microseconds awake, which is how soon the next
+// round of a batch begins and how far apart two workers finish, then asleep.
+void wait_while(const std::atomic<std::size_t>& value, std::size_t old) noexcept {
+  constexpr int kYields = 100;
+  for (int i = 0; i < kYields; ++i) {
+    if (value.load(std::memory_order_acquire) != old) return;
+    std::this_thread::yield();
+  }
+  value.wait(old, std::memory_order_acquire);
+}
+
+}  // namespace
+
+WorkerPool::WorkerPool(std::size_t workers) {
+  try {
+    for (std::size_t i = 1; i < workers; ++i) threads_.emplace_back([this] { serve(); });
+  } catch (...) {
+    stop();  // those that did start, or joining them would never end
+    throw;
+  }
+}
+
+WorkerPool::~WorkerPool() { stop(); }
+
+void WorkerPool::stop() noexcept {
+  stop_ = true;
+  round_.fetch_add(1, std::memory_order_release);
+  round_.notify_all();
+}
+
+void WorkerPool::serve() noexcept {
+  for (std::size_t seen = 0;; ++seen) {
+    wait_while(round_, seen);
+    if (stop_) return;
+    work();
+    if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_.notify_one();
+  }
+}
+
+void WorkerPool::work() noexcept {
+  for (std::size_t i = next_.fetch_add(1); i < count_; i = next_.fetch_add(1)) {
+    try {
+      call_(function_, i);
+    } catch (...) {
+      const std::scoped_lock lock(error_mutex_);
+      if (!error_ || i < error_index_) {
+        error_ = std::current_exception();
+        error_index_ = i;
+      }
+    }
+  }
+}
+
+void WorkerPool::run(std::size_t count, Call call, const void* function) {
+  call_ = call;
+  function_ = function;
+  count_ = count;
+  next_ = 0;
+  error_ = nullptr;
+  busy_ = threads_.size();
+  round_.fetch_add(1, std::memory_order_release);
+  round_.notify_all();
+  work();
+  for (std::size_t busy = busy_.load(); busy != 0; busy = busy_.load()) wait_while(busy_, busy);
+  if (error_) std::rethrow_exception(error_);
+}
+
+}  // namespace crossgait

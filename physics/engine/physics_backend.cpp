@@ -1,0 +1,183 @@
+#include "physics/engine/physics_backend.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "physics/core/error.h"
+
+namespace crossgait {
+namespace {
+
+// Beyond these a legged robot's simulation has exploded, finite or not: speeds of sound, and a joint turning
+// faster than any servo by two orders of magnitude.
+constexpr double kRunawaySpeed = 340.0;   // m/s
+constexpr double kRunawayRate = 1e4;      // rad/s
+constexpr double kRunawayDistance = 1e6;  // m
+// So that the first touch-down does not hang on the rounding of a distance of exactly zero.
+constexpr double kHomeClearance = 1e-4;  // m
+
+bool is_sane(const RobotState& s) noexcept {
+  return s.is_finite() && s.p_WB.lpNorm<Eigen::Infinity>() < kRunawayDistance &&
+         s.v_WB.lpNorm<Eigen::Infinity>() < kRunawaySpeed &&
+         s.w_WB.lpNorm<Eigen::Infinity>() < kRunawayRate &&
+         (s.qd.size() == 0 || s.qd.lpNorm<Eigen::Infinity>() < kRunawayRate);
+}
+
+}  // namespace
+
+PhysicsBackend::PhysicsBackend(WorldSpec spec) : spec_(std::move(spec)) {
+  spec_.validate();
+  actuated_ = spec_.robot->actuated_joints();
+  drives_ = Drives(*spec_.robot, spec_.physics_dt);
+  const int n = spec_.robot->joint_count();
+  state_.q = state_.qd = torques_ = JointVector::Zero(n);
+  next_ = state_;
+}
+
+RobotState PhysicsBackend::home_state() const {
+  const RobotDescription& robot = *spec_.robot;
+  RobotState state;
+  state.q = robot.home.size() == robot.joint_count() ? robot.home : JointVector::Zero(robot.joint_count());
+  state.qd = JointVector::Zero(robot.joint_count());
+  // The highest ground within the robot's reach, so that no foot starts inside a bump.
+  double ground = spec_.terrain.height(0, 0);
+  constexpr double kReach = 0.12;
+  for (int i = -4; i <= 4; ++i) {
+    for (int j = -4; j <= 4; ++j) {
+      ground = std::max(ground, spec_.terrain.height(i * kReach / 4, j * kReach / 4));
+    }
+  }
+  state.p_WB.z() = ground + robot.home_height + kHomeClearance;
+  return state;
+}
+
+void PhysicsBackend::reset(const RobotState& state) {
+  const int n = robot().joint_count();
+  if (state.q.size() != n || state.qd.size() != n) {
+    throw ConfigError("reset", "joint vectors", fmt::format("{} joints ({})", n, robot().name),
+                      fmt::format("q of {}, qd of {}", state.q.size(), state.qd.size()));
+  }
+  if (!std::isfinite(state.time) || !is_sane(state)) {
+    throw ConfigError("reset", "state", "finite values and speeds that a robot can have",
+                      "a value out of range");
+  }
+  if (std::abs(state.q_WB.norm() - 1) > 1e-6) {
+    throw ConfigError("reset", "q_WB", "a unit quaternion", fmt::format("norm {}", state.q_WB.norm()));
+  }
+  diverged_ = false;
+  push_.setZero();
+  torques_.setZero();
+  contacts_.clear();
+  drives_.restart();
+  do_reset(state);
+  do_read_state(state_);
+  state_.time = state.time;
+}
+
+void PhysicsBackend::compute_torques(const JointTargets& targets) noexcept {
+  const RobotDescription& robot = *spec_.robot;
+  for (int i = 0; i < robot.joint_count(); ++i) torques_[i] = -robot.joint(i).damping * state_.qd[i];
+  drives_.add_torques(targets, state_, torques_);
+}
+
+StepStatus PhysicsBackend::advance(const JointTargets& targets) noexcept {
+  compute_torques(targets);
+  const double h = spec_.physics_dt;
+  const StepStatus status = do_step(torques_, push_ / h);
+  push_.setZero();
+  do_read_state(next_);
+  if (status != StepStatus::kOk || !is_sane(next_)) {
+    diverged_ = true;
+    return StepStatus::kDiverged;
+  }
+  next_.time = state_.time + h;
+  state_ = next_;
+  contacts_.clear();
+  do_read_contacts(contacts_);
+  return StepStatus::kOk;
+}
+
+StepStatus PhysicsBackend::step(const JointTargets& targets, int substeps) noexcept {
+  if (diverged_) return StepStatus::kDiverged;
+  if (targets.q.size() != static_cast<Eigen::Index>(actuated_.size()) || !targets.q.allFinite()) {
+    return StepStatus::kInvalidTargets;
+  }
+  for (int i = 0; i < substeps; ++i) {
+    if (const StepStatus status = advance(targets); status != StepStatus::kOk) return status;
+  }
+  return StepStatus::kOk;
+}
+
+LegArray<FootContact> PhysicsBackend::foot_contacts() const noexcept {
+  LegArray<FootContact> feet{};
+  for (const Contact& c : contacts_) {
+    if (c.leg < 0) continue;
+    FootContact& foot = feet[static_cast<std::size_t>(c.leg)];
+    const bool deepest = !foot.touching || -c.distance > foot.penetration;
+    foot.force += c.force;
+    if (c.force.dot(c.normal) <= 0) continue;
+    foot.touching = true;
+    if (deepest) {
+      foot.p_WP = c.p_WP;
+      foot.slip_speed = c.slip_speed;
+      foot.penetration = std::max(0.0, -c.distance);
+    }
+  }
+  return feet;
+}
+
+Pose PhysicsBackend::body_pose(int body) const {
+  if (body < 0 || body > robot().joint_count()) {
+    throw ConfigError("body_pose", "body", fmt::format("an index in [0, {}]", robot().joint_count()),
+                      fmt::format("{}", body));
+  }
+  return do_body_pose(body);
+}
+
+SpatialInertia PhysicsBackend::body_inertia(int body) const {
+  if (body < 0 || body > robot().joint_count()) {
+    throw ConfigError("body_inertia", "body", fmt::format("an index in [0, {}]", robot().joint_count()),
+                      fmt::format("{}", body));
+  }
+  return do_body_inertia(body);
+}
+
+void PhysicsBackend::apply_push(const Vector3& impulse) {
+  if (!impulse.allFinite())
+    throw ConfigError("apply_push", "impulse", "three finite numbers, N s", "not finite");
+  push_ += impulse;
+}
+
+Snapshot PhysicsBackend::save() const {
+  Snapshot snapshot{info().name, state_, contacts_, torques_, push_, diverged_, {}, {}};
+  drives_.save(snapshot.drives);
+  do_save(snapshot.engine);
+  return snapshot;
+}
+
+void PhysicsBackend::restore(const Snapshot& snapshot) {
+  if (snapshot.engine_name != info().name) {
+    throw ConfigError("restore", "engine", fmt::format("a snapshot of {}", info().name),
+                      snapshot.engine_name);
+  }
+  std::vector<double> own, drives;
+  do_save(own);
+  drives_.save(drives);
+  if (own.size() != snapshot.engine.size() || drives.size() != snapshot.drives.size() ||
+      snapshot.state.q.size() != state_.q.size()) {
+    throw ConfigError("restore", "robot",
+                      fmt::format("a snapshot of {} with {} joints", robot().name, state_.q.size()),
+                      fmt::format("{} joints", snapshot.state.q.size()));
+  }
+  do_restore(snapshot.engine);
+  drives_.restore(snapshot.drives);
+  state_ = snapshot.state;
+  contacts_ = snapshot.contacts;
+  torques_ = snapshot.torques;
+  push_ = snapshot.push;
+  diverged_ = snapshot.diverged;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,158 @@
+// The one virtual interface: a robot on a terrain in some physics engine.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "physics/engine/world_spec.h"
+#include "physics/robot/drives.h"
+#include "physics/robot/state.h"
+
+namespace crossgait {
+
+/// What an engine and mode declares; tests skip on these and on nothing else.
+struct Capabilities {
+  bool soft_contact = false;  ///< honours ContactSpec::softness
+  bool exact_field_query =
+      false;  ///< terrain_height is exact to rounding (1e-12 m) rather than to the ray test (2e-6 m)
+  bool allocates = false;  ///< the engine's own library allocates in a step
+
+  bool operator==(const Capabilities&) const = default;
+};
+
+/// The laws that an engine solves, by name. Engines that agree in all of them solve the same equations, so
+/// that nothing but rounding may lie between them: they are held to the tight tolerances. Behind a slash
+/// stands how an engine departs from the law by the way in which it solves it: "hard/sweeps".
+struct Laws {
+  std::string contact;         ///< normal force and friction between robot and terrain: "mujoco", "hard"
+  std::string loops;           ///< of loop closures: "mujoco" (soft, with its reference acceleration)
+  std::string joint_friction;  ///< dry friction in joints: "mujoco" (soft), "hard"; "" for none
+
+  /// The law of contact without the way in which it is solved: two engines of one are no two opinions of it.
+  std::string_view contact_law() const noexcept {
+    return std::string_view(contact).substr(0, contact.find('/'));
+  }
+
+  bool operator==(const Laws&) const = default;
+};
+
+struct EngineInfo {
+  std::string name;     ///< the name it is chosen by: "mujoco", "bullet", "bullet:matched"
+  std::string engine;   ///< "MuJoCo", "Bullet"
+  std::string version;  ///< of the engine's library, e.g. "2.2.2"
+  std::string mode;     ///< contact mode in words
+  Laws laws;
+  Capabilities capabilities;
+
+  bool operator==(const EngineInfo&) const = default;
+};
+
+/// A saved instant. Restoring it, in this or in another world built from the same WorldSpec, continues bit
+/// for bit.
+struct Snapshot {
+  std::string engine_name;  ///< EngineInfo::name it came from
+  RobotState state;
+  ContactList contacts;
+  JointVector torques;
+  Vector3 push = Vector3::Zero();
+  bool diverged = false;
+  std::vector<double> drives;  ///< targets that are on their way
+  std::vector<double> engine;  ///< the engine's own configuration, bit for bit
+};
+
+/// One instance = one world = one thread. Two instances may run on two threads.
+///
+/// Public functions validate and share what engines must not differ in (the servo law, divergence checks);
+/// engines implement the private virtual ones. See `docs/conventions.md` for frames.
+class PhysicsBackend {
+ public:
+  virtual ~PhysicsBackend() = default;
+  PhysicsBackend(const PhysicsBackend&) = delete;
+  PhysicsBackend& operator=(const PhysicsBackend&) = delete;
+
+  virtual const EngineInfo& info() const = 0;
+  const WorldSpec& spec() const { return spec_; }
+  const RobotDescription& robot() const { return *spec_.robot; }
+
+  /// Puts the robot into `state` (time included) and forgets contacts and pending pushes.
+  /// @throws ConfigError if sizes differ from the robot's or a value is not finite or the quaternion is not
+  /// unit
+  void reset(const RobotState& state);
+  /// Resets to `home_state()`.
+  void reset() { reset(home_state()); }
+  /// Home pose at rest over the world origin, at home_height above the terrain's highest point under the
+  /// robot.
+  RobotState home_state() const;
+
+  /// Advances `substeps` physics steps holding `targets`; torques are recomputed every physics step:
+  /// tau = clamp(kp (q* - q) - kd qd, +-effort_limit) on servos (with what their drives fall short of:
+  /// drives.h), then - damping qd on every joint.
+  /// Targets are clamped to the joints' limits. Targets of the wrong size or not finite change nothing and
+  /// return kInvalidTargets. After kDiverged the state keeps its last good value and every further step
+  /// returns kDiverged until reset or restore.
+  [[nodiscard]] StepStatus step(const JointTargets& targets, int substeps = 1) noexcept;
+
+  const RobotState& state() const noexcept { return state_; }
+  /// Contacts of the last physics step, at the configuration it began with. Empty after reset.
+  const ContactList& contacts() const noexcept { return contacts_; }
+  LegArray<FootContact> foot_contacts() const noexcept;
+  /// Torques applied in the last physics step, N m (servo minus damping).
+  const JointVector& torques() const noexcept { return torques_; }
+
+  /// Height of the terrain under (x, y), asked of the engine's own geometry by a ray, m. NaN where there is
+  /// none.
+  double terrain_height(double x, double y) const { return do_terrain_height(x, y); }
+  /// Pose of a body in W as the engine has it now. `body` indexes RobotDescription::bodies.
+  Pose body_pose(int body) const;
+  /// Joint-space inertia of engine bodies plus armature; rows and columns [v_WB, w_WB, qd] (6 + joints), or
+  /// the joints alone for a fixed base. kg, kg m, kg m^2.
+  Eigen::MatrixXd mass_matrix() const { return do_mass_matrix(); }
+  /// Mass properties as the engine holds them, in the frame of RobotDescription.
+  SpatialInertia body_inertia(int body) const;
+  /// Dry friction of every joint as the engine holds it, N m; zero where it simulates none.
+  JointVector joint_friction() const { return do_joint_friction(); }
+
+  /// Adds an impulse (N s, in W) at the base's centre of mass, spread over the next physics step.
+  /// @throws ConfigError if not finite
+  void apply_push(const Vector3& impulse);
+
+  Snapshot save() const;
+  /// @throws ConfigError if the snapshot is of another engine or robot
+  void restore(const Snapshot& snapshot);
+
+ protected:
+  /// @throws ConfigError if the specification is invalid
+  explicit PhysicsBackend(WorldSpec spec);
+
+ private:
+  virtual void do_reset(const RobotState& state) = 0;
+  /// One physics step under joint torques `tau` and base force `push` (N, in W, at the base's centre of
+  /// mass). kDiverged where the engine itself noticed; the caller checks the state it reads back besides.
+  virtual StepStatus do_step(const JointVector& tau, const Vector3& push) noexcept = 0;
+  virtual void do_read_state(RobotState& state) const noexcept = 0;
+  virtual void do_read_contacts(ContactList& contacts) const noexcept = 0;
+  virtual double do_terrain_height(double x, double y) const = 0;
+  virtual Pose do_body_pose(int body) const = 0;
+  virtual Eigen::MatrixXd do_mass_matrix() const = 0;
+  virtual SpatialInertia do_body_inertia(int body) const = 0;
+  virtual void do_save(std::vector<double>& engine) const = 0;
+  virtual void do_restore(const std::vector<double>& engine) = 0;
+  virtual JointVector do_joint_friction() const { return JointVector::Zero(robot().joint_count()); }
+
+  void compute_torques(const JointTargets& targets) noexcept;
+  [[nodiscard]] StepStatus advance(const JointTargets& targets) noexcept;
+
+  WorldSpec spec_;
+  std::vector<int> actuated_;
+  Drives drives_;
+  RobotState state_;
+  ContactList contacts_;
+  JointVector torques_;
+  RobotState next_;                 ///< read back here, so that a diverged state never replaces a good one
+  Vector3 push_ = Vector3::Zero();  ///< N s, pending
+  bool diverged_ = false;
+};
+
+}  // namespace crossgait

@@ -1,0 +1,41 @@
+// What to simulate, before any engine is chosen.
+#pragma once
+
+#include <memory>
+
+#include "physics/robot/robot.h"
+#include "physics/terrain/terrain.h"
+
+namespace crossgait {
+
+/// Physics steps, s. A thousandth of the usual one is far beyond where the engines' results stop changing.
+inline constexpr double kShortestPhysicsStep = 1e-6, kLongestPhysicsStep = 0.1;
+
+/// The contact *intent*. How each engine realises it is one documented function per backend
+/// (backends/mujoco/model_xml.cpp, backends/contact/soft_constraint.h, backends/bullet/native_contact.cpp).
+struct ContactSpec {
+  double friction = 0.6;  ///< Coulomb coefficient between robot and terrain
+  Softness softness;      ///< of the contact normal; `native` Bullet contacts are hard and ignore it
+  double impratio = 1.0;  ///< MuJoCo's ratio of frictional to normal impedance
+};
+
+/// Effort of the iterative parts of an engine's solver.
+struct SolverSpec {
+  double tolerance = 1e-8;  ///< MuJoCo Newton and the matched cone solve stop here
+  int iterations = 100;     ///< at most (MuJoCo's Newton, Bullet's projected Gauss-Seidel sweeps)
+};
+
+struct WorldSpec {
+  std::shared_ptr<const RobotDescription> robot;
+  Terrain terrain;
+  double physics_dt = 1e-3;             ///< s
+  Vector3 gravity = {0, 0, -kGravity};  ///< m/s^2
+  bool fixed_base = false;              ///< weld the base to the world where reset puts it
+  ContactSpec contact;
+  SolverSpec solver;
+
+  /// @throws ConfigError naming the field
+  void validate() const;
+};
+
+}  // namespace crossgait

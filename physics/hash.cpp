@@ -1,9 +1,0 @@
-#include "crossgait/physics/hash.h"
-
-#include <fmt/format.h>
-
-namespace crossgait {
-
-std::string Fnv1a::hex() const { return fmt::format("{:016x}", hash_); }
-
-}  // namespace crossgait

@@ -1,0 +1,31 @@
+#include "physics/robot/actuator.h"
+
+#include <algorithm>
+
+namespace crossgait {
+namespace {
+
+// The largest torque in a direction in which the joint turns at `speed`, rad/s.
+double available(const Joint& joint, double speed) noexcept {
+  if (joint.no_load_speed <= 0) return joint.effort_limit;
+  const double share = (joint.no_load_speed - speed) / (joint.no_load_speed - joint.corner_speed);
+  return joint.effort_limit * std::clamp(share, 0.0, 1.0);
+}
+
+double through_play(const Joint& joint, double error, double qd) noexcept {
+  const double play = joint.backlash / 2;
+  if (error > play) return std::max(joint.kp * (error - play) - joint.kd * qd, 0.0);
+  if (error < -play) return std::min(joint.kp * (error + play) - joint.kd * qd, 0.0);
+  return 0;
+}
+
+}  // namespace
+
+double servo_torque(const Joint& joint, double target, double measured, double qd) noexcept {
+  const double error = target - measured;
+  const double wanted =
+      joint.backlash > 0 ? through_play(joint, error, qd) : joint.kp * error - joint.kd * qd;
+  return std::clamp(wanted, -available(joint, -qd), available(joint, qd));
+}
+
+}  // namespace crossgait

@@ -1,0 +1,87 @@
+#include "physics/robot/drives.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "physics/core/error.h"
+#include "physics/core/random.h"
+#include "physics/robot/actuator.h"
+
+namespace crossgait {
+namespace {
+
+constexpr double kMostDelaySteps = 1000;
+
+std::size_t delay_steps(const Joint& joint, double physics_dt, const std::string& source) {
+  const double steps = std::round(joint.delay / physics_dt);
+  const bool whole = std::abs(joint.delay - steps * physics_dt) < 1e-9 * physics_dt * (1 + steps);
+  if (whole && steps <= kMostDelaySteps) return static_cast<std::size_t>(steps);
+  throw ConfigError(
+      source, fmt::format("delay of joint '{}'", joint.name),
+      fmt::format("a whole number of physics steps of {:g} s, at most {:g}", physics_dt, kMostDelaySteps),
+      fmt::format("{:g} s", joint.delay));
+}
+
+// Uniform in +-noise; of nothing but the step and the joint, so that a restored motion draws the same.
+double error_of(double noise, std::uint64_t step, int joint) noexcept {
+  const std::uint64_t bits = derived_seed(step, static_cast<std::uint64_t>(joint));
+  return noise * (2 * (static_cast<double>(bits >> 11) * 0x1p-53) - 1);
+}
+
+constexpr std::array kDriveSettings{
+    DriveSetting{"corner_speed", "rad/s", &Joint::corner_speed},
+    DriveSetting{"no_load_speed", "rad/s", &Joint::no_load_speed},
+    DriveSetting{"backlash", "rad", &Joint::backlash},
+    DriveSetting{"delay", "s", &Joint::delay},
+    DriveSetting{"sensor_noise", "rad", &Joint::sensor_noise},
+};
+
+}  // namespace
+
+std::span<const DriveSetting> drive_settings() { return kDriveSettings; }
+
+Drives::Drives(const RobotDescription& robot, double physics_dt) {
+  std::size_t longest = 0;
+  for (const int i : robot.actuated_joints()) {
+    const Joint& joint = robot.joint(i);
+    servos_.push_back({i, delay_steps(joint, physics_dt, robot.source), joint});
+    longest = std::max(longest, servos_.back().delay);
+  }
+  line_.assign(longest + 1, JointVector::Zero(static_cast<Eigen::Index>(servos_.size())));
+}
+
+void Drives::add_torques(const JointTargets& targets, const RobotState& state,
+                         JointVector& torques) noexcept {
+  if (steps_ == 0) std::fill(line_.begin(), line_.end(), targets.q);
+  const std::size_t rows = line_.size(), now = steps_ % rows;
+  line_[now] = targets.q;
+  for (std::size_t k = 0; k < servos_.size(); ++k) {
+    const Servo& servo = servos_[k];
+    const Joint& joint = servo.joint;
+    const double asked = line_[(now + rows - servo.delay) % rows][static_cast<Eigen::Index>(k)];
+    const double target = std::clamp(asked, joint.lower, joint.upper);
+    double measured = state.q[servo.index];
+    if (joint.sensor_noise > 0) measured += error_of(joint.sensor_noise, steps_, servo.index);
+    torques[servo.index] += servo_torque(joint, target, measured, state.qd[servo.index]);
+  }
+  ++steps_;
+}
+
+void Drives::save(std::vector<double>& out) const {
+  out.push_back(static_cast<double>(steps_));
+  for (const JointVector& row : line_) out.insert(out.end(), row.begin(), row.end());
+}
+
+void Drives::restore(const std::vector<double>& saved) {
+  const double* next = saved.data();
+  steps_ = static_cast<std::uint64_t>(*next++);
+  for (JointVector& row : line_) {
+    std::copy_n(next, row.size(), row.begin());
+    next += row.size();
+  }
+}
+
+}  // namespace crossgait

@@ -1,0 +1,52 @@
+// The servos of a robot with what stands between a target and its torque. One code for every engine.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "physics/robot/robot.h"
+#include "physics/robot/state.h"
+
+namespace crossgait {
+
+/// What of a real drive is off unless a file sets it: its name there, its unit, and where it is kept.
+struct DriveSetting {
+  std::string_view name, unit;
+  double Joint::*member;
+};
+std::span<const DriveSetting> drive_settings();
+
+/// Targets on their way (Joint::delay) and errors of measurement (Joint::sensor_noise) over the servo law.
+/// A value: a copy goes on from there.
+class Drives {
+ public:
+  Drives() = default;
+  /// @throws ConfigError if a servo's delay is no whole number of steps of `physics_dt` (s), or too many
+  Drives(const RobotDescription& robot, double physics_dt);
+
+  /// The next targets are taken to have been on their way for ever.
+  void restart() noexcept { steps_ = 0; }
+  /// Adds the torques of the servos in the next physics step.
+  /// @param targets  of RobotDescription::actuated_joints(), rad
+  void add_torques(const JointTargets& targets, const RobotState& state, JointVector& torques) noexcept;
+
+  /// All that the rest depends on, at the end of `out`.
+  void save(std::vector<double>& out) const;
+  /// @param saved  what `save` of drives of the same robot and step wrote
+  void restore(const std::vector<double>& saved);
+
+ private:
+  struct Servo {
+    int index;          // of its joint
+    std::size_t delay;  // physics steps
+    Joint joint;
+  };
+
+  std::vector<Servo> servos_;
+  std::vector<JointVector> line_;  // targets of the last steps, this one's included
+  std::uint64_t steps_ = 0;        // since the restart
+};
+
+}  // namespace crossgait

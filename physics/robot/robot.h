@@ -1,0 +1,198 @@
+// The engine-free description of a robot: the single source from which every engine's model is built.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "physics/core/math.h"
+#include "physics/robot/leg.h"
+
+namespace crossgait {
+
+/// Mass properties of one body, in the body's frame.
+struct SpatialInertia {
+  double mass = 0;                 ///< kg
+  Vector3 p_BC = Vector3::Zero();  ///< centre of mass, m
+  Matrix3 I_C = Matrix3::Zero();   ///< inertia about the centre of mass, body axes, kg m^2
+};
+
+enum class ShapeType { kSphere, kBox, kCylinder, kCapsule, kHull };
+
+/// In documents and in Python.
+constexpr std::string_view name(ShapeType type) {
+  constexpr std::array<std::string_view, 5> kNames{"sphere", "box", "cylinder", "capsule", "hull"};
+  return kNames.at(static_cast<std::size_t>(type));
+}
+
+/// Most vertices of a hull. MuJoCo takes 50 contacts of two geoms.
+inline constexpr int kMaxHullVertices = 32;
+
+/// A collision shape, rigidly attached to a body. Shapes of one robot never collide with each other, only
+/// with terrain, which they touch in the same places on every engine (contact_features.h).
+struct CollisionShape {
+  std::string name;
+  ShapeType type = ShapeType::kSphere;
+  Vector3 size = Vector3::Zero();  ///< sphere: (radius, 0, 0); box: half extents; cylinder: (radius, half
+                                   ///< length, 0), axis z; capsule: the same, half length between the centres
+                                   ///< of its ends; hull: not used
+  Pose X_BG = Pose::Identity();    ///< pose of the shape in the body frame
+  std::vector<Vector3> vertices;   ///< of a hull, in the shape's frame, m: 4 to kMaxHullVertices
+};
+
+enum class VisualType { kSphere, kBox, kCylinder, kCapsule, kMesh };
+
+/// In documents and in Python.
+constexpr std::string_view name(VisualType type) {
+  constexpr std::array<std::string_view, 5> kNames{"sphere", "box", "cylinder", "capsule", "mesh"};
+  return kNames.at(static_cast<std::size_t>(type));
+}
+
+/// What a body looks like. No engine sees it.
+struct VisualShape {
+  VisualType type = VisualType::kSphere;
+  Vector3 size = Vector3::Zero();  ///< as CollisionShape's; capsule: (radius, half length between the centres
+                                   ///< of its ends, 0), axis z; of a mesh: not used
+  std::string mesh;                ///< its file
+  Vector3 scale = Vector3::Ones();      ///< metres per unit of the mesh, along its axes
+  Pose X_BG = Pose::Identity();         ///< pose of the shape in the body frame
+  std::optional<Eigen::Vector4d> rgba;  ///< 0..1, if stated
+};
+
+/// The revolute joint that connects a body to its parent, and its drive.
+struct Joint {
+  std::string name;
+  Vector3 axis = Vector3::UnitZ();  ///< unit axis in the body frame (equal to the joint frame); right-handed
+  double lower =
+      -3.14159265358979323846;  ///< rad; limits bound commanded targets, engines do not enforce them
+  double upper = 3.14159265358979323846;  ///< rad
+  double damping = 0;                     ///< viscous, N m s/rad; explicit on every engine
+  double friction = 0;                    ///< dry (Coulomb), N m; a law of the engine's (docs/conventions.md)
+  double armature = 0;                    ///< rotor inertia reflected to the joint, kg m^2
+  bool actuated = false;
+  double kp = 0;            ///< servo stiffness, N m/rad
+  double kd = 0;            ///< servo damping, N m s/rad, inside the effort clamp
+  double effort_limit = 0;  ///< N m; 0: not given, which only a joint that is not actuated may have
+
+  // What a real drive falls short of by (actuator.h, drives.h). All off by default.
+  double corner_speed = 0;   ///< up to which there is all the effort, rad/s
+  double no_load_speed = 0;  ///< at which there is none left, rad/s; 0: there is at any speed
+  double backlash = 0;       ///< play between motor and joint, from stop to stop, rad
+  double delay = 0;          ///< from a target to its torque, s; whole physics steps
+  double sensor_noise = 0;   ///< of the angle that the servo measures, uniform in +- this, rad
+};
+
+/// One rigid body. Body 0 is the base; body i + 1 hangs on joint i.
+struct Body {
+  std::string name;
+  int parent = -1;               ///< index of the parent body, smaller than its own; -1 for the base
+  Pose X_PB = Pose::Identity();  ///< pose in the parent body at zero joint angle: the joint's frame
+  Joint joint;                   ///< unused for the base
+  SpatialInertia inertia;
+  std::vector<CollisionShape> shapes;
+  std::vector<VisualShape> visuals;
+};
+
+/// Two points of two bodies held together by a soft ball joint (closes a kinematic loop).
+struct LoopClosure {
+  std::string name;
+  int body_a = 0, body_b = 0;
+  Vector3 p_AP = Vector3::Zero(), p_BP = Vector3::Zero();  ///< the point in either body's frame, m
+};
+
+/// How the joints of a leg are arranged.
+enum class LegLinkage {
+  kFiveBar,  ///< two chains of shoulder and elbow on a tilt joint, joined at the foot by a loop
+  kSerial,   ///< hip and knee, on an abduction joint or on the base
+};
+
+/// A joint of a leg: what it is called, and the role (its index) that it hangs on; -1: on the base.
+struct LegRole {
+  std::string_view name;
+  int parent;
+  bool actuated;
+};
+
+/// One leg: its joints (indices into joint vectors) in the order of its roles, and its foot.
+struct LegModel {
+  LegLinkage linkage = LegLinkage::kFiveBar;
+  std::vector<int> servos;         ///< tilt, shoulder_left, shoulder_right; or abduction (if any), hip, knee
+  std::vector<int> passive;        ///< elbow_left, elbow_right; or none
+  int foot_body = -1;              ///< index of the body that carries the foot
+  Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m
+  double foot_radius = 0;          ///< m
+
+  /// Of servos, then of passive joints.
+  std::span<const LegRole> roles() const noexcept;
+  /// Servos, then passive joints: as `roles`.
+  std::vector<int> joints() const;
+  /// The joint in the role of this name, or -1.
+  int joint(std::string_view role) const noexcept;
+};
+
+/// Softness of a constraint, in MuJoCo's terms (MuJoCo manual, "Computation > Constraint model >
+/// Parameters"). These are its defaults.
+struct Softness {
+  double time_constant = 0.02;  ///< s, at least two physics steps
+  double damping_ratio = 1.0;
+  double impedance_min = 0.9, impedance_max = 0.95, impedance_width = 0.001;  ///< -, -, m
+};
+
+/// Everything the engines need to know of a robot.
+struct RobotDescription {
+  std::string name;
+  std::string source;        ///< file it came from, for messages
+  std::vector<Body> bodies;  ///< topological order, base first
+  std::vector<LoopClosure> loops;
+  Softness loop_softness{0.005, 1.0, 0.95, 0.99, 0.001};
+  /// Of dry friction in joints, which engines with hard joint friction ignore; nothing is ever violated, so
+  /// damping ratio and width do not count. Stiffer than MuJoCo's defaults, with which friction pushes a joint
+  /// on that stops by itself, and stuck joints creep eight times as fast (docs/conventions.md).
+  Softness friction_softness{0.005, 1.0, 0.95, 0.99, 0.001};
+  std::optional<LegArray<LegModel>> legs;  ///< absent only for test bodies built in code
+  JointVector home;                        ///< joint angles of the home pose, loops closed, rad
+  double home_height = 0;                  ///< height of the base origin over flat ground in the home pose, m
+  /// h, m: how deep below hips or shoulders the feet of a standing leg are; gaits, ranges and limits are
+  /// multiples of it and of sqrt(h / g) (gait/scale.h).
+  double standing_height = 0;
+  double stance_offset = 0;  ///< forward shift of the feet that brings them under the centre of mass, m
+
+  int joint_count() const { return static_cast<int>(bodies.size()) - 1; }
+  const Joint& joint(int i) const { return bodies[static_cast<std::size_t>(i) + 1].joint; }
+  /// Joint indices in the order of `JointTargets`.
+  std::vector<int> actuated_joints() const;
+  double total_mass() const;  ///< kg
+  /// Whether any joint has dry friction.
+  bool has_joint_friction() const noexcept;
+
+  /// Checks every invariant stated above (finite, positive masses, physical inertias, tree order, loops
+  /// closed at home, unique names). @throws ConfigError naming `source` and the element.
+  void validate() const;
+};
+
+/// Index of the leg whose foot is shape `shape` of body `body`, or -1: the sphere centred on the foot's
+/// frame.
+inline int leg_of_shape(const RobotDescription& robot, int body, int shape) {
+  if (!robot.legs) return -1;
+  const CollisionShape& s =
+      robot.bodies[static_cast<std::size_t>(body)].shapes[static_cast<std::size_t>(shape)];
+  for (const Leg leg : kLegs) {
+    const LegModel& model = (*robot.legs)[leg];
+    if (model.foot_body == body && s.type == ShapeType::kSphere &&
+        s.X_BG.translation().isApprox(model.p_BF, 1e-9)) {
+      return static_cast<int>(leg);
+    }
+  }
+  return -1;
+}
+
+/// Reads `robot.yaml` (which names its URDF or MJCF), or a bare `.urdf` or `.xml` (MJCF: mjcf_reader.h) with,
+/// if there is one, a `.yaml` of the same stem or `robot.yaml` beside it. What the files do not say is
+/// inferred (robot_inference.h, `load_robot_with_report`).
+/// @throws ConfigError naming file and element.
+RobotDescription load_robot(const std::string& path);
+
+}  // namespace crossgait

@@ -1,0 +1,35 @@
+// Where the robots and terrains that come with Crossgait are.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#ifndef CROSSGAIT_MODELS_DIR
+#include "physics/robot_files/installed_models.h"  // written by the installation
+#endif
+
+namespace crossgait {
+
+/// Folder of the models that come with Crossgait, the first of these that exists:
+///  1. the environment variable CROSSGAIT_DATA, which must then name a folder;
+///  2. share/crossgait/models beside the library that this is linked into: the Python package's;
+///  3. the installed folder as seen from the running program: PREFIX/bin/../share/crossgait/models;
+///  4. `built_in`: models/ of the source tree within this project's build, the installed folder in a program
+///  that
+///     was compiled against an installed Crossgait. CMake's target crossgait::physics defines it; without
+///     CMake the installed headers do.
+/// @throws ConfigError naming what was looked at
+std::string models_dir(std::string_view built_in = CROSSGAIT_MODELS_DIR);
+
+/// Names of the robots in `models_dir()`/robots (folders that hold a robot.yaml), sorted.
+std::vector<std::string> robot_names(std::string_view built_in = CROSSGAIT_MODELS_DIR);
+
+/// Whether `text` is the path of a robot's file rather than a name: it ends in .yaml, .urdf, .xml or .mjcf.
+bool is_robot_file(std::string_view text);
+
+/// The file to give to `load_robot`: `text` itself if it is the path of one, else robot.yaml of the robot of
+/// that name. @throws ConfigError listing the known names
+std::string find_robot(std::string_view text, std::string_view built_in = CROSSGAIT_MODELS_DIR);
+
+}  // namespace crossgait

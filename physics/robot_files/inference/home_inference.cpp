@@ -1,0 +1,213 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "physics/core/across_axis.h"
+#include "physics/core/error.h"
+#include "physics/robot/multibody.h"
+#include "physics/robot_files/inference/robot_inference.h"
+
+namespace crossgait {
+namespace {
+
+constexpr double kTurn = 2 * M_PI;
+constexpr double kMostForward = 0.15;  // of thigh and shin
+
+/// From u to v about the unit vector `axis`, both across it, rad.
+double turn_between(const Vector3& u, const Vector3& v, const Vector3& axis) {
+  return std::atan2(axis.dot(u.cross(v)), u.dot(v));
+}
+
+/// The angle nearest to zero about `axis` that makes the unit vector `v` horizontal, as near as it gets.
+double levelling_angle(const Vector3& axis, const Vector3& v) {
+  // Rodrigues: z of v turned is A cos + B sin + C.
+  const double C = axis.dot(v) * axis.z(), A = v.z() - C, B = axis.cross(v).z(), size = std::hypot(A, B);
+  if (size < 1e-9) return 0;  // it stays where it is
+  const double middle = std::atan2(B, A), half = std::acos(std::clamp(-C / size, -1.0, 1.0));
+  const double a = std::remainder(middle + half, kTurn), b = std::remainder(middle - half, kTurn);
+  return std::abs(a) < std::abs(b) ? a : b;
+}
+
+/// The turn of `angle` that lies within the limits, if there is one.
+std::optional<double> within(double angle, const Joint& joint) {
+  for (const double turned : {angle, angle - kTurn, angle + kTurn}) {
+    if (turned >= joint.lower && turned <= joint.upper) return turned;
+  }
+  return std::nullopt;
+}
+
+/// A serial leg in the plane across its hip's axis, the abduction held.
+class PlanarLeg {
+ public:
+  PlanarLeg(const RobotDescription& robot, Leg leg) : robot_(robot), model_((*robot.legs)[leg]) {
+    if (const int abduction = model_.joint("abduction"); abduction >= 0) {
+      const Joint& joint = robot.joint(abduction);
+      const Body& base = body(abduction);
+      const Vector3 hip_axis = base.X_PB.linear() * body(hip()).X_PB.linear() * robot.joint(hip()).axis;
+      abduction_ =
+          std::clamp(levelling_angle(base.X_PB.linear() * joint.axis, hip_axis), joint.lower, joint.upper);
+      X_ = base.X_PB * Eigen::AngleAxisd(abduction_, joint.axis);
+    }
+    X_ = X_ * body(hip()).X_PB;
+    const Pose X_knee = X_ * body(knee()).X_PB;
+    axis_ = X_.linear() * robot.joint(hip()).axis;
+    hip_sign_ = axis_.y() < 0 ? -1 : 1;  // about the axis that points left
+    axis_ *= hip_sign_;
+    knee_sign_ = axis_.dot(X_knee.linear() * robot.joint(knee()).axis) < 0 ? -1 : 1;
+    thigh_ = across(X_knee.translation() - X_.translation(), axis_);
+    shin_ = across(X_knee * model_.p_BF - X_knee.translation(), axis_);
+  }
+
+  double hip_x() const { return X_.translation().x(); }
+  LegLengths lengths() const { return {thigh_.norm(), shin_.norm()}; }
+
+  /// Angles in the order of the leg's servos with the foot `depth` below and `forward` of the hip.
+  /// @param bend  +1: knee ahead of the line from hip to foot, -1: behind it
+  /// @returns nothing if a limit forbids it
+  std::optional<std::vector<double>> stand(double depth, double forward, int bend) const {
+    const Vector3 foot = across(Vector3(forward, 0, -depth), axis_);
+    const double u = thigh_.norm(), l = shin_.norm();
+    const double cosine = (foot.squaredNorm() - u * u - l * l) / (2 * u * l);
+    if (!(std::abs(cosine) <= 1)) return std::nullopt;
+    const double turned = bend * std::acos(cosine) - turn_between(thigh_, shin_, axis_);
+    const Vector3 reach = thigh_ + Eigen::AngleAxisd(turned, axis_) * shin_;
+    const auto hip_angle = within(hip_sign_ * turn_between(reach, foot, axis_), robot_.joint(hip()));
+    const auto knee_angle = within(knee_sign_ * turned, robot_.joint(knee()));
+    if (!hip_angle || !knee_angle) return std::nullopt;
+    if (model_.servos.size() == 2) return std::vector<double>{*hip_angle, *knee_angle};
+    return std::vector<double>{abduction_, *hip_angle, *knee_angle};
+  }
+
+ private:
+  int hip() const { return model_.joint("hip"); }
+  int knee() const { return model_.joint("knee"); }
+  const Body& body(int joint) const { return robot_.bodies[static_cast<std::size_t>(joint) + 1]; }
+
+  const RobotDescription& robot_;
+  const LegModel& model_;
+  double abduction_ = 0;
+  Pose X_ = Pose::Identity();  // of the hip's body in the base at zero hip angle
+  Vector3 axis_, thigh_, shin_;
+  double hip_sign_ = 1, knee_sign_ = 1;
+};
+
+double centre_of_mass_x(const RobotDescription& robot, const JointVector& q) {
+  RobotState state;
+  state.q = q;
+  std::vector<Pose> poses;
+  forward_kinematics(robot, state, poses);
+  double moment = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const SpatialInertia& inertia = robot.bodies[i].inertia;
+    moment += inertia.mass * (poses[i] * inertia.p_BC).x();
+  }
+  return moment / robot.total_mass();
+}
+
+void set_leg(const LegModel& model, const std::vector<double>& angles, JointVector& q) {
+  for (std::size_t k = 0; k < angles.size(); ++k) q[model.servos[k]] = angles[k];
+}
+
+[[noreturn]] void fail_to_stand(const RobotDescription& robot, Leg leg, double height) {
+  std::vector<std::string> limits;
+  for (const int joint : (*robot.legs)[leg].servos)
+    limits.push_back(fmt::format("'{}' {:.3g}..{:.3g}", robot.joint(joint).name, robot.joint(joint).lower,
+                                 robot.joint(joint).upper));
+  throw ConfigError(
+      robot.source, fmt::format("legs.{}", name(leg)),
+      fmt::format("a leg that stands {:.3g} m below its hip, its knee forward or backward, or `home` "
+                  "in a robot.yaml",
+                  height),
+      fmt::format("limits that forbid it: {} rad", fmt::join(limits, ", ")));
+}
+
+}  // namespace
+
+LegLengths leg_lengths(const RobotDescription& robot, Leg leg) { return PlanarLeg(robot, leg).lengths(); }
+
+HomePose find_home(const RobotDescription& robot, double height, std::vector<Inference>& inferred) {
+  HomePose home;
+  home.q = JointVector::Zero(robot.joint_count());
+  LegArray<int> bends{};
+  const auto stand = [&](Leg leg, const PlanarLeg& planar) {
+    for (const int bend : {-1, 1}) {
+      const auto angles = planar.stand(height, home.forward, bend);
+      if (!angles) continue;
+      bends[leg] = bend;
+      set_leg((*robot.legs)[leg], *angles, home.q);
+      return;
+    }
+    fail_to_stand(robot, leg, height);
+  };
+  for (const Leg leg : kLegs) stand(leg, PlanarLeg(robot, leg));
+  // The legs' own masses move a little with the feet: it settles to less than a micrometre.
+  constexpr int kRounds = 10;
+  for (int i = 0; i < kRounds; ++i) {
+    home.forward = balanced_offset(robot, home.q);
+    for (const Leg leg : kLegs) stand(leg, PlanarLeg(robot, leg));
+  }
+  std::vector<std::string> knees;
+  for (const Leg leg : kLegs)
+    knees.push_back(fmt::format("{} {}", name(leg), bends[leg] > 0 ? "forward" : "backward"));
+  inferred.push_back(
+      {"home", fmt::format("feet {:.4g} m below the hips, knees: {}", height, fmt::join(knees, ", ")),
+       fmt::format("{} of thigh and shin; backward unless the limits forbid it", kStandingShare)});
+  inferred.push_back({"stance_offset", fmt::format("{:.4g} m", home.forward), kStanceOffsetReason});
+  return home;
+}
+
+double balanced_offset(const RobotDescription& robot, const JointVector& q) {
+  double hips = 0, length = 0;
+  for (const Leg leg : kLegs) {
+    const PlanarLeg planar(robot, leg);
+    hips += planar.hip_x() / kLegCount;
+    length += planar.lengths().sum() / kLegCount;
+  }
+  const double ahead = centre_of_mass_x(robot, q) - hips;
+  return std::clamp(ahead, -kMostForward * length, kMostForward * length);
+}
+
+std::string problem_with_stance(const RobotDescription& robot, const JointVector& q) {
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    const Joint& joint = robot.joint(i);
+    if (!(q[i] >= joint.lower && q[i] <= joint.upper))
+      return fmt::format("joint '{}' is at {:.4g} rad, beyond its limits", joint.name, q[i]);
+  }
+  RobotState state;
+  state.q = q;
+  std::vector<Pose> poses;
+  forward_kinematics(robot, state, poses);
+  double least = std::numeric_limits<double>::infinity(), most = -least, length = 0;
+  for (const Leg leg : kLegs) {
+    const int hip = (*robot.legs)[leg].joint("hip");
+    const double depth =
+        poses[static_cast<std::size_t>(hip) + 1].translation().z() - foot_position(robot, leg, poses).z();
+    least = std::min(least, depth);
+    most = std::max(most, depth);
+    length += leg_lengths(robot, leg).sum() / kLegCount;
+  }
+  constexpr double kThird = 1.0 / 3;
+  if (least < kThird * length || most - least > kThird * length)
+    return fmt::format("its feet are {:.3g} to {:.3g} m below the hips, of legs of {:.3g} m", least, most,
+                       length);
+  return "";
+}
+
+ServoRule servo_rule(double mass, double height, double leg_length) {
+  const double g = kGravity, weight = mass * g;
+  ServoRule rule;
+  rule.kp = 3 * weight * height;
+  // Damping ratio .3 at the pitch of a leg that gives way by .03 h.
+  rule.kd = 2 * 0.3 * rule.kp / std::sqrt(g / (0.03 * height));
+  rule.armature = 0.005 * mass * height * height;
+  rule.effort_limit = 0.8 * weight * height;
+  rule.largest_real_effort = 3 * weight * leg_length;
+  return rule;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,90 @@
+// What a robot's file does not say and its shape does: legs, frame, feet, home pose and servos.
+// The rules were tried on two dozen real quadrupeds; docs/robots.md has them with what came of each.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "physics/robot_files/urdf/urdf_reader.h"
+
+namespace crossgait {
+
+/// One thing that was inferred, for people to check.
+struct Inference {
+  std::string what, value, reason;
+};
+
+/// The joints of a leg by name, from the base outwards.
+using LegChain = std::vector<std::string>;
+
+struct LegSearch {
+  LegArray<LegChain> legs;       ///< abduction, hip, knee; or hip, knee
+  std::set<std::string> locked;  ///< every other moving joint
+  /// Columns: forward, left and up of the robot in the file's base frame.
+  Matrix3 R_BA = Matrix3::Identity();
+};
+
+/// The legs are the four branches of the base that are alike: as many moving joints, in one chain each, about
+/// axes of as many directions. Which is which follows from where they are.
+/// @throws ConfigError (naming `source`) that says what was found instead: no four such branches; eight
+///   chains of two joints, of which five-bars are made that only `loops` can say; legs of more than three
+///   joints, or of one; legs that branch; two in one quadrant
+LegSearch find_legs(const UrdfRobot& robot, const std::string& source, std::vector<Inference>& inferred,
+                    std::vector<std::string>& warnings);
+
+/// A foot on the last link of a leg.
+struct FootPlace {
+  Vector3 p_BF = Vector3::Zero();  ///< centre in the body's frame, m
+  double radius = 0;               ///< m
+  int shape = -1;                  ///< the collision sphere that it is, or -1: there is none yet
+};
+
+/// The collision sphere farthest from the axis of the body's joint; without one, the end of a capsule that
+/// is; without either, a small sphere at the farthest point of its shapes. @throws ConfigError if the body
+/// has none
+FootPlace find_foot(const UrdfRobot& robot, int body, Leg leg, const std::string& source,
+                    std::vector<Inference>& inferred);
+
+/// Removes from a foot's body what would touch the ground along with the foot: meshes, and what lies within a
+/// radius around it. @param urdf  knows which shapes are meshes  @returns how many
+std::size_t leave_out_around(const UrdfRobot& urdf, const Vector3& p_BF, double radius, Body& body);
+
+/// Lengths of a serial leg and its share of them that it stands at.
+struct LegLengths {
+  double thigh = 0, shin = 0;  ///< m, across the hip's axis
+  double sum() const { return thigh + shin; }
+};
+LegLengths leg_lengths(const RobotDescription& robot, Leg leg);
+
+inline constexpr double kStandingShare = 0.72;  ///< of thigh and shin: depth of a standing foot below the hip
+
+/// Angles of the servos with the foot at depth `height` (m) below the hip and all feet so far forward that
+/// their middle lies under the robot's centre of mass (at most .15 of the leg's length), and how far that is.
+/// Knees: the branch that lies inside the limits, backward if both do. Angles that stand already in
+/// `robot.home` are not used. Requires serial legs. @throws ConfigError if neither branch fits
+struct HomePose {
+  JointVector q;
+  double forward = 0;  ///< of the feet, from below the hips, m
+};
+HomePose find_home(const RobotDescription& robot, double height, std::vector<Inference>& inferred);
+
+/// Why serial legs cannot stand at these angles: beyond limits, feet not below their hips by a third of the
+/// leg or more, or not at one depth to a third of it. Empty if they can.
+std::string problem_with_stance(const RobotDescription& robot, const JointVector& q);
+/// How far ahead of the hips the feet have to stand to be under the robot's centre of mass, at most .15 of
+/// the leg's length, m. Requires serial legs.
+double balanced_offset(const RobotDescription& robot, const JointVector& q);
+inline constexpr const char* kStanceOffsetReason =
+    "the middle of the feet under the centre of mass of the robot, at most .15 of thigh and shin";
+
+/// Servo gains, rotor inertia and torque limit of joints whose file gives none, from mass (kg), standing
+/// height h and leg length (m).
+struct ServoRule {
+  double kp = 0, kd = 0, armature = 0;  ///< N m/rad, N m s/rad, kg m^2
+  double effort_limit = 0;              ///< N m, of a joint whose file has none, or no real one:
+  double largest_real_effort = 0;       ///< N m
+};
+ServoRule servo_rule(double mass, double height, double leg_length);
+
+}  // namespace crossgait

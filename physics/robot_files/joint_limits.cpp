@@ -1,0 +1,29 @@
+#include "physics/robot_files/joint_limits.h"
+
+#include <numbers>
+
+namespace crossgait {
+namespace {
+
+/// Beyond this a limit is a placeholder, rad; not beyond are those of whole turns, rounded.
+constexpr double kLargestLimit = 2 * std::numbers::pi;
+
+}  // namespace
+
+void set_limits(double lower, double upper, std::string_view element, Joint& joint, UrdfWarnings& warnings) {
+  const Joint unlimited;
+  const bool low = lower<-kLargestLimit, high = upper> kLargestLimit;
+  joint.lower = low ? unlimited.lower : lower;
+  joint.upper = high ? unlimited.upper : upper;
+  if (low || high) {
+    warnings.count("took limits beyond +-2 pi rad for +-pi in ", " joint(s)", element);
+  }
+  if (joint.lower >= joint.upper) {
+    joint.lower = unlimited.lower;
+    joint.upper = unlimited.upper;
+    warnings.count("took limits that are missing or not lower < upper for +-pi rad in ", " joint(s)",
+                   element);
+  }
+}
+
+}  // namespace crossgait

@@ -1,0 +1,71 @@
+#include "physics/robot_files/mesh/mesh_path.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+namespace crossgait {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLongestPath = 4096;  // bytes, Linux's own
+
+/// The URDF's folder, those above it, and those of the environment.
+std::vector<fs::path> folders_to_search(const std::string& urdf_path) {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  fs::path folder = fs::absolute(urdf_path, error).lexically_normal().parent_path();
+  for (;; folder = folder.parent_path()) {
+    folders.push_back(folder);
+    if (folder == folder.parent_path()) break;
+  }
+  for (const char* variable : {"CROSSGAIT_PACKAGE_PATH", "ROS_PACKAGE_PATH"}) {
+    const char* list = std::getenv(variable);
+    std::string_view rest = list == nullptr ? "" : list;
+    while (!rest.empty()) {
+      const std::size_t end = std::min(rest.find(':'), rest.size());
+      if (end > 0) folders.emplace_back(rest.substr(0, end));
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+  }
+  return folders;
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+}  // namespace
+
+std::optional<std::string> find_mesh(const std::string& filename, const std::string& urdf_path) {
+  if (filename.size() > kLongestPath) return std::nullopt;
+  std::string path = filename;
+  bool in_package = false;
+  for (const std::string_view scheme : {"file://", "package://", "model://"}) {
+    if (!filename.starts_with(scheme)) continue;
+    path = filename.substr(scheme.size());
+    in_package = scheme != "file://";
+  }
+  if (!in_package && fs::path(path).is_absolute()) {
+    return is_file(path) ? std::optional(path) : std::nullopt;
+  }
+  std::vector<std::string> wanted{path};
+  if (const std::size_t slash = path.find('/'); in_package && slash != std::string::npos) {
+    wanted.push_back(path.substr(slash + 1));
+  }
+  for (const fs::path& folder : folders_to_search(urdf_path)) {
+    for (const std::string& name : wanted) {
+      // Relative, whatever it begins with: a/ + /b would be /b.
+      const fs::path candidate = folder / fs::path(name).relative_path();
+      if (is_file(candidate)) return candidate.lexically_normal().string();
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,32 @@
+// The vertices and triangles of a mesh file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "physics/core/math.h"
+
+namespace crossgait {
+
+/// Whether `read_mesh_vertices` reads files of this name: *.stl and *.obj, in capitals, too.
+bool is_mesh_format(const std::string& path);
+
+/// The different vertices of an STL (binary or text) or an OBJ file, in its own units and frame, sorted by x,
+/// y and z; at least one. Faces, normals and materials are passed over.
+/// @throws ConfigError naming the file and, in texts, the line: unreadable, beyond kMeshBudget, no such mesh,
+/// or
+///   coordinates that are no finite numbers
+std::vector<Vector3> read_mesh_vertices(const std::string& path);
+
+/// A surface: its corners, and triangles as indices of three corners each.
+struct TriangleMesh {
+  std::vector<Vector3> vertices;
+  std::vector<std::uint32_t> triangles;
+};
+
+/// What such a file looks like; polygons of an OBJ come as fans of triangles. At least one triangle.
+/// @throws ConfigError as above, and for faces of corners that are not there
+TriangleMesh read_mesh_triangles(const std::string& path);
+
+}  // namespace crossgait

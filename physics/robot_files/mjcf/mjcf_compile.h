@@ -1,0 +1,16 @@
+// An MJCF file through a compiler.
+#pragma once
+
+#include "physics/robot_files/mjcf/mjcf_document.h"
+#include "physics/robot_files/mjcf/mjcf_model.h"
+#include "physics/robot_files/mjcf/mjcf_parts.h"
+
+namespace crossgait {
+
+/// Compiles a document whose parts were taken. Attributes that the compiler does not know (those of other
+/// versions) are taken out and counted. Where mass follows from meshes, or a geom is fitted to one, their
+/// files are read. Vertices of meshes that come from files are those of a box (`take_parts`).
+/// @throws ConfigError with the compiler's words, naming file, line and element
+MjcfModel compile_parts(MjcfDocument& document, MjcfParts& parts, UrdfWarnings& warnings);
+
+}  // namespace crossgait

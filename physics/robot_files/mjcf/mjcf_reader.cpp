@@ -1,0 +1,253 @@
+#include "physics/robot_files/mjcf/mjcf_reader.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "physics/core/error.h"
+#include "physics/robot/rigid_pair.h"
+#include "physics/robot/robot_check.h"
+#include "physics/robot_files/joint_limits.h"
+#include "physics/robot_files/mjcf/mjcf_compile.h"
+#include "physics/robot_files/mjcf/mjcf_shapes.h"
+#include "physics/robot_files/urdf/urdf_inertia.h"
+
+namespace crossgait {
+namespace {
+
+class MjcfTree {
+ public:
+  MjcfTree(const std::string& path, const MjcfParts& parts, const MjcfModel& model, UrdfWarnings& warnings)
+      : path_(path), parts_(parts), model_(model), warnings_(warnings), shapes_(path, parts, warnings) {
+    for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+      if (model.bodies[i].parent >= 0) children_[model.bodies[i].parent].push_back(static_cast<int>(i));
+    }
+    for (const MjcfJoint& joint : model.joints) joints_[joint.body].push_back(&joint);
+    for (const MjcfGeom& geom : model.geoms) geoms_[geom.body].push_back(&geom);
+  }
+
+  UrdfRobot build() {
+    const int base = find_base();
+    check_base(base);
+    Body body;
+    body.name = at(base).name;
+    add_body(base, std::move(body), Pose::Identity());
+    drive_joints();
+    connect();
+    take_home();
+    robot_.name = model_.name;
+    robot_.mesh_vertices = std::move(shapes_.mesh_vertices());
+    return std::move(robot_);
+  }
+
+ private:
+  const MjcfBody& at(int i) const { return model_.bodies[static_cast<std::size_t>(i)]; }
+  const MjcfElement& body_element(int i) const { return parts_.element("body", at(i).name); }
+  const MjcfElement& joint_element(const MjcfJoint& joint) const {
+    return parts_.element("joint", joint.name);
+  }
+  template <typename T>
+  static const std::vector<T>& of(const std::map<int, std::vector<T>>& map, int i) {
+    static const std::vector<T> kNone;
+    const auto found = map.find(i);
+    return found == map.end() ? kNone : found->second;
+  }
+
+  bool has_hinge(int body) const {
+    const auto& joints = of(joints_, body);
+    const auto& children = of(children_, body);
+    return std::any_of(joints.begin(), joints.end(),
+                       [](const MjcfJoint* j) { return j->type != MjcfJointType::kFree; }) ||
+           std::any_of(children.begin(), children.end(), [this](int child) { return has_hinge(child); });
+  }
+
+  /// The body of the world that joints hang on.
+  int find_base() const {
+    std::vector<int> found;
+    for (const int body : of(children_, 0)) {
+      if (has_hinge(body) && !at(body).mocap) {
+        found.push_back(body);
+      } else {
+        warnings_.count("left out ", " body or bodies beside the robot",
+                        mjcf_place(body_element(body), path_));
+      }
+    }
+    if (found.empty()) throw ConfigError(path_, "worldbody", "a body with joints", "none");
+    if (found.size() > 1) {
+      fail_at(body_element(found[1]), "one robot: one body of the world on which joints hang",
+              fmt::format("a second one beside '{}'", at(found[0]).name));
+    }
+    return found.front();
+  }
+
+  void check_base(int base) const {
+    const auto& joints = of(joints_, base);
+    if (joints.empty()) {
+      warnings_.add(fmt::format("took body '{}', which has no free joint, for the free base", at(base).name));
+    }
+    for (const MjcfJoint* joint : joints) {
+      if (joint->type != MjcfJointType::kFree) {
+        fail_at(joint_element(*joint), "a free joint, or none, on the body that hangs on the world",
+                "another one");
+      }
+    }
+  }
+
+  /// The one hinge of a moving body, or null. @throws ConfigError for other joints
+  const MjcfJoint* hinge_of(int body) const {
+    const auto& joints = of(joints_, body);
+    if (joints.empty()) return nullptr;
+    if (joints.size() > 1) {
+      fail_at(joint_element(*joints[1]), "one joint on a body",
+              fmt::format("a second one on '{}'", at(body).name));
+    }
+    if (joints[0]->type != MjcfJointType::kHinge) {
+      fail_at(joint_element(*joints[0]), "a hinge",
+              joints[0]->type == MjcfJointType::kSlide ? "a slide joint" : "a ball joint");
+    }
+    return joints[0];
+  }
+
+  struct Pending {
+    int body;
+    Pose X_PB;  ///< in the moving body above it
+  };
+
+  /// @param X_BA  pose of the frame of the MJCF's body in that of ours
+  void add_body(int first, Body started, const Pose& X_BA) {
+    const auto index = static_cast<int>(robot_.bodies.size());
+    robot_.bodies.push_back(std::move(started));
+    std::vector<Pending> moving;
+    merge(first, index, X_BA, moving);
+    Body& body = robot_.bodies[static_cast<std::size_t>(index)];
+    const std::string_view repair = repair_inertia(body.inertia, body.shapes);
+    if (!repair.empty())
+      warnings_.list(fmt::format(" moving link(s) {}", repair), fmt::format("'{}'", body.name));
+    check_inertia(body.inertia, path_, fmt::format("body '{}'", body.name));
+    for (const Pending& next : moving) {
+      const MjcfJoint& joint = *hinge_of(next.body);
+      Body child;
+      child.name = at(next.body).name;
+      child.parent = index;
+      child.joint = read_joint(joint);
+      // The frame of the joint at zero angle: at its anchor, turned back from where the file has the body.
+      child.X_PB = next.X_PB * Eigen::Translation3d(joint.p_BJ);
+      if (joint.reference != 0) child.X_PB = child.X_PB * Eigen::AngleAxisd(-joint.reference, joint.axis);
+      Pose X_child = Pose::Identity();
+      X_child.translation() = -joint.p_BJ;
+      add_body(next.body, std::move(child), X_child);
+    }
+  }
+
+  /// Adds a body of the file and what is fixed to it to one of ours; those that move are appended to
+  /// `moving`.
+  void merge(int body, int index, const Pose& X_BA, std::vector<Pending>& moving) {
+    Body& ours = robot_.bodies[static_cast<std::size_t>(index)];
+    if (at(body).inertia.mass > 0) ours.inertia = combine(ours.inertia, moved(X_BA, at(body).inertia));
+    LinkPlacement& link = robot_.links[at(body).name];
+    link.body = index;
+    link.X_BL = X_BA;
+    for (const MjcfGeom* geom : of(geoms_, body)) {
+      for (const int shape : shapes_.add(*geom, X_BA, ours)) link.shapes.push_back(shape);
+    }
+    for (const int child : of(children_, body)) {
+      const Pose X = X_BA * at(child).X_PB;
+      if (hinge_of(child) != nullptr) {
+        moving.push_back({child, X});
+      } else {
+        merge(child, index, X, moving);
+      }
+    }
+  }
+
+  Joint read_joint(const MjcfJoint& source) {
+    Joint joint;
+    joint.name = source.name;
+    joint.axis = source.axis.normalized();
+    const std::string place = mjcf_place(joint_element(source), path_);
+    if (source.limited) set_limits(source.lower, source.upper, place, joint, warnings_);
+    joint.damping = source.damping;
+    joint.armature = source.armature;
+    joint.friction = source.friction;
+    if (source.stiffness != 0) warnings_.count("springs of ", " joint(s) are not simulated", place);
+    check_joint(joint, path_);
+    return joint;
+  }
+
+  /// Gains and torques of the joints' actuators; those of several on one joint add up.
+  void drive_joints() {
+    for (const MjcfActuator& actuator : model_.actuators) {
+      const std::string where = fmt::format("actuator '{}'", actuator.name);
+      if (actuator.kind == MjcfActuatorKind::kOther || actuator.joint < 0) {
+        warnings_.count("ignored ", " actuator(s) that are neither motors nor servos of a joint", where);
+        continue;
+      }
+      const std::string& name = model_.joints[static_cast<std::size_t>(actuator.joint)].name;
+      const auto body = std::find_if(robot_.bodies.begin() + 1, robot_.bodies.end(),
+                                     [&name](const Body& b) { return b.joint.name == name; });
+      if (body == robot_.bodies.end()) continue;  // of what was left out
+      body->joint.kp += actuator.kp;
+      body->joint.kd += actuator.kd;
+      body->joint.effort_limit += actuator.effort;
+    }
+  }
+
+  void connect() {
+    for (const MjcfConnect& connect : model_.connects) {
+      const std::string &a = at(connect.body_a).name, &b = at(connect.body_b).name;
+      if (!robot_.links.contains(a) || !robot_.links.contains(b)) {
+        warnings_.count("ignored ", " <connect> to what is not the robot",
+                        fmt::format("connect '{}'", connect.name));
+        continue;
+      }
+      const std::string name =
+          connect.name.empty() ? fmt::format("connect_{}", robot_.loops.size()) : connect.name;
+      robot_.loops.push_back({name, a, b, connect.p_AP, connect.p_BP});
+    }
+  }
+
+  /// The keyframe of the name home, else the first.
+  void take_home() {
+    if (model_.keys.empty()) return;
+    const auto home = std::find_if(model_.keys.begin(), model_.keys.end(),
+                                   [](const MjcfKey& key) { return key.name == "home"; });
+    const MjcfKey& key = home == model_.keys.end() ? model_.keys.front() : *home;
+    robot_.home_name = key.name.empty() ? "the first keyframe" : fmt::format("keyframe '{}'", key.name);
+    for (const MjcfJoint& joint : model_.joints) {
+      if (joint.type == MjcfJointType::kHinge)
+        robot_.home[joint.name] = key.q[static_cast<std::size_t>(joint.q)];
+    }
+  }
+
+  const std::string& path_;
+  const MjcfParts& parts_;
+  const MjcfModel& model_;
+  UrdfWarnings& warnings_;
+  MjcfShapes shapes_;
+  std::map<int, std::vector<int>> children_;
+  std::map<int, std::vector<const MjcfJoint*>> joints_;
+  std::map<int, std::vector<const MjcfGeom*>> geoms_;
+  UrdfRobot robot_;
+};
+
+}  // namespace
+
+UrdfRobot read_mjcf(const std::string& path) {
+  UrdfWarnings warnings;
+  MjcfDocument document(path);
+  MjcfParts parts = take_parts(document, warnings);
+  const MjcfModel model = compile_parts(document, parts, warnings);
+  UrdfRobot robot = MjcfTree(path, parts, model, warnings).build();
+  robot.warnings = warnings.sentences();
+  return robot;
+}
+
+bool is_mjcf_path(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  return extension == ".xml" || extension == ".mjcf";
+}
+
+}  // namespace crossgait

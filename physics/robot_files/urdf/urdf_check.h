@@ -1,0 +1,28 @@
+// What urdfdom lets pass, and what it does not: it ignores misspelt elements without a word, takes the last
+// of two parents, names no line, and refuses much that real files hold and nobody needs.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "physics/robot/robot.h"
+#include "physics/robot_files/urdf/urdf_warnings.h"
+
+namespace crossgait {
+
+struct CheckedUrdf {
+  std::string text;                                         ///< a URDF of what is left, which urdfdom takes
+  std::map<std::string, std::vector<VisualShape>> visuals;  ///< see `read_urdf_visuals`
+};
+
+/// Checks that `text` is well-formed XML holding a URDF whose links and joints have finite numbers, joint
+/// types that are simulated and unique names, and form one tree.
+///  - Unknown elements and attributes inside links and joints, and second ones of a kind, are counted as
+///    warnings. Elements of `robot` other than `link` and `joint` are other programs' business and are
+///    skipped.
+///  - A massless root on which nothing but a floating joint hangs is taken away: its child is the free base.
+/// @throws ConfigError naming `source`, the line and the link or joint
+CheckedUrdf check_urdf(const std::string& text, const std::string& source, UrdfWarnings& warnings);
+
+}  // namespace crossgait

@@ -1,0 +1,53 @@
+// What the elements of links and joints may hold.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "physics/core/read_budget.h"
+#include "physics/robot_files/urdf/urdf_warnings.h"
+
+class TiXmlDocument;
+class TiXmlElement;
+
+namespace crossgait {
+
+/// XML within a budget, which is checked first: TinyXML calls itself for elements inside elements.
+/// @throws ConfigError naming `source` and the line where it is not well-formed
+void parse_xml(const std::string& text, const ReadBudget& budget, const std::string& source,
+               TiXmlDocument& document);
+
+/// The attribute of that name, or "".
+std::string attribute_of(const TiXmlElement& element, const char* name);
+
+/// "link 'shin'".
+std::string urdf_label(const TiXmlElement& link_or_joint);
+/// "link 'shin' (line 7)".
+std::string urdf_place(const TiXmlElement& link_or_joint, const TiXmlElement& at);
+
+/// Throws for one file.
+class UrdfErrors {
+ public:
+  explicit UrdfErrors(const std::string& source) : source_(source) {}
+  /// @param element  what is wrong at the line of `at`, e.g. "joint 'knee', axis, xyz"
+  [[noreturn]] void fail(const TiXmlElement& at, std::string_view element, std::string_view expected,
+                         std::string_view found) const;
+  [[noreturn]] void fail(const TiXmlElement& link_or_joint, std::string_view expected,
+                         std::string_view found) const;
+
+ private:
+  const std::string& source_;
+};
+
+/// File name of the mesh that stands in a copy for a capsule, which urdfdom does not know: its scale is
+/// (radius, length, 0).
+inline constexpr const char* kCapsuleMesh = "capsule:";
+
+/// Copies a link or a joint as far as it is simulated, and such that urdfdom takes it: numbers apart by one
+/// space each, limits and inertia present. Visuals are left out, what is unknown or there twice is counted.
+/// @throws ConfigError for an attribute that is missing or not as many finite numbers as it has to be, and
+///   for several parents or children of a joint
+void copy_urdf_element(const TiXmlElement& link_or_joint, TiXmlElement& copy, const UrdfErrors& errors,
+                       UrdfWarnings& warnings);
+
+}  // namespace crossgait

@@ -1,0 +1,77 @@
+#include "policy/policy.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "physics/core/error.h"
+#include "physics/core/yaml_reader.h"
+#include "policy/bundled_policies.h"
+#include "policy/hierarchical_policy.h"
+#include "policy/mlp_policy.h"
+#include "policy/scripted_policy.h"
+#include "policy/simple_policies.h"
+
+namespace crossgait {
+namespace {
+
+/// Descriptions name entries of layouts, and names do not tell what changed with a version.
+void check_layout_version(const YamlValue& root) {
+  constexpr std::string_view kKey = "layout_version";
+  const auto value = root.find(kKey);
+  const auto stated = value ? std::optional(value->text()) : std::nullopt;
+  const auto error = layout_version_error(stated, "written");
+  if (!error) return;
+  if (value) value->fail(layout_version_in_words(), *error);
+  throw ConfigError(root.source(), kKey, layout_version_in_words(), *error);
+}
+
+std::unique_ptr<Policy> make_described(const std::string& path, const PolicyInterface& interface) {
+  const YamlValue root = YamlValue::load(path);
+  const YamlValue kind = root.at("kind");
+  const bool scripted = kind.text() == "scripted";
+  if (!scripted && kind.text() != "hierarchical") {
+    kind.fail("scripted or hierarchical", "'" + kind.text() + "'");
+  }
+  check_layout_version(root);
+  return scripted ? make_scripted_policy(root, interface) : make_hierarchical_policy(root, interface);
+}
+
+}  // namespace
+
+Policy::Policy(std::string name, PolicyInterface interface)
+    : name_(std::move(name)), interface_(std::move(interface)) {}
+
+void Policy::act(std::span<const double> observation, std::span<double> action) noexcept {
+  const bool fits =
+      observation.size() == interface_.observation.size() && action.size() == interface_.action.size();
+  assert(fits && "spans of the interface's sizes");
+  if (!fits) {
+    std::fill(action.begin(), action.end(), 0.0);
+    return;
+  }
+  do_act(observation, action);
+  for (std::size_t i = 0; i < action.size(); ++i) {
+    const LayoutEntry& entry = interface_.action.entries[i];
+    action[i] = std::isfinite(action[i]) ? std::clamp(action[i], entry.min, entry.max) : 0;
+  }
+}
+
+std::unique_ptr<Policy> make_policy(const std::string& text, const PolicyInterface& interface) {
+  if (text == "zero") return std::make_unique<ZeroPolicy>(interface);
+  if (text == "random") return std::make_unique<RandomPolicy>(interface);
+  const std::string file = find_policy_file(text);
+  const std::string extension = std::filesystem::path(file).extension();
+  if (extension == ".safetensors") return std::make_unique<MlpPolicy>(file, interface);
+  if (extension == ".yaml") return make_described(file, interface);
+  std::vector<std::string> known{"zero", "random"};
+  for (std::string& name : policy_names()) known.push_back(std::move(name));
+  throw ConfigError("policy", text, fmt::format("{}, FILE.safetensors or FILE.yaml", fmt::join(known, ", ")),
+                    "none of these");
+}
+
+}  // namespace crossgait

@@ -1,0 +1,59 @@
+// From observations to actions.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "gait/parameters.h"
+#include "policy/layout.h"
+
+namespace crossgait {
+
+/// What a policy runs on: the layouts of an environment and its pace.
+struct PolicyInterface {
+  Layout observation, action;
+  double policy_dt = 2e-3;           ///< s between two actions
+  AdaptationRanges adaptation = {};  ///< what the numbers of parameters and deltas mean, beside the table
+};
+
+/// One instance serves one environment at a time: it may remember what happened since `reset`.
+class Policy {
+ public:
+  virtual ~Policy() = default;
+  Policy(const Policy&) = delete;
+  Policy& operator=(const Policy&) = delete;
+  Policy(Policy&&) = delete;
+  Policy& operator=(Policy&&) = delete;
+
+  /// An episode begins. @param seed  of whatever the policy draws
+  void reset(std::uint64_t seed) noexcept { do_reset(seed); }
+  /// @param observation  of interface().observation.size(), raw as the environment gives it
+  /// @param action       of interface().action.size(), written within its layout's bounds whatever the
+  /// observation
+  ///                     holds
+  void act(std::span<const double> observation, std::span<double> action) noexcept;
+
+  const PolicyInterface& interface() const noexcept { return interface_; }
+  /// For tables: "zero", "random", the file's name.
+  const std::string& name() const noexcept { return name_; }
+
+ protected:
+  Policy(std::string name, PolicyInterface interface);
+
+ private:
+  virtual void do_reset(std::uint64_t seed) noexcept = 0;
+  virtual void do_act(std::span<const double> observation, std::span<double> action) noexcept = 0;
+
+  std::string name_;
+  PolicyInterface interface_;
+};
+
+/// Makes a policy for `interface` from `zero`, `random`, a name of `policy_names()`, a policy bundle
+/// (FILE.safetensors) or a policy description (FILE.yaml: scripted or hierarchical; docs/policies.md).
+/// @throws ConfigError for an unknown name, a file that is no policy, or one for another layout or layout
+/// version, saying what differs
+std::unique_ptr<Policy> make_policy(const std::string& text, const PolicyInterface& interface);
+
+}  // namespace crossgait

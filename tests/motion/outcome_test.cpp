@@ -1,0 +1,157 @@
+#include "motion/outcome.h"
+
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "motion/closed_loop.h"
+#include "motion/motion_statistics.h"
+#include "physics/core/error.h"
+#include "scenes/scenes.h"
+#include "tests/support/backend_test.h"
+#include "tests/support/constants.h"
+
+namespace crossgait {
+namespace {
+
+TEST(Outcomes, TheTableIsInTheOrderOfTheEnumeration) {
+  ASSERT_EQ(outcome_rows().size(), kOutcomes);
+  for (std::size_t i = 0; i < kOutcomes; ++i) {
+    const OutcomeRow& row = outcome_rows()[i];
+    EXPECT_EQ(static_cast<std::size_t>(row.outcome), i);
+    EXPECT_EQ(name(row.outcome), row.name);
+    EXPECT_EQ(find_outcome(row.name), row.outcome);
+  }
+  try {
+    (void)find_outcome("stumbled");
+    FAIL() << "an unknown outcome was found";
+  } catch (const ConfigError& error) {
+    for (const OutcomeRow& row : outcome_rows())
+      EXPECT_NE(std::string(error.what()).find(row.name), std::string::npos) << row.name;
+  }
+}
+
+TEST(Outcomes, WalksEndByDivergenceAloneAndEpisodesByAllThatIsKnownAtOnce) {
+  for (const OutcomeRow& row : outcome_rows()) {
+    EXPECT_EQ(OutcomeSet::of_walks().has(row.outcome), row.outcome == Outcome::kDiverged) << row.name;
+    const bool at_once = row.outcome != Outcome::kSlid && row.outcome != Outcome::kNoProgress &&
+                         row.outcome != Outcome::kWalked;
+    EXPECT_EQ(row.at_once, at_once) << row.name;
+    EXPECT_EQ(OutcomeSet::of_episodes().has(row.outcome), at_once) << row.name;
+  }
+}
+
+TEST(OutcomeLimits, AreCheckedByName) {
+  EXPECT_NO_THROW(OutcomeLimits{}.validate("limits"));
+  using test::kNaN;
+  using L = OutcomeLimits;
+  const std::vector<std::pair<const char*, double L::*>> limits{{"tilt_limit_deg", &L::tilt_deg},
+                                                                {"low_height", &L::low_height},
+                                                                {"other_load", &L::other_load},
+                                                                {"low_seconds", &L::low_seconds},
+                                                                {"load_smoothing", &L::load_smoothing},
+                                                                {"loop_gap", &L::loop_gap},
+                                                                {"slip", &L::slip},
+                                                                {"slip_path", &L::slip_path},
+                                                                {"progress", &L::progress},
+                                                                {"asked_path", &L::asked_path},
+                                                                {"asked_turn", &L::asked_turn}};
+  for (const auto& [element, member] : limits) {
+    for (const double bad : {0.0, -1.0, kNaN, 1e9}) {
+      OutcomeLimits wrong;
+      wrong.*member = bad;
+      try {
+        wrong.validate("limits");
+        ADD_FAILURE() << element << " may be " << bad;
+      } catch (const ConfigError& error) {
+        EXPECT_NE(std::string(error.what()).find(element), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("limits"), std::string::npos) << error.what();
+      }
+    }
+  }
+  const std::vector<std::pair<double L::*, double>> most{
+      {&L::tilt_deg, 180}, {&L::low_height, 1}, {&L::other_load, 1}, {&L::progress, 1}};
+  for (const auto& [member, value] : most) {
+    OutcomeLimits edge;
+    edge.*member = value;
+    EXPECT_NO_THROW(edge.validate("limits"));
+    edge.*member = value * 1.001;
+    EXPECT_THROW(edge.validate("limits"), ConfigError);
+  }
+}
+
+TEST(MotionStatistics, OfSeveralOutcomesTheFirstOfTheListIsTheOutcome) {
+  const auto world = make_backend(available_engines().front(), scenes::world_of(scenes::quadruped()));
+  MotionStatistics statistics(world->robot());
+  for (const OutcomeRow& worse : outcome_rows()) {
+    if (!worse.at_once) continue;
+    for (const OutcomeRow& better : outcome_rows()) {
+      if (!better.at_once || better.outcome < worse.outcome) continue;
+      for (const bool worse_first : {true, false}) {
+        statistics.begin(*world, 0.07);
+        EXPECT_EQ(statistics.summary(*world).outcome, Outcome::kWalked);
+        statistics.note(worse_first ? worse.outcome : better.outcome);
+        EXPECT_EQ(statistics.summary(*world).outcome, (worse_first ? worse : better).outcome);
+        statistics.note(worse_first ? better.outcome : worse.outcome);
+        EXPECT_EQ(statistics.summary(*world).outcome, worse.outcome) << worse.name << ", " << better.name;
+        EXPECT_TRUE(statistics.any(OutcomeSet().add(better.outcome)));
+      }
+    }
+  }
+  statistics.begin(*world, 0.07);
+  EXPECT_FALSE(statistics.any(OutcomeSet::of_episodes()));
+}
+
+/// A world in which a motion is made up of states that a test puts the robot into.
+class MadeUpMotion : public ::testing::Test {
+ protected:
+  static constexpr double kStanding = 0.07, kDt = 2e-3;  // m, s
+
+  /// Control steps at that height of the base, m.
+  void hold(double height, int steps) {
+    RobotState state = world_->home_state();
+    state.p_WB.z() = height;
+    world_->reset(state);
+    for (int i = 0; i < steps; ++i) statistics_.add_control_step(*world_, {}, kDt);
+  }
+  bool collapsed() const { return statistics_.has(Outcome::kCollapsed); }
+
+  std::unique_ptr<PhysicsBackend> world_ =
+      make_backend(available_engines().front(), scenes::world_of(scenes::quadruped()));
+  MotionStatistics statistics_{world_->robot()};
+};
+
+TEST_F(MadeUpMotion, IsDownOnlyAfterHalfASecondWithoutABreak) {
+  statistics_.begin(*world_, kStanding);
+  hold(0.51 * kStanding, 1000);
+  hold(0.49 * kStanding, 249);
+  EXPECT_FALSE(collapsed());
+  hold(0.51 * kStanding, 1);
+  hold(0.49 * kStanding, 249);
+  EXPECT_FALSE(collapsed());
+  hold(0.49 * kStanding, 1);
+  EXPECT_TRUE(collapsed());
+  const MotionSummary m = statistics_.summary(*world_);
+  EXPECT_DOUBLE_EQ(*m.first_at_s[static_cast<std::size_t>(Outcome::kCollapsed)], 1500 * kDt);
+  EXPECT_DOUBLE_EQ(m.simulated_seconds, 1500 * kDt);
+}
+
+TEST_F(MadeUpMotion, CountsItsTimeInSteps) {
+  // A time that is a sum of ten thousand decimals would be off by 1e-11 s.
+  statistics_.begin(*world_, kStanding);
+  hold(kStanding, 10'000);
+  EXPECT_EQ(statistics_.summary(*world_).simulated_seconds, 10'000 * kDt);
+}
+
+TEST(MotionSummary, FailsByFallingDownOrComingApartAndNotByStayingBehind) {
+  for (const OutcomeRow& row : outcome_rows()) {
+    if (!row.at_once) continue;
+    MotionSummary motion;
+    EXPECT_FALSE(motion.failed());
+    motion.first_at_s[static_cast<std::size_t>(row.outcome)] = 1;
+    EXPECT_EQ(motion.failed(), row.outcome != Outcome::kLeftTerrain) << row.name;
+  }
+}
+
+}  // namespace
+}  // namespace crossgait

@@ -1,0 +1,144 @@
+#include "physics/core/atomic_file.h"
+
+#include <array>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/physics/core/config_error.h"
+#include "tests/physics/core/scratch_folder.h"
+
+namespace crossgait {
+namespace {
+
+class AtomicFile : public ScratchFolder {
+ protected:
+  std::ptrdiff_t entries() const {
+    return std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator());
+  }
+};
+
+TEST_F(AtomicFile, WritesEveryByte) {
+  std::string bytes("a\0b\r\n\xff", 6);
+  bytes.append(1000000, 'x');
+  write_file_atomically(path("file"), bytes);
+  EXPECT_EQ(read(path("file")), bytes);
+  EXPECT_EQ(entries(), 1) << "the temporary is gone";
+}
+
+TEST_F(AtomicFile, ReplacesTheOldFileByANewOne) {
+  write("file", "old and longer");
+  std::filesystem::create_hard_link(path("file"), path("link"));
+  write_file_atomically(path("file"), "new");
+  EXPECT_EQ(read(path("file")), "new");
+  EXPECT_EQ(read(path("link")), "old and longer") << "whoever reads the old file keeps it whole";
+}
+
+TEST_F(AtomicFile, HonoursTheUmask) {
+  const mode_t old = ::umask(027);
+  write_file_atomically(path("file"), "");
+  ::umask(old);
+  EXPECT_EQ(std::filesystem::status(path("file")).permissions(), static_cast<std::filesystem::perms>(0640));
+}
+
+TEST_F(AtomicFile, SaysWhereItCannotWrite) {
+  const std::string file = path("no-such-folder/file");
+  EXPECT_EQ(std::string(config_error([&] { write_file_atomically(file, "x"); }).what()),
+            file + ": output file: expected a place that can be written, found No such file or directory");
+  EXPECT_EQ(config_error([&] { write_file_atomically(folder_.string(), "x"); }).found(), "Is a directory");
+  EXPECT_EQ(entries(), 0);
+}
+
+TEST_F(AtomicFile, SaysWhenTheDiskIsFull) {
+  // Through a link of its own, so that a writer which replaces what it should not replaces only the link.
+  std::filesystem::create_symlink("/dev/full", path("full"));
+  EXPECT_EQ(config_error([&] { write_file_atomically(path("full"), "x"); }).found(),
+            "No space left on device");
+}
+
+TEST_F(AtomicFile, KeepsTheOldFileWhenTheNewOneDoesNotFit) {
+  write("file", "old");
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit small{100, before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const ConfigError error =
+      config_error([&] { write_file_atomically(path("file"), std::string(1000, 'x')); });
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(error.found(), "File too large");
+  EXPECT_EQ(read(path("file")), "old");
+  EXPECT_EQ(entries(), 1) << "the temporary is gone";
+}
+
+TEST_F(AtomicFile, WritesIntoPipesInsteadOfReplacingThem) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const int reader = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  write_file_atomically(path("pipe"), "through");
+  std::array<char, 20> bytes{};
+  EXPECT_EQ(::read(reader, bytes.data(), bytes.size()), 7);
+  ::close(reader);
+  EXPECT_STREQ(bytes.data(), "through");
+  EXPECT_TRUE(std::filesystem::is_fifo(path("pipe")));
+}
+
+TEST_F(AtomicFile, WritersOfOneFileDoNotMix) {
+  std::vector<std::thread> writers;
+  for (char letter = 'a'; letter < 'e'; ++letter) {
+    writers.emplace_back([this, letter] {
+      for (int i = 0; i < 20; ++i) write_file_atomically(path("file"), std::string(10000, letter));
+    });
+  }
+  for (std::thread& writer : writers) writer.join();
+  const std::string bytes = read(path("file"));
+  EXPECT_EQ(bytes, std::string(10000, bytes[0]));
+  EXPECT_EQ(entries(), 1);
+}
+
+class GrowingFile : public ScratchFolder {
+ protected:
+  bool is_empty() const { return std::filesystem::is_empty(folder_); }
+};
+
+TEST_F(GrowingFile, AppearsWholeOrNotAtAll) {
+  write("file", "old");
+  {
+    crossgait::AtomicFile file(path("file"));
+    file.write("a");
+    file.write(std::string(200000, 'b'));
+    EXPECT_EQ(read(path("file")), "old");
+  }
+  EXPECT_EQ(read(path("file")), "old") << "never committed";
+  std::filesystem::remove(path("file"));
+  EXPECT_TRUE(is_empty());
+  crossgait::AtomicFile file(path("file"));
+  file.write("a");
+  file.write(std::string(200000, 'b'));
+  file.commit();
+  EXPECT_EQ(read(path("file")), "a" + std::string(200000, 'b'));
+}
+
+TEST_F(GrowingFile, IsTriedWithoutATrace) {
+  check_writable(path("file"));
+  check_writable("/dev/null");
+  EXPECT_TRUE(is_empty());
+  write("file", "old");
+  check_writable(path("file"));
+  EXPECT_EQ(read(path("file")), "old");
+  const ConfigError error = config_error([&] { check_writable(path("no/such/folder")); });
+  EXPECT_EQ(error.source(), path("no/such/folder"));
+  EXPECT_EQ(error.found(), "No such file or directory");
+  EXPECT_EQ(config_error([&] { check_writable(folder_); }).found(), "Is a directory");
+}
+
+}  // namespace
+}  // namespace crossgait
