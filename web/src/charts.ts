@@ -19,7 +19,10 @@ function columns(chart: Chart): Column[] {
   const tables = chart.series.map((s): uPlot.AlignedData => {
     const points = s.points.filter((p) => drawable(chart, p));
     // Two dots at one x stay two.
-    return [points.map(([x], i) => (i > 0 && points[i - 1]![0] === x ? x * (1 + 1e-12 * i) + 1e-300 : x)), points.map(([, y]) => y)];
+    return [
+      points.map(([x], i) => (i > 0 && points[i - 1]![0] === x ? x * (1 + 1e-12 * i) + 1e-300 : x)),
+      points.map(([, y]) => y),
+    ];
   });
   return tables.length === 1 ? (tables[0] as Column[]) : (uPlot.join(tables) as Column[]);
 }
@@ -44,7 +47,12 @@ class ChartFigure {
     this.marks = chart.series.map((s) => h("span", { class: "key" }, h("i", { class: "mark" }), s.label));
     const title = [chart.title, chart.y_label].filter(Boolean).join(": ");
     const keys = chart.series.some((s) => s.label) ? this.marks : [];
-    this.element = h("figure", { class: "panel" }, h("figcaption", {}, h("b", {}, title), h("span", { class: "keys" }, ...keys)), this.holder);
+    this.element = h(
+      "figure",
+      { class: "panel" },
+      h("figcaption", {}, h("b", {}, title), h("span", { class: "keys" }, ...keys)),
+      this.holder,
+    );
     this.holder.style.height = `${this.height}px`;
     theme.onChange(() => this.recolour());
     new ResizeObserver(() => this.fit()).observe(this.holder);
@@ -75,8 +83,22 @@ class ChartFigure {
   private make(width: number): uPlot {
     const { chart } = this;
     const names = chart.y_names;
-    const x: uPlot.Axis = { ...AXIS, size: 38, gap: 2, label: chart.x_label, labelSize: 14, labelFont: "11px system-ui, sans-serif", ...(chart.x_log ? POWERS : {}) };
-    const y: uPlot.Axis = { ...AXIS, size: names.length > 0 ? NAMES_WIDTH : 56, gap: 3, values: (_, at) => at.map(short), ...(chart.y_log ? POWERS : {}) };
+    const x: uPlot.Axis = {
+      ...AXIS,
+      size: 38,
+      gap: 2,
+      label: chart.x_label,
+      labelSize: 14,
+      labelFont: "11px system-ui, sans-serif",
+      ...(chart.x_log ? POWERS : {}),
+    };
+    const y: uPlot.Axis = {
+      ...AXIS,
+      size: names.length > 0 ? NAMES_WIDTH : 56,
+      gap: 3,
+      values: (_, at) => at.map(short),
+      ...(chart.y_log ? POWERS : {}),
+    };
     if (names.length > 0) {
       y.splits = () => names.map(([at]) => at);
       y.values = () => names.map(([, name]) => name);
@@ -102,7 +124,12 @@ class ChartFigure {
           {},
           ...chart.series.map((s): uPlot.Series => {
             const colour = () => theme.colour(s.colour);
-            return { stroke: colour, width: s.line ? 1.5 : 0, spanGaps: true, points: { show: true, size: 7, stroke: colour, fill: colour } };
+            return {
+              stroke: colour,
+              width: s.line ? 1.5 : 0,
+              spanGaps: true,
+              points: { show: true, size: 7, stroke: colour, fill: colour },
+            };
           }),
         ],
       },
@@ -115,9 +142,16 @@ class ChartFigure {
 export function charts(report: ReportDocument): { elements: HTMLElement[]; figures: ChartFigure[] } {
   const figures: ChartFigure[] = [];
   const elements = report.charts.map(({ title, charts: some }) => {
-    const own = some.filter((chart) => chart.series.some((s) => s.points.length > 0)).map((chart) => new ChartFigure(chart));
+    const own = some
+      .filter((chart) => chart.series.some((s) => s.points.length > 0))
+      .map((chart) => new ChartFigure(chart));
     figures.push(...own);
-    return h("section", { class: "group" }, h("h2", {}, title), h("div", { class: "grid" }, ...own.map((figure) => figure.element)));
+    return h(
+      "section",
+      { class: "group" },
+      h("h2", {}, title),
+      h("div", { class: "grid" }, ...own.map((figure) => figure.element)),
+    );
   });
   return { elements, figures };
 }

@@ -28,7 +28,11 @@ class Stage {
     numbers: Numbers,
     private readonly player: Player,
   ) {
-    const canvas = h("canvas", { tabindex: 0, role: "img", "aria-label": `${motion.scene.robot} in 3D. Keys w, a, s, d turn the view, plus and minus zoom.` });
+    const canvas = h("canvas", {
+      tabindex: 0,
+      role: "img",
+      "aria-label": `${motion.scene.robot} in 3D. Keys w, a, s, d turn the view, plus and minus zoom.`,
+    });
     const holder = h("div", { class: "canvas" }, canvas);
     this.scrub = h("input", {
       type: "range",
@@ -46,8 +50,18 @@ class Stage {
       { "aria-label": "Speed", title: "Speed ([ and ])", change: () => (this.player.speed = Number(this.speed.value)) },
       ...SPEEDS.map((s) => h("option", { value: s, selected: s === 1 }, `${s}\u00d7`)),
     );
-    this.follow = h("input", { type: "checkbox", checked: true, change: () => (this.view.follow = this.follow.checked) });
-    const marks = h("div", { class: "marks" }, ...this.divergences((pair, at) => h("i", { style: `left:${(100 * (at - player.begin)) / (player.end - player.begin || 1)}%`, title: pair })));
+    this.follow = h("input", {
+      type: "checkbox",
+      checked: true,
+      change: () => (this.view.follow = this.follow.checked),
+    });
+    const marks = h(
+      "div",
+      { class: "marks" },
+      ...this.divergences((pair, at) =>
+        h("i", { style: `left:${(100 * (at - player.begin)) / (player.end - player.begin || 1)}%`, title: pair }),
+      ),
+    );
     const transport = h(
       "div",
       { class: "transport" },
@@ -68,7 +82,15 @@ class Stage {
   private divergences<T>(make: (words: string, at: number, names: string) => T): T[] {
     return this.motion.pairs.flatMap(({ a, b, first_divergence: first }) => {
       const names = `${this.motion.runs[a]!.name} and ${this.motion.runs[b]!.name}`;
-      return first ? [make(`${names} part: ${first.quantity} beyond ${first.tolerance}, at ${first.time_s.toFixed(3)} s`, first.time_s, names)] : [];
+      return first
+        ? [
+            make(
+              `${names} part: ${first.quantity} beyond ${first.tolerance}, at ${first.time_s.toFixed(3)} s`,
+              first.time_s,
+              names,
+            ),
+          ]
+        : [];
     });
   }
   private tools(runs: Run[]): HTMLElement[] {
@@ -96,16 +118,28 @@ class Stage {
       }),
     );
     layout.id = "layout";
-    const forces = runs.every((run) => run.document.force_directions) ? "Forces on the feet" : "Forces on the feet; of traces the magnitude alone is known, drawn upright";
+    const forces = runs.every((run) => run.document.force_directions)
+      ? "Forces on the feet"
+      : "Forces on the feet; of traces the magnitude alone is known, drawn upright";
     return [
       ...(several ? [h("span", {}, ...engines, layout)] : []),
-      h("span", {}, ...PRESETS.map(([preset, label, k]) => button(label, `View: ${preset} (${k})`, () => this.view.look(preset))), h("label", { title: "The camera goes along (f)" }, this.follow, "follow")),
+      h(
+        "span",
+        {},
+        ...PRESETS.map(([preset, label, k]) => button(label, `View: ${preset} (${k})`, () => this.view.look(preset))),
+        h("label", { title: "The camera goes along (f)" }, this.follow, "follow"),
+      ),
       h(
         "span",
         {},
         toggle("forces", forces, true, (on) => ((this.view.forces = on), this.view.paint())),
         toggle("trails", "Paths of the feet", true, (on) => ((this.view.trails = on), this.view.paint())),
-        toggle("support", "What the loaded feet span, and the centre of mass above it", false, (on) => ((this.view.support = on), this.view.paint())),
+        toggle(
+          "support",
+          "What the loaded feet span, and the centre of mass above it",
+          false,
+          (on) => ((this.view.support = on), this.view.paint()),
+        ),
       ),
       ...(parted.length > 0 ? [h("span", { class: "parted" }, ...parted)] : []),
     ];
@@ -167,8 +201,24 @@ function header(report: ReportDocument): HTMLElement {
     : report.verdicts.length > 1
       ? `${new Set(report.verdicts.flatMap((v) => [v.a, v.b])).size} engines`
       : report.verdicts.map((v) => `${v.a} and ${v.b}: ${v.word}`).join(", ");
-  const keys = h("details", { class: "help" }, h("summary", {}, "keys"), h("dl", {}, ...KEYS.flatMap(([k, what]) => [h("dt", {}, k), h("dd", {}, what)])));
-  return h("header", {}, h("h1", {}, report.title), h("p", {}, facts), h("span", { class: "right" }, motion ? keys : null, button("\u25d0", "Light or dark (t)", () => theme.toggle())));
+  const keys = h(
+    "details",
+    { class: "help" },
+    h("summary", {}, "keys"),
+    h("dl", {}, ...KEYS.flatMap(([k, what]) => [h("dt", {}, k), h("dd", {}, what)])),
+  );
+  return h(
+    "header",
+    {},
+    h("h1", {}, report.title),
+    h("p", {}, facts),
+    h(
+      "span",
+      { class: "right" },
+      motion ? keys : null,
+      button("\u25d0", "Light or dark (t)", () => theme.toggle()),
+    ),
+  );
 }
 
 function listen(stage: Stage | null): void {
@@ -201,7 +251,15 @@ function buildReport(report: ReportDocument): object {
     page.append(stage.element, results);
     results.append(plots.element);
     const notes = [...motion.notes, ...motion.scene.notes];
-    if (notes.length > 0) results.append(h("section", { class: "group" }, h("h2", {}, "Shown otherwise than it is"), h("ul", {}, ...notes.map((note) => h("li", {}, note)))));
+    if (notes.length > 0)
+      results.append(
+        h(
+          "section",
+          { class: "group" },
+          h("h2", {}, "Shown otherwise than it is"),
+          h("ul", {}, ...notes.map((note) => h("li", {}, note))),
+        ),
+      );
     handles = { report, runs, player, view: stage.view, plots };
   } else {
     page.append(results);

@@ -7,11 +7,22 @@ const WORDS = new Set(["agrees", "engine-dependent", "unresolved"]);
 
 function table(header: string[], rows: string[][]): HTMLElement {
   const cells = (row: string[], tag: "th" | "td") =>
-    row.map((text, i) => h(i === 0 ? "th" : tag, { scope: tag === "th" ? "col" : i === 0 ? "row" : false }, WORDS.has(text) ? h("span", { class: `word ${text}` }, text) : text));
+    row.map((text, i) =>
+      h(
+        i === 0 ? "th" : tag,
+        { scope: tag === "th" ? "col" : i === 0 ? "row" : false },
+        WORDS.has(text) ? h("span", { class: `word ${text}` }, text) : text,
+      ),
+    );
   return h(
     "div",
     { class: "scroll" },
-    h("table", {}, h("thead", {}, h("tr", {}, ...cells(header, "th"))), h("tbody", {}, ...rows.map((row) => h("tr", {}, ...cells(row, "td"))))),
+    h(
+      "table",
+      {},
+      h("thead", {}, h("tr", {}, ...cells(header, "th"))),
+      h("tbody", {}, ...rows.map((row) => h("tr", {}, ...cells(row, "td")))),
+    ),
   );
 }
 
@@ -41,10 +52,25 @@ export function origin(report: ReportDocument): HTMLElement {
       "div",
       { class: "origin" },
       h("code", {}, commandLine(p)),
-      h("p", {}, `Crossgait ${p.crossgait ?? "?"}; ${(p.engines ?? []).map((e) => `${e.name} (${e.engine} ${e.version})`).join(", ") || "no engine"}; hash ${p.hash ?? "?"}`),
+      h(
+        "p",
+        {},
+        `Crossgait ${p.crossgait ?? "?"}; ${(p.engines ?? []).map((e) => `${e.name} (${e.engine} ${e.version})`).join(", ") || "no engine"}; hash ${p.hash ?? "?"}`,
+      ),
       h("details", {}, h("summary", {}, "All that the result depends on"), h("pre", {}, JSON.stringify(p, null, 1))),
     ),
   );
   const note = report.provenances.length === 0 ? "Made from files that do not say how they came to be." : null;
-  return h("footer", {}, h("h2", {}, "Where this comes from"), ...parts, note ? h("p", {}, note) : null, h("p", { class: "muted" }, `Page written by Crossgait ${report.crossgait}. SI units; angles in degrees where a plot says so. World frame: x forward, y left, z up.`));
+  return h(
+    "footer",
+    {},
+    h("h2", {}, "Where this comes from"),
+    ...parts,
+    note ? h("p", {}, note) : null,
+    h(
+      "p",
+      { class: "muted" },
+      `Page written by Crossgait ${report.crossgait}. SI units; angles in degrees where a plot says so. World frame: x forward, y left, z up.`,
+    ),
+  );
 }
