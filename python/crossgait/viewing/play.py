@@ -1,4 +1,4 @@
-"""The command `python -m crossgait.play`: one episode of a policy, in a window or as a video."""
+"""The command `python -m crossgait.viewing.play`: one episode of a policy, in a window or as a video."""
 
 from __future__ import annotations
 
@@ -9,20 +9,21 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from crossgait import _core, film
+from crossgait import _core
 from crossgait._core import EnvironmentConfig
 from crossgait.commands import exit_code
-from crossgait.compare_policies import ENVIRONMENT, environment_of
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 from crossgait.policies import Policy
+from crossgait.policies.environment import ENVIRONMENT, environment_of
+from crossgait.viewing import film
 
 FRAME_RATE = 25  #: of videos, at most, 1/s
 
 EPILOG = """\
 examples:
-  python -m crossgait.play runs/a/best.safetensors                    # in a window
-  python -m crossgait.play runs/a/best.safetensors --video a.mp4 --engine bullet --seconds 5
+  python -m crossgait.viewing.play runs/a/best.safetensors                    # in a window
+  python -m crossgait.viewing.play runs/a/best.safetensors --video a.mp4 --engine bullet --seconds 5
 """
 
 
@@ -57,7 +58,7 @@ def play(
     """
     if video is not None:
         film.check(video)
-    from crossgait.rendering import EnvironmentRenderer
+    from crossgait.viewing.rendering import EnvironmentRenderer
 
     core = _core.Environment(environment, engine or "")
     actor = Policy.load(policy, environment)
@@ -93,7 +94,7 @@ def _episode(core: _core.Environment, policy: Policy, seed: int, seconds: float 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="python -m crossgait.play",
+        prog="python -m crossgait.viewing.play",
         description="One episode of a policy, in a window or as a video (docs/training.md).",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -136,7 +137,7 @@ def _run(options: argparse.Namespace) -> int:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do it; returns the exit code."""
     options = _parser().parse_args(arguments)
-    return exit_code("crossgait.play", lambda: _run(options))
+    return exit_code("crossgait.viewing.play", lambda: _run(options))
 
 
 if __name__ == "__main__":

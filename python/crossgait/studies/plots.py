@@ -1,8 +1,9 @@
-"""Pictures of results, with matplotlib. Engines keep their colours throughout."""
+"""Draws what studies found, with matplotlib: documents as of `--json`, and traces. Engines keep their colours."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib import pyplot as plt
@@ -12,19 +13,7 @@ from matplotlib.figure import Figure
 from crossgait.errors import ConfigError
 from crossgait.traces import Numbers, Trace
 
-if TYPE_CHECKING:
-    from crossgait.results import (
-        Bench,
-        CompareResult,
-        Conformance,
-        CourseResult,
-        Rollout,
-        Transfer,
-        Tuning,
-        Verdict,
-        Verdicts,
-        WalkResult,
-    )
+Json = dict[str, Any]
 
 # Okabe and Ito's palette (2008): told apart by the colour-blind, too.
 _PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00")
@@ -51,7 +40,7 @@ def roll_pitch_yaw(trace: Trace) -> Numbers:
     return attitude
 
 
-def _draw_traces(traces: list[Trace], title: str) -> Figure:
+def _draw_traces(traces: Sequence[Trace], title: str) -> Figure:
     figure, axes = _new(4, 8, share_x=True)
     for colour, trace in zip(_PALETTE, traces, strict=False):
         attitude = roll_pitch_yaw(trace)
@@ -69,7 +58,7 @@ def _draw_traces(traces: list[Trace], title: str) -> Figure:
     return figure
 
 
-def _draw_contacts(ax: Axes, traces: list[Trace]) -> None:
+def _draw_contacts(ax: Axes, traces: Sequence[Trace]) -> None:
     """Draw bars where feet touch, one line per leg and engine."""
     height = 0.8 / len(traces)
     for k, (colour, trace) in enumerate(zip(_PALETTE, traces, strict=False)):
@@ -84,28 +73,16 @@ def _draw_contacts(ax: Axes, traces: list[Trace]) -> None:
     ax.grid(visible=False)
 
 
-def _need(present: bool, what: str) -> None:
-    if not present:
-        raise ConfigError(what, "trace", "trace=True when it was made", "none")
+def plot_traces(traces: Sequence[Trace], title: str, study: str) -> Figure:
+    """Way, height, attitude and footfalls over time. Raises ConfigError, naming the study, without a trace."""
+    if not traces:
+        raise ConfigError(study, "trace", "trace=True when it was made", "none")
+    return _draw_traces(traces, title)
 
 
-def plot_walk(result: WalkResult) -> Figure:
-    """Way, height, attitude and footfalls over time."""
-    _need(result.trace is not None, "walk")
-    assert result.trace is not None
-    return _draw_traces([result.trace], repr(result).strip("<>").removeprefix("crossgait.WalkResult: "))
-
-
-def plot_compare(result: CompareResult) -> Figure:
-    """The same of every engine."""
-    _need(bool(result.traces), "compare")
-    run = result.document["runs"][0]
-    return _draw_traces(list(result.traces.values()), f"{run['gait']} on {run['terrain']}")
-
-
-def plot_verdict(result: Verdict) -> Figure:
+def plot_verdict(document: Json) -> Figure:
     """Every statistic's score with its interval, between the limits."""
-    d = result.document
+    d = document
     rows = d["statistics"]
     figure, (ax,) = _new(1, 1.5 + 0.35 * len(rows))
     reach = 3 * d["limit"]
@@ -128,9 +105,9 @@ def plot_verdict(result: Verdict) -> Figure:
     return figure
 
 
-def plot_verdicts(result: Verdicts) -> Figure:
+def plot_verdicts(document: Json) -> Figure:
     """Score of every statistic, by pair, between the limits within which engines agree."""
-    pairs = result.document["pairs"]
+    pairs = document["pairs"]
     names = [s["name"] for s in pairs[0]["statistics"]]
     figure, (ax,) = _new(1, 1.5 + 0.4 * len(names))
     for i, pair in enumerate(pairs):
@@ -158,9 +135,9 @@ def plot_verdicts(result: Verdicts) -> Figure:
     return figure
 
 
-def plot_rollout(result: Rollout) -> Figure:
+def plot_rollout(document: Json) -> Figure:
     """Speed and return of every episode."""
-    runs = result.document["policies"]
+    runs = document["policies"]
     figure, axes = _new(2, 5)
     for i, run in enumerate(runs):
         for ax, key in zip(axes, ("mean_speed_mps", "total_reward"), strict=True):
@@ -174,14 +151,14 @@ def plot_rollout(result: Rollout) -> Figure:
     return figure
 
 
-def plot_transfer(result: Transfer) -> Figure:
+def plot_transfer(document: Json) -> Figure:
     """Speed of the policy and of the gait alone, in every engine on every ground."""
-    cells = result.document["cells"]
+    cells = document["cells"]
     figure, (ax,) = _new(1, 1.5 + 0.45 * len(cells))
     for i, cell in enumerate(cells):
         for key, shift, colour in (("baseline", 0.12, "#888888"), ("policy", -0.12, _PALETTE[0])):
             speed = cell[key]["mean_speed_mps"]
-            label = {"baseline": "without", "policy": result.document["policy"]}[key] if i == 0 else None
+            label = {"baseline": "without", "policy": document["policy"]}[key] if i == 0 else None
             ax.errorbar(speed["mean"], i + shift, xerr=speed["deviation"], fmt="o", color=colour, label=label)
     ax.set_yticks(range(len(cells)), [f"{cell['terrain']}, {cell['backend']}" for cell in cells])
     ax.invert_yaxis()
@@ -190,9 +167,9 @@ def plot_transfer(result: Transfer) -> Figure:
     return figure
 
 
-def plot_course(result: CourseResult) -> Figure:
+def plot_course(document: Json) -> Figure:
     """Score of every section, by engine."""
-    cells = result.document["cells"]
+    cells = document["cells"]
     sections = list(dict.fromkeys(cell["section"]["name"] for cell in cells))
     engines = list(dict.fromkeys(cell["backend"] for cell in cells))
     figure, (ax,) = _new(1, 1.5 + 0.3 * len(sections))
@@ -214,18 +191,17 @@ def plot_course(result: CourseResult) -> Figure:
     return figure
 
 
-def plot_tuning(result: Tuning) -> Figure:
+def plot_tuning(document: Json) -> Figure:
     """Best score over generations."""
     figure, (ax,) = _new(1, 3.5)
-    ax.step(range(len(result.document["history"])), result.document["history"], where="post", color=_PALETTE[0])
+    ax.step(range(len(document["history"])), document["history"], where="post", color=_PALETTE[0])
     ax.set_xlabel("generation")
-    ax.set_ylabel("best score" if "course" in result.document else "best score, m/s")
+    ax.set_ylabel("best score" if "course" in document else "best score, m/s")
     return figure
 
 
-def plot_bench(result: Bench) -> Figure:
+def plot_bench(rows: Sequence[Json]) -> Figure:
     """Time of a physics step in every scene, over the first engine's."""
-    rows = result._rows()
     if not rows:
         raise ConfigError("bench", "sections", "speed among them", "none")
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
@@ -247,9 +223,9 @@ def plot_bench(result: Bench) -> Figure:
     return figure
 
 
-def plot_conformance(result: Conformance) -> Figure:
+def plot_conformance(rows: Sequence[Json]) -> Figure:
     """Every number that has an upper bound above zero, over that bound: what is left of 1 is margin."""
-    rows = [row for row in result._rows() if row.get("high") and row["value"] is not None]
+    rows = [row for row in rows if row.get("high") and row["value"] is not None]
     figure, (ax,) = _new(1, max(3.5, 0.18 * len(rows)))
     over = [max(abs(row["value"]) / row["high"], 1e-6) for row in rows]
     colours = [_WORDS["agrees"] if row["holds"] else _WORDS["engine-dependent"] for row in rows]

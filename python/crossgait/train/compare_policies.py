@@ -1,4 +1,4 @@
-"""The command `python -m crossgait.compare_policies`: policies beside each other, in every engine on every ground."""
+"""`python -m crossgait.train.compare_policies`: policies beside each other, in every engine on every ground."""
 
 from __future__ import annotations
 
@@ -15,31 +15,16 @@ from crossgait._core import EnvironmentConfig
 from crossgait.commands import exit_code
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
+from crossgait.policies.environment import ENVIRONMENT, environment_of
 from crossgait.train.evaluation import evaluate, failures
 
 Json = dict[str, Any]
 
-ENVIRONMENT = "environment.yaml"  #: beside a policy that `crossgait.train` made
-
 EPILOG = """\
 examples:
-  python -m crossgait.compare_policies runs/a/best.safetensors runs/b/best.safetensors zero
-  python -m crossgait.compare_policies mine.safetensors zero --environment env.yaml --engines mujoco,bullet --json -
+  python -m crossgait.train.compare_policies runs/a/best.safetensors runs/b/best.safetensors zero
+  python -m crossgait.train.compare_policies mine.safetensors zero --environment env.yaml --json result.json
 """
-
-
-def environment_of(policies: Sequence[str], given: str | None) -> EnvironmentConfig:
-    """Of the file `given`, or the one beside the first policy that is a file. Raises ConfigError."""
-    if given is not None:
-        return EnvironmentConfig.load(given)
-    for policy in policies:
-        own = _core.environment_of_policy(policy)
-        if own is not None:
-            return EnvironmentConfig.load(own)
-        beside = Path(policy).parent / ENVIRONMENT
-        if policy.endswith((".safetensors", ".yaml")) and beside.exists():
-            return EnvironmentConfig.load(str(beside))
-    raise ConfigError(", ".join(policies), "environment", f"{ENVIRONMENT} beside a policy, or --environment", "none")
 
 
 def compare_policies(
@@ -115,7 +100,7 @@ def _cell(told: Json | None) -> str:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="python -m crossgait.compare_policies",
+        prog="python -m crossgait.train.compare_policies",
         description="Policies on the same episodes, in every engine on every ground (docs/training.md).",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -155,7 +140,7 @@ def _run(options: argparse.Namespace) -> int:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do it; returns the exit code."""
     options = _parser().parse_args(arguments)
-    return exit_code("crossgait.compare_policies", lambda: _run(options))
+    return exit_code("crossgait.train.compare_policies", lambda: _run(options))
 
 
 if __name__ == "__main__":

@@ -10,18 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from crossgait import _core, film
+from crossgait import _core
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 from crossgait.progress import ProgressBar, shown
-from crossgait.rendering import Frame, Renderer
-from crossgait.trace_scene import the_robot
-from crossgait.traces import Trace
+from crossgait.traces.scene import the_robot
+from crossgait.traces.table import TraceTable
+from crossgait.viewing import film
+from crossgait.viewing.rendering import Frame, Renderer
 
 try:
     from PIL import Image, ImageDraw
 except ImportError as error:
-    raise ImportError("crossgait.video needs Pillow: pip install crossgait[video]") from error
+    raise ImportError("films need Pillow: pip install crossgait[video]") from error
 
 #: Rounded to these multiples, without which players refuse H.264.
 _EVEN = 2
@@ -29,7 +30,7 @@ _NAME_HEIGHT = 24  # px
 
 
 def write(
-    traces: Sequence[Trace],
+    traces: Sequence[TraceTable],
     path: str | os.PathLike[str],
     robot: _core.Robot,
     terrain: _core.Terrain | None = None,
@@ -84,7 +85,7 @@ def write(
 
 
 def _frames(
-    traces: Sequence[Trace], robot: _core.Robot, renderers: Sequence[Renderer], per_second: float, told: Any
+    traces: Sequence[TraceTable], robot: _core.Robot, renderers: Sequence[Renderer], per_second: float, told: Any
 ) -> Iterator[Frame]:
     """Panels beside each other, `per_second` for each simulated second."""
     begin = min(float(trace.time[0]) for trace in traces)
@@ -101,7 +102,7 @@ def _frames(
             told("drawing", (number + 1) / count)
 
 
-def _state(trace: Trace, robot: _core.Robot, now: float) -> _core.State:
+def _state(trace: TraceTable, robot: _core.Robot, now: float) -> _core.State:
     """The last row that is not after `now`, or the first."""
     row = max(0, int(np.searchsorted(trace.time, now + 1e-9, side="right")) - 1)
     state = _core.State()
@@ -124,7 +125,7 @@ def _named(frame: Frame, name: str) -> Frame:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m crossgait.video", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m crossgait.traces.video", description=__doc__)
     parser.add_argument("traces", nargs="+", metavar="TRACE.csv")
     parser.add_argument("--out", required=True, metavar="FILE.mp4|gif")
     parser.add_argument("--robot", default="scara_quadruped")
@@ -143,7 +144,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Draw traces. Returns the exit code: 2 for bad input."""
     options = _parser().parse_args(arguments)
     try:
-        traces = [Trace.read_csv(file) for file in options.traces]
+        traces = [TraceTable.read_csv(file) for file in options.traces]
         write(
             traces,
             options.out,

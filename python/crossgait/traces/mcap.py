@@ -18,10 +18,11 @@ try:
 except ImportError as error:
     raise ImportError("Trace.to_mcap needs mcap: pip install crossgait[mcap]") from error
 
-from crossgait import _core, trace_scene
+from crossgait import _core
 from crossgait.files import written_whole
-from crossgait.trace_scene import MEDIA_TYPES, Ground, Shape
-from crossgait.traces import Numbers, Trace
+from crossgait.traces import scene
+from crossgait.traces.scene import MEDIA_TYPES, Ground, Shape
+from crossgait.traces.table import Numbers, TraceTable
 
 Json = dict[str, Any]
 
@@ -99,20 +100,22 @@ _SCHEMAS = {
 }
 
 
-def write(trace: Trace, path: str | os.PathLike[str], robot: _core.Robot, terrain: _core.Terrain | None = None) -> None:
+def write(
+    trace: TraceTable, path: str | os.PathLike[str], robot: _core.Robot, terrain: _core.Terrain | None = None
+) -> None:
     """Write `trace`, of `robot`. The file appears whole or not at all."""
     times = np.rint(trace.time * 1e9).astype(np.int64).tolist()  # ns
-    poses = trace_scene.poses(trace, robot)
+    poses = scene.poses(trace, robot)
     with written_whole(path) as beside, open(beside, "wb") as stream:
         file = _File(stream)
         _write_transforms(file.topic("/tf", "foxglove.FrameTransforms"), times, robot.bodies, poses)
         _write_shapes(file.topic("/robot", "foxglove.SceneUpdate"), times, robot)
-        ground = trace_scene.ground(terrain, trace)
+        ground = scene.ground(terrain, trace)
         if ground is not None:
             _write_ground(file.topic("/ground", "foxglove.SceneUpdate"), times, ground)
-        footfalls = trace_scene.footfalls(trace, robot, poses)
+        footfalls = scene.footfalls(trace, robot, poses)
         _write_footfalls(file.topic("/footfalls", "foxglove.SceneUpdate"), times, footfalls)
-        for group, columns in trace_scene.columns(trace).items():
+        for group, columns in scene.columns(trace).items():
             topic = file.topic(f"/{group}", f"crossgait.{group}", _object(**dict.fromkeys(columns, _NUMBER)))
             rows = np.stack(list(columns.values()), axis=1).tolist()
             for time, row in zip(times, rows, strict=True):
@@ -144,7 +147,7 @@ class _Topic:
 
 def _write_transforms(topic: _Topic, times: list[int], bodies: list[str], poses: Numbers) -> None:
     translations = poses[..., :3, 3].tolist()
-    rotations = trace_scene.quaternions(poses[..., :3, :3]).tolist()
+    rotations = scene.quaternions(poses[..., :3, :3]).tolist()
     for time, translation, rotation in zip(times, translations, rotations, strict=True):
         transforms = [
             {
@@ -163,7 +166,7 @@ def _write_shapes(topic: _Topic, times: list[int], robot: _core.Robot) -> None:
     if not times:
         return
     entities = [_entity(times[0], body, body) for body in robot.bodies]
-    for shape in trace_scene.shapes(robot):
+    for shape in scene.shapes(robot):
         for kind, primitive in _primitives(shape):
             entities[shape.body][kind].append(primitive)
     topic.add(times[0], {"deletions": [], "entities": entities})
@@ -255,5 +258,5 @@ def _colour(rgba: Numbers) -> Json:
 
 
 def _pose(pose: Numbers) -> Json:
-    rotation = trace_scene.quaternions(pose[:3, :3]).tolist()
+    rotation = scene.quaternions(pose[:3, :3]).tolist()
     return {"position": _vector(pose[:3, 3]), "orientation": dict(zip("xyzw", rotation, strict=True))}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import json
 import os
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -48,13 +47,9 @@ class Result:
 
     def plot(self) -> Figure:
         """Draw it with matplotlib."""
-        from crossgait import plots
-
-        drawer: Callable[[Any], Figure] = getattr(plots, self._plot)
-        return drawer(self)
+        raise NotImplementedError
 
     _row_name = "name"
-    _plot = ""
 
     def _rows(self) -> list[Json]:
         raise NotImplementedError
@@ -94,7 +89,6 @@ class WalkResult(Result):
     trace: Trace | None = None  #: if it was asked for
 
     _row_name = "backend"
-    _plot = "plot_walk"
 
     def __getattr__(self, name: str) -> Any:
         if not name.startswith("_") and name in self.document:
@@ -103,6 +97,12 @@ class WalkResult(Result):
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.document]
+
+    def plot(self) -> Figure:
+        """Draw way, height, attitude and footfalls over time."""
+        from crossgait.studies import plots
+
+        return plots.plot_traces([] if self.trace is None else [self.trace], self._headline(), "walk")
 
     def _rows(self) -> list[Json]:
         return [_flat(self.document)]
@@ -122,7 +122,6 @@ class CompareResult(Result):
     traces: dict[str, Trace] = field(default_factory=dict)  #: by engine, if they were asked for
 
     _row_name = "backend"
-    _plot = "plot_compare"
 
     @property
     def engines(self) -> list[str]:
@@ -134,6 +133,14 @@ class CompareResult(Result):
         """How far every two of them lie apart."""
         pairs: list[Json] = self.document["pairs"]
         return pairs
+
+    def plot(self) -> Figure:
+        """Draw way, height, attitude and footfalls in every engine."""
+        from crossgait.studies import plots
+
+        run = self.document["runs"][0]
+        title = f"{run['gait']} on {run['terrain']}"
+        return plots.plot_traces(list(self.traces.values()), title, "compare")
 
     def _rows(self) -> list[Json]:
         return [_flat(run) for run in self.document["runs"]]
@@ -147,8 +154,6 @@ class CompareResult(Result):
 @dataclass(frozen=True, repr=False)
 class Verdict(Result):
     """Whether a behaviour depends on the engine (docs/verdict.md)."""
-
-    _plot = "plot_verdict"
 
     @property
     def word(self) -> str:
@@ -169,6 +174,12 @@ class Verdict(Result):
         """Modelling factors to blame, by statistic; empty unless it was explained."""
         attribution = self.document.get("attribution", {"statistics": []})
         return {row["name"]: row["leading"] for row in attribution["statistics"] if row["leading"]}
+
+    def plot(self) -> Figure:
+        """Draw every statistic's score with its interval, between the limits."""
+        from crossgait.studies import plots
+
+        return plots.plot_verdict(self.document)
 
     def _rows(self) -> list[Json]:
         rows = []
@@ -191,7 +202,6 @@ class Verdicts(Result):
     """Which engines agree on a behaviour, and whether one stands apart (docs/verdict.md)."""
 
     _row_name = "pair"
-    _plot = "plot_verdicts"
 
     @property
     def pairs(self) -> list[Verdict]:
@@ -224,6 +234,12 @@ class Verdicts(Result):
                 return word
         raise KeyError((a, b))
 
+    def plot(self) -> Figure:
+        """Draw every statistic's score, by pair."""
+        from crossgait.studies import plots
+
+        return plots.plot_verdicts(self.document)
+
     def _rows(self) -> list[Json]:
         return [
             {"pair": f"{pair['b']} against {pair['a']}", "word": pair["word"]}
@@ -242,7 +258,12 @@ class Rollout(Result):
     """Whole episodes of policies in one engine."""
 
     _row_name = "policy"
-    _plot = "plot_rollout"
+
+    def plot(self) -> Figure:
+        """Draw speed and return of every episode."""
+        from crossgait.studies import plots
+
+        return plots.plot_rollout(self.document)
 
     def _rows(self) -> list[Json]:
         return [
@@ -262,7 +283,12 @@ class Transfer(Result):
     """One policy, and none, over engines and grounds."""
 
     _row_name = "terrain"
-    _plot = "plot_transfer"
+
+    def plot(self) -> Figure:
+        """Draw the speed with the policy and without, in every engine on every ground."""
+        from crossgait.studies import plots
+
+        return plots.plot_transfer(self.document)
 
     def _rows(self) -> list[Json]:
         return [_flat(cell) for cell in self.document["cells"]]
@@ -277,7 +303,6 @@ class CourseResult(Result):
     """A policy on every section of a course."""
 
     _row_name = "section"
-    _plot = "plot_course"
 
     def score(self, engine: str | None = None) -> float:
         """Over all sections, 0 to 1, in an engine; in the first if none is named."""
@@ -285,6 +310,12 @@ class CourseResult(Result):
         if not found:
             raise ConfigError("course", "engine", "one that it was run in", repr(engine))
         return float(found[0]["mean"])
+
+    def plot(self) -> Figure:
+        """Draw the score of every section, by engine."""
+        from crossgait.studies import plots
+
+        return plots.plot_course(self.document)
 
     def _rows(self) -> list[Json]:
         return [
@@ -304,7 +335,12 @@ class Tuning(Result):
     environment: EnvironmentConfig | None = None  #: with the tuned parameters
 
     _row_name = "generation"
-    _plot = "plot_tuning"
+
+    def plot(self) -> Figure:
+        """Draw the best score over generations."""
+        from crossgait.studies import plots
+
+        return plots.plot_tuning(self.document)
 
     def _rows(self) -> list[Json]:
         return [{"generation": i, "best": score} for i, score in enumerate(self.document["history"])]
@@ -321,7 +357,12 @@ class Bench(Result):
     """Speed and accuracy of the engines on the same motions."""
 
     _row_name = "scene"
-    _plot = "plot_bench"
+
+    def plot(self) -> Figure:
+        """Draw the time of a physics step in every scene, over the first engine's."""
+        from crossgait.studies import plots
+
+        return plots.plot_bench(self._rows())
 
     def _rows(self) -> list[Json]:
         return [_flat(row) for row in self.document.get("speed", {}).get("scenes", [])]
@@ -335,12 +376,17 @@ class Conformance(Result):
     """What an engine made of the checks that every engine is held to."""
 
     _row_name = "check"
-    _plot = "plot_conformance"
 
     @property
     def passed(self) -> bool:
         """Whether no check failed."""
         return bool(self.document["failed"] == 0)
+
+    def plot(self) -> Figure:
+        """Draw every number over its bound."""
+        from crossgait.studies import plots
+
+        return plots.plot_conformance(self._rows())
 
     def _rows(self) -> list[Json]:
         return [

@@ -1,12 +1,11 @@
-"""What a walk looked like over time."""
+"""The numbers of a walk over time: columns by name, from and to CSV."""
 
 from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -16,14 +15,16 @@ from crossgait.files import written_whole
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from crossgait._core import Robot, Terrain
+    from typing_extensions import Self
 
 Numbers = npt.NDArray[np.float64]
 
 
-class Trace:
-    """A table of numbers, a row per control step; columns as `crossgait walk --trace` has them, SI units."""
+class TraceTable:
+    """A table of numbers, a row per control step; columns as `crossgait walk --trace` has them, SI units.
+
+    `Trace` adds the files of viewers, whose writers take this.
+    """
 
     def __init__(self, names: list[str], values: Numbers, *, name: str = "") -> None:
         self.names = names
@@ -68,51 +69,8 @@ class Trace:
             for row in self.values:
                 file.write(",".join(f"{value:.17g}" for value in row) + "\n")
 
-    def to_mcap(self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None) -> None:
-        """Write an MCAP file for Foxglove: frames and shapes of the bodies, footfalls, and every column to plot.
-
-        Args:
-            path: the file appears whole or not at all.
-            robot: that walked; as `Robot.load` takes it, or a robot.
-            terrain: that it walked on, drawn as far as 1 m from its way; flat ground is not drawn.
-
-        Raises:
-            ConfigError: if it was another robot.
-            ImportError: without mcap (`pip install crossgait[mcap]`).
-
-        """
-        from crossgait import trace_mcap, trace_scene
-
-        trace_mcap.write(self, path, trace_scene.the_robot(self, robot), terrain)
-
-    def to_rerun(self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None) -> None:
-        """Write an .rrd file for Rerun: as `to_mcap`.
-
-        Raises:
-            ConfigError: if it was another robot.
-            ImportError: without rerun-sdk (`pip install crossgait[rerun]`).
-
-        """
-        from crossgait import trace_rerun, trace_scene
-
-        trace_rerun.write(self, path, trace_scene.the_robot(self, robot), terrain)
-
-    def to_video(
-        self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None, **how: Any
-    ) -> None:
-        """Write FILE.mp4 or FILE.gif: see `crossgait.video.write` for the rest of the arguments.
-
-        Raises:
-            ConfigError: if it was another robot, or for another ending.
-            ImportError: without what draws and writes it (`pip install crossgait[video]`).
-
-        """
-        from crossgait import trace_scene, video
-
-        video.write([self], path, trace_scene.the_robot(self, robot), terrain, **how)
-
     @classmethod
-    def read_csv(cls, path: str | os.PathLike[str]) -> Trace:
+    def read_csv(cls, path: str | os.PathLike[str]) -> Self:
         """Read what `crossgait walk --trace` wrote. Raises ConfigError."""
         with open(path, newline="") as file:
             rows = csv.reader(file)
@@ -132,7 +90,5 @@ class Trace:
 
     def __repr__(self) -> str:
         seconds = self.time[-1] - self.time[0] if len(self) else 0.0
-        return f"<crossgait.Trace {self.name!r}: {len(self)} rows, {len(self.names)} columns, {seconds:g} s>"
-
-
-Traces = Mapping[str, Trace]
+        size = f"{len(self)} rows, {len(self.names)} columns, {seconds:g} s"
+        return f"<crossgait.{type(self).__name__} {self.name!r}: {size}>"

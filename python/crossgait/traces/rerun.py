@@ -17,19 +17,22 @@ try:
 except ImportError as error:
     raise ImportError("Trace.to_rerun needs rerun-sdk: pip install crossgait[rerun]") from error
 
-from crossgait import _core, trace_scene
+from crossgait import _core
 from crossgait.files import written_whole
-from crossgait.trace_scene import MEDIA_TYPES, Ground, Shape
-from crossgait.traces import Trace
+from crossgait.traces import scene
+from crossgait.traces.scene import MEDIA_TYPES, Ground, Shape
+from crossgait.traces.table import TraceTable
 
 _FOOTFALL_RADIUS = 0.006  # m
 _FOOTFALL_COLOUR = (230, 90, 25)
 
 
-def write(trace: Trace, path: str | os.PathLike[str], robot: _core.Robot, terrain: _core.Terrain | None = None) -> None:
+def write(
+    trace: TraceTable, path: str | os.PathLike[str], robot: _core.Robot, terrain: _core.Terrain | None = None
+) -> None:
     """Write `trace`, of `robot`. The file appears whole or not at all."""
     times = np.rint(trace.time * 1e9).astype("timedelta64[ns]")
-    poses = trace_scene.poses(trace, robot)
+    poses = scene.poses(trace, robot)
     with written_whole(path) as beside:
         recording = rr.RecordingStream("crossgait")
         recording.save(beside)
@@ -37,17 +40,17 @@ def write(trace: Trace, path: str | os.PathLike[str], robot: _core.Robot, terrai
         recording.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         bodies = [rr.new_entity_path(["world", "robot", body]) for body in robot.bodies]
         for i, body in enumerate(bodies):
-            rotation = trace_scene.quaternions(poses[:, i, :3, :3])
+            rotation = scene.quaternions(poses[:, i, :3, :3])
             columns = rr.Transform3D.columns(translation=poses[:, i, :3, 3], quaternion=rotation)
             recording.send_columns(body, [_timeline(times)], columns)
-        for i, shape in enumerate(trace_scene.shapes(robot)):
+        for i, shape in enumerate(scene.shapes(robot)):
             _log_shape(recording, f"{bodies[shape.body]}/shape_{i}", shape)
-        ground = trace_scene.ground(terrain, trace)
+        ground = scene.ground(terrain, trace)
         if ground is not None:
             recording.log("world/ground", _mesh(ground), static=True)
-        for leg, (rows, positions) in trace_scene.footfalls(trace, robot, poses).items():
+        for leg, (rows, positions) in scene.footfalls(trace, robot, poses).items():
             _send_footfalls(recording, rr.new_entity_path(["world", "footfalls", leg]), times[rows], positions)
-        for group, numbers in trace_scene.columns(trace).items():
+        for group, numbers in scene.columns(trace).items():
             for name, values in numbers.items():
                 entity = rr.new_entity_path(["trace", group, name])
                 recording.send_columns(entity, [_timeline(times)], rr.Scalars.columns(scalars=values))
@@ -74,7 +77,7 @@ def _mesh(ground: Ground) -> rr.Mesh3D:
 
 
 def _log_shape(recording: rr.RecordingStream, entity: str, shape: Shape) -> None:
-    rotation = rr.Quaternion(xyzw=trace_scene.quaternions(shape.pose[:3, :3]))
+    rotation = rr.Quaternion(xyzw=scene.quaternions(shape.pose[:3, :3]))
     scale = shape.scale if shape.type == "mesh" else None
     transform = rr.Transform3D(translation=shape.pose[:3, 3], quaternion=rotation, scale=scale)
     recording.log(entity, transform, static=True)

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from crossgait import _core
 from crossgait.errors import ConfigError
-from crossgait.traces import Numbers, Trace
+from crossgait.traces.table import Numbers, TraceTable
 
 Indices = npt.NDArray[np.int64]
 
@@ -83,7 +83,7 @@ def _shape(shape: dict[str, Any], rgba: Numbers, mesh: Path | None, scale: Numbe
     return Shape(shape["body"], shape["type"], shape["size"], shape["pose"], rgba, mesh, scale, vertices)
 
 
-def the_robot(trace: Trace, robot: _core.Robot | str) -> _core.Robot:
+def the_robot(trace: TraceTable, robot: _core.Robot | str) -> _core.Robot:
     """Load it, if it is a name or file. Raises ConfigError if the trace is not of this robot."""
     robot = _core.Robot.load(robot) if isinstance(robot, str) else robot
     missing = [joint for joint in robot.joints if f"q.{joint}" not in trace]
@@ -93,7 +93,7 @@ def the_robot(trace: Trace, robot: _core.Robot | str) -> _core.Robot:
     return robot
 
 
-def poses(trace: Trace, robot: _core.Robot) -> Numbers:
+def poses(trace: TraceTable, robot: _core.Robot) -> Numbers:
     """Poses of all bodies in W at every row, rows x bodies x 4 x 4."""
     state = _core.State()
     position = np.stack([trace[f"p_WB.{axis}"] for axis in "xyz"], axis=1)
@@ -124,7 +124,7 @@ def quaternions(rotations: Numbers) -> Numbers:
     return largest * np.where(largest[..., 3:] < 0, -1.0, 1.0)
 
 
-def footfalls(trace: Trace, robot: _core.Robot, poses: Numbers) -> dict[str, tuple[Indices, Numbers]]:
+def footfalls(trace: TraceTable, robot: _core.Robot, poses: Numbers) -> dict[str, tuple[Indices, Numbers]]:
     """By leg, the rows at which its foot comes down (the first if it stands) and the foot's centre in W, N x 3."""
     result = {}
     for name, leg in _core.legs(robot).items():
@@ -146,7 +146,7 @@ class Ground:
     rgba: Numbers  #: of the vertices, N x 4, 0 to 1: by height
 
 
-def ground(terrain: _core.Terrain | None, trace: Trace) -> Ground | None:
+def ground(terrain: _core.Terrain | None, trace: TraceTable) -> Ground | None:
     """A height field as far as `MARGIN` from where the base went; None of a plane, for which viewers have a grid."""
     if terrain is None or terrain.heights is None or terrain.size is None or len(trace) == 0:
         return None
@@ -170,7 +170,7 @@ def _near(samples: Numbers, way: Numbers) -> slice:
     return slice(begin, max(end, begin + 2))
 
 
-def columns(trace: Trace) -> dict[str, dict[str, Numbers]]:
+def columns(trace: TraceTable) -> dict[str, dict[str, Numbers]]:
     """All columns but the time, by what stands before the first dot: {"q": {"FL_tilt": ...}, ...}."""
     groups: dict[str, dict[str, Numbers]] = {}
     for name in trace.names:

@@ -34,7 +34,7 @@ if not _has_display():
 try:
     import mujoco
 except ImportError as error:
-    raise ImportError("crossgait.rendering needs mujoco: pip install crossgait[render]") from error
+    raise ImportError("crossgait.viewing.rendering needs mujoco: pip install crossgait[render]") from error
 
 Frame = npt.NDArray[np.uint8]
 
