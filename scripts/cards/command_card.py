@@ -1,4 +1,4 @@
-"""What the cards of policies say that follow a command with the joints: the error of tracking it (scripts/policy-cards)."""
+"""What the cards of policies say that follow a command with the joints: the error of tracking it (scripts/cards/policy-cards)."""
 import os
 import re
 import sys

@@ -1,11 +1,11 @@
-"""What scripts/engine-cards and scripts/policy-cards share: asking the program, tables, files that are written whole."""
+"""What scripts/cards/engine-cards and scripts/cards/policy-cards share: asking the program, tables, files that are written whole."""
 import json
 import os
 import subprocess
 import sys
 import tempfile
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
 
 def ask(program, *arguments):

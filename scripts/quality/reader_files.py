@@ -5,7 +5,7 @@ import shutil
 import struct
 import subprocess
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 PROGRAM = os.path.join(ROOT, "build", "release", "apps", "crossgait")
 
 # What reads a file of a kind; {} is the file. Short, so that the reading is most of it.

@@ -1,4 +1,4 @@
-"""What the cards of policies say that are asked for no speed: how fast they are on rough ground (scripts/policy-cards)."""
+"""What the cards of policies say that are asked for no speed: how fast they are on rough ground (scripts/cards/policy-cards)."""
 from course_card import ROUGH, rolled_out, rollout_text
 
 

@@ -1,4 +1,4 @@
-"""What the cards of policies say that drive a gait: the course, speed on rough ground, cost of transport (scripts/policy-cards)."""
+"""What the cards of policies say that drive a gait: the course, speed on rough ground, cost of transport (scripts/cards/policy-cards)."""
 import os
 
 from cards import Method, ask, falls_bound, shown, table
