@@ -56,7 +56,7 @@ std::string python() {
 
 /// Before anything is walked. @throws ConfigError saying what to install
 void require_renderer() {
-  const auto found = run_child({python(), "-c", "import crossgait.video"});
+  const auto found = run_child({python(), "-c", "import crossgait.traces.video"});
   if (found && found->exit_code == 0) return;
   std::string why = found ? found->errors : "no such program";
   why.erase(why.find_last_not_of('\n') + 1);
@@ -91,7 +91,7 @@ void run(const VideoCommand& options) {
   const std::vector<std::string> traces =
       options.traces.empty() ? walk_and_trace(options, folder) : options.traces;
   const WalkConfig& world = options.walk.config;
-  std::vector<std::string> command{python(), "-m", "crossgait.video", "--out=" + options.out};
+  std::vector<std::string> command{python(), "-m", "crossgait.traces.video", "--out=" + options.out};
   command.push_back("--robot=" + world.robot);
   command.push_back("--terrain=" + world.terrain);
   command.push_back(fmt::format("--seed={}", world.terrain_seed));
