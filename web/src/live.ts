@@ -1,5 +1,5 @@
 // The live page: the robot as the server simulates it now, and what drives it.
-import type { LiveDocument, Motion } from "./document";
+import type { Live, LiveDocument, Motion } from "./document";
 import { Numbers } from "./document";
 import { button, h, toggle } from "./dom";
 import { Controls } from "./live_controls";
@@ -138,7 +138,7 @@ export class LivePage {
     this.view?.dispose();
     const { scene, numbers } = this.scene!;
     this.runs = frame.robots.map((robot, i) => new LiveRun(i, robot));
-    const motion: Motion = { scene, runs: this.runs.map((run) => run.document), pairs: [], panels: [], notes: [], usual_load: (this.options.mass * GRAVITY) / 2, endless: scene.ground === null, live: true };
+    const motion: Motion & Live = { scene, runs: this.runs.map((run) => run.document), pairs: [], panels: [], constants: [], shortest_contact: 0, notes: [], usual_load: (this.options.mass * GRAVITY) / 2, endless: scene.ground === null, live: true };
     const canvas = h("canvas", { tabindex: 0, role: "img", "aria-label": `${scene.robot} in 3D. Keys w, a, s, d turn the view, plus and minus zoom.` });
     this.holder.replaceChildren(canvas);
     const view = (this.view = new View(motion, this.runs, new Numbers(numbers), canvas));

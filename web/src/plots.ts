@@ -252,7 +252,9 @@ class GaitPlot extends TimePlot {
     const several = runs.length > 1;
     const keys = runs.map((run) => key(several ? run.name : "on the ground", false, () => theme.colour(run.index)));
     if (runs[0]!.document.planned) keys.push(key("planned stance", false, () => theme.variable("--planned")));
-    super(player, "Gait: feet on the ground", "", keys, marks, 44 + motion.scene.legs.length * Math.max(26, 12 + 9 * runs.length));
+    const shortest = motion.shortest_contact;
+    const leftOut = shortest > 0 ? ` (touches and gaps under ${+(1e3 * shortest).toFixed(1)} ms left out)` : "";
+    super(player, `Gait: feet on the ground${leftOut}`, "", keys, marks, 44 + motion.scene.legs.length * Math.max(26, 12 + 9 * runs.length));
   }
 
   protected make(width: number): uPlot {
