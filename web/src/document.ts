@@ -1,4 +1,5 @@
-// What the page shows: the document that report/page.h describes, and the numbers that it refers to.
+// What the page shows: the document that report/page.h describes, and the numbers that it refers to. The types down to
+// ReportDocument are those of docs/schemas/report.json, which test/document.test.mjs holds them to.
 
 /** Where numbers are, counted in numbers of four bytes. */
 export interface Reference {
