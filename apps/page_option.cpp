@@ -9,8 +9,8 @@
 
 namespace crossgait::apps {
 
-void PageOption::add_to(CLI::App& command, const std::string& help) {
-  add_output_option(command, "--report", path_, help)->type_name("FILE.html");
+CLI::Option* PageOption::add_to(CLI::App& command, const std::string& help) {
+  return add_output_option(command, "--report", path_, help)->type_name("FILE.html");
 }
 
 void PageOption::check(const WalkConfig& config) const {

@@ -15,8 +15,9 @@ namespace crossgait::apps {
 
 class PageOption {
  public:
-  void add_to(CLI::App& command,
-              const std::string& help = "Write a page that replays it in 3D, with plots, as one HTML file");
+  CLI::Option* add_to(
+      CLI::App& command,
+      const std::string& help = "Write a page that replays it in 3D, with plots, as one HTML file");
   bool asked() const { return !path_.empty(); }
 
   /// Before anything long. @throws ConfigError if no page could be made, or of so long a walk

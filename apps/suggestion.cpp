@@ -16,6 +16,12 @@ std::vector<std::string> command_names(const CLI::App& program) {
   return names;
 }
 
+std::string command_near(const std::string& word, const CLI::App& program) {
+  // What people ask for by another word, however far its letters are from the command's.
+  if (word == "plot" || word == "draw") return "report";
+  return nearest(word, command_names(program));
+}
+
 std::vector<std::string> option_names(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
@@ -57,9 +63,9 @@ std::string suggestion(const CLI::App& program) {
   const CLI::App& place = parsed.empty() ? program : *parsed.front();
   for (const std::string& word : place.remaining()) {
     const bool option = word.starts_with("-");
-    const std::string near =
-        option ? nearest(word.substr(0, word.find('=')), option_names(place))
-               : nearest(word, parsed.empty() ? command_names(program) : std::vector<std::string>());
+    const std::string near = option           ? nearest(word.substr(0, word.find('=')), option_names(place))
+                             : parsed.empty() ? command_near(word, program)
+                                              : "";
     if (!near.empty()) return fmt::format("Did you mean {}?", near);
   }
   return "";

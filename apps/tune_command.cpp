@@ -32,7 +32,7 @@ ReportPage page_of(const Tuning& tuning, std::uint64_t seed) {
   Chart search{.title = "Search",
                .x_label = "generation",
                .y_label = "best score so far (m/s, minus cost, or of the course)"};
-  Chart::Series& best = search.series.emplace_back(Chart::Series{"", 0, true, {}});
+  Chart::Series& best = search.series.emplace_back(Chart::Series{"", 0, Chart::Series::Style::kLine, {}});
   for (std::size_t i = 0; i < tuning.history.size(); ++i)
     best.points.push_back({static_cast<double>(i + 1), tuning.history[i]});
   page.charts.push_back({"Search", {std::move(search)}});

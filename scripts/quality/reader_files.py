@@ -17,8 +17,7 @@ COMMANDS = {
     "scripted.yaml": ["rollout", "--policy", "{}", "--episodes", "1", "--episode-seconds", ".02"],
     "hierarchical.yaml": ["rollout", "--policy", "{}", "--episodes", "1", "--episode-seconds", ".02"],
     "policy.safetensors": ["rollout", "--policy", "{}", "--episodes", "1", "--episode-seconds", ".02"],
-    "trace.csv": ["plot", "{}", "--what", "attitude", "--out", "plot.svg"],
-    "replay.csv": ["report", "{}", "--out", "page.html"],
+    "trace.csv": ["report", "{}", "--out", "page.html"],
     "verdict.json": ["report", "{}", "--out", "page.html"],
     "map.csv": ["terrain", "{}"],
     "map.png": ["terrain", "{}"],
@@ -96,7 +95,6 @@ def make_valid(program, folder):
     with open(os.path.join(folder, "policy.safetensors"), "wb") as file:
         file.write(policy(program))
     run(program, ["walk", "--seconds", ".2", "--settle", ".1", "--trace", os.path.join(folder, "trace.csv")])
-    shutil.copy(os.path.join(folder, "trace.csv"), os.path.join(folder, "replay.csv"))
     run(program, ["verdict", "--seconds", ".1", "--settle", ".1", "--starts", "4", "--explain",
                   "--json", os.path.join(folder, "verdict.json")])
     runs = os.path.join(folder, "runs.jsonl")

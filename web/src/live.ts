@@ -1,5 +1,5 @@
 // The live page: the robot as the server simulates it now, and what drives it.
-import type { LiveDocument, Motion } from "./document";
+import type { Live, LiveDocument, Motion } from "./document";
 import { Numbers } from "./document";
 import { button, h, toggle } from "./dom";
 import { Controls } from "./live_controls";
@@ -193,11 +193,13 @@ export class LivePage {
     this.view?.dispose();
     const { scene, numbers } = this.scene!;
     this.runs = frame.robots.map((robot, i) => new LiveRun(i, robot));
-    const motion: Motion = {
+    const motion: Motion & Live = {
       scene,
       runs: this.runs.map((run) => run.document),
       pairs: [],
       panels: [],
+      constants: [],
+      shortest_contact: 0,
       notes: [],
       usual_load: (this.options.mass * GRAVITY) / 2,
       endless: scene.ground === null,

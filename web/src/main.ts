@@ -1,12 +1,13 @@
 // The page: what the document holds, laid out and wired together.
-import { charts } from "./charts";
+import { charts, chartsSection } from "./charts";
 import { Numbers, readDocument, Run, type Motion, type ReportDocument } from "./document";
 import { button, h, toggle } from "./dom";
+import { footPaths } from "./feet";
 import { LivePage } from "./live";
 import { Player } from "./player";
 import { Plots } from "./plots";
 import "./style.css";
-import { findings, origin } from "./tables";
+import { constants, findings, origin } from "./tables";
 import { theme } from "./theme";
 import { verdictSection } from "./verdict";
 import { PRESETS, View } from "./view";
@@ -240,8 +241,8 @@ function buildReport(report: ReportDocument): object {
   const results = h("div", { class: "results" });
   let stage: Stage | null = null;
   let handles: object = { report };
+  const numbers = new Numbers();
   if (motion) {
-    const numbers = new Numbers();
     const runs = motion.runs.map((run, index) => new Run(index, run, numbers));
     const longest = runs.reduce((a, b) => (b.time[b.time.length - 1]! > a.time[a.time.length - 1]! ? b : a));
     const player = new Player(longest.time);
@@ -249,7 +250,8 @@ function buildReport(report: ReportDocument): object {
     stage = new Stage(motion, runs, numbers, player);
     const plots = new Plots(motion, runs, numbers, player);
     page.append(stage.element, results);
-    results.append(plots.element);
+    const feet = chartsSection("Paths of the feet in the leg frames", footPaths(motion, runs), numbers)!;
+    results.append(plots.element, feet.element, ...[constants(motion)].filter((e) => e !== null));
     const notes = [...motion.notes, ...motion.scene.notes];
     if (notes.length > 0)
       results.append(
@@ -260,16 +262,19 @@ function buildReport(report: ReportDocument): object {
           h("ul", {}, ...notes.map((note) => h("li", {}, note))),
         ),
       );
-    handles = { report, runs, player, view: stage.view, plots };
+    handles = { report, runs, player, view: stage.view, plots, feet: feet.figures };
   } else {
     page.append(results);
   }
   // Of many engines first what they come to, then every pair.
   const many = !motion && report.verdicts.length > 1;
-  const found = findings(report, many ? "Which engines agree" : "Statistics");
+  const found = findings(
+    report,
+    many ? "Which engines agree" : motion || report.verdicts.length > 0 ? "Statistics" : "Numbers",
+  );
   if (found && many) results.append(found);
   for (const verdict of report.verdicts) results.append(verdictSection(verdict));
-  const drawn = charts(report);
+  const drawn = charts(report, numbers);
   results.append(...drawn.elements);
   if (found && !many) results.append(found);
   results.append(origin(report));

@@ -280,9 +280,11 @@ class GaitPlot extends TimePlot {
     const several = runs.length > 1;
     const keys = runs.map((run) => key(several ? run.name : "on the ground", false, () => theme.colour(run.index)));
     if (runs[0]!.document.planned) keys.push(key("planned stance", false, () => theme.variable("--planned")));
+    const shortest = motion.shortest_contact;
+    const leftOut = shortest > 0 ? ` (touches and gaps under ${+(1e3 * shortest).toFixed(1)} ms left out)` : "";
     super(
       player,
-      "Gait: feet on the ground",
+      `Gait: feet on the ground${leftOut}`,
       "",
       keys,
       marks,

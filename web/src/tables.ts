@@ -1,6 +1,6 @@
 // What was found, in words and tables, and where it comes from.
-import type { Provenance, ReportDocument } from "./document";
-import { h } from "./dom";
+import type { Motion, Provenance, ReportDocument } from "./document";
+import { digits, h } from "./dom";
 
 /** Of verdicts. */
 const WORDS = new Set(["agrees", "engine-dependent", "unresolved"]);
@@ -35,6 +35,22 @@ export function findings(report: ReportDocument, title: string): HTMLElement | n
     ...report.tables.map(({ header, rows }) => table(header, rows)),
     ...report.sentences.map((sentence) => h("p", {}, sentence)),
     ...report.texts.map((text) => h("pre", { class: "text" }, text)),
+  );
+}
+
+/** Gait parameters that have no plot, since they never change. */
+export function constants(motion: Motion): HTMLElement | null {
+  if (motion.constants.length === 0) return null;
+  const rows = motion.constants.map(({ name, unit, value }) => [name, unit, digits(value)]);
+  return h(
+    "section",
+    { class: "group" },
+    h(
+      "details",
+      {},
+      h("summary", {}, "Gait parameters that never change"),
+      table(["parameter", "unit", "value"], rows),
+    ),
   );
 }
 

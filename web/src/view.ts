@@ -17,7 +17,7 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import type { Ground, Motion, Numbers, Run } from "./document";
+import type { Ground, Live, Motion, Numbers, Run } from "./document";
 import { RobotParts, RobotView } from "./robot";
 import { theme } from "./theme";
 
@@ -122,7 +122,7 @@ export class View {
   private readonly endings: (() => void)[] = [];
 
   constructor(
-    private readonly motion: Motion,
+    private readonly motion: Motion & Live,
     private readonly runs: Run[],
     private readonly numbers: Numbers,
     readonly canvas: HTMLCanvasElement,

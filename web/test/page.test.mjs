@@ -50,7 +50,7 @@ test("a comparison of three engines loads, small and soon", async () => {
   const drawn = await page.evaluate(() => {
     const shown = window.crossgait.plots.all.filter((p) => p.element.offsetParent);
     for (const plot of shown) plot.ensure();
-    return [shown.length, document.querySelectorAll(".plot canvas").length];
+    return [shown.length, document.querySelectorAll(".plots .plot canvas").length];
   });
   await page.waitForTimeout(200);
   assert.ok(drawn[0] >= 18 && drawn[1] === drawn[0], `${drawn[1]} of ${drawn[0]} plots`);
@@ -93,6 +93,98 @@ test("feet are where the trace has them", async () => {
       foot.forEach((value, i) => assert.ok(Math.abs(value - shown.said[3 * leg + i]) < 1e-4, `foot ${leg}`)),
     );
   }
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("paths of the feet are where the robot has them, at equal scales", async () => {
+  const { page, problems } = await open("walk.html");
+  const shown = await page.evaluate(() => {
+    const { feet, player, report, runs, view } = window.crossgait;
+    player.playing = false;
+    const { legs } = report.motion.scene;
+    return [0, 100, 250].map((frame) => {
+      player.seek(runs[0].time[frame] + 1e-6);
+      const robot = view.robots[0];
+      return legs.map((leg, i) => {
+        // The foot as three.js has it, in the base's own frame.
+        const local = robot.bodies[0].worldToLocal(robot.feet[i].getWorldPosition(robot.feet[i].position.clone()));
+        return {
+          drawn: feet[i].points[0][frame],
+          robot: [1e3 * (local.x - leg.origin[0]), 1e3 * (local.z - leg.origin[2])],
+        };
+      });
+    });
+  });
+  // mm; as above, 1e-4 m is what nobody sees.
+  for (const { drawn, robot } of shown.flat())
+    drawn.forEach((value, i) => assert.ok(Math.abs(value - robot[i]) < 0.1, `${drawn} at ${robot}`));
+  await page.evaluate(() => window.crossgait.feet.at(-1).element.scrollIntoView());
+  await page.waitForFunction(() => window.crossgait.feet.every((f) => f.pixelsPerUnit));
+  await expectEqualScales(page, "feet", 4);
+  assert.equal(
+    await page.locator("details tbody tr").count(),
+    await page.evaluate(() => window.crossgait.report.motion.constants.length),
+  );
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+/** A unit is as long along y as along x; and contents are drawn in colours, not on an empty frame. */
+async function expectEqualScales(page, name, count) {
+  const units = await page.evaluate(
+    (of) => window.crossgait[of].filter((c) => c.chart.equal_scales).map((c) => c.pixelsPerUnit),
+    name,
+  );
+  assert.equal(units.length, count);
+  for (const [x, y] of units)
+    assert.ok(x > 0 && Math.abs(y / x - 1) < 0.01, `a unit is ${x} px along x and ${y} px along y`); // whole pixels
+}
+
+/** How many colours a chart's picture has. */
+function coloursOf(page, index) {
+  return page.evaluate((i) => {
+    const canvas = window.crossgait.charts[i].element.querySelector("canvas:not(.shades)");
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    return new Set(new Uint32Array(data.buffer)).size;
+  }, index);
+}
+
+test("a workspace shows what its result says, shaded, at equal scales", async () => {
+  const { page, problems } = await open("workspace.html");
+  const result = JSON.parse(readFileSync(join(pages, "workspace.json"), "utf8"));
+  await page.waitForFunction(() => window.crossgait.charts.every((c) => c.pixelsPerUnit));
+  await expectEqualScales(page, "charts", 2);
+  for (const [i, axis] of [0, 1].entries()) {
+    const foot = await page.evaluate((at) => window.crossgait.charts[at].points[1][0], i);
+    assert.deepEqual(foot, [1e3 * result.standing_foot_m[axis], 1e3 * result.standing_foot_m[2]]);
+    const colours = await coloursOf(page, i);
+    assert.ok(colours > 200, `shades of ${colours} colours`);
+  }
+  for (const words of [
+    "safe box",
+    "path, trot",
+    "standing foot",
+    "smallest margin, deg",
+    "z up from the shoulders, mm",
+  ])
+    assert.ok((await page.textContent(".results")).includes(words), words);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("a gait shows its steps, paths and targets", async () => {
+  const { page, problems } = await open("gait.html");
+  const { samples } = JSON.parse(readFileSync(join(pages, "gait.json"), "utf8"));
+  await page.evaluate(() => document.querySelectorAll(".panel").forEach((panel) => panel.scrollIntoView()));
+  await page.waitForFunction(() => window.crossgait.charts.every((c) => c.pixelsPerUnit));
+  assert.equal(await page.locator(".panel").count(), 8);
+  await expectEqualScales(page, "charts", 4);
+  const path = await page.evaluate(() => window.crossgait.charts[1].points[0]);
+  assert.deepEqual(
+    path,
+    samples.map(({ FL }) => [1e3 * FL.position_m[0], 1e3 * FL.position_m[2]]),
+  );
   assert.deepEqual(problems, []);
   await page.close();
 });
@@ -286,7 +378,7 @@ test("a verdict of many begins with who agrees", async () => {
 
 // A4 without its margins, in the pixels of a style sheet.
 test("nothing is wider than paper", async () => {
-  for (const name of ["many.html", "verdict.html", "compare.html", "bench.html"]) {
+  for (const name of ["many.html", "verdict.html", "compare.html", "bench.html", "workspace.html", "gait.html"]) {
     const { page } = await open(name, { width: 703, height: 1000 });
     await page.emulateMedia({ media: "print" });
     const wide = await page.evaluate(() =>

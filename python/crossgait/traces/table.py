@@ -63,7 +63,7 @@ class TraceTable:
         return pd.DataFrame(self.values[:, 1:], columns=self.names[1:], index=pd.Index(self.time, name="time"))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write what `crossgait plot` reads. The file appears whole or not at all."""
+        """Write what `crossgait report` reads. The file appears whole or not at all."""
         with written_whole(path) as beside, open(beside, "w") as file:
             file.write(",".join(self.names) + "\n")
             for row in self.values:
