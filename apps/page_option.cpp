@@ -39,10 +39,8 @@ void PageOption::write(ReportPage page, const Provenance& provenance) const {
   write_file_atomically(path_, report_html(page));
 }
 
-PageRecorder::PageRecorder(const WalkConfig& config, std::size_t runs) {
-  const WorldSpec world = config.world();
-  robot_ = world.robot;
-  terrain_ = world.terrain;
+PageRecorder::PageRecorder(const WorldSpec& world, std::size_t runs)
+    : robot_(world.robot), terrain_(world.terrain) {
   for (std::size_t i = 0; i < runs; ++i) recorders_.emplace_back(robot_);
 }
 

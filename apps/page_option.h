@@ -36,7 +36,7 @@ class PageOption {
 class PageRecorder {
  public:
   /// @param runs  how many there are
-  PageRecorder(const WalkConfig& config, std::size_t runs);
+  PageRecorder(const WorldSpec& world, std::size_t runs);
   void add(std::size_t run, const TraceSample& sample) { recorders_[run].add(sample); }
 
   /// @param walked  the runs, in the same order; the recorder is empty then

@@ -75,7 +75,7 @@ std::map<std::string, std::string> files_of(const CLI::App& command) {
     for (const std::string& value : option->results()) {
       // FILE.png may have settings behind a colon.
       for (const std::string& path : {value, value.substr(0, value.rfind(':'))}) {
-        if (is_file(path)) files[path] = file_hash(path);
+        if (!files.contains(path) && is_file(path)) files[path] = file_hash(path);
       }
     }
   }
@@ -137,7 +137,7 @@ ResultInputs of_gait(const std::string& robot, const GaitChoice& gait) {
   WalkConfig walk;
   walk.robot = robot;
   walk.gait = gait;
-  const Json behaviour = to_json(BehaviourSpec{walk, {}, 0}).at("behaviour");
+  const Json behaviour = LoadedBehaviour(walk, {}, 0).described.at("behaviour");
   ResultInputs inputs;
   inputs.subject["robot"] = behaviour.at("robot");
   inputs.subject["behaviour"] = {{"gait", behaviour.at("gait")}, {"parameters", behaviour.at("parameters")}};

@@ -67,17 +67,16 @@ void require_renderer() {
 }
 
 std::vector<std::string> walk_and_trace(const VideoCommand& options, const TraceFolder& folder) {
-  const WalkConfig config = options.walk.make();
-  const auto robot = std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot)));
+  const LoadedWalk loaded = options.walk.make();
   std::vector<std::string> files;
   const std::vector<std::string> engines =
       options.engines.empty() ? std::vector{available_engines().front()} : options.engines;
   for (const std::string& engine : engines) {
     files.push_back(folder.file(engine));
-    TraceWriter trace(robot, files.back());
-    ProgressLine progress(fmt::format("{} in {}", config.gait.name(), engine));
+    TraceWriter trace(loaded.world.robot, files.back());
+    ProgressLine progress(fmt::format("{} in {}", loaded.config.gait.name(), engine));
     const WalkRun run = walk(
-        config, engine, [&](double share) { progress.update(share); },
+        loaded, engine, [&](double share) { progress.update(share); },
         [&trace](std::size_t, const TraceSample& sample) { trace.add(sample); });
     trace.finish();
     if (run.interrupted) throw EndedEarly("there is no film");

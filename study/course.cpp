@@ -103,11 +103,10 @@ Course with_sections(Course course, const std::vector<std::string>& names) {
   return course;
 }
 
-EnvConfig section_environment(const EnvConfig& method, const Course& course, const CourseSection& section) {
-  const RobotDescription robot =
-      method.at_its_place(method.robot, [&] { return load_robot(find_robot(method.robot)); });
+LoadedEnv section_environment(const LoadedEnv& method, const Course& course, const CourseSection& section) {
+  const RobotDescription& robot = *method.robot;
   const EnvConfig usual;
-  EnvConfig here = method;
+  EnvConfig here = method.config;
   here.terrain = section.terrain;
   here.friction = section.friction;
   here.command = VelocityCommand{section.speed, 0, 0};
@@ -129,7 +128,7 @@ EnvConfig section_environment(const EnvConfig& method, const Course& course, con
     here.randomisation[Randomised::kPushInterval] = section.push_interval;
   }
   here.validate(fmt::format("course {}, section {}", course.name, section.name));
-  return here;
+  return method.with(here);
 }
 
 double course_score(const EpisodeSummary& run, const Course& course, const CourseSection& section) noexcept {
@@ -150,15 +149,15 @@ MeanAndDeviation CourseResult::score(const std::string& engine) const {
   return mean_and_deviation(means);
 }
 
-CourseResult run_course(const Course& course, const EnvConfig& method, const NamedPolicy& policy,
+CourseResult run_course(const Course& course, const LoadedEnv& method, const NamedPolicy& policy,
                         const std::vector<std::string>& engines, const EpisodeOptions& options,
                         const Progress& progress) {
   CourseResult result{course.name, policy.name, options.episodes, options.seed, {}};
   const double all = static_cast<double>(course.sections.size() * engines.size());
   for (const CourseSection& section : course.sections) {
-    EnvConfig here = section_environment(method, course, section);
+    LoadedEnv here = section_environment(method, course, section);
     for (const std::string& engine : engines) {
-      here.engine = engine;
+      here.config.engine = engine;
       const double done = static_cast<double>(result.cells.size());
       result.interrupted = interrupted_at(progress, done / all);
       if (result.interrupted) return result;

@@ -55,8 +55,8 @@ TEST_P(PageOfEngine, BodiesAndFeetAreWhereTheTraceHasThem) {
   const WalkConfig config = short_rough_walk();
   const Walked walked = walk_in(GetParam(), config, robot);
   PageNumbers numbers;
-  const ordered_json document =
-      motion_document({robot, config.world().terrain, {{GetParam(), "", walked.trace}}, {}}, numbers);
+  const ordered_json document = motion_document(
+      {robot, LoadedWalk(config).world.terrain, {{GetParam(), "", walked.trace}}, {}}, numbers);
   const ordered_json &run = document.at("runs").at(0), &legs = document.at("scene").at("legs");
   const std::vector<double> times = floats(numbers, run.at("time")), poses = floats(numbers, run.at("poses")),
                             feet = floats(numbers, run.at("feet")),
@@ -93,7 +93,7 @@ TEST_P(PageOfEngine, BodiesAndFeetAreWhereTheTraceHasThem) {
 TEST(Scene, TheGroundIsTheTerrainUnderTheWay) {
   const auto robot = scenes::quadruped();
   const WalkConfig config = short_rough_walk();
-  const Terrain terrain = config.world().terrain;
+  const Terrain terrain = LoadedWalk(config).world.terrain;
   PageNumbers numbers;
   const ordered_json scene = scene_document(*robot, terrain, {{0, 0}, {0.2, 0.1}}, numbers);
   const ordered_json& ground = scene.at("ground");

@@ -42,7 +42,7 @@ class PanelsOfEngine : public BackendTest {
       walked_.push_back(walk_in(GetParam(), config_, robot_));
     }
     document_ = motion_document({robot_,
-                                 config_.world().terrain,
+                                 LoadedWalk(config_).world.terrain,
                                  {{"long", "", walked_[0].trace}, {"short", "", walked_[1].trace}},
                                  {}},
                                 numbers_);
