@@ -1,8 +1,10 @@
 #include "gait/parameters.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -41,6 +43,30 @@ constexpr std::array kTable{
                  &P::load_share, 0, 1.2, 0.08},
     ParameterRow{"stance_offset", "m", "forward shift of every foot", &P::stance_offset, -0.02, 0.02, 0.002},
 };
+
+/// How a quantity grows with a robot's length L, gravity being the same: times and speeds with sqrt(L).
+enum class Scale { kNone, kLength, kRoot, kInverseRoot };
+struct UnitRow {
+  std::string_view unit;
+  Scale scale;
+};
+constexpr std::array kUnits{UnitRow{"-", Scale::kNone},           UnitRow{"m", Scale::kLength},
+                            UnitRow{"s", Scale::kRoot},           UnitRow{"m/s", Scale::kRoot},
+                            UnitRow{"m/s^2", Scale::kNone},       UnitRow{"rad", Scale::kNone},
+                            UnitRow{"rad/s", Scale::kInverseRoot}};
+
+/// @throws std::logic_error for a unit that is not in the table; in a constant expression, does not compile
+constexpr Scale scale_of(std::string_view unit) {
+  for (const UnitRow& row : kUnits) {
+    if (row.unit == unit) return row.scale;
+  }
+  throw std::logic_error(
+      "a gait parameter's unit that says nothing of its scale: a row of kUnits is missing");
+}
+// A parameter whose unit is unknown does not compile, instead of being left unscaled on robots of another
+// size.
+static_assert(std::all_of(kTable.begin(), kTable.end(),
+                          [](const ParameterRow& row) { return scale_of(row.unit) <= Scale::kInverseRoot; }));
 
 constexpr std::string_view kSource = "gait parameters";
 constexpr std::array kCurves{SwingCurve::kBezier, SwingCurve::kMatched};
@@ -91,8 +117,17 @@ std::string_view name(SwingCurve curve) noexcept {
 }
 
 double ParameterRow::factor(double length_scale) const {
-  if (unit == "m") return length_scale;
-  return unit == "s" ? std::sqrt(length_scale) : 1;
+  switch (scale_of(unit)) {
+    case Scale::kLength:
+      return length_scale;
+    case Scale::kRoot:
+      return std::sqrt(length_scale);
+    case Scale::kInverseRoot:
+      return 1 / std::sqrt(length_scale);
+    case Scale::kNone:
+      break;
+  }
+  return 1;
 }
 
 AdaptationRanges guide_ranges() {

@@ -75,8 +75,8 @@ struct ParameterRow {
   double min, max;     ///< range for tuning and adaptation
   double delta_scale;  ///< change per adaptation step at full action
 
-  /// What a value is multiplied by for a robot `length_scale` times as high: lengths by as much, times by its
-  /// root, all else by 1.
+  /// What a value is multiplied by for a robot `length_scale` times as high, by its unit: lengths by as much,
+  /// times and speeds by its root (`kUnits`, parameters.cpp). @throws std::logic_error for an unknown unit
   double factor(double length_scale) const;
   constexpr double default_value() const { return GaitParameters{}.*member; }
   constexpr double clip(double value) const { return value < min ? min : value > max ? max : value; }

@@ -50,13 +50,17 @@ TEST_P(GaitWalk, EveryGaitWalksForwardForTwentySeconds) {
       {"trot", {0.95, 0.05}},      {"walk", {0.9, 0.1}},      {"pace", {0.85, 0.1}},
       {"bound", {0.9, 0.1}},       {"pronk", {0.8, 0.1}},     {"gallop", {0.8, 0.2}},
       {"trot:guide", {0.85, 0.5}}, {"walk:guide", {0.75, 1}}, {"gallop:guide", {0.3, 1}}};
+  // A gait without a row is new and nobody has searched for what it walks best with: it is held to what the
+  // worst of those that were searched for, the gallop, is held to.
+  const Bound of_others = bounds.at("gallop");
   for (const Gait& gait : gaits()) {
     const MotionSummary s = walk(std::string(gait.name), 20).summary;
     const double ratio = s.mean_speed_mps / nominal_speed(gait.preferred);
     measured(std::string(gait.name) + ", speed over nominal", ratio);
     measured(std::string(gait.name) + ", drag", s.drag.value());
     measured(std::string(gait.name) + ", heading error, deg", s.heading_error_deg.value());
-    const Bound& bound = bounds.at(std::string(gait.name));
+    const auto row = bounds.find(std::string(gait.name));
+    const Bound& bound = row == bounds.end() ? of_others : row->second;
     EXPECT_GT(ratio, bound.least_speed) << gait.name;
     EXPECT_LT(ratio, 1.1) << gait.name;
     EXPECT_LT(s.drag, bound.most_drag) << gait.name;

@@ -30,6 +30,18 @@ TEST(GaitScale, ScalesLengthsAndTimesAndNothingElse) {
   EXPECT_EQ(limits.max_y, 0.2);
 }
 
+TEST(GaitScale, GoesByTheUnitAndRefusesAnUnknownOne) {
+  const auto factor = [](std::string_view unit) {
+    return ParameterRow{"new", unit, "", &GaitParameters::step_length, 0, 1, 0.1}.factor(4);
+  };
+  EXPECT_EQ(factor("m"), 4);
+  EXPECT_EQ(factor("s"), 2);
+  EXPECT_EQ(factor("m/s"), 2);
+  EXPECT_EQ(factor("rad/s"), 0.5);
+  for (const char* same : {"-", "rad", "m/s^2"}) EXPECT_EQ(factor(same), 1) << same;
+  EXPECT_THROW(factor("mm"), std::logic_error);
+}
+
 TEST(GaitScale, KeepsTheFroudeNumber) {
   // v^2 / (g h) of the nominal speed.
   for (const Gait& gait : gaits()) {
