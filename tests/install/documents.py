@@ -15,8 +15,8 @@ def bare(line: str) -> str:
 def main() -> int:
     root, folder = map(Path, sys.argv[1:])
     folder.mkdir(parents=True, exist_ok=True)
-    patch = (root / "tests/gait/extending/parameter_and_gait.patch").read_text().splitlines()
-    added = {bare(line[1:]) for line in patch if line.startswith("+")}
+    patches = [line for p in sorted((root / "tests/extending").glob("*.patch")) for line in p.read_text().splitlines()]
+    added = {bare(line[1:]) for line in patches if line.startswith("+")}
     programs = []
     for page in [root / "README.md", *sorted((root / "docs").glob("*.md"))]:
         blocks = re.findall(r"^```cpp\n(.*?)^```", page.read_text(), re.DOTALL | re.MULTILINE)
@@ -27,7 +27,7 @@ def main() -> int:
                 continue
             missing = [line for line in block.splitlines() if bare(line) and bare(line) not in added]
             if missing:
-                print(f"{page.name}, block {number}: neither a program nor in the patch: {missing[0]}", file=sys.stderr)
+                print(f"{page.name}, block {number}: neither a program nor in a patch: {missing[0]}", file=sys.stderr)
                 return 1
     print(";".join(programs))
     return 0
