@@ -6,7 +6,7 @@
 #include "physics/core/yaml_reader.h"
 #include "physics/robot/joint_numbers.h"
 #include "physics/robot/robot_members.h"
-#include "physics/robot_files/mjcf/mjcf_reader.h"
+#include "physics/robot_files/robot_formats.h"
 #include "physics/robot_files/robot_report.h"
 
 namespace crossgait {
@@ -110,7 +110,7 @@ std::string to_yaml(const LoadedRobot& loaded, const std::string& file) {
   const RobotDescription& robot = loaded.robot;
   const RobotReport& report = loaded.report;
   std::string out = fmt::format("# SI units, radians. Format: models/README.md.\nname: {}\n{}: {}\n",
-                                yaml_quoted(robot.name), is_mjcf_path(file) ? "mjcf" : "urdf", yaml_quoted(file));
+                                yaml_quoted(robot.name), robot_format_of_any(file).key, yaml_quoted(file));
   out += fmt::format("frame: {{forward: {}, up: {}}}  # in the base frame of that file\n",
                      yaml_vector(report.R_BA.col(0)), yaml_vector(report.R_BA.col(2)));
   std::vector<std::string> locked;
