@@ -45,7 +45,8 @@ struct RunResult {
 };
 
 /// Everything that the result of a run depends on, and nothing else: keys sorted, no spaces, numbers with as
-/// many digits as bring them back. A policy file stands with the hash of its bytes. `schema` is run/1.
+/// many digits as bring them back. Files of policies and terrains stand with the SHA-256 of their bytes.
+/// `schema` is run/2.
 nlohmann::json to_json(const RunSpec& spec);
 /// The same where its behaviour is described already: `behaviour` is `to_json(spec.behaviour)`.
 nlohmann::json to_json(const RunSpec& spec, nlohmann::json behaviour);
@@ -55,10 +56,8 @@ std::string run_hash(const RunSpec& run);
 
 /// What moves, as it stands in a run: `behaviour`, `starts` and `seed`.
 nlohmann::json to_json(const BehaviourSpec& spec);
-/// The robot by its name and the hash of what engines are told of it. @throws ConfigError
+/// The robot by its name and `identity_hash`. @throws ConfigError
 nlohmann::json identity_of_robot(const std::string& name_or_file);
-/// Hash of what is in a file, and in the files that it names beside itself. @throws ConfigError
-std::string file_hash(const std::string& path);
 
 /// The behaviour that a specification describes. @throws ConfigError for what cannot be read or made
 Behaviour make_behaviour(const BehaviourSpec& spec);
