@@ -131,7 +131,8 @@ TEST_F(Provenances, OfGroundsAndGaitsHoldSeedsAndParameters) {
 TEST_F(Provenances, HoldThePoliciesAndFilesThatOthersName) {
   const auto files_of = [](const std::string& command) {
     std::vector<std::string> names;
-    for (const auto& [name, hash] : run_json(command)["provenance"]["files"].items()) names.push_back(name);
+    const json result = run_json(command);
+    for (const auto& [name, hash] : result["provenance"]["files"].items()) names.push_back(name);
     return names;
   };
   write_file("provenance_member.yaml", "{kind: scripted, layout_version: 3, steps: [{time: 0.2}]}\n");
