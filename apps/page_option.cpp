@@ -35,7 +35,7 @@ void PageOption::check_length(double seconds, double dt, const char* of, const c
 }
 
 void PageOption::write(ReportPage page, const Provenance& provenance) const {
-  page.provenances.push_back(to_json(provenance));
+  page.provenances.push_back(to_json(with_files_read(provenance)));
   write_file_atomically(path_, report_html(page));
 }
 

@@ -11,6 +11,7 @@
 
 #include "ik/leg_kinematics.h"
 #include "physics/core/error.h"
+#include "physics/core/files_read.h"
 #include "physics/core/read_budget.h"
 #include "physics/robot_files/mesh/mesh_vertices.h"
 
@@ -77,6 +78,7 @@ class Shapes {
   std::size_t index_of(const std::string& file) {
     const auto [it, is_new] = known_.try_emplace(file, known_.size());
     if (is_new) {
+      const FilesRead apart(FilesRead::Scope::kApart);  // what a robot looks like makes no result
       const TriangleMesh mesh = read_mesh_triangles(file);
       vertices_ += mesh.vertices.size();
       triangles_ += mesh.triangles.size() / 3;

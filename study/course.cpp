@@ -9,6 +9,7 @@
 
 #include "parity/behaviour.h"
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
 #include "physics/core/yaml_reader.h"
 #include "physics/robot/robot.h"
 #include "physics/robot_files/data_path.h"
@@ -28,10 +29,8 @@ std::string find_course(const std::string& name_or_file) {
   for (const auto& entry : fs::directory_iterator(folder, error))
     if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
-  if (std::find(names.begin(), names.end(), name_or_file) == names.end()) {
-    throw ConfigError("course", "name", fmt::format("one of {}, or a .yaml file", fmt::join(names, ", ")),
-                      fmt::format("'{}'", name_or_file));
-  }
+  static_cast<void>(
+      find_row(names, name_or_file, "course", "name", std::identity(), ", or a .yaml file"));  // throws
   return (folder / (name_or_file + ".yaml")).string();
 }
 
@@ -87,19 +86,11 @@ Course load_course(const std::string& name_or_file) {
 
 Course with_sections(Course course, const std::vector<std::string>& names) {
   if (names.empty()) return course;
-  std::vector<CourseSection> chosen;
-  std::vector<std::string> known;
-  for (const CourseSection& section : course.sections) {
-    known.push_back(section.name);
-    if (std::find(names.begin(), names.end(), section.name) != names.end()) chosen.push_back(section);
-  }
-  for (const std::string& name : names) {
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
-      throw ConfigError("course " + course.name, "section", fmt::format("one of {}", fmt::join(known, ", ")),
-                        fmt::format("'{}'", name));
-    }
-  }
-  course.sections = std::move(chosen);
+  for (const std::string& name : names)  // throws
+    static_cast<void>(find_row(course.sections, name, "course " + course.name, "section"));
+  std::erase_if(course.sections, [&names](const CourseSection& section) {
+    return std::find(names.begin(), names.end(), section.name) == names.end();
+  });
   return course;
 }
 

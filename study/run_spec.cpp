@@ -1,18 +1,16 @@
 #include "study/run_spec.h"
 
-#include <algorithm>
 #include <filesystem>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "backends/registry.h"
 #include "env/env_model.h"
 #include "physics/core/error.h"
+#include "physics/core/files_read.h"
 #include "physics/core/hash.h"
-#include "physics/core/text.h"
+#include "physics/robot/robot_identity.h"
 #include "physics/robot_files/data_path.h"
-#include "policy/bundled_policies.h"
 #include "study/rollout.h"
 
 namespace crossgait {
@@ -25,27 +23,20 @@ bool is_file(const std::string& path) {
   return std::filesystem::is_regular_file(path, error);
 }
 
-// A file counts by what is in it, and by what is in the files that it names beside itself; a name as it is.
-// @param seen files that are in already: files may name each other
-void add_file(Fnv1a& hash, const std::string& path, std::set<std::string>& seen) {
-  if (!seen.insert(std::filesystem::weakly_canonical(path).string()).second) return;
-  const std::string text = read_text_file(path, kTerrainTableBudget);  // the largest that a run reads
-  hash.add(text);
-  if (!path.ends_with(".yaml")) return;
-  constexpr std::string_view kBetween = " \t\r\n\"',:{}[]";
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find_first_of(kBetween, begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
-    begin = end + 1;
-    if (!word.ends_with(".safetensors") && !word.ends_with(".yaml")) continue;
-    const std::string beside = (std::filesystem::path(path).parent_path() / word).string();
-    if (is_file(beside)) add_file(hash, beside, seen);
-  }
-}
-
+// A file counts by what is in it, a name as it is.
 Json content_of(const std::string& name_or_file) {
   if (!is_file(name_or_file)) return name_or_file;
-  return {{"file", file_hash(name_or_file)}};
+  return {{"sha256", file_sha256(name_or_file)}};
+}
+
+// What a policy is made of: its own bytes, and those of the policies that it names.
+Json policy_json(const std::string& name_or_file, const PolicyInterface& interface) {
+  const FilesRead files;
+  static_cast<void>(find_policy(name_or_file).make(interface));
+  if (files.list().empty()) return name_or_file;
+  Json policy{{"sha256", Json::array()}};
+  for (const FileRead& file : files.list()) policy["sha256"].push_back(file.sha256);
+  return policy;
 }
 
 // As `make_terrain` takes it: FILE.png may have settings behind a colon.
@@ -76,53 +67,8 @@ Json to_json(const std::vector<SpeedBand>& bands) {
   return result;
 }
 
-// What engines are told of it, whatever the files look like that say it.
 Json identity_of(const RobotDescription& robot) {
-  Fnv1a hash;
-  const auto add = [&hash](const auto& values) {
-    for (Eigen::Index i = 0; i < values.size(); ++i) hash.add(fmt::format("{:.17g};", values.data()[i]));
-  };
-  const auto add_number = [&hash](double value) { hash.add(fmt::format("{:.17g};", value)); };
-  for (const Body& b : robot.bodies) {
-    hash.add(b.name);
-    for (const double v : {static_cast<double>(b.parent), b.inertia.mass, b.joint.lower, b.joint.upper,
-                           b.joint.damping, b.joint.friction, b.joint.armature, b.joint.actuated ? 1.0 : 0.0,
-                           b.joint.kp, b.joint.kd, b.joint.effort_limit, b.joint.corner_speed,
-                           b.joint.no_load_speed, b.joint.backlash, b.joint.delay, b.joint.sensor_noise})
-      add_number(v);
-    add(b.X_PB.matrix());
-    add(b.joint.axis);
-    add(b.inertia.p_BC);
-    add(b.inertia.I_C);
-    for (const CollisionShape& shape : b.shapes) {
-      add_number(static_cast<double>(shape.type));
-      add(shape.size);
-      add(shape.X_BG.matrix());
-      for (const Vector3& vertex : shape.vertices) add(vertex);
-    }
-  }
-  for (const LoopClosure& loop : robot.loops) {
-    add_number(loop.body_a);
-    add_number(loop.body_b);
-    add(loop.p_AP);
-    add(loop.p_BP);
-  }
-  for (const Softness& s : {robot.loop_softness, robot.friction_softness}) {
-    for (const double v :
-         {s.time_constant, s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width})
-      add_number(v);
-  }
-  add(robot.home);
-  add_number(robot.home_height);
-  if (robot.legs) {
-    for (const LegModel& leg : *robot.legs) {
-      for (const int joint : leg.joints()) add_number(joint);
-      add_number(leg.foot_body);
-      add(leg.p_BF);
-      add_number(leg.foot_radius);
-    }
-  }
-  return {{"name", robot.name}, {"description", hash.hex()}};
+  return {{"name", robot.name}, {"description", identity_hash(robot)}};
 }
 
 Json to_json(const LoadedWalk& walk) {
@@ -156,7 +102,7 @@ Json to_json(const LoadedPolicy& c) {
           {"robot", identity_of(*c.model->robot)},
           {"terrain", terrain_json(c.model->config.terrain)},
           {"environment", to_yaml(config)},
-          {"policy", content_of(find_policy_file(c.policy))}};
+          {"policy", policy_json(c.policy, model->interface)}};
 }
 
 // @param r  stated for its robot
@@ -188,13 +134,6 @@ std::variant<LoadedWalk, LoadedPolicy> loaded_of(const std::variant<WalkConfig, 
 
 }  // namespace
 
-std::string file_hash(const std::string& path) {
-  Fnv1a hash;
-  std::set<std::string> seen;
-  add_file(hash, path, seen);
-  return hash.hex();
-}
-
 Json identity_of_robot(const std::string& name_or_file) {
   return identity_of(load_robot(find_robot(name_or_file)));
 }
@@ -223,7 +162,7 @@ const WorldSpec& LoadedBehaviour::world() const {
 
 Json describe_run(Json behaviour, const EngineInfo& engine, const Variation& v, std::size_t start) {
   Json run = std::move(behaviour);
-  run["schema"] = {{"name", "run"}, {"version", 1}};
+  run["schema"] = {{"name", "run"}, {"version", 2}};
   run["crossgait"] = crossgait_version();
   run["engine"] = engine.name;
   run["engine_version"] = engine.version;

@@ -69,7 +69,8 @@ struct RunResult {
 };
 
 /// Everything that the result of a run depends on, and nothing else: keys sorted, no spaces, numbers with as
-/// many digits as bring them back. A policy file stands with the hash of its bytes. `schema` is run/1.
+/// many digits as bring them back. Files of policies and terrains stand with the SHA-256 of their bytes.
+/// `schema` is run/2.
 nlohmann::json to_json(const RunSpec& spec);
 /// One run of a behaviour that is described already. @param behaviour  LoadedBehaviour::described
 nlohmann::json describe_run(nlohmann::json behaviour, const EngineInfo& engine, const Variation& variation,
@@ -78,10 +79,8 @@ std::string canonical_json(const RunSpec& run);
 /// 64-bit FNV-1a of the canonical JSON, as 16 hexadecimal digits.
 std::string run_hash(const RunSpec& run);
 
-/// The robot by its name and the hash of what engines are told of it. @throws ConfigError
+/// The robot by its name and `identity_hash`. @throws ConfigError
 nlohmann::json identity_of_robot(const std::string& name_or_file);
-/// Hash of what is in a file, and in the files that it names beside itself. @throws ConfigError
-std::string file_hash(const std::string& path);
 
 /// What is judged and run. @throws ConfigError for what cannot be made
 Behaviour make_behaviour(const LoadedBehaviour& loaded);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/core/files_read.h"
 #include "physics/core/hash.h"
 #include "physics/core/text.h"
 
@@ -38,6 +39,7 @@ std::string stored_run(const nlohmann::json& run, const RunResult& result) {
 RunStore::RunStore(std::string path) : path_(std::move(path)) {
   std::error_code error;
   if (!std::filesystem::exists(path_, error)) return;
+  const FilesRead apart(FilesRead::Scope::kApart);  // a store saves work; it makes no result
   const std::string text = read_text_file(path_, kRunStoreBudget);
   std::size_t begin = 0, number = 0;
   check_json_budget(text, kRunStoreBudget, path_);

@@ -1,4 +1,4 @@
-// What a URDF holds that is not simulated: one sentence per kind of thing.
+// What a robot's file holds that is not simulated: one sentence per kind of thing.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 namespace crossgait {
 
 /// Counts things by their kind, and remembers where the first of each was.
-class UrdfWarnings {
+class ReaderWarnings {
  public:
   /// One more thing of the kind that reads "<before><number><after>", e.g. ("ignored ", " <contact>").
   /// @param where  of this one, e.g. "link 'shin' (line 7)"

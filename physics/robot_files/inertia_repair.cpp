@@ -1,4 +1,4 @@
-#include "physics/robot_files/urdf/urdf_inertia.h"
+#include "physics/robot_files/inertia_repair.h"
 
 #include <algorithm>
 #include <cmath>

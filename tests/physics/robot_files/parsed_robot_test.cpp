@@ -1,16 +1,17 @@
-#include "physics/robot_files/urdf/urdf_tree.h"
+#include "physics/robot_files/parsed_robot.h"
 
 #include <gtest/gtest.h>
 
 #include "physics/robot/multibody.h"
+#include "physics/robot_files/urdf/urdf_reader.h"
 #include "tests/physics/robot_files/scratch_robot.h"
 
 namespace crossgait {
 namespace {
 
-UrdfRobot default_robot() { return read_urdf(kRobotFolder + "robot.urdf"); }
+ParsedRobot default_robot() { return read_urdf(kRobotFolder + "robot.urdf"); }
 
-RobotDescription description(const UrdfRobot& urdf) {
+RobotDescription description(const ParsedRobot& urdf) {
   RobotDescription robot;
   robot.name = "made";
   robot.bodies = urdf.bodies;
@@ -18,7 +19,7 @@ RobotDescription description(const UrdfRobot& urdf) {
 }
 
 /// World poses of links with all joints at zero.
-std::map<std::string, Pose> link_poses(const UrdfRobot& urdf) {
+std::map<std::string, Pose> link_poses(const ParsedRobot& urdf) {
   const RobotDescription robot = description(urdf);
   RobotState state;
   state.q = JointVector::Zero(robot.joint_count());
@@ -30,7 +31,7 @@ std::map<std::string, Pose> link_poses(const UrdfRobot& urdf) {
   return result;
 }
 
-Eigen::Matrix<double, 6, 6> base_inertia(const UrdfRobot& urdf) {
+Eigen::Matrix<double, 6, 6> base_inertia(const ParsedRobot& urdf) {
   const RobotDescription robot = description(urdf);
   RobotState state;
   state.q = JointVector::Zero(robot.joint_count());
@@ -38,10 +39,10 @@ Eigen::Matrix<double, 6, 6> base_inertia(const UrdfRobot& urdf) {
 }
 
 TEST(LockJoints, KeepsWhereLinksAreAndWhatTheyWeighAtZero) {
-  const UrdfRobot free = default_robot();
-  UrdfRobot with_mesh = free;
+  const ParsedRobot free = default_robot();
+  ParsedRobot with_mesh = free;
   with_mesh.mesh_vertices["FL_foot_collision_0"] = {Vector3::Zero()};
-  const UrdfRobot locked = lock_joints(with_mesh, {"FL_tilt", "FL_elbow_left", "RR_shoulder_right"});
+  const ParsedRobot locked = lock_joints(with_mesh, {"FL_tilt", "FL_elbow_left", "RR_shoulder_right"});
   EXPECT_EQ(locked.bodies.size(), free.bodies.size() - 3);
   const auto before = link_poses(free), after = link_poses(locked);
   ASSERT_EQ(before.size(), after.size());
@@ -52,7 +53,7 @@ TEST(LockJoints, KeepsWhereLinksAreAndWhatTheyWeighAtZero) {
     const LinkPlacement& now = locked.links.at(name);
     ASSERT_EQ(now.shapes.size(), link.shapes.size()) << name;
     for (std::size_t i = 0; i < link.shapes.size(); ++i) {
-      const auto shape = [i](const UrdfRobot& urdf, const LinkPlacement& at) {
+      const auto shape = [i](const ParsedRobot& urdf, const LinkPlacement& at) {
         return urdf.bodies[static_cast<std::size_t>(at.body)].shapes[static_cast<std::size_t>(at.shapes[i])];
       };
       EXPECT_EQ(shape(locked, now).name, shape(free, link).name);
@@ -64,7 +65,7 @@ TEST(LockJoints, KeepsWhereLinksAreAndWhatTheyWeighAtZero) {
 }
 
 TEST(LockJoints, OfNoneChangesNothing) {
-  const UrdfRobot free = default_robot(), same = lock_joints(free, {});
+  const ParsedRobot free = default_robot(), same = lock_joints(free, {});
   ASSERT_EQ(same.bodies.size(), free.bodies.size());
   for (std::size_t i = 0; i < free.bodies.size(); ++i) {
     EXPECT_EQ(same.bodies[i].parent, free.bodies[i].parent);
@@ -73,10 +74,10 @@ TEST(LockJoints, OfNoneChangesNothing) {
 }
 
 TEST(TurnBase, TurnsEverythingAboutTheBase) {
-  const UrdfRobot free = default_robot();
+  const ParsedRobot free = default_robot();
   Matrix3 R;
   R << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // forward is the file's y
-  const UrdfRobot turned = turn_base(free, R);
+  const ParsedRobot turned = turn_base(free, R);
   const auto before = link_poses(free), after = link_poses(turned);
   for (const auto& [name, X] : before) {
     EXPECT_LT((after.at(name).translation() - R.transpose() * X.translation()).norm(), 1e-15) << name;

@@ -1,4 +1,4 @@
-#include "physics/robot_files/urdf/urdf_warnings.h"
+#include "physics/robot_files/reader_warnings.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@ constexpr std::size_t kMostOfASentence = 2000;  // bytes
 
 }  // namespace
 
-UrdfWarnings::Kind* UrdfWarnings::more_of(std::string_view before, std::string_view after) {
+ReaderWarnings::Kind* ReaderWarnings::more_of(std::string_view before, std::string_view after) {
   std::string key = fmt::format("{}#{}", before, after);
   auto known = index_.find(key);
   if (known == index_.end()) {
@@ -29,19 +29,19 @@ UrdfWarnings::Kind* UrdfWarnings::more_of(std::string_view before, std::string_v
   return &kind;
 }
 
-void UrdfWarnings::count(std::string_view before, std::string_view after, std::string_view where) {
+void ReaderWarnings::count(std::string_view before, std::string_view after, std::string_view where) {
   Kind* const kind = more_of(before, after);
   if (kind != nullptr && kind->count == 1) kind->where = fmt::format(", first in {}", where);
 }
 
-void UrdfWarnings::list(std::string_view what, std::string_view name) {
+void ReaderWarnings::list(std::string_view what, std::string_view name) {
   if (Kind* const kind = more_of("", what))
     kind->where += (kind->where.empty() ? "" : ", ") + std::string(name);
 }
 
-void UrdfWarnings::add(std::string_view sentence) { more_of(sentence, ""); }
+void ReaderWarnings::add(std::string_view sentence) { more_of(sentence, ""); }
 
-std::vector<std::string> UrdfWarnings::sentences() const {
+std::vector<std::string> ReaderWarnings::sentences() const {
   std::vector<std::string> result;
   for (const Kind& kind : kinds_) {
     const bool is_counted = !kind.where.empty();

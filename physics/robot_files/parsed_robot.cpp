@@ -1,4 +1,4 @@
-#include "physics/robot_files/urdf/urdf_tree.h"
+#include "physics/robot_files/parsed_robot.h"
 
 #include <utility>
 #include <vector>
@@ -8,7 +8,7 @@
 namespace crossgait {
 namespace {
 
-void move_vertices(UrdfRobot& robot, const std::string& shape, const Pose& X) {
+void move_vertices(ParsedRobot& robot, const std::string& shape, const Pose& X) {
   const auto mesh = robot.mesh_vertices.find(shape);
   if (mesh == robot.mesh_vertices.end()) return;
   for (Vector3& vertex : mesh->second) vertex = X * vertex;
@@ -16,7 +16,7 @@ void move_vertices(UrdfRobot& robot, const std::string& shape, const Pose& X) {
 
 }  // namespace
 
-UrdfRobot lock_joints(UrdfRobot robot, const std::set<std::string>& joints) {
+ParsedRobot lock_joints(ParsedRobot robot, const std::set<std::string>& joints) {
   std::vector<int> index(robot.bodies.size(), 0);                // of the body that each becomes part of
   std::vector<Pose> X(robot.bodies.size(), Pose::Identity());    // and its pose there
   std::vector<std::size_t> first_shape(robot.bodies.size(), 0);  // and where its shapes are
@@ -59,7 +59,7 @@ UrdfRobot lock_joints(UrdfRobot robot, const std::set<std::string>& joints) {
   return robot;
 }
 
-UrdfRobot turn_base(UrdfRobot robot, const Matrix3& R_BA) {
+ParsedRobot turn_base(ParsedRobot robot, const Matrix3& R_BA) {
   Pose X_AB = Pose::Identity();
   X_AB.linear() = R_BA.transpose();
   robot.bodies[0].inertia = moved(X_AB, robot.bodies[0].inertia);
