@@ -1,16 +1,107 @@
+// An environment's configuration written down: one list of keys, as JSON, and that as YAML.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
-#include "env/env_config.h"
+#include "env/env_config_json.h"
 #include "physics/core/yaml_reader.h"
 #include "physics/robot_files/data_path.h"
 
 namespace crossgait {
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string whole_path(const std::string& text, bool is_file) {
+  return is_file ? std::filesystem::absolute(text).lexically_normal().string() : text;
+}
+
+void add(Json& out, std::string_view key, const ServoNumbers& numbers) {
+  if (numbers.empty()) return;
+  Json& value = out[std::string(key)];
+  if (numbers.by_name.empty()) {
+    value = *numbers.all;
+    return;
+  }
+  if (numbers.all) value[std::string(kAllServos)] = *numbers.all;
+  for (const auto& [joint, number] : numbers.by_name) value[joint] = number;
+}
+
+// With `mapping` in the place of a key that has something to say.
+void add(Json& out, const char* key, Json mapping) {
+  if (!mapping.empty()) out[key] = std::move(mapping);
+}
+
+Json servos_json(const ServoSettings& servos) {
+  Json out;
+  for (std::size_t i = 0; i < kJointNumbers.size(); ++i) add(out, kJointNumbers[i].name, servos.numbers[i]);
+  return out;
+}
+
+Json joints_json(const JointActionSettings& joints) {
+  Json out;
+  if (!joints.order.empty()) out["order"] = joints.order;
+  add(out, "home", joints.home);
+  add(out, "scale", joints.scale);
+  out["limit"] = joints.limit;
+  out["delay"] = joints.delay;
+  return out;
+}
+
+Json parameters_json(const GaitSettings& settings) {
+  Json out;
+  for (const ParameterRow& row : gait_parameters()) {
+    if (const auto value = settings.find(row.name)) out[std::string(row.name)] = *value;
+  }
+  if (settings.swing) out["swing"] = name(*settings.swing);
+  return out;
+}
+
+void add_gait(Json& out, const EnvConfig& c) {
+  out["gait"] = c.gait;
+  add(out, "parameters", parameters_json(c.parameters));
+  out["adapt"] = c.adapt;
+  Json ranges, scales;
+  for (const auto& [name, range] : c.adaptation.ranges) ranges[name] = {range.min, range.max};
+  for (const auto& [name, scale] : c.adaptation.delta_scales) scales[name] = scale;
+  add(out, "ranges", std::move(ranges));
+  add(out, "delta_scales", std::move(scales));
+  if (c.residual_scale) out["residual_scale"] = *c.residual_scale;
+  out["heading_hold"] = c.heading_hold;
+}
+
+Json observation_json(const ObservationTerm& term) {
+  if (term.plain()) return term.block;
+  Json out{{"block", term.block}};
+  if (!term.scale.empty()) out["scale"] = term.scale;
+  if (std::isfinite(term.clip)) out["clip"] = term.clip;
+  if (term.noise > 0) out["noise"] = term.noise;
+  if (term.delay > 0) out["delay"] = term.delay;
+  if (term.history > 1) out["history"] = term.history;
+  return out;
+}
+
+Json reward_json(const RewardTerms& reward) {
+  Json out = Json::object();
+  for (std::size_t i = 0; i < reward.size(); ++i) {
+    if (reward[i] != 0) out[std::string(reward_terms()[i].name)] = reward[i];
+  }
+  return out;
+}
+
+Json randomisation_json(const Randomisation& randomisation) {
+  Json out;
+  for (const RandomisationRow& row : randomisation_rows()) {
+    const Range& range = randomisation[row.what];
+    if (randomisation.is_on(row.what)) out[std::string(row.name)] = {range.min, range.max};
+  }
+  return out;
+}
 
 // Names of engines need no quotes, and stored runs are found by this text.
 std::string plain_or_quoted(const std::string& text) {
@@ -23,109 +114,66 @@ std::string plain_or_quoted(const std::string& text) {
   return plain ? text : yaml_quoted(text);
 }
 
-std::string whole_path(const std::string& text, bool is_file) {
-  return is_file ? std::filesystem::absolute(text).lexically_normal().string() : text;
+// A value in one line.
+std::string flow(const Json& value) {
+  if (value.is_string()) return plain_or_quoted(value.get<std::string>());
+  if (value.is_number_float()) return fmt::format("{}", value.get<double>());
+  if (!value.is_structured()) return value.dump();
+  std::vector<std::string> parts;
+  for (const auto& [key, part] : value.items())
+    parts.push_back(value.is_object() ? plain_or_quoted(key) + ": " + flow(part) : flow(part));
+  const std::string inside = fmt::format("{}", fmt::join(parts, ", "));
+  return value.is_object() ? "{" + inside + "}" : "[" + inside + "]";
 }
 
-void add(std::string& out, std::string_view key, const ServoNumbers& numbers) {
-  if (numbers.empty()) return;
-  if (numbers.by_name.empty()) {
-    out += fmt::format("  {}: {}\n", key, *numbers.all);
-    return;
-  }
-  out += fmt::format("  {}:\n", key);
-  if (numbers.all) out += fmt::format("    {}: {}\n", kAllServos, *numbers.all);
-  for (const auto& [joint, value] : numbers.by_name)
-    out += fmt::format("    {}: {}\n", plain_or_quoted(joint), value);
-}
-
-std::string servos_yaml(const ServoSettings& servos) {
+// Keys below each other, mappings among them indented.
+std::string block(const Json& mapping, int indent) {
   std::string out;
-  for (std::size_t i = 0; i < kJointNumbers.size(); ++i) add(out, kJointNumbers[i].name, servos.numbers[i]);
-  return out.empty() ? out : "servos:\n" + out;
-}
-
-std::string joints_yaml(const JointActionSettings& joints) {
-  std::vector<std::string> order;
-  for (const std::string& joint : joints.order) order.push_back(plain_or_quoted(joint));
-  std::string out = "joints:\n";
-  if (!order.empty()) out += fmt::format("  order: [{}]\n", fmt::join(order, ", "));
-  add(out, "home", joints.home);
-  add(out, "scale", joints.scale);
-  return out + fmt::format("  limit: {}\n  delay: {}\n", joints.limit, joints.delay);
-}
-
-std::string gait_yaml(const EnvConfig& c) {
-  std::string out = fmt::format("gait: {}\n", c.gait);
-  const GaitSettings& settings = c.parameters;
-  if (!settings.values.empty() || settings.swing) out += "parameters:\n";
-  for (const ParameterRow& row : gait_parameters()) {
-    if (const auto value = settings.find(row.name)) out += fmt::format("  {}: {}\n", row.name, *value);
+  for (const auto& [key, value] : mapping.items()) {
+    out += fmt::format("{:{}}{}:", "", indent, plain_or_quoted(key));
+    // Always in quotes or in one line: stored runs are found by this text.
+    if (indent == 0 && (key == "robot" || key == "terrain")) {
+      out += " " + yaml_quoted(value.get<std::string>()) + "\n";
+    } else if (value.is_object() && !value.empty() && key != "command") {
+      out += "\n" + block(value, indent + 2);
+    } else {
+      out += " " + flow(value) + "\n";
+    }
   }
-  if (settings.swing) out += fmt::format("  swing: {}\n", name(*settings.swing));
-  out += fmt::format("adapt: [{}]\n", fmt::join(c.adapt, ", "));
-  if (!c.adaptation.ranges.empty()) out += "ranges:\n";
-  for (const auto& [name, range] : c.adaptation.ranges)
-    out += fmt::format("  {}: [{}, {}]\n", name, range.min, range.max);
-  if (!c.adaptation.delta_scales.empty()) out += "delta_scales:\n";
-  for (const auto& [name, scale] : c.adaptation.delta_scales) out += fmt::format("  {}: {}\n", name, scale);
-  if (c.residual_scale) out += fmt::format("residual_scale: {}\n", *c.residual_scale);
-  return out + fmt::format("heading_hold: {}\n", c.heading_hold);
-}
-
-std::string observation_yaml(const ObservationTerm& term) {
-  if (term.plain()) return term.block;
-  std::string out = fmt::format("{{block: {}", term.block);
-  if (!term.scale.empty()) out += fmt::format(", scale: [{}]", fmt::join(term.scale, ", "));
-  if (std::isfinite(term.clip)) out += fmt::format(", clip: {}", term.clip);
-  if (term.noise > 0) out += fmt::format(", noise: {}", term.noise);
-  if (term.delay > 0) out += fmt::format(", delay: {}", term.delay);
-  if (term.history > 1) out += fmt::format(", history: {}", term.history);
-  return out + "}";
-}
-
-std::string reward_yaml(const RewardTerms& reward) {
-  std::string weights;
-  for (std::size_t i = 0; i < reward.size(); ++i) {
-    if (reward[i] != 0) weights += fmt::format("  {}: {}\n", reward_terms()[i].name, reward[i]);
-  }
-  return weights.empty() ? "reward: {}\n" : "reward:\n" + weights;
-}
-
-std::string randomisation_yaml(const Randomisation& randomisation) {
-  std::string ranges;
-  for (const RandomisationRow& row : randomisation_rows()) {
-    const Range& range = randomisation[row.what];
-    if (randomisation.is_on(row.what))
-      ranges += fmt::format("  {}: [{}, {}]\n", row.name, range.min, range.max);
-  }
-  return ranges.empty() ? ranges : "randomisation:\n" + ranges;
+  return out;
 }
 
 }  // namespace
 
-std::string to_yaml(const EnvConfig& c) {
-  std::string out =
-      fmt::format("engine: {}\nrobot: {}\nterrain: {}\nterrain_seed: {}\nfriction: {}\n",
-                  plain_or_quoted(c.engine), yaml_quoted(whole_path(c.robot, is_robot_file(c.robot))),
-                  yaml_quoted(whole_path(c.terrain, is_terrain_file(c.terrain))), c.terrain_seed, c.friction);
-  out += servos_yaml(c.servos);
-  out += fmt::format("action: {}\n", name(c.action));
-  out += c.action == ActionKind::kJoints ? joints_yaml(c.joints) : gait_yaml(c);
-  if (c.command) {
-    out += fmt::format("command: {{vx: {}, vy: {}, yaw_rate: {}}}\n", c.command->vx, c.command->vy,
-                       c.command->yaw_rate);
+Json to_json(const EnvConfig& c) {
+  Json out{{"engine", c.engine},
+           {"robot", whole_path(c.robot, is_robot_file(c.robot))},
+           {"terrain", whole_path(c.terrain, is_terrain_file(c.terrain))},
+           {"terrain_seed", c.terrain_seed},
+           {"friction", c.friction}};
+  add(out, "servos", servos_json(c.servos));
+  out["action"] = name(c.action);
+  if (c.action == ActionKind::kJoints) {
+    out["joints"] = joints_json(c.joints);
+  } else {
+    add_gait(out, c);
   }
-  std::vector<std::string> terms;
-  for (const ObservationTerm& term : c.observation) terms.push_back(observation_yaml(term));
-  out += fmt::format("observation: [{}]\n", fmt::join(terms, ", "));
-  out += reward_yaml(c.reward);
-  out += fmt::format(
-      "physics_dt: {}\ncontrol_dt: {}\npolicy_dt: {}\nepisode_seconds: {}\nsettle_seconds: "
-      "{}\ntilt_limit_deg: {}\n",
-      c.physics_dt, c.control_dt, c.policy_dt, c.episode_seconds, c.settle_seconds, c.tilt_limit_deg);
-  out += fmt::format("ends: [{}]\n", fmt::join(outcome_names(c.ends), ", "));
-  return out + randomisation_yaml(c.randomisation);
+  if (c.command)
+    out["command"] = {{"vx", c.command->vx}, {"vy", c.command->vy}, {"yaw_rate", c.command->yaw_rate}};
+  out["observation"] = Json::array();
+  for (const ObservationTerm& term : c.observation) out["observation"].push_back(observation_json(term));
+  out["reward"] = reward_json(c.reward);
+  out["physics_dt"] = c.physics_dt;
+  out["control_dt"] = c.control_dt;
+  out["policy_dt"] = c.policy_dt;
+  out["episode_seconds"] = c.episode_seconds;
+  out["settle_seconds"] = c.settle_seconds;
+  out["tilt_limit_deg"] = c.tilt_limit_deg;
+  out["ends"] = outcome_names(c.ends);
+  add(out, "randomisation", randomisation_json(c.randomisation));
+  return out;
 }
+
+std::string to_yaml(const EnvConfig& config) { return block(to_json(config), 0); }
 
 }  // namespace crossgait

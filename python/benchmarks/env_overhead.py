@@ -35,7 +35,7 @@ def cpu_seconds(work: Callable[[], object]) -> float:
 
 def rollout_seconds(config: EnvironmentConfig, steps: int) -> float:
     """CPU time of one episode of that many steps and its beginning, all of it in C++, s."""
-    episode = config.updated(json.dumps({"episode_seconds": steps * config.policy_dt}))
+    episode = config.updated(episode_seconds=steps * config.policy_dt)
     return cpu_seconds(lambda: crossgait.rollout("zero", environment=episode, episodes=1, workers=1, seed=0))
 
 
@@ -111,7 +111,7 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=2000, help="of one environment in a round")
     parser.add_argument("--json", metavar="FILE", help="write the figures there")
     options = parser.parse_args()
-    config = EnvironmentConfig.parse(json.dumps({"engine": options.engine, "episode_seconds": 1000}))
+    config = EnvironmentConfig(engine=options.engine, episode_seconds=1000)
     print(f"{options.engine}, policy steps of {1e3 * config.policy_dt:g} ms, {options.rounds} rounds")
     figures = {"1": report("One environment", single(config, options.rounds, options.steps))}
     for count in (4, 64):

@@ -71,46 +71,6 @@ void set_observation_bounds(Environment& self, const Bounds& low, const Bounds& 
   self.bounds.set(self.env->observation_layout(), {low.data(), low.size()}, {high.data(), high.size()});
 }
 
-void bind_config(nb::module_& m) {
-  nb::class_<EnvConfig>(
-      m, "EnvironmentConfig",
-      "Everything that makes an environment; docs/environment.md shows it as YAML. Immutable.")
-      .def_static("load", &load_env_config, nb::arg("path"), "Of a YAML file. Raises ConfigError.")
-      .def_static("parse", &parse_env_config, nb::arg("text"), nb::arg("source") = "environment",
-                  "Of YAML or JSON; `source` stands for the file in messages. Raises ConfigError.")
-      .def_static("guide", &guide_environment, "The guide's environment.")
-      .def_static("joints", &joint_environment, "One for policies that command joints.")
-      .def(
-          "to_yaml", [](const EnvConfig& c) { return to_yaml(c); }, "What is set.")
-      .def(
-          "stated", [](const EnvConfig& c) { return EnvModel::make(c)->stated(); },
-          "With everything stated that follows from the robot. Raises ConfigError.")
-      .def_ro("engine", &EnvConfig::engine)
-      .def_ro("robot", &EnvConfig::robot)
-      .def_ro("terrain", &EnvConfig::terrain)
-      .def_ro("policy_dt", &EnvConfig::policy_dt, "s.")
-      .def_ro("control_dt", &EnvConfig::control_dt, "s.")
-      .def_ro("physics_dt", &EnvConfig::physics_dt, "s.")
-      .def_ro("episode_seconds", &EnvConfig::episode_seconds, "s.")
-      .def_prop_ro(
-          "action", [](const EnvConfig& c) { return std::string(name(c.action)); }, "gait or joints.")
-      .def(
-          "updated",
-          [](const EnvConfig& c, const std::string& text, const std::string& source) {
-            return override_env_config(c, text, source);
-          },
-          nb::arg("text"), nb::arg("source") = "environment",
-          "With what `text` (YAML or JSON) says in the place of its own, key by key. Raises ConfigError.")
-      .def(
-          "__eq__", [](const EnvConfig& a, const EnvConfig& b) { return to_yaml(a) == to_yaml(b); },
-          nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
-      .def("__hash__", [](const EnvConfig& c) { return std::hash<std::string>()(to_yaml(c)); })
-      .def("__getstate__", [](const EnvConfig& c) { return to_yaml(c); })
-      .def("__setstate__", [](EnvConfig& c, const std::string& text) {
-        new (&c) EnvConfig(parse_env_config(text, "environment"));
-      });
-}
-
 // What there is to see of an environment, whoever steps it.
 template <typename T>
 void bind_reading(nb::class_<T>& c) {
@@ -173,7 +133,6 @@ void bind_environment(nb::module_& m) {
   m.def("derived_seed", &derived_seed, nb::arg("seed"), nb::arg("index"),
         "Seed of the index-th thing that hangs on `seed`: an environment of a vector, an episode of a "
         "rollout.");
-  bind_config(m);
   nb::class_<QuadrupedEnv::Saved>(m, "SavedEpisode",
                                   "An instant of an episode: restoring it continues bit for bit.");
   bind_view(m);

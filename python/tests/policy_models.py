@@ -11,7 +11,7 @@ import numpy as np
 import crossgait
 from crossgait.policies import MlpNetwork
 
-JOINTS = crossgait.EnvironmentConfig.joints()
+JOINTS = crossgait.EnvironmentConfig(action="joints")
 OBSERVATIONS, ACTIONS = 48, 12
 
 

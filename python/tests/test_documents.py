@@ -22,7 +22,7 @@ from crossgait.policies import MlpNetwork, Policy, PolicyInterface
 ROOT = Path(__file__).parents[2]
 PROGRAM = str(Path(sys.executable).with_name("crossgait"))
 EXTRAS = metadata("crossgait").get_all("Provides-Extra") or []
-EXAMPLES = sorted((ROOT / "python/examples").glob("*.py"))
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 TRAINING = ROOT / "docs/training.md"  # its descriptions and commands: test_training_document.py
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "models/README.md"]
 
@@ -56,7 +56,7 @@ def test_examples_run(example: Path, tmp_path: Path) -> None:
 
 
 def test_the_notebook_runs(tmp_path: Path) -> None:
-    notebook = nbformat.read(ROOT / "python/examples/verdict.ipynb", as_version=4)
+    notebook = nbformat.read(ROOT / "examples/03_verdict.ipynb", as_version=4)
     done = nbclient.NotebookClient(notebook, timeout=900, resources={"metadata": {"path": str(tmp_path)}}).execute()
     shown = [output for cell in done.cells if cell.cell_type == "code" for output in cell.outputs]
     assert all(output.output_type != "error" for output in shown)

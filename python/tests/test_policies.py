@@ -30,7 +30,7 @@ def by_hand(network: MlpNetwork, observation: np.ndarray) -> np.ndarray:
 
 def test_zero_does_nothing_and_random_repeats_by_seed():
     observation = np.zeros(69)
-    guide = crossgait.EnvironmentConfig.guide()
+    guide = crossgait.EnvironmentConfig(preset="guide")
     zero = Policy.load("zero", guide)
     assert zero.name == "zero"
     assert zero.network is None
@@ -165,7 +165,7 @@ def test_a_network_that_does_not_fit_is_an_error():
 def test_a_bundle_for_another_environment_is_an_error(tmp_path):
     Policy.from_network(random_network(), JOINTS).save(tmp_path / "p.safetensors")
     with pytest.raises(crossgait.ConfigError, match="has 48 entries where 69 were expected"):
-        Policy.load(tmp_path / "p.safetensors", crossgait.EnvironmentConfig.guide())
+        Policy.load(tmp_path / "p.safetensors", crossgait.EnvironmentConfig(preset="guide"))
 
 
 @pytest.mark.parametrize(
@@ -181,7 +181,7 @@ def test_descriptions_run_and_are_no_networks(tmp_path):
     path.write_text(
         "kind: scripted\nlayout_version: 3\nsteps: [{time: 0, action: {residual.FL.z: 0.25}}]\n", encoding="utf-8"
     )
-    policy = Policy.load(path, crossgait.EnvironmentConfig.guide())
+    policy = Policy.load(path, crossgait.EnvironmentConfig(preset="guide"))
     policy.reset()
     action = policy.act(np.zeros(len(policy.layout.observation)))
     assert action[policy.layout.action.index("residual.FL.z")] == 0.25

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from typing import Any
-
-import numpy as np
 
 from crossgait._core import EnvironmentConfig, available_engines
 from crossgait.errors import ConfigError
@@ -24,7 +21,7 @@ def make_config(action: str, config: ConfigLike, keys: Mapping[str, Any]) -> Env
     """
     if config is None or isinstance(config, Mapping):
         beginning = {"action": action, "engine": available_engines()[0]} | dict(config or {})
-        made = EnvironmentConfig.parse(_json(beginning), "config")
+        made = EnvironmentConfig.from_dict(beginning, "config")
     elif isinstance(config, EnvironmentConfig):
         made = config
     else:
@@ -32,19 +29,4 @@ def make_config(action: str, config: ConfigLike, keys: Mapping[str, Any]) -> Env
     if made.action != action:
         raise ConfigError("config", "action", f"{action}, which this environment is of", made.action)
     given = {key: value for key, value in keys.items() if value is not None}
-    return made.updated(_json(given), "keyword arguments") if given else made
-
-
-def _json(keys: Mapping[str, Any]) -> str:
-    return json.dumps(keys, default=_plain, ensure_ascii=False)
-
-
-def _plain(value: object) -> object:
-    """What JSON has no word for, in one that it has."""
-    if isinstance(value, Mapping):
-        return dict(value)
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
-    if isinstance(value, os.PathLike):
-        return os.fspath(value)
-    raise ConfigError("config", repr(value), "numbers, text, lists and mappings", type(value).__name__)
+    return made.updated(given, "keyword arguments") if given else made

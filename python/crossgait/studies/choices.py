@@ -55,7 +55,7 @@ def environment_or_default(environment: EnvironmentConfig | None, policy: Policy
     if environment is not None:
         return environment
     own = _core.environment_of_policy(policy) if isinstance(policy, str) else None
-    return EnvironmentConfig.parse("{}") if own is None else EnvironmentConfig.load(own)
+    return EnvironmentConfig() if own is None else EnvironmentConfig.load(own)
 
 
 def worker_count(workers: int | None) -> int:

@@ -159,12 +159,12 @@ class Study:
     def _environment(self, options: Json, where: str) -> str:
         named = options["environment"]
         try:
-            config = EnvironmentConfig.load(self._beside(named)) if named else EnvironmentConfig.parse("{}")
+            config = EnvironmentConfig.load(self._beside(named)) if named else EnvironmentConfig()
             own = {
                 key: self._beside(value) if key in ("robot", "terrain") and isinstance(value, str) else value
                 for key, value in options["set"].items()
             }
-            return config.updated(json.dumps(own), f"{where}.set").to_yaml()
+            return config.updated(own, f"{where}.set").to_yaml()
         except ConfigError as error:
             raise self._error(where, error) from error
 

@@ -62,7 +62,7 @@ def compare_policies(
     where = list(engines or _core.available_engines())
     cells = []
     for terrain in terrains or [environment.terrain]:
-        config = environment.updated(json.dumps({"terrain": terrain}), "terrain")
+        config = environment.updated({"terrain": terrain}, "terrain")
         done = evaluate(names, config, where, episodes, seed, workers, progress=None)
         cells += [
             {"engine": engine, "terrain": terrain, "policy": policy, "all": done[policy][engine]}

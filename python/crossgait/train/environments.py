@@ -15,7 +15,6 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvS
 from crossgait._core import derived_seed
 from crossgait.envs.not_copyable import NotCopyable
 from crossgait.sb3 import CrossgaitVecEnv
-from crossgait.sweep.strict_yaml import parse_yaml
 from crossgait.train.keys import COMMAND
 from crossgait.train.plan import Plan, Share, Stage
 from crossgait.train.tally import Tally
@@ -138,15 +137,14 @@ class _Commands:
     """Commands of episodes, drawn uniformly from a share's ranges; what it does not name is the configuration's."""
 
     def __init__(self, share: Share, part: CrossgaitVecEnv) -> None:
-        said = parse_yaml(share.environment.to_yaml(), "environment")
-        nominal = said.get("command") or {}
-        fixed = {key: float(nominal.get(key, 0)) for key in COMMAND}
+        nominal = share.environment.command or {}
+        fixed = {key: nominal.get(key, 0.0) for key in COMMAND}
         self._ranges = [share.command.get(key, (fixed[key], fixed[key])) for key in COMMAND]
         # Where the first observation shows it. The core has written it with the configuration's command; entries of
         # other ages (a delay, a history) keep that one until the new one has come of age.
         names = part.vector.layout.observation.names
         self._at = [names.index(f"command.{key}") if f"command.{key}" in names else None for key in COMMAND]
-        self._scale, self._clip = _seen(said["observation"])
+        self._scale, self._clip = _seen(share.environment.observation)
 
     def draw(self, random: np.random.Generator) -> tuple[float, float, float]:
         vx, vy, yaw_rate = (float(random.uniform(low, high)) for low, high in self._ranges)

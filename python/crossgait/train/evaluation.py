@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import statistics
 from collections import Counter
 from collections.abc import Sequence
@@ -35,7 +34,7 @@ def evaluate(
     """
     results: dict[str, dict[str, Json]] = {policy: {} for policy in policies}
     for engine in engines:
-        config = environment.updated(json.dumps({"engine": engine}), "engine")
+        config = environment.updated({"engine": engine}, "engine")
         done = studies.rollout(list(policies), config, episodes=episodes, seed=seed, workers=workers, progress=progress)
         for policy, said in zip(policies, done.document["policies"], strict=True):
             results[policy][engine] = said["all"]

@@ -194,14 +194,13 @@ def _base(source: str, document: Json, folder: Path) -> EnvironmentConfig:
         config = EnvironmentConfig.load(os.fspath(folder / given))
     else:
         _place(given, source, "environment", folder)
-        config = _of_core(EnvironmentConfig.parse, given, f"{source}: environment")
+        config = _of_core(EnvironmentConfig.from_dict, given, f"{source}: environment")
     if document["randomisation"]:
         config = _updated(config, {"randomisation": document["randomisation"]}, f"{source}: randomisation")
     config = _updated(config, {"engine": next(iter(document["engines"]))}, source)
     # In place and by whole paths, so that the run's folder is all that it takes to go on.
-    written = parse_yaml(config.to_yaml(), f"{source}: environment")
-    del written["engine"]
-    document["environment"], document["randomisation"] = written, {}
+    document["environment"] = {key: value for key, value in config.to_dict().items() if key != "engine"}
+    document["randomisation"] = {}
     return config
 
 
@@ -220,10 +219,10 @@ def _updated(config: EnvironmentConfig, keys: Json, source: str) -> EnvironmentC
     return _of_core(config.updated, keys, source) if keys else config
 
 
-def _of_core(read: Callable[[str, str], EnvironmentConfig], keys: Json, source: str) -> EnvironmentConfig:
+def _of_core(read: Callable[[Json, str], EnvironmentConfig], keys: Json, source: str) -> EnvironmentConfig:
     """What the core makes of `keys`; its errors name the key, as the line is none of the file's."""
     try:
-        return read(json.dumps(keys), source)
+        return read(keys, source)
     except ConfigError as error:
         element = re.sub(r"^line \d+(, )?", "", error.element) or "value"
         raise ConfigError(error.source, element, error.expected, error.found) from error
@@ -266,8 +265,7 @@ def _evaluated(source: str, document: Json, last: EnvironmentConfig) -> Environm
 
 
 def _terrain_seeds(config: EnvironmentConfig) -> tuple[float, float]:
-    said = parse_yaml(config.to_yaml(), "environment")
-    low, high = said.get("randomisation", {}).get("terrain_seed", [said["terrain_seed"]] * 2)
+    low, high = config.randomisation.get("terrain_seed", [config.terrain_seed] * 2)
     return low, high
 
 
@@ -289,8 +287,8 @@ def _check(plan: Plan) -> None:
             if PolicyInterface(share.environment).layout_hash != layout:
                 where = f"curriculum[{stage.index}]" + (f".mix[{k}]" if len(stage.mix) > 1 else "")
                 raise ConfigError(source, f"{where}.set", "the first stage's layout", "another")
-        dealt = {share.environment.to_yaml() for _, share, _ in plan.shared_out(stage)}
-        if len(dealt) < len({share.environment.to_yaml() for share in stage.mix}):
+        dealt = {share.environment for _, share, _ in plan.shared_out(stage)}
+        if len(dealt) < len({share.environment for share in stage.mix}):
             expected = f"enough for {len(stage.mix)} shares in every engine"
             raise ConfigError(source, f"curriculum[{stage.index}].mix", expected, f"{document['environments']}")
     if PolicyInterface(plan.evaluated).layout_hash != layout:

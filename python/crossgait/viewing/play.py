@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 from collections.abc import Sequence
@@ -120,7 +119,7 @@ def _size(text: str) -> tuple[int, int]:
 def _run(options: argparse.Namespace) -> int:
     environment = environment_of([options.policy], options.environment)
     if options.terrain:
-        environment = environment.updated(json.dumps({"terrain": options.terrain}), "--terrain")
+        environment = environment.updated({"terrain": options.terrain}, "--terrain")
     summary = play(
         options.policy,
         environment,

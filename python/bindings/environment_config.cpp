@@ -1,0 +1,214 @@
+// Configurations of environments: the keys of their YAML as keywords, attributes and a dict.
+#include <string>
+
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include "env/env_config_json.h"
+#include "env/env_model.h"
+#include "python/bindings/bindings.h"
+#include "python/bindings/json.h"
+
+namespace crossgait::python {
+namespace {
+
+std::string json_text(nb::handle value);
+
+std::string mapping_text(nb::handle mapping) {
+  std::string text;
+  const auto keys = nb::borrow<nb::dict>(nb::module_::import_("builtins").attr("dict")(mapping));
+  for (const auto& [key, value] : keys) {
+    text += text.empty() ? "" : ", ";
+    text += nlohmann::json(nb::str(key).c_str()).dump() + ": " + json_text(value);
+  }
+  return "{" + text + "}";
+}
+
+std::string list_text(nb::handle list) {
+  std::string text;
+  for (const nb::handle item : list) text += (text.empty() ? "" : ", ") + json_text(item);
+  return "[" + text + "]";
+}
+
+// Python's own values, NumPy's and paths, as the text that the core reads. @throws ConfigError for others
+std::string json_text(nb::handle value) {
+  if (value.is_none()) return "null";
+  if (nb::isinstance<nb::bool_>(value)) return nb::cast<bool>(value) ? "true" : "false";
+  if (nb::isinstance<nb::float_>(value)) return fmt::format("{}", nb::cast<double>(value));
+  if (nb::isinstance<nb::int_>(value)) return nb::str(value).c_str();
+  if (nb::isinstance<nb::str>(value)) return nlohmann::json(nb::cast<std::string>(value)).dump();
+  if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) return list_text(value);
+  if (nb::hasattr(value, "keys")) return mapping_text(value);
+  if (nb::hasattr(value, "tolist")) return json_text(value.attr("tolist")());
+  if (nb::hasattr(value, "__fspath__")) return json_text(value.attr("__fspath__")());
+  throw ConfigError("config", nb::repr(value).c_str(), "numbers, text, lists and mappings",
+                    nb::cast<std::string>(value.type().attr("__name__")));
+}
+
+// Keywords that say something: None leaves a key as it is.
+nb::dict given(const nb::kwargs& keys) {
+  nb::dict said;
+  for (const auto& [key, value] : keys) {
+    if (!value.is_none()) said[key] = value;
+  }
+  return said;
+}
+
+EnvConfig updated(const EnvConfig& config, nb::handle changes, const std::string& source,
+                  const nb::kwargs& keys) {
+  const std::string text =
+      nb::isinstance<nb::str>(changes) ? nb::cast<std::string>(changes) : json_text(changes);
+  EnvConfig result = text.empty() ? config : override_env_config(config, text, source);
+  const nb::dict said = given(keys);
+  return said.size() == 0 ? result : override_env_config(result, json_text(said), source);
+}
+
+/// A key as an attribute, but for robot and terrain. What the configuration does not say is the JSON text
+/// `otherwise`; `action` is the one that it belongs to, "" for a key of both: None where actions are of the
+/// other kind.
+struct Key {
+  const char *name, *signature, *help, *otherwise, *action;
+};
+
+constexpr Key kKeys[] = {
+    {"engine", "def engine(self) -> str", "Its name; see `crossgait.engines()`.", "", ""},
+    {"terrain_seed", "def terrain_seed(self) -> int", "Of a random terrain.", "", ""},
+    {"friction", "def friction(self) -> float", "Of the ground.", "", ""},
+    {"servos", "def servos(self) -> dict[str, float | dict[str, float]]",
+     "By setting (kp, kd, ...), one number for all servos or numbers by joint, in the place of the robot's.",
+     "{}", ""},
+    {"action", "def action(self) -> str", "gait or joints.", "", ""},
+    {"joints", "def joints(self) -> dict[str, typing.Any] | None",
+     "What actions that command joints mean: order, home, scale, limit, delay. None with action gait.", "",
+     "joints"},
+    {"gait", "def gait(self) -> str | None", "Its name. None with action joints, as what follows.", "",
+     "gait"},
+    {"parameters", "def parameters(self) -> dict[str, float | str] | None",
+     "Of the gait at the start of an episode, those that are not as it prefers.", "{}", "gait"},
+    {"adapt", "def adapt(self) -> list[str] | None", "Names of parameters that the action changes.", "",
+     "gait"},
+    {"ranges", "def ranges(self) -> dict[str, list[float]] | None",
+     "[min, max] of adapted parameters, in the place of the table's.", "{}", "gait"},
+    {"delta_scales", "def delta_scales(self) -> dict[str, float] | None",
+     "Largest change of adapted parameters in a step, in the place of the table's.", "{}", "gait"},
+    {"residual_scale", "def residual_scale(self) -> float | None",
+     "Largest foot residual, m; None: by the robot's size.", "null", "gait"},
+    {"heading_hold", "def heading_hold(self) -> bool | None",
+     "Whether the gait steers to the heading that its command leads to.", "", "gait"},
+    {"command", "def command(self) -> dict[str, float] | None",
+     "Velocity: vx and vy, m/s, yaw_rate, rad/s. None: steps of step_length.", "null", ""},
+    {"observation", "def observation(self) -> list[str | dict[str, typing.Any]]",
+     "Blocks: a name, or a dict with block, scale, clip, noise, delay, history.", "", ""},
+    {"reward", "def reward(self) -> dict[str, float]", "Weights of the terms that count.", "", ""},
+    {"physics_dt", "def physics_dt(self) -> float", "s.", "", ""},
+    {"control_dt", "def control_dt(self) -> float", "s.", "", ""},
+    {"policy_dt", "def policy_dt(self) -> float", "s.", "", ""},
+    {"episode_seconds", "def episode_seconds(self) -> float", "s.", "", ""},
+    {"settle_seconds", "def settle_seconds(self) -> float", "Standing before the first observation, s.", "",
+     ""},
+    {"tilt_limit_deg", "def tilt_limit_deg(self) -> float", "Roll or pitch beyond it is a fall.", "", ""},
+    {"ends", "def ends(self) -> list[str]", "Outcomes that end an episode; divergence always does.", "", ""},
+    {"randomisation", "def randomisation(self) -> dict[str, list[float]]",
+     "[min, max] of what differs from episode to episode.", "{}", ""},
+};
+
+nb::object attribute(const EnvConfig& config, const Key& key) {
+  const nlohmann::ordered_json json = to_json(config);
+  if (const auto found = json.find(key.name); found != json.end()) return to_python(*found);
+  if (*key.action != '\0' && name(config.action) != key.action) return nb::none();
+  return to_python(nlohmann::ordered_json::parse(key.otherwise));
+}
+
+// The keywords, as type checkers see them.
+constexpr const char* kConstructor =
+    "def __init__(self, *, preset: str | None = None, engine: str | None = None, robot: str | "
+    "os.PathLike[str] | None = None, terrain: str | os.PathLike[str] | None = None, terrain_seed: int | None "
+    "= None, friction: float | None = None, servos: collections.abc.Mapping[str, typing.Any] | None = None, "
+    "action: str | None = None, joints: collections.abc.Mapping[str, typing.Any] | None = None, gait: str | "
+    "None = None, parameters: collections.abc.Mapping[str, float | str] | None = None, adapt: "
+    "collections.abc.Sequence[str] | None = None, ranges: collections.abc.Mapping[str, "
+    "collections.abc.Sequence[float]] | None = None, delta_scales: collections.abc.Mapping[str, float] | "
+    "None = None, residual_scale: float | None = None, heading_hold: bool | None = None, command: "
+    "collections.abc.Mapping[str, float] | None = None, observation: collections.abc.Sequence[typing.Any] | "
+    "None = None, reward: collections.abc.Mapping[str, float] | None = None, physics_dt: float | None = "
+    "None, control_dt: float | None = None, policy_dt: float | None = None, episode_seconds: float | None = "
+    "None, settle_seconds: float | None = None, tilt_limit_deg: float | None = None, ends: "
+    "collections.abc.Sequence[str] | None = None, randomisation: collections.abc.Mapping[str, "
+    "collections.abc.Sequence[float]] | None = None) -> None";
+
+void bind_making(nb::class_<EnvConfig>& c) {
+  c.def(
+       "__init__",
+       [](EnvConfig* self, const nb::kwargs& keys) {
+         new (self) EnvConfig(parse_env_config(json_text(given(keys)), "EnvironmentConfig"));
+       },
+       nb::sig(kConstructor),
+       "Of keywords, each a key; without any the default. None leaves a key as it is. `action=\"joints\"` "
+       "begins "
+       "with what policies that command joints use, `preset=\"guide\"` with the guide's environment. Raises "
+       "ConfigError.")
+      .def_static("load", &load_env_config, nb::arg("path"), "Of a YAML file. Raises ConfigError.")
+      .def_static("parse", &parse_env_config, nb::arg("text"), nb::arg("source") = "environment",
+                  "Of YAML or JSON; `source` stands for the file in messages. Raises ConfigError.")
+      .def_static(
+          "from_dict",
+          [](nb::handle keys, const std::string& source) {
+            return parse_env_config(json_text(keys), source);
+          },
+          nb::arg("keys"), nb::arg("source") = "environment",
+          nb::sig("def from_dict(keys: collections.abc.Mapping[str, typing.Any], source: str = "
+                  "'environment') -> EnvironmentConfig"),
+          "Of a mapping of its keys: of text, numbers (NumPy's as well), paths, lists and mappings. Raises "
+          "ConfigError.")
+      .def("updated", &updated, nb::arg("changes") = "", nb::arg("source") = "environment", nb::arg("keys"),
+           nb::sig("def updated(self, changes: str | collections.abc.Mapping[str, typing.Any] = '', source: "
+                   "str = 'environment', **keys: typing.Any) -> EnvironmentConfig"),
+           "With what `changes` (YAML, JSON or a mapping) and keywords say in the place of its own, key by "
+           "key. Raises ConfigError.");
+}
+
+void bind_saying(nb::class_<EnvConfig>& c) {
+  c.def_ro("robot", &EnvConfig::robot, "A bundled robot or a file.");
+  c.def_ro("terrain", &EnvConfig::terrain, "As `crossgait.Terrain` takes it.");
+  for (const Key& key : kKeys) {
+    c.def_prop_ro(
+        key.name, [&key](const EnvConfig& config) { return attribute(config, key); }, nb::sig(key.signature),
+        key.help);
+  }
+  c.def(
+       "to_dict", [](const EnvConfig& config) { return to_python(to_json(config)); },
+       nb::sig("def to_dict(self) -> dict[str, typing.Any]"),
+       "What is set, keys as in YAML; `from_dict` reads it back.")
+      .def(
+          "to_yaml", [](const EnvConfig& config) { return to_yaml(config); }, "What is set.")
+      .def(
+          "stated", [](const EnvConfig& config) { return EnvModel::make(config)->stated(); },
+          "With everything stated that follows from the robot. Raises ConfigError.")
+      .def("__repr__",
+           [](const EnvConfig& config) {
+             return fmt::format("EnvironmentConfig.from_dict({})",
+                                nb::repr(to_python(to_json(config))).c_str());
+           })
+      .def(
+          "__eq__", [](const EnvConfig& a, const EnvConfig& b) { return to_yaml(a) == to_yaml(b); },
+          nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
+      .def("__hash__", [](const EnvConfig& config) { return std::hash<std::string>()(to_yaml(config)); })
+      .def("__getstate__", [](const EnvConfig& config) { return to_yaml(config); })
+      .def("__setstate__", [](EnvConfig& config, const std::string& text) {
+        new (&config) EnvConfig(parse_env_config(text, "environment"));
+      });
+}
+
+}  // namespace
+
+void bind_environment_config(nb::module_& m) {
+  nb::class_<EnvConfig> config(
+      m, "EnvironmentConfig",
+      "Everything that makes an environment: keys of docs/environment.md as keywords, attributes and a dict. "
+      "Immutable.");
+  bind_making(config);
+  bind_saying(config);
+}
+
+}  // namespace crossgait::python
