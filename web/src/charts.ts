@@ -278,7 +278,7 @@ class ChartFigure {
 
 /** Curves that agree lie on each other: those behind are wider. */
 function lineWidth(behind: number): number {
-  return Math.min(1.5 + 0.9 * behind, 5);
+  return Math.min(1.5 + 1.4 * behind, 6);
 }
 
 function holdsSomething({ series, boxes, shades }: Chart): boolean {

@@ -56,7 +56,7 @@ test("a comparison of three engines loads, small and soon", async () => {
   assert.ok(drawn[0] >= 18 && drawn[1] === drawn[0], `${drawn[1]} of ${drawn[0]} plots`);
   await page.evaluate(() => window.crossgait.player.seek(2));
   await page.evaluate(() =>
-    document.querySelectorAll(".panel:not([hidden])").forEach((panel) => panel.scrollIntoView()),
+    document.querySelectorAll(".plots .panel:not([hidden])").forEach((panel) => panel.scrollIntoView()),
   );
   await page.waitForFunction(() =>
     window.crossgait.plots.all.some((p) => p.visible && p.panel?.group === "differences"),
