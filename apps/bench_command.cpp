@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/bench_figures.h"
 #include "apps/bench_page.h"
 #include "apps/command.h"
 #include "apps/interruption.h"
@@ -22,8 +21,7 @@ using nlohmann::ordered_json;
 
 struct BenchCommand {
   benchmarks::BenchOptions bench;
-  std::string from, figures, compare;
-  std::string format = "svg";
+  std::string from, compare;
   double worse_than = 1.25;
   PageOption page;
   JsonOption json;
@@ -53,7 +51,6 @@ void run(const BenchCommand& options) {
   benchmarks::check_worse_than(options.worse_than);
   if (!options.compare.empty()) stored = benchmarks::read_bench(options.compare);
   const Provenance provenance = provenance_of(options);
-  if (!options.figures.empty()) check_bench_figures(options.figures);
   ordered_json result = options.from.empty() ? measure(options) : benchmarks::read_bench(options.from);
 
   std::string text = benchmarks::describe_bench(result);
@@ -63,10 +60,6 @@ void run(const BenchCommand& options) {
     text += benchmarks::describe(regression);
     result["comparison"] = benchmarks::to_json(regression);
     worse = regression.worse.size();
-  }
-  if (!options.figures.empty()) {
-    for (const std::string& file : draw_bench_figures(result, options.figures, options.format))
-      text += file + "\n";
   }
   if (options.page.asked()) options.page.write(bench_page(result), provenance);
   options.json.emit(text, result, provenance);
@@ -89,9 +82,9 @@ void add_bench_command(CLI::App& program) {
       "\nExamples:\n"
       "  crossgait bench --quick\n"
       "  crossgait bench --only speed --engines mujoco,bullet --json speed.json\n"
-      "  crossgait bench --json result.json --figures figures --compare "
+      "  crossgait bench --json result.json --report result.html --compare "
       "benchmarks/results/amd-epyc-2-cores.json\n"
-      "  crossgait bench --from result.json --figures figures");
+      "  crossgait bench --from result.json --report result.html");
   auto options = std::make_shared<BenchCommand>();
   CLI::Option* quick =
       command->add_flag("--quick", options->bench.quick, "Fewer repetitions: under a minute");
@@ -111,14 +104,6 @@ void add_bench_command(CLI::App& program) {
       ->excludes(quick)
       ->excludes(only)
       ->excludes(backend);
-  add_output_option(*command, "--figures", options->figures,
-                    "Draw the sections: speed, accuracy, analytic, feet; the folder is made if there is none")
-      ->type_name("FOLDER");
-  command->add_option("--format", options->format, "Of the figures: svg or png")
-      ->check(CLI::IsMember({"svg", "png"}))
-      ->group(kOutputs)
-      ->type_name("svg|png")
-      ->capture_default_str();
   command
       ->add_option("--compare", options->compare,
                    "Compare with a stored result: times as ratios to the first engine, errors as they are; "
@@ -126,7 +111,7 @@ void add_bench_command(CLI::App& program) {
       ->type_name("FILE");
   command->add_option("--worse-than", options->worse_than, "Factor beyond which a figure counts as worse")
       ->capture_default_str();
-  options->page.add_to(*command, "Write a page with its curves and tables, as one HTML file");
+  options->page.add_to(*command, "Write a page with charts of its sections and its tables, as one HTML file");
   options->json.add_to(*command);
   on_run(*command, [options] { run(*options); });
 }

@@ -28,7 +28,6 @@ void add_terrain_command(CLI::App& program);
 void add_ik_command(CLI::App& program);
 void add_gait_command(CLI::App& program);
 void add_workspace_command(CLI::App& program);
-void add_plot_command(CLI::App& program);
 /// @param again  set to the command line that is to be run next, by a callback
 void add_report_command(CLI::App& program, std::vector<std::string>& again);
 void add_video_command(CLI::App& program);

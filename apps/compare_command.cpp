@@ -14,7 +14,6 @@
 #include "parity/report.h"
 #include "parity/verdict_report.h"
 #include "physics/core/error.h"
-#include "physics/robot_files/data_path.h"
 #include "report/verdict_document.h"
 #include "study/rollout.h"
 #include "study/walk.h"
@@ -42,13 +41,11 @@ std::string trace_path(const std::string& path, std::string backend) {
 // One trace per engine, and the steps of all for a page, where they are asked for.
 class Recorders {
  public:
-  Recorders(const CompareCommand& options, const WalkConfig& config,
-            const std::vector<std::string>& engines) {
-    if (options.page.asked()) page_.emplace(config, engines.size());
+  Recorders(const CompareCommand& options, const WorldSpec& world, const std::vector<std::string>& engines) {
+    if (options.page.asked()) page_.emplace(world, engines.size());
     if (options.trace.empty()) return;
-    const auto description = std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot)));
     for (const std::string& engine : engines)
-      writers_.push_back(std::make_unique<TraceWriter>(description, trace_path(options.trace, engine)));
+      writers_.push_back(std::make_unique<TraceWriter>(world.robot, trace_path(options.trace, engine)));
   }
   SampleObserver observer() {
     if (writers_.empty() && !page_) return {};
@@ -122,16 +119,17 @@ constexpr const char* kHint =
     "engine).\n";
 
 void run(const CompareCommand& options) {
-  const WalkConfig config = options.walk.make();
+  const LoadedWalk loaded = options.walk.make();
+  const WalkConfig& config = loaded.config;
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
   check_required(options, engines);
   const Provenance provenance =
-      options.json.provenance({WalkOptions::subject(config), engines, {{"--engines", engines}}});
+      options.json.provenance({WalkOptions::subject(loaded), engines, {{"--engines", engines}}});
   options.page.check(config);
-  Recorders recorders(options, config, engines);
+  Recorders recorders(options, loaded.world, engines);
   Stages stages;
   const WalkComparison result =
-      compare_walks(config, engines, options.compare, stages.progress(), recorders.observer());
+      compare_walks(loaded, engines, options.compare, stages.progress(), recorders.observer());
   recorders.finish_traces();
   if (recorders.page()) options.page.write(page_of(result, *recorders.page()), provenance);
   options.json.emit(

@@ -19,7 +19,7 @@ struct CourseCommand {
 };
 
 // The policy, and every environment that it is put into.
-nlohmann::json subject_of(const CourseCommand& options, const EnvConfig& method, const Course& course) {
+nlohmann::json subject_of(const CourseCommand& options, const LoadedEnv& method, const Course& course) {
   nlohmann::json subject{{"sections", nlohmann::json::array()}};
   for (const CourseSection& section : course.sections) {
     nlohmann::json here =
@@ -32,9 +32,9 @@ nlohmann::json subject_of(const CourseCommand& options, const EnvConfig& method,
 }
 
 void run(const CourseCommand& options) {
-  const EnvConfig method = options.env.make(options.policy);
+  const LoadedEnv method = options.env.make(options.policy);
   const std::vector<std::string> engines =
-      options.engines.empty() ? std::vector<std::string>{method.engine} : options.engines;
+      options.engines.empty() ? std::vector<std::string>{method.config.engine} : options.engines;
   const Course course = with_sections(load_course(options.course), options.sections);
   const Provenance provenance =
       options.json.provenance({subject_of(options, method, course), engines, {{"--engines", engines}}});

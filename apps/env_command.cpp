@@ -71,35 +71,40 @@ void list_tables(const EnvCommand& options) {
   options.json.emit(blocks.str() + "\n" + terms.str() + "\n" + ranges.str(), with_schema("env", json));
 }
 
-Provenance provenance_of(const EnvCommand& options, const EnvConfig& config) {
-  return options.json.provenance({{{"behaviour", policy_subject(config, {"zero"}, 0).at("behaviour")}},
+Provenance provenance_of(const EnvCommand& options, const LoadedEnv& environment) {
+  return options.json.provenance({{{"behaviour", policy_subject(environment, {"zero"}, 0).at("behaviour")}},
                                   {},
-                                  {{"--engine", {config.engine}}}});
+                                  {{"--engine", {environment.config.engine}}}});
 }
 
-void describe(const EnvCommand& options, const EnvConfig& config) {
-  const PolicyInterface interface = EnvModel::make(config)->interface;
+void describe(const EnvCommand& options, const LoadedEnv& environment) {
+  const EnvConfig& config = environment.config;
+  const PolicyInterface interface = EnvModel::make(environment)->interface;
   const Layout &action = interface.action, &observation = interface.observation;
   const std::string hash = layout_hash(observation, action);
-  const ordered_json json{{"notes", notes_on(config)},     {"layout_version", kLayoutVersion},
-                          {"layout_hash", hash},           {"policy_dt", config.policy_dt},
-                          {"action_size", action.size()},  {"observation_size", observation.size()},
-                          {"action", layout_json(action)}, {"observation", layout_json(observation)}};
+  const ordered_json json{{"notes", notes_on(environment)},
+                          {"layout_version", kLayoutVersion},
+                          {"layout_hash", hash},
+                          {"policy_dt", config.policy_dt},
+                          {"action_size", action.size()},
+                          {"observation_size", observation.size()},
+                          {"action", layout_json(action)},
+                          {"observation", layout_json(observation)}};
   options.json.emit(fmt::format("{} and {} every {:g} ms, layout {} of version {}\n\n{}\n{}",
                                 counted(action.size(), "action"), counted(observation.size(), "observation"),
                                 1e3 * config.policy_dt, hash, layout_version_in_words(),
                                 layout_table("action", action), layout_table("observation", observation)),
-                    with_schema("env", json), provenance_of(options, config));
+                    with_schema("env", json), provenance_of(options, environment));
 }
 
 void run(const EnvCommand& options) {
   if (options.list) return list_tables(options);
-  const EnvConfig config = options.env.make();
+  const LoadedEnv environment = options.env.make();
   if (options.yaml) {
-    const std::string text = to_yaml(EnvModel::make(config)->stated());
-    return options.json.emit(text, with_schema("env", {{"yaml", text}}), provenance_of(options, config));
+    const std::string text = to_yaml(EnvModel::make(environment)->stated());
+    return options.json.emit(text, with_schema("env", {{"yaml", text}}), provenance_of(options, environment));
   }
-  describe(options, config);
+  describe(options, environment);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ void EnvOptions::add_to(CLI::App& command, EnvScope scope) {
   command.add_option("--episode-seconds", episode_seconds, "Simulated length of an episode, s");
 }
 
-EnvConfig EnvOptions::make(const std::string& policy) const {
+LoadedEnv EnvOptions::make(const std::string& policy) const {
   EnvConfig c;
   if (const std::string file = environment_file(config, policy); !file.empty()) {
     c = load_env_config(file);
@@ -71,8 +71,11 @@ EnvConfig EnvOptions::make(const std::string& policy) const {
   if (policy_dt) c.policy_dt = *policy_dt;
   if (episode_seconds) c.episode_seconds = *episode_seconds;
   c.validate("command line");
-  print_notes(notes_on(c));
-  return c;
+  LoadedEnv environment(c, c.at_its_place(c.robot, [&c] {
+    return std::make_shared<const RobotDescription>(load_robot_and_tell(c.robot));
+  }));
+  print_notes(notes_on(environment));
+  return environment;
 }
 
 // Options of gaits say nothing where actions command joints.
@@ -88,13 +91,10 @@ void EnvOptions::require_gait(const EnvConfig& c) const {
   }
 }
 
-std::vector<std::string> notes_on(const EnvConfig& config) {
-  if (config.action == ActionKind::kJoints) {
-    config.at_its_place(config.robot, [&] { return load_robot_and_tell(config.robot); });
-    return {};
-  }
-  const GaitScale scale =
-      config.at_its_place(config.robot, [&] { return gait_scale(load_robot_and_tell(config.robot)); });
+std::vector<std::string> notes_on(const LoadedEnv& environment) {
+  const EnvConfig& config = environment.config;
+  if (config.action == ActionKind::kJoints) return {};
+  const GaitScale scale = gait_scale(*environment.robot);
   GaitParameters usual = scaled(find_gait(config.gait), scale).preferred;
   const GaitParameters initial = config.parameters.over(usual);
   // Like nothing: of what adapts there is a note also where it is the gait's own.
@@ -103,11 +103,11 @@ std::vector<std::string> notes_on(const EnvConfig& config) {
   return outside_ranges(initial, usual, scaled(config.adaptation, scale));
 }
 
-nlohmann::json policy_subject(const EnvConfig& config, const std::vector<std::string>& policies,
+nlohmann::json policy_subject(const LoadedEnv& environment, const std::vector<std::string>& policies,
                               std::uint64_t seed) {
   nlohmann::json subject{{"seed", seed}, {"policies", nlohmann::json::array()}};
   for (const std::string& policy : policies) {
-    nlohmann::json behaviour = to_json(BehaviourSpec{PolicyConfig{config, policy}, {}, 0}).at("behaviour");
+    nlohmann::json behaviour = LoadedBehaviour(environment, policy, {}, 0).described.at("behaviour");
     subject["policies"].push_back(behaviour.at("policy"));
     behaviour.erase("policy");
     subject["behaviour"] = std::move(behaviour);

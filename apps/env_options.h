@@ -31,8 +31,8 @@ struct EnvOptions {
   void add_to(CLI::App& command, EnvScope scope = EnvScope::kAll);
   /// @param policy  without --config, the environment of a policy that comes with Crossgait is where one
   /// begins
-  /// @throws ConfigError
-  EnvConfig make(const std::string& policy = {}) const;
+  /// The robot is read, for everything that the command does with it. @throws ConfigError
+  LoadedEnv make(const std::string& policy = {}) const;
 
  private:
   void require_gait(const EnvConfig& c) const;
@@ -40,10 +40,10 @@ struct EnvOptions {
 
 /// A sentence for every parameter that begins outside its range: one that adapts, or one that is not as the
 /// gait prefers it.
-std::vector<std::string> notes_on(const EnvConfig& config);
+std::vector<std::string> notes_on(const LoadedEnv& environment);
 
 /// What policies are looked at in, for their provenance. @param seed  of the episodes
-nlohmann::json policy_subject(const EnvConfig& config, const std::vector<std::string>& policies,
+nlohmann::json policy_subject(const LoadedEnv& environment, const std::vector<std::string>& policies,
                               std::uint64_t seed);
 
 /// `--episodes`, `--seed`, `--workers`.

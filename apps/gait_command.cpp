@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/gait_page.h"
+#include "apps/page_option.h"
 #include "motion/gait_source.h"
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
@@ -25,6 +27,7 @@ struct GaitCommand {
   double seconds = 0, dt = 0.02;
   bool list = false, parameters = false;
   std::string csv;
+  PageOption page;
   JsonOption json;
 };
 
@@ -158,12 +161,17 @@ int row_count(const GaitCommand& options, double cycle) {
 }
 
 void run(const GaitCommand& options) {
+  options.page.check();
   const Chosen of = choose(options);
   if (options.list) return list_gaits(options.json, of.scale);
   print_notes(outside_ranges(of.gait.parameters, of.usual.parameters, scaled(AdaptationRanges(), of.scale)));
   if (options.parameters) return list_parameters(options, of);
   GaitGenerator generator = make_generator(of);
   const int rows = row_count(options, generator.parameters().cycle_time);
+  if (options.page.asked()) {
+    options.page.write(gait_page(options.gait, make_generator(of), options.dt, rows),
+                       options.json.provenance(of_gait(options.robot, of.gait)));
+  }
   if (options.csv.empty()) return print_targets(options, of, generator, rows);
   const std::string text = targets_csv(options, generator, rows);
   options.csv == "-" ? print(text) : write_file_atomically(options.csv, text);
@@ -179,10 +187,12 @@ void add_gait_command(CLI::App& program) {
       "  crossgait gait --list\n"
       "  crossgait gait --parameters --gait walk\n"
       "  crossgait gait --gait gallop --dt .05\n"
+      "  crossgait gait --gait gallop --dt .002 --report gallop.html\n"
       "  crossgait gait --seconds 2 --dt .002 --set step_length=.08 --csv targets.csv");
   auto options = std::make_shared<GaitCommand>();
-  command->add_flag("--list", options->list, "List the gaits");
-  command->add_flag("--parameters", options->parameters, "List the tunable parameters and the gait's values");
+  CLI::Option* list = command->add_flag("--list", options->list, "List the gaits");
+  CLI::Option* parameters = command->add_flag("--parameters", options->parameters,
+                                              "List the tunable parameters and the gait's values");
   command->add_option("--gait", options->gait, "The gait to show")->capture_default_str();
   command->add_option("--set", options->settings, "Change a gait parameter; may be repeated")
       ->type_name("NAME=VALUE");
@@ -190,6 +200,9 @@ void add_gait_command(CLI::App& program) {
   command->add_option("--dt", options->dt, "Time between rows, s")->capture_default_str();
   add_output_option(*command, "--csv", options->csv, "Write t and foot positions (m) as CSV")
       ->type_name("FILE|-");
+  options->page.add_to(*command, "Write a page that shows steps and paths of the feet, as one HTML file")
+      ->excludes(list)
+      ->excludes(parameters);
   add_robot_option(*command, options->robot);
   options->json.add_to(*command);
   on_run(*command, [options] { run(*options); });

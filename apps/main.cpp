@@ -49,7 +49,6 @@ void add_commands(CLI::App& program, std::vector<std::string>& again) {
   add_ik_command(program);
   add_gait_command(program);
   add_workspace_command(program);
-  add_plot_command(program);
   add_report_command(program, again);
   add_video_command(program);
   add_env_command(program);

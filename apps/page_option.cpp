@@ -9,8 +9,8 @@
 
 namespace crossgait::apps {
 
-void PageOption::add_to(CLI::App& command, const std::string& help) {
-  add_output_option(command, "--report", path_, help)->type_name("FILE.html");
+CLI::Option* PageOption::add_to(CLI::App& command, const std::string& help) {
+  return add_output_option(command, "--report", path_, help)->type_name("FILE.html");
 }
 
 void PageOption::check(const WalkConfig& config) const {
@@ -35,14 +35,12 @@ void PageOption::check_length(double seconds, double dt, const char* of, const c
 }
 
 void PageOption::write(ReportPage page, const Provenance& provenance) const {
-  page.provenances.push_back(to_json(provenance));
+  page.provenances.push_back(to_json(with_files_read(provenance)));
   write_file_atomically(path_, report_html(page));
 }
 
-PageRecorder::PageRecorder(const WalkConfig& config, std::size_t runs) {
-  const WorldSpec world = config.world();
-  robot_ = world.robot;
-  terrain_ = world.terrain;
+PageRecorder::PageRecorder(const WorldSpec& world, std::size_t runs)
+    : robot_(world.robot), terrain_(world.terrain) {
   for (std::size_t i = 0; i < runs; ++i) recorders_.emplace_back(robot_);
 }
 

@@ -15,8 +15,9 @@ namespace crossgait::apps {
 
 class PageOption {
  public:
-  void add_to(CLI::App& command,
-              const std::string& help = "Write a page that replays it in 3D, with plots, as one HTML file");
+  CLI::Option* add_to(
+      CLI::App& command,
+      const std::string& help = "Write a page that replays it in 3D, with plots, as one HTML file");
   bool asked() const { return !path_.empty(); }
 
   /// Before anything long. @throws ConfigError if no page could be made, or of so long a walk
@@ -35,7 +36,7 @@ class PageOption {
 class PageRecorder {
  public:
   /// @param runs  how many there are
-  PageRecorder(const WalkConfig& config, std::size_t runs);
+  PageRecorder(const WorldSpec& world, std::size_t runs);
   void add(std::size_t run, const TraceSample& sample) { recorders_[run].add(sample); }
 
   /// @param walked  the runs, in the same order; the recorder is empty then

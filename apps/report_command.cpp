@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "parity/stances.h"
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
 #include "physics/core/read_budget.h"
@@ -26,11 +27,12 @@ struct ReportCommand {
   std::vector<std::string> files;
   std::string out, robot = "scara_quadruped", terrain = "flat";
   std::uint64_t seed = 0;
+  double shortest_contact = kShortestContact;  // of traces, s
 };
 
-// Of these a page shows the motion, for which they are made again.
-const std::set<std::string> kMadeAgain{"walk", "compare", "rollout", "transfer", "tune"};
-constexpr const char* kResults = "walk, compare, verdict, rollout, transfer, tune or bench";
+// A page of these shows more than the result says, for which they are made again.
+const std::set<std::string> kMadeAgain{"walk", "compare", "rollout", "transfer", "tune", "gait", "workspace"};
+constexpr const char* kResults = "walk, compare, verdict, rollout, transfer, tune, gait, workspace or bench";
 
 std::string schema_of(const Recorded& recorded) {
   try {
@@ -94,7 +96,8 @@ Motion motion_of(const ReportCommand& options, const std::vector<std::string>& t
   Motion motion{std::make_shared<const RobotDescription>(load_robot_and_tell(options.robot)),
                 make_terrain(options.terrain, options.seed),
                 {},
-                {}};
+                {},
+                options.shortest_contact};
   for (const std::string& file : traces)
     motion.runs.push_back({std::filesystem::path(file).stem().string(), "", TraceTable(file)});
   return motion;
@@ -150,9 +153,10 @@ void add_report_command(CLI::App& program, std::vector<std::string>& again) {
   CLI::App* command = program.add_subcommand(
       "report", "A page that replays walks in 3D, with plots, or shows a verdict: one HTML file");
   command->footer(
-      "\nOne result of `walk`, `compare`, `rollout`, `transfer` or `tune` is made again, as `crossgait "
-      "rerun` "
-      "does, and\nreplayed; those commands write the page at once with --report. Traces (--trace) are "
+      "\nOne result of `walk`, `compare`, `rollout`, `transfer`, `tune`, `gait` or `workspace` is made "
+      "again, as "
+      "`crossgait rerun`\ndoes, and shown; those commands write the page at once with --report. Traces "
+      "(--trace) are "
       "replayed as "
       "they are, on the\nrobot and ground of the options, together with the numbers of results beside them.\n"
       "\nExamples:\n"
@@ -164,9 +168,9 @@ void add_report_command(CLI::App& program, std::vector<std::string>& again) {
       "verdict.html");
   auto options = std::make_shared<ReportCommand>();
   command
-      ->add_option(
-          "files", options->files,
-          "Results (--json of walk, compare, verdict, rollout, transfer, tune, bench) and traces (--trace)")
+      ->add_option("files", options->files,
+                   "Results (--json of walk, compare, verdict, rollout, transfer, tune, bench, gait, "
+                   "workspace) and traces (--trace)")
       ->type_name("FILE.json|TRACE.csv")
       ->required();
   add_output_option(*command, "--out", options->out, "The page")->type_name("FILE.html")->required();
@@ -175,6 +179,12 @@ void add_report_command(CLI::App& program, std::vector<std::string>& again) {
       ->type_name("NAME[:k=v,...]|FILE.png|FILE.csv")
       ->capture_default_str();
   add_seed_option(*command, "--seed", options->seed, "Seed of a random terrain")->capture_default_str();
+  command
+      ->add_option(
+          "--shortest-contact", options->shortest_contact,
+          "Touches of traces, and gaps between them, that the gait diagram leaves out if they are shorter, s")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   on_run(*command, [options, &again] { run(*options, again); });
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 
 #include <fcntl.h>
@@ -16,13 +17,16 @@
 #include "backends/registry.h"
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
+#include "physics/core/files_read.h"
 #include "physics/core/text.h"
+#include "physics/robot_files/data_path.h"
 #include "study/run_spec.h"
 
 namespace crossgait::apps {
 namespace {
 
 using Json = nlohmann::json;
+namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 // Type names of outputs that are files; others are folders or say how they are written.
@@ -68,16 +72,43 @@ std::vector<std::string> arguments_of(const CLI::App& command, const ResultInput
   return arguments;
 }
 
-std::map<std::string, std::string> files_of(const CLI::App& command) {
+constexpr std::string_view kModels = "<models>/";
+
+// What comes with Crossgait lies elsewhere on another machine.
+std::string shown_path(const std::string& path) {
+  const fs::path normal = fs::path(path).lexically_normal();
+  const fs::path inside = normal.lexically_relative(fs::path(models_dir()).lexically_normal());
+  const bool is_inside = !inside.empty() && *inside.begin() != "..";
+  return is_inside ? std::string(kModels) + inside.string() : normal.string();
+}
+
+std::string path_of_shown(const std::string& shown) {
+  if (!shown.starts_with(kModels)) return shown;
+  return (fs::path(models_dir()) / shown.substr(kModels.size())).string();
+}
+
+// What readers opened, as far as it makes the result.
+std::map<std::string, std::string> files_read() {
   std::map<std::string, std::string> files;
-  for (const CLI::Option* option : command.get_options()) {
-    if (!makes_the_result(*option)) continue;
-    for (const std::string& value : option->results()) {
-      // FILE.png may have settings behind a colon.
-      for (const std::string& path : {value, value.substr(0, value.rfind(':'))}) {
-        if (is_file(path)) files[path] = file_hash(path);
-      }
-    }
+  const FilesRead* const read = FilesRead::current();
+  if (read == nullptr) return files;
+  for (const FileRead& file : read->list()) {
+    const auto [it, is_new] = files.emplace(shown_path(file.path), file.sha256);
+    if (!is_new && it->second != file.sha256)
+      throw ConfigError(file.path, "file", "the same bytes whenever it is read",
+                        "others: it was changed meanwhile");
+  }
+  return files;
+}
+
+// What is in the files now that a recorded result was made of; nothing of one that is not there.
+std::map<std::string, std::string> files_now(const Json& recorded) {
+  const FilesRead apart(FilesRead::Scope::kApart);
+  std::map<std::string, std::string> files;
+  const Json before = recorded.value("files", Json::object());
+  for (const auto& [shown, hash] : before.items()) {
+    const std::string path = path_of_shown(shown);
+    if (is_file(path)) files[shown] = file_sha256(path);
   }
   return files;
 }
@@ -137,7 +168,7 @@ ResultInputs of_gait(const std::string& robot, const GaitChoice& gait) {
   WalkConfig walk;
   walk.robot = robot;
   walk.gait = gait;
-  const Json behaviour = to_json(BehaviourSpec{walk, {}, 0}).at("behaviour");
+  const Json behaviour = LoadedBehaviour(walk, {}, 0).described.at("behaviour");
   ResultInputs inputs;
   inputs.subject["robot"] = behaviour.at("robot");
   inputs.subject["behaviour"] = {{"gait", behaviour.at("gait")}, {"parameters", behaviour.at("parameters")}};
@@ -154,15 +185,24 @@ Provenance JsonOption::provenance(const ResultInputs& inputs) const {
   Provenance p;
   p.command = command_->get_name();
   p.arguments = arguments_of(*command_, inputs);
-  p.files = files_of(*command_);
   for (const std::string& engine : inputs.engines) p.engines.push_back(find_engine(engine).info);
   p.subject = inputs.subject;
-  if (recorded_result) check_same(recorded_result->result.at("provenance"), p, recorded_result->file);
+  if (recorded_result) {
+    // Before anything is made: what it was made of has to be there still.
+    const Json& recorded = recorded_result->result.at("provenance");
+    p.files = files_now(recorded);
+    check_same(recorded, p, recorded_result->file);
+  }
   return p;
 }
 
+Provenance with_files_read(Provenance provenance) {
+  provenance.files = files_read();
+  return provenance;
+}
+
 void JsonOption::emit(const std::string& text, ordered_json json, const Provenance& provenance) const {
-  json["provenance"] = to_json(provenance);
+  json["provenance"] = to_json(with_files_read(provenance));
   const std::string bytes = json.dump(2) + "\n";
   if (!path.empty() && !to_stdout()) write_file_atomically(path, bytes);
   print(to_stdout() ? bytes : text);

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "motion/gait_source.h"
+#include "physics/core/files_read.h"
 #include "study/provenance.h"
 
 namespace crossgait::apps {
@@ -31,6 +32,7 @@ template <typename Run>
 void on_run(CLI::App& command, Run run) {
   command.callback([&command, run] {
     check_outputs(command);
+    const FilesRead files;  // which `with_files_read` asks for
     run();
   });
 }
@@ -42,6 +44,9 @@ struct ResultInputs {
   /// Values that the command chose for options that were not given.
   std::map<std::string, std::vector<std::string>> chosen;
 };
+
+/// Adds the files that the command has read by now. @throws ConfigError for one that changed meanwhile
+Provenance with_files_read(Provenance provenance);
 
 /// Of a result that is of a robot alone. @throws ConfigError
 ResultInputs of_robot(const std::string& name_or_file);

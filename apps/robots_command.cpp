@@ -13,6 +13,7 @@
 #include "physics/core/schema.h"
 #include "physics/core/table.h"
 #include "physics/robot_files/data_path.h"
+#include "physics/robot_files/robot_formats.h"
 #include "physics/robot_files/robot_report.h"
 #include "study/trial_walk.h"
 
@@ -196,7 +197,7 @@ void add_robots_command(CLI::App& program) {
       "  crossgait robots my.xml --check");
   auto options = std::make_shared<RobotsCommand>();
   command->add_option("robot,--robot", options->robot,
-                      "A bundled robot's name or a .yaml, .urdf or .xml (MJCF) file to show");
+                      fmt::format("A bundled robot's name or a {} file to show", robot_files_in_words()));
   command->add_flag("--check", options->check, "Walk it two seconds in every engine and say what is wrong")
       ->needs("--robot");
   command->add_flag("--yaml", options->yaml, "Print the whole robot.yaml instead")->needs("--robot");

@@ -8,7 +8,6 @@
 #include "apps/interruption.h"
 #include "apps/page_option.h"
 #include "physics/core/table.h"
-#include "physics/robot_files/data_path.h"
 #include "report/watched_episodes.h"
 #include "study/rollout.h"
 
@@ -31,9 +30,10 @@ std::string episodes_done(const Rollout& rollout, std::size_t asked) {
   return fmt::format("{} of {} are finished, and written as asked", done, counted(asked, "episode"));
 }
 
-ReportPage page_of(const Rollout& rollout, const std::vector<std::string>& policies) {
+ReportPage page_of(const Rollout& rollout, const LoadedEnv& environment,
+                   const std::vector<std::string>& policies) {
   std::vector<WatchedEpisode> episodes;
-  for (const std::string& policy : policies) episodes.push_back({short_name(policy), rollout.config, policy});
+  for (const std::string& policy : policies) episodes.push_back({short_name(policy), environment, policy});
   ReportPage page;
   page.tables.push_back(table(rollout));
   page.title = page.tables.front().rows().front().front();
@@ -44,27 +44,28 @@ ReportPage page_of(const Rollout& rollout, const std::vector<std::string>& polic
 }
 
 void run(const RolloutCommand& options) {
-  const EnvConfig config = options.env.make(options.policies.empty() ? "" : options.policies.front());
+  const LoadedEnv environment = options.env.make(options.policies.empty() ? "" : options.policies.front());
+  const EnvConfig& config = environment.config;
   options.page.check(config);
   std::vector<std::string> policies = options.policies;
   if (options.baseline && std::find(policies.begin(), policies.end(), "zero") == policies.end())
     policies.emplace_back("zero");
-  const Provenance provenance = options.json.provenance({policy_subject(config, policies, options.runs.seed),
-                                                         {config.engine},
-                                                         {{"--engine", {config.engine}}}});
+  const Provenance provenance =
+      options.json.provenance({policy_subject(environment, policies, options.runs.seed),
+                               {config.engine},
+                               {{"--engine", {config.engine}}}});
   ProgressLine progress("rolling out");
   const Rollout rollout =
-      roll_out(config, policies, options.runs, [&](double share) { progress.update(share); });
+      roll_out(environment, policies, options.runs, [&](double share) { progress.update(share); });
   // Made anew, and that of an interrupted rollout too, if its first episode is among those that are done.
   if (!options.trace.empty() && !rollout.policies.empty()) {
-    TraceWriter trace(std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot))),
-                      options.trace);
-    watch_episode(config, options.policies.front(), options.runs.seed,
+    TraceWriter trace(environment.robot, options.trace);
+    watch_episode(environment, options.policies.front(), options.runs.seed,
                   [&trace](const QuadrupedEnv& env) { trace.add(trace_sample(env)); });
     trace.finish();
   }
   if (options.page.asked() && !rollout.policies.empty())
-    options.page.write(page_of(rollout, policies), provenance);
+    options.page.write(page_of(rollout, environment, policies), provenance);
   options.json.emit(describe(rollout), to_json(rollout), provenance);
   if (rollout.interrupted) throw EndedEarly(episodes_done(rollout, policies.size() * options.runs.episodes));
 }

@@ -22,13 +22,14 @@ struct TransferCommand {
   JsonOption json;
 };
 
-ReportPage page_of(const Transfer& transfer, const EnvConfig& config, const std::string& policy) {
+ReportPage page_of(const Transfer& transfer, const LoadedEnv& environment, const std::string& policy) {
+  EnvConfig first = environment.config;
+  first.terrain = transfer.terrains.front();
+  LoadedEnv here = environment.with(first);
   std::vector<WatchedEpisode> episodes;
   for (const std::string& engine : transfer.engines) {
-    EnvConfig here = config;
-    here.engine = engine;
-    here.terrain = transfer.terrains.front();
-    episodes.push_back({engine, std::move(here), policy});
+    here.config.engine = engine;
+    episodes.push_back({engine, here, policy});
   }
   ReportPage page;
   page.title = fmt::format("{} in {}", short_name(policy), counted(transfer.engines.size(), "engine"));
@@ -41,15 +42,15 @@ ReportPage page_of(const Transfer& transfer, const EnvConfig& config, const std:
 
 void run(const TransferCommand& options) {
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
-  const EnvConfig config = options.env.make(options.policy);
-  options.page.check(config);
-  nlohmann::json subject = policy_subject(config, {options.policy}, options.runs.seed);
+  const LoadedEnv environment = options.env.make(options.policy);
+  options.page.check(environment.config);
+  nlohmann::json subject = policy_subject(environment, {options.policy}, options.runs.seed);
   subject["terrains"] = options.terrains;
   const Provenance provenance = options.json.provenance({subject, engines, {{"--engines", engines}}});
   ProgressLine progress("transferring");
-  const Transfer transfer = transfer_policy(config, options.policy, engines, options.terrains, options.runs,
-                                            [&](double share) { progress.update(share); });
-  if (options.page.asked()) options.page.write(page_of(transfer, config, options.policy), provenance);
+  const Transfer transfer = transfer_policy(environment, options.policy, engines, options.terrains,
+                                            options.runs, [&](double share) { progress.update(share); });
+  if (options.page.asked()) options.page.write(page_of(transfer, environment, options.policy), provenance);
   options.json.emit(describe(transfer), to_json(transfer), provenance);
   if (transfer.interrupted) {
     throw EndedEarly(fmt::format("{} of {} are finished, and written as asked", transfer.cells.size(),

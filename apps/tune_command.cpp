@@ -23,7 +23,7 @@ struct TuneCommand {
   JsonOption json;
 };
 
-ReportPage page_of(const Tuning& tuning, std::uint64_t seed) {
+ReportPage page_of(const Tuning& tuning, const LoadedEnv& method, std::uint64_t seed) {
   ReportPage page;
   page.title = tuning.course.empty() ? fmt::format("{} tuned on {} in {}", tuning.start.gait,
                                                    tuning.start.terrain, tuning.start.engine)
@@ -32,11 +32,12 @@ ReportPage page_of(const Tuning& tuning, std::uint64_t seed) {
   Chart search{.title = "Search",
                .x_label = "generation",
                .y_label = "best score so far (m/s, minus cost, or of the course)"};
-  Chart::Series& best = search.series.emplace_back(Chart::Series{"", 0, true, {}});
+  Chart::Series& best = search.series.emplace_back(Chart::Series{"", 0, Chart::Series::Style::kLine, {}});
   for (std::size_t i = 0; i < tuning.history.size(); ++i)
     best.points.push_back({static_cast<double>(i + 1), tuning.history[i]});
   page.charts.push_back({"Search", {std::move(search)}});
-  page.motion = watch_episodes({{"default", tuning.start, "zero"}, {"tuned", tuning.tuned, "zero"}}, seed);
+  page.motion = watch_episodes(
+      {{"default", method.with(tuning.start), "zero"}, {"tuned", method.with(tuning.tuned), "zero"}}, seed);
   page.sentences.push_back(fmt::format("Replayed in {}: the first episode of both.", tuning.start.engine));
   return page;
 }
@@ -45,23 +46,25 @@ void run(const TuneCommand& options) {
   TuneOptions how = options.tune;
   if (!options.course.empty()) how.course = load_course(options.course);
   if (options.aim == "cost") how.aim = TuneFor::kCost;
-  EnvConfig start = options.env.make();
+  const LoadedEnv asked = options.env.make();
+  EnvConfig start = asked.config;
   if (!options.env.terrain && options.env.config.empty()) start.terrain = "rough";
   if (options.env.adapt.empty() && options.env.config.empty()) {
     start.adapt = {"step_height", "step_length",  "cycle_time",
                    "body_height", "stance_width", "foot_clearance"};
   }
   if (!options.env.episode_seconds && options.env.config.empty()) start.episode_seconds = 6;
+  const LoadedEnv method = asked.with(start);
   options.page.check(start);
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
   const Provenance provenance =
-      options.json.provenance({policy_subject(start, {"zero"}, options.tune.seed),
+      options.json.provenance({policy_subject(method, {"zero"}, options.tune.seed),
                                engines,
                                {{"--engine", {start.engine}}, {"--engines", engines}}});
   ProgressLine progress("tuning");
-  const Tuning tuning = tune_gait(start, engines, how, [&](double share) { progress.update(share); });
+  const Tuning tuning = tune_gait(method, engines, how, [&](double share) { progress.update(share); });
   if (!options.out.empty()) write_file_atomically(options.out, to_yaml(tuning.tuned));
-  if (options.page.asked()) options.page.write(page_of(tuning, options.tune.seed), provenance);
+  if (options.page.asked()) options.page.write(page_of(tuning, method, options.tune.seed), provenance);
   options.json.emit(describe(tuning), to_json(tuning), provenance);
   if (tuning.interrupted) {
     throw EndedEarly(fmt::format("{} of {} are finished; the best so far is written as asked",

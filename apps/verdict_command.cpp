@@ -30,12 +30,15 @@ struct VerdictCommand {
   JsonOption json;
 };
 
-BehaviourSpec behaviour(const VerdictCommand& options) {
-  const WalkConfig walk = options.walk.make();
-  if (options.policy.empty()) return {walk, options.starts, walk.terrain_seed};
+LoadedBehaviour behaviour(const VerdictCommand& options) {
+  const LoadedWalk walk = options.walk.make();
+  const std::uint64_t seed = walk.config.terrain_seed;
+  if (options.policy.empty()) return {walk, options.starts, seed};
   const std::string file = environment_file(options.config, options.policy);
-  const EnvConfig environment = file.empty() ? walk.environment() : load_env_config(file);
-  return {PolicyConfig{environment, options.policy}, options.starts, walk.terrain_seed};
+  const EnvConfig config = file.empty() ? walk.config.environment() : load_env_config(file);
+  const bool same_robot = config.robot == walk.config.robot;
+  const LoadedEnv environment = same_robot ? LoadedEnv(config, walk.world.robot) : LoadedEnv(config);
+  return {environment, options.policy, options.starts, seed};
 }
 
 std::vector<std::string> chosen_engines(const std::vector<std::string>& asked) {
@@ -78,12 +81,13 @@ ReportPage page_of(const JudgementOfMany& judged) {
 void run(const VerdictCommand& options) {
   const std::vector<std::string> engines = chosen_engines(options.engines);
   options.page.check();
-  const BehaviourSpec spec = behaviour(options);
-  const Provenance provenance = options.json.provenance({to_json(spec), engines, {{"--engines", engines}}});
+  const LoadedBehaviour loaded = behaviour(options);
+  const Provenance provenance =
+      options.json.provenance({loaded.described, engines, {{"--engines", engines}}});
   Stages stages;
   std::optional<JudgementOfMany> judged;
   try {
-    judged = judge_engines(spec, engines, options.judgement, stages.progress());
+    judged = judge_engines(loaded, engines, options.judgement, stages.progress());
   } catch (const Interrupted&) {
     throw EndedEarly(what_is_kept(options.judgement.stored_runs));
   }

@@ -56,7 +56,7 @@ std::string python() {
 
 /// Before anything is walked. @throws ConfigError saying what to install
 void require_renderer() {
-  const auto found = run_child({python(), "-c", "import crossgait.video"});
+  const auto found = run_child({python(), "-c", "import crossgait.traces.video"});
   if (found && found->exit_code == 0) return;
   std::string why = found ? found->errors : "no such program";
   why.erase(why.find_last_not_of('\n') + 1);
@@ -67,17 +67,16 @@ void require_renderer() {
 }
 
 std::vector<std::string> walk_and_trace(const VideoCommand& options, const TraceFolder& folder) {
-  const WalkConfig config = options.walk.make();
-  const auto robot = std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot)));
+  const LoadedWalk loaded = options.walk.make();
   std::vector<std::string> files;
   const std::vector<std::string> engines =
       options.engines.empty() ? std::vector{available_engines().front()} : options.engines;
   for (const std::string& engine : engines) {
     files.push_back(folder.file(engine));
-    TraceWriter trace(robot, files.back());
-    ProgressLine progress(fmt::format("{} in {}", config.gait.name(), engine));
+    TraceWriter trace(loaded.world.robot, files.back());
+    ProgressLine progress(fmt::format("{} in {}", loaded.config.gait.name(), engine));
     const WalkRun run = walk(
-        config, engine, [&](double share) { progress.update(share); },
+        loaded, engine, [&](double share) { progress.update(share); },
         [&trace](std::size_t, const TraceSample& sample) { trace.add(sample); });
     trace.finish();
     if (run.interrupted) throw EndedEarly("there is no film");
@@ -91,7 +90,7 @@ void run(const VideoCommand& options) {
   const std::vector<std::string> traces =
       options.traces.empty() ? walk_and_trace(options, folder) : options.traces;
   const WalkConfig& world = options.walk.config;
-  std::vector<std::string> command{python(), "-m", "crossgait.video", "--out=" + options.out};
+  std::vector<std::string> command{python(), "-m", "crossgait.traces.video", "--out=" + options.out};
   command.push_back("--robot=" + world.robot);
   command.push_back("--terrain=" + world.terrain);
   command.push_back(fmt::format("--seed={}", world.terrain_seed));

@@ -13,7 +13,7 @@
 #include "physics/core/progress.h"
 #include "policy/bundled_policies.h"
 #include "report/page.h"
-#include "study/walk_config.h"
+#include "study/loaded_walk.h"
 #include "view/request_check.h"
 #include "view/server.h"
 
@@ -52,7 +52,7 @@ std::vector<std::string> engines_of(const ViewOptions& options, const EnvConfig&
 
 std::unique_ptr<ViewSession> make_session(const ViewOptions& options) {
   const EnvConfig config = config_of(options);
-  static_cast<void>(load_robot_and_tell(config.robot));  // says what is doubtful of it
+  const auto robot = std::make_shared<const RobotDescription>(load_robot_and_tell(config.robot));
   const EngineShelf shelf{available_engines(), [](const std::string& name) { return find_engine(name); }};
   ViewSetup setup;
   setup.gait = config.gait;
@@ -64,10 +64,10 @@ std::unique_ptr<ViewSession> make_session(const ViewOptions& options) {
     walk.terrain = config.terrain;
     walk.terrain_seed = config.terrain_seed;
     walk.friction = config.friction;
-    setup.world = walk.world();
+    setup.world = LoadedWalk(walk, robot).world;
   } else {
     setup.control_dt = config.control_dt;
-    setup.policy = {config, options.policy};
+    setup.policy = {LoadedEnv(config, robot), options.policy};
   }
   return std::make_unique<ViewSession>(setup, shelf);
 }

@@ -7,7 +7,6 @@
 #include "apps/walk_options.h"
 #include "backends/registry.h"
 #include "parity/report.h"
-#include "physics/robot_files/data_path.h"
 #include "study/walk.h"
 
 namespace crossgait::apps {
@@ -24,15 +23,15 @@ struct WalkCommand {
 };
 
 void run(const WalkCommand& options) {
-  const WalkConfig config = options.walk.make();
+  const LoadedWalk loaded = options.walk.make();
+  const WalkConfig& config = loaded.config;
   const Provenance provenance = options.json.provenance(
-      {options.walk.subject(config), {options.engine}, {{"--engine", {options.engine}}}});
+      {WalkOptions::subject(loaded), {options.engine}, {{"--engine", {options.engine}}}});
   options.page.check(config);
-  const auto robot = std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot)));
   std::optional<TraceWriter> trace;
-  if (!options.trace.empty()) trace.emplace(robot, options.trace);
+  if (!options.trace.empty()) trace.emplace(loaded.world.robot, options.trace);
   std::optional<PageRecorder> recorder;
-  if (options.page.asked()) recorder.emplace(config, 1);
+  if (options.page.asked()) recorder.emplace(loaded.world, 1);
   const SampleObserver observer = [&](std::size_t, const TraceSample& sample) {
     if (trace) trace->add(sample);
     if (recorder) recorder->add(0, sample);
@@ -40,7 +39,7 @@ void run(const WalkCommand& options) {
 
   ProgressLine progress(fmt::format("{} in {}", config.gait.name(), options.engine));
   const WalkRun run = walk(
-      config, options.engine, [&](double share) { progress.update(share); },
+      loaded, options.engine, [&](double share) { progress.update(share); },
       trace || recorder ? observer : SampleObserver());
   if (trace) trace->finish();
   if (recorder) {

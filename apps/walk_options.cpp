@@ -70,7 +70,7 @@ void WalkOptions::add_to(CLI::App& command) {
                    "Do not steer: walk in open loop, and turn wherever the feet happened to slip");
 }
 
-WalkConfig WalkOptions::make() const {
+LoadedWalk WalkOptions::make() const {
   WalkConfig made = config;
   try {
     if (!is_automatic(gait)) static_cast<void>(find_gait(gait));
@@ -79,7 +79,8 @@ WalkConfig WalkOptions::make() const {
                       fmt::format("{}, {}, {}", error.expected(), kAutomaticGait, kGuidesAutomaticGait),
                       error.found());
   }
-  const GaitScale scale = gait_scale(load_robot_and_tell(config.robot));
+  const auto robot = std::make_shared<const RobotDescription>(load_robot_and_tell(config.robot));
+  const GaitScale scale = gait_scale(*robot);
   made.gait = choose_gait(gait, settings, make_command(*this), scale);
   print_notes(outside_ranges(made.gait.parameters,
                              choose_gait(gait, {}, make_command(*this), scale).parameters,
@@ -87,11 +88,11 @@ WalkConfig WalkOptions::make() const {
   made.compensation = !plain_servos;
   made.heading_hold = !open_loop;
   made.ends = OutcomeSet::that_end(ends);
-  return made;
+  return {made, robot};
 }
 
-nlohmann::json WalkOptions::subject(const WalkConfig& config) {
-  return {{"behaviour", to_json(BehaviourSpec{config, {}, 0}).at("behaviour")}};
+nlohmann::json WalkOptions::subject(const LoadedWalk& walk) {
+  return {{"behaviour", LoadedBehaviour(walk, {}, 0).described.at("behaviour")}};
 }
 
 std::string how_far(double walked, double asked) {

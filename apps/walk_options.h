@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "apps/command.h"
-#include "study/walk_config.h"
+#include "study/loaded_walk.h"
 
 namespace crossgait::apps {
 
@@ -18,10 +18,11 @@ struct WalkOptions {
   bool plain_servos = false, open_loop = false;
 
   void add_to(CLI::App& command);
-  /// @throws ConfigError for an unknown gait or parameter
-  WalkConfig make() const;
+  /// Reads robot and ground, for everything that the command does with them.
+  /// @throws ConfigError also for an unknown gait or parameter
+  LoadedWalk make() const;
   /// What a walk looks at, for its provenance.
-  static nlohmann::json subject(const WalkConfig& config);
+  static nlohmann::json subject(const LoadedWalk& walk);
 };
 
 /// "12.3 of 300 s are walked": of a walk that was interrupted.

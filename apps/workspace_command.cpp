@@ -7,7 +7,7 @@
 
 #include "apps/command.h"
 #include "apps/leg_option.h"
-#include "apps/plotting.h"
+#include "apps/page_option.h"
 #include "gait/cycle_check.h"
 #include "ik/workspace.h"
 #include "motion/gait_source.h"
@@ -24,14 +24,14 @@ using nlohmann::ordered_json;
 
 constexpr double kMillimetres = 1e3;
 constexpr std::array<int, 3> kGrid{61, 61, 61};  // of the reachable fraction
-constexpr int kShades = 201;                     // grid points along the longer side of a picture
+constexpr int kShades = 201;                     // grid points along the longer side of a chart
 constexpr int kPathPoints = 400;
 
 struct WorkspaceCommand {
   std::string robot = "scara_quadruped", gait = "trot";
   LegOption leg;
   std::vector<std::string> settings;
-  std::string out;
+  PageOption page;
   JsonOption json;
 };
 
@@ -203,62 +203,68 @@ ordered_json to_json(const Report& r) {
           {"cycle", std::move(cycle)}};
 }
 
-// The plane through the standing foot that `axis` (0 x, 1 y) and z span.
-Panel slice(const Report& r, int axis) {
-  const auto flat = [axis](const Vector3& p) -> PlotPoint {
-    return {kMillimetres * p[axis], kMillimetres * p.z()};
-  };
-  const int across = 1 - axis;
+// Smallest margins in the plane through the standing foot that `axis` (0 x, 1 y) and z span.
+Chart::Shades shades(const Report& r, std::size_t axis) {
+  const auto a = static_cast<Eigen::Index>(axis), across = 1 - a;
   TargetBox plane = r.reach;
   plane.min[across] = plane.max[across] = r.standing[across];
   const Vector3 size = plane.max - plane.min;
-  const double spacing = std::max(size[axis], size.z()) / (kShades - 1);
+  const double spacing = std::max(size[a], size.z()) / (kShades - 1);
   const auto count = [spacing](double length) { return 2 + static_cast<int>(length / spacing); };
   std::array<int, 3> grid{2, 2, count(size.z())};
-  grid[static_cast<std::size_t>(axis)] = count(size[axis]);
+  grid[axis] = count(size[a]);
   const WorkspaceMap map = sample_workspace(r.leg, r.branch, plane, grid);
 
-  Panel panel;
-  panel.title = fmt::format("{}-z plane at {} = {:.1f} mm", "xy"[axis], "xy"[across],
-                            kMillimetres * r.standing[across]);
-  panel.x_label = axis == 0 ? "x forward, mm" : "y to the left, mm";
-  panel.y_label = "z up from the shoulders, mm";
-  panel.equal_scales = true;
-  panel.shades = ShadeMap{"smallest margin, deg",
-                          flat(plane.min),
-                          flat(plane.max),
-                          {grid[static_cast<std::size_t>(axis)], grid[2]},
-                          {}};
+  Chart::Shades shades{.label = "smallest margin, deg",
+                       .min = {kMillimetres * plane.min[a], kMillimetres * plane.min.z()},
+                       .max = {kMillimetres * plane.max[a], kMillimetres * plane.max.z()},
+                       .count = {static_cast<std::size_t>(grid[axis]), static_cast<std::size_t>(grid[2])},
+                       .values = {}};
   for (int iz = 0; iz < grid[2]; ++iz) {
-    for (int i = 0; i < grid[static_cast<std::size_t>(axis)]; ++i) {
+    for (int i = 0; i < grid[axis]; ++i) {
       const WorkspaceSample& sample = axis == 0 ? map.at(i, 0, iz) : map.at(0, i, iz);
       const LegMargins& m = sample.margins;
       std::optional<double> shade;
       if (sample.status == IkStatus::kOk)
         shade = kDegreesPerRadian * std::min({m.joint_limit, m.serial, m.parallel});
-      panel.shades->values.push_back(shade);
+      shades.values.push_back(shade);
     }
   }
-  panel.bars.push_back({"safe box", {{flat(r.safe.min), flat(r.safe.max)}}, 6, false});
-  Series path{"path, " + r.gait, {}, 1, Series::Style::kLine};
+  return shades;
+}
+
+Chart slice(const Report& r, std::size_t axis) {
+  const auto flat = [axis](const Vector3& p) -> Chart::Point {
+    return {kMillimetres * p[static_cast<Eigen::Index>(axis)], kMillimetres * p.z()};
+  };
+  Chart chart{.title = fmt::format("{}-z plane at {} = {:.1f} mm", "xy"[axis], "xy"[1 - axis],
+                                   kMillimetres * r.standing[1 - static_cast<Eigen::Index>(axis)]),
+              .x_label = axis == 0 ? "x forward, mm" : "y to the left, mm",
+              .y_label = "z up from the shoulders, mm",
+              .equal_scales = true};
+  chart.shades = shades(r, axis);
+  chart.boxes.push_back({"safe box", 3, false, {{flat(r.safe.min), flat(r.safe.max)}}});
+  Chart::Series path{"path, " + r.gait, 1, Chart::Series::Style::kPath, {}};
   for (const Vector3& p : r.path) path.points.push_back(flat(p));
-  panel.series.push_back(std::move(path));
-  panel.series.push_back({"standing foot", {flat(r.standing)}, 6, Series::Style::kPoints, 3});
-  return panel;
+  chart.series.push_back(std::move(path));
+  chart.series.push_back({"standing foot", 0, Chart::Series::Style::kDots, {flat(r.standing)}});
+  return chart;
+}
+
+ReportPage page_of(const Report& r) {
+  ReportPage page;
+  page.title = fmt::format("Workspace of {} of {}, {}", name(r.which), r.robot, branch_text(r.leg, r.branch));
+  page.charts.push_back({"Planes through the standing foot", {slice(r, 0), slice(r, 1)}});
+  page.texts.push_back(describe(r));
+  return page;
 }
 
 void run(const WorkspaceCommand& options) {
-  if (!options.out.empty()) check_plot_path(options.out, "--out");
+  options.page.check();
   const Report report = look(options);
-  if (!options.out.empty()) {
-    Figure figure;
-    figure.title = fmt::format("Workspace of {} of {}, {}", name(report.which), report.robot,
-                               branch_text(report.leg, report.branch));
-    figure.rows.push_back({{slice(report, 0), slice(report, 1)}, 380, 2});
-    draw(figure, options.out);
-  }
-  options.json.emit(describe(report), with_schema("workspace", to_json(report)),
-                    options.json.provenance(of_gait(options.robot, report.choice)));
+  const Provenance provenance = options.json.provenance(of_gait(options.robot, report.choice));
+  if (options.page.asked()) options.page.write(page_of(report), provenance);
+  options.json.emit(describe(report), with_schema("workspace", to_json(report)), provenance);
 }
 
 }  // namespace
@@ -267,18 +273,19 @@ void add_workspace_command(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("workspace", "What one leg reaches, and whether a gait stays inside");
   command->footer(
-      "\nThe picture shows the planes through the standing foot. Shades are the distance of the posture\n"
-      "to the nearest joint limit or singularity; white is out of reach. Every target in the safe box\n"
+      "\nThe page shows the planes through the standing foot. Shades are the distance of the posture\n"
+      "to the nearest joint limit or singularity; nothing is shaded out of reach. Every target in the safe "
+      "box\n"
       "keeps the margins of the table.\n"
       "\nExamples:\n"
-      "  crossgait workspace --out workspace.png\n"
+      "  crossgait workspace --report workspace.html\n"
       "  crossgait workspace --leg RR --gait walk --set step_length=.1 --set body_height=.055");
   auto options = std::make_shared<WorkspaceCommand>();
   options->leg.add_to(*command);
   command->add_option("--gait", options->gait, "The gait to check")->capture_default_str();
   command->add_option("--set", options->settings, "Change a gait parameter; may be repeated")
       ->type_name("NAME=VALUE");
-  add_output_option(*command, "--out", options->out, "Draw a picture")->type_name("FILE.svg|FILE.png");
+  options->page.add_to(*command, "Write a page that shows what is within reach, as one HTML file");
   add_robot_option(*command, options->robot);
   options->json.add_to(*command);
   on_run(*command, [options] { run(*options); });

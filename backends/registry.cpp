@@ -14,6 +14,7 @@
 #include "backends/bundled_engines.h"
 #include "backends/plugin_loader.h"
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
 
 namespace crossgait {
 namespace {
@@ -129,8 +130,7 @@ Engine EngineRegistry::find(std::string_view name) const {
       throw ConfigError("engine", name, fmt::format("one of {}", fmt::join(available(), ", ")), entry.reason);
     }
   }
-  throw ConfigError("engine", "name", fmt::format("one of {}", fmt::join(available(), ", ")),
-                    fmt::format("\"{}\"", name));
+  fail_unknown_name(name, available(), "engine", "name");
 }
 
 const EnginePlugin* EngineRegistry::newest_mjcf_compiler() const {

@@ -111,9 +111,10 @@ void read(const YamlValue& root, std::string_view key, ServoNumbers& numbers) {
 void read_servos(const YamlValue& root, EnvConfig& config) {
   const auto servos = root.find("servos");
   if (!servos) return;
-  servos->allow_keys({"kp", "kd", "effort", "damping", "armature", "friction", "corner_speed",
-                      "no_load_speed", "backlash", "delay", "sensor_noise"});
-  for (const ServoSettingRow& row : servo_setting_rows()) read(*servos, row.name, config.servos.*row.setting);
+  servos->allow_keys(
+      joint_number_names({JointNumberOf::kServo, JointNumberOf::kJoint, JointNumberOf::kDrive}));
+  for (std::size_t i = 0; i < kJointNumbers.size(); ++i)
+    read(*servos, kJointNumbers[i].name, config.servos.numbers[i]);
 }
 
 // What says nothing where actions command joints, and what only says something there.

@@ -41,7 +41,7 @@ void add(std::string& out, std::string_view key, const ServoNumbers& numbers) {
 
 std::string servos_yaml(const ServoSettings& servos) {
   std::string out;
-  for (const ServoSettingRow& row : servo_setting_rows()) add(out, row.name, servos.*row.setting);
+  for (std::size_t i = 0; i < kJointNumbers.size(); ++i) add(out, kJointNumbers[i].name, servos.numbers[i]);
   return out.empty() ? out : "servos:\n" + out;
 }
 

@@ -3,16 +3,14 @@
 #include "motion/gait_source.h"
 #include "motion/time_steps.h"
 #include "physics/robot/drives.h"
-#include "physics/robot_files/data_path.h"
 
 namespace crossgait {
 namespace {
 
-WorldSpec nominal_world(const EnvConfig& config) {
+WorldSpec nominal_world(const LoadedEnv& loaded) {
+  const EnvConfig& config = loaded.config;
   WorldSpec world;
-  world.robot = config.at_its_place(config.robot, [&] {
-    return std::make_shared<const RobotDescription>(load_robot(find_robot(config.robot)));
-  });
+  world.robot = loaded.robot;
   if (!config.servos.empty()) {
     auto robot = std::make_shared<RobotDescription>(*world.robot);
     config.servos.apply(*robot, config.source);
@@ -22,7 +20,7 @@ WorldSpec nominal_world(const EnvConfig& config) {
     world.robot = std::move(robot);
   }
   world.terrain =
-      config.at_its_place(config.terrain, [&] { return make_terrain(config.terrain, config.terrain_seed); });
+      config.at_its_place(config.terrain, [&] { return loaded.ground.make(config.terrain_seed); });
   world.physics_dt = config.physics_dt;
   world.contact.friction = config.friction;
   return world;
@@ -61,12 +59,15 @@ void describe_joints(EnvModel& model) {
 
 }  // namespace
 
-std::shared_ptr<const EnvModel> EnvModel::make(const EnvConfig& config) {
+std::shared_ptr<const EnvModel> EnvModel::make(const LoadedEnv& loaded) {
+  const EnvConfig& config = loaded.config;
   config.validate(config.source);
-  const WorldSpec world = nominal_world(config);
+  const WorldSpec world = nominal_world(loaded);
   const GaitScale scale = gait_scale(*world.robot);
   EnvModel model{
       .config = config,
+      .robot = loaded.robot,
+      .ground = loaded.ground,
       .world = world,
       .parameters = config.parameters.over(scaled(find_gait(config.gait), scale).preferred),
       .adaptation = scaled(config.adaptation, scale),
@@ -89,6 +90,12 @@ std::shared_ptr<const EnvModel> EnvModel::make(const EnvConfig& config) {
   model.interface.observation = model.observer.layout();
   model.layout = layout_hash(model.interface.observation, model.interface.action);
   return std::make_shared<const EnvModel>(std::move(model));
+}
+
+LoadedEnv EnvModel::loaded() const {
+  LoadedEnv own(config, robot);
+  own.ground = ground;
+  return own;
 }
 
 EnvConfig EnvModel::stated() const {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "env/env_config.h"
+#include "env/loaded_env.h"
 #include "env/observer.h"
 #include "motion/foot_states.h"
 #include "motion/heading_hold.h"
@@ -14,6 +14,8 @@ namespace crossgait {
 
 struct EnvModel {
   EnvConfig config;
+  std::shared_ptr<const RobotDescription> robot;  ///< as its file has it (LoadedEnv::robot)
+  TerrainSource ground;                           ///< of other seeds too
   WorldSpec world;              ///< nominal; its robot, servos set, is what the controller knows
   GaitParameters parameters;    ///< at the start of an episode: the configured ones over the gait's own
   AdaptationRanges adaptation;  ///< at the robot's size
@@ -28,8 +30,11 @@ struct EnvModel {
   int policy_steps = 1;  ///< control steps in a policy step
   int max_steps = 0;     ///< policy steps in an episode
 
-  /// Reads robot and terrain. @throws ConfigError for a bad configuration
-  static std::shared_ptr<const EnvModel> make(const EnvConfig& config);
+  /// Reads nothing that `loaded` has read. @throws ConfigError for a bad configuration
+  static std::shared_ptr<const EnvModel> make(const LoadedEnv& loaded);
+
+  /// What it was made of, from which others are made without reading the files again.
+  LoadedEnv loaded() const;
 
   /// The configuration with everything stated that follows from the robot.
   EnvConfig stated() const;

@@ -1,30 +1,16 @@
 #include "env/joint_settings.h"
 
 #include <algorithm>
-#include <array>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
 #include "physics/robot/robot_check.h"
 
 namespace crossgait {
 namespace {
-
-constexpr std::array kServoSettings{
-    ServoSettingRow{"kp", "N m/rad", &ServoSettings::kp, &Joint::kp},
-    ServoSettingRow{"kd", "N m s/rad", &ServoSettings::kd, &Joint::kd},
-    ServoSettingRow{"effort", "N m", &ServoSettings::effort, &Joint::effort_limit},
-    ServoSettingRow{"damping", "N m s/rad", &ServoSettings::damping, &Joint::damping},
-    ServoSettingRow{"armature", "kg m^2", &ServoSettings::armature, &Joint::armature},
-    ServoSettingRow{"friction", "N m", &ServoSettings::friction, &Joint::friction},
-    ServoSettingRow{"corner_speed", "rad/s", &ServoSettings::corner_speed, &Joint::corner_speed},
-    ServoSettingRow{"no_load_speed", "rad/s", &ServoSettings::no_load_speed, &Joint::no_load_speed},
-    ServoSettingRow{"backlash", "rad", &ServoSettings::backlash, &Joint::backlash},
-    ServoSettingRow{"delay", "s", &ServoSettings::delay, &Joint::delay},
-    ServoSettingRow{"sensor_noise", "rad", &ServoSettings::sensor_noise, &Joint::sensor_noise},
-};
 
 std::vector<std::string> servo_names(const RobotDescription& robot) {
   std::vector<std::string> names;
@@ -59,18 +45,20 @@ std::optional<double> ServoNumbers::find(const std::string& joint) const {
   return it == by_name.end() ? all : it->second;
 }
 
-std::span<const ServoSettingRow> servo_setting_rows() { return kServoSettings; }
+ServoNumbers& ServoSettings::operator[](std::string_view name) {
+  const JointNumber& row = find_row(kJointNumbers, name, "servos", "name");
+  return numbers[static_cast<std::size_t>(&row - kJointNumbers.data())];
+}
 
 bool ServoSettings::empty() const noexcept { return *this == ServoSettings(); }
 
 void ServoSettings::apply(RobotDescription& robot, std::string_view source) const {
   const std::vector<std::string> servos = servo_names(robot);
-  for (const ServoSettingRow& row : kServoSettings) {
-    const ServoNumbers& numbers = this->*row.setting;
-    check_names(numbers, servos, source, fmt::format("servos.{}", row.name));
+  for (std::size_t i = 0; i < kJointNumbers.size(); ++i) {
+    check_names(numbers[i], servos, source, fmt::format("servos.{}", kJointNumbers[i].name));
     for (Body& body : robot.bodies) {
       if (!body.joint.actuated) continue;
-      if (const auto value = numbers.find(body.joint.name)) body.joint.*row.joint = *value;
+      if (const auto value = numbers[i].find(body.joint.name)) body.joint.*kJointNumbers[i].member = *value;
     }
   }
   for (std::size_t i = 1; i < robot.bodies.size(); ++i) check_joint(robot.bodies[i].joint, source);

@@ -1,13 +1,14 @@
 // What an environment says of the robot's joints: how its servos are set, and what a joint action means.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "physics/robot/joint_numbers.h"
 #include "physics/robot/robot.h"
 
 namespace crossgait {
@@ -28,16 +29,10 @@ struct ServoNumbers {
 
 /// The servos that a policy was made for, in the place of the robot's own; what is empty stays as it is.
 struct ServoSettings {
-  ServoNumbers kp,                  ///< N m/rad
-      kd,                           ///< N m s/rad, inside the effort clamp
-      effort,                       ///< largest torque, N m
-      damping,                      ///< of the joint, N m s/rad
-      armature,                     ///< kg m^2
-      friction,                     ///< dry, of the joint, N m
-      corner_speed, no_load_speed,  ///< rad/s
-      backlash,                     ///< rad
-      delay,                        ///< s, whole physics steps
-      sensor_noise;                 ///< rad
+  std::array<ServoNumbers, kJointNumbers.size()> numbers;  ///< in the order of kJointNumbers, in its units
+
+  /// By the name of its row, "kp". @throws ConfigError listing the known names
+  ServoNumbers& operator[](std::string_view name);
 
   bool empty() const noexcept;
   /// @throws ConfigError naming `source` for a name that is no servo's, or a value that no servo can have
@@ -45,15 +40,6 @@ struct ServoSettings {
 
   bool operator==(const ServoSettings&) const = default;
 };
-
-/// One row of the table of settings.
-struct ServoSettingRow {
-  std::string_view name, unit;
-  ServoNumbers ServoSettings::*setting;
-  double Joint::*joint;
-};
-/// In the order of ServoSettings.
-std::span<const ServoSettingRow> servo_setting_rows();
 
 /// An action that commands joints: servo target = home + scale x action.
 struct JointActionSettings {

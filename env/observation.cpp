@@ -10,6 +10,7 @@
 
 #include "gait/scale.h"
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
 
 namespace crossgait {
 namespace {
@@ -222,13 +223,7 @@ constexpr std::array kBlocks{
 std::span<const ObservationBlock> observation_blocks() { return kBlocks; }
 
 const ObservationBlock& find_observation_block(std::string_view name) {
-  std::vector<std::string_view> known;
-  for (const ObservationBlock& block : kBlocks) {
-    if (block.name == name) return block;
-    known.push_back(block.name);
-  }
-  throw ConfigError("observation", "block", fmt::format("one of {}", fmt::join(known, ", ")),
-                    fmt::format("'{}'", name));
+  return find_row(kBlocks, name, "observation", "block");
 }
 
 std::vector<ObservationTerm> standard_observation() {

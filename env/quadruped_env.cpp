@@ -34,8 +34,8 @@ QuadrupedEnv::QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine)
   if (!config().randomisation.changes_world()) backend_ = engine_.make(model_->world);
 }
 
-QuadrupedEnv::QuadrupedEnv(const EnvConfig& config, Engine engine)
-    : QuadrupedEnv(EnvModel::make(config), std::move(engine)) {}
+QuadrupedEnv::QuadrupedEnv(const LoadedEnv& loaded, Engine engine)
+    : QuadrupedEnv(EnvModel::make(loaded), std::move(engine)) {}
 
 QuadrupedEnv::Episode QuadrupedEnv::make_episode() const {
   const EnvConfig& c = config();
@@ -84,7 +84,7 @@ WorldSpec QuadrupedEnv::draw_world() {
   WorldSpec world = randomised_world(model_->world, c.randomisation, episode_.draw, episode_.random);
   if (c.randomisation.is_on(Randomised::kTerrainSeed)) {
     const auto seed = static_cast<std::uint64_t>(episode_.draw[Randomised::kTerrainSeed]);
-    world.terrain = make_terrain(c.terrain, seed);
+    world.terrain = model_->ground.make(seed);
   }
   return world;
 }

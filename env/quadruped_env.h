@@ -46,7 +46,7 @@ class QuadrupedEnv {
   /// @throws ConfigError for a world that cannot be built
   QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine);
   /// With a model of its own. @throws ConfigError for a bad configuration besides
-  QuadrupedEnv(const EnvConfig& config, Engine engine);
+  QuadrupedEnv(const LoadedEnv& loaded, Engine engine);
   ~QuadrupedEnv() = default;
   QuadrupedEnv(const QuadrupedEnv&) = delete;
   QuadrupedEnv& operator=(const QuadrupedEnv&) = delete;

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
 
 namespace crossgait {
 namespace {
@@ -41,7 +41,14 @@ constexpr std::array kRandomisationRows{
                      1e6},
     RandomisationRow{kJointFriction, "joint_friction", "x", "scale of the joints' dry friction", 1, 0, 10},
 };
-static_assert(kRandomisationRows.size() == kRandomisations);
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < kRandomisationRows.size(); ++i) {
+        if (kRandomisationRows[i].what != static_cast<Randomised>(i)) return false;
+      }
+      return kRandomisationRows.size() == kRandomisations;
+    }(),
+    "one row for each of Randomised, in its order");
 
 void scale_mass(Body& body, double factor) {
   body.inertia.mass *= factor;
@@ -53,13 +60,7 @@ void scale_mass(Body& body, double factor) {
 std::span<const RandomisationRow> randomisation_rows() { return kRandomisationRows; }
 
 const RandomisationRow& find_randomisation(std::string_view name) {
-  std::vector<std::string_view> known;
-  for (const RandomisationRow& row : kRandomisationRows) {
-    if (row.name == name) return row;
-    known.push_back(row.name);
-  }
-  throw ConfigError("randomisation", "name", fmt::format("one of {}", fmt::join(known, ", ")),
-                    fmt::format("'{}'", name));
+  return find_row(kRandomisationRows, name, "randomisation", "name");
 }
 
 Randomisation::Randomisation() {

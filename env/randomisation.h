@@ -46,7 +46,8 @@ std::span<const RandomisationRow> randomisation_rows();
 /// @throws ConfigError listing the known names
 const RandomisationRow& find_randomisation(std::string_view name);
 
-inline constexpr std::size_t kRandomisations = 17;
+/// As many as there are in the enumeration, of which this is the last.
+inline constexpr std::size_t kRandomisations = static_cast<std::size_t>(Randomised::kJointFriction) + 1;
 
 /// A range per row; the neutral ones draw nothing.
 struct Randomisation {

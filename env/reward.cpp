@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "physics/core/error.h"
+#include "physics/core/find_row.h"
 
 namespace crossgait {
 namespace {
@@ -120,20 +117,14 @@ constexpr std::array kTerms{
                  return r.power / (r.weight * std::max(r.after.v_WB.head<2>().norm(), kLeastSpeed));
                }},
 };
-static_assert(kTerms.size() == kRewardTerms);
+static_assert(kTerms.size() == kRewardTerms, "kRewardTerms (reward.h) is the number of these rows");
 
 }  // namespace
 
 std::span<const RewardTerm> reward_terms() { return kTerms; }
 
 std::size_t find_reward_term(std::string_view name) {
-  std::vector<std::string_view> known;
-  for (std::size_t i = 0; i < kTerms.size(); ++i) {
-    if (kTerms[i].name == name) return i;
-    known.push_back(kTerms[i].name);
-  }
-  throw ConfigError("reward", "term", fmt::format("one of {}", fmt::join(known, ", ")),
-                    fmt::format("'{}'", name));
+  return static_cast<std::size_t>(&find_row(kTerms, name, "reward", "term") - kTerms.data());
 }
 
 RewardTerms guide_reward_weights() {

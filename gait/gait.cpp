@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
 
 namespace crossgait {
 namespace {
@@ -141,14 +142,7 @@ constexpr std::array kGaits{
 
 std::span<const Gait> gaits() { return kGaits; }
 
-const Gait& find_gait(std::string_view name) {
-  for (const Gait& gait : kGaits) {
-    if (gait.name == name) return gait;
-  }
-  std::string known;
-  for (const Gait& gait : kGaits) known += fmt::format("{}{}", known.empty() ? "" : ", ", gait.name);
-  throw ConfigError("gait", name, "one of " + known, "an unknown name");
-}
+const Gait& find_gait(std::string_view name) { return find_row(kGaits, name, "gait", "name"); }
 
 std::string_view phase_name(const Gait& gait, double phase) noexcept {
   std::string_view current;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
 
 namespace crossgait {
 namespace {
@@ -147,14 +148,7 @@ AdaptationRanges guide_ranges() {
 
 std::span<const ParameterRow> gait_parameters() { return kTable; }
 
-const ParameterRow& find_parameter(std::string_view name) {
-  for (const ParameterRow& row : kTable) {
-    if (row.name == name) return row;
-  }
-  std::string known;
-  for (const ParameterRow& row : kTable) known += fmt::format("{}{}", known.empty() ? "" : ", ", row.name);
-  throw ConfigError(kSource, name, "one of " + known, "an unknown name");
-}
+const ParameterRow& find_parameter(std::string_view name) { return find_row(kTable, name, kSource, "name"); }
 
 void set(GaitParameters& parameters, std::string_view name, double value) {
   const ParameterRow& row = find_parameter(name);

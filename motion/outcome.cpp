@@ -3,23 +3,31 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
 
 namespace crossgait {
 namespace {
 
-constexpr std::array<OutcomeRow, kOutcomes> kOutcomeRows{{
-    {Outcome::kDiverged, "diverged", "diverged", true},
-    {Outcome::kCameApart, "came_apart", "came apart", true},
-    {Outcome::kFell, "fell", "fell", true},
-    {Outcome::kCollapsed, "collapsed", "collapsed", true},
-    {Outcome::kLeftTerrain, "left_terrain", "left the terrain", true},
-    {Outcome::kSlid, "slid", "slid", false},
-    {Outcome::kNoProgress, "no_progress", "no progress", false},
-    {Outcome::kWalked, "walked", "walked", false},
-}};
+constexpr std::array kOutcomeRows{
+    OutcomeRow{Outcome::kDiverged, "diverged", "diverged", true},
+    OutcomeRow{Outcome::kCameApart, "came_apart", "came apart", true},
+    OutcomeRow{Outcome::kFell, "fell", "fell", true},
+    OutcomeRow{Outcome::kCollapsed, "collapsed", "collapsed", true},
+    OutcomeRow{Outcome::kLeftTerrain, "left_terrain", "left the terrain", true},
+    OutcomeRow{Outcome::kSlid, "slid", "slid", false},
+    OutcomeRow{Outcome::kNoProgress, "no_progress", "no progress", false},
+    OutcomeRow{Outcome::kWalked, "walked", "walked", false},
+};
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < kOutcomeRows.size(); ++i) {
+        if (kOutcomeRows[i].outcome != static_cast<Outcome>(i)) return false;
+      }
+      return kOutcomeRows.size() == kOutcomes;
+    }(),
+    "one row for each Outcome, in its order");
 
 }  // namespace
 
@@ -30,13 +38,7 @@ std::string_view name(Outcome outcome) noexcept {
 }
 
 Outcome find_outcome(std::string_view name) {
-  std::vector<std::string_view> known;
-  for (const OutcomeRow& row : kOutcomeRows) {
-    if (row.name == name) return row.outcome;
-    known.push_back(row.name);
-  }
-  throw ConfigError("outcome", "name", fmt::format("one of {}", fmt::join(known, ", ")),
-                    fmt::format("'{}'", name));
+  return find_row(kOutcomeRows, name, "outcome", "name").outcome;
 }
 
 std::vector<std::string> outcome_names(const OutcomeSet& set) {

@@ -22,7 +22,8 @@ enum class Outcome : std::uint8_t {
   kNoProgress,   ///< made next to nothing of the way or the turn that was asked for
   kWalked,       ///< none of the above
 };
-inline constexpr std::size_t kOutcomes = 8;
+/// As many as there are in the enumeration, of which this is the last.
+inline constexpr std::size_t kOutcomes = static_cast<std::size_t>(Outcome::kWalked) + 1;
 
 /// One row of the table of outcomes.
 struct OutcomeRow {

@@ -161,9 +161,10 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
   return behaviour;
 }
 
-Behaviour policy_behaviour(EnvConfig config, PolicyFactory policy, const std::string& name,
+Behaviour policy_behaviour(LoadedEnv environment, PolicyFactory policy, const std::string& name,
                            const StartRanges& ranges, std::uint64_t seed) {
-  const std::shared_ptr<const RobotDescription> robot = EnvModel::make(config)->world.robot;
+  const std::shared_ptr<const RobotDescription> robot = EnvModel::make(environment)->world.robot;
+  EnvConfig& config = environment.config;
   const bool planned = config.action == ActionKind::kGait;
   config.randomisation = ranges.over(config.randomisation, *robot);
   Behaviour behaviour;
@@ -173,11 +174,11 @@ Behaviour policy_behaviour(EnvConfig config, PolicyFactory policy, const std::st
   behaviour.physics_dt = config.physics_dt;
   behaviour.control_dt = config.control_dt;
   behaviour.delays = delays_of(*robot);
-  behaviour.run = [config, policy = std::move(policy), seed, planned](
+  behaviour.run = [environment, policy = std::move(policy), seed, planned](
                       const Engine& engine, const Variation& variation, std::size_t k) {
-    EnvConfig varied = config;
-    varied.physics_dt *= variation.step;
-    varied.terrain_seed += k;
+    LoadedEnv varied = environment;  // what is varied is in no file
+    varied.config.physics_dt *= variation.step;
+    varied.config.terrain_seed += k;
     Variation solver_alone = variation;
     solver_alone.step = 1;  // the configuration has it already
     QuadrupedEnv env(varied, with_change(engine, [&solver_alone](WorldSpec& w) { solver_alone.apply(w); }));

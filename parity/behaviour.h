@@ -76,9 +76,9 @@ using TerrainOfStart = std::function<Terrain(std::size_t start)>;
 Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const TerrainOfStart& terrain,
                          const StartRanges& ranges = {}, std::uint64_t seed = 0);
 
-/// A policy in its environment, from starts of the same ranges; those that `config.randomisation` has on stay
-/// as they are.
-Behaviour policy_behaviour(EnvConfig config, PolicyFactory policy, const std::string& name,
+/// A policy in its environment, from starts of the same ranges; those that its randomisation has on stay as
+/// they are. Runs read no file of the environment's.
+Behaviour policy_behaviour(LoadedEnv environment, PolicyFactory policy, const std::string& name,
                            const StartRanges& ranges = {}, std::uint64_t seed = 0);
 
 }  // namespace crossgait

@@ -43,8 +43,9 @@ ordered_json stances_of(const TraceTable& trace, std::string_view group, double 
 }
 
 /// Fills in where the feet are.
-ordered_json run_document(const RecordedRun& run, const RobotDescription& robot, RunFrames& frames,
+ordered_json run_document(const RecordedRun& run, const Motion& motion, RunFrames& frames,
                           PageNumbers& numbers) {
+  const RobotDescription& robot = *motion.robot;
   const SampleReader& reader = frames.reader;
   std::vector<double> times, poses, feet, forces;
   std::vector<Pose> bodies;
@@ -67,7 +68,7 @@ ordered_json run_document(const RecordedRun& run, const RobotDescription& robot,
           {"feet", numbers.add(feet)},
           {"forces", numbers.add(forces)},
           {"force_directions", reader.has_forces()},
-          {"contact", stances_of(run.trace, "contact", kShortestContact)},
+          {"contact", stances_of(run.trace, "contact", motion.shortest_contact)},
           {"planned", stances_of(run.trace, "planned", 0)}};
 }
 
@@ -142,7 +143,7 @@ nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& number
     frames.push_back({SampleReader(run.trace, robot), frame_rows(run.trace.time()), {}});
   ordered_json notes = ordered_json::array(), runs = ordered_json::array(), pairs = ordered_json::array();
   for (std::size_t i = 0; i < motion.runs.size(); ++i)
-    runs.push_back(run_document(motion.runs[i], robot, frames[i], numbers));
+    runs.push_back(run_document(motion.runs[i], motion, frames[i], numbers));
 
   PanelMaker panels(motion, frames, numbers);
   std::size_t pair = 0;
@@ -167,6 +168,8 @@ nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& number
           {"runs", std::move(runs)},
           {"pairs", std::move(pairs)},
           {"panels", panels.finish()},
+          {"constants", panels.constants()},
+          {"shortest_contact", motion.shortest_contact},
           {"notes", std::move(notes)}};
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "parity/divergence.h"
+#include "parity/stances.h"
 #include "physics/robot/robot.h"
 #include "physics/terrain/terrain.h"
 #include "report/page_numbers.h"
@@ -20,6 +21,7 @@ struct Motion {
   std::vector<RecordedRun> runs;  ///< at least one
   /// What is known of every two runs, in order (as `Comparison::pairs`); empty: found in the traces.
   std::vector<PairDifference> pairs;
+  double shortest_contact = kShortestContact;  ///< that is a stance, and shortest gap between two, s
 };
 
 /// Shortest time between two frames, s: more of them than a screen shows in slow motion at a tenth.
@@ -29,7 +31,8 @@ inline constexpr std::size_t kMaxFrames = 20'000;  ///< of a run
 /// Rows of a trace that are frames: those at least a frame time behind the last one, and the last row.
 std::vector<std::size_t> frame_rows(const std::vector<double>& time);
 
-/// Keys: `scene` (scene.h), `runs`, `pairs`, `panels` (panels.h) and `notes`. Of a run: `name`, `engine`,
+/// Keys: `scene` (scene.h), `runs`, `pairs`, `panels` and `constants` (panels.h), `shortest_contact` and
+/// `notes`. Of a run: `name`, `engine`,
 /// `time` (s, of every frame), `poses` (of every body in W at every frame: x, y, z in m, then the quaternion
 /// x, y, z, w), `feet` (centres in W, m: frame, leg, x y z), `forces` (on feet in W, N, alike),
 /// `force_directions` (false: only the magnitudes are known, as z), `contact` and `planned` (by leg, pairs

@@ -60,7 +60,7 @@ nlohmann::ordered_json report_document(const ReportPage& page, PageNumbers& numb
                         {"verdicts", page.verdicts},
                         {"provenances", page.provenances}};
   for (const Table& table : page.tables) document["tables"].push_back(to_json(table));
-  for (const Charts& charts : page.charts) document["charts"].push_back(to_json(charts));
+  for (const Charts& charts : page.charts) document["charts"].push_back(to_json(charts, numbers));
   return with_schema("report", document);
 }
 

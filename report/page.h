@@ -27,7 +27,7 @@ struct ReportPage {
 /// @throws ConfigError if Crossgait was built without the page, before anything long is done for one
 void require_page();
 
-/// The document within the page: `schema` ("report", 1), the members above, `crossgait` (the version) and
+/// The document within the page: `schema` ("report", 2), the members above, `crossgait` (the version) and
 /// `motion` as `motion_document` makes it, or null. Numbers of it are in `numbers`.
 nlohmann::ordered_json report_document(const ReportPage& page, PageNumbers& numbers);
 

@@ -32,6 +32,26 @@ std::string in_words(std::string_view name) {
   return words;
 }
 
+/// Of any run, in the order in which they come.
+std::vector<std::string> parameter_columns(const std::vector<RecordedRun>& runs) {
+  std::vector<std::string> columns;
+  for (const RecordedRun& run : runs) {
+    for (const std::string& column : run.trace.names()) {
+      const bool known = std::find(columns.begin(), columns.end(), column) != columns.end();
+      if (column.starts_with(kParameter) && !known) columns.push_back(column);
+    }
+  }
+  return columns;
+}
+
+/// "-" of one that is none of the gait's.
+std::string unit_of(std::string_view parameter) {
+  for (const ParameterRow& row : gait_parameters()) {
+    if (row.name == parameter) return std::string(row.unit);
+  }
+  return "-";
+}
+
 }  // namespace
 
 PanelMaker::PanelMaker(const Motion& motion, const std::vector<RunFrames>& frames, PageNumbers& numbers)
@@ -131,14 +151,18 @@ void PanelMaker::add_joints() {
 }
 
 void PanelMaker::add_parameters() {
-  for (const ParameterRow& parameter : gait_parameters()) {
-    const std::string column = fmt::format("{}{}", kParameter, parameter.name);
+  for (const std::string& column : parameter_columns(motion_.runs)) {
+    const std::string parameter = column.substr(kParameter.size()), unit = unit_of(parameter);
     std::vector<Series> series = columns(column, 1);
-    const auto constant = [&](const Series& s) {
-      return s.values == std::vector<double>(s.values.size(), series.front().values.front());
+    const double first = series.front().values.front();
+    const auto constant = [first](const Series& s) {
+      return s.values == std::vector<double>(s.values.size(), first);
     };
-    if (std::all_of(series.begin(), series.end(), constant)) continue;
-    add("parameters", in_words(parameter.name), std::string(parameter.unit), series);
+    if (std::all_of(series.begin(), series.end(), constant)) {
+      constants_.push_back({{"name", in_words(parameter)}, {"unit", unit}, {"value", first}});
+    } else {
+      add("parameters", in_words(parameter), unit, series);
+    }
   }
 }
 

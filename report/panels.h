@@ -31,6 +31,8 @@ class PanelMaker {
 
   void add_pair(std::size_t a, std::size_t b, const PairPanels& differences);
   nlohmann::ordered_json finish();
+  /// The gait parameters that no run changes and all share: objects with `name`, `unit` and `value`.
+  const nlohmann::ordered_json& constants() const { return constants_; }
 
  private:
   struct Series {
@@ -54,6 +56,7 @@ class PanelMaker {
   const std::vector<RunFrames>& frames_;
   PageNumbers& numbers_;
   nlohmann::ordered_json panels_ = nlohmann::ordered_json::array();
+  nlohmann::ordered_json constants_ = nlohmann::ordered_json::array();
   nlohmann::ordered_json differences_;  // three panels, to which pairs add their series
 };
 

@@ -9,7 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "ik/leg_kinematics.h"
 #include "physics/core/error.h"
+#include "physics/core/files_read.h"
 #include "physics/core/read_budget.h"
 #include "physics/robot_files/mesh/mesh_vertices.h"
 
@@ -76,6 +78,7 @@ class Shapes {
   std::size_t index_of(const std::string& file) {
     const auto [it, is_new] = known_.try_emplace(file, known_.size());
     if (is_new) {
+      const FilesRead apart(FilesRead::Scope::kApart);  // what a robot looks like makes no result
       const TriangleMesh mesh = read_mesh_triangles(file);
       vertices_ += mesh.vertices.size();
       triangles_ += mesh.triangles.size() / 3;
@@ -102,6 +105,15 @@ class Shapes {
   std::size_t vertices_ = 0, triangles_ = 0;
 };
 
+/// Of the leg's frame in the base, or null: a robot whose legs no kinematics fit is shown all the same.
+ordered_json origin_of(const RobotDescription& robot, Leg leg) {
+  try {
+    return list(make_leg_kinematics(robot, leg).origin());
+  } catch (const ConfigError&) {
+    return nullptr;
+  }
+}
+
 ordered_json legs_of(const RobotDescription& robot) {
   ordered_json legs = ordered_json::array();
   if (!robot.legs) return legs;
@@ -110,7 +122,8 @@ ordered_json legs_of(const RobotDescription& robot) {
     legs.push_back({{"name", name(leg)},
                     {"body", model.foot_body},
                     {"foot", list(model.p_BF)},
-                    {"radius", model.foot_radius}});
+                    {"radius", model.foot_radius},
+                    {"origin", origin_of(robot, leg)}});
   }
   return legs;
 }

@@ -27,11 +27,11 @@ struct CountedTerms {
 Motion watch_episodes(const std::vector<WatchedEpisode>& episodes, std::uint64_t seed) {
   Motion motion;
   for (const WatchedEpisode& episode : episodes) {
-    const CountedTerms terms(episode.config);
+    const CountedTerms terms(episode.environment.config);
     std::optional<RunRecorder> recorder;
     std::string engine;
     std::vector<double> earned;
-    watch_episode(episode.config, episode.policy, seed, [&](const QuadrupedEnv& env) {
+    watch_episode(episode.environment, episode.policy, seed, [&](const QuadrupedEnv& env) {
       if (!recorder) {
         // Of the world that the episode drew.
         const WorldSpec& world = env.backend().spec();

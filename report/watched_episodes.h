@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "env/env_config.h"
+#include "env/loaded_env.h"
 #include "report/motion_document.h"
 
 namespace crossgait {
@@ -14,7 +14,7 @@ namespace crossgait {
 /// One run of a page.
 struct WatchedEpisode {
   std::string name;  ///< what the page calls it
-  EnvConfig config;
+  LoadedEnv environment;
   std::string policy;  ///< as `make_policy` takes it
 };
 

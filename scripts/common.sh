@@ -41,15 +41,15 @@ python_environment() {
   python_venv "$1" python/requirements.txt
 }
 
-# python_package VENV: Crossgait's Python package in this virtual environment, from this tree.
+# python_package VENV: Crossgait's Python package in this virtual environment, from this tree. Its extension is linked
+# from what the preset release has built: its folder, configured as the preset says and for this Python.
 python_package() {
   local venv=$1
   python_environment "$venv"
-  # As in the other builds, and with the compiler's name as there, so that what they have compiled is taken from the cache.
-  [[ -e build/python/build.ninja ]] || echo "Building build/python (some minutes, the first time)"
-  CXX=${CXX:-c++} CCACHE_BASEDIR=$PWD run_quietly "building the Python package" "$venv/bin/python" -m pip install --quiet \
-    --no-build-isolation --no-deps --config-settings build-dir=build/python \
-    --config-settings cmake.define.CROSSGAIT_WERROR=ON .
+  build release apps/all
+  run_quietly "building the Python package" "$venv/bin/python" -m pip install --quiet --no-build-isolation --no-deps \
+    --config-settings build-dir=build/release --config-settings cmake.args=--preset=release \
+    --config-settings cmake.define.CROSSGAIT_BUILD_TESTS=ON --config-settings cmake.define.CROSSGAIT_BUILD_BENCHMARKS=ON .
 }
 
 # build PRESET [TARGET...]: configures and builds; everything if no target is named.

@@ -16,7 +16,8 @@ HTML = Path("build/docs/html")
 PACKAGE = Path("build/docs/python/crossgait")
 MODULES = ["crossgait", "crossgait.envs", "crossgait.sb3", "crossgait.policies", "crossgait.sweep", "crossgait.train"]
 # Where they are in the repository, so that their links among each other hold on the site as on a Git host.
-SOURCES = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "LICENSE", "docs", "models/README.md", "models/policies", "python/examples"]
+SOURCES = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CODE_OF_CONDUCT.md", "SECURITY.md", "LICENSE", "docs", "models/README.md",
+           "models/policies", "python/examples"]
 
 
 def public_names(module: str) -> list[str]:

@@ -9,6 +9,7 @@
 
 #include "parity/behaviour.h"
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
 #include "physics/core/yaml_reader.h"
 #include "physics/robot/robot.h"
 #include "physics/robot_files/data_path.h"
@@ -28,10 +29,8 @@ std::string find_course(const std::string& name_or_file) {
   for (const auto& entry : fs::directory_iterator(folder, error))
     if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
-  if (std::find(names.begin(), names.end(), name_or_file) == names.end()) {
-    throw ConfigError("course", "name", fmt::format("one of {}, or a .yaml file", fmt::join(names, ", ")),
-                      fmt::format("'{}'", name_or_file));
-  }
+  static_cast<void>(
+      find_row(names, name_or_file, "course", "name", std::identity(), ", or a .yaml file"));  // throws
   return (folder / (name_or_file + ".yaml")).string();
 }
 
@@ -87,27 +86,18 @@ Course load_course(const std::string& name_or_file) {
 
 Course with_sections(Course course, const std::vector<std::string>& names) {
   if (names.empty()) return course;
-  std::vector<CourseSection> chosen;
-  std::vector<std::string> known;
-  for (const CourseSection& section : course.sections) {
-    known.push_back(section.name);
-    if (std::find(names.begin(), names.end(), section.name) != names.end()) chosen.push_back(section);
-  }
-  for (const std::string& name : names) {
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
-      throw ConfigError("course " + course.name, "section", fmt::format("one of {}", fmt::join(known, ", ")),
-                        fmt::format("'{}'", name));
-    }
-  }
-  course.sections = std::move(chosen);
+  for (const std::string& name : names)  // throws
+    static_cast<void>(find_row(course.sections, name, "course " + course.name, "section"));
+  std::erase_if(course.sections, [&names](const CourseSection& section) {
+    return std::find(names.begin(), names.end(), section.name) == names.end();
+  });
   return course;
 }
 
-EnvConfig section_environment(const EnvConfig& method, const Course& course, const CourseSection& section) {
-  const RobotDescription robot =
-      method.at_its_place(method.robot, [&] { return load_robot(find_robot(method.robot)); });
+LoadedEnv section_environment(const LoadedEnv& method, const Course& course, const CourseSection& section) {
+  const RobotDescription& robot = *method.robot;
   const EnvConfig usual;
-  EnvConfig here = method;
+  EnvConfig here = method.config;
   here.terrain = section.terrain;
   here.friction = section.friction;
   here.command = VelocityCommand{section.speed, 0, 0};
@@ -129,7 +119,7 @@ EnvConfig section_environment(const EnvConfig& method, const Course& course, con
     here.randomisation[Randomised::kPushInterval] = section.push_interval;
   }
   here.validate(fmt::format("course {}, section {}", course.name, section.name));
-  return here;
+  return method.with(here);
 }
 
 double course_score(const EpisodeSummary& run, const Course& course, const CourseSection& section) noexcept {
@@ -150,15 +140,15 @@ MeanAndDeviation CourseResult::score(const std::string& engine) const {
   return mean_and_deviation(means);
 }
 
-CourseResult run_course(const Course& course, const EnvConfig& method, const NamedPolicy& policy,
+CourseResult run_course(const Course& course, const LoadedEnv& method, const NamedPolicy& policy,
                         const std::vector<std::string>& engines, const EpisodeOptions& options,
                         const Progress& progress) {
   CourseResult result{course.name, policy.name, options.episodes, options.seed, {}};
   const double all = static_cast<double>(course.sections.size() * engines.size());
   for (const CourseSection& section : course.sections) {
-    EnvConfig here = section_environment(method, course, section);
+    LoadedEnv here = section_environment(method, course, section);
     for (const std::string& engine : engines) {
-      here.engine = engine;
+      here.config.engine = engine;
       const double done = static_cast<double>(result.cells.size());
       result.interrupted = interrupted_at(progress, done / all);
       if (result.interrupted) return result;

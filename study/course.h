@@ -39,7 +39,7 @@ Course with_sections(Course course, const std::vector<std::string>& names);
 /// the speed that is asked for, how long, what ends a run, and the start, drawn within `StartRanges` without
 /// its push.
 /// @throws ConfigError
-EnvConfig section_environment(const EnvConfig& method, const Course& course, const CourseSection& section);
+LoadedEnv section_environment(const LoadedEnv& method, const Course& course, const CourseSection& section);
 
 /// Distance made over distance asked for, forward in the direction that the robot faced when it set off, from
 /// 0 to
@@ -70,7 +70,7 @@ struct CourseResult {
 
 /// Run k of a section meets the same world whatever the policy and in every engine. An interruption leaves
 /// the cells that are finished. @throws ConfigError
-CourseResult run_course(const Course& course, const EnvConfig& method, const NamedPolicy& policy,
+CourseResult run_course(const Course& course, const LoadedEnv& method, const NamedPolicy& policy,
                         const std::vector<std::string>& engines, const EpisodeOptions& options,
                         const Progress& progress = {});
 

@@ -32,11 +32,6 @@ Progress progress_of(const StageProgress& progress, const std::string& stage) {
   return progress ? Progress([progress, stage](double share) { progress(stage, share); }) : Progress();
 }
 
-WorldSpec world_of(const BehaviourSpec& spec) {
-  if (const auto* walk = std::get_if<WalkConfig>(&spec.what)) return walk->world();
-  return EnvModel::make(std::get<PolicyConfig>(spec.what).environment)->world;
-}
-
 namespace {
 
 std::vector<Engine> find_engines(const std::vector<std::string>& names) {
@@ -93,12 +88,12 @@ void explain(JudgementOfMany& result, const std::vector<std::optional<EngineFami
 
 }  // namespace
 
-JudgementOfMany judge_engines(const BehaviourSpec& spec, const std::vector<std::string>& engines,
+JudgementOfMany judge_engines(const LoadedBehaviour& loaded, const std::vector<std::string>& engines,
                               const JudgementOptions& options, const StageProgress& progress) {
-  Behaviour behaviour = make_behaviour(spec);
+  Behaviour behaviour = make_behaviour(loaded);
   if (!options.stored_runs.empty())
-    behaviour = with_store(std::move(behaviour), spec, std::make_shared<RunStore>(options.stored_runs));
-  return judge_engines(behaviour, world_of(spec), engines, options, progress);
+    behaviour = with_store(std::move(behaviour), loaded, std::make_shared<RunStore>(options.stored_runs));
+  return judge_engines(behaviour, loaded.world(), engines, options, progress);
 }
 
 JudgementOfMany judge_engines(const Behaviour& behaviour, const WorldSpec& world,
@@ -129,9 +124,9 @@ JudgementOfMany judge_engines(const Behaviour& behaviour, const WorldSpec& world
   return result;
 }
 
-Judgement judge_behaviour(const BehaviourSpec& spec, const std::string& a, const std::string& b,
+Judgement judge_behaviour(const LoadedBehaviour& loaded, const std::string& a, const std::string& b,
                           const JudgementOptions& options, const StageProgress& progress) {
-  return judge_engines(spec, {a, b}, options, progress).pairs.front();
+  return judge_engines(loaded, {a, b}, options, progress).pairs.front();
 }
 
 Judgement judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, const std::string& a,

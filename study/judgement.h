@@ -44,7 +44,7 @@ Progress progress_of(const StageProgress& progress, const std::string& stage);
 
 /// Audits the two worlds, runs the behaviour in both engines, judges, and explains if asked.
 /// @throws ConfigError before any long run for what is wrong with names, options or the world
-Judgement judge_behaviour(const BehaviourSpec& spec, const std::string& a, const std::string& b,
+Judgement judge_behaviour(const LoadedBehaviour& loaded, const std::string& a, const std::string& b,
                           const JudgementOptions& options = {}, const StageProgress& progress = {});
 
 /// The same of a behaviour that is no specification's, whose runs nothing stores.
@@ -55,7 +55,7 @@ Judgement judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, co
 
 /// The same of two engines or more, none of which is run twice.
 /// @throws ConfigError also for an engine that is named twice, and for `explain` where no pair has a family
-JudgementOfMany judge_engines(const BehaviourSpec& spec, const std::vector<std::string>& engines,
+JudgementOfMany judge_engines(const LoadedBehaviour& loaded, const std::vector<std::string>& engines,
                               const JudgementOptions& options = {}, const StageProgress& progress = {});
 JudgementOfMany judge_engines(const Behaviour& behaviour, const WorldSpec& world,
                               const std::vector<std::string>& names, const JudgementOptions& options = {},
@@ -64,9 +64,6 @@ JudgementOfMany judge_engines(const Behaviour& behaviour, const WorldSpec& world
 /// The family whose ends are `a` and `b`, either way round; an engine of the same laws may stand for an end.
 /// @throws ConfigError if there is none
 EngineFamily find_family(const Engine& a, const Engine& b);
-
-/// The world of a specification: a walk's, or its environment's.
-WorldSpec world_of(const BehaviourSpec& spec);
 
 /// Keys as in docs/schemas/verdict.json.
 nlohmann::ordered_json to_json(const Judgement& judgement);

@@ -16,7 +16,7 @@ struct Provenance {
   std::string crossgait = std::string(crossgait_version());
   std::string command;                       ///< of the program, such as "walk"
   std::vector<std::string> arguments;        ///< of that command, but for where results go
-  std::map<std::string, std::string> files;  ///< `file_hash` of every file that an argument names
+  std::map<std::string, std::string> files;  ///< SHA-256 of every file that was read, by its path
   std::vector<EngineInfo> engines;
   nlohmann::json subject;  ///< what was looked at: `to_json(BehaviourSpec)`, `identity_of_robot`; or null
 };

@@ -8,8 +8,8 @@ namespace crossgait {
 
 std::size_t EpisodeOptions::default_workers() { return std::max(1U, std::thread::hardware_concurrency()); }
 
-EnvFactory env_factory(const EnvConfig& config) {
-  return [model = EnvModel::make(config), engine = find_engine(config.engine)] {
+EnvFactory env_factory(const LoadedEnv& environment) {
+  return [model = EnvModel::make(environment), engine = find_engine(environment.config.engine)] {
     return std::make_unique<QuadrupedEnv>(model, engine);
   };
 }
@@ -18,17 +18,17 @@ NamedPolicy find_policy(const std::string& text) {
   return {text, [text](const PolicyInterface& interface) { return make_policy(text, interface); }};
 }
 
-Rollout roll_out(const EnvConfig& config, const std::vector<std::string>& policies,
+Rollout roll_out(const LoadedEnv& environment, const std::vector<std::string>& policies,
                  const EpisodeOptions& options, const Progress& progress) {
   std::vector<NamedPolicy> named;
   for (const std::string& policy : policies) named.push_back(find_policy(policy));
-  return roll_out(config, named, options, progress);
+  return roll_out(environment, named, options, progress);
 }
 
-Rollout roll_out(const EnvConfig& config, std::span<const NamedPolicy> policies,
+Rollout roll_out(const LoadedEnv& environment, std::span<const NamedPolicy> policies,
                  const EpisodeOptions& options, const Progress& progress) {
-  Rollout rollout{config, options.seed, {}};
-  const EnvFactory environments = env_factory(config);
+  Rollout rollout{environment.config, options.seed, {}};
+  const EnvFactory environments = env_factory(environment);
   const double count = static_cast<double>(policies.size());
   for (const NamedPolicy& policy : policies) {
     const double done = static_cast<double>(rollout.policies.size());
@@ -47,9 +47,9 @@ Rollout roll_out(const EnvConfig& config, std::span<const NamedPolicy> policies,
   return rollout;
 }
 
-void watch_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed,
+void watch_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
                    const std::function<void(const QuadrupedEnv&)>& observer) {
-  const auto env = env_factory(config)();
+  const auto env = env_factory(environment)();
   const auto own = find_policy(policy).make(env->interface());
   run_episode(*env, *own, derived_seed(seed, 0), [&observer](const QuadrupedEnv& e) {
     observer(e);
@@ -63,23 +63,24 @@ TraceSample trace_sample(const QuadrupedEnv& env) {
   return sample;
 }
 
-Trace trace_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed) {
+Trace trace_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed) {
   Trace trace;
-  watch_episode(config, policy, seed,
+  watch_episode(environment, policy, seed,
                 [&trace](const QuadrupedEnv& env) { trace.push_back(trace_sample(env)); });
   return trace;
 }
 
-Transfer transfer_policy(const EnvConfig& config, const NamedPolicy& policy,
+Transfer transfer_policy(const LoadedEnv& environment, const NamedPolicy& policy,
                          const std::vector<std::string>& engines, const std::vector<std::string>& terrains,
                          const EpisodeOptions& options, const Progress& progress) {
   Transfer transfer{policy.name, options.seed, engines, terrains, {}};
   const double all = static_cast<double>(terrains.size() * engines.size());
   for (const std::string& terrain : terrains) {
+    EnvConfig on_terrain = environment.config;
+    on_terrain.terrain = terrain;
+    LoadedEnv here = environment.with(on_terrain);
     for (const std::string& engine : engines) {
-      EnvConfig here = config;
-      here.terrain = terrain;
-      here.engine = engine;
+      here.config.engine = engine;
       const EnvFactory environments = env_factory(here);
       const auto done = static_cast<double>(transfer.cells.size());
       transfer.interrupted = interrupted_at(progress, done / all);

@@ -46,18 +46,18 @@ NamedPolicy find_policy(const std::string& text);
 
 /// Every policy on the same worlds. An interruption leaves the episodes that are finished. @throws
 /// ConfigError
-Rollout roll_out(const EnvConfig& config, std::span<const NamedPolicy> policies,
+Rollout roll_out(const LoadedEnv& environment, std::span<const NamedPolicy> policies,
                  const EpisodeOptions& options, const Progress& progress = {});
-Rollout roll_out(const EnvConfig& config, const std::vector<std::string>& policies,
+Rollout roll_out(const LoadedEnv& environment, const std::vector<std::string>& policies,
                  const EpisodeOptions& options, const Progress& progress = {});
 
 /// The first episode of a policy once more. @param observer  sees the environment after every policy step
-void watch_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed,
+void watch_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
                    const std::function<void(const QuadrupedEnv&)>& observer);
 /// State, targets, contacts and parameters of an environment.
 TraceSample trace_sample(const QuadrupedEnv& env);
 /// The same episode as a trace.
-Trace trace_episode(const EnvConfig& config, const std::string& policy, std::uint64_t seed);
+Trace trace_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed);
 
 /// One policy, and none, in one engine on one ground.
 struct TransferCell {
@@ -74,19 +74,19 @@ struct Transfer {
 };
 
 /// An interruption leaves the cells that are finished. @throws ConfigError
-Transfer transfer_policy(const EnvConfig& config, const NamedPolicy& policy,
+Transfer transfer_policy(const LoadedEnv& environment, const NamedPolicy& policy,
                          const std::vector<std::string>& engines, const std::vector<std::string>& terrains,
                          const EpisodeOptions& options, const Progress& progress = {});
-inline Transfer transfer_policy(const EnvConfig& config, const std::string& policy,
+inline Transfer transfer_policy(const LoadedEnv& environment, const std::string& policy,
                                 const std::vector<std::string>& engines,
                                 const std::vector<std::string>& terrains, const EpisodeOptions& options,
                                 const Progress& progress = {}) {
-  return transfer_policy(config, find_policy(policy), engines, terrains, options, progress);
+  return transfer_policy(environment, find_policy(policy), engines, terrains, options, progress);
 }
 
 /// Makes environments of one configuration, which share its model, in the engine that it names.
 /// @throws ConfigError
-EnvFactory env_factory(const EnvConfig& config);
+EnvFactory env_factory(const LoadedEnv& environment);
 
 /// Keys as in docs/schemas.
 nlohmann::ordered_json to_json(const Evaluation& evaluation);

@@ -5,27 +5,24 @@
 
 namespace crossgait {
 
-RunMaker::RunMaker(BehaviourSpec spec) : spec_(std::move(spec)), described_(to_json(spec_)) {}
+RunMaker::RunMaker(LoadedBehaviour loaded) : loaded_(std::move(loaded)) {}
 
 const Behaviour& RunMaker::behaviour() const {
   const std::scoped_lock lock(mutex_);
-  if (!behaviour_) behaviour_ = std::make_unique<const Behaviour>(make_behaviour(spec_));
+  if (!behaviour_) behaviour_ = std::make_unique<const Behaviour>(make_behaviour(loaded_));
   return *behaviour_;
 }
 
 nlohmann::json RunMaker::describe(const std::string& engine, const Variation& variation,
                                   std::size_t start) const {
-  const EngineInfo info = find_engine(engine).info;
-  return to_json(RunSpec{spec_, info.name, info.version, variation, start}, described_);
+  return describe_run(loaded_.described, find_engine(engine).info, variation, start);
 }
 
 bool RunMaker::allows(const Variation& variation) const { return behaviour().allows(variation); }
 
 std::string RunMaker::make(const std::string& engine, const Variation& variation, std::size_t start) const {
-  RunResult result;
-  for (const Statistic& s : behaviour().statistics) result.names.push_back(s.name);
-  result.values = behaviour().run(find_engine(engine), variation, start);
-  return stored_run(describe(engine, variation, start), result);
+  return stored_run(describe(engine, variation, start),
+                    run(behaviour(), find_engine(engine), variation, start));
 }
 
 }  // namespace crossgait

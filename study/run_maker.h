@@ -16,7 +16,7 @@ namespace crossgait {
 class RunMaker {
  public:
   /// @throws ConfigError for a robot, ground or environment that cannot be read
-  explicit RunMaker(BehaviourSpec spec);
+  explicit RunMaker(LoadedBehaviour loaded);
 
   /// `to_json` of one run in an available engine. @throws ConfigError
   nlohmann::json describe(const std::string& engine, const Variation& variation, std::size_t start) const;
@@ -28,8 +28,7 @@ class RunMaker {
  private:
   const Behaviour& behaviour() const;  ///< made when it is first asked for
 
-  BehaviourSpec spec_;
-  nlohmann::json described_;
+  LoadedBehaviour loaded_;
   mutable std::mutex mutex_;
   mutable std::unique_ptr<const Behaviour> behaviour_;
 };

@@ -1,18 +1,16 @@
 #include "study/run_spec.h"
 
-#include <algorithm>
 #include <filesystem>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "backends/registry.h"
 #include "env/env_model.h"
 #include "physics/core/error.h"
+#include "physics/core/files_read.h"
 #include "physics/core/hash.h"
-#include "physics/core/text.h"
+#include "physics/robot/robot_identity.h"
 #include "physics/robot_files/data_path.h"
-#include "policy/bundled_policies.h"
 #include "study/rollout.h"
 
 namespace crossgait {
@@ -25,27 +23,20 @@ bool is_file(const std::string& path) {
   return std::filesystem::is_regular_file(path, error);
 }
 
-// A file counts by what is in it, and by what is in the files that it names beside itself; a name as it is.
-// @param seen files that are in already: files may name each other
-void add_file(Fnv1a& hash, const std::string& path, std::set<std::string>& seen) {
-  if (!seen.insert(std::filesystem::weakly_canonical(path).string()).second) return;
-  const std::string text = read_text_file(path, kTerrainTableBudget);  // the largest that a run reads
-  hash.add(text);
-  if (!path.ends_with(".yaml")) return;
-  constexpr std::string_view kBetween = " \t\r\n\"',:{}[]";
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find_first_of(kBetween, begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
-    begin = end + 1;
-    if (!word.ends_with(".safetensors") && !word.ends_with(".yaml")) continue;
-    const std::string beside = (std::filesystem::path(path).parent_path() / word).string();
-    if (is_file(beside)) add_file(hash, beside, seen);
-  }
-}
-
+// A file counts by what is in it, a name as it is.
 Json content_of(const std::string& name_or_file) {
   if (!is_file(name_or_file)) return name_or_file;
-  return {{"file", file_hash(name_or_file)}};
+  return {{"sha256", file_sha256(name_or_file)}};
+}
+
+// What a policy is made of: its own bytes, and those of the policies that it names.
+Json policy_json(const std::string& name_or_file, const PolicyInterface& interface) {
+  const FilesRead files;
+  static_cast<void>(find_policy(name_or_file).make(interface));
+  if (files.list().empty()) return name_or_file;
+  Json policy{{"sha256", Json::array()}};
+  for (const FileRead& file : files.list()) policy["sha256"].push_back(file.sha256);
+  return policy;
 }
 
 // As `make_terrain` takes it: FILE.png may have settings behind a colon.
@@ -76,58 +67,14 @@ Json to_json(const std::vector<SpeedBand>& bands) {
   return result;
 }
 
-// What engines are told of it, whatever the files look like that say it.
 Json identity_of(const RobotDescription& robot) {
-  Fnv1a hash;
-  const auto add = [&hash](const auto& values) {
-    for (Eigen::Index i = 0; i < values.size(); ++i) hash.add(fmt::format("{:.17g};", values.data()[i]));
-  };
-  const auto add_number = [&hash](double value) { hash.add(fmt::format("{:.17g};", value)); };
-  for (const Body& b : robot.bodies) {
-    hash.add(b.name);
-    for (const double v : {static_cast<double>(b.parent), b.inertia.mass, b.joint.lower, b.joint.upper,
-                           b.joint.damping, b.joint.friction, b.joint.armature, b.joint.actuated ? 1.0 : 0.0,
-                           b.joint.kp, b.joint.kd, b.joint.effort_limit, b.joint.corner_speed,
-                           b.joint.no_load_speed, b.joint.backlash, b.joint.delay, b.joint.sensor_noise})
-      add_number(v);
-    add(b.X_PB.matrix());
-    add(b.joint.axis);
-    add(b.inertia.p_BC);
-    add(b.inertia.I_C);
-    for (const CollisionShape& shape : b.shapes) {
-      add_number(static_cast<double>(shape.type));
-      add(shape.size);
-      add(shape.X_BG.matrix());
-      for (const Vector3& vertex : shape.vertices) add(vertex);
-    }
-  }
-  for (const LoopClosure& loop : robot.loops) {
-    add_number(loop.body_a);
-    add_number(loop.body_b);
-    add(loop.p_AP);
-    add(loop.p_BP);
-  }
-  for (const Softness& s : {robot.loop_softness, robot.friction_softness}) {
-    for (const double v :
-         {s.time_constant, s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width})
-      add_number(v);
-  }
-  add(robot.home);
-  add_number(robot.home_height);
-  if (robot.legs) {
-    for (const LegModel& leg : *robot.legs) {
-      for (const int joint : leg.joints()) add_number(joint);
-      add_number(leg.foot_body);
-      add(leg.p_BF);
-      add_number(leg.foot_radius);
-    }
-  }
-  return {{"name", robot.name}, {"description", hash.hex()}};
+  return {{"name", robot.name}, {"description", identity_hash(robot)}};
 }
 
-Json to_json(const WalkConfig& c, const RobotDescription& robot) {
+Json to_json(const LoadedWalk& walk) {
+  const WalkConfig& c = walk.config;
   return {{"kind", "walk"},
-          {"robot", identity_of(robot)},
+          {"robot", identity_of(*walk.world.robot)},
           {"terrain", terrain_json(c.terrain)},
           {"terrain_seed", c.terrain_seed},
           {"friction", c.friction},
@@ -144,18 +91,18 @@ Json to_json(const WalkConfig& c, const RobotDescription& robot) {
           {"settle_seconds", c.timing.settle_seconds}};
 }
 
-Json to_json(const PolicyConfig& c, const RobotDescription& robot) {
+Json to_json(const LoadedPolicy& c) {
   // With everything that follows from the robot, so that a default which changes makes another run.
-  EnvConfig config = EnvModel::make(c.environment)->stated();
+  EnvConfig config = c.model->stated();
   // The run says which engine; robot and terrain stand beside it by their contents.
   config.engine.clear();
   config.robot.clear();
   config.terrain.clear();
   return {{"kind", "policy"},
-          {"robot", identity_of(robot)},
-          {"terrain", terrain_json(c.environment.terrain)},
+          {"robot", identity_of(*c.model->robot)},
+          {"terrain", terrain_json(c.model->config.terrain)},
           {"environment", to_yaml(config)},
-          {"policy", content_of(find_policy_file(c.policy))}};
+          {"policy", policy_json(c.policy, model->interface)}};
 }
 
 // @param r  stated for its robot
@@ -166,43 +113,70 @@ Json to_json(const StartRanges& r) {
           {"push_mps", *r.push_mps}};
 }
 
-RobotDescription robot_of(const BehaviourSpec& spec) {
-  if (const auto* walk = std::get_if<WalkConfig>(&spec.what)) return load_robot(find_robot(walk->robot));
-  const EnvConfig& c = std::get<PolicyConfig>(spec.what).environment;
-  return c.at_its_place(c.robot, [&c] { return load_robot(find_robot(c.robot)); });
+const RobotDescription& robot_of(const LoadedWalk& walk) { return *walk.world.robot; }
+const RobotDescription& robot_of(const LoadedPolicy& policy) { return *policy.model->robot; }
+
+Json described_in_runs(const LoadedBehaviour& loaded) {
+  return std::visit(
+      [&](const auto& what) -> Json {
+        return {{"behaviour", to_json(what)},
+                {"starts", to_json(loaded.starts.stated_for(robot_of(what)))},
+                {"seed", loaded.seed}};
+      },
+      loaded.what);
+}
+
+std::variant<LoadedWalk, LoadedPolicy> loaded_of(const std::variant<WalkConfig, PolicyConfig>& what) {
+  if (const auto* walk = std::get_if<WalkConfig>(&what)) return LoadedWalk(*walk);
+  const auto& [environment, policy] = std::get<PolicyConfig>(what);
+  return LoadedPolicy{EnvModel::make(environment), policy};
 }
 
 }  // namespace
-
-std::string file_hash(const std::string& path) {
-  Fnv1a hash;
-  std::set<std::string> seen;
-  add_file(hash, path, seen);
-  return hash.hex();
-}
 
 Json identity_of_robot(const std::string& name_or_file) {
   return identity_of(load_robot(find_robot(name_or_file)));
 }
 
-Json to_json(const BehaviourSpec& spec) {
-  const RobotDescription robot = robot_of(spec);
-  return {{"behaviour", std::visit([&](const auto& what) { return to_json(what, robot); }, spec.what)},
-          {"starts", to_json(spec.starts.stated_for(robot))},
-          {"seed", spec.seed}};
+LoadedBehaviour::LoadedBehaviour(const BehaviourSpec& spec)
+    : what(loaded_of(spec.what)), starts(spec.starts), seed(spec.seed), described(described_in_runs(*this)) {}
+
+LoadedBehaviour::LoadedBehaviour(LoadedWalk walk, const StartRanges& ranges, std::uint64_t of_starts)
+    : what(std::move(walk)), starts(ranges), seed(of_starts), described(described_in_runs(*this)) {}
+
+LoadedBehaviour::LoadedBehaviour(const PolicyConfig& policy, const StartRanges& ranges,
+                                 std::uint64_t of_starts)
+    : LoadedBehaviour(BehaviourSpec{policy, ranges, of_starts}) {}
+
+LoadedBehaviour::LoadedBehaviour(const LoadedEnv& environment, std::string policy, const StartRanges& ranges,
+                                 std::uint64_t of_starts)
+    : what(LoadedPolicy{EnvModel::make(environment), std::move(policy)}),
+      starts(ranges),
+      seed(of_starts),
+      described(described_in_runs(*this)) {}
+
+const WorldSpec& LoadedBehaviour::world() const {
+  if (const auto* walk = std::get_if<LoadedWalk>(&what)) return walk->world;
+  return std::get<LoadedPolicy>(what).model->world;
 }
 
-Json to_json(const RunSpec& spec) { return to_json(spec, to_json(spec.behaviour)); }
-
-Json to_json(const RunSpec& spec, Json behaviour) {
-  const Variation& v = spec.variation;
+Json describe_run(Json behaviour, const EngineInfo& engine, const Variation& v, std::size_t start) {
   Json run = std::move(behaviour);
-  run["schema"] = {{"name", "run"}, {"version", 1}};
-  run["crossgait"] = spec.crossgait;
-  run["engine"] = spec.engine;
-  run["engine_version"] = spec.engine_version;
+  run["schema"] = {{"name", "run"}, {"version", 2}};
+  run["crossgait"] = crossgait_version();
+  run["engine"] = engine.name;
+  run["engine_version"] = engine.version;
   run["variation"] = {{"step", v.step}, {"tolerance", v.tolerance}, {"iterations", v.iterations}};
-  run["start"] = spec.start;
+  run["start"] = start;
+  return run;
+}
+
+Json to_json(const RunSpec& spec) {
+  EngineInfo engine;
+  engine.name = spec.engine;
+  engine.version = spec.engine_version;
+  Json run = describe_run(LoadedBehaviour(spec.behaviour).described, engine, spec.variation, spec.start);
+  run["crossgait"] = spec.crossgait;
   return run;
 }
 
@@ -210,22 +184,30 @@ std::string canonical_json(const RunSpec& run) { return to_json(run).dump(); }
 
 std::string run_hash(const RunSpec& run) { return fnv1a_hex(canonical_json(run)); }
 
-Behaviour make_behaviour(const WalkConfig& config, const WalkSetup& setup, const StartRanges& starts,
+Behaviour make_behaviour(const LoadedWalk& walk, const WalkSetup& setup, const StartRanges& starts,
                          std::uint64_t seed) {
-  const auto terrain = [text = config.terrain, first = config.terrain_seed](std::size_t k) {
-    return make_terrain(text, first + k);
+  const auto terrain = [ground = walk.ground, first = walk.config.terrain_seed](std::size_t k) {
+    return ground.make(first + k);
   };
-  return walk_behaviour(config.world(), setup, terrain, starts, seed);
+  return walk_behaviour(walk.world, setup, terrain, starts, seed);
 }
 
-Behaviour make_behaviour(const BehaviourSpec& spec) {
-  if (const auto* walk = std::get_if<WalkConfig>(&spec.what))
-    return make_behaviour(*walk, walk->setup(), spec.starts, spec.seed);
-  const auto& [environment, policy] = std::get<PolicyConfig>(spec.what);
+Behaviour make_behaviour(const LoadedBehaviour& loaded) {
+  if (const auto* walk = std::get_if<LoadedWalk>(&loaded.what))
+    return make_behaviour(*walk, walk->config.setup(), loaded.starts, loaded.seed);
+  const auto& [model, policy] = std::get<LoadedPolicy>(loaded.what);
   const PolicyFactory factory = find_policy(policy).make;
-  static_cast<void>(factory(EnvModel::make(environment)->interface));  // a bad one before long runs
-  return policy_behaviour(environment, factory, std::filesystem::path(policy).filename(), spec.starts,
-                          spec.seed);
+  static_cast<void>(factory(model->interface));  // a bad one before long runs
+  return policy_behaviour(model->loaded(), factory, std::filesystem::path(policy).filename(), loaded.starts,
+                          loaded.seed);
+}
+
+RunResult run(const Behaviour& behaviour, const Engine& engine, const Variation& variation,
+              std::size_t start) {
+  RunResult result;
+  for (const Statistic& s : behaviour.statistics) result.names.push_back(s.name);
+  result.values = behaviour.run(engine, variation, start);
+  return result;
 }
 
 RunResult run(const RunSpec& spec) {
@@ -235,11 +217,7 @@ RunResult run(const RunSpec& spec) {
   if (engine.info.version != spec.engine_version) {
     throw ConfigError("run", spec.engine, "version " + spec.engine_version, engine.info.version);
   }
-  const Behaviour behaviour = make_behaviour(spec.behaviour);
-  RunResult result;
-  for (const Statistic& s : behaviour.statistics) result.names.push_back(s.name);
-  result.values = behaviour.run(engine, spec.variation, spec.start);
-  return result;
+  return run(make_behaviour(spec.behaviour), engine, spec.variation, spec.start);
 }
 
 }  // namespace crossgait

@@ -11,8 +11,8 @@
 
 #include "parity/behaviour.h"
 #include "physics/engine/engine.h"
+#include "study/loaded_walk.h"
 #include "study/version.h"
-#include "study/walk_config.h"
 
 namespace crossgait {
 
@@ -27,6 +27,30 @@ struct BehaviourSpec {
   std::variant<WalkConfig, PolicyConfig> what;
   StartRanges starts;
   std::uint64_t seed = 0;  ///< of the starts
+};
+
+/// A policy in its environment, whose files are read but for the policy's own.
+struct LoadedPolicy {
+  std::shared_ptr<const EnvModel> model;
+  std::string policy;
+};
+
+/// The same with its robot and ground, read once: whoever describes, judges and runs it means the same one.
+struct LoadedBehaviour {
+  std::variant<LoadedWalk, LoadedPolicy> what;
+  StartRanges starts;
+  std::uint64_t seed = 0;
+  nlohmann::json described;  ///< as it stands in a run: `behaviour`, `starts` and `seed`
+
+  /// Not explicit: a specification may stand wherever one that is read is asked for. @throws ConfigError
+  LoadedBehaviour(const BehaviourSpec& spec);
+  LoadedBehaviour(LoadedWalk walk, const StartRanges& ranges, std::uint64_t of_starts);
+  LoadedBehaviour(const PolicyConfig& policy, const StartRanges& ranges, std::uint64_t of_starts);
+  LoadedBehaviour(const LoadedEnv& environment, std::string policy, const StartRanges& ranges,
+                  std::uint64_t of_starts);
+
+  /// That it takes place in: a walk's, or its environment's.
+  const WorldSpec& world() const;
 };
 
 /// One run of it.
@@ -45,28 +69,29 @@ struct RunResult {
 };
 
 /// Everything that the result of a run depends on, and nothing else: keys sorted, no spaces, numbers with as
-/// many digits as bring them back. A policy file stands with the hash of its bytes. `schema` is run/1.
+/// many digits as bring them back. Files of policies and terrains stand with the SHA-256 of their bytes.
+/// `schema` is run/2.
 nlohmann::json to_json(const RunSpec& spec);
-/// The same where its behaviour is described already: `behaviour` is `to_json(spec.behaviour)`.
-nlohmann::json to_json(const RunSpec& spec, nlohmann::json behaviour);
+/// One run of a behaviour that is described already. @param behaviour  LoadedBehaviour::described
+nlohmann::json describe_run(nlohmann::json behaviour, const EngineInfo& engine, const Variation& variation,
+                            std::size_t start);
 std::string canonical_json(const RunSpec& run);
 /// 64-bit FNV-1a of the canonical JSON, as 16 hexadecimal digits.
 std::string run_hash(const RunSpec& run);
 
-/// What moves, as it stands in a run: `behaviour`, `starts` and `seed`.
-nlohmann::json to_json(const BehaviourSpec& spec);
-/// The robot by its name and the hash of what engines are told of it. @throws ConfigError
+/// The robot by its name and `identity_hash`. @throws ConfigError
 nlohmann::json identity_of_robot(const std::string& name_or_file);
-/// Hash of what is in a file, and in the files that it names beside itself. @throws ConfigError
-std::string file_hash(const std::string& path);
 
-/// The behaviour that a specification describes. @throws ConfigError for what cannot be read or made
-Behaviour make_behaviour(const BehaviourSpec& spec);
+/// What is judged and run. @throws ConfigError for what cannot be made
+Behaviour make_behaviour(const LoadedBehaviour& loaded);
 
-/// The same of any walk: on the ground of `config`, whose random terrains differ from start to start.
-Behaviour make_behaviour(const WalkConfig& config, const WalkSetup& setup, const StartRanges& starts,
+/// The same of any walk: on the ground of `walk`, whose random terrains differ from start to start.
+Behaviour make_behaviour(const LoadedWalk& walk, const WalkSetup& setup, const StartRanges& starts,
                          std::uint64_t seed);
 
+/// Makes one run of a behaviour. @throws ConfigError
+RunResult run(const Behaviour& behaviour, const Engine& engine, const Variation& variation,
+              std::size_t start);
 /// Makes the run. @throws ConfigError, also where Crossgait or the engine is of another version
 RunResult run(const RunSpec& spec);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/core/files_read.h"
 #include "physics/core/hash.h"
 #include "physics/core/text.h"
 
@@ -38,6 +39,7 @@ std::string stored_run(const nlohmann::json& run, const RunResult& result) {
 RunStore::RunStore(std::string path) : path_(std::move(path)) {
   std::error_code error;
   if (!std::filesystem::exists(path_, error)) return;
+  const FilesRead apart(FilesRead::Scope::kApart);  // a store saves work; it makes no result
   const std::string text = read_text_file(path_, kRunStoreBudget);
   std::size_t begin = 0, number = 0;
   check_json_budget(text, kRunStoreBudget, path_);
@@ -61,18 +63,16 @@ std::size_t RunStore::size() const {
   return runs_.size();
 }
 
-std::optional<RunResult> RunStore::find(const RunSpec& run) const {
-  const std::string hash = run_hash(run);
+std::optional<RunResult> RunStore::find(const nlohmann::json& run) const {
+  const std::string hash = fnv1a_hex(run.dump());
   const std::scoped_lock lock(mutex_);
   const auto it = runs_.find(hash);
   return it == runs_.end() ? std::nullopt : std::optional(it->second);
 }
 
-void RunStore::add(const RunSpec& run, const RunResult& result) {
-  // Once: it reads robot, terrain and policy.
-  const nlohmann::json spec = to_json(run);
-  const std::string hash = fnv1a_hex(spec.dump());
-  const std::string bytes = stored_run(spec, result) + "\n";
+void RunStore::add(const nlohmann::json& run, const RunResult& result) {
+  const std::string hash = fnv1a_hex(run.dump());
+  const std::string bytes = stored_run(run, result) + "\n";
   const std::scoped_lock lock(mutex_);
   std::error_code error;
   if (std::filesystem::exists(path_, error)) std::filesystem::resize_file(path_, whole_bytes_, error);
@@ -83,12 +83,13 @@ void RunStore::add(const RunSpec& run, const RunResult& result) {
   runs_[hash] = result;
 }
 
-Behaviour with_store(Behaviour behaviour, const BehaviourSpec& spec, std::shared_ptr<RunStore> store) {
+Behaviour with_store(Behaviour behaviour, const LoadedBehaviour& loaded, std::shared_ptr<RunStore> store) {
   std::vector<std::string> names;
   for (const Statistic& s : behaviour.statistics) names.push_back(s.name);
-  behaviour.run = [make = std::move(behaviour.run), names, spec, store = std::move(store)](
-                      const Engine& engine, const Variation& variation, std::size_t start) {
-    const RunSpec run{spec, engine.info.name, engine.info.version, variation, start};
+  behaviour.run = [make = std::move(behaviour.run), names, described = loaded.described,
+                   store = std::move(store)](const Engine& engine, const Variation& variation,
+                                             std::size_t start) {
+    const nlohmann::json run = describe_run(described, engine.info, variation, start);
     if (const auto stored = store->find(run); stored && stored->names == names) return stored->values;
     std::vector<double> values = make(engine, variation, start);
     store->add(run, {names, values});

@@ -25,10 +25,11 @@ class RunStore {
   explicit RunStore(std::string path);
 
   std::size_t size() const;
-  std::optional<RunResult> find(const RunSpec& run) const;
+  /// @param run  `to_json(RunSpec)` or `describe_run`
+  std::optional<RunResult> find(const nlohmann::json& run) const;
   /// Appends it. May be called from several threads. @throws ConfigError if it cannot be written, and as
   /// `stored_run`
-  void add(const RunSpec& run, const RunResult& result);
+  void add(const nlohmann::json& run, const RunResult& result);
 
  private:
   std::string path_;
@@ -37,7 +38,7 @@ class RunStore {
   std::size_t whole_bytes_ = 0;  ///< up to the end of the last whole line
 };
 
-/// `behaviour`, made of `spec`, that looks a run up before it makes it, and stores what it made.
-Behaviour with_store(Behaviour behaviour, const BehaviourSpec& spec, std::shared_ptr<RunStore> store);
+/// `behaviour`, made of `loaded`, that looks a run up before it makes it, and stores what it made.
+Behaviour with_store(Behaviour behaviour, const LoadedBehaviour& loaded, std::shared_ptr<RunStore> store);
 
 }  // namespace crossgait

@@ -43,11 +43,11 @@ GaitParameters stated(const EnvConfig& config) {
 }
 
 // The zero policy on so many terrains from `first` on.
-Evaluation walk(EnvConfig config, std::uint64_t first, std::size_t terrains) {
+Evaluation walk(LoadedEnv environment, std::uint64_t first, std::size_t terrains) {
   std::vector<EpisodeSummary> episodes;
   for (std::size_t k = 0; k < terrains; ++k) {
-    config.terrain_seed = first + k;
-    const auto one = evaluate_policy(env_factory(config), find_policy("zero").make, 1, 0);
+    environment.config.terrain_seed = first + k;
+    const auto one = evaluate_policy(env_factory(environment), find_policy("zero").make, 1, 0);
     episodes.insert(episodes.end(), one.begin(), one.end());
   }
   return sum_up(episodes);
@@ -76,22 +76,23 @@ struct Ground {
   std::size_t runs;
 };
 
-CourseResult run_zero(const Course& course, const EnvConfig& config, const std::string& engine,
+CourseResult run_zero(const Course& course, const LoadedEnv& environment, const std::string& engine,
                       const Ground& ground, std::size_t workers) {
-  return run_course(course, config, find_policy("zero"), {engine},
+  return run_course(course, environment, find_policy("zero"), {engine},
                     {.episodes = ground.runs, .workers = workers, .seed = ground.first});
 }
 
 // What a set of parameters is worth: on a course, in the engine where that is the least.
-double worth(const EnvConfig& config, const std::vector<std::string>& engines, const TuneOptions& options) {
+double worth(const LoadedEnv& environment, const std::vector<std::string>& engines,
+             const TuneOptions& options) {
   const Ground ground{options.seed, options.terrains};
   if (!options.course) {
-    const Evaluation walked = walk(config, ground.first, ground.runs);
-    return options.aim == TuneFor::kCost ? cost_score(walked, config.command->vx) : score(walked);
+    const Evaluation walked = walk(environment, ground.first, ground.runs);
+    return options.aim == TuneFor::kCost ? cost_score(walked, environment.config.command->vx) : score(walked);
   }
   double least = std::numeric_limits<double>::infinity();
   for (const std::string& engine : engines)
-    least = std::min(least, run_zero(*options.course, config, engine, ground, 1).score(engine).mean);
+    least = std::min(least, run_zero(*options.course, environment, engine, ground, 1).score(engine).mean);
   return least;
 }
 
@@ -121,7 +122,7 @@ struct Distribution {
   }
 };
 
-void search(const TuneOptions& options, const Progress& progress, Tuning& result) {
+void search(const LoadedEnv& method, const TuneOptions& options, const Progress& progress, Tuning& result) {
   const EnvConfig& start = result.start;
   const std::vector<ParameterRow> rows = rows_of(start);
   Distribution distribution;
@@ -143,7 +144,7 @@ void search(const TuneOptions& options, const Progress& progress, Tuning& result
     SharedProgress shared(generation, points.size());
     pool.run(points.size(), [&](std::size_t k) {
       if (shared.interrupted()) return;
-      scores[k] = worth(with_parameters(start, rows, points[k]), result.engines, options);
+      scores[k] = worth(method.with(with_parameters(start, rows, points[k])), result.engines, options);
       shared.part_done();
     });
     if (shared.interrupted()) throw Interrupted();
@@ -163,18 +164,20 @@ void search(const TuneOptions& options, const Progress& progress, Tuning& result
   }
 }
 
-void add_checks(const TuneOptions& options, const Progress& progress, Tuning& result) {
+void add_checks(const LoadedEnv& method, const TuneOptions& options, const Progress& progress,
+                Tuning& result) {
   const auto add = [&](const std::string& name, const Ground& ground) {
     for (const auto& [parameters, config] :
          {std::pair{"default", &result.start}, std::pair{"tuned", &result.tuned}}) {
       TuneCheck line{name, parameters, {}, {}};
       for (const std::string& engine : result.engines) {
+        EnvConfig here = *config;
         if (options.course) {
-          line.course.push_back(run_zero(*options.course, *config, engine, ground, options.workers));
+          line.course.push_back(
+              run_zero(*options.course, method.with(here), engine, ground, options.workers));
         } else {
-          EnvConfig c = *config;
-          c.engine = engine;
-          line.per_engine.push_back(walk(c, ground.first, ground.runs));
+          here.engine = engine;
+          line.per_engine.push_back(walk(method.with(here), ground.first, ground.runs));
         }
         if (progress) progress(1);
       }
@@ -195,18 +198,19 @@ double value_of(const TuneCheck& line, TuneFor aim, std::size_t engine) {
 
 }  // namespace
 
-Tuning tune_gait(const EnvConfig& start, const std::vector<std::string>& engines, const TuneOptions& options,
+Tuning tune_gait(const LoadedEnv& method, const std::vector<std::string>& engines, const TuneOptions& options,
                  const Progress& progress) {
+  const EnvConfig& start = method.config;
   if (start.action != ActionKind::kGait)
     throw ConfigError(start.source, "action", "gait, whose parameters are tuned", name(start.action));
   if (options.aim == TuneFor::kCost && !(start.command && start.command->vx > 0))
     throw ConfigError(start.source, "command", "a speed forward, at which the cost is tuned", "none");
-  const EnvConfig whole = EnvModel::make(start)->stated();
+  const EnvConfig whole = EnvModel::make(method)->stated();
   Tuning result{whole, whole, options.course ? options.course->name : "", options.aim, 0, {}, engines, {}};
   try {
-    result.score = worth(whole, engines, options);
-    search(options, progress, result);
-    add_checks(options, progress, result);
+    result.score = worth(method.with(whole), engines, options);
+    search(method, options, progress, result);
+    add_checks(method, options, progress, result);
   } catch (const Interrupted&) {
     result.interrupted = true;
   }

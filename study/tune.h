@@ -52,10 +52,10 @@ struct Tuning {
   bool interrupted = false;       ///< before its end, by a Progress that threw Interrupted
 };
 
-/// Tunes the parameters that `start.adapt` names in the engine that it names (on a course: in all of
+/// Tunes the parameters that `adapt` of `method` names in the engine that it names (on a course: in all of
 /// `engines`), and checks the result in all of `engines`. An interruption leaves the best so far, and the
 /// checks that are finished. @throws ConfigError
-Tuning tune_gait(const EnvConfig& start, const std::vector<std::string>& engines, const TuneOptions& options,
+Tuning tune_gait(const LoadedEnv& method, const std::vector<std::string>& engines, const TuneOptions& options,
                  const Progress& progress = {});
 
 /// Keys as in docs/schemas/tune.json.

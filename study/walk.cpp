@@ -25,10 +25,10 @@ void check_engines(const std::vector<std::string>& engines) {
 
 }  // namespace
 
-WalkRun walk(const WalkConfig& config, const std::string& engine, const Progress& progress,
+WalkRun walk(const LoadedWalk& loaded, const std::string& engine, const Progress& progress,
              const SampleObserver& observer) {
-  const auto world = find_engine(engine).make(config.world());
-  return record_walk(*world, config.setup(), progress, observer);
+  const auto world = find_engine(engine).make(loaded.world);
+  return record_walk(*world, loaded.config.setup(), progress, observer);
 }
 
 Comparison compare_walks(const WorldSpec& world, const WalkSetup& setup,
@@ -43,31 +43,31 @@ Comparison compare_walks(const WorldSpec& world, const WalkSetup& setup,
 namespace {
 
 // Of pairs of different laws; no engine is run twice.
-std::vector<Verdict> judge_walks(const WalkConfig& config, const std::vector<std::string>& names,
+std::vector<Verdict> judge_walks(const LoadedWalk& loaded, const std::vector<std::string>& names,
                                  const VerdictOptions& options, const StageProgress& progress) {
   std::vector<Engine> engines;
   for (const std::string& name : names) engines.push_back(find_engine(name));
   const auto same_laws = [](const Engine& a, const Engine& b) { return a.info.laws == b.info.laws; };
   if (std::all_of(engines.begin(), engines.end(), [&](const Engine& e) { return same_laws(e, engines[0]); }))
     return {};
-  std::vector<Verdict> verdicts = reach_verdicts(make_behaviour({config, {}, config.terrain_seed}), engines,
-                                                 options, progress_of(progress, "judging"));
+  std::vector<Verdict> verdicts = reach_verdicts(make_behaviour({loaded, {}, loaded.config.terrain_seed}),
+                                                 engines, options, progress_of(progress, "judging"));
   std::erase_if(verdicts, [&](const Verdict& v) { return same_laws(find_engine(v.a), find_engine(v.b)); });
   return verdicts;
 }
 
 }  // namespace
 
-WalkComparison compare_walks(const WalkConfig& config, const std::vector<std::string>& engines,
+WalkComparison compare_walks(const LoadedWalk& loaded, const std::vector<std::string>& engines,
                              const CompareOptions& options, const StageProgress& progress,
                              const SampleObserver& observer) {
   WalkComparison result;
   result.comparison =
-      compare_walks(config.world(), config.setup(), engines, options.tolerances, progress, observer);
+      compare_walks(loaded.world, loaded.config.setup(), engines, options.tolerances, progress, observer);
   result.interrupted = result.comparison.interrupted;
   if (!options.verdict || result.interrupted) return result;
   try {
-    result.verdicts = judge_walks(config, engines, options.judge, progress);
+    result.verdicts = judge_walks(loaded, engines, options.judge, progress);
   } catch (const Interrupted&) {
     result.interrupted = true;
   }

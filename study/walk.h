@@ -12,7 +12,7 @@
 namespace crossgait {
 
 /// One walk in one engine; `record_walk` says what an interruption leaves. @throws ConfigError
-WalkRun walk(const WalkConfig& config, const std::string& engine, const Progress& progress = {},
+WalkRun walk(const LoadedWalk& loaded, const std::string& engine, const Progress& progress = {},
              const SampleObserver& observer = {});
 
 struct CompareOptions {
@@ -29,7 +29,7 @@ struct WalkComparison {
 
 /// The same walk in every engine. An interruption leaves the walks up to the same step, or the walks without
 /// verdicts. @throws ConfigError for fewer than two engines, or one twice
-WalkComparison compare_walks(const WalkConfig& config, const std::vector<std::string>& engines,
+WalkComparison compare_walks(const LoadedWalk& loaded, const std::vector<std::string>& engines,
                              const CompareOptions& options = {}, const StageProgress& progress = {},
                              const SampleObserver& observer = {});
 

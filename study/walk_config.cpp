@@ -1,19 +1,8 @@
 #include "study/walk_config.h"
 
 #include "physics/core/error.h"
-#include "physics/robot_files/data_path.h"
 
 namespace crossgait {
-
-WorldSpec WalkConfig::world() const {
-  WorldSpec spec;
-  spec.robot = std::make_shared<const RobotDescription>(load_robot(find_robot(robot)));
-  spec.terrain = make_terrain(terrain, terrain_seed);
-  spec.physics_dt = physics_dt;
-  spec.contact.friction = friction;
-  spec.validate();
-  return spec;
-}
 
 WalkSetup WalkConfig::setup() const {
   const GaitLayers layers{compensation ? ServoCompensation{} : ServoCompensation::none(),

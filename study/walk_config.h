@@ -23,8 +23,6 @@ struct WalkConfig {
   WalkTiming timing;
   OutcomeSet ends = OutcomeSet::of_walks();  ///< outcomes that end it before its time
 
-  /// Reads robot and terrain. @throws ConfigError
-  WorldSpec world() const;
   /// The controller's side of it.
   WalkSetup setup() const;
   /// An environment in which the zero policy walks like this, one policy step per control step.

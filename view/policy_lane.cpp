@@ -9,12 +9,13 @@ namespace {
 /// A day, s.
 constexpr double kLongestView = 86'400;
 
-std::shared_ptr<const EnvModel> model_of(EnvConfig config) {
+std::shared_ptr<const EnvModel> model_of(LoadedEnv environment) {
+  EnvConfig& config = environment.config;
   config.randomisation = {};
   config.command = VelocityCommand{};
   config.episode_seconds = kLongestView;
   config.ends = OutcomeSet::of_walks().add(Outcome::kLeftTerrain);
-  return EnvModel::make(config);
+  return EnvModel::make(environment);
 }
 
 [[noreturn]] void refuse_to_meddle(const std::string& what) {
@@ -23,9 +24,9 @@ std::shared_ptr<const EnvModel> model_of(EnvConfig config) {
 
 }  // namespace
 
-PolicyLane::PolicyLane(const Engine& engine, const EnvConfig& config, const std::string& policy)
+PolicyLane::PolicyLane(const Engine& engine, const LoadedEnv& environment, const std::string& policy)
     : name_(policy),
-      env_(model_of(config), engine),
+      env_(model_of(environment), engine),
       policy_(make_policy(policy, env_.interface())),
       observation_(env_.observation_size()),
       action_(env_.action_size()) {
@@ -56,7 +57,7 @@ std::unique_ptr<Lane> PolicyLane::on(const Engine& engine, const Ground& ground)
   EnvConfig config = env_.config();
   config.terrain = ground.terrain;
   config.terrain_seed = ground.seed;
-  return std::make_unique<PolicyLane>(engine, config, name_);
+  return std::make_unique<PolicyLane>(engine, env_.model().loaded().with(config), name_);
 }
 
 void PolicyLane::step() {

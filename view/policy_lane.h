@@ -14,7 +14,7 @@ class PolicyLane final : public Lane {
  public:
   /// Stands and has settled. What `config` randomises is left out, its episodes go on for as long as they
   /// may, and its command begins at zero. @param policy  as `make_policy` takes it. @throws ConfigError
-  PolicyLane(const Engine& engine, const EnvConfig& config, const std::string& policy);
+  PolicyLane(const Engine& engine, const LoadedEnv& environment, const std::string& policy);
 
   /// A policy that remembers what it saw begins anew.
   std::unique_ptr<Lane> in(const Engine& engine) const override;

@@ -11,7 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "env/env_config.h"
+#include "env/loaded_env.h"
 #include "report/page.h"
 #include "view/command.h"
 #include "view/lane.h"
@@ -26,7 +26,7 @@ struct EngineShelf {
 
 /// A policy that drives, and the environment that it is for.
 struct ViewPolicy {
-  EnvConfig config;
+  LoadedEnv environment;
   std::string policy;  ///< as `make_policy` takes it
 };
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
 #include "physics/engine/engine.h"
 
 namespace crossgait::contact {
@@ -32,7 +32,7 @@ struct FactorTable {
   Factors changed(Factors base, std::string_view changes, std::string_view backend) const {
     while (!changes.empty()) {
       const std::string_view change = take_change(changes);
-      bool& factor = base.*find_row(change.substr(1), backend).member;
+      bool& factor = base.*find_factor(change.substr(1), backend).member;
       const bool adds = change.front() == '+';
       if (factor == adds)
         throw ConfigError("engine", backend, "changes that change something", std::string(change));
@@ -55,21 +55,16 @@ struct FactorTable {
   }
 
  private:
-  const FactorRow<Factors>& find_row(std::string_view name, std::string_view backend) const {
-    std::vector<std::string_view> known;
-    for (const FactorRow<Factors>& row : rows) {
-      if (row.factor.name == name) return row;
-      known.push_back(row.factor.name);
-    }
-    throw ConfigError("engine", backend, fmt::format("factors out of {}", fmt::join(known, ", ")),
-                      fmt::format("\"{}\"", name));
+  const FactorRow<Factors>& find_factor(std::string_view name, std::string_view backend) const {
+    return find_row(rows, name, "engine", backend,
+                    [](const FactorRow<Factors>& row) { return row.factor.name; });
   }
 
   void check_meaning(const Factors& factors, std::string_view backend) const {
     for (const FactorRow<Factors>& row : rows) {
       if (!(factors.*row.member)) continue;
       for (const std::string_view need : row.factor.needs) {
-        if (!(factors.*find_row(need, backend).member)) {
+        if (!(factors.*find_factor(need, backend).member)) {
           throw ConfigError("engine", backend, fmt::format("{} along with {}", need, row.factor.name),
                             fmt::format("{} without {}", row.factor.name, need));
         }

@@ -13,11 +13,12 @@ struct SchemaRow {
 };
 
 constexpr std::array kSchemas{
-    SchemaRow{"bench", 1},    SchemaRow{"compare", 1},  SchemaRow{"conformance", 1}, SchemaRow{"course", 1},
-    SchemaRow{"engines", 1},  SchemaRow{"env", 1},      SchemaRow{"gait", 1},        SchemaRow{"ik", 2},
-    SchemaRow{"plot", 1},     SchemaRow{"robots", 1},   SchemaRow{"report", 1},      SchemaRow{"rollout", 1},
-    SchemaRow{"terrain", 1},  SchemaRow{"transfer", 1}, SchemaRow{"tune", 1},        SchemaRow{"verdict", 1},
-    SchemaRow{"verdicts", 1}, SchemaRow{"walk", 1},     SchemaRow{"workspace", 2},
+    SchemaRow{"bench", 1},    SchemaRow{"compare", 1}, SchemaRow{"conformance", 1},
+    SchemaRow{"course", 1},   SchemaRow{"engines", 1}, SchemaRow{"env", 1},
+    SchemaRow{"gait", 1},     SchemaRow{"ik", 2},      SchemaRow{"robots", 1},
+    SchemaRow{"report", 2},   SchemaRow{"rollout", 1}, SchemaRow{"terrain", 1},
+    SchemaRow{"transfer", 1}, SchemaRow{"tune", 1},    SchemaRow{"verdict", 1},
+    SchemaRow{"verdicts", 1}, SchemaRow{"walk", 1},    SchemaRow{"workspace", 2},
 };
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "physics/core/error.h"
+#include "physics/core/files_read.h"
 
 namespace crossgait {
 namespace {
@@ -89,6 +90,7 @@ std::string read_text_file(const std::string& path, const ReadBudget& budget) {
     check(used, "more");
   }
   text.resize(used);
+  FilesRead::note(path, text);
   return text;
 }
 

@@ -49,7 +49,7 @@ void YamlValue::check_keys() const {
   }
 }
 
-void YamlValue::allow_keys(std::initializer_list<std::string_view> keys) const {
+void YamlValue::allow_keys(std::span<const std::string_view> keys) const {
   for (const auto& [key, value] : entries()) {
     if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
       value.fail(fmt::format("one of the keys {}", fmt::join(keys, ", ")),

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -32,7 +33,10 @@ class YamlValue {
   static YamlValue parse(const std::string& text, const std::string& source);
 
   /// Requires a mapping without other keys than these.
-  void allow_keys(std::initializer_list<std::string_view> keys) const;
+  void allow_keys(std::span<const std::string_view> keys) const;
+  void allow_keys(std::initializer_list<std::string_view> keys) const {
+    allow_keys(std::span(keys.begin(), keys.size()));
+  }
   /// The value of a required key of a mapping.
   YamlValue at(std::string_view key) const;
   /// The value of an optional key of a mapping.

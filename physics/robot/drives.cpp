@@ -1,7 +1,6 @@
 #include "physics/robot/drives.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -31,17 +30,7 @@ double error_of(double noise, std::uint64_t step, int joint) noexcept {
   return noise * (2 * (static_cast<double>(bits >> 11) * 0x1p-53) - 1);
 }
 
-constexpr std::array kDriveSettings{
-    DriveSetting{"corner_speed", "rad/s", &Joint::corner_speed},
-    DriveSetting{"no_load_speed", "rad/s", &Joint::no_load_speed},
-    DriveSetting{"backlash", "rad", &Joint::backlash},
-    DriveSetting{"delay", "s", &Joint::delay},
-    DriveSetting{"sensor_noise", "rad", &Joint::sensor_noise},
-};
-
 }  // namespace
-
-std::span<const DriveSetting> drive_settings() { return kDriveSettings; }
 
 Drives::Drives(const RobotDescription& robot, double physics_dt) {
   std::size_t longest = 0;

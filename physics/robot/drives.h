@@ -2,21 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
-#include <string_view>
 #include <vector>
 
 #include "physics/robot/robot.h"
 #include "physics/robot/state.h"
 
 namespace crossgait {
-
-/// What of a real drive is off unless a file sets it: its name there, its unit, and where it is kept.
-struct DriveSetting {
-  std::string_view name, unit;
-  double Joint::*member;
-};
-std::span<const DriveSetting> drive_settings();
 
 /// Targets on their way (Joint::delay) and errors of measurement (Joint::sensor_noise) over the servo law.
 /// A value: a copy goes on from there.

@@ -60,6 +60,7 @@ bool RobotDescription::has_joint_friction() const noexcept {
 void RobotDescription::validate() const {
   check_structure(*this);
   check_home(*this);
+  check_finite(*this);
 }
 
 }  // namespace crossgait

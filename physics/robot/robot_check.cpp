@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/robot/joint_numbers.h"
 #include "physics/robot/multibody.h"
+#include "physics/robot/robot_members.h"
 
 namespace crossgait {
 namespace {
@@ -190,21 +192,19 @@ void check_joint(const Joint& joint, std::string_view source) {
                  fmt::format("{} and {}", joint.lower, joint.upper));
   report.at_most(joint.lower, "limits (rad)", kLargestAngle);
   report.at_most(joint.upper, "limits (rad)", kLargestAngle);
-  report.not_negative(joint.damping, "damping (N m s/rad)", kLargestGain);
-  report.not_negative(joint.friction, "friction (N m)", kLargestGain);
-  report.not_negative(joint.armature, "armature (kg m^2)", kLargestInertia);
-  if (!joint.actuated) return;
-  report.not_negative(joint.kp, "kp (N m/rad)", kLargestGain);
-  report.not_negative(joint.kd, "kd (N m s/rad)", kLargestGain);
-  report.positive(joint.effort_limit, "effort limit (N m) of a servo", kLargestGain);
-  report.not_negative(joint.corner_speed, "corner_speed (rad/s)", kLargestGain);
-  report.not_negative(joint.no_load_speed, "no_load_speed (rad/s)", kLargestGain);
-  report.require(joint.no_load_speed == 0 || joint.no_load_speed > joint.corner_speed,
+  const auto check = [&](const JointNumber& number) {
+    const std::string what =
+        number.words.empty() ? fmt::format("{} ({})", number.name, number.unit) : std::string(number.words);
+    const double value = joint.*number.member;
+    number.positive ? report.positive(value, what, number.most)
+                    : report.not_negative(value, what, number.most);
+  };
+  for (const JointNumber& number : kJointNumbers) {
+    if (number.of == JointNumberOf::kJoint || joint.actuated) check(number);
+  }
+  report.require(!joint.actuated || joint.no_load_speed == 0 || joint.no_load_speed > joint.corner_speed,
                  "corner_speed < no_load_speed (rad/s)",
                  fmt::format("{} and {}", joint.corner_speed, joint.no_load_speed));
-  report.not_negative(joint.backlash, "backlash (rad)", kLargestAngle);
-  report.not_negative(joint.delay, "delay (s)", kLongestDelay);
-  report.not_negative(joint.sensor_noise, "sensor_noise (rad)", kLargestAngle);
 }
 
 void check_shape(const CollisionShape& shape, std::string_view source, std::string_view element) {
@@ -236,6 +236,15 @@ void check_structure(const RobotDescription& robot) {
   check_loops(robot);
   check_softness(robot.loop_softness, source_of(robot), "loop_softness");
   check_softness(robot.friction_softness, source_of(robot), "friction_softness");
+}
+
+void check_finite(const RobotDescription& robot) {
+  for_each_leaf(robot, [&robot](const MemberPath& path, const auto& leaf) {
+    if constexpr (std::is_same_v<decltype(leaf), const double&>) {
+      if (!std::isfinite(leaf))
+        throw ConfigError(source_of(robot), path.text(), "a finite number", fmt::format("{}", leaf));
+    }
+  });
 }
 
 void check_home(const RobotDescription& robot) {

@@ -28,6 +28,8 @@ void check_inertia(const SpatialInertia& inertia, std::string_view source, std::
 void check_shape(const CollisionShape& shape, std::string_view source, std::string_view element);
 /// Unit axis, ordered limits, and damping, friction, armature and servo gains that are not negative.
 void check_joint(const Joint& joint, std::string_view source);
+/// Every number of a robot, whichever it is, is finite: what the other checks do not look at too.
+void check_finite(const RobotDescription& robot);
 /// Everything about a robot except its home pose.
 void check_structure(const RobotDescription& robot);
 /// Sizes, limits and loops of the home pose. Requires a checked structure.

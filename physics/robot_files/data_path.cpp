@@ -7,10 +7,10 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "physics/core/error.h"
-#include "physics/robot_files/mjcf/mjcf_reader.h"
+#include "physics/core/find_row.h"
+#include "physics/robot_files/robot_formats.h"
 
 namespace crossgait {
 namespace fs = std::filesystem;
@@ -68,8 +68,7 @@ std::vector<std::string> robot_names(std::string_view built_in) {
 }
 
 bool is_robot_file(std::string_view text) {
-  const fs::path extension = fs::path(text).extension();
-  return extension == ".yaml" || extension == ".urdf" || is_mjcf_path(std::string(text));
+  return fs::path(text).extension() == ".yaml" || robot_format_of(text) != nullptr;
 }
 
 std::string find_robot(std::string_view text, std::string_view built_in) {
@@ -79,11 +78,8 @@ std::string find_robot(std::string_view text, std::string_view built_in) {
     throw ConfigError(text, "file", fmt::format("an expanded URDF: xacro {} > robot.urdf", text), "xacro");
   }
   const std::vector<std::string> names = robot_names(built_in);
-  if (std::find(names.begin(), names.end(), text) == names.end()) {
-    throw ConfigError("robot", "name",
-                      fmt::format("a .yaml, .urdf or .xml (MJCF) file or one of: {}", fmt::join(names, ", ")),
-                      fmt::format("'{}'", text));
-  }
+  if (std::find(names.begin(), names.end(), text) == names.end())
+    fail_unknown_name(text, names, "robot", "name", fmt::format(", or a {} file", robot_files_in_words()));
   return (fs::path(models_dir(built_in)) / "robots" / path / "robot.yaml").string();
 }
 

@@ -25,7 +25,8 @@ std::string models_dir(std::string_view built_in = CROSSGAIT_MODELS_DIR);
 /// Names of the robots in `models_dir()`/robots (folders that hold a robot.yaml), sorted.
 std::vector<std::string> robot_names(std::string_view built_in = CROSSGAIT_MODELS_DIR);
 
-/// Whether `text` is the path of a robot's file rather than a name: it ends in .yaml, .urdf, .xml or .mjcf.
+/// Whether `text` is the path of a robot's file rather than a name: it ends in .yaml, or as a
+/// file of a format does (robot_formats.h).
 bool is_robot_file(std::string_view text);
 
 /// The file to give to `load_robot`: `text` itself if it is the path of one, else robot.yaml of the robot of

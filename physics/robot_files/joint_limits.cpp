@@ -10,7 +10,8 @@ constexpr double kLargestLimit = 2 * std::numbers::pi;
 
 }  // namespace
 
-void set_limits(double lower, double upper, std::string_view element, Joint& joint, UrdfWarnings& warnings) {
+void set_limits(double lower, double upper, std::string_view element, Joint& joint,
+                ReaderWarnings& warnings) {
   const Joint unlimited;
   const bool low = lower<-kLargestLimit, high = upper> kLargestLimit;
   joint.lower = low ? unlimited.lower : lower;

@@ -13,7 +13,7 @@ namespace crossgait {
 struct RobotReport {
   std::vector<Inference> inferred;
   std::vector<std::string> warnings;   ///< of the reader and of the inference, each once
-  std::string file;                    ///< the URDF or MJCF
+  std::string file;                    ///< of one of the formats (robot_formats.h)
   std::set<std::string> locked;        ///< joints held at zero
   Matrix3 R_BA = Matrix3::Identity();  ///< columns: forward, left and up in the file's base frame
 };
@@ -27,7 +27,7 @@ struct LoadedRobot {
 LoadedRobot load_robot_with_report(const std::string& path);
 
 /// The whole robot.yaml: with it beside the robot's file nothing is inferred, and the robot is the same but
-/// for rounding in the 17th digit. @param file  what its key `urdf` or `mjcf` says
+/// for rounding in the 17th digit. @param file  what the key of its format says
 std::string to_yaml(const LoadedRobot& loaded, const std::string& file);
 
 }  // namespace crossgait

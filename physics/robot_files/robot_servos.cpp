@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "physics/robot/drives.h"
+#include "physics/robot/joint_numbers.h"
 
 namespace crossgait {
 namespace {
@@ -13,33 +13,23 @@ Joint& joint_of(RobotDescription& robot, int i) {
   return robot.bodies[static_cast<std::size_t>(i) + 1].joint;
 }
 
-// What a drive falls short of; off unless it is said.
-void read_drive(const YamlValue& values, Joint& joint) {
-  for (const DriveSetting& setting : drive_settings()) {
-    if (const auto value = values.find(setting.name)) joint.*setting.member = value->number();
+/// Those of the numbers of one kind that are there.
+void read_numbers(const YamlValue& values, JointNumberOf of, Joint& joint) {
+  for (const JointNumber& number : kJointNumbers) {
+    if (number.of != of) continue;
+    if (const auto value = values.find(number.name)) joint.*number.member = value->number();
   }
 }
 
 void read_exception(const std::string& name, const YamlValue& values, RobotDescription& robot) {
+  using enum JointNumberOf;
   int i = 0;
   while (i < robot.joint_count() && robot.joint(i).name != name) ++i;
   if (i == robot.joint_count()) values.fail("a moving joint of the robot's file", fmt::format("'{}'", name));
   Joint& target = joint_of(robot, i);
-  if (target.actuated) {
-    values.allow_keys({"armature", "damping", "friction", "kp", "kd", "effort", "corner_speed",
-                       "no_load_speed", "backlash", "delay", "sensor_noise"});
-  } else {
-    values.allow_keys({"armature", "damping", "friction"});
-  }
-  for (const auto& [key, member] : {std::pair{"armature", &target.armature},
-                                    {"damping", &target.damping},
-                                    {"friction", &target.friction},
-                                    {"kp", &target.kp},
-                                    {"kd", &target.kd},
-                                    {"effort", &target.effort_limit}}) {
-    if (const auto value = values.find(key)) *member = value->number();
-  }
-  read_drive(values, target);
+  values.allow_keys(target.actuated ? joint_number_names({kJoint, kServo, kDrive})
+                                    : joint_number_names({kJoint}));
+  for (const JointNumberOf of : {kJoint, kServo, kDrive}) read_numbers(values, of, target);
 }
 
 /// Torque limits of servos for which no robot.yaml speaks. @returns those whose file says nothing real
@@ -115,15 +105,14 @@ void set_armatures(const std::optional<YamlValue>& given, const ServoRule& rule,
 }
 
 void read_gains(const YamlValue& servo, const std::set<int>& unknown, RobotDescription& robot) {
-  servo.allow_keys({"kp", "kd", "effort"});
-  const auto effort = servo.find("effort");
+  servo.allow_keys(joint_number_names({JointNumberOf::kServo}));
+  for (const char* required : {"kp", "kd"})
+    static_cast<void>(servo.at(required));  // throws if it is not there
   for (const LegModel& leg : *robot.legs) {
     for (const int i : leg.servos) {
       Joint& joint = joint_of(robot, i);
-      joint.kp = servo.at("kp").number();
-      joint.kd = servo.at("kd").number();
       if (unknown.count(i) > 0) joint.effort_limit = 0;  // refused by name unless it is said here
-      if (effort) joint.effort_limit = effort->number();
+      read_numbers(servo, JointNumberOf::kServo, joint);
     }
   }
 }
@@ -142,8 +131,9 @@ void read_servos(const std::optional<YamlValue>& yaml, const std::set<int>& unkn
     infer_gains(rule, unknown_effort, robot, inferred);
   }
   if (const auto drive = find("drive")) {
-    drive->allow_keys({"corner_speed", "no_load_speed", "backlash", "delay", "sensor_noise"});
-    for (const int i : robot.actuated_joints()) read_drive(*drive, joint_of(robot, i));
+    drive->allow_keys(joint_number_names({JointNumberOf::kDrive}));
+    for (const int i : robot.actuated_joints())
+      read_numbers(*drive, JointNumberOf::kDrive, joint_of(robot, i));
   }
   if (const auto exceptions = find("joints")) {
     for (const auto& [name, values] : exceptions->entries()) read_exception(name, values, robot);

@@ -4,8 +4,9 @@
 #include <fmt/ranges.h>
 
 #include "physics/core/yaml_reader.h"
-#include "physics/robot/drives.h"
-#include "physics/robot_files/mjcf/mjcf_reader.h"
+#include "physics/robot/joint_numbers.h"
+#include "physics/robot/robot_members.h"
+#include "physics/robot_files/robot_formats.h"
 #include "physics/robot_files/robot_report.h"
 
 namespace crossgait {
@@ -27,11 +28,12 @@ std::string yaml_legs(const RobotDescription& robot) {
   return out;
 }
 
-std::string yaml_softness(std::string_view key, const Softness& s) {
-  return fmt::format(
-      "{}: {{time_constant: {}, damping_ratio: {}, impedance_min: {}, impedance_max: {}, impedance_width: "
-      "{}}}\n",
-      key, s.time_constant, s.damping_ratio, s.impedance_min, s.impedance_max, s.impedance_width);
+std::string yaml_softness(std::string_view key, const Softness& softness) {
+  std::vector<std::string> values;
+  for_each_member(softness, [&values](std::string_view name, double value) {
+    values.push_back(fmt::format("{}: {}", name, value));
+  });
+  return fmt::format("{}: {{{}}}\n", key, fmt::join(values, ", "));
 }
 
 std::string yaml_loops(const RobotDescription& robot) {
@@ -48,37 +50,44 @@ std::string yaml_loops(const RobotDescription& robot) {
   return out + yaml_softness("loop_softness", robot.loop_softness);
 }
 
+/// `KEY: {...}  # units`, of the numbers of one kind.
+std::string yaml_numbers(std::string_view key, JointNumberOf of, const Joint& joint) {
+  std::vector<std::string> values;
+  std::vector<std::string_view> units;
+  for (const JointNumber& number : kJointNumbers) {
+    if (number.of != of || (of == JointNumberOf::kDrive && joint.*number.member == 0)) continue;
+    values.push_back(fmt::format("{}: {}", number.name, joint.*number.member));
+    units.push_back(number.unit);
+  }
+  if (values.empty()) return "";
+  return fmt::format("{}: {{{}}}  # {}\n", key, fmt::join(values, ", "), fmt::join(units, ", "));
+}
+
+/// What a joint has otherwise than the usual one.
+std::vector<std::string> yaml_exceptions(const Joint& joint, const Joint& usual) {
+  std::vector<std::string> values;
+  for (const JointNumber& number : kJointNumbers) {
+    const bool of_any_joint = number.of == JointNumberOf::kJoint;
+    if (!of_any_joint && !joint.actuated) continue;
+    // Of what any joint has, armature alone stands above for all of them; the others are zero unless said.
+    const bool stands_above = !of_any_joint || number.member == &Joint::armature;
+    if (joint.*number.member != (stands_above ? usual.*number.member : 0))
+      values.push_back(fmt::format("{}: {}", number.name, joint.*number.member));
+  }
+  return values;
+}
+
 /// The first servo's, and exceptions to them.
 std::string yaml_joints(const RobotDescription& robot) {
   const Joint& usual = robot.joint((*robot.legs)[Leg::FL].servos.front());
-  std::string out = fmt::format(
-      "armature: {}  # kg m^2\nservo: {{kp: {}, kd: {}, effort: {}}}  # N m/rad, N m s/rad, N m\n",
-      usual.armature, usual.kp, usual.kd, usual.effort_limit);
-  std::vector<std::string> drive;
-  for (const DriveSetting& setting : drive_settings()) {
-    if (usual.*setting.member != 0)
-      drive.push_back(fmt::format("{}: {}", setting.name, usual.*setting.member));
-  }
-  if (!drive.empty()) out += fmt::format("drive: {{{}}}\n", fmt::join(drive, ", "));
+  const std::string out = fmt::format("armature: {}  # kg m^2\n", usual.armature) +
+                          yaml_numbers("servo", JointNumberOf::kServo, usual) +
+                          yaml_numbers("drive", JointNumberOf::kDrive, usual);
   std::string exceptions;
   for (int i = 0; i < robot.joint_count(); ++i) {
-    const Joint& joint = robot.joint(i);
-    std::vector<std::string> values;
-    if (joint.armature != usual.armature) values.push_back(fmt::format("armature: {}", joint.armature));
-    if (joint.damping != 0) values.push_back(fmt::format("damping: {}", joint.damping));
-    if (joint.friction != 0) values.push_back(fmt::format("friction: {}", joint.friction));
-    if (joint.actuated) {
-      if (joint.kp != usual.kp) values.push_back(fmt::format("kp: {}", joint.kp));
-      if (joint.kd != usual.kd) values.push_back(fmt::format("kd: {}", joint.kd));
-      if (joint.effort_limit != usual.effort_limit)
-        values.push_back(fmt::format("effort: {}", joint.effort_limit));
-      for (const DriveSetting& setting : drive_settings()) {
-        if (joint.*setting.member != usual.*setting.member)
-          values.push_back(fmt::format("{}: {}", setting.name, joint.*setting.member));
-      }
-    }
+    const std::vector<std::string> values = yaml_exceptions(robot.joint(i), usual);
     if (!values.empty())
-      exceptions += fmt::format("  {}: {{{}}}\n", yaml_quoted(joint.name), fmt::join(values, ", "));
+      exceptions += fmt::format("  {}: {{{}}}\n", yaml_quoted(robot.joint(i).name), fmt::join(values, ", "));
   }
   return out + (exceptions.empty() ? "" : "joints:\n" + exceptions);
 }
@@ -100,9 +109,8 @@ std::string yaml_home(const RobotDescription& robot) {
 std::string to_yaml(const LoadedRobot& loaded, const std::string& file) {
   const RobotDescription& robot = loaded.robot;
   const RobotReport& report = loaded.report;
-  std::string out =
-      fmt::format("# SI units, radians. Format: models/README.md.\nname: {}\n{}: {}\n",
-                  yaml_quoted(robot.name), is_mjcf_path(file) ? "mjcf" : "urdf", yaml_quoted(file));
+  std::string out = fmt::format("# SI units, radians. Format: models/README.md.\nname: {}\n{}: {}\n",
+                                yaml_quoted(robot.name), robot_format_of_any(file).key, yaml_quoted(file));
   out += fmt::format("frame: {{forward: {}, up: {}}}  # in the base frame of that file\n",
                      yaml_vector(report.R_BA.col(0)), yaml_vector(report.R_BA.col(2)));
   std::vector<std::string> locked;

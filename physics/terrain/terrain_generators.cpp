@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
 #include "physics/terrain/terrain_parameters.h"
 
 namespace crossgait {
@@ -248,20 +249,13 @@ const std::vector<TerrainGenerator>& terrain_generators() {
 std::shared_ptr<const HeightField> generate_terrain(std::string_view name,
                                                     const std::optional<std::string_view>& list,
                                                     const std::string& source, std::uint64_t seed) {
-  const std::vector<Generator>& table = generators();
-  const auto generator =
-      std::find_if(table.begin(), table.end(), [&](const Generator& row) { return row.row.name == name; });
-  if (generator == table.end()) {
-    std::vector<std::string_view> names;
-    names.reserve(table.size());
-    for (const Generator& known : table) names.push_back(known.row.name);
-    throw ConfigError(source, "name", fmt::format("one of {}, FILE.png or FILE.csv", fmt::join(names, ", ")),
-                      quoted(name));
-  }
-  const TerrainValues values(generator->row.parameters, list, source);
-  if (!generator->make) return nullptr;
+  const Generator& generator = find_row(
+      generators(), name, source, "name", [](const Generator& row) { return row.row.name; },
+      ", FILE.png or FILE.csv");
+  const TerrainValues values(generator.row.parameters, list, source);
+  if (!generator.make) return nullptr;
   const std::uint64_t own_seed = values.given("seed") ? static_cast<std::uint64_t>(values["seed"]) : seed;
-  return std::make_shared<HeightField>(build(values, generator->make(values, own_seed)));
+  return std::make_shared<HeightField>(build(values, generator.make(values, own_seed)));
 }
 
 }  // namespace crossgait

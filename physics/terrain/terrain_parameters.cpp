@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
 #include "physics/core/text.h"
 
 namespace crossgait {
@@ -46,16 +47,8 @@ void TerrainValues::read(std::span<const TerrainParameter> table, std::string_vi
     throw ConfigError(source_, "parameters", "key=value,...", quoted(item));
   const std::string_view name = item.substr(0, equals);
   const std::string_view text = item.substr(equals + 1);
-  const auto parameter = std::find_if(table.begin(), table.end(),
-                                      [&](const TerrainParameter& known) { return known.name == name; });
-  if (parameter == table.end()) {
-    std::vector<std::string_view> names;
-    names.reserve(table.size());
-    for (const TerrainParameter& known : table) names.push_back(known.name);
-    throw ConfigError(source_, "parameters",
-                      names.empty() ? "no parameters" : fmt::format("one of {}", fmt::join(names, ", ")),
-                      quoted(name));
-  }
+  if (table.empty()) throw ConfigError(source_, "parameters", "no parameters", quoted(name));
+  const TerrainParameter* const parameter = &find_row(table, name, source_, "parameters");
   if (!given_.insert(parameter->name).second) {
     throw ConfigError(source_, name, "one value", "a second one, " + quoted(text));
   }

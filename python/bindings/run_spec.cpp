@@ -36,14 +36,14 @@ void bind_run_spec(nb::module_& m) {
       .def_static(
           "of_walk",
           [](const WalkConfig& walk, const StartRanges& starts_from, std::uint64_t seed) {
-            return new RunMaker({walk, starts_from, seed});
+            return new RunMaker(BehaviourSpec{walk, starts_from, seed});
           },
           nb::arg("walk"), nb::arg("starts_from"), nb::arg("seed"), nb::rv_policy::take_ownership)
       .def_static(
           "of_policy",
           [](const EnvConfig& environment, const std::string& policy, const StartRanges& starts_from,
              std::uint64_t seed) {
-            return new RunMaker({PolicyConfig{environment, policy}, starts_from, seed});
+            return new RunMaker(BehaviourSpec{PolicyConfig{environment, policy}, starts_from, seed});
           },
           nb::arg("environment"), nb::arg("policy"), nb::arg("starts_from"), nb::arg("seed"),
           nb::rv_policy::take_ownership)

@@ -12,7 +12,6 @@
 #include "benchmarks/bench.h"
 #include "conformance/card.h"
 #include "parity/report.h"
-#include "physics/robot_files/data_path.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/behaviour.h"
 #include "python/bindings/bindings.h"
@@ -79,10 +78,8 @@ class Recorder {
   std::vector<std::vector<double>> tables_;
 };
 
-std::shared_ptr<Recorder> recorder(bool trace, std::size_t runs, const std::string& robot) {
-  if (!trace) return nullptr;
-  return std::make_shared<Recorder>(runs,
-                                    std::make_shared<const RobotDescription>(load_robot(find_robot(robot))));
+std::shared_ptr<Recorder> recorder(bool trace, std::size_t runs, const LoadedWalk& loaded) {
+  return trace ? std::make_shared<Recorder>(runs, loaded.world.robot) : nullptr;
 }
 
 SampleObserver observer(const std::shared_ptr<Recorder>& recorder) {
@@ -96,22 +93,23 @@ nb::object traces_of(const std::shared_ptr<Recorder>& recorder) {
 
 // What a walk is made of, for whoever wants to make it again. Of a function in Python only its world can be
 // said.
-nlohmann::json subject_json(const Subject& subject) {
-  if (const auto* walk = std::get_if<WalkConfig>(&subject))
-    return {{"behaviour", to_json(BehaviourSpec{*walk, {}, 0}).at("behaviour")}};
+nlohmann::json subject_json(const Subject& subject, const LoadedWalk& loaded) {
+  if (std::holds_alternative<WalkConfig>(subject))
+    return {{"behaviour", LoadedBehaviour(loaded, {}, 0).described.at("behaviour")}};
   return {{"python", std::get<PythonBehaviour>(subject).name}};
 }
 
 Pair walk_in(const Subject& subject, const std::string& engine, bool trace, const nb::object& progress) {
-  const auto record = recorder(trace, 1, config_of(subject).robot);
+  const LoadedWalk loaded = config_of(subject);
+  const auto record = recorder(trace, 1, loaded);
   const Report report = run_job(
-      [subject, engine, record](const StageProgress& told) -> Report {
-        const auto world = find_engine(engine).make(config_of(subject).world());
+      [subject, loaded, engine, record](const StageProgress& told) -> Report {
+        const auto world = find_engine(engine).make(loaded.world);
         const WalkRun run =
             record_walk(*world, setup_of(subject), progress_of(told, "walking"), observer(record));
         if (run.interrupted) throw Interrupted();
         Json json = crossgait::report(run);
-        json["provenance"] = provenance(subject_json(subject), {engine});
+        json["provenance"] = provenance(subject_json(subject, loaded), {engine});
         return {json, describe(run)};
       },
       progress);
@@ -120,15 +118,16 @@ Pair walk_in(const Subject& subject, const std::string& engine, bool trace, cons
 
 Pair compare_in(const Subject& subject, const std::vector<std::string>& engines, bool trace,
                 const DivergenceTolerances& tolerances, const nb::object& progress) {
-  const auto record = recorder(trace, engines.size(), config_of(subject).robot);
+  const LoadedWalk loaded = config_of(subject);
+  const auto record = recorder(trace, engines.size(), loaded);
   const Report report = run_job(
       [=](const StageProgress& told) -> Report {
         WalkComparison result;
-        result.comparison = compare_walks(config_of(subject).world(), setup_of(subject), engines, tolerances,
-                                          told, observer(record));
+        result.comparison =
+            compare_walks(loaded.world, setup_of(subject), engines, tolerances, told, observer(record));
         if (result.comparison.interrupted) throw Interrupted();
         Json json = crossgait::report(result);
-        json["provenance"] = provenance(subject_json(subject), engines);
+        json["provenance"] = provenance(subject_json(subject, loaded), engines);
         return {json, describe(result.comparison)};
       },
       progress);
@@ -156,7 +155,9 @@ Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines,
            const JudgementOptions& options, const nb::object& progress) {
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
-        return report_of(judge_engines(spec, engines, options, told), provenance(to_json(spec), engines));
+        const LoadedBehaviour loaded = spec;
+        return report_of(judge_engines(loaded, engines, options, told),
+                         provenance(loaded.described, engines));
       },
       progress));
 }
@@ -174,9 +175,10 @@ Pair judge(const PythonBehaviour& behaviour, const StartRanges& starts_from, std
   refuse_stored_runs(options);
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
-        return report_of(judge_engines(make_behaviour(behaviour.walk, behaviour.setup(), starts_from, seed),
-                                       behaviour.walk.world(), engines, options, told),
-                         provenance(subject_json(behaviour), engines));
+        const LoadedWalk loaded = behaviour.walk;
+        return report_of(judge_engines(make_behaviour(loaded, behaviour.setup(), starts_from, seed),
+                                       loaded.world, engines, options, told),
+                         provenance(subject_json(behaviour, loaded), engines));
       },
       progress));
 }
@@ -205,10 +207,11 @@ Pair judge(const EnvConfig& environment, const PythonPolicy& policy, const Start
       [=](const StageProgress& told) {
         return with_policies(
             {policy}, told, [&](const auto& policies, const StageProgress& listening) -> Report {
-              const Behaviour behaviour = policy_behaviour(environment, policies.front().make,
-                                                           policies.front().name, starts_from, seed);
+              const LoadedEnv loaded = environment;
+              const Behaviour behaviour =
+                  policy_behaviour(loaded, policies.front().make, policies.front().name, starts_from, seed);
               return report_of(
-                  judge_engines(behaviour, EnvModel::make(environment)->world, engines, options, listening),
+                  judge_engines(behaviour, EnvModel::make(loaded)->world, engines, options, listening),
                   provenance({{"python", policy.name}}, engines));
             });
       },

@@ -37,7 +37,7 @@ from crossgait._core import (
 )
 from crossgait.errors import ConfigError
 from crossgait.policies import Policy
-from crossgait.results import (
+from crossgait.studies import (
     Bench,
     CompareResult,
     Conformance,
@@ -49,8 +49,17 @@ from crossgait.results import (
     Verdict,
     Verdicts,
     WalkResult,
+    bench,
+    compare,
+    conformance,
+    course,
+    rollout,
+    transfer,
+    tune,
+    verdict,
+    verdicts,
+    walk,
 )
-from crossgait.studies import bench, compare, conformance, course, rollout, transfer, tune, verdict, verdicts, walk
 from crossgait.traces import Trace
 
 __version__ = version()

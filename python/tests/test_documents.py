@@ -85,7 +85,7 @@ export("exported.safetensors", model, "tanh", layouts, environment.config.policy
 @pytest.mark.parametrize(("page", "block"), parameters("python"))
 def test_blocks_of_documents_run(page: Path, block: str, tmp_path: Path) -> None:
     if any(call in block for call in SLOW_CALLS) and not os.environ.get("CROSSGAIT_LONG_TESTS"):
-        pytest.skip("takes minutes: `scripts/nightly documents`")
+        pytest.skip("takes minutes: `scripts/quality/nightly documents`")
     write_environment(tmp_path / "environment.yaml")
     if page.stem == "sweeps":
         study_file(tmp_path, SHORT.format(engine=crossgait.available_engines()[0]))
@@ -149,7 +149,7 @@ def prepare(folder: Path) -> None:
 
 
 # Commands of a second or two, whatever their options.
-QUICK = {"walk", "compare", "backends", "ik", "gait", "workspace", "plot", "robots", "env", "rerun", "terrain"}
+QUICK = {"walk", "compare", "backends", "ik", "gait", "workspace", "robots", "env", "rerun", "terrain"}
 
 
 def commands(page: Path) -> list[str]:
@@ -161,7 +161,7 @@ def commands(page: Path) -> list[str]:
     "page", [page for page in PAGES if commands(page) and page != TRAINING], ids=lambda page: page.stem
 )
 def test_commands_of_documents_run(page: Path, tmp_path: Path) -> None:
-    """A page's commands one after another in one folder: minutes each, so at night (`scripts/nightly documents`).
+    """Runs a page's commands in one folder, one by one: minutes, so at night (`scripts/quality/nightly documents`).
 
     By day the lines are looked at without running what takes longer than a second or two.
     """

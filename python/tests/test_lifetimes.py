@@ -1,4 +1,4 @@
-"""What an object hands out is right after the object is gone. scripts/test-lifetimes runs this under valgrind."""
+"""What an object hands out is right after it is gone. scripts/quality/test-lifetimes runs this under valgrind."""
 
 from __future__ import annotations
 

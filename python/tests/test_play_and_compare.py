@@ -11,9 +11,10 @@ import training
 
 import crossgait
 from crossgait import ConfigError, EnvironmentConfig
-from crossgait.compare_policies import compare_policies, environment_of, table
-from crossgait.play import play
 from crossgait.policies import MlpNetwork, Policy
+from crossgait.policies.environment import environment_of
+from crossgait.train.compare_policies import compare_policies, table
+from crossgait.viewing.play import play
 
 SHORT = {
     "policy_dt": 0.02,
@@ -67,14 +68,14 @@ def test_the_environment_beside_a_policy_is_taken(run: Path, tmp_path: Path) -> 
         environment_of(["zero", "random"], None)
     out, _ = training.done(
         [
-            *("-m", "crossgait.compare_policies", str(run / "short.safetensors"), "zero"),
+            *("-m", "crossgait.train.compare_policies", str(run / "short.safetensors"), "zero"),
             *("--engines", "mujoco", "--episodes", "1", "--json", "-"),
         ],
         tmp_path,
     )
     assert len(json.loads(out)["cells"]) == 2
-    _, err = training.done(["-m", "crossgait.compare_policies", "zero"], tmp_path, code=2)
-    assert err.startswith("crossgait.compare_policies: zero: environment: expected environment.yaml beside")
+    _, err = training.done(["-m", "crossgait.train.compare_policies", "zero"], tmp_path, code=2)
+    assert err.startswith("crossgait.train.compare_policies: zero: environment: expected environment.yaml beside")
 
 
 def test_a_video_shows_an_episode(run: Path, tmp_path: Path) -> None:
@@ -106,6 +107,6 @@ def test_what_cannot_be_played(run: Path, tmp_path: Path) -> None:
         ([policy, "--video", "a.mp4", "--engine", "havok"], "havok"),
         ([policy, "--video", "a.mp4", "--terrain", "moon"], "moon"),
     ):
-        _, err = training.done(["-m", "crossgait.play", *arguments], tmp_path, code=2)
+        _, err = training.done(["-m", "crossgait.viewing.play", *arguments], tmp_path, code=2)
         assert words in err
     assert not list(tmp_path.iterdir())

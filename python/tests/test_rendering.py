@@ -14,8 +14,8 @@ from gymnasium.wrappers import RecordVideo
 import crossgait
 import crossgait.envs
 from crossgait import Robot, Terrain, World
-from crossgait.rendering import SQUARE, Renderer
 from crossgait.sb3 import CrossgaitVecEnv
+from crossgait.viewing.rendering import SQUARE, Renderer
 
 GAIT, JOINTS = "Crossgait/AdaptiveGait-v0", "Crossgait/JointControl-v0"
 SMALL = {"width": 80, "height": 60}  # frames are drawn by the processor where tests run
@@ -85,7 +85,7 @@ def test_heights_are_coloured_where_they_are() -> None:
 
 
 def test_a_terrain_has_lines_every_square() -> None:
-    from crossgait.rendering import _is_line
+    from crossgait.viewing.rendering import _is_line
 
     lines = _is_line(2.0, 4001)  # half a millimetre a pixel
     middles = np.flatnonzero(np.diff(lines.astype(int)) == 1)[1:] + np.flatnonzero(np.diff(lines.astype(int)) == -1)[1:]
@@ -115,7 +115,7 @@ def test_collision_shapes_are_drawn_where_there_is_nothing_else(tmp_path: Path) 
 
 
 def test_a_mesh_that_cannot_be_read_is_told(tmp_path: Path) -> None:
-    from crossgait import rendering
+    from crossgait.viewing import rendering
 
     class Unreadable:
         """The bundled robot with a Collada mesh for its trunk."""
@@ -137,7 +137,7 @@ def test_a_mesh_that_cannot_be_read_is_told(tmp_path: Path) -> None:
 
 
 def test_meshes_and_hulls_are_drawn(tmp_path: Path) -> None:
-    from crossgait import rendering
+    from crossgait.viewing import rendering
 
     file = tmp_path / "wedge.obj"
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])

@@ -13,7 +13,9 @@ from mcap.reader import make_reader
 from rerun.chunk import RrdReader
 
 import crossgait
-from crossgait import trace_mcap, trace_rerun, trace_scene
+from crossgait.traces import mcap as trace_mcap
+from crossgait.traces import rerun as trace_rerun
+from crossgait.traces import scene as trace_scene
 
 ROBOT = "scara_quadruped"
 

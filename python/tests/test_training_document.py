@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 import training
 
-from crossgait.compare_policies import compare_policies, environment_of
+from crossgait.policies.environment import environment_of
 from crossgait.sweep.strict_yaml import parse_yaml
 from crossgait.train import Plan, presets
+from crossgait.train.compare_policies import compare_policies
 from crossgait.train.keys import TABLE
 
 PAGE = (Path(__file__).parents[2] / "docs/training.md").read_text()

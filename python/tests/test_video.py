@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import crossgait
-from crossgait import film, video
+from crossgait.traces import video
+from crossgait.viewing import film
 
 PROGRAM = str(Path(sys.executable).with_name("crossgait"))
 SECONDS = 0.4

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "backends/registry.h"
+#include "report/page_template.h"
 #include "tests/apps/run_program.h"
 
 namespace crossgait {
@@ -14,9 +15,7 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-bool has_gnuplot() { return std::system("gnuplot --version > /dev/null 2>&1") == 0; }
-
-TEST(Bench, MeasuresStoresComparesAndDraws) {
+TEST(Bench, MeasuresStoresComparesAndShows) {
   const std::string engine = available_engines().front();
   const ProgramResult first =
       run_program("bench --quick --only analytic --backend " + engine + " --json bench_app.json");
@@ -32,14 +31,13 @@ TEST(Bench, MeasuresStoresComparesAndDraws) {
   EXPECT_GT(result["comparison"]["compared"], 10);
   EXPECT_FALSE(result.contains("speed"));
 
-  if (!has_gnuplot()) GTEST_SKIP() << "no gnuplot: no figures";
-  const ProgramResult drawn = run_program("bench --from bench_app.json --figures bench_app_figures");
+  if (page_template().empty()) GTEST_SKIP() << "built without the page";
+  const ProgramResult drawn = run_program("bench --from bench_app.json --report bench_app.html");
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
-  EXPECT_TRUE(fs::exists("bench_app_figures/analytic.svg"));
-  EXPECT_FALSE(fs::exists("bench_app_figures/speed.svg"));
-  EXPECT_EQ(run_program("bench --from bench_app.json --figures bench_app_figures --format png").exit_code, 0);
-  EXPECT_EQ(read_file("bench_app_figures/analytic.png").substr(0, 4), "\x89PNG");
-  fs::remove_all("bench_app_figures");
+  const json charts = document_of("bench_app.html").at("charts");
+  ASSERT_EQ(charts.size(), 1U) << "a group for what was measured alone";
+  EXPECT_EQ(charts.at(0).at("title"), "Errors against closed forms");
+  fs::remove("bench_app.html");
   fs::remove("bench_app.json");
 }
 
@@ -62,7 +60,7 @@ TEST(Bench, FailsWhereAFigureGotWorse) {
   fs::remove("bench_better.json");
 }
 
-TEST(Bench, StoredResultsOfTheProjectAreReadAndDrawn) {
+TEST(Bench, StoredResultsOfTheProjectAreRead) {
   int files = 0;
   for (const auto& entry :
        fs::directory_iterator(fs::path(CROSSGAIT_SOURCE_DIR) / "benchmarks" / "results")) {
@@ -74,14 +72,6 @@ TEST(Bench, StoredResultsOfTheProjectAreReadAndDrawn) {
     for (const char* word : {"trot_rough", "eta", "largest stable step", "tumbling_energy", "creep"}) {
       EXPECT_NE(shown.out.find(word), std::string::npos) << word;
     }
-    if (!has_gnuplot()) continue;
-    const ProgramResult drawn =
-        run_program("bench --from '" + entry.path().string() + "' --figures bench_stored_figures");
-    EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
-    for (const char* name : {"speed", "accuracy", "analytic", "feet"}) {
-      EXPECT_TRUE(fs::exists("bench_stored_figures/" + std::string(name) + ".svg")) << name;
-    }
-    fs::remove_all("bench_stored_figures");
   }
   EXPECT_GE(files, 1);
 }
@@ -93,7 +83,6 @@ TEST(Bench, NamesWhatWasWrong) {
   expect_bad_input("bench --compare bench_nowhere.json", {"bench_nowhere.json"});
   expect_bad_input("bench --from bench_nowhere.json", {"bench_nowhere.json"});
   expect_bad_input("bench --from x.json --quick", {"--quick"});
-  expect_bad_input("bench --from x.json --format bmp", {"--format", "bmp", "png"});
   expect_bad_input("bench --worse-than .5", {"--worse-than", "0.5"});
   expect_bad_input("bench --worse-than soon", {"--worse-than"});
   std::ofstream("bench_broken.json") << "{\"schema\": \"crossgait-bench\", \"version\": 1, \"backends\": 3}";

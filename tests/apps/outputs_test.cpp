@@ -76,7 +76,7 @@ TEST(Outputs, AreTriedBeforeTheWork) {
   expect_bad_input("tune --iterations 10000 --out nowhere/at/all.yaml", {"nowhere/at"});
   expect_bad_input("transfer --episodes 100000 --json nowhere/at/all.json", {"nowhere/at"});
   expect_bad_input("bench --json nowhere/at/all.json", {"nowhere/at"});
-  expect_bad_input("bench --figures /dev/null/folder", {"--figures"});
+  expect_bad_input("bench --report nowhere/at/all.html", {"nowhere/at"});
   expect_bad_input("walk" + kEndless + "--trace outputs_same --json outputs_same", {"outputs_same", "own"});
   EXPECT_FALSE(fs::exists("outputs_same"));
 }

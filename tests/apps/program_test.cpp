@@ -27,8 +27,8 @@ json without_provenance(json result) {
 TEST(Program, HelpTeachesEveryCommand) {
   const ProgramResult help = run_program("--help");
   EXPECT_EQ(help.exit_code, 0);
-  for (const std::string command : {"walk", "compare", "verdict", "bench", "backends", "robots", "terrain",
-                                    "ik", "gait", "workspace", "plot"}) {
+  for (const std::string command :
+       {"walk", "compare", "verdict", "bench", "backends", "robots", "terrain", "ik", "gait", "workspace"}) {
     EXPECT_NE(help.out.find(command), std::string::npos) << command;
     const ProgramResult own = run_program(command + " --help");
     EXPECT_EQ(own.exit_code, 0) << command;
@@ -347,6 +347,7 @@ TEST(ProgramBadInput, SuggestsWhatMayHaveBeenMeant) {
   expect_bad_input("wlak", {"crossgait: There is no command \"wlak\". Did you mean walk?"});
   expect_bad_input("wlak --seconds 3", {"Did you mean walk?"});
   expect_bad_input("verdit", {"Did you mean verdict?"});
+  expect_bad_input("plot walk.csv", {"There is no command \"plot\". Did you mean report?"});
   expect_bad_input("walk --terain rough", {"Did you mean --terrain?"});
   expect_bad_input("compare --position-tolerence=1", {"Did you mean --position-tolerance?"});
   expect_bad_input("xyzzy", {"There is no command \"xyzzy\". `crossgait --help` lists them."});

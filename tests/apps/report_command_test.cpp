@@ -23,13 +23,6 @@ class Report : public testing::Test {
   }
 };
 
-// The document of a page, as its script finds it.
-json document_of(const std::string& page) {
-  const std::string text = read_file(page), before = "<script id=\"document\" type=\"application/json\">";
-  const std::size_t begin = text.find(before) + before.size();
-  return json::parse(text.substr(begin, text.find("</script>", begin) - begin));
-}
-
 TEST_F(Report, AWalkAndItsResultGiveTheSamePage) {
   ASSERT_EQ(run_program("walk --seconds .3 --report report_walk.html --json report_walk.json").exit_code, 0);
   const ProgramResult again = run_program("report report_walk.json --out report_again.html");
@@ -61,6 +54,22 @@ TEST_F(Report, TracesOfSeveralRunsAreReplayedTogether) {
   EXPECT_FALSE(document.at("motion").at("pairs").at(0).at("first_divergence").is_null());
   EXPECT_FALSE(document.at("motion").at("scene").at("ground").is_null());
   EXPECT_EQ(document.at("tables").at(0).at("header").size(), 2U);
+}
+
+TEST_F(Report, LeavesOutTouchesOfATraceThatAreShorterThanAsked) {
+  ASSERT_EQ(run_program("walk --seconds 1 --terrain rough --trace report_touches.csv").exit_code, 0);
+  std::vector<std::size_t> stances;
+  for (const char* shortest : {"", " --shortest-contact 0", " --shortest-contact 1"}) {
+    const std::string report = "report report_touches.csv --out report_touches.html";
+    ASSERT_EQ(run_program(report + shortest).exit_code, 0);
+    const json motion = document_of("report_touches.html").at("motion");
+    std::size_t& count = stances.emplace_back(0);
+    for (const json& leg : motion.at("runs").at(0).at("contact")) count += leg.size() / 2;
+  }
+  EXPECT_GT(stances[1], stances[0]) << "feet chatter on rough ground";
+  EXPECT_GT(stances[0], stances[2]);
+  expect_bad_input("report report_touches.csv --out x.html --shortest-contact 2",
+                   {"--shortest-contact", "2"});
 }
 
 TEST_F(Report, AComparisonShowsWhatItSays) {
@@ -150,6 +159,23 @@ TEST_F(Report, ABenchmarkShowsItsCurves) {
     known += point.at("position_error_m").is_null() ? 0 : 1;
   EXPECT_EQ(points, known);
   EXPECT_FALSE(document.at("texts").empty());
+  // A bar for every share of an engine, as long as it is.
+  const json& eta = result.at("speed").at("eta");
+  std::vector<double> shares, bars;
+  for (const json& r : eta) shares.push_back(r.at("eta"));
+  for (const json& boxes : document.at("charts").at(0).at("charts").at(1).at("boxes")) {
+    for (const json& box : boxes.at("boxes")) bars.push_back(box.at(2));
+  }
+  std::sort(shares.begin(), shares.end());
+  std::sort(bars.begin(), bars.end());
+  EXPECT_EQ(bars, shares);
+  std::vector<std::string> titles;
+  for (const json& section : document.at("charts")) titles.push_back(section.at("title"));
+  ASSERT_EQ(titles.size(), 4U);
+  EXPECT_EQ(titles[0], "Speed");
+  EXPECT_TRUE(titles[1].starts_with("Speed against accuracy")) << titles[1];
+  EXPECT_EQ(titles[2], "Errors against closed forms");
+  EXPECT_EQ(titles[3], "Feet");
 }
 
 TEST_F(Report, ARobotWithAHostileNameIsShownNotRun) {

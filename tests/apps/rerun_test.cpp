@@ -5,6 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "backends/registry.h"
+#include "physics/core/files_read.h"
+#include "physics/core/sha256.h"
+#include "physics/robot_files/data_path.h"
 #include "study/version.h"
 #include "tests/apps/run_program.h"
 
@@ -99,7 +102,12 @@ TEST_F(Provenances, HoldWhatTheWalkWasMadeOf) {
   EXPECT_EQ(p["command"], "walk");
   EXPECT_EQ(p["engines"][0]["name"], available_engines().front());
   EXPECT_EQ(p["engines"][0]["version"], find_engine(available_engines().front()).info.version);
-  EXPECT_TRUE(p["files"].contains(kTerrain));
+  // What was really read, with what `sha256sum` says of it.
+  EXPECT_EQ(p["files"][kTerrain], sha256_hex("0,0\n0,.001\n"));
+  for (const char* file :
+       {"<models>/robots/scara_quadruped/robot.yaml", "<models>/robots/scara_quadruped/robot.urdf"})
+    EXPECT_EQ(p["files"].value(file, ""), file_sha256(models_dir() + std::string(file).substr(8))) << file;
+  EXPECT_EQ(p["files"].size(), 3U);
   const json& walk = p["behaviour"];
   EXPECT_EQ(walk["robot"]["name"], "scara_quadruped");
   for (const char* key : {"terrain", "terrain_seed", "friction", "physics_dt", "control_dt", "gait",
@@ -118,6 +126,28 @@ TEST_F(Provenances, OfGroundsAndGaitsHoldSeedsAndParameters) {
     EXPECT_TRUE(walk["behaviour"]["parameters"].contains("step_length")) << command;
     EXPECT_EQ(walk["robot"]["name"], "scara_quadruped") << command;
   }
+}
+
+TEST_F(Provenances, HoldThePoliciesAndFilesThatOthersName) {
+  const auto files_of = [](const std::string& command) {
+    std::vector<std::string> names;
+    const json result = run_json(command);
+    for (const auto& [name, hash] : result["provenance"]["files"].items()) names.push_back(name);
+    return names;
+  };
+  write_file("provenance_member.yaml", "{kind: scripted, layout_version: 3, steps: [{time: 0.2}]}\n");
+  write_file("provenance_whole.yaml",
+             "kind: hierarchical  # not provenance_other.yaml\nlayout_version: 3\n"
+             "planner: {policy: zero}\nresidual: {policy: provenance_member.yaml}\n");
+  write_file("provenance_other.yaml", "{}");
+  write_file("provenance_environment.yaml", "episode_seconds: .1\nterrain: " + kTerrain + "\n");
+  EXPECT_EQ(
+      files_of("rollout --config provenance_environment.yaml --policy provenance_whole.yaml --episodes 1"),
+      (std::vector<std::string>{
+          "<models>/robots/scara_quadruped/robot.urdf", "<models>/robots/scara_quadruped/robot.yaml",
+          kTerrain, "provenance_environment.yaml", "provenance_member.yaml", "provenance_whole.yaml"}));
+  for (const char* name : {"member", "whole", "other", "environment"})
+    fs::remove(std::string("provenance_") + name + ".yaml");
 }
 
 TEST_F(Provenances, DoNotHangOnWhereResultsGoOrOnThreads) {

@@ -115,6 +115,12 @@ nlohmann::json without_times(nlohmann::json result) {
   return result;
 }
 
+nlohmann::json document_of(const std::string& page) {
+  const std::string text = read_file(page), before = "<script id=\"document\" type=\"application/json\">";
+  const std::size_t begin = text.find(before) + before.size();
+  return nlohmann::json::parse(text.substr(begin, text.find("</script>", begin) - begin));
+}
+
 nlohmann::json run_json(const std::string& arguments) {
   const ProgramResult result = run_program(arguments + " --json -");
   EXPECT_EQ(result.exit_code, 0) << result.err;

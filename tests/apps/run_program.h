@@ -24,6 +24,9 @@ ProgramResult run_watched(const std::string& arguments, int signal = 0, double a
 /// The contents of a file, "" if there is none.
 std::string read_file(const std::string& name);
 
+/// The document of a page that the program wrote, as the page's script finds it.
+nlohmann::json document_of(const std::string& page);
+
 /// A result without what differs from run to run: times of the clock.
 nlohmann::json without_times(nlohmann::json result);
 

@@ -123,12 +123,23 @@ TEST(SchemaFiles, HoldForTheDocumentOfAPage) {
   if (page_template().empty() || available_engines().empty()) GTEST_SKIP() << "no page, or no engine";
   ASSERT_EQ(run_program("compare --seconds .1 --terrain rough --verdict --report schema_page.html").exit_code,
             0);
-  const std::string page = read_file("schema_page.html");
-  const std::size_t begin = page.find('>', page.find("id=\"document\"")) + 1;
-  json document = json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+  json document = document_of("schema_page.html");
   EXPECT_EQ(violations(read_schema("report"), document), "");
   document["motion"]["runs"][0].erase("poses");
   EXPECT_NE(violations(read_schema("report"), document), "");
+}
+
+TEST(SchemaFiles, HoldForTheDocumentsOfCharts) {
+  if (page_template().empty()) GTEST_SKIP() << "no page";
+  const std::string stored = CROSSGAIT_SOURCE_DIR "/benchmarks/results/amd-epyc-2-cores.json";
+  for (const std::string& command :
+       std::vector<std::string>{"workspace", "gait --gait gallop", "bench --from " + stored}) {
+    ASSERT_EQ(run_program(command + " --report schema_charts.html").exit_code, 0) << command;
+    json document = document_of("schema_charts.html");
+    EXPECT_EQ(violations(read_schema("report"), document), "") << command;
+    document["charts"][0]["charts"][0]["series"][0]["style"] = "stars";
+    EXPECT_NE(violations(read_schema("report"), document), "") << command;
+  }
 }
 
 TEST(SchemaFiles, AreOfTheStoredResultsToo) {

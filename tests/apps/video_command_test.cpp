@@ -32,7 +32,7 @@ TEST_F(Video, WalksAndHandsOverTheTraces) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.out, "drawn\n");
   const std::string told = read_file("video_told.txt");
-  for (const char* word : {"-m\ncrossgait.video\n", "--out=video_out.mp4\n", "--terrain=rough\n",
+  for (const char* word : {"-m\ncrossgait.traces.video\n", "--out=video_out.mp4\n", "--terrain=rough\n",
                            "--seed=3\n", "--slow=2\n", "--fps=30\n", "--robot=scara_quadruped\n"})
     EXPECT_NE(told.find(word), std::string::npos) << told;
   EXPECT_EQ(read_file("video_head.txt").substr(0, 5), "time,");

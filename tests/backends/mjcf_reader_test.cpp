@@ -65,12 +65,12 @@ class MjcfReader : public ScratchFolder {
     if (!folder_.empty()) ScratchFolder::TearDown();
   }
   std::string file(const MadeMjcf& mjcf) const { return write("made.xml", mjcf.text()); }
-  UrdfRobot tree(const MadeMjcf& mjcf) const { return read_mjcf(file(mjcf)); }
+  ParsedRobot tree(const MadeMjcf& mjcf) const { return read_mjcf(file(mjcf)); }
   LoadedRobot load(const MadeMjcf& mjcf) const { return load_robot_with_report(file(mjcf)); }
   ConfigError refusal(const MadeMjcf& mjcf) const {
     return config_error([&] { (void)load_robot(file(mjcf)); });
   }
-  static const Body& body(const UrdfRobot& robot, const std::string& name) {
+  static const Body& body(const ParsedRobot& robot, const std::string& name) {
     return robot.bodies[static_cast<std::size_t>(robot.links.at(name).body)];
   }
   static bool warns(const std::vector<std::string>& warnings, const std::string& of) {
@@ -127,7 +127,7 @@ TEST_F(MjcfReader, ListsWhatItLeavesOut) {
       "ignored 1 element(s) of <sensor>, first in gyro (line",
       "ignored 2 site(s), camera(s) and light(s), first in light (line 29)",
       "left out 1 <geom> of the world: terrain is chosen apart, first in geom 'floor' (line 30)"};
-  const UrdfRobot robot = read_mjcf(kOwnMjcf);
+  const ParsedRobot robot = read_mjcf(kOwnMjcf);
   ASSERT_EQ(robot.warnings.size(), expected.size()) << fmt::format("{}", fmt::join(robot.warnings, "\n"));
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const std::string beginning = expected[i].substr(0, expected[i].find("(line"));
@@ -158,7 +158,7 @@ TEST_F(MjcfReader, ClassesAreInherited) {
   mjcf.defaults = R"(<joint damping=".1" armature=".01"/><default class="stiff"><joint damping=".4"/>
                      <default class="stiffer"><joint frictionloss=".2"/></default></default>)";
   mjcf.hip_joint = "class=\"stiffer\"";
-  const UrdfRobot robot = tree(mjcf);
+  const ParsedRobot robot = tree(mjcf);
   EXPECT_EQ(body(robot, "FL_thigh").joint.damping, 0.4);
   EXPECT_EQ(body(robot, "FL_thigh").joint.friction, 0.2);
   EXPECT_EQ(body(robot, "FL_thigh").joint.armature, 0.01);
@@ -171,7 +171,7 @@ TEST_F(MjcfReader, PosesAreThoseOfEulerAnglesAndQuaternions) {
   MadeMjcf mjcf;
   mjcf.shin = R"(<geom name="e" type="box" size=".01 .02 .03" pos=".1 0 0" euler="90 0 90"/>
                  <geom name="q" type="box" size=".01 .02 .03" quat="1 0 0 1"/>)";
-  const UrdfRobot robot = tree(mjcf);
+  const ParsedRobot robot = tree(mjcf);
   const Body& shin = body(robot, "FL_shin");
   ASSERT_EQ(shin.shapes.size(), 3U);
   const double quarter = std::numbers::pi / 2;
@@ -187,7 +187,7 @@ TEST_F(MjcfReader, PosesAreThoseOfEulerAnglesAndQuaternions) {
 TEST_F(MjcfReader, ACapsuleGoesFromTo) {
   MadeMjcf mjcf;
   mjcf.thigh = R"(<geom name="c" type="capsule" fromto="0 0 0 .06 0 -.08" size=".01"/>)";
-  const UrdfRobot robot = tree(mjcf);
+  const ParsedRobot robot = tree(mjcf);
   const Body& thigh = body(robot, "FL_thigh");
   ASSERT_EQ(thigh.shapes.size(), 1U);
   const CollisionShape& shape = thigh.shapes[0];
@@ -203,7 +203,7 @@ TEST_F(MjcfReader, AJointMayBeOffItsBodyAndItsZeroElsewhere) {
   MadeMjcf mjcf;
   mjcf.compiler = "<compiler angle=\"radian\"/>";
   mjcf.hip_joint = "pos=\"0 0 .05\" ref=\".5\"";
-  const UrdfRobot robot = tree(mjcf);
+  const ParsedRobot robot = tree(mjcf);
   const Body &thigh = body(robot, "FL_thigh"), &shin = body(robot, "FL_shin");
   EXPECT_LT((thigh.X_PB.translation() - Vector3(0.2, 0.1, 0.05)).norm(), 1e-15);
   EXPECT_LT((thigh.inertia.p_BC - Vector3(0, 0, -0.15)).norm(), 1e-15);
@@ -216,7 +216,7 @@ TEST_F(MjcfReader, MassFollowsFromGeomsWhereNoneIsGiven) {
   MadeMjcf mjcf;
   mjcf.thigh_inertial = "";
   mjcf.thigh = R"(<geom type="sphere" size=".05" density="2000" pos="0 0 -.1"/>)";
-  const UrdfRobot robot = tree(mjcf);
+  const ParsedRobot robot = tree(mjcf);
   const SpatialInertia& inertia = body(robot, "FL_thigh").inertia;
   const double mass = 4.0 / 3 * std::numbers::pi * 0.05 * 0.05 * 0.05 * 2000;
   EXPECT_NEAR(inertia.mass, mass, 1e-14);
@@ -245,7 +245,7 @@ TEST_F(MjcfReader, MeshesAreWhereTheFileHasThem) {
   mjcf.asset = R"(<mesh file="box.stl"/><material name="red" rgba="1 0 0 1"/>)";
   mjcf.thigh = R"(<geom name="hit" type="mesh" mesh="box" pos="0 0 .5" group="3"/>
                   <geom type="mesh" mesh="box" euler="0 0 90" contype="0" conaffinity="0" group="2" material="red"/>)";
-  const UrdfRobot robot = tree(mjcf);
+  const ParsedRobot robot = tree(mjcf);
   const Body& thigh = body(robot, "FL_thigh");
   ASSERT_EQ(thigh.shapes.size(), 1U);
   EXPECT_EQ(thigh.shapes[0].type, ShapeType::kBox);
@@ -281,7 +281,7 @@ TEST_F(MjcfReader, MeshesThatAreNotThereAreDroppedAndCounted) {
   mjcf.asset = R"(<mesh name="gone" file="gone.stl"/><mesh name="dae" file="../gone.dae"/>)";
   mjcf.thigh = R"(<geom type="mesh" mesh="gone" group="3"/><geom type="mesh" mesh="dae" group="3"/>
                   <geom type="mesh" mesh="gone" contype="0" conaffinity="0"/>)";
-  const UrdfRobot robot = tree(mjcf);
+  const ParsedRobot robot = tree(mjcf);
   EXPECT_TRUE(body(robot, "FL_thigh").shapes.empty());
   EXPECT_TRUE(body(robot, "FL_thigh").visuals.empty());
   for (const char* warning : {"dropped 1 collision mesh(es) whose file is not there",
@@ -300,7 +300,7 @@ TEST_F(MjcfReader, WhatCollidesIsFeltAndGroupsZeroToTwoAreSeen) {
                   <geom name="neither" size=".04" contype="0" conaffinity="0" group="3"/>
                   <geom name="affine" size=".05" contype="0" conaffinity="1" group="4"/>
                   <geom name="bar" type="capsule" fromto="0 0 0 0 0 -.2" size=".01" contype="0" conaffinity="0"/>)";
-  const UrdfRobot robot = tree(mjcf);
+  const ParsedRobot robot = tree(mjcf);
   const Body& thigh = body(robot, "FL_thigh");
   std::vector<std::string> felt;
   for (const CollisionShape& shape : thigh.shapes) felt.push_back(shape.name);
@@ -326,7 +326,7 @@ constexpr const char* kTwoActuators = R"(<actuator>
 TEST_F(MjcfReader, ActuatorsAreServosAndTorquesBehindTheirGears) {
   MadeMjcf mjcf;
   mjcf.sections = kTwoActuators;
-  const UrdfRobot robot = tree(mjcf);
+  const ParsedRobot robot = tree(mjcf);
   const auto joint = [&](const std::string& link) { return body(robot, link).joint; };
   EXPECT_EQ(joint("FL_thigh").kp, 80);
   EXPECT_EQ(joint("FL_thigh").effort_limit, 16);
@@ -398,7 +398,7 @@ TEST_F(MjcfReader, ConnectedBodiesAreALoop) {
   mjcf.sections = R"(<equality><connect name="tie" body1="FL_shin" body2="FR_shin" anchor="0 0 -.1"/>
                      <weld body1="RL_shin" body2="RR_shin"/>
                      <connect body1="RL_shin" body2="RR_shin" anchor="0 0 0" active="false"/></equality>)";
-  const UrdfRobot robot = tree(mjcf);
+  const ParsedRobot robot = tree(mjcf);
   ASSERT_EQ(robot.loops.size(), 1U);
   EXPECT_EQ(robot.loops[0].name, "tie");
   EXPECT_LT((robot.loops[0].p_a - Vector3(0, 0, -0.1)).norm(), 1e-15);
@@ -414,7 +414,7 @@ TEST_F(MjcfReader, WhatChangesMotionAndIsNotSimulatedIsCounted) {
   mjcf.sections = R"(<tendon><fixed name="t"><joint joint="FL_hip" coef="1"/></fixed></tendon>
                      <contact><exclude body1="trunk" body2="FL_shin"/></contact>
                      <custom><numeric name="n" data="1"/></custom>)";
-  const UrdfRobot robot = tree(mjcf);
+  const ParsedRobot robot = tree(mjcf);
   for (const char* warning : {"springs of 4 joint(s) are not simulated", "ignored 1 element(s) of <tendon>",
                               "ignored 1 element(s) of <contact>",
                               "dropped 1 geom(s) that are no sphere, capsule, cylinder, box or mesh",

@@ -80,8 +80,8 @@ TEST(EnvConfig, ReadsBackJointActions) {
   c.joints.scale = {0.25, {{"b: c", 0.5}}};
   c.joints.limit = 10;
   c.joints.delay = 4e-3;
-  c.servos.kp.all = 35;
-  c.servos.friction = {0.3, {{"a", 1}}};
+  c.servos["kp"].all = 35;
+  c.servos["friction"] = {0.3, {{"a", 1}}};
   c.observation[2].scale = {1, 2, 0.1 / 3};
   c.observation[3].clip = 5;
   c.observation[4].noise = 0.01;

@@ -30,11 +30,11 @@ EnvConfig foreign() {
   }
   config.joints.home.by_name = {{"FL_hip_pitch", 0.7}, {"RR_knee", -1.4}};
   config.joints.scale.by_name = {{"FL_hip_pitch", 0.25}};
-  config.servos.kp.all = 35;
-  config.servos.kd.all = 0;
-  config.servos.damping.all = 0.5;
-  config.servos.armature.all = 0.005;
-  config.servos.friction = {0.3, {{"FL_knee", 1}}};
+  config.servos["kp"].all = 35;
+  config.servos["kd"].all = 0;
+  config.servos["damping"].all = 0.5;
+  config.servos["armature"].all = 0.005;
+  config.servos["friction"] = {0.3, {{"FL_knee", 1}}};
   return config;
 }
 
@@ -272,14 +272,14 @@ TEST(JointActionSettings, NameWhatIsWrong) {
             "environment: joints.delay: expected a whole multiple of 0.002 s, found 0.003");
   EXPECT_EQ(complaint([](EnvConfig& c) { c.observation.emplace_back("phase"); }),
             "environment: observation: expected blocks that are there with action: joints, found phase");
-  EXPECT_NE(complaint([](EnvConfig& c) { c.servos.kp.all = -1; }).find("kp (N m/rad) >= 0"),
+  EXPECT_NE(complaint([](EnvConfig& c) { c.servos["kp"].all = -1; }).find("kp (N m/rad) >= 0"),
             std::string::npos);
   EXPECT_NE(complaint([](EnvConfig& c) {
-              c.servos.effort.by_name = {{"FL_nose", 1}};
+              c.servos["effort"].by_name = {{"FL_nose", 1}};
             }).find("servos.effort: expected servos of the robot: "),
             std::string::npos);
   EXPECT_EQ(
-      complaint([](EnvConfig& c) { c.servos.delay.all = 1.5e-3; }),
+      complaint([](EnvConfig& c) { c.servos["delay"].all = 1.5e-3; }),
       "environment: delay of joint 'FL_abduction': expected a whole number of physics steps of 0.001 s, at "
       "most 1000, found 0.0015 s");
   EXPECT_NE(complaint([](EnvConfig& c) {

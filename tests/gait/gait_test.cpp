@@ -80,7 +80,7 @@ TEST(Gaits, AnUnknownNameIsAnErrorThatListsTheKnown) {
     find_gait("canter");
     FAIL() << "no error";
   } catch (const ConfigError& e) {
-    EXPECT_EQ(e.element(), "canter");
+    EXPECT_EQ(e.found(), "'canter'");
     EXPECT_NE(e.expected().find("trot, walk"), std::string::npos) << e.what();
   }
 }

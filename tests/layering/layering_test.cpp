@@ -77,7 +77,7 @@ TEST(Layering, FoldersIncludeOnlyWhatIsBelowThem) {
                {"benchmarks/a.h", "#include \"physics/core/table.h\"", true},
                {"benchmarks/a.cpp", "#include \"backends/bullet/rows.h\"", false},
                {"benchmarks/a.cpp", "#include <mujoco/mujoco.h>", false},
-               {"benchmarks/a.cpp", "#include \"apps/plotting.h\"", false},
+               {"benchmarks/a.cpp", "#include \"apps/results.h\"", false},
                {"parity/a.cpp", "#include \"scenes/scenes.h\"", false},
                {"backends/registry.cpp", "#include \"backends/mujoco/backend.h\"", false},
                {"backends/plugin_loader.cpp", "#include \"physics/engine/engine_plugin.h\"", true},

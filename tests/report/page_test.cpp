@@ -9,6 +9,7 @@
 
 #include "backends/registry.h"
 #include "env/reward.h"
+#include "ik/leg_kinematics.h"
 #include "physics/robot/multibody.h"
 #include "physics/robot_files/data_path.h"
 #include "report/page_template.h"
@@ -54,8 +55,8 @@ TEST_P(PageOfEngine, BodiesAndFeetAreWhereTheTraceHasThem) {
   const WalkConfig config = short_rough_walk();
   const Walked walked = walk_in(GetParam(), config, robot);
   PageNumbers numbers;
-  const ordered_json document =
-      motion_document({robot, config.world().terrain, {{GetParam(), "", walked.trace}}, {}}, numbers);
+  const ordered_json document = motion_document(
+      {robot, LoadedWalk(config).world.terrain, {{GetParam(), "", walked.trace}}, {}}, numbers);
   const ordered_json &run = document.at("runs").at(0), &legs = document.at("scene").at("legs");
   const std::vector<double> times = floats(numbers, run.at("time")), poses = floats(numbers, run.at("poses")),
                             feet = floats(numbers, run.at("feet")),
@@ -92,7 +93,7 @@ TEST_P(PageOfEngine, BodiesAndFeetAreWhereTheTraceHasThem) {
 TEST(Scene, TheGroundIsTheTerrainUnderTheWay) {
   const auto robot = scenes::quadruped();
   const WalkConfig config = short_rough_walk();
-  const Terrain terrain = config.world().terrain;
+  const Terrain terrain = LoadedWalk(config).world.terrain;
   PageNumbers numbers;
   const ordered_json scene = scene_document(*robot, terrain, {{0, 0}, {0.2, 0.1}}, numbers);
   const ordered_json& ground = scene.at("ground");
@@ -187,12 +188,74 @@ TEST(Episodes, EarnInTheirColumnsWhatTheRolloutSays) {
 
 TEST(ChartsOfAPage, HoldFinitePointsInTheOrderOfX) {
   Chart chart;
-  chart.series.push_back({"a", 2, true, {{3, 1}, {1, 2}, {2, NAN}, {HUGE_VAL, 1}}});
-  const ordered_json json = to_json(Charts{"some", {chart}});
+  const std::vector<Chart::Point> points{{3, 1}, {1, 2}, {2, NAN}, {HUGE_VAL, 1}};
+  chart.series.push_back({"a", 2, Chart::Series::Style::kLine, points});
+  chart.series.push_back({"b", 0, Chart::Series::Style::kPath, points});
+  PageNumbers numbers;
+  const ordered_json json = to_json(Charts{"some", {chart}}, numbers);
   EXPECT_EQ(json.at("title"), "some");
-  const ordered_json& series = json.at("charts").at(0).at("series").at(0);
-  EXPECT_EQ(series.at("points"), ordered_json::parse("[[1.0, 2.0], [3.0, 1.0]]"));
-  EXPECT_EQ(series.at("colour"), 2);
+  const ordered_json &line = json.at("charts").at(0).at("series").at(0),
+                     &path = json.at("charts").at(0).at("series").at(1);
+  EXPECT_EQ(line.at("points"), ordered_json::parse("[[1.0, 2.0], [3.0, 1.0]]"));
+  EXPECT_EQ(line.at("colour"), 2);
+  EXPECT_EQ(line.at("style"), "line");
+  EXPECT_EQ(path.at("points"), ordered_json::parse("[[3.0, 1.0], [1.0, 2.0]]")) << "in its own order";
+  EXPECT_EQ(path.at("style"), "path");
+  EXPECT_TRUE(json.at("charts").at(0).at("shades").is_null());
+}
+
+TEST(ChartsOfAPage, HoldBoxesAndShades) {
+  Chart chart;
+  chart.boxes.push_back({"safe", 3, false, {{{1, 2}, {3, 4}}}});
+  chart.shades = Chart::Shades{"margin, deg", {0, 0}, {1, 2}, {2, 2}, {0.5, {}, 1.5, 2.5}};
+  PageNumbers numbers;
+  const ordered_json json = to_json(Charts{"some", {chart}}, numbers).at("charts").at(0);
+  EXPECT_EQ(json.at("boxes").at(0).at("boxes"), ordered_json::parse("[[1.0, 2.0, 3.0, 4.0]]"));
+  EXPECT_FALSE(json.at("boxes").at(0).at("filled"));
+  const std::vector<double> values = floats(numbers, json.at("shades").at("values"));
+  ASSERT_EQ(values.size(), 4U);
+  EXPECT_EQ(values[0], 0.5);
+  EXPECT_TRUE(std::isnan(values[1])) << "nothing to be drawn";
+  EXPECT_EQ(values[2], 1.5);
+  EXPECT_EQ(values[3], 2.5);
+}
+
+TEST(Motion, LeavesOutTouchesAndGapsThatNoFootMeant) {
+  // Steps of 10 ms. FL: a touch of 10 ms, then a stance with a gap of 10 ms in it. The others stand
+  // throughout.
+  const auto robot = scenes::quadruped();
+  RunRecorder recorder(robot);
+  TraceSample sample;
+  sample.state.q = robot->home;
+  sample.targets.q = JointVector::Zero(static_cast<Eigen::Index>(robot->actuated_joints().size()));
+  sample.torques = JointVector::Zero(robot->joint_count());
+  sample.contact = {{true, true, true, true}};
+  for (const char touches : std::string("0010000111101111")) {
+    sample.contact[Leg::FL] = touches == '1';
+    recorder.add(sample);
+    sample.state.time += 0.01;
+  }
+  Motion motion{robot, {}, {{"a", "", recorder.take("a")}}, {}};
+  const auto stances_of = [&motion](std::size_t leg) {
+    PageNumbers numbers;
+    return motion_document(motion, numbers).at("runs").at(0).at("contact").at(leg).size() / 2;
+  };
+  EXPECT_EQ(stances_of(0), 1U);
+  EXPECT_EQ(stances_of(1), 1U);
+  motion.shortest_contact = 0;
+  EXPECT_EQ(stances_of(0), 3U);
+  EXPECT_EQ(stances_of(1), 1U);
+}
+
+TEST(Scene, SaysWhereLegFramesAre) {
+  const auto robot = scenes::quadruped();
+  PageNumbers numbers;
+  const ordered_json scene = scene_document(*robot, {}, {}, numbers);
+  const LegArray<Vector3> origins = leg_origins(*robot);
+  for (const Leg leg : kLegs) {
+    const std::vector<double> origin = scene.at("legs").at(index(leg)).at("origin");
+    EXPECT_EQ(vector_at(origin, 0), origins[leg]) << name(leg);
+  }
 }
 
 TEST(Motion, RefusesTracesThatAreNotOfTheRobot) {

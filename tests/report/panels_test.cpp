@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 
+#include "gait/parameters.h"
 #include "physics/core/math.h"
 #include "tests/report/walked_motion.h"
 #include "tests/support/backend_test.h"
@@ -41,7 +42,7 @@ class PanelsOfEngine : public BackendTest {
       walked_.push_back(walk_in(GetParam(), config_, robot_));
     }
     document_ = motion_document({robot_,
-                                 config_.world().terrain,
+                                 LoadedWalk(config_).world.terrain,
                                  {{"long", "", walked_[0].trace}, {"short", "", walked_[1].trace}},
                                  {}},
                                 numbers_);
@@ -72,6 +73,42 @@ TEST_P(PanelsOfEngine, HoldEveryRunFrameByFrame) {
   }
   // Six of the base, two a foot, and of each servo its angle and its torque.
   EXPECT_EQ(seen, 6 + 2 * kLegCount + 2 * robot_->actuated_joints().size());
+}
+
+TEST_P(PanelsOfEngine, ParametersThatNeverChangeAreNamedInstead) {
+  const ordered_json& constants = document_.at("constants");
+  ASSERT_EQ(constants.size(), gait_parameters().size());
+  for (std::size_t i = 0; i < constants.size(); ++i) {
+    const std::string column = std::string("param.") + std::string(gait_parameters()[i].name);
+    EXPECT_EQ(constants.at(i).at("value"), walked_[0].trace.column(column).front()) << column;
+    EXPECT_EQ(constants.at(i).at("unit"), gait_parameters()[i].unit) << column;
+  }
+}
+
+TEST_P(PanelsOfEngine, ParametersThatChangeOrDifferHaveAPanel) {
+  const auto with = [this](const std::string& column, std::size_t run, double step) {
+    const TraceTable& trace = walked_[run].trace;
+    std::vector<std::string> names = trace.names();
+    std::vector<std::vector<double>> columns;
+    for (const std::string& name : names) columns.push_back(trace.column(name));
+    if (!trace.has(column)) names.push_back(column), columns.emplace_back(trace.rows(), 1);
+    const auto place = std::find(names.begin(), names.end(), column) - names.begin();
+    columns[static_cast<std::size_t>(place)].back() += step;
+    return TraceTable(trace.path(), names, columns);
+  };
+  const auto panels = [this](const TraceTable& a, const TraceTable& b) {
+    const ordered_json document = motion_document({robot_, {}, {{"a", "", a}, {"b", "", b}}, {}}, numbers_);
+    std::vector<std::string> titles;
+    for (const ordered_json& panel : document.at("panels")) {
+      if (panel.at("group") == "parameters") titles.push_back(panel.at("title"));
+    }
+    return titles;
+  };
+  using Titles = std::vector<std::string>;
+  EXPECT_EQ(panels(with("param.step_height", 0, 1e-3), walked_[1].trace), Titles{"step height"});
+  // Of nobody's gait, as other programs may write it.
+  EXPECT_EQ(panels(walked_[0].trace, with("param.boldness", 1, 1)), Titles{"boldness"});
+  EXPECT_EQ(panels(walked_[0].trace, with("param.boldness", 1, 0)), Titles{});
 }
 
 TEST_P(PanelsOfEngine, OfTheBaseAreWhatItsStatesSay) {

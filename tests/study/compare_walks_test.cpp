@@ -13,7 +13,7 @@ namespace {
 
 std::string refusal(const std::vector<std::string>& engines) {
   try {
-    static_cast<void>(compare_walks({}, engines));
+    static_cast<void>(compare_walks(WalkConfig(), engines));
   } catch (const ConfigError& error) {
     EXPECT_EQ(error.element(), "--engines");
     return error.found();

@@ -111,7 +111,7 @@ TEST(CourseSections, TakeTheMethodFromTheEnvironmentAndAllElseFromTheCourse) {
   course.sections[0].payload = 0.3;
   course.sections[0].push_speed = {1, 2};
   course.sections[0].push_interval = {1, 3};
-  const EnvConfig here = section_environment(config, course, course.sections[0]);
+  const EnvConfig here = section_environment(config, course, course.sections[0]).config;
   EXPECT_EQ(here.gait, "walk");
   EXPECT_EQ(here.policy_dt, 0.02);
   EXPECT_EQ(here.terrain, course.sections[0].terrain);
@@ -128,7 +128,7 @@ TEST(CourseSections, TakeTheMethodFromTheEnvironmentAndAllElseFromTheCourse) {
   EXPECT_EQ(factor.min, factor.max);
   EXPECT_NEAR((factor.min - 1) * trunk, 0.3 * whole, 1e-12);  // rounding
   EXPECT_NEAR(here.randomisation[Randomised::kPushImpulse].max, 2 * 1.3 * whole, 1e-12);
-  const EnvConfig other = section_environment(config, course, course.sections[1]);
+  const EnvConfig other = section_environment(config, course, course.sections[1]).config;
   EXPECT_FALSE(other.randomisation.is_on(Randomised::kTrunkMass));
   EXPECT_FALSE(other.randomisation.is_on(Randomised::kPushImpulse));
 }
@@ -174,7 +174,7 @@ TEST_P(Courses, AreTheEpisodesOfEverySection) {
   ASSERT_EQ(result.cells.size(), 2U);
   EXPECT_DOUBLE_EQ(shares.back(), 1);
   for (std::size_t i = 0; i < 2; ++i) {
-    const EnvConfig here = section_environment(method(GetParam()), course, course.sections[i]);
+    const EnvConfig here = section_environment(method(GetParam()), course, course.sections[i]).config;
     const Rollout rollout = roll_out(here, {"random"}, {.episodes = 3, .workers = 1, .seed = 4});
     EXPECT_EQ(to_json(result.cells[i].all), to_json(rollout.policies[0].all));
     for (std::size_t k = 0; k < 3; ++k) {

@@ -59,7 +59,8 @@ TEST_F(Judgements, AreAnAuditAndAVerdict) {
     const Engine engine_a = find_engine(a()), engine_b = find_engine(b());
     const Verdict verdict = reach_verdict(make_behaviour(spec), engine_a, engine_b, options().verdict);
     EXPECT_EQ(to_json(whole.verdict).dump(), to_json(verdict).dump());
-    const auto world_a = engine_a.make(world_of(spec)), world_b = engine_b.make(world_of(spec));
+    const auto world_a = engine_a.make(LoadedBehaviour(spec).world()),
+               world_b = engine_b.make(LoadedBehaviour(spec).world());
     EXPECT_EQ(to_json(whole.models).dump(), to_json(audit_models(*world_a, *world_b)).dump());
     EXPECT_FALSE(whole.attribution.has_value());
   }
@@ -70,7 +71,7 @@ TEST_F(Judgements, ExplainWithTheFamilyOfTheTwoEngines) {
   JudgementOptions how = options(true);
   how.explain = true;
   BehaviourSpec spec = short_trot();
-  const EngineFamily family = family_for(engine_families().front(), *world_of(spec).robot);
+  const EngineFamily family = family_for(engine_families().front(), *LoadedBehaviour(spec).world().robot);
   std::get<WalkConfig>(spec.what).timing = {.seconds = 0.1, .settle_seconds = 0.05};
   const Judgement whole = judge_behaviour(spec, family.from, family.to, how);
   ASSERT_TRUE(whole.attribution.has_value());
@@ -121,7 +122,7 @@ TEST_F(Judgements, LookAtTheWorldOfThePolicysConfiguration) {
   config.environment.terrain_seed = 9;
   config.environment.friction = 0.3;
   config.environment.physics_dt = 5e-4;
-  const WorldSpec world = world_of({config, {}, 0});
+  const WorldSpec world = LoadedBehaviour(config, {}, 0).world();
   EXPECT_EQ(world.robot->name, "scara_quadruped_long");
   EXPECT_EQ(world.contact.friction, 0.3);
   EXPECT_EQ(world.physics_dt, 5e-4);

@@ -62,9 +62,9 @@ TEST_F(StoredRuns, ThatFailedCountAsNotThere) {
                           "\n");
   RunStore store(file());
   EXPECT_EQ(store.size(), 0U);
-  EXPECT_FALSE(store.find(run_of(0)));
-  store.add(run_of(0), {{"distance"}, {0.1}});
-  EXPECT_EQ(RunStore(file()).find(run_of(0))->values, std::vector<double>{0.1});
+  EXPECT_FALSE(store.find(to_json(run_of(0))));
+  store.add(to_json(run_of(0)), {{"distance"}, {0.1}});
+  EXPECT_EQ(RunStore(file()).find(to_json(run_of(0)))->values, std::vector<double>{0.1});
   EXPECT_EQ(lines().size(), 2U);
 }
 
@@ -121,8 +121,8 @@ TEST_F(StoredRuns, AreFoundByWhatTheyAre) {
 
 TEST_F(StoredRuns, HaveOneNumberPerName) {
   RunStore store(file());
-  EXPECT_THROW(store.add(run_of(0), {{"distance", "cost"}, {1}}), ConfigError);
-  EXPECT_THROW(store.add(run_of(0), {{"distance"}, {1, 2}}), ConfigError);
+  EXPECT_THROW(store.add(to_json(run_of(0)), {{"distance", "cost"}, {1}}), ConfigError);
+  EXPECT_THROW(store.add(to_json(run_of(0)), {{"distance"}, {1, 2}}), ConfigError);
   EXPECT_EQ(store.size(), 0U);
 }
 
@@ -169,7 +169,7 @@ TEST_F(StoredRuns, MayBeAddedByManyThreads) {
   const RunStore again(file());
   EXPECT_EQ(again.size(), 40U);
   for (std::size_t k = 0; k < 40; ++k) {
-    const auto stored = again.find(run_of(k));
+    const auto stored = again.find(to_json(run_of(k)));
     ASSERT_TRUE(stored.has_value()) << k;
     EXPECT_EQ(stored->names, (std::vector<std::string>{"distance", "cost", "a thing"}));
     EXPECT_EQ(stored->values[0], 0.1 + 0.2 * static_cast<double>(k));
@@ -210,7 +210,7 @@ TEST_F(StoredRuns, OfTooManyValuesAreAnErrorOfTheirLine) {
 TEST_F(StoredRuns, ThatCannotBeWrittenAreAnError) {
   RunStore store(path("nowhere/runs.jsonl"));
   EXPECT_EQ(store.size(), 0U);
-  EXPECT_THROW(store.add(run_of(0), {{"distance"}, {1}}), ConfigError);
+  EXPECT_THROW(store.add(to_json(run_of(0)), {{"distance"}, {1}}), ConfigError);
   EXPECT_EQ(store.size(), 0U);
 }
 

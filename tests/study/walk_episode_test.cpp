@@ -103,7 +103,7 @@ TEST(WalkConfig, MakesTheWorldThatItSays) {
   config.terrain_seed = 4;
   config.friction = 0.3;
   config.physics_dt = 5e-4;
-  const WorldSpec world = config.world(), other = EnvModel::make(config.environment())->world;
+  const WorldSpec world = LoadedWalk(config).world, other = EnvModel::make(config.environment())->world;
   for (const WorldSpec& w : {world, other}) {
     EXPECT_EQ(w.robot->name, "scara_quadruped_long");
     EXPECT_EQ(w.contact.friction, 0.3);
@@ -111,7 +111,7 @@ TEST(WalkConfig, MakesTheWorldThatItSays) {
     EXPECT_EQ(w.terrain.height(0.7, 0.4), make_terrain(config.terrain, 4).height(0.7, 0.4));
   }
   config.friction = -1;
-  EXPECT_THROW((void)config.world(), ConfigError);
+  EXPECT_THROW((void)LoadedWalk(config).world, ConfigError);
 }
 
 }  // namespace

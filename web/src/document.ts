@@ -1,4 +1,5 @@
-// What the page shows: the document that report/page.h describes, and the numbers that it refers to.
+// What the page shows: the document that report/page.h describes, and the numbers that it refers to. The types down to
+// ReportDocument are those of docs/schemas/report.json, which test/document.test.mjs holds them to.
 
 /** Where numbers are, counted in numbers of four bytes. */
 export interface Reference {
@@ -35,7 +36,13 @@ export interface Scene {
   way: [number, number, number, number];
   bodies: { name: string; mass: number; centre_of_mass: [number, number, number]; shapes: Shape[] }[];
   meshes: { vertices: Reference; triangles: Reference }[];
-  legs: { name: string; body: number; foot: [number, number, number]; radius: number }[];
+  legs: {
+    name: string;
+    body: number;
+    foot: [number, number, number];
+    radius: number;
+    origin: [number, number, number] | null;
+  }[];
   ground: Ground | null;
   notes: string[];
 }
@@ -72,7 +79,13 @@ export interface Motion {
   runs: RunDocument[];
   pairs: Pair[];
   panels: Panel[];
+  constants: { name: string; unit: string; value: number }[];
+  shortest_contact: number;
   notes: string[];
+}
+
+/** What a page that shows runs live says besides. */
+export interface Live {
   /** Force on a foot that is drawn as long as a leg, N; otherwise that which is usual in the runs. */
   usual_load?: number;
   /** The ground is a plane that goes along with the robot. */
@@ -130,7 +143,16 @@ export interface Chart {
   x_log: boolean;
   y_log: boolean;
   y_names: [number, string][];
-  series: { label: string; colour: number; line: boolean; points: [number, number][] }[];
+  equal_scales: boolean;
+  series: { label: string; colour: number; style: "dots" | "line" | "path"; points: [number, number][] }[];
+  boxes: { label: string; colour: number; filled: boolean; boxes: [number, number, number, number][] }[];
+  shades: {
+    label: string;
+    min: [number, number];
+    max: [number, number];
+    count: [number, number];
+    values: Reference;
+  } | null;
 }
 
 export interface Charts {
@@ -148,6 +170,7 @@ export interface Provenance {
 }
 
 export interface ReportDocument {
+  schema: { name: "report"; version: 2 };
   title: string;
   crossgait: string;
   sentences: string[];

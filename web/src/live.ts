@@ -1,5 +1,5 @@
 // The live page: the robot as the server simulates it now, and what drives it.
-import type { LiveDocument, Motion } from "./document";
+import type { Live, LiveDocument, Motion } from "./document";
 import { Numbers } from "./document";
 import { button, h, toggle } from "./dom";
 import { Controls } from "./live_controls";
@@ -47,11 +47,26 @@ export class LivePage {
   private readonly facts = h("p", {}, "connecting");
   private readonly trouble = h("p", { class: "trouble", role: "status" });
   private readonly clock = h("output", { class: "clock" });
-  private readonly pause = button("\u275a\u275a", "Pause or go on (p)", () => this.link.send({ do: "pause", on: !this.frame?.paused }));
-  private readonly record = button("\u25cf record", "Record a minute at most (r)", () => this.link.send({ do: "record", on: this.frame?.recorded === null }));
-  private readonly save = h("a", { href: "report", download: "crossgait-live.html", class: "button", hidden: true }, "save the report");
-  private readonly follow = toggle("follow", "The camera goes along (f)", true, (on) => this.view && (this.view.follow = on));
-  private readonly sideBySide = toggle("side by side", "Beside each other instead of in one place (b)", false, () => this.arrange());
+  private readonly pause = button("\u275a\u275a", "Pause or go on (p)", () =>
+    this.link.send({ do: "pause", on: !this.frame?.paused }),
+  );
+  private readonly record = button("\u25cf record", "Record a minute at most (r)", () =>
+    this.link.send({ do: "record", on: this.frame?.recorded === null }),
+  );
+  private readonly save = h(
+    "a",
+    { href: "report", download: "crossgait-live.html", class: "button", hidden: true },
+    "save the report",
+  );
+  private readonly follow = toggle(
+    "follow",
+    "The camera goes along (f)",
+    true,
+    (on) => this.view && (this.view.follow = on),
+  );
+  private readonly sideBySide = toggle("side by side", "Beside each other instead of in one place (b)", false, () =>
+    this.arrange(),
+  );
 
   constructor(document_: LiveDocument) {
     document.title = "Live \u2013 Crossgait";
@@ -77,20 +92,60 @@ export class LivePage {
   }
 
   private header(version: string): HTMLElement {
-    const keys = h("details", { class: "help" }, h("summary", {}, "keys"), h("dl", {}, ...KEYS.flatMap(([k, what]) => [h("dt", {}, k), h("dd", {}, what)])));
-    return h("header", {}, h("h1", { title: `Crossgait ${version}` }, "Live"), this.facts, this.trouble, h("span", { class: "right" }, keys, button("\u25d0", "Light or dark (t)", () => theme.toggle())));
+    const keys = h(
+      "details",
+      { class: "help" },
+      h("summary", {}, "keys"),
+      h("dl", {}, ...KEYS.flatMap(([k, what]) => [h("dt", {}, k), h("dd", {}, what)])),
+    );
+    return h(
+      "header",
+      {},
+      h("h1", { title: `Crossgait ${version}` }, "Live"),
+      this.facts,
+      this.trouble,
+      h(
+        "span",
+        { class: "right" },
+        keys,
+        button("\u25d0", "Light or dark (t)", () => theme.toggle()),
+      ),
+    );
   }
   private stage(): HTMLElement {
     const stop = button("stop", "Stop walking (space)", () => this.driver.stop());
     stop.classList.add("stop");
-    const transport = h("div", { class: "transport" }, stop, this.pause, button("stand up", "Back to the start, standing (u)", () => this.link.send({ do: "stand" })), this.record, this.save, this.clock);
-    const views = PRESETS.map(([preset, label, k]) => button(label, `View: ${preset} (${k})`, () => this.view?.look(preset)));
+    const transport = h(
+      "div",
+      { class: "transport" },
+      stop,
+      this.pause,
+      button("stand up", "Back to the start, standing (u)", () => this.link.send({ do: "stand" })),
+      this.record,
+      this.save,
+      this.clock,
+    );
+    const views = PRESETS.map(([preset, label, k]) =>
+      button(label, `View: ${preset} (${k})`, () => this.view?.look(preset)),
+    );
     const shows = [
       toggle("forces", "Forces on the feet", true, (on) => this.view && ((this.view.forces = on), this.view.paint())),
       toggle("trails", "Paths of the feet", true, (on) => this.view && ((this.view.trails = on), this.view.paint())),
     ];
     const hint = h("span", { class: "muted" }, "pull at the robot to push it");
-    return h("div", { class: "stage" }, this.holder, transport, h("div", { class: "tools" }, h("span", {}, ...views, this.follow), h("span", {}, ...shows, this.sideBySide), hint));
+    return h(
+      "div",
+      { class: "stage" },
+      this.holder,
+      transport,
+      h(
+        "div",
+        { class: "tools" },
+        h("span", {}, ...views, this.follow),
+        h("span", {}, ...shows, this.sideBySide),
+        hint,
+      ),
+    );
   }
 
   private say(words: string): void {
@@ -138,8 +193,23 @@ export class LivePage {
     this.view?.dispose();
     const { scene, numbers } = this.scene!;
     this.runs = frame.robots.map((robot, i) => new LiveRun(i, robot));
-    const motion: Motion = { scene, runs: this.runs.map((run) => run.document), pairs: [], panels: [], notes: [], usual_load: (this.options.mass * GRAVITY) / 2, endless: scene.ground === null, live: true };
-    const canvas = h("canvas", { tabindex: 0, role: "img", "aria-label": `${scene.robot} in 3D. Keys w, a, s, d turn the view, plus and minus zoom.` });
+    const motion: Motion & Live = {
+      scene,
+      runs: this.runs.map((run) => run.document),
+      pairs: [],
+      panels: [],
+      constants: [],
+      shortest_contact: 0,
+      notes: [],
+      usual_load: (this.options.mass * GRAVITY) / 2,
+      endless: scene.ground === null,
+      live: true,
+    };
+    const canvas = h("canvas", {
+      tabindex: 0,
+      role: "img",
+      "aria-label": `${scene.robot} in 3D. Keys w, a, s, d turn the view, plus and minus zoom.`,
+    });
     this.holder.replaceChildren(canvas);
     const view = (this.view = new View(motion, this.runs, new Numbers(numbers), canvas));
     view.follow = this.follow.querySelector("input")!.checked;
@@ -150,7 +220,13 @@ export class LivePage {
       view.camera.position.copy(view.controls.target).add(before);
       view.controls.update();
     }
-    new Pusher(view, scene.standing_height || 0.2, this.options.limits.push, (impulse) => this.link.send({ do: "push", impulse }), (words) => this.say(words));
+    new Pusher(
+      view,
+      scene.standing_height || 0.2,
+      this.options.limits.push,
+      (impulse) => this.link.send({ do: "push", impulse }),
+      (words) => this.say(words),
+    );
   }
   private arrange(): void {
     if (!this.view) return;
@@ -166,7 +242,14 @@ export class LivePage {
     const [x, y, z, w] = pose.slice(3, 7) as [number, number, number, number];
     const yaw = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
     const size = KEY_PUSH * this.options.limits.push;
-    this.link.send({ do: "push", impulse: [size * (forward * Math.cos(yaw) - left * Math.sin(yaw)), size * (forward * Math.sin(yaw) + left * Math.cos(yaw)), 0] });
+    this.link.send({
+      do: "push",
+      impulse: [
+        size * (forward * Math.cos(yaw) - left * Math.sin(yaw)),
+        size * (forward * Math.sin(yaw) + left * Math.cos(yaw)),
+        0,
+      ],
+    });
   }
 
   private key(event: KeyboardEvent): void {

@@ -64,7 +64,11 @@ class Slider {
 }
 
 function options(names: [string, string][], label: string, change: (value: string) => void): HTMLSelectElement {
-  const select: HTMLSelectElement = h("select", { "aria-label": label, change: () => (leave(select), change(select.value)) }, ...names.map(([value, help]) => h("option", { value, title: help }, value)));
+  const select: HTMLSelectElement = h(
+    "select",
+    { "aria-label": label, change: () => (leave(select), change(select.value)) },
+    ...names.map(([value, help]) => h("option", { value, title: help }, value)),
+  );
   return select;
 }
 
@@ -87,7 +91,13 @@ class Readout {
     // Velocities of a body in its stride, over half a second.
     this.smooth = robot.velocity.map((v, i) => (this.smooth?.[i] ?? v) * 0.96 + 0.04 * v);
     const said = robot.outcome === "walked" ? "well" : robot.outcome.replace("_", " ");
-    const texts = [said, ...this.smooth.map((v) => v.toFixed(2)), (1000 * robot.height).toFixed(0), (DEGREES * robot.roll).toFixed(1), (DEGREES * robot.pitch).toFixed(1)];
+    const texts = [
+      said,
+      ...this.smooth.map((v) => v.toFixed(2)),
+      (1000 * robot.height).toFixed(0),
+      (DEGREES * robot.roll).toFixed(1),
+      (DEGREES * robot.pitch).toFixed(1),
+    ];
     this.name.textContent = robot.engine;
     this.name.style.borderLeft = `4px solid ${theme.colour(this.index)}`;
     this.cells.forEach((cell, i) => (cell.textContent = (texts[i] ?? "").replace("-", "\u2212")));
@@ -118,25 +128,71 @@ export class Controls {
     private readonly send: (command: Command) => void,
   ) {
     const { limits } = known;
-    const velocity = (name: keyof LiveFrame["command"], label: string, unit: string, most: number): [typeof name, Slider] => [
+    const velocity = (
+      name: keyof LiveFrame["command"],
+      label: string,
+      unit: string,
+      most: number,
+    ): [typeof name, Slider] => [
       name,
       new Slider({ name, label, unit, help: label, min: -most, max: most }, (value) => driver.set({ [name]: value })),
     ];
-    this.drive = [velocity("vx", "forward", "m/s", limits.forward), velocity("vy", "left", "m/s", limits.left), velocity("yaw_rate", "turn left", "rad/s", limits.yaw_rate)];
-    this.parameters = known.parameters.map((p) => new Slider({ ...p, label: p.name.replaceAll("_", " ") }, (value) => send({ do: "set", name: p.name, value })));
-    this.gait = options(known.gaits.map((g) => [g.name, g.summary]), "Gait", (gait) => send({ do: "gait", gait }));
-    this.curve = options(known.curves.map((curve) => [curve, "The path of a foot through the air"]), "Swing curve", (curve) => send({ do: "curve", curve }));
-    this.engines = Array.from({ length: known.most_engines }, (_, i) =>
-      options([...(i > 0 ? ([["none", ""]] as [string, string][]) : []), ...known.engines.map((e): [string, string] => [e, ""])], i > 0 ? `Engine beside it, ${i}` : "Engine", () => this.chooseEngines()),
+    this.drive = [
+      velocity("vx", "forward", "m/s", limits.forward),
+      velocity("vy", "left", "m/s", limits.left),
+      velocity("yaw_rate", "turn left", "rad/s", limits.yaw_rate),
+    ];
+    this.parameters = known.parameters.map(
+      (p) =>
+        new Slider({ ...p, label: p.name.replaceAll("_", " ") }, (value) => send({ do: "set", name: p.name, value })),
     );
-    this.terrain = options(known.terrains.map((t) => [t.name, t.help]), "Ground", () => {
-      this.settings.value = "";
-      this.changeGround();
+    this.gait = options(
+      known.gaits.map((g) => [g.name, g.summary]),
+      "Gait",
+      (gait) => send({ do: "gait", gait }),
+    );
+    this.curve = options(
+      known.curves.map((curve) => [curve, "The path of a foot through the air"]),
+      "Swing curve",
+      (curve) => send({ do: "curve", curve }),
+    );
+    this.engines = Array.from({ length: known.most_engines }, (_, i) =>
+      options(
+        [
+          ...(i > 0 ? ([["none", ""]] as [string, string][]) : []),
+          ...known.engines.map((e): [string, string] => [e, ""]),
+        ],
+        i > 0 ? `Engine beside it, ${i}` : "Engine",
+        () => this.chooseEngines(),
+      ),
+    );
+    this.terrain = options(
+      known.terrains.map((t) => [t.name, t.help]),
+      "Ground",
+      () => {
+        this.settings.value = "";
+        this.changeGround();
+      },
+    );
+    this.settings = h("input", {
+      type: "text",
+      placeholder: "key=value,...",
+      "aria-label": "Parameters of the ground",
+      title: "As behind the colon of --terrain, e.g. rise=.01,run=.1",
+      change: () => this.changeGround(),
     });
-    this.settings = h("input", { type: "text", placeholder: "key=value,...", "aria-label": "Parameters of the ground", title: "As behind the colon of --terrain, e.g. rise=.01,run=.1", change: () => this.changeGround() });
-    this.seed = h("input", { type: "number", min: 0, step: 1, value: 0, "aria-label": "Seed of the ground", title: "Seed", change: () => this.changeGround() });
+    this.seed = h("input", {
+      type: "number",
+      min: 0,
+      step: 1,
+      value: 0,
+      "aria-label": "Seed of the ground",
+      title: "Seed",
+      change: () => this.changeGround(),
+    });
     // A policy has its own mind about the gait: sliders show what it does.
-    if (known.policy !== null) for (const control of [this.gait, this.curve, ...this.parameters]) control.disabled = true;
+    if (known.policy !== null)
+      for (const control of [this.gait, this.curve, ...this.parameters]) control.disabled = true;
     this.element = h("div", { class: "controls" }, this.numbers(), ...this.groups());
   }
 
@@ -159,7 +215,8 @@ export class Controls {
     }
     while (this.readouts.length < frame.robots.length) this.readouts.push(new Readout(this.readouts.length));
     this.readouts.length = frame.robots.length;
-    if (this.rows.childElementCount !== this.readouts.length) this.rows.replaceChildren(...this.readouts.map((r) => r.element));
+    if (this.rows.childElementCount !== this.readouts.length)
+      this.rows.replaceChildren(...this.readouts.map((r) => r.element));
     this.readouts.forEach((readout, i) => readout.show(frame.robots[i]!));
   }
 
@@ -169,20 +226,56 @@ export class Controls {
   }
   private changeGround(): void {
     const settings = this.settings.value.trim();
-    this.send({ do: "terrain", terrain: settings ? `${this.terrain.value}:${settings}` : this.terrain.value, seed: Math.max(0, Math.round(Number(this.seed.value) || 0)) });
+    this.send({
+      do: "terrain",
+      terrain: settings ? `${this.terrain.value}:${settings}` : this.terrain.value,
+      seed: Math.max(0, Math.round(Number(this.seed.value) || 0)),
+    });
   }
   private numbers(): HTMLElement {
-    const heads = ["", "state", "forward, m/s", "left, m/s", "turn, rad/s", "height, mm", "roll, \u00b0", "pitch, \u00b0", "feet"];
-    return h("div", { class: "scroll" }, h("table", { class: "readout" }, h("thead", {}, h("tr", {}, ...heads.map((head) => h("th", {}, head)))), this.rows));
+    const heads = [
+      "",
+      "state",
+      "forward, m/s",
+      "left, m/s",
+      "turn, rad/s",
+      "height, mm",
+      "roll, \u00b0",
+      "pitch, \u00b0",
+      "feet",
+    ];
+    return h(
+      "div",
+      { class: "scroll" },
+      h(
+        "table",
+        { class: "readout" },
+        h("thead", {}, h("tr", {}, ...heads.map((head) => h("th", {}, head)))),
+        this.rows,
+      ),
+    );
   }
   private groups(): HTMLElement[] {
     const height = this.known.parameters.findIndex((p) => p.name === "body_height");
     const others = this.parameters.filter((_, i) => i !== height);
     return [
       section("Drive", ...this.drive.map(([, slider]) => slider.element)),
-      section("Engine", h("div", { class: "row" }, this.engines[0]!, h("span", { class: "muted" }, "beside it"), ...this.engines.slice(1))),
+      section(
+        "Engine",
+        h(
+          "div",
+          { class: "row" },
+          this.engines[0]!,
+          h("span", { class: "muted" }, "beside it"),
+          ...this.engines.slice(1),
+        ),
+      ),
       section("Ground", h("div", { class: "row" }, this.terrain, this.settings, h("label", {}, "seed", this.seed))),
-      section("Gait", h("div", { class: "row" }, this.gait, h("label", {}, "swing", this.curve)), ...[this.parameters[height]!, ...others].map((slider) => slider.element)),
+      section(
+        "Gait",
+        h("div", { class: "row" }, this.gait, h("label", {}, "swing", this.curve)),
+        ...[this.parameters[height]!, ...others].map((slider) => slider.element),
+      ),
     ];
   }
 }

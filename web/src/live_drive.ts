@@ -42,7 +42,8 @@ export class Driver {
   change(forward: number, left: number, turn: number): void {
     const { vx, vy, yaw_rate } = this.wanted;
     const limits = this.limits;
-    const next = (value: number, steps: number, most: number) => most * clamp(Math.round((value / most + steps * STEP) / STEP) * STEP);
+    const next = (value: number, steps: number, most: number) =>
+      most * clamp(Math.round((value / most + steps * STEP) / STEP) * STEP);
     this.set({
       vx: forward ? next(vx, forward, limits.forward) : vx,
       vy: left ? next(vy, left, limits.left) : vy,
@@ -88,17 +89,24 @@ export class Pusher {
     // Before the view, which would turn.
     canvas.addEventListener("pointerdown", (event) => this.begin(event), { capture: true });
     canvas.addEventListener("pointermove", (event) => this.move(event));
-    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => this.end(event.type === "pointerup"));
+    for (const end of ["pointerup", "pointercancel"])
+      canvas.addEventListener(end, (event) => this.end(event.type === "pointerup"));
   }
 
   private aim(event: PointerEvent): void {
     const box = this.view.canvas.getBoundingClientRect();
-    this.ray.setFromCamera(new Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height), this.view.camera);
+    this.ray.setFromCamera(
+      new Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height),
+      this.view.camera,
+    );
   }
   private begin(event: PointerEvent): void {
     if (event.button !== 0) return;
     this.aim(event);
-    const hit = this.ray.intersectObjects(this.view.robots.map((robot) => robot.solid), true)[0];
+    const hit = this.ray.intersectObjects(
+      this.view.robots.map((robot) => robot.solid),
+      true,
+    )[0];
     if (!hit) return;
     this.from = hit.point.clone();
     this.to.copy(hit.point);
@@ -114,7 +122,11 @@ export class Pusher {
   }
   /** Two standing heights are as much as there is. */
   private impulse(): Vector3 {
-    return this.to.clone().sub(this.from!).multiplyScalar(this.most / (2 * this.size)).clampLength(0, 0.999 * this.most);
+    return this.to
+      .clone()
+      .sub(this.from!)
+      .multiplyScalar(this.most / (2 * this.size))
+      .clampLength(0, 0.999 * this.most);
   }
   private end(done: boolean): void {
     if (!this.from) return;

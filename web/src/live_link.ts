@@ -119,7 +119,11 @@ export class Link {
   private async post(kind: string, command: Command): Promise<void> {
     this.busy.add(kind);
     try {
-      const answer = await fetch("command", { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(command) });
+      const answer = await fetch("command", {
+        method: "POST",
+        headers: { "Content-Type": "application/json" },
+        body: JSON.stringify(command),
+      });
       this.trouble(answer.ok ? "" : (await answer.text()).trim());
     } catch {
       this.trouble("no connection");

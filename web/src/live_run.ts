@@ -19,7 +19,17 @@ export class LiveRun implements Run {
   ) {
     const nowhere = { at: 0, count: 0 };
     this.name = robot.engine;
-    this.document = { name: robot.engine, engine: "", time: nowhere, poses: nowhere, feet: nowhere, forces: nowhere, force_directions: true, contact: null, planned: null };
+    this.document = {
+      name: robot.engine,
+      engine: "",
+      time: nowhere,
+      poses: nowhere,
+      feet: nowhere,
+      forces: nowhere,
+      force_directions: true,
+      contact: null,
+      planned: null,
+    };
     this.poses = new Float32Array(FRAMES * robot.poses.length);
     this.feet = new Float32Array(FRAMES * robot.feet.length);
     this.forces = new Float32Array(FRAMES * robot.forces.length);

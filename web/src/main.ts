@@ -1,12 +1,13 @@
 // The page: what the document holds, laid out and wired together.
-import { charts } from "./charts";
+import { charts, chartsSection } from "./charts";
 import { Numbers, readDocument, Run, type Motion, type ReportDocument } from "./document";
 import { button, h, toggle } from "./dom";
+import { footPaths } from "./feet";
 import { LivePage } from "./live";
 import { Player } from "./player";
 import { Plots } from "./plots";
 import "./style.css";
-import { findings, origin } from "./tables";
+import { constants, findings, origin } from "./tables";
 import { theme } from "./theme";
 import { verdictSection } from "./verdict";
 import { PRESETS, View } from "./view";
@@ -28,7 +29,11 @@ class Stage {
     numbers: Numbers,
     private readonly player: Player,
   ) {
-    const canvas = h("canvas", { tabindex: 0, role: "img", "aria-label": `${motion.scene.robot} in 3D. Keys w, a, s, d turn the view, plus and minus zoom.` });
+    const canvas = h("canvas", {
+      tabindex: 0,
+      role: "img",
+      "aria-label": `${motion.scene.robot} in 3D. Keys w, a, s, d turn the view, plus and minus zoom.`,
+    });
     const holder = h("div", { class: "canvas" }, canvas);
     this.scrub = h("input", {
       type: "range",
@@ -46,8 +51,18 @@ class Stage {
       { "aria-label": "Speed", title: "Speed ([ and ])", change: () => (this.player.speed = Number(this.speed.value)) },
       ...SPEEDS.map((s) => h("option", { value: s, selected: s === 1 }, `${s}\u00d7`)),
     );
-    this.follow = h("input", { type: "checkbox", checked: true, change: () => (this.view.follow = this.follow.checked) });
-    const marks = h("div", { class: "marks" }, ...this.divergences((pair, at) => h("i", { style: `left:${(100 * (at - player.begin)) / (player.end - player.begin || 1)}%`, title: pair })));
+    this.follow = h("input", {
+      type: "checkbox",
+      checked: true,
+      change: () => (this.view.follow = this.follow.checked),
+    });
+    const marks = h(
+      "div",
+      { class: "marks" },
+      ...this.divergences((pair, at) =>
+        h("i", { style: `left:${(100 * (at - player.begin)) / (player.end - player.begin || 1)}%`, title: pair }),
+      ),
+    );
     const transport = h(
       "div",
       { class: "transport" },
@@ -68,7 +83,15 @@ class Stage {
   private divergences<T>(make: (words: string, at: number, names: string) => T): T[] {
     return this.motion.pairs.flatMap(({ a, b, first_divergence: first }) => {
       const names = `${this.motion.runs[a]!.name} and ${this.motion.runs[b]!.name}`;
-      return first ? [make(`${names} part: ${first.quantity} beyond ${first.tolerance}, at ${first.time_s.toFixed(3)} s`, first.time_s, names)] : [];
+      return first
+        ? [
+            make(
+              `${names} part: ${first.quantity} beyond ${first.tolerance}, at ${first.time_s.toFixed(3)} s`,
+              first.time_s,
+              names,
+            ),
+          ]
+        : [];
     });
   }
   private tools(runs: Run[]): HTMLElement[] {
@@ -96,16 +119,28 @@ class Stage {
       }),
     );
     layout.id = "layout";
-    const forces = runs.every((run) => run.document.force_directions) ? "Forces on the feet" : "Forces on the feet; of traces the magnitude alone is known, drawn upright";
+    const forces = runs.every((run) => run.document.force_directions)
+      ? "Forces on the feet"
+      : "Forces on the feet; of traces the magnitude alone is known, drawn upright";
     return [
       ...(several ? [h("span", {}, ...engines, layout)] : []),
-      h("span", {}, ...PRESETS.map(([preset, label, k]) => button(label, `View: ${preset} (${k})`, () => this.view.look(preset))), h("label", { title: "The camera goes along (f)" }, this.follow, "follow")),
+      h(
+        "span",
+        {},
+        ...PRESETS.map(([preset, label, k]) => button(label, `View: ${preset} (${k})`, () => this.view.look(preset))),
+        h("label", { title: "The camera goes along (f)" }, this.follow, "follow"),
+      ),
       h(
         "span",
         {},
         toggle("forces", forces, true, (on) => ((this.view.forces = on), this.view.paint())),
         toggle("trails", "Paths of the feet", true, (on) => ((this.view.trails = on), this.view.paint())),
-        toggle("support", "What the loaded feet span, and the centre of mass above it", false, (on) => ((this.view.support = on), this.view.paint())),
+        toggle(
+          "support",
+          "What the loaded feet span, and the centre of mass above it",
+          false,
+          (on) => ((this.view.support = on), this.view.paint()),
+        ),
       ),
       ...(parted.length > 0 ? [h("span", { class: "parted" }, ...parted)] : []),
     ];
@@ -167,8 +202,24 @@ function header(report: ReportDocument): HTMLElement {
     : report.verdicts.length > 1
       ? `${new Set(report.verdicts.flatMap((v) => [v.a, v.b])).size} engines`
       : report.verdicts.map((v) => `${v.a} and ${v.b}: ${v.word}`).join(", ");
-  const keys = h("details", { class: "help" }, h("summary", {}, "keys"), h("dl", {}, ...KEYS.flatMap(([k, what]) => [h("dt", {}, k), h("dd", {}, what)])));
-  return h("header", {}, h("h1", {}, report.title), h("p", {}, facts), h("span", { class: "right" }, motion ? keys : null, button("\u25d0", "Light or dark (t)", () => theme.toggle())));
+  const keys = h(
+    "details",
+    { class: "help" },
+    h("summary", {}, "keys"),
+    h("dl", {}, ...KEYS.flatMap(([k, what]) => [h("dt", {}, k), h("dd", {}, what)])),
+  );
+  return h(
+    "header",
+    {},
+    h("h1", {}, report.title),
+    h("p", {}, facts),
+    h(
+      "span",
+      { class: "right" },
+      motion ? keys : null,
+      button("\u25d0", "Light or dark (t)", () => theme.toggle()),
+    ),
+  );
 }
 
 function listen(stage: Stage | null): void {
@@ -190,8 +241,8 @@ function buildReport(report: ReportDocument): object {
   const results = h("div", { class: "results" });
   let stage: Stage | null = null;
   let handles: object = { report };
+  const numbers = new Numbers();
   if (motion) {
-    const numbers = new Numbers();
     const runs = motion.runs.map((run, index) => new Run(index, run, numbers));
     const longest = runs.reduce((a, b) => (b.time[b.time.length - 1]! > a.time[a.time.length - 1]! ? b : a));
     const player = new Player(longest.time);
@@ -199,19 +250,31 @@ function buildReport(report: ReportDocument): object {
     stage = new Stage(motion, runs, numbers, player);
     const plots = new Plots(motion, runs, numbers, player);
     page.append(stage.element, results);
-    results.append(plots.element);
+    const feet = chartsSection("Paths of the feet in the leg frames", footPaths(motion, runs), numbers)!;
+    results.append(plots.element, feet.element, ...[constants(motion)].filter((e) => e !== null));
     const notes = [...motion.notes, ...motion.scene.notes];
-    if (notes.length > 0) results.append(h("section", { class: "group" }, h("h2", {}, "Shown otherwise than it is"), h("ul", {}, ...notes.map((note) => h("li", {}, note)))));
-    handles = { report, runs, player, view: stage.view, plots };
+    if (notes.length > 0)
+      results.append(
+        h(
+          "section",
+          { class: "group" },
+          h("h2", {}, "Shown otherwise than it is"),
+          h("ul", {}, ...notes.map((note) => h("li", {}, note))),
+        ),
+      );
+    handles = { report, runs, player, view: stage.view, plots, feet: feet.figures };
   } else {
     page.append(results);
   }
   // Of many engines first what they come to, then every pair.
   const many = !motion && report.verdicts.length > 1;
-  const found = findings(report, many ? "Which engines agree" : "Statistics");
+  const found = findings(
+    report,
+    many ? "Which engines agree" : motion || report.verdicts.length > 0 ? "Statistics" : "Numbers",
+  );
   if (found && many) results.append(found);
   for (const verdict of report.verdicts) results.append(verdictSection(verdict));
-  const drawn = charts(report);
+  const drawn = charts(report, numbers);
   results.append(...drawn.elements);
   if (found && !many) results.append(found);
   results.append(origin(report));

@@ -7,7 +7,15 @@ import type { Player } from "./player";
 import { theme } from "./theme";
 
 const HEIGHT = 150; // px
-const NOTHING = { mousedown: () => null, mouseup: () => null, click: () => null, dblclick: () => null, mousemove: () => null, mouseleave: () => null, mouseenter: () => null };
+const NOTHING = {
+  mousedown: () => null,
+  mouseup: () => null,
+  click: () => null,
+  dblclick: () => null,
+  mousemove: () => null,
+  mouseleave: () => null,
+  mouseenter: () => null,
+};
 
 type Column = (number | null)[];
 
@@ -36,7 +44,10 @@ export const AXIS: uPlot.Axis = {
 /** A number at an axis, which has little room. */
 export function short(value: number): string {
   const size = Math.abs(value);
-  return (size >= 1e4 || (size > 0 && size < 1e-3) ? value.toExponential() : String(+value.toPrecision(6))).replace("-", "\u2212");
+  return (size >= 1e4 || (size > 0 && size < 1e-3) ? value.toExponential() : String(+value.toPrecision(6))).replace(
+    "-",
+    "\u2212",
+  );
 }
 
 /** A logarithmic axis marks powers of ten. */
@@ -67,7 +78,12 @@ abstract class TimePlot {
     protected readonly marks: number[],
     protected readonly height = HEIGHT,
   ) {
-    const heading = h("figcaption", {}, h("b", {}, unit ? `${title}, ${unit}` : title), h("span", { class: "keys" }, ...keys.map((k) => k.element)));
+    const heading = h(
+      "figcaption",
+      {},
+      h("b", {}, unit ? `${title}, ${unit}` : title),
+      h("span", { class: "keys" }, ...keys.map((k) => k.element)),
+    );
     this.element = h("figure", { class: "panel" }, heading, this.holder);
     this.holder.style.height = `${height}px`;
   }
@@ -154,14 +170,20 @@ function join(runs: Run[], panel: Panel, numbers: Numbers): Column[] {
     const columns = panel.series
       .filter((s) => s.run === index)
       .map((s) => {
-        const values: Column = Array.from(numbers.floats(s.values), (v) => (Number.isFinite(v) && !(panel.log && v <= 0) ? v : null));
+        const values: Column = Array.from(numbers.floats(s.values), (v) =>
+          Number.isFinite(v) && !(panel.log && v <= 0) ? v : null,
+        );
         while (values.length < time.length) values.push(null);
         return values;
       });
     return [time, ...columns] as uPlot.AlignedData;
   });
-  const same = tables.every((table) => table[0].length === tables[0]![0].length && table[0].every((t, i) => t === tables[0]![0][i]));
-  const joined = (same ? [tables[0]![0], ...tables.flatMap((table) => table.slice(1))] : uPlot.join(tables)) as Column[];
+  const same = tables.every(
+    (table) => table[0].length === tables[0]![0].length && table[0].every((t, i) => t === tables[0]![0][i]),
+  );
+  const joined = (
+    same ? [tables[0]![0], ...tables.flatMap((table) => table.slice(1))] : uPlot.join(tables)
+  ) as Column[];
   // In the order of the tables; back into that of the panel.
   const order = used.flatMap((index) => panel.series.flatMap((s, i) => (s.run === index ? [i] : [])));
   const result: Column[] = [joined[0]!];
@@ -189,7 +211,13 @@ class SeriesPlot extends TimePlot {
       const again = s.dashed && panel.series.findIndex((other) => other.dashed) < i;
       return key(label, s.dashed, colour, `${s.label} ${s.other === undefined ? name : ""}`.trim(), again);
     });
-    super(player, panel.leg ? `${panel.leg}: ${panel.title.toLowerCase()}` : panel.title, panel.unit === "-" ? "" : panel.unit, keys, marks);
+    super(
+      player,
+      panel.leg ? `${panel.leg}: ${panel.title.toLowerCase()}` : panel.title,
+      panel.unit === "-" ? "" : panel.unit,
+      keys,
+      marks,
+    );
     this.data = join(runs, panel, numbers);
   }
 
@@ -252,7 +280,16 @@ class GaitPlot extends TimePlot {
     const several = runs.length > 1;
     const keys = runs.map((run) => key(several ? run.name : "on the ground", false, () => theme.colour(run.index)));
     if (runs[0]!.document.planned) keys.push(key("planned stance", false, () => theme.variable("--planned")));
-    super(player, "Gait: feet on the ground", "", keys, marks, 44 + motion.scene.legs.length * Math.max(26, 12 + 9 * runs.length));
+    const shortest = motion.shortest_contact;
+    const leftOut = shortest > 0 ? ` (touches and gaps under ${+(1e3 * shortest).toFixed(1)} ms left out)` : "";
+    super(
+      player,
+      `Gait: feet on the ground${leftOut}`,
+      "",
+      keys,
+      marks,
+      44 + motion.scene.legs.length * Math.max(26, 12 + 9 * runs.length),
+    );
   }
 
   protected make(width: number): uPlot {

@@ -80,7 +80,10 @@ class Arrow extends Group {
     material: MeshLambertMaterial,
   ) {
     super();
-    this.shaft = new Mesh(new CylinderGeometry(radius, radius, 1, 10).translate(0, 0.5, 0).rotateX(Math.PI / 2), material);
+    this.shaft = new Mesh(
+      new CylinderGeometry(radius, radius, 1, 10).translate(0, 0.5, 0).rotateX(Math.PI / 2),
+      material,
+    );
     this.head = new Mesh(new ConeGeometry(2.6 * radius, 6 * radius, 14).rotateX(Math.PI / 2), material);
     this.add(this.shaft, this.head);
   }
@@ -184,7 +187,10 @@ export class RobotView extends Group {
       const at = 3 * (frame * legs.length + index);
       const arrow = this.arrows.children[index] as Arrow;
       arrow.position.set(feet[at]!, feet[at + 1]!, feet[at + 2]! - leg.radius);
-      arrow.point(new Vector3(forces[at], forces[at + 1], forces[at + 2]).multiplyScalar(this.metresPerNewton), 3 * (this.parts.scene.standing_height || 0.2));
+      arrow.point(
+        new Vector3(forces[at], forces[at + 1], forces[at + 2]).multiplyScalar(this.metresPerNewton),
+        3 * (this.parts.scene.standing_height || 0.2),
+      );
       (this.trails.children[index] as Line).geometry.setDrawRange(first, frame - first + 1);
     });
   }

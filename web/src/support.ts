@@ -1,5 +1,18 @@
 // The support polygon: what the loaded feet span on the ground, and the centre of mass above it.
-import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, RingGeometry, Vector3, type Object3D } from "three";
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DoubleSide,
+  Group,
+  Line,
+  LineBasicMaterial,
+  Mesh,
+  MeshBasicMaterial,
+  RingGeometry,
+  Vector3,
+  type Object3D,
+} from "three";
 import type { Run, Scene } from "./document";
 
 const LIFT = 1e-3; // above the ground, by standing heights: it is to be seen
@@ -30,7 +43,12 @@ export class Support extends Group {
   private readonly area: Mesh;
   private readonly edge: Line;
   private readonly centre: Mesh;
-  private readonly fill = new MeshBasicMaterial({ transparent: true, opacity: 0.25, side: DoubleSide, depthWrite: false });
+  private readonly fill = new MeshBasicMaterial({
+    transparent: true,
+    opacity: 0.25,
+    side: DoubleSide,
+    depthWrite: false,
+  });
   private readonly line = new LineBasicMaterial();
   private readonly points: Float32Array;
 
@@ -83,7 +101,10 @@ export class Support extends Group {
     this.centreOfMass.set(0, 0, 0);
     const local = new Vector3();
     this.scene.bodies.forEach((body, i) => {
-      local.set(...body.centre_of_mass).applyQuaternion(bodies[i]!.quaternion).add(bodies[i]!.position);
+      local
+        .set(...body.centre_of_mass)
+        .applyQuaternion(bodies[i]!.quaternion)
+        .add(bodies[i]!.position);
       this.centreOfMass.addScaledVector(local, body.mass);
       mass += body.mass;
     });

@@ -1,17 +1,28 @@
 // What was found, in words and tables, and where it comes from.
-import type { Provenance, ReportDocument } from "./document";
-import { h } from "./dom";
+import type { Motion, Provenance, ReportDocument } from "./document";
+import { digits, h } from "./dom";
 
 /** Of verdicts. */
 const WORDS = new Set(["agrees", "engine-dependent", "unresolved"]);
 
 function table(header: string[], rows: string[][]): HTMLElement {
   const cells = (row: string[], tag: "th" | "td") =>
-    row.map((text, i) => h(i === 0 ? "th" : tag, { scope: tag === "th" ? "col" : i === 0 ? "row" : false }, WORDS.has(text) ? h("span", { class: `word ${text}` }, text) : text));
+    row.map((text, i) =>
+      h(
+        i === 0 ? "th" : tag,
+        { scope: tag === "th" ? "col" : i === 0 ? "row" : false },
+        WORDS.has(text) ? h("span", { class: `word ${text}` }, text) : text,
+      ),
+    );
   return h(
     "div",
     { class: "scroll" },
-    h("table", {}, h("thead", {}, h("tr", {}, ...cells(header, "th"))), h("tbody", {}, ...rows.map((row) => h("tr", {}, ...cells(row, "td"))))),
+    h(
+      "table",
+      {},
+      h("thead", {}, h("tr", {}, ...cells(header, "th"))),
+      h("tbody", {}, ...rows.map((row) => h("tr", {}, ...cells(row, "td")))),
+    ),
   );
 }
 
@@ -24,6 +35,22 @@ export function findings(report: ReportDocument, title: string): HTMLElement | n
     ...report.tables.map(({ header, rows }) => table(header, rows)),
     ...report.sentences.map((sentence) => h("p", {}, sentence)),
     ...report.texts.map((text) => h("pre", { class: "text" }, text)),
+  );
+}
+
+/** Gait parameters that have no plot, since they never change. */
+export function constants(motion: Motion): HTMLElement | null {
+  if (motion.constants.length === 0) return null;
+  const rows = motion.constants.map(({ name, unit, value }) => [name, unit, digits(value)]);
+  return h(
+    "section",
+    { class: "group" },
+    h(
+      "details",
+      {},
+      h("summary", {}, "Gait parameters that never change"),
+      table(["parameter", "unit", "value"], rows),
+    ),
   );
 }
 
@@ -41,10 +68,25 @@ export function origin(report: ReportDocument): HTMLElement {
       "div",
       { class: "origin" },
       h("code", {}, commandLine(p)),
-      h("p", {}, `Crossgait ${p.crossgait ?? "?"}; ${(p.engines ?? []).map((e) => `${e.name} (${e.engine} ${e.version})`).join(", ") || "no engine"}; hash ${p.hash ?? "?"}`),
+      h(
+        "p",
+        {},
+        `Crossgait ${p.crossgait ?? "?"}; ${(p.engines ?? []).map((e) => `${e.name} (${e.engine} ${e.version})`).join(", ") || "no engine"}; hash ${p.hash ?? "?"}`,
+      ),
       h("details", {}, h("summary", {}, "All that the result depends on"), h("pre", {}, JSON.stringify(p, null, 1))),
     ),
   );
   const note = report.provenances.length === 0 ? "Made from files that do not say how they came to be." : null;
-  return h("footer", {}, h("h2", {}, "Where this comes from"), ...parts, note ? h("p", {}, note) : null, h("p", { class: "muted" }, `Page written by Crossgait ${report.crossgait}. SI units; angles in degrees where a plot says so. World frame: x forward, y left, z up.`));
+  return h(
+    "footer",
+    {},
+    h("h2", {}, "Where this comes from"),
+    ...parts,
+    note ? h("p", {}, note) : null,
+    h(
+      "p",
+      { class: "muted" },
+      `Page written by Crossgait ${report.crossgait}. SI units; angles in degrees where a plot says so. World frame: x forward, y left, z up.`,
+    ),
+  );
 }

@@ -1,6 +1,6 @@
 // Light or dark, as the system has it or as was chosen; and the colours of engines in either.
 
-// Okabe and Ito's palette (2008), which people with any colour vision tell apart, in the order of `crossgait plot`;
+// Okabe and Ito's palette (2008), which people with any colour vision tell apart;
 // its brighter half on dark ground.
 const LIGHT = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"];
 const DARK = ["#56b4e9", "#f0803c", "#2cc79c", "#dd9cc2", "#a5b1ff", "#f0c04a"];

@@ -17,7 +17,7 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import type { Ground, Motion, Numbers, Run } from "./document";
+import type { Ground, Live, Motion, Numbers, Run } from "./document";
 import { RobotParts, RobotView } from "./robot";
 import { theme } from "./theme";
 
@@ -87,8 +87,10 @@ function gridGeometry(x0: number, x1: number, y0: number, y1: number, apart: num
     const count = Math.ceil((to - from) / (10 * apart));
     for (let i = 0; i < count; ++i) add(from + ((to - from) * i) / count, from + ((to - from) * (i + 1)) / count);
   };
-  for (let x = Math.ceil(x0 / apart); x * apart <= x1; ++x) pieces(y0, y1, (a, b) => points.push(x * apart, a, z, x * apart, b, z));
-  for (let y = Math.ceil(y0 / apart); y * apart <= y1; ++y) pieces(x0, x1, (a, b) => points.push(a, y * apart, z, b, y * apart, z));
+  for (let x = Math.ceil(x0 / apart); x * apart <= x1; ++x)
+    pieces(y0, y1, (a, b) => points.push(x * apart, a, z, x * apart, b, z));
+  for (let y = Math.ceil(y0 / apart); y * apart <= y1; ++y)
+    pieces(x0, x1, (a, b) => points.push(a, y * apart, z, b, y * apart, z));
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
   return geometry;
@@ -120,7 +122,7 @@ export class View {
   private readonly endings: (() => void)[] = [];
 
   constructor(
-    private readonly motion: Motion,
+    private readonly motion: Motion & Live,
     private readonly runs: Run[],
     private readonly numbers: Numbers,
     readonly canvas: HTMLCanvasElement,
@@ -139,7 +141,11 @@ export class View {
     this.paint();
     const observer = new ResizeObserver(() => this.resize());
     observer.observe(canvas.parentElement!);
-    this.endings.push(theme.onChange(() => this.paint()), () => observer.disconnect(), () => this.controls.dispose());
+    this.endings.push(
+      theme.onChange(() => this.paint()),
+      () => observer.disconnect(),
+      () => this.controls.dispose(),
+    );
     this.resize();
   }
 
@@ -180,7 +186,14 @@ export class View {
     const reach = 6 * this.size;
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(1024, 1024);
-    Object.assign(this.sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.01, far: 12 * reach });
+    Object.assign(this.sun.shadow.camera, {
+      left: -reach,
+      right: reach,
+      top: reach,
+      bottom: -reach,
+      near: 0.01,
+      far: 12 * reach,
+    });
     this.sun.shadow.normalBias = 0.01 * this.size;
     this.sky.position.set(0, 0, 1);
     this.three.add(this.sun, this.sun.target, this.sky);
@@ -197,7 +210,10 @@ export class View {
       plane.setAttribute("color", new BufferAttribute(new Float32Array(12).fill(1), 3));
       // A line every tenth of a metre for a robot of a span, every metre for one of a man's height.
       const apart = this.size < 0.3 ? 0.1 : 1;
-      group.add(new Mesh(plane, this.groundMaterial), new LineSegments(gridGeometry(x0, x1, y0, y1, apart), this.gridMaterial));
+      group.add(
+        new Mesh(plane, this.groundMaterial),
+        new LineSegments(gridGeometry(x0, x1, y0, y1, apart), this.gridMaterial),
+      );
     }
     group.children[0]!.receiveShadow = true;
     return group;
@@ -213,14 +229,18 @@ export class View {
     const [, y0, , y1] = this.motion.scene.way;
     const beside = 2.6 * this.size;
     const middle = this.motion.live ? this.robots[i]!.bodies[0]!.position.y : 0;
-    const ground = this.motion.live ? this.groundOf(middle - beside, middle + beside) : this.groundOf(y0 - beside, y1 + beside);
+    const ground = this.motion.live
+      ? this.groundOf(middle - beside, middle + beside)
+      : this.groundOf(y0 - beside, y1 + beside);
     this.groups[i]!.add(ground);
     return { ground, middle };
   }
 
   /** Strips of live robots that have left the middle of theirs. */
   private moveStrips(): void {
-    const left = this.strips.flatMap((strip, i) => (Math.abs(this.robots[i]!.bodies[0]!.position.y - strip.middle) > this.size ? [i] : []));
+    const left = this.strips.flatMap((strip, i) =>
+      Math.abs(this.robots[i]!.bodies[0]!.position.y - strip.middle) > this.size ? [i] : [],
+    );
     for (const i of left) {
       const old = this.strips[i]!.ground;
       this.groups[i]!.remove(old);

@@ -4,8 +4,18 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium } from "playwright-core";
 
-const arguments_ = ["--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-  "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+const arguments_ = [
+  "--headless",
+  "--no-sandbox",
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+  "--use-gl=angle",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+];
 
 // Software rendering has a word to say about reading pixels back, which nothing here is to blame for.
 function isOfTheDriver(text) {
@@ -20,7 +30,10 @@ export class Browser {
     this.profile = mkdtempSync(join(tmpdir(), "crossgait-page-"));
   }
   async launch() {
-    this.context = await chromium.launchPersistentContext(this.profile, { executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: arguments_ });
+    this.context = await chromium.launchPersistentContext(this.profile, {
+      executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+      args: arguments_,
+    });
   }
   async close() {
     await this.context?.close();
@@ -34,7 +47,14 @@ export class Browser {
     await page.setViewportSize({ width, height });
     await page.emulateMedia({ colorScheme: scheme });
     const problems = [];
-    page.on("console", (message) => ["error", "warning"].includes(message.type()) && !isOfTheDriver(message.text()) && !this.expected.some((words) => message.text().includes(words)) && problems.push(message.text()));
+    page.on(
+      "console",
+      (message) =>
+        ["error", "warning"].includes(message.type()) &&
+        !isOfTheDriver(message.text()) &&
+        !this.expected.some((words) => message.text().includes(words)) &&
+        problems.push(message.text()),
+    );
     page.on("pageerror", (error) => problems.push(error.message));
     page.on("request", (request) => this.allowed.test(request.url()) || problems.push(`fetched ${request.url()}`));
     await page.goto(address);

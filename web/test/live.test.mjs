@@ -9,7 +9,9 @@ import { after, before, test } from "node:test";
 import { Browser } from "./browser.mjs";
 
 // A page that did not read for seconds is let go by the server, and asks again: so it goes without a graphics card.
-const browser = new Browser(/^(file:|http:\/\/127\.0\.0\.1:\d+\/[0-9a-f]{32}\/|data:|blob:)/, ["ERR_INCOMPLETE_CHUNKED_ENCODING"]);
+const browser = new Browser(/^(file:|http:\/\/127\.0\.0\.1:\d+\/[0-9a-f]{32}\/|data:|blob:)/, [
+  "ERR_INCOMPLETE_CHUNKED_ENCODING",
+]);
 let server;
 let address;
 let engines;
@@ -37,8 +39,14 @@ async function openLive(options) {
   return opened;
 }
 /** Of the robot in the picture, m. */
-const shownBase = (page, robot = 0) => page.evaluate((i) => window.crossgait.view.robots[i].bodies[0].position.toArray(), robot);
-const command = (body) => fetch(`${address}command`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+const shownBase = (page, robot = 0) =>
+  page.evaluate((i) => window.crossgait.view.robots[i].bodies[0].position.toArray(), robot);
+const command = (body) =>
+  fetch(`${address}command`, {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify(body),
+  });
 
 test("it shows the robot, and keys drive it", async () => {
   const { page, problems } = await openLive();
@@ -48,7 +56,10 @@ test("it shows the robot, and keys drive it", async () => {
   for (let i = 0; i < 3; ++i) await page.keyboard.press("ArrowUp");
   await page.waitForFunction(() => window.crossgait.frame.command.vx > 0.1);
   await page.waitForFunction((from) => window.crossgait.view.robots[0].bodies[0].position.x > from + 0.1, x);
-  const at = await page.evaluate(() => [window.crossgait.view.robots[0].bodies[0].position.toArray(), window.crossgait.runs[0].poses.slice(-7 * window.crossgait.view.robots[0].bodies.length).slice(0, 3)]);
+  const at = await page.evaluate(() => [
+    window.crossgait.view.robots[0].bodies[0].position.toArray(),
+    window.crossgait.runs[0].poses.slice(-7 * window.crossgait.view.robots[0].bodies.length).slice(0, 3),
+  ]);
   at[0].forEach((value, i) => assert.ok(Math.abs(value - at[1][i]) < 1e-4, "the picture is where the frame has it"));
   await page.keyboard.press(" ");
   await page.waitForFunction(() => window.crossgait.frame.command.vx === 0);
@@ -66,7 +77,10 @@ test("another engine goes on where this one was", async () => {
     const after_ = await frame(page);
     assert.ok(after_.robots[0].time > before_.robots[0].time, "time goes on");
     // 60 mm/s for as long as a machine may take: the robot is not put back to where it began.
-    const way = Math.hypot(after_.robots[0].poses[0] - before_.robots[0].poses[0], after_.robots[0].poses[1] - before_.robots[0].poses[1]);
+    const way = Math.hypot(
+      after_.robots[0].poses[0] - before_.robots[0].poses[0],
+      after_.robots[0].poses[1] - before_.robots[0].poses[1],
+    );
     const most = 0.02 + 0.3 * (after_.robots[0].time - before_.robots[0].time);
     assert.ok(way < most, `${way} m in ${after_.robots[0].time - before_.robots[0].time} s`);
   }
@@ -85,10 +99,20 @@ test("two engines walk side by side, on another ground, and two look on", async 
   assert.ok(ys[0] > ys[1], `side by side: ${ys}`);
   // On ground that is not alike everywhere each takes a strip of it along.
   await page.getByLabel("Ground", { exact: true }).selectOption("rough");
-  const onRough = (strips) => window.crossgait.frame.terrain === "rough" && window.crossgait.view.motion.scene.ground && window.crossgait.view.strips.length === strips;
+  const onRough = (strips) =>
+    window.crossgait.frame.terrain === "rough" &&
+    window.crossgait.view.motion.scene.ground &&
+    window.crossgait.view.strips.length === strips;
   await page.waitForFunction(onRough, 2);
   await other.page.waitForFunction(onRough, 0); // which has them in one place
-  const strips = () => page.evaluate(() => window.crossgait.view.robots.map((robot, i) => ({ drawn: robot.parent.position.y + robot.bodies[0].position.y, away: robot.bodies[0].position.y - window.crossgait.view.strips[i].middle, size: window.crossgait.view.motion.scene.standing_height })));
+  const strips = () =>
+    page.evaluate(() =>
+      window.crossgait.view.robots.map((robot, i) => ({
+        drawn: robot.parent.position.y + robot.bodies[0].position.y,
+        away: robot.bodies[0].position.y - window.crossgait.view.strips[i].middle,
+        size: window.crossgait.view.motion.scene.standing_height,
+      })),
+    );
   const [a, b] = await strips();
   assert.ok(a.drawn - b.drawn > 4 * a.size, `strips apart: ${a.drawn}, ${b.drawn}`);
   // Sideways, until they have left the strips that they began on.
@@ -115,14 +139,19 @@ test("sliders set parameters, and pulling at the robot pushes it", async () => {
   await slider.focus();
   const before_ = Number(await slider.inputValue());
   for (let i = 0; i < 5; ++i) await page.keyboard.press("ArrowLeft");
-  const index = await page.evaluate(() => window.crossgait.options.parameters.findIndex((p) => p.name === "body_height"));
+  const index = await page.evaluate(() =>
+    window.crossgait.options.parameters.findIndex((p) => p.name === "body_height"),
+  );
   await page.waitForFunction(([i, value]) => window.crossgait.frame.parameters[i] < value - 1e-4, [index, before_]);
   await page.evaluate(() => document.activeElement.blur());
   const gait = page.getByLabel("Gait", { exact: true });
   await gait.selectOption("walk");
   await page.waitForFunction(() => window.crossgait.frame.gait === "walk");
   await gait.selectOption("auto");
-  await page.waitForFunction(() => window.crossgait.frame.chosen === "auto" && document.querySelector("header").textContent.includes("auto: walk"));
+  await page.waitForFunction(
+    () =>
+      window.crossgait.frame.chosen === "auto" && document.querySelector("header").textContent.includes("auto: walk"),
+  );
   await page.getByLabel("Swing curve").selectOption("matched");
   await page.waitForFunction(() => window.crossgait.frame.curve === "matched");
   const posts = [];
@@ -169,7 +198,10 @@ test("a recording is saved as a report that replays", async () => {
   await page.goto(`file://${file}`);
   await page.waitForFunction(() => window.crossgait?.player);
   assert.match(await page.title(), /driven by hand/);
-  const [seconds, robots] = await page.evaluate(() => [window.crossgait.player.end - window.crossgait.player.begin, window.crossgait.view.robots.length]);
+  const [seconds, robots] = await page.evaluate(() => [
+    window.crossgait.player.end - window.crossgait.player.begin,
+    window.crossgait.view.robots.length,
+  ]);
   assert.ok(seconds > 0.4 && robots === 1, `${seconds} s of ${robots} robots`);
   rmSync(folder, { recursive: true });
   assert.deepEqual(problems, []);
@@ -180,6 +212,10 @@ test("whoever has not the address gets nothing", async () => {
   const { origin } = new URL(address);
   for (const path of ["/", "/frames", `/${"0".repeat(32)}/`]) assert.equal((await fetch(origin + path)).status, 403);
   assert.equal((await command({ do: "drive", vx: 99, vy: 0, yaw_rate: 0 })).status, 400);
-  const foreign = await fetch(`${address}command`, { method: "POST", headers: { "Content-Type": "application/json", Origin: "http://evil.example" }, body: "{}" });
+  const foreign = await fetch(`${address}command`, {
+    method: "POST",
+    headers: { "Content-Type": "application/json", Origin: "http://evil.example" },
+    body: "{}",
+  });
   assert.equal(foreign.status, 403);
 });

@@ -9,11 +9,14 @@ const pages = ["compare.html", "walk.html", "verdict.html"];
 const browser = new Browser(/^(file|data|blob):/);
 
 const median = (values) => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)];
-const said = (values, digits) => `${median(values).toFixed(digits)} (${Math.min(...values).toFixed(digits)} to ${Math.max(...values).toFixed(digits)})`;
+const said = (values, digits) =>
+  `${median(values).toFixed(digits)} (${Math.min(...values).toFixed(digits)} to ${Math.max(...values).toFixed(digits)})`;
 
 /** From the address until a click is answered: the page has run its script, drawn, and has nothing left to do. */
 async function readyAfter(page) {
-  return page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => setTimeout(() => resolve(performance.now() / 1000), 0))));
+  return page.evaluate(
+    () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(() => resolve(performance.now() / 1000), 0))),
+  );
 }
 
 /** Pictures of the robot that are drawn while it plays. */
@@ -47,7 +50,9 @@ try {
       if (await page.evaluate(() => Boolean(window.crossgait.player))) rates.push(await pictures(page));
       await page.close();
     }
-    console.log(`${name}: answers after ${said(ready, 2)} s${rates.length > 0 ? `, plays at ${said(rates, 0)} pictures/s` : ""}`);
+    console.log(
+      `${name}: answers after ${said(ready, 2)} s${rates.length > 0 ? `, plays at ${said(rates, 0)} pictures/s` : ""}`,
+    );
   }
 } finally {
   await browser.close();

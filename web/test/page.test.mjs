@@ -21,7 +21,8 @@ function readTrace(name) {
 }
 
 const time = (page) => page.evaluate(() => window.crossgait.player.time);
-const cursors = (page) => page.evaluate(() => window.crossgait.plots.all.filter((p) => p.visible).map((p) => p.cursorTime));
+const cursors = (page) =>
+  page.evaluate(() => window.crossgait.plots.all.filter((p) => p.visible).map((p) => p.cursorTime));
 
 async function expectCursorsAt(page, at) {
   const found = await cursors(page);
@@ -49,13 +50,17 @@ test("a comparison of three engines loads, small and soon", async () => {
   const drawn = await page.evaluate(() => {
     const shown = window.crossgait.plots.all.filter((p) => p.element.offsetParent);
     for (const plot of shown) plot.ensure();
-    return [shown.length, document.querySelectorAll(".plot canvas").length];
+    return [shown.length, document.querySelectorAll(".plots .plot canvas").length];
   });
   await page.waitForTimeout(200);
   assert.ok(drawn[0] >= 18 && drawn[1] === drawn[0], `${drawn[1]} of ${drawn[0]} plots`);
   await page.evaluate(() => window.crossgait.player.seek(2));
-  await page.evaluate(() => document.querySelectorAll(".panel:not([hidden])").forEach((panel) => panel.scrollIntoView()));
-  await page.waitForFunction(() => window.crossgait.plots.all.some((p) => p.visible && p.panel?.group === "differences"));
+  await page.evaluate(() =>
+    document.querySelectorAll(".panel:not([hidden])").forEach((panel) => panel.scrollIntoView()),
+  );
+  await page.waitForFunction(() =>
+    window.crossgait.plots.all.some((p) => p.visible && p.panel?.group === "differences"),
+  );
   await expectCursorsAt(page, 2);
   assert.deepEqual(problems, []);
   await page.close();
@@ -73,14 +78,113 @@ test("feet are where the trace has them", async () => {
       const robot = view.robots[0];
       const frame = runs[0].frameAt(t);
       const place = (object) => object.getWorldPosition(object.position.clone()).toArray();
-      return { time: runs[0].time[frame], base: place(robot.bodies[0]), feet: robot.feet.map(place), said: Array.from(runs[0].feet.subarray(12 * frame, 12 * frame + 12)) };
+      return {
+        time: runs[0].time[frame],
+        base: place(robot.bodies[0]),
+        feet: robot.feet.map(place),
+        said: Array.from(runs[0].feet.subarray(12 * frame, 12 * frame + 12)),
+      };
     }, at.time);
     const near = trace.reduce((a, b) => (Math.abs(b.time - shown.time) < Math.abs(a.time - shown.time) ? b : a));
     assert.ok(Math.abs(near.time - at.time) <= 0.0101, "a frame every hundredth of a second");
     ["x", "y", "z"].forEach((axis, i) => assert.ok(Math.abs(shown.base[i] - near[`p_WB.${axis}`]) < 1e-5, "base"));
     // Bodies come from poses, feet from the feet of the trace: two ways to one place. 1e-4 m is what nobody sees.
-    shown.feet.forEach((foot, leg) => foot.forEach((value, i) => assert.ok(Math.abs(value - shown.said[3 * leg + i]) < 1e-4, `foot ${leg}`)));
+    shown.feet.forEach((foot, leg) =>
+      foot.forEach((value, i) => assert.ok(Math.abs(value - shown.said[3 * leg + i]) < 1e-4, `foot ${leg}`)),
+    );
   }
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("paths of the feet are where the robot has them, at equal scales", async () => {
+  const { page, problems } = await open("walk.html");
+  const shown = await page.evaluate(() => {
+    const { feet, player, report, runs, view } = window.crossgait;
+    player.playing = false;
+    const { legs } = report.motion.scene;
+    return [0, 100, 250].map((frame) => {
+      player.seek(runs[0].time[frame] + 1e-6);
+      const robot = view.robots[0];
+      return legs.map((leg, i) => {
+        // The foot as three.js has it, in the base's own frame.
+        const local = robot.bodies[0].worldToLocal(robot.feet[i].getWorldPosition(robot.feet[i].position.clone()));
+        return {
+          drawn: feet[i].points[0][frame],
+          robot: [1e3 * (local.x - leg.origin[0]), 1e3 * (local.z - leg.origin[2])],
+        };
+      });
+    });
+  });
+  // mm; as above, 1e-4 m is what nobody sees.
+  for (const { drawn, robot } of shown.flat())
+    drawn.forEach((value, i) => assert.ok(Math.abs(value - robot[i]) < 0.1, `${drawn} at ${robot}`));
+  await page.evaluate(() => window.crossgait.feet.at(-1).element.scrollIntoView());
+  await page.waitForFunction(() => window.crossgait.feet.every((f) => f.pixelsPerUnit));
+  await expectEqualScales(page, "feet", 4);
+  assert.equal(
+    await page.locator("details tbody tr").count(),
+    await page.evaluate(() => window.crossgait.report.motion.constants.length),
+  );
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+/** A unit is as long along y as along x; and contents are drawn in colours, not on an empty frame. */
+async function expectEqualScales(page, name, count) {
+  const units = await page.evaluate(
+    (of) => window.crossgait[of].filter((c) => c.chart.equal_scales).map((c) => c.pixelsPerUnit),
+    name,
+  );
+  assert.equal(units.length, count);
+  for (const [x, y] of units)
+    assert.ok(x > 0 && Math.abs(y / x - 1) < 0.01, `a unit is ${x} px along x and ${y} px along y`); // whole pixels
+}
+
+/** How many colours a chart's picture has. */
+function coloursOf(page, index) {
+  return page.evaluate((i) => {
+    const canvas = window.crossgait.charts[i].element.querySelector("canvas:not(.shades)");
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    return new Set(new Uint32Array(data.buffer)).size;
+  }, index);
+}
+
+test("a workspace shows what its result says, shaded, at equal scales", async () => {
+  const { page, problems } = await open("workspace.html");
+  const result = JSON.parse(readFileSync(join(pages, "workspace.json"), "utf8"));
+  await page.waitForFunction(() => window.crossgait.charts.every((c) => c.pixelsPerUnit));
+  await expectEqualScales(page, "charts", 2);
+  for (const [i, axis] of [0, 1].entries()) {
+    const foot = await page.evaluate((at) => window.crossgait.charts[at].points[1][0], i);
+    assert.deepEqual(foot, [1e3 * result.standing_foot_m[axis], 1e3 * result.standing_foot_m[2]]);
+    const colours = await coloursOf(page, i);
+    assert.ok(colours > 200, `shades of ${colours} colours`);
+  }
+  for (const words of [
+    "safe box",
+    "path, trot",
+    "standing foot",
+    "smallest margin, deg",
+    "z up from the shoulders, mm",
+  ])
+    assert.ok((await page.textContent(".results")).includes(words), words);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("a gait shows its steps, paths and targets", async () => {
+  const { page, problems } = await open("gait.html");
+  const { samples } = JSON.parse(readFileSync(join(pages, "gait.json"), "utf8"));
+  await page.evaluate(() => document.querySelectorAll(".panel").forEach((panel) => panel.scrollIntoView()));
+  await page.waitForFunction(() => window.crossgait.charts.every((c) => c.pixelsPerUnit));
+  assert.equal(await page.locator(".panel").count(), 8);
+  await expectEqualScales(page, "charts", 4);
+  const path = await page.evaluate(() => window.crossgait.charts[1].points[0]);
+  assert.deepEqual(
+    path,
+    samples.map(({ FL }) => [1e3 * FL.position_m[0], 1e3 * FL.position_m[2]]),
+  );
   assert.deepEqual(problems, []);
   await page.close();
 });
@@ -103,7 +207,9 @@ test("it plays, and cursor and robot move together", async () => {
   await page.keyboard.press("Home");
   assert.equal(await time(page), begin);
   await page.keyboard.press("p");
-  const parted = await page.evaluate(() => window.crossgait.report.motion.pairs.find((p) => p.first_divergence).first_divergence.time_s);
+  const parted = await page.evaluate(
+    () => window.crossgait.report.motion.pairs.find((p) => p.first_divergence).first_divergence.time_s,
+  );
   assert.equal(await time(page), parted, "where the engines part");
   const plot = page.locator(".plot .u-over").nth(1);
   const box = await plot.boundingBox();
@@ -123,10 +229,20 @@ test("keys alone reach everything, and turn and part the view", async () => {
   const reached = new Set();
   for (let i = 0; i < 60; ++i) {
     await page.keyboard.press("Tab");
-    reached.add(await page.evaluate(() => document.activeElement.getAttribute("aria-label") ?? document.activeElement.textContent));
+    reached.add(
+      await page.evaluate(
+        () => document.activeElement.getAttribute("aria-label") ?? document.activeElement.textContent,
+      ),
+    );
   }
-  for (const name of ["Play or pause (space)", "Time, s", "Speed", "Light or dark (t)", "FR"]) assert.ok(reached.has(name), `${name} among ${[...reached]}`);
-  const unnamed = await page.evaluate(() => [...document.querySelectorAll("button, input, select, canvas[tabindex]")].filter((e) => !(e.getAttribute("aria-label") || e.textContent || e.closest("label")?.textContent)).length);
+  for (const name of ["Play or pause (space)", "Time, s", "Speed", "Light or dark (t)", "FR"])
+    assert.ok(reached.has(name), `${name} among ${[...reached]}`);
+  const unnamed = await page.evaluate(
+    () =>
+      [...document.querySelectorAll("button, input, select, canvas[tabindex]")].filter(
+        (e) => !(e.getAttribute("aria-label") || e.textContent || e.closest("label")?.textContent),
+      ).length,
+  );
   assert.equal(unnamed, 0, "every control has a name");
   const place = () => page.evaluate(() => window.crossgait.view.camera.position.toArray());
   const first = await place();
@@ -144,7 +260,11 @@ test("keys alone reach everything, and turn and part the view", async () => {
 test("light and dark, by the system and by hand; and a phone", async () => {
   for (const scheme of ["light", "dark"]) {
     const { page, problems } = await open("compare.html", { scheme });
-    const colours = () => page.evaluate(() => [getComputedStyle(document.body).backgroundColor, window.crossgait.view.three.background.getHexString()]);
+    const colours = () =>
+      page.evaluate(() => [
+        getComputedStyle(document.body).backgroundColor,
+        window.crossgait.view.three.background.getHexString(),
+      ]);
     const before_ = await colours();
     const brightness = Number(before_[0].match(/\d+/)[0]);
     assert.ok(scheme === "light" ? brightness > 200 : brightness < 60, before_[0]);
@@ -175,7 +295,11 @@ test("a benchmark shows its curves", async () => {
   await page.waitForTimeout(300);
   const [figures, drawn, points] = await page.evaluate(() => {
     const { charts } = window.crossgait;
-    return [charts.length, document.querySelectorAll(".panel canvas").length, charts.reduce((sum, c) => sum + c.points.flat().length, 0)];
+    return [
+      charts.length,
+      document.querySelectorAll(".panel canvas").length,
+      charts.reduce((sum, c) => sum + c.points.flat().length, 0),
+    ];
   });
   assert.ok(figures >= 10 && drawn === figures, `${drawn} of ${figures} charts`);
   assert.ok(points > 100, `${points} points`);
@@ -194,12 +318,25 @@ test("a rollout shows what it earned, and what its feet span", async () => {
     player.seek(player.begin + 0.5);
     const { support } = view.robots[0];
     const frame = runs[0].frameAt(player.time);
-    const loaded = [0, 1, 2, 3].filter((leg) => Math.hypot(...runs[0].forces.subarray(12 * frame + 3 * leg, 12 * frame + 3 * leg + 3)) > 0);
-    return { visible: support.visible, corners: support.corners.length, loaded: loaded.length, com: support.centreOfMass.toArray(), base: view.robots[0].bodies[0].position.toArray() };
+    const loaded = [0, 1, 2, 3].filter(
+      (leg) => Math.hypot(...runs[0].forces.subarray(12 * frame + 3 * leg, 12 * frame + 3 * leg + 3)) > 0,
+    );
+    return {
+      visible: support.visible,
+      corners: support.corners.length,
+      loaded: loaded.length,
+      com: support.centreOfMass.toArray(),
+      base: view.robots[0].bodies[0].position.toArray(),
+    };
   });
   assert.ok(shown.visible);
-  assert.ok(shown.loaded > 0 && shown.corners <= shown.loaded && shown.corners >= Math.min(3, shown.loaded), JSON.stringify(shown));
-  shown.com.forEach((at, i) => assert.ok(Math.abs(at - shown.base[i]) < 0.05, `the centre of mass is in the robot: ${JSON.stringify(shown)}`));
+  assert.ok(
+    shown.loaded > 0 && shown.corners <= shown.loaded && shown.corners >= Math.min(3, shown.loaded),
+    JSON.stringify(shown),
+  );
+  shown.com.forEach((at, i) =>
+    assert.ok(Math.abs(at - shown.base[i]) < 0.05, `the centre of mass is in the robot: ${JSON.stringify(shown)}`),
+  );
   assert.deepEqual(problems, []);
   await page.close();
 });
@@ -211,7 +348,11 @@ test("a verdict shows every statistic between the limits", async () => {
   for (const [i, { score, word }] of result.statistics.entries()) {
     const row = page.locator(".verdict tbody tr").nth(i);
     assert.equal(await row.locator(".word").textContent(), word);
-    const [x, from, width] = await row.evaluate((r) => [r.querySelector(".dot").cx.baseVal.value, r.querySelector(".within").x.baseVal.value, r.querySelector(".within").width.baseVal.value]);
+    const [x, from, width] = await row.evaluate((r) => [
+      r.querySelector(".dot").cx.baseVal.value,
+      r.querySelector(".within").x.baseVal.value,
+      r.querySelector(".within").width.baseVal.value,
+    ]);
     assert.equal(x >= from && x <= from + width, Math.abs(score.estimate) <= result.limit, `${word} ${score.estimate}`);
   }
   assert.deepEqual(problems, []);
@@ -222,7 +363,10 @@ test("a verdict of many begins with who agrees", async () => {
   const { page, problems } = await open("many.html");
   const result = JSON.parse(readFileSync(join(pages, "many.json"), "utf8"));
   assert.deepEqual(
-    await page.locator(".results h2").allTextContents().then((heads) => heads.map((head) => head.replace(/ (agrees|engine-dependent|unresolved)$/, ""))),
+    await page
+      .locator(".results h2")
+      .allTextContents()
+      .then((heads) => heads.map((head) => head.replace(/ (agrees|engine-dependent|unresolved)$/, ""))),
     ["Which engines agree", ...result.pairs.map(({ a, b }) => `${a} and ${b}`), "Where this comes from"],
   );
   const matrix = page.locator(".results section").first();
@@ -234,10 +378,14 @@ test("a verdict of many begins with who agrees", async () => {
 
 // A4 without its margins, in the pixels of a style sheet.
 test("nothing is wider than paper", async () => {
-  for (const name of ["many.html", "verdict.html", "compare.html", "bench.html"]) {
+  for (const name of ["many.html", "verdict.html", "compare.html", "bench.html", "workspace.html", "gait.html"]) {
     const { page } = await open(name, { width: 703, height: 1000 });
     await page.emulateMedia({ media: "print" });
-    const wide = await page.evaluate(() => [...document.querySelectorAll(".scroll, .panel, .stage")].filter((box) => box.scrollWidth > box.clientWidth + 1).map((box) => `${box.textContent.slice(0, 40)}: ${box.scrollWidth} of ${box.clientWidth}`));
+    const wide = await page.evaluate(() =>
+      [...document.querySelectorAll(".scroll, .panel, .stage")]
+        .filter((box) => box.scrollWidth > box.clientWidth + 1)
+        .map((box) => `${box.textContent.slice(0, 40)}: ${box.scrollWidth} of ${box.clientWidth}`),
+    );
     assert.deepEqual(wide, [], name);
     await page.close();
   }

@@ -53,7 +53,7 @@ std::array<Vector3, 2> ends(const CollisionShape& shape) {
 
 /// Points of a shape among which is its farthest from anywhere: a mesh's or hull's vertices, a box's corners,
 /// the ends of a cylinder's axis (a foot touches with its middle).
-std::vector<Vector3> outline(const UrdfRobot& robot, const CollisionShape& shape) {
+std::vector<Vector3> outline(const ParsedRobot& robot, const CollisionShape& shape) {
   if (const auto mesh = robot.mesh_vertices.find(shape.name); mesh != robot.mesh_vertices.end())
     return mesh->second;
   std::vector<Vector3> points;
@@ -114,7 +114,7 @@ double distance_to(const CollisionShape& shape, const Vector3& p_B) {
 
 }  // namespace
 
-FootPlace find_foot(const UrdfRobot& robot, int body_index, Leg leg, const std::string& source,
+FootPlace find_foot(const ParsedRobot& robot, int body_index, Leg leg, const std::string& source,
                     std::vector<Inference>& inferred) {
   const Body& body = robot.bodies[static_cast<std::size_t>(body_index)];
   FootPlace foot, capsule_end;
@@ -159,7 +159,7 @@ FootPlace find_foot(const UrdfRobot& robot, int body_index, Leg leg, const std::
   return foot;
 }
 
-std::size_t leave_out_around(const UrdfRobot& urdf, const Vector3& p_BF, double radius, Body& body) {
+std::size_t leave_out_around(const ParsedRobot& urdf, const Vector3& p_BF, double radius, Body& body) {
   // Boxes in the place of meshes reach beyond the foot; shins that end in it sink in along with it.
   return std::erase_if(body.shapes, [&](const CollisionShape& shape) {
     return urdf.mesh_vertices.count(shape.name) > 0 ||

@@ -26,7 +26,7 @@ struct Branch {
 
 class Tree {
  public:
-  explicit Tree(const UrdfRobot& robot) : robot_(robot), poses_(robot.bodies.size(), Pose::Identity()) {
+  explicit Tree(const ParsedRobot& robot) : robot_(robot), poses_(robot.bodies.size(), Pose::Identity()) {
     for (std::size_t i = 1; i < robot.bodies.size(); ++i)
       poses_[i] = poses_[static_cast<std::size_t>(robot.bodies[i].parent)] * robot.bodies[i].X_PB;
   }
@@ -60,7 +60,7 @@ class Tree {
   }
 
  private:
-  const UrdfRobot& robot_;
+  const ParsedRobot& robot_;
   std::vector<Pose> poses_;
 };
 
@@ -161,7 +161,7 @@ std::optional<Leg> leg_in_name(std::string name) {
 
 }  // namespace
 
-LegSearch find_legs(const UrdfRobot& robot, const std::string& source, std::vector<Inference>& inferred,
+LegSearch find_legs(const ParsedRobot& robot, const std::string& source, std::vector<Inference>& inferred,
                     std::vector<std::string>& warnings) {
   const Tree tree(robot);
   const std::vector<Branch> branches = four_alike(tree, source);

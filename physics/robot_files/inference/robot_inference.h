@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "physics/robot_files/urdf/urdf_reader.h"
+#include "physics/robot_files/parsed_robot.h"
 
 namespace crossgait {
 
@@ -30,7 +30,7 @@ struct LegSearch {
 /// @throws ConfigError (naming `source`) that says what was found instead: no four such branches; eight
 ///   chains of two joints, of which five-bars are made that only `loops` can say; legs of more than three
 ///   joints, or of one; legs that branch; two in one quadrant
-LegSearch find_legs(const UrdfRobot& robot, const std::string& source, std::vector<Inference>& inferred,
+LegSearch find_legs(const ParsedRobot& robot, const std::string& source, std::vector<Inference>& inferred,
                     std::vector<std::string>& warnings);
 
 /// A foot on the last link of a leg.
@@ -43,12 +43,12 @@ struct FootPlace {
 /// The collision sphere farthest from the axis of the body's joint; without one, the end of a capsule that
 /// is; without either, a small sphere at the farthest point of its shapes. @throws ConfigError if the body
 /// has none
-FootPlace find_foot(const UrdfRobot& robot, int body, Leg leg, const std::string& source,
+FootPlace find_foot(const ParsedRobot& robot, int body, Leg leg, const std::string& source,
                     std::vector<Inference>& inferred);
 
 /// Removes from a foot's body what would touch the ground along with the foot: meshes, and what lies within a
 /// radius around it. @param urdf  knows which shapes are meshes  @returns how many
-std::size_t leave_out_around(const UrdfRobot& urdf, const Vector3& p_BF, double radius, Body& body);
+std::size_t leave_out_around(const ParsedRobot& urdf, const Vector3& p_BF, double radius, Body& body);
 
 /// Lengths of a serial leg and its share of them that it stands at.
 struct LegLengths {

@@ -42,7 +42,7 @@ std::string quoted_after(std::string_view text, std::string_view before) {
 
 class Compilation {
  public:
-  Compilation(MjcfDocument& document, UrdfWarnings& warnings) : document_(document), warnings_(warnings) {}
+  Compilation(MjcfDocument& document, ReaderWarnings& warnings) : document_(document), warnings_(warnings) {}
 
   MjcfModel run(const std::vector<MjcfFile>& files) {
     std::size_t given = 0;
@@ -88,7 +88,7 @@ class Compilation {
   }
 
   MjcfDocument& document_;
-  UrdfWarnings& warnings_;
+  ReaderWarnings& warnings_;
 };
 
 /// Meshes whose vertices matter to more than where they are: to a mass, or to a geom fitted to them.
@@ -134,7 +134,7 @@ std::vector<MjcfFile> give_meshes(const std::set<std::string>& names, MjcfParts&
 
 }  // namespace
 
-MjcfModel compile_parts(MjcfDocument& document, MjcfParts& parts, UrdfWarnings& warnings) {
+MjcfModel compile_parts(MjcfDocument& document, MjcfParts& parts, ReaderWarnings& warnings) {
   Compilation compilation(document, warnings);
   MjcfModel model = compilation.run({});
   const std::vector<MjcfFile> files = give_meshes(meshes_that_weigh(model, parts), parts);

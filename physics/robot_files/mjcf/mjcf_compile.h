@@ -11,6 +11,6 @@ namespace crossgait {
 /// versions) are taken out and counted. Where mass follows from meshes, or a geom is fitted to one, their
 /// files are read. Vertices of meshes that come from files are those of a box (`take_parts`).
 /// @throws ConfigError with the compiler's words, naming file, line and element
-MjcfModel compile_parts(MjcfDocument& document, MjcfParts& parts, UrdfWarnings& warnings);
+MjcfModel compile_parts(MjcfDocument& document, MjcfParts& parts, ReaderWarnings& warnings);
 
 }  // namespace crossgait

@@ -9,7 +9,7 @@
 #include "physics/core/error.h"
 #include "physics/core/read_budget.h"
 #include "physics/core/text.h"
-#include "physics/robot_files/urdf/urdf_elements.h"
+#include "physics/robot_files/xml_text.h"
 
 namespace crossgait {
 namespace {

@@ -65,7 +65,7 @@ void make_box(MjcfElement& mesh) {
 
 class Taker {
  public:
-  Taker(MjcfDocument& document, UrdfWarnings& warnings) : document_(document), warnings_(warnings) {}
+  Taker(MjcfDocument& document, ReaderWarnings& warnings) : document_(document), warnings_(warnings) {}
 
   MjcfParts take() {
     MjcfElement& root = document_.root();
@@ -275,7 +275,7 @@ class Taker {
   }
 
   MjcfDocument& document_;
-  UrdfWarnings& warnings_;
+  ReaderWarnings& warnings_;
   MjcfParts parts_;
   std::string folder_;
   bool strips_paths_ = false, from_geoms_ = false, has_limits_ = false;
@@ -288,7 +288,7 @@ const MjcfElement& MjcfParts::element(const std::string& tag, const std::string&
   return *with_names.at({tag, name});
 }
 
-MjcfParts take_parts(MjcfDocument& document, UrdfWarnings& warnings) {
+MjcfParts take_parts(MjcfDocument& document, ReaderWarnings& warnings) {
   return Taker(document, warnings).take();
 }
 

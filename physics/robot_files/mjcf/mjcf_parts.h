@@ -8,7 +8,7 @@
 
 #include "physics/core/math.h"
 #include "physics/robot_files/mjcf/mjcf_document.h"
-#include "physics/robot_files/urdf/urdf_warnings.h"
+#include "physics/robot_files/reader_warnings.h"
 
 namespace crossgait {
 
@@ -43,7 +43,7 @@ struct MjcfParts {
 ///  - Limits are meant where ranges are given (autolimits), unless the file says otherwise.
 /// @throws ConfigError for what multiplies (composite, replicate), too many bodies, and paths of meshes that
 /// are not relative to the file
-MjcfParts take_parts(MjcfDocument& document, UrdfWarnings& warnings);
+MjcfParts take_parts(MjcfDocument& document, ReaderWarnings& warnings);
 
 /// Puts a mesh's own vertices back in place of the box, in a file of this name.
 void give_mesh(MjcfMesh& mesh, const std::string& name);

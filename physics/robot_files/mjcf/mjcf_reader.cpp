@@ -1,7 +1,6 @@
 #include "physics/robot_files/mjcf/mjcf_reader.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -10,17 +9,17 @@
 #include "physics/core/error.h"
 #include "physics/robot/rigid_pair.h"
 #include "physics/robot/robot_check.h"
+#include "physics/robot_files/inertia_repair.h"
 #include "physics/robot_files/joint_limits.h"
 #include "physics/robot_files/mjcf/mjcf_compile.h"
 #include "physics/robot_files/mjcf/mjcf_shapes.h"
-#include "physics/robot_files/urdf/urdf_inertia.h"
 
 namespace crossgait {
 namespace {
 
 class MjcfTree {
  public:
-  MjcfTree(const std::string& path, const MjcfParts& parts, const MjcfModel& model, UrdfWarnings& warnings)
+  MjcfTree(const std::string& path, const MjcfParts& parts, const MjcfModel& model, ReaderWarnings& warnings)
       : path_(path), parts_(parts), model_(model), warnings_(warnings), shapes_(path, parts, warnings) {
     for (std::size_t i = 0; i < model.bodies.size(); ++i) {
       if (model.bodies[i].parent >= 0) children_[model.bodies[i].parent].push_back(static_cast<int>(i));
@@ -29,7 +28,7 @@ class MjcfTree {
     for (const MjcfGeom& geom : model.geoms) geoms_[geom.body].push_back(&geom);
   }
 
-  UrdfRobot build() {
+  ParsedRobot build() {
     const int base = find_base();
     check_base(base);
     Body body;
@@ -225,29 +224,24 @@ class MjcfTree {
   const std::string& path_;
   const MjcfParts& parts_;
   const MjcfModel& model_;
-  UrdfWarnings& warnings_;
+  ReaderWarnings& warnings_;
   MjcfShapes shapes_;
   std::map<int, std::vector<int>> children_;
   std::map<int, std::vector<const MjcfJoint*>> joints_;
   std::map<int, std::vector<const MjcfGeom*>> geoms_;
-  UrdfRobot robot_;
+  ParsedRobot robot_;
 };
 
 }  // namespace
 
-UrdfRobot read_mjcf(const std::string& path) {
-  UrdfWarnings warnings;
+ParsedRobot read_mjcf(const std::string& path) {
+  ReaderWarnings warnings;
   MjcfDocument document(path);
   MjcfParts parts = take_parts(document, warnings);
   const MjcfModel model = compile_parts(document, parts, warnings);
-  UrdfRobot robot = MjcfTree(path, parts, model, warnings).build();
+  ParsedRobot robot = MjcfTree(path, parts, model, warnings).build();
   robot.warnings = warnings.sentences();
   return robot;
-}
-
-bool is_mjcf_path(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
-  return extension == ".xml" || extension == ".mjcf";
 }
 
 }  // namespace crossgait

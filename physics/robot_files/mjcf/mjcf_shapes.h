@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "physics/robot_files/mesh/robot_meshes.h"
 #include "physics/robot_files/mjcf/mjcf_model.h"
 #include "physics/robot_files/mjcf/mjcf_parts.h"
-#include "physics/robot_files/urdf/urdf_shapes.h"
 
 namespace crossgait {
 
@@ -15,14 +15,14 @@ namespace crossgait {
 /// anything (contype, conaffinity) is a collision shape; what stands in groups 0 to 2 is seen.
 class MjcfShapes {
  public:
-  MjcfShapes(const std::string& path, const MjcfParts& parts, UrdfWarnings& warnings)
+  MjcfShapes(const std::string& path, const MjcfParts& parts, ReaderWarnings& warnings)
       : path_(path), parts_(parts), warnings_(warnings), meshes_(path, warnings) {}
 
   /// Appends what a geom is to its body. @param X_BA  pose of the geom's own body in that body
   /// @returns indices of its collision shapes @throws ConfigError naming the geom, or the mesh file
   std::vector<int> add(const MjcfGeom& geom, const Pose& X_BA, Body& body);
 
-  /// As UrdfShapes::mesh_vertices.
+  /// As RobotMeshes::mesh_vertices.
   std::map<std::string, std::vector<Vector3>>& mesh_vertices() { return meshes_.mesh_vertices(); }
 
  private:
@@ -35,8 +35,8 @@ class MjcfShapes {
 
   const std::string& path_;
   const MjcfParts& parts_;
-  UrdfWarnings& warnings_;
-  UrdfShapes meshes_;
+  ReaderWarnings& warnings_;
+  RobotMeshes meshes_;
 };
 
 }  // namespace crossgait

@@ -15,6 +15,7 @@
 #include "physics/core/text.h"
 #include "physics/robot_files/urdf/urdf_elements.h"
 #include "physics/robot_files/urdf/urdf_visuals.h"
+#include "physics/robot_files/xml_text.h"
 
 namespace crossgait {
 namespace {
@@ -40,7 +41,7 @@ bool has_mass(const TiXmlElement& link) {
 
 class UrdfCheck {
  public:
-  UrdfCheck(const TiXmlElement& robot, const std::string& source, UrdfWarnings& warnings)
+  UrdfCheck(const TiXmlElement& robot, const std::string& source, ReaderWarnings& warnings)
       : robot_(robot), errors_(source), warnings_(warnings) {}
 
   /// Appends what is left of links and joints to `copy`.
@@ -160,7 +161,7 @@ class UrdfCheck {
 
   const TiXmlElement& robot_;
   UrdfErrors errors_;
-  UrdfWarnings& warnings_;
+  ReaderWarnings& warnings_;
   std::map<std::string, TiXmlElement*> links_;  ///< their copies
   std::map<std::string, std::string> parents_;
   std::vector<std::pair<const TiXmlElement*, TiXmlElement*>> floating_;  ///< joints and their copies
@@ -168,7 +169,7 @@ class UrdfCheck {
 
 }  // namespace
 
-CheckedUrdf check_urdf(const std::string& text, const std::string& source, UrdfWarnings& warnings) {
+CheckedUrdf check_urdf(const std::string& text, const std::string& source, ReaderWarnings& warnings) {
   if (source.ends_with(".xacro")) fail_as_xacro(source, "file", "a xacro file");
   TiXmlDocument document;
   parse_xml(text, kUrdfBudget, source, document);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "physics/robot/robot.h"
-#include "physics/robot_files/urdf/urdf_warnings.h"
+#include "physics/robot_files/reader_warnings.h"
 
 namespace crossgait {
 
@@ -23,6 +23,6 @@ struct CheckedUrdf {
 ///    skipped.
 ///  - A massless root on which nothing but a floating joint hangs is taken away: its child is the free base.
 /// @throws ConfigError naming `source`, the line and the link or joint
-CheckedUrdf check_urdf(const std::string& text, const std::string& source, UrdfWarnings& warnings);
+CheckedUrdf check_urdf(const std::string& text, const std::string& source, ReaderWarnings& warnings);
 
 }  // namespace crossgait

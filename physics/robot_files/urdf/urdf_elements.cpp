@@ -11,6 +11,7 @@
 
 #include "physics/core/error.h"
 #include "physics/core/text.h"
+#include "physics/robot_files/xml_text.h"
 
 namespace crossgait {
 namespace {
@@ -80,7 +81,7 @@ TiXmlElement& add_child(TiXmlElement& parent, const char* tag) {
 /// Copies one link or joint.
 class ElementCopy {
  public:
-  ElementCopy(const TiXmlElement& top, const UrdfErrors& errors, UrdfWarnings& warnings)
+  ElementCopy(const TiXmlElement& top, const UrdfErrors& errors, ReaderWarnings& warnings)
       : top_(top), errors_(errors), warnings_(warnings) {}
 
   void copy(const TiXmlElement& from, const std::string& path, TiXmlElement& to) {
@@ -189,25 +190,10 @@ class ElementCopy {
 
   const TiXmlElement& top_;
   const UrdfErrors& errors_;
-  UrdfWarnings& warnings_;
+  ReaderWarnings& warnings_;
 };
 
 }  // namespace
-
-void parse_xml(const std::string& text, const ReadBudget& budget, const std::string& source,
-               TiXmlDocument& document) {
-  check_xml_budget(text, budget, source);
-  document.Parse(text.c_str(), nullptr, TIXML_ENCODING_UTF8);
-  if (document.Error()) {
-    throw ConfigError(source, fmt::format("line {}", document.ErrorRow()), "well-formed XML",
-                      document.ErrorDesc());
-  }
-}
-
-std::string attribute_of(const TiXmlElement& element, const char* name) {
-  const char* value = element.Attribute(name);
-  return value == nullptr ? "" : value;
-}
 
 std::string urdf_label(const TiXmlElement& link_or_joint) {
   return fmt::format("{} '{}'", link_or_joint.Value(),
@@ -229,7 +215,7 @@ void UrdfErrors::fail(const TiXmlElement& link_or_joint, std::string_view expect
 }
 
 void copy_urdf_element(const TiXmlElement& link_or_joint, TiXmlElement& copy, const UrdfErrors& errors,
-                       UrdfWarnings& warnings) {
+                       ReaderWarnings& warnings) {
   ElementCopy(link_or_joint, errors, warnings).copy(link_or_joint, urdf_label(link_or_joint), copy);
 }
 

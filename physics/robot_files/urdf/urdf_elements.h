@@ -4,21 +4,11 @@
 #include <string>
 #include <string_view>
 
-#include "physics/core/read_budget.h"
-#include "physics/robot_files/urdf/urdf_warnings.h"
+#include "physics/robot_files/reader_warnings.h"
 
-class TiXmlDocument;
 class TiXmlElement;
 
 namespace crossgait {
-
-/// XML within a budget, which is checked first: TinyXML calls itself for elements inside elements.
-/// @throws ConfigError naming `source` and the line where it is not well-formed
-void parse_xml(const std::string& text, const ReadBudget& budget, const std::string& source,
-               TiXmlDocument& document);
-
-/// The attribute of that name, or "".
-std::string attribute_of(const TiXmlElement& element, const char* name);
 
 /// "link 'shin'".
 std::string urdf_label(const TiXmlElement& link_or_joint);
@@ -48,6 +38,6 @@ inline constexpr const char* kCapsuleMesh = "capsule:";
 /// @throws ConfigError for an attribute that is missing or not as many finite numbers as it has to be, and
 ///   for several parents or children of a joint
 void copy_urdf_element(const TiXmlElement& link_or_joint, TiXmlElement& copy, const UrdfErrors& errors,
-                       UrdfWarnings& warnings);
+                       ReaderWarnings& warnings);
 
 }  // namespace crossgait

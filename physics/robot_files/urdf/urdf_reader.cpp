@@ -12,12 +12,12 @@
 #include "physics/core/text.h"
 #include "physics/robot/rigid_pair.h"
 #include "physics/robot/robot_check.h"
+#include "physics/robot_files/inertia_repair.h"
 #include "physics/robot_files/joint_limits.h"
+#include "physics/robot_files/reader_warnings.h"
 #include "physics/robot_files/urdf/urdf_check.h"
-#include "physics/robot_files/urdf/urdf_inertia.h"
 #include "physics/robot_files/urdf/urdf_pose.h"
 #include "physics/robot_files/urdf/urdf_shapes.h"
-#include "physics/robot_files/urdf/urdf_warnings.h"
 
 namespace crossgait {
 namespace {
@@ -56,10 +56,10 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& text, const std::string& 
 class TreeBuilder {
  public:
   TreeBuilder(const std::string& path, const std::map<std::string, std::vector<VisualShape>>& visuals,
-              UrdfWarnings& warnings)
+              ReaderWarnings& warnings)
       : path_(path), visuals_(visuals), warnings_(warnings), shapes_(path, warnings) {}
 
-  UrdfRobot build(const urdf::Link& root) {
+  ParsedRobot build(const urdf::Link& root) {
     add_body(root, -1, Pose::Identity());
     robot_.mesh_vertices = std::move(shapes_.mesh_vertices());
     robot_.warnings = warnings_.sentences();
@@ -183,18 +183,18 @@ class TreeBuilder {
 
   const std::string& path_;
   const std::map<std::string, std::vector<VisualShape>>& visuals_;
-  UrdfWarnings& warnings_;
+  ReaderWarnings& warnings_;
   UrdfShapes shapes_;
-  UrdfRobot robot_;
+  ParsedRobot robot_;
 };
 
 }  // namespace
 
-UrdfRobot read_urdf(const std::string& path) {
-  UrdfWarnings warnings;
+ParsedRobot read_urdf(const std::string& path) {
+  ReaderWarnings warnings;
   const CheckedUrdf checked = check_urdf(read_text_file(path, kUrdfBudget), path, warnings);
   const urdf::ModelInterfaceSharedPtr model = parse(checked.text, path);
-  UrdfRobot robot = TreeBuilder(path, checked.visuals, warnings).build(*model->getRoot());
+  ParsedRobot robot = TreeBuilder(path, checked.visuals, warnings).build(*model->getRoot());
   robot.name = model->getName();
   return robot;
 }

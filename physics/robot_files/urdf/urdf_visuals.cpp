@@ -10,6 +10,7 @@
 #include "physics/core/text.h"
 #include "physics/robot_files/mesh/mesh_path.h"
 #include "physics/robot_files/urdf/urdf_elements.h"
+#include "physics/robot_files/xml_text.h"
 
 namespace crossgait {
 namespace {
@@ -54,7 +55,7 @@ std::optional<Pose> origin_of(const TiXmlElement& visual) {
 
 class VisualReader {
  public:
-  VisualReader(const TiXmlElement& robot, const std::string& path, UrdfWarnings& warnings)
+  VisualReader(const TiXmlElement& robot, const std::string& path, ReaderWarnings& warnings)
       : path_(path), warnings_(warnings) {
     for_each(robot, "material", [this](const TiXmlElement& material) { name_colour(material); });
     for_each(robot, "link", [this](const TiXmlElement& link) {
@@ -146,7 +147,7 @@ class VisualReader {
   }
 
   const std::string& path_;
-  UrdfWarnings& warnings_;
+  ReaderWarnings& warnings_;
   std::map<std::string, Eigen::Vector4d> colours_;  ///< by the name of the material
 };
 
@@ -154,7 +155,7 @@ class VisualReader {
 
 std::map<std::string, std::vector<VisualShape>> read_urdf_visuals(const TiXmlElement& robot,
                                                                   const std::string& path,
-                                                                  UrdfWarnings& warnings) {
+                                                                  ReaderWarnings& warnings) {
   VisualReader reader(robot, path, warnings);
   std::map<std::string, std::vector<VisualShape>> visuals;
   for (auto* link = robot.FirstChildElement("link"); link != nullptr;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "physics/robot/robot.h"
-#include "physics/robot_files/urdf/urdf_warnings.h"
+#include "physics/robot_files/reader_warnings.h"
 
 class TiXmlElement;
 
@@ -19,6 +19,6 @@ namespace crossgait {
 /// @param path  of the URDF
 std::map<std::string, std::vector<VisualShape>> read_urdf_visuals(const TiXmlElement& robot,
                                                                   const std::string& path,
-                                                                  UrdfWarnings& warnings);
+                                                                  ReaderWarnings& warnings);
 
 }  // namespace crossgait

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from crossgait.errors import ConfigError
 
 if TYPE_CHECKING:
-    from crossgait.rendering import EnvironmentRenderer
+    from crossgait.viewing.rendering import EnvironmentRenderer
 
 
 def known_render_mode(mode: str | None, modes: Sequence[str]) -> str | None:
@@ -26,7 +26,7 @@ class Drawn:
 
     def _open_renderer(self) -> EnvironmentRenderer:
         if self._renderer is None:
-            from crossgait.rendering import EnvironmentRenderer
+            from crossgait.viewing.rendering import EnvironmentRenderer
 
             self._renderer = EnvironmentRenderer(*self._frame_size)
         return self._renderer

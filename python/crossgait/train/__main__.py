@@ -29,8 +29,8 @@ examples:
   python -m crossgait.train config.yaml --seed 1 --steps 3000000 --out runs/mine-1
   python -m crossgait.train --resume --out runs/mine-1
   python -m crossgait.train --preset hierarchical --out runs/h      # planner, residuals under it, both together
-  python -m crossgait.compare_policies runs/mine-1/best.safetensors zero
-  python -m crossgait.play runs/mine-1/best.safetensors --video walk.mp4
+  python -m crossgait.train.compare_policies runs/mine-1/best.safetensors zero
+  python -m crossgait.viewing.play runs/mine-1/best.safetensors --video walk.mp4
 """
 
 

@@ -66,6 +66,7 @@ TEST(Robot, SaysWhichBodiesALoopWouldJoin) {
   EXPECT_EQ(config_error([&] { robot.validate(); }).found(), "9 and 21");
 }
 
+// NOLINTNEXTLINE(readability-function-size): a table, a row for each member.
 std::vector<Corruption> body_corruptions() {
   return {
       {"NoBodies",

@@ -87,7 +87,7 @@ TEST_F(DataPath, AnUnknownRobotIsAnErrorThatListsTheKnown) {
       ADD_FAILURE() << "no error for '" << text << "'";
     } catch (const ConfigError& e) {
       EXPECT_NE(e.expected().find("ant, walker"), std::string::npos) << e.what();
-      EXPECT_EQ(e.found(), "'" + std::string(text) + "'");
+      EXPECT_TRUE(e.found().starts_with("'" + std::string(text) + "'")) << e.what();
     }
   }
 }

@@ -94,7 +94,7 @@ TEST_F(MjcfFiles, EveryPartHasANameOfItsOwn) {
   MjcfDocument robot = document(
       "<mujoco><worldbody><body><freejoint/><geom/><geom name='world_body_0_geom_0'/>"
       "<body name='leg'><joint/><geom/></body></body></worldbody></mujoco>");
-  UrdfWarnings warnings;
+  ReaderWarnings warnings;
   const MjcfParts parts = take_parts(robot, warnings);
   for (const auto& [tag, name] :
        std::vector<std::pair<std::string, std::string>>{{"body", "world_body_0"},
@@ -113,7 +113,7 @@ TEST_F(MjcfFiles, OnlyWhatMakesARobotIsLeft) {
       "<mujoco><compiler meshdir='m' angle='radian'/><option/><size njmax='999999999'/><visual/>"
       "<asset><texture name='t' file='t.png'/><material name='m' texture='t'/></asset>"
       "<worldbody><body name='b'><site/><wings/></body></worldbody><sensor><gyro/></sensor></mujoco>");
-  UrdfWarnings warnings;
+  ReaderWarnings warnings;
   (void)take_parts(robot, warnings);
   const std::string xml = robot.print().xml;
   for (const char* gone : {"meshdir", "option", "size", "visual", "texture", "site", "sensor"})
@@ -131,7 +131,7 @@ TEST_F(MjcfFiles, MeshesOfAClassHaveItsScale) {
       "file='two.stl'/>"
       "<mesh name='three' class='c' file='c.stl'/><mesh name='four' class='a' file='d.stl' scale='1 -1 1'/>"
       "</asset></mujoco>");
-  UrdfWarnings warnings;
+  ReaderWarnings warnings;
   const MjcfParts parts = take_parts(robot, warnings);
   EXPECT_EQ(parts.meshes.at("one").scale, Vector3(2, 2, 2));
   EXPECT_EQ(parts.meshes.at("two").scale, Vector3(3, 3, 3));

@@ -52,14 +52,14 @@ constexpr const char* kFixedPair = R"(<robot name="pair">
   <transmission name="for other programs"/>
 </robot>)";
 
-UrdfRobot read(const std::string& text) {
+ParsedRobot read(const std::string& text) {
   const ScratchRobot scratch;
   scratch.write("test.urdf", text);
   return read_urdf(scratch.path("test.urdf"));
 }
 
 TEST(UrdfReader, MergesFixedLinksIntoTheirBody) {
-  const UrdfRobot robot = read(kFixedPair);
+  const ParsedRobot robot = read(kFixedPair);
   ASSERT_EQ(robot.bodies.size(), 2U);
   const SpatialInertia& base = robot.bodies[0].inertia;
   // The box's centre of mass lies at (1, .5, 0): its x is the base's y. Numbers of order one, rounding.
@@ -76,7 +76,7 @@ TEST(UrdfReader, MergesFixedLinksIntoTheirBody) {
 }
 
 TEST(UrdfReader, MovesShapesAndFramesOfFixedLinks) {
-  const UrdfRobot robot = read(kFixedPair);
+  const ParsedRobot robot = read(kFixedPair);
   const Body& base = robot.bodies[0];
   ASSERT_EQ(base.shapes.size(), 2U);
   EXPECT_EQ(base.shapes[0].name, "base_collision_0");
@@ -109,7 +109,7 @@ TEST(UrdfReader, ReadsADecimalPointInEveryLocale) {
     char do_decimal_point() const override { return ','; }
   };
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
-  const UrdfRobot robot = read(kFixedPair);
+  const ParsedRobot robot = read(kFixedPair);
   std::locale::global(before);
   EXPECT_EQ(robot.bodies[0].shapes[0].size, Vector3(0.1, 0.2, 0.3));
 }
@@ -136,7 +136,7 @@ std::string chain(int links) {
 }
 
 TEST(UrdfReader, ReadsLongChains) {
-  const UrdfRobot robot = read(chain(1000));
+  const ParsedRobot robot = read(chain(1000));
   EXPECT_EQ(robot.bodies.size(), 1U);
   EXPECT_DOUBLE_EQ(robot.bodies[0].inertia.mass, 1000);
 }

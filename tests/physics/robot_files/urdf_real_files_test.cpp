@@ -21,7 +21,7 @@ namespace {
 using Warnings = std::vector<std::string>;
 
 /// Without the numbers of lines, which change with the file.
-Warnings warnings_of(const UrdfRobot& robot) {
+Warnings warnings_of(const ParsedRobot& robot) {
   Warnings warnings = robot.warnings;
   for (std::string& warning : warnings) {
     warning = std::regex_replace(warning, std::regex(R"( \(line \d+\))"), "");
@@ -51,7 +51,7 @@ class OddUrdf : public ::testing::TestWithParam<OddInput> {};
 TEST_P(OddUrdf, IsReadAndToldOf) {
   const ScratchRobot scratch;
   scratch.replace("robot.urdf", GetParam().from, GetParam().to);
-  const UrdfRobot robot = read_urdf(scratch.path("robot.urdf"));
+  const ParsedRobot robot = read_urdf(scratch.path("robot.urdf"));
   EXPECT_EQ(robot.bodies.size(), 21U);
   EXPECT_EQ(warnings_of(robot), GetParam().warnings);
   EXPECT_NO_THROW(load_robot(scratch.path("robot.yaml")));
@@ -149,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(UrdfRealFiles, OddUrdf, ::testing::ValuesIn(kOddUrdfs),
 class UrdfTraps : public ScratchFolder {
  protected:
   /// A base of 1 kg, and what is put into <robot> besides.
-  UrdfRobot read_with_base(const std::string& more) const {
+  ParsedRobot read_with_base(const std::string& more) const {
     return read_urdf(
         write("robot.urdf", "<robot name='r'>" + link("base", inertial(1, "1 1 1")) + more + "</robot>"));
   }
@@ -180,10 +180,12 @@ TEST_F(UrdfTraps, LimitsAreThoseThatHold) {
   add("b", "<limit lower='4' upper='10' effort='7' velocity='1'/>");
   add("c", "");
   add("d", "<limit lower='-6.2831' upper=' +6.28&#10;'/>");
-  const UrdfRobot robot = read_with_base(text);
-  constexpr double kPi = std::numbers::pi;
-  const double expected[][4] = {
-      {-1, kPi, 0, 0.3}, {-kPi, kPi, 7, 0}, {-kPi, kPi, 0, 0}, {-6.2831, 6.28, 0, 0}};
+  const ParsedRobot robot = read_with_base(text);
+  constexpr double kUnlimited = std::numbers::pi;
+  const double expected[][4] = {{-1, kUnlimited, 0, 0.3},
+                                {-kUnlimited, kUnlimited, 7, 0},
+                                {-kUnlimited, kUnlimited, 0, 0},
+                                {-6.2831, 6.28, 0, 0}};
   for (std::size_t i = 0; i < 4; ++i) {
     const Joint& j = robot.bodies.at(i + 1).joint;
     EXPECT_EQ(Eigen::Vector4d(j.lower, j.upper, j.effort_limit, j.friction), Eigen::Vector4d(expected[i]))
@@ -192,21 +194,21 @@ TEST_F(UrdfTraps, LimitsAreThoseThatHold) {
 }
 
 TEST_F(UrdfTraps, NumbersMayBeApartByAnySpace) {
-  const UrdfRobot robot =
+  const ParsedRobot robot =
       read_with_base(link("rod", inertial(1, "1 1 1")) +
                      joint("continuous", "base", "rod", "<axis xyz='\n 0\t\t+1 \r\n 0 '/>"));
   EXPECT_EQ(robot.bodies[1].joint.axis, Vector3(0, 1, 0));
 }
 
 TEST_F(UrdfTraps, NamesMayHoldAnyCharacter) {
-  const UrdfRobot robot = read_with_base(link("a&lt;&quot;&amp;b&gt;\xc3\xa9", inertial(1, "1 1 1")) +
-                                         joint("fixed", "base", "a&lt;&quot;&amp;b&gt;\xc3\xa9"));
+  const ParsedRobot robot = read_with_base(link("a&lt;&quot;&amp;b&gt;\xc3\xa9", inertial(1, "1 1 1")) +
+                                           joint("fixed", "base", "a&lt;&quot;&amp;b&gt;\xc3\xa9"));
   EXPECT_EQ(robot.links.count("a<\"&b>\xc3\xa9"), 1U);
 }
 
 // Dummies of a sensor or a foot: only the whole body has to be one that can be.
 TEST_F(UrdfTraps, InertiaIsThatOfTheWholeBody) {
-  const UrdfRobot robot =
+  const ParsedRobot robot =
       read_with_base(link("imu", inertial(0, "0 0 0")) + joint("fixed", "base", "imu") +
                      link("camera", inertial(0.1, "1e-6 0 0")) + joint("fixed", "base", "camera") +
                      link("frame", "") + joint("fixed", "base", "frame"));
@@ -215,9 +217,9 @@ TEST_F(UrdfTraps, InertiaIsThatOfTheWholeBody) {
 }
 
 TEST_F(UrdfTraps, MassIsWhatMakesInertiaCount) {
-  const UrdfRobot robot = read_with_base(link("odd", inertial(0, "5 5 5")) + joint("fixed", "base", "odd") +
-                                         link("point", "<inertial><mass value='1'/></inertial>") +
-                                         joint("fixed", "base", "point"));
+  const ParsedRobot robot = read_with_base(link("odd", inertial(0, "5 5 5")) + joint("fixed", "base", "odd") +
+                                           link("point", "<inertial><mass value='1'/></inertial>") +
+                                           joint("fixed", "base", "point"));
   EXPECT_EQ(robot.bodies[0].inertia.I_C, Matrix3::Identity());
   EXPECT_EQ(warnings_of(robot),
             (Warnings{"took 1 <inertial> without <inertia> for point mass(es), first in link 'point'",
@@ -226,7 +228,7 @@ TEST_F(UrdfTraps, MassIsWhatMakesInertiaCount) {
 
 TEST_F(UrdfTraps, AbsentInertiaIsThatOfTheShapes) {
   const std::string mass = "<inertial><mass value='12'/></inertial>";
-  const UrdfRobot robot = read_with_base(
+  const ParsedRobot robot = read_with_base(
       link("box", mass +
                       "<collision><origin xyz='.5 0 0'/><geometry><box size='1 2 3'/></geometry></collision>"
                       "<collision><origin xyz='-.5 0 0' rpy='0 1.5707963267948966 0'/>"
@@ -245,7 +247,7 @@ TEST_F(UrdfTraps, AbsentInertiaIsThatOfTheShapes) {
 
 TEST_F(UrdfTraps, ImpossibleInertiaIsRaisedByTheLeast) {
   const auto raised = [&](const std::string& moments) {
-    const UrdfRobot robot =
+    const ParsedRobot robot =
         read_with_base(link("rod", inertial(1, moments)) + joint("continuous", "base", "rod"));
     EXPECT_EQ(robot.warnings.size(), 1U);
     const Matrix3& I = robot.bodies[1].inertia.I_C;
@@ -270,7 +272,7 @@ TEST_F(UrdfTraps, AMovingBodyNeedsMass) {
 
 TEST_F(UrdfTraps, AMasslessRootLetsItsChildFloat) {
   const std::string world = link("world", "") + joint("floating", "world", "base", "<origin xyz='0 0 9'/>");
-  const UrdfRobot robot = read_with_base(world);
+  const ParsedRobot robot = read_with_base(world);
   ASSERT_EQ(robot.bodies.size(), 1U);
   EXPECT_EQ(robot.bodies[0].name, "base");
   EXPECT_EQ(robot.bodies[0].parent, -1);
@@ -290,7 +292,7 @@ TEST_F(UrdfTraps, AMasslessRootLetsItsChildFloat) {
 }
 
 TEST_F(UrdfTraps, CapsulesAreRead) {
-  const UrdfRobot robot = read_with_base(
+  const ParsedRobot robot = read_with_base(
       link("shin", inertial(1, "1 1 1") +
                        "<collision name='rod'><origin xyz='0 0 1' rpy='1.5707963267948966 0 0'/>"
                        "<geometry><capsule radius=' .1 ' length='.6'/></geometry></collision>") +
@@ -328,7 +330,7 @@ TEST_F(UrdfTraps, AbsentInertiaIsThatOfCapsulesAndHulls) {
     }
     return text;
   }());
-  const UrdfRobot robot = read_with_base(
+  const ParsedRobot robot = read_with_base(
       link("rod",
            "<inertial><mass value='12'/></inertial><collision><origin rpy='1.5707963267948966 0 0'/>"
            "<geometry><capsule radius='.1' length='.8'/></geometry></collision>") +
@@ -354,7 +356,7 @@ TEST_F(UrdfTraps, MeshesStandForTheirBox) {
   std::filesystem::create_directories(folder_ / "dog" / "meshes");
   write("dog/meshes/shin.obj", box_obj({2, 4, 6}));
   write("dog/meshes/plate.stl", text_stl({{1, 0, 7}, {3, 0, 7}, {1, 8, 7}}));
-  const UrdfRobot robot = read_with_base(
+  const ParsedRobot robot = read_with_base(
       link("shin",
            inertial(1, "1 1 1") +
                "<collision name='shin'><origin xyz='0 0 1' rpy='0 0 1.5707963267948966'/><geometry>"
@@ -421,7 +423,7 @@ TEST_F(UrdfTraps, XacroHasToBeExpandedFirst) {
 TEST_F(UrdfTraps, WarningsStayFew) {
   std::string unknown;
   for (int i = 0; i < 1000; ++i) unknown += "<a" + std::to_string(i) + "/>";
-  const UrdfRobot robot = read_with_base(link("x", unknown + unknown) + joint("fixed", "base", "x"));
+  const ParsedRobot robot = read_with_base(link("x", unknown + unknown) + joint("fixed", "base", "x"));
   ASSERT_EQ(robot.warnings.size(), 65U);
   EXPECT_EQ(warnings_of(robot).front(), "ignored 2 <a0>, first in link 'x'");
   EXPECT_EQ(robot.warnings.back(), "there are 1872 more things of other kinds");

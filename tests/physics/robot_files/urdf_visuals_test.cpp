@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "physics/robot_files/parsed_robot.h"
 #include "physics/robot_files/urdf/urdf_reader.h"
-#include "physics/robot_files/urdf/urdf_tree.h"
 #include "tests/physics/core/scratch_folder.h"
 #include "tests/physics/robot_files/serial_urdf.h"
 
@@ -15,8 +15,8 @@ namespace {
 class UrdfVisuals : public ScratchFolder {
  protected:
   /// A base and a link that turns, 1 m ahead, with a plate fixed to it .5 m above.
-  UrdfRobot read_links(const std::string& base, const std::string& link, const std::string& plate,
-                       const std::string& robot = "") const {
+  ParsedRobot read_links(const std::string& base, const std::string& link, const std::string& plate,
+                         const std::string& robot = "") const {
     const std::string inertia = SerialUrdf::inertia(1, Vector3::Zero());
     return read_urdf(
         write("robot.urdf",
@@ -32,7 +32,7 @@ class UrdfVisuals : public ScratchFolder {
 
 TEST_F(UrdfVisuals, AreKeptWithTheirShapesPlacesAndColours) {
   write("wheel.dae", "anything");
-  const UrdfRobot robot = read_links(
+  const ParsedRobot robot = read_links(
       "<visual><geometry><box size='1 2 3'/></geometry><material name='red'/></visual>"
       "<visual><geometry><sphere radius='.1'/></geometry></visual>",
       "<visual><origin xyz='0 0 1' rpy='0 0 1.5707963267948966'/><geometry><cylinder radius='.2' length='3'/>"
@@ -66,14 +66,14 @@ TEST_F(UrdfVisuals, AreKeptWithTheirShapesPlacesAndColours) {
 TEST_F(UrdfVisuals, TurnAsTheOriginsOfLinksDo) {
   const std::string origin =
       "<origin xyz='1 2 3' rpy='.3 -.7 1.1'/><geometry><sphere radius='1'/></geometry>";
-  const UrdfRobot robot =
+  const ParsedRobot robot =
       read_links("<visual>" + origin + "</visual><collision>" + origin + "</collision>", "", "");
   EXPECT_LT((robot.bodies[0].visuals[0].X_BG.matrix() - robot.bodies[0].shapes[0].X_BG.matrix()).norm(),
             1e-15);
 }
 
 TEST_F(UrdfVisuals, ThatCannotBeShownAreDroppedAndCounted) {
-  const UrdfRobot robot = read_links(
+  const ParsedRobot robot = read_links(
       "<visual/><visual><geometry/></visual><visual><geometry><sphere radius='-1'/></geometry></visual>"
       "<visual><origin xyz='0 0'/><geometry><sphere radius='1'/></geometry></visual>"
       "<visual><geometry><box size='1 2 3 "
@@ -93,12 +93,12 @@ TEST_F(UrdfVisuals, ThatCannotBeShownAreDroppedAndCounted) {
 
 TEST_F(UrdfVisuals, MoveWithWhatIsLockedOrTurned) {
   const std::string ball = "<visual><geometry><sphere radius='1'/></geometry></visual>";
-  const UrdfRobot locked = lock_joints(read_links(ball, ball, ""), {"j"});
+  const ParsedRobot locked = lock_joints(read_links(ball, ball, ""), {"j"});
   ASSERT_EQ(locked.bodies.size(), 1U);
   ASSERT_EQ(locked.bodies[0].visuals.size(), 2U);
   EXPECT_EQ(locked.bodies[0].visuals[1].X_BG.translation(), Vector3(1, 0, 0));
   const Matrix3 R = Eigen::AngleAxisd(std::numbers::pi / 2, Vector3::UnitZ()).toRotationMatrix();
-  const UrdfRobot turned = turn_base(locked, R);
+  const ParsedRobot turned = turn_base(locked, R);
   EXPECT_LT((turned.bodies[0].visuals[1].X_BG.translation() - Vector3(0, -1, 0)).norm(), 1e-15);
 }
 

@@ -294,7 +294,8 @@ TEST(MakeTerrain, NamesWhatItKnows) {
   std::string known = "one of ";
   for (const TerrainGenerator& generator : terrain_generators()) known += std::string(generator.name) + ", ";
   known += "FILE.png or FILE.csv";
-  EXPECT_EQ(what("rouhg:seed=3"), "terrain 'rouhg:seed=3': name: expected " + known + ", found 'rouhg'");
+  EXPECT_EQ(what("rouhg:seed=3"),
+            "terrain 'rouhg:seed=3': name: expected " + known + ", found 'rouhg' (did you mean rough?)");
   EXPECT_EQ(what(""), "terrain '': name: expected " + known + ", found ''");
   EXPECT_EQ(what("map.tif"), "terrain 'map.tif': name: expected " + known + ", found 'map.tif'");
   EXPECT_EQ(what("\x1b[31m"), "terrain '\\x1b[31m': name: expected " + known + ", found '\\x1b[31m'");

@@ -1,0 +1,51 @@
+// A robot's file as a tree of moving bodies, and changes of that tree before a robot is made of it.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "physics/robot/robot.h"
+
+namespace crossgait {
+
+/// Where a link of the file ended up: fixed joints are merged into the moving body they belong to.
+struct LinkPlacement {
+  int body = 0;                  ///< index into ParsedRobot::bodies
+  Pose X_BL = Pose::Identity();  ///< pose of the link's frame in that body
+  std::vector<int> shapes;       ///< indices of the link's own shapes in that body
+};
+
+/// Two points of two links that coincide.
+struct LinkLoop {
+  std::string name, link_a, link_b;
+  Vector3 p_a = Vector3::Zero(), p_b = Vector3::Zero();  ///< each in its link's frame, m
+};
+
+/// What a file says, of whichever format (robot_formats.h); bodies of an MJCF are links here.
+struct ParsedRobot {
+  std::string name;  ///< of the robot; empty if it has none
+  /// Base first, parents before their children, siblings by joint name. A body is named after the link its
+  /// joint moves and has that link's frame; joints carry axis, limits, damping and effort limit.
+  std::vector<Body> bodies;
+  std::map<std::string, LinkPlacement> links;  ///< every link of the file that is simulated
+  /// What was left out, taken for something else or repaired: one sentence per kind of thing, counted.
+  std::vector<std::string> warnings;
+  /// Vertices of collision meshes in the frame of their body, m, by the name of the shape that stands for the
+  /// mesh.
+  std::map<std::string, std::vector<Vector3>> mesh_vertices;
+  // What a URDF cannot say, for one. Likewise kp, kd and armature of joints; 0 is not given.
+  std::vector<LinkLoop> loops;
+  std::map<std::string, double> home;  ///< angles by joint, rad; empty if not given
+  std::string home_name;               ///< of the pose, for people
+};
+
+/// Fixes joints at zero angle: what they move becomes part of what they hang on. @param joints  their names
+ParsedRobot lock_joints(ParsedRobot robot, const std::set<std::string>& joints);
+
+/// Turns the base's own axes: what was along `R` x of the base is along x afterwards. @param R_BA  rotation
+/// whose columns are the new forward, left and up in the file's base frame
+ParsedRobot turn_base(ParsedRobot robot, const Matrix3& R_BA);
+
+}  // namespace crossgait

@@ -1,0 +1,56 @@
+#include "physics/robot_files/reader_warnings.h"
+
+#include <fmt/format.h>
+
+#include "physics/core/error.h"
+
+namespace crossgait {
+namespace {
+
+// Real files have a dozen kinds at most; a file may be all misspelt.
+constexpr std::size_t kMostKinds = 64;
+constexpr std::size_t kMostOfASentence = 2000;  // bytes
+
+}  // namespace
+
+ReaderWarnings::Kind* ReaderWarnings::more_of(std::string_view before, std::string_view after) {
+  std::string key = fmt::format("{}#{}", before, after);
+  auto known = index_.find(key);
+  if (known == index_.end()) {
+    if (kinds_.size() == kMostKinds) {
+      ++more_;
+      return nullptr;
+    }
+    known = index_.emplace(std::move(key), kinds_.size()).first;
+    kinds_.push_back({std::string(before), std::string(after), "", 0});
+  }
+  Kind& kind = kinds_[known->second];
+  ++kind.count;
+  return &kind;
+}
+
+void ReaderWarnings::count(std::string_view before, std::string_view after, std::string_view where) {
+  Kind* const kind = more_of(before, after);
+  if (kind != nullptr && kind->count == 1) kind->where = fmt::format(", first in {}", where);
+}
+
+void ReaderWarnings::list(std::string_view what, std::string_view name) {
+  if (Kind* const kind = more_of("", what))
+    kind->where += (kind->where.empty() ? "" : ", ") + std::string(name);
+}
+
+void ReaderWarnings::add(std::string_view sentence) { more_of(sentence, ""); }
+
+std::vector<std::string> ReaderWarnings::sentences() const {
+  std::vector<std::string> result;
+  for (const Kind& kind : kinds_) {
+    const bool is_counted = !kind.where.empty();
+    const std::string sentence =
+        is_counted ? fmt::format("{}{}{}{}", kind.before, kind.count, kind.after, kind.where) : kind.before;
+    result.push_back(printable_text(sentence, kMostOfASentence));
+  }
+  if (more_ > 0) result.push_back(fmt::format("there are {} more things of other kinds", more_));
+  return result;
+}
+
+}  // namespace crossgait

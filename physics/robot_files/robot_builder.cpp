@@ -1,0 +1,88 @@
+#include "physics/robot_files/robot_builder.h"
+
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "physics/robot/robot_members.h"
+#include "physics/robot_files/robot_formats.h"
+#include "physics/robot_files/robot_servos.h"
+
+namespace crossgait {
+
+RobotBuilder::RobotBuilder(const std::string& file, const std::string& source, std::optional<YamlValue> yaml)
+    : yaml_(std::move(yaml)), parsed_(read_robot_file(file)) {
+  const auto name = find("name");
+  robot_.name = name                   ? name->text()
+                : parsed_.name.empty() ? std::filesystem::path(file).stem().string()
+                                       : parsed_.name;
+  robot_.source = source;
+  report_.file = file;
+  report_.warnings = parsed_.warnings;
+}
+
+LoadedRobot RobotBuilder::load() {
+  read_frame_and_legs();
+  read_loops();
+  read_softness("loop_softness", robot_.loop_softness);
+  read_softness("friction_softness", robot_.friction_softness);
+  read_feet();
+  name_servos();
+  check_before_home();
+  read_heights_and_home();
+  read_servos(yaml_, unknown_effort_, robot_, report_.inferred);
+  robot_.validate();
+  return {std::move(robot_), std::move(report_)};
+}
+
+std::optional<YamlValue> RobotBuilder::find(std::string_view key) const {
+  return yaml_ ? yaml_->find(key) : std::nullopt;
+}
+
+void RobotBuilder::infer(std::string what, std::string value, std::string reason) {
+  report_.inferred.push_back({std::move(what), std::move(value), std::move(reason)});
+}
+
+const LinkPlacement& RobotBuilder::link(const YamlValue& value) const {
+  const auto found = parsed_.links.find(value.text());
+  if (found == parsed_.links.end())
+    value.fail("a link of the robot's file", fmt::format("'{}'", value.text()));
+  return found->second;
+}
+
+int RobotBuilder::body_of(const LinkPlacement& placement) const {
+  return body_index_[static_cast<std::size_t>(placement.body)];
+}
+
+void RobotBuilder::read_loops() {
+  const auto loops = find("loops");
+  if (loops) {
+    for (const YamlValue& value : loops->items()) {
+      value.allow_keys({"name", "link_a", "point_a", "link_b", "point_b"});
+      const LinkPlacement& a = link(value.at("link_a"));
+      const LinkPlacement& b = link(value.at("link_b"));
+      robot_.loops.push_back({value.at("name").text(), body_of(a), body_of(b),
+                              a.X_BL * value.at("point_a").vector3(),
+                              b.X_BL * value.at("point_b").vector3()});
+    }
+  } else {
+    for (const LinkLoop& loop : parsed_.loops) {
+      const LinkPlacement &a = parsed_.links.at(loop.link_a), &b = parsed_.links.at(loop.link_b);
+      robot_.loops.push_back({loop.name, body_of(a), body_of(b), a.X_BL * loop.p_a, b.X_BL * loop.p_b});
+    }
+  }
+}
+
+void RobotBuilder::read_softness(std::string_view key, Softness& softness) {
+  const auto values = find(key);
+  if (!values) return;
+  std::vector<std::string_view> names;
+  for_each_member(softness, [&](std::string_view name, double&) { names.push_back(name); });
+  values->allow_keys(names);
+  for_each_member(softness, [&](std::string_view name, double& member) {
+    if (const auto value = values->find(name)) member = value->number();
+  });
+}
+
+}  // namespace crossgait

@@ -1,0 +1,86 @@
+// A robot made step by step of what its files say. Private to robot_files.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "physics/core/yaml_reader.h"
+#include "physics/robot/robot.h"
+#include "physics/robot_files/inference/robot_inference.h"
+#include "physics/robot_files/parsed_robot.h"
+#include "physics/robot_files/robot_report.h"
+
+namespace crossgait {
+
+/// Puts one robot together from its file and, where there is one, the robot.yaml that says more; what neither
+/// says is inferred. The steps come in the order of `load`: each stands on those before.
+class RobotBuilder {
+ public:
+  /// @param file    of one of the formats (robot_formats.h)
+  /// @param source  what messages name: the robot.yaml, or the file
+  RobotBuilder(const std::string& file, const std::string& source, std::optional<YamlValue> yaml);
+
+  /// Makes the robot, once. @throws ConfigError naming file and element
+  LoadedRobot load();
+
+ private:
+  std::optional<YamlValue> find(std::string_view key) const;
+  void infer(std::string what, std::string value, std::string reason);
+  const LinkPlacement& link(const YamlValue& value) const;
+  int body_of(const LinkPlacement& placement) const;
+  Joint& joint(int i) { return robot_.bodies[static_cast<std::size_t>(i) + 1].joint; }
+
+  // robot_legs.cpp: which joints are legs, and the order of bodies that follows.
+  void read_frame_and_legs();
+  static Matrix3 read_frame(const YamlValue& frame);
+  /// Index of the body that a joint of the file moves, in the file's order, or -1.
+  int moved_body(const std::string& joint) const;
+  int moved_body(const YamlValue& value, const std::string& joint) const;
+  void take_legs(const LegArray<LegChain>& chains);
+  void read_legs(const YamlValue& legs);
+  /// Bodies of the legs first, leg by leg and role by role, then the rest in the file's order.
+  void order_bodies(LegArray<LegModel> models, const LegArray<std::vector<int>>& legs);
+  void name_servos();
+
+  void read_loops();
+  void read_softness(std::string_view key, Softness& softness);
+
+  // robot_feet.cpp
+  void read_feet();
+  void infer_foot(Leg leg);
+  /// A link with one collision sphere, or a point of a link: `{link, point, radius}`.
+  void read_foot(const YamlValue& value, Leg leg);
+  Body& set_foot(Leg leg, int body_index, const Vector3& p_BF, double radius);
+  /// Where there is no such sphere on the body, one takes the place of its shapes.
+  void put_foot(Leg leg, int body_index, const Vector3& p_BF, double radius);
+
+  // robot_home.cpp: the home pose, and the heights that follow from it.
+  /// What the home pose is found by has to be right before.
+  void check_before_home();
+  void read_heights_and_home();
+  void infer_home(bool has_height);
+  /// The pose that the robot's file calls its home, if it has one and serial legs can stand in it.
+  bool take_home_of_file();
+  /// Moves passive joints until the loops are closed. @returns whether they were nearly so
+  bool close_home();
+  /// Angles per role, for every leg or leg by leg; passive joints' are refined until the loops are closed.
+  void read_home(const YamlValue& home);
+  std::vector<Pose> home_poses() const;
+  void set_home_height();
+  /// Mean depth of the feet below the joints that swing them: hips, or the left shoulders.
+  double home_depth() const;
+
+  std::optional<YamlValue> yaml_;
+  ParsedRobot parsed_;
+  std::vector<int> body_index_;  ///< from the file's order of bodies to the robot's
+  std::set<int> unknown_effort_;
+  std::size_t left_out_ = 0;  ///< shapes around feet, and whose the first was
+  std::string first_left_out_;
+  RobotDescription robot_;
+  RobotReport report_;
+};
+
+}  // namespace crossgait

@@ -1,0 +1,80 @@
+// The feet of a robot: stated, or found where its legs end.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "physics/robot_files/robot_builder.h"
+
+namespace crossgait {
+
+void RobotBuilder::read_feet() {
+  const auto legs = find("legs");
+  for (const Leg leg : kLegs) {
+    const auto foot = legs ? legs->at(name(leg)).find("foot") : std::nullopt;
+    if (foot) {
+      read_foot(*foot, leg);
+    } else if ((*robot_.legs)[leg].linkage == LegLinkage::kSerial) {
+      infer_foot(leg);
+    } else {
+      static_cast<void>(legs->at(name(leg)).at("foot"));  // throws
+    }
+  }
+  if (left_out_ > 0) {
+    report_.warnings.push_back(
+        fmt::format("left out {} collision shape(s) around feet, first of '{}': feet alone touch", left_out_,
+                    first_left_out_));
+  }
+}
+
+void RobotBuilder::infer_foot(Leg leg) {
+  LegModel& model = (*robot_.legs)[leg];
+  const int last = model.servos.back() + 1;
+  const auto in_file = std::find(body_index_.begin(), body_index_.end(), last) - body_index_.begin();
+  const FootPlace foot = find_foot(parsed_, static_cast<int>(in_file), leg, robot_.source, report_.inferred);
+  put_foot(leg, last, foot.p_BF, foot.radius);
+}
+
+void RobotBuilder::read_foot(const YamlValue& value, Leg leg) {
+  if (value.is_mapping()) {
+    value.allow_keys({"link", "point", "radius"});
+    const LinkPlacement& placement = link(value.at("link"));
+    put_foot(leg, body_of(placement), placement.X_BL * value.at("point").vector3(),
+             value.at("radius").number());
+    return;
+  }
+  const LinkPlacement& placement = link(value);
+  const Body& body = parsed_.bodies[static_cast<std::size_t>(placement.body)];
+  if (placement.shapes.size() != 1 ||
+      body.shapes[static_cast<std::size_t>(placement.shapes[0])].type != ShapeType::kSphere) {
+    value.fail("a link with one collision sphere, the foot", fmt::format("link '{}'", value.text()));
+  }
+  const CollisionShape& foot = body.shapes[static_cast<std::size_t>(placement.shapes[0])];
+  set_foot(leg, body_of(placement), foot.X_BG.translation(), foot.size[0]);
+}
+
+Body& RobotBuilder::set_foot(Leg leg, int body_index, const Vector3& p_BF, double radius) {
+  LegModel& model = (*robot_.legs)[leg];
+  model.foot_body = body_index;
+  model.p_BF = p_BF;
+  model.foot_radius = radius;
+  return robot_.bodies[static_cast<std::size_t>(body_index)];
+}
+
+void RobotBuilder::put_foot(Leg leg, int body_index, const Vector3& p_BF, double radius) {
+  Body& body = set_foot(leg, body_index, p_BF, radius);
+  if (const std::size_t count = leave_out_around(parsed_, p_BF, radius, body); count > 0) {
+    if (left_out_ == 0) first_left_out_ = body.name;
+    left_out_ += count;
+  }
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    if (leg_of_shape(robot_, body_index, static_cast<int>(i)) == static_cast<int>(leg)) return;
+  }
+  body.shapes.clear();
+  CollisionShape foot;
+  foot.name = fmt::format("{}_foot", name(leg));
+  foot.size = {radius, 0, 0};
+  foot.X_BG.translation() = p_BF;
+  body.shapes.push_back(std::move(foot));
+}
+
+}  // namespace crossgait

@@ -1,0 +1,154 @@
+// The home pose of a robot, and the heights that follow from it.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "physics/core/error.h"
+#include "physics/robot/loop_closing.h"
+#include "physics/robot/multibody.h"
+#include "physics/robot/robot_check.h"
+#include "physics/robot_files/robot_builder.h"
+
+namespace crossgait {
+namespace {
+
+/// A stated home angle may be this far from the one that closes the loops, rad: rounding, not another working
+/// mode.
+constexpr double kHomeAngleTolerance = 0.1;
+constexpr const char* kClosedHome = "angles within 0.1 rad of closed loops";
+
+}  // namespace
+
+void RobotBuilder::check_before_home() {
+  for (const LegModel& leg : *robot_.legs) {
+    for (const int i : leg.servos) {
+      double& effort = joint(i).effort_limit;
+      if (effort > 0) continue;
+      unknown_effort_.insert(i);
+      effort = 1;  // until `read_servos` knows
+    }
+  }
+  check_structure(robot_);
+}
+
+void RobotBuilder::read_heights_and_home() {
+  const auto height = find("standing_height"), offset = find("stance_offset"), home = find("home");
+  if (height) {
+    robot_.standing_height = height->number();
+    if (!(robot_.standing_height > 0))
+      height->fail("a height above 0 m", fmt::format("{}", robot_.standing_height));
+  }
+  if (home) {
+    read_home(*home);
+  } else if (!take_home_of_file()) {
+    infer_home(height.has_value());
+  }
+  if (offset) robot_.stance_offset = offset->number();
+  set_home_height();
+  if (robot_.standing_height == 0) {
+    robot_.standing_height = home_depth();
+    infer("standing_height", fmt::format("{:.4g} m", robot_.standing_height),
+          "depth of the feet below the hips or shoulders in the home pose");
+  }
+}
+
+void RobotBuilder::infer_home(bool has_height) {
+  for (const LegModel& leg : *robot_.legs) {
+    if (leg.linkage != LegLinkage::kSerial) static_cast<void>(yaml_->at("home"));  // throws
+  }
+  double length = 0;
+  for (const Leg leg : kLegs) length += leg_lengths(robot_, leg).sum() / kLegCount;
+  if (!has_height) robot_.standing_height = kStandingShare * length;
+  const HomePose home = find_home(robot_, robot_.standing_height, report_.inferred);
+  robot_.home = home.q;
+  robot_.stance_offset = home.forward;
+  infer("gait_scale",
+        fmt::format("h = {:.4g} m, sqrt(h/g) = {:.3g} s", robot_.standing_height,
+                    std::sqrt(robot_.standing_height / kGravity)),
+        "gaits, ranges and limits are multiples of both");
+}
+
+bool RobotBuilder::take_home_of_file() {
+  if (parsed_.home.empty()) return false;
+  JointVector q = JointVector::Zero(robot_.joint_count());
+  for (int i = 0; i < robot_.joint_count(); ++i) q[i] = parsed_.home.at(joint(i).name);
+  const bool is_serial = std::all_of(robot_.legs->begin(), robot_.legs->end(),
+                                     [](const LegModel& leg) { return leg.linkage == LegLinkage::kSerial; });
+  const std::string problem = is_serial ? problem_with_stance(robot_, q) : "";
+  if (!problem.empty()) {
+    report_.warnings.push_back(
+        fmt::format("{} is not taken for the home pose: {}", parsed_.home_name, problem));
+    return false;
+  }
+  robot_.home = std::move(q);
+  if (!close_home()) {
+    throw ConfigError(report_.file, parsed_.home_name, kClosedHome, "loops that stay open");
+  }
+  infer("home", fmt::format("the angles of {}", parsed_.home_name), "the file has it");
+  if (!is_serial) return true;
+  robot_.stance_offset = balanced_offset(robot_, robot_.home);
+  infer("stance_offset", fmt::format("{:.4g} m", robot_.stance_offset), kStanceOffsetReason);
+  return true;
+}
+
+bool RobotBuilder::close_home() {
+  if (robot_.loops.empty()) return true;
+  const JointVector stated = robot_.home;
+  close_loops(robot_, robot_.home);
+  return (robot_.home - stated).cwiseAbs().maxCoeff() < kHomeAngleTolerance;
+}
+
+void RobotBuilder::read_home(const YamlValue& home) {
+  robot_.home = JointVector::Zero(robot_.joint_count());
+  const bool by_leg = home.find(name(Leg::FL)).has_value();
+  if (by_leg) home.allow_keys({name(Leg::FL), name(Leg::FR), name(Leg::RL), name(Leg::RR)});
+  for (const Leg leg : kLegs) {
+    const LegModel& model = (*robot_.legs)[leg];
+    const YamlValue values = by_leg ? home.at(name(leg)) : home;
+    if (model.linkage == LegLinkage::kFiveBar) {
+      values.allow_keys({"tilt", "shoulder_left", "shoulder_right", "elbow_left", "elbow_right"});
+    } else {
+      values.allow_keys({"abduction", "hip", "knee"});
+    }
+    for (const LegRole& role : model.roles()) {
+      robot_.home[model.joint(role.name)] = values.at(role.name).number();
+    }
+  }
+  if (!close_home()) home.fail(kClosedHome, "loops that stay open");
+}
+
+std::vector<Pose> RobotBuilder::home_poses() const {
+  RobotState state;
+  state.q = robot_.home;
+  std::vector<Pose> poses;
+  forward_kinematics(robot_, state, poses);
+  return poses;
+}
+
+void RobotBuilder::set_home_height() {
+  const std::vector<Pose> poses = home_poses();
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Leg leg : kLegs) {
+    const double sole = foot_position(robot_, leg, poses).z() - (*robot_.legs)[leg].foot_radius;
+    lowest = std::min(lowest, sole);
+  }
+  robot_.home_height = -lowest;
+}
+
+double RobotBuilder::home_depth() const {
+  const std::vector<Pose> poses = home_poses();
+  double depth = 0;
+  for (const Leg leg : kLegs) {
+    const LegModel& model = (*robot_.legs)[leg];
+    const int hip = model.joint(model.linkage == LegLinkage::kSerial ? "hip" : "shoulder_left");
+    depth +=
+        (poses[static_cast<std::size_t>(hip) + 1].translation().z() - foot_position(robot_, leg, poses).z()) /
+        kLegCount;
+  }
+  return depth;
+}
+
+}  // namespace crossgait

@@ -1,0 +1,136 @@
+// Which joints of a file are the robot's legs.
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "physics/robot_files/robot_builder.h"
+
+namespace crossgait {
+
+void RobotBuilder::read_frame_and_legs() {
+  const auto legs = find("legs"), frame = find("frame"), locked = find("locked");
+  LegSearch search;
+  if (!legs) search = find_legs(parsed_, robot_.source, report_.inferred, report_.warnings);
+  if (frame) search.R_BA = read_frame(*frame);
+  if (locked) {
+    search.locked.clear();
+    for (const YamlValue& joint : locked->items()) {
+      static_cast<void>(moved_body(joint, joint.text()));
+      search.locked.insert(joint.text());
+    }
+  }
+  parsed_ = lock_joints(std::move(parsed_), search.locked);
+  if (!search.R_BA.isIdentity(0)) parsed_ = turn_base(std::move(parsed_), search.R_BA);
+  report_.locked = std::move(search.locked);
+  report_.R_BA = search.R_BA;
+  if (legs) {
+    read_legs(*legs);
+  } else {
+    take_legs(search.legs);
+  }
+}
+
+Matrix3 RobotBuilder::read_frame(const YamlValue& frame) {
+  frame.allow_keys({"forward", "up"});
+  const Vector3 forward = frame.at("forward").vector3(), up = frame.at("up").vector3();
+  constexpr double kRightAngle = 1e-6;  // of directions written with six decimals
+  if (!(forward.norm() > 0 && up.norm() > 0 &&
+        std::abs(forward.normalized().dot(up.normalized())) < kRightAngle)) {
+    frame.fail("forward and up at a right angle", "directions that are not");
+  }
+  Matrix3 R;
+  R.col(0) = forward.normalized();
+  R.col(1) = up.cross(forward).normalized();
+  R.col(2) = R.col(0).cross(R.col(1));
+  return R;
+}
+
+int RobotBuilder::moved_body(const std::string& joint) const {
+  for (std::size_t i = 1; i < parsed_.bodies.size(); ++i) {
+    if (parsed_.bodies[i].joint.name == joint) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+int RobotBuilder::moved_body(const YamlValue& value, const std::string& joint) const {
+  const int body = moved_body(joint);
+  if (body < 0) value.fail("a moving joint of the robot's file", fmt::format("'{}'", joint));
+  return body;
+}
+
+void RobotBuilder::take_legs(const LegArray<LegChain>& chains) {
+  LegArray<std::vector<int>> bodies;
+  LegArray<LegModel> models;
+  for (const Leg leg : kLegs) {
+    models[leg].linkage = LegLinkage::kSerial;
+    models[leg].servos.resize(chains[leg].size(), -1);
+    for (const std::string& joint : chains[leg]) bodies[leg].push_back(moved_body(joint));
+  }
+  order_bodies(std::move(models), bodies);
+}
+
+void RobotBuilder::read_legs(const YamlValue& legs) {
+  legs.allow_keys({name(Leg::FL), name(Leg::FR), name(Leg::RL), name(Leg::RR)});
+  LegArray<std::vector<int>> bodies;
+  LegArray<LegModel> models;
+  std::set<int> placed;
+  for (const Leg leg : kLegs) {
+    const YamlValue values = legs.at(name(leg));
+    LegModel& model = models[leg];
+    if (values.find("tilt") || !(values.find("hip") || values.find("knee"))) {
+      values.allow_keys({"tilt", "shoulder_left", "shoulder_right", "elbow_left", "elbow_right", "foot"});
+      model.servos.resize(3, -1);
+      model.passive.resize(2, -1);
+    } else {
+      values.allow_keys({"abduction", "hip", "knee", "foot"});
+      model.linkage = LegLinkage::kSerial;
+      model.servos.resize(values.find("abduction") ? 3 : 2, -1);
+    }
+    for (const LegRole& role : model.roles()) {
+      const YamlValue value = values.at(role.name);
+      const int body = moved_body(value, value.text());
+      if (!placed.insert(body).second) {
+        value.fail("each joint once", fmt::format("'{}' again", value.text()));
+      }
+      bodies[leg].push_back(body);
+    }
+  }
+  order_bodies(std::move(models), bodies);
+}
+
+void RobotBuilder::order_bodies(LegArray<LegModel> models, const LegArray<std::vector<int>>& legs) {
+  std::vector<int> order{0};
+  std::set<int> placed{0};
+  for (const Leg leg : kLegs) {
+    for (std::size_t i = 0; i < legs[leg].size(); ++i) {
+      LegModel& model = models[leg];
+      const std::size_t servos = model.servos.size();
+      (i < servos ? model.servos[i] : model.passive[i - servos]) = static_cast<int>(order.size()) - 1;
+      order.push_back(legs[leg][i]);
+      placed.insert(legs[leg][i]);
+    }
+  }
+  for (int i = 0; i < static_cast<int>(parsed_.bodies.size()); ++i) {
+    if (placed.insert(i).second) order.push_back(i);
+  }
+  body_index_.resize(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    body_index_[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
+  }
+  for (const int i : order) {
+    robot_.bodies.push_back(parsed_.bodies[static_cast<std::size_t>(i)]);
+    int& parent = robot_.bodies.back().parent;
+    if (parent >= 0) parent = body_index_[static_cast<std::size_t>(parent)];
+  }
+  robot_.legs = std::move(models);
+}
+
+void RobotBuilder::name_servos() {
+  for (const LegModel& leg : *robot_.legs) {
+    for (const int i : leg.servos) joint(i).actuated = true;
+  }
+}
+
+}  // namespace crossgait

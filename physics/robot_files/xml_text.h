@@ -1,0 +1,21 @@
+// XML of robot files, read within its budget.
+#pragma once
+
+#include <string>
+
+#include "physics/core/read_budget.h"
+
+class TiXmlDocument;
+class TiXmlElement;
+
+namespace crossgait {
+
+/// XML within a budget, which is checked first: TinyXML calls itself for elements inside elements.
+/// @throws ConfigError naming `source` and the line where it is not well-formed
+void parse_xml(const std::string& text, const ReadBudget& budget, const std::string& source,
+               TiXmlDocument& document);
+
+/// The attribute of that name, or "".
+std::string attribute_of(const TiXmlElement& element, const char* name);
+
+}  // namespace crossgait

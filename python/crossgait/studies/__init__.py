@@ -1,0 +1,48 @@
+"""The commands of `crossgait` as functions: the same results, as objects."""
+
+from __future__ import annotations
+
+from crossgait.studies.choices import Policy, Subject
+from crossgait.studies.episodes import course, rollout, transfer, tune
+from crossgait.studies.judging import verdict, verdicts
+from crossgait.studies.measuring import bench, conformance
+from crossgait.studies.results import (
+    Bench,
+    CompareResult,
+    Conformance,
+    CourseResult,
+    Result,
+    Rollout,
+    Transfer,
+    Tuning,
+    Verdict,
+    Verdicts,
+    WalkResult,
+)
+from crossgait.studies.walks import compare, walk
+
+__all__ = [
+    "Bench",
+    "CompareResult",
+    "Conformance",
+    "CourseResult",
+    "Policy",
+    "Result",
+    "Rollout",
+    "Subject",
+    "Transfer",
+    "Tuning",
+    "Verdict",
+    "Verdicts",
+    "WalkResult",
+    "bench",
+    "compare",
+    "conformance",
+    "course",
+    "rollout",
+    "transfer",
+    "tune",
+    "verdict",
+    "verdicts",
+    "walk",
+]

@@ -1,0 +1,31 @@
+"""Engines themselves: speed, accuracy, and what every one is held to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from crossgait import _core
+from crossgait.progress import Progress
+from crossgait.studies.choices import ProgressShown, all_engines
+from crossgait.studies.results import Bench, Conformance
+
+
+def bench(
+    *,
+    engines: Sequence[str] | None = None,
+    sections: Sequence[str] = (),
+    quick: bool = False,
+    progress: Progress | bool | None = None,
+) -> Bench:
+    """Measure speed and accuracy of the engines; `sections` of speed, accuracy, analytic, feet, or all."""
+    names = all_engines(engines)
+    with ProgressShown(progress) as told:
+        document, text = _core._bench(names, list(sections), quick, told)
+    return Bench(document, text)
+
+
+def conformance(engine: str, *, only: Sequence[str] = (), progress: Progress | bool | None = None) -> Conformance:
+    """Check an engine against what every engine is held to; `only` some checks, by name, or all."""
+    with ProgressShown(progress) as told:
+        document, text = _core._conformance(engine, list(only), told)
+    return Conformance(document, text)

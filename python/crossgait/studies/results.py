@@ -1,0 +1,400 @@
+"""What studies return: the same numbers as the commands' JSON, as objects to look at."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from crossgait.errors import ConfigError
+from crossgait.files import written_whole
+from crossgait.traces import Trace
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from crossgait._core import EnvironmentConfig
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True, repr=False)
+class Result:
+    """One study's result. `str(result)` is the table that the command prints."""
+
+    document: Json  #: what `--json` writes
+    text: str
+
+    def to_dict(self) -> Json:
+        """Return a copy of the document, keys as in docs/schemas."""
+        copy: Json = json.loads(json.dumps(self.document))
+        return copy
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the document as JSON. The file appears whole or not at all."""
+        with written_whole(path) as beside, open(beside, "w") as file:
+            json.dump(self.document, file, indent=2)
+            file.write("\n")
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the result's main table."""
+        import pandas as pd
+
+        return pd.DataFrame(self._rows()).set_index(self._row_name)
+
+    def plot(self) -> Figure:
+        """Draw it with matplotlib."""
+        raise NotImplementedError
+
+    _row_name = "name"
+
+    def _rows(self) -> list[Json]:
+        raise NotImplementedError
+
+    def _headline(self) -> str:
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        return f"<crossgait.{type(self).__name__}: {self._headline()}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p><b>{html.escape(self._headline())}</b></p><pre>{html.escape(self.text)}</pre>"
+
+
+def _flat(summary: Json) -> Json:
+    """One level of keys: `duty_factor.FL`."""
+    row: Json = {}
+    for key, value in summary.items():
+        if key in ("schema", "provenance"):
+            continue
+        if isinstance(value, dict):
+            row.update({f"{key}.{name}": item for name, item in value.items()})
+        elif isinstance(value, list):
+            row.update({f"{key}.{axis}": item for axis, item in zip("xyz", value, strict=False)})
+        else:
+            row[key] = value
+    return row
+
+
+@dataclass(frozen=True, repr=False)
+class WalkResult(Result):
+    """One walk in one engine. Its numbers are attributes too: `result.mean_speed_mps`."""
+
+    trace: Trace | None = None  #: if it was asked for
+
+    _row_name = "backend"
+
+    def __getattr__(self, name: str) -> Any:
+        if not name.startswith("_") and name in self.document:
+            return self.document[name]
+        raise AttributeError(name)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.document]
+
+    def plot(self) -> Figure:
+        """Draw way, height, attitude and footfalls over time."""
+        from crossgait.studies import plots
+
+        return plots.plot_traces([] if self.trace is None else [self.trace], self._headline(), "walk")
+
+    def _rows(self) -> list[Json]:
+        return [_flat(self.document)]
+
+    def _headline(self) -> str:
+        d = self.document
+        return (
+            f"{d['gait']} on {d['terrain']} in {d['backend']}: {d['outcome']}, "
+            f"{d['mean_speed_mps']:.3f} m/s over {d['simulated_seconds']:g} s"
+        )
+
+
+@dataclass(frozen=True, repr=False)
+class CompareResult(Result):
+    """The same walk in several engines."""
+
+    traces: dict[str, Trace] = field(default_factory=dict)  #: by engine, if they were asked for
+
+    _row_name = "backend"
+
+    @property
+    def engines(self) -> list[str]:
+        """Names, in the order of the runs."""
+        return [run["backend"] for run in self.document["runs"]]
+
+    @property
+    def pairs(self) -> list[Json]:
+        """How far every two of them lie apart."""
+        pairs: list[Json] = self.document["pairs"]
+        return pairs
+
+    def plot(self) -> Figure:
+        """Draw way, height, attitude and footfalls in every engine."""
+        from crossgait.studies import plots
+
+        run = self.document["runs"][0]
+        title = f"{run['gait']} on {run['terrain']}"
+        return plots.plot_traces(list(self.traces.values()), title, "compare")
+
+    def _rows(self) -> list[Json]:
+        return [_flat(run) for run in self.document["runs"]]
+
+    def _headline(self) -> str:
+        run = self.document["runs"][0]
+        apart = ", ".join(f"{p['a']} and {p['b']} {p['max_position_difference_m']:.2g} m" for p in self.pairs)
+        return f"{run['gait']} on {run['terrain']}, largest differences: {apart}"
+
+
+@dataclass(frozen=True, repr=False)
+class Verdict(Result):
+    """Whether a behaviour depends on the engine (docs/verdict.md)."""
+
+    @property
+    def word(self) -> str:
+        """`agrees`, `engine-dependent` or `unresolved`."""
+        word: str = self.document["word"]
+        return word
+
+    def statistic(self, name: str) -> Json:
+        """The judgement of one statistic. Raises KeyError."""
+        for row in self.document["statistics"]:
+            if row["name"] == name:
+                statistic: Json = row
+                return statistic
+        raise KeyError(name)
+
+    @property
+    def causes(self) -> dict[str, list[str]]:
+        """Modelling factors to blame, by statistic; empty unless it was explained."""
+        attribution = self.document.get("attribution", {"statistics": []})
+        return {row["name"]: row["leading"] for row in attribution["statistics"] if row["leading"]}
+
+    def plot(self) -> Figure:
+        """Draw every statistic's score with its interval, between the limits."""
+        from crossgait.studies import plots
+
+        return plots.plot_verdict(self.document)
+
+    def _rows(self) -> list[Json]:
+        rows = []
+        for s in self.document["statistics"]:
+            row = {"name": s["name"], "unit": s["unit"]}
+            row |= {self.document["a"]: s["mean_a"], self.document["b"]: s["mean_b"]}
+            row |= {"gap": s["gap"]["estimate"], "spread": s["spread"], "floor": s["floor"]}
+            score = s["score"]
+            row |= {"score": score["estimate"], "low": score["low"], "high": score["high"], "word": s["word"]}
+            rows.append(row)
+        return rows
+
+    def _headline(self) -> str:
+        d = self.document
+        return f"{d['behaviour']}: {d['word']} between {d['a']} and {d['b']}, {d['starts']} starts"
+
+
+@dataclass(frozen=True, repr=False)
+class Verdicts(Result):
+    """Which engines agree on a behaviour, and whether one stands apart (docs/verdict.md)."""
+
+    _row_name = "pair"
+
+    @property
+    def pairs(self) -> list[Verdict]:
+        """The verdict of every pair."""
+        return [Verdict(pair, "") for pair in self.document["pairs"]]
+
+    @property
+    def clusters(self) -> list[list[str]]:
+        """Engines that agree, each with all others of its cluster; the largest first."""
+        clusters: list[list[str]] = self.document["clusters"]
+        return clusters
+
+    @property
+    def outlier(self) -> str | None:
+        """The engine that stands apart, or the contact law of several; None if none is named (see `reason`)."""
+        outlier: str | None = self.document["outlier"]
+        return outlier
+
+    @property
+    def reason(self) -> str:
+        """Why an outlier is named, or none."""
+        reason: str = self.document["reason"]
+        return reason
+
+    def word(self, a: str, b: str) -> str:
+        """Of one pair, either way round. Raises KeyError."""
+        for pair in self.document["pairs"]:
+            if {pair["a"], pair["b"]} == {a, b}:
+                word: str = pair["word"]
+                return word
+        raise KeyError((a, b))
+
+    def plot(self) -> Figure:
+        """Draw every statistic's score, by pair."""
+        from crossgait.studies import plots
+
+        return plots.plot_verdicts(self.document)
+
+    def _rows(self) -> list[Json]:
+        return [
+            {"pair": f"{pair['b']} against {pair['a']}", "word": pair["word"]}
+            | {s["name"]: s["score"]["estimate"] for s in pair["statistics"]}
+            for pair in self.document["pairs"]
+        ]
+
+    def _headline(self) -> str:
+        sets = " | ".join(", ".join(cluster) for cluster in self.clusters)
+        outlier = f"; the outlier is {self.outlier}" if self.outlier else ""
+        return f"{self.document['behaviour']}: {sets}{outlier}"
+
+
+@dataclass(frozen=True, repr=False)
+class Rollout(Result):
+    """Whole episodes of policies in one engine."""
+
+    _row_name = "policy"
+
+    def plot(self) -> Figure:
+        """Draw speed and return of every episode."""
+        from crossgait.studies import plots
+
+        return plots.plot_rollout(self.document)
+
+    def _rows(self) -> list[Json]:
+        return [
+            {"policy": run["policy"], **_flat(episode)}
+            for run in self.document["policies"]
+            for episode in run["episodes"]
+        ]
+
+    def _headline(self) -> str:
+        names = ", ".join(run["policy"] for run in self.document["policies"])
+        episodes = len(self.document["policies"][0]["episodes"])
+        return f"{episodes} episodes of {names}"
+
+
+@dataclass(frozen=True, repr=False)
+class Transfer(Result):
+    """One policy, and none, over engines and grounds."""
+
+    _row_name = "terrain"
+
+    def plot(self) -> Figure:
+        """Draw the speed with the policy and without, in every engine on every ground."""
+        from crossgait.studies import plots
+
+        return plots.plot_transfer(self.document)
+
+    def _rows(self) -> list[Json]:
+        return [_flat(cell) for cell in self.document["cells"]]
+
+    def _headline(self) -> str:
+        engines = dict.fromkeys(cell["backend"] for cell in self.document["cells"])
+        return f"{self.document['policy']} in {', '.join(engines)}"
+
+
+@dataclass(frozen=True, repr=False)
+class CourseResult(Result):
+    """A policy on every section of a course."""
+
+    _row_name = "section"
+
+    def score(self, engine: str | None = None) -> float:
+        """Over all sections, 0 to 1, in an engine; in the first if none is named."""
+        found = [s for s in self.document["scores"] if engine in (None, s["backend"])]
+        if not found:
+            raise ConfigError("course", "engine", "one that it was run in", repr(engine))
+        return float(found[0]["mean"])
+
+    def plot(self) -> Figure:
+        """Draw the score of every section, by engine."""
+        from crossgait.studies import plots
+
+        return plots.plot_course(self.document)
+
+    def _rows(self) -> list[Json]:
+        return [
+            {"section": cell["section"]["name"], **_flat({k: v for k, v in cell.items() if k != "section"})}
+            for cell in self.document["cells"]
+        ]
+
+    def _headline(self) -> str:
+        scores = ", ".join(f"{s['mean']:.3f} in {s['backend']}" for s in self.document["scores"])
+        return f"{self.document['policy']} on course {self.document['course']}: {scores}"
+
+
+@dataclass(frozen=True, repr=False)
+class Tuning(Result):
+    """Gait parameters that were searched for."""
+
+    environment: EnvironmentConfig | None = None  #: with the tuned parameters
+
+    _row_name = "generation"
+
+    def plot(self) -> Figure:
+        """Draw the best score over generations."""
+        from crossgait.studies import plots
+
+        return plots.plot_tuning(self.document)
+
+    def _rows(self) -> list[Json]:
+        return [{"generation": i, "best": score} for i, score in enumerate(self.document["history"])]
+
+    def _headline(self) -> str:
+        course, history = self.document.get("course"), self.document["history"]
+        if not history:
+            return "not tuned"
+        return f"tuned to {history[-1]:.3f} {'m/s' if course is None else f'on course {course}'}"
+
+
+@dataclass(frozen=True, repr=False)
+class Bench(Result):
+    """Speed and accuracy of the engines on the same motions."""
+
+    _row_name = "scene"
+
+    def plot(self) -> Figure:
+        """Draw the time of a physics step in every scene, over the first engine's."""
+        from crossgait.studies import plots
+
+        return plots.plot_bench(self._rows())
+
+    def _rows(self) -> list[Json]:
+        return [_flat(row) for row in self.document.get("speed", {}).get("scenes", [])]
+
+    def _headline(self) -> str:
+        return f"benchmark of {', '.join(b if isinstance(b, str) else b['name'] for b in self.document['backends'])}"
+
+
+@dataclass(frozen=True, repr=False)
+class Conformance(Result):
+    """What an engine made of the checks that every engine is held to."""
+
+    _row_name = "check"
+
+    @property
+    def passed(self) -> bool:
+        """Whether no check failed."""
+        return bool(self.document["failed"] == 0)
+
+    def plot(self) -> Figure:
+        """Draw every number over its bound."""
+        from crossgait.studies import plots
+
+        return plots.plot_conformance(self._rows())
+
+    def _rows(self) -> list[Json]:
+        return [
+            {"check": check["name"], "status": check["status"], **number}
+            for check in self.document["checks"]
+            for number in check["measurements"] or [{}]
+        ]
+
+    def _headline(self) -> str:
+        d = self.document
+        return f"{d['engine']['name']}: {d['passed']} passed, {d['failed']} failed, {d['skipped']} skipped"

@@ -1,0 +1,94 @@
+"""The numbers of a walk over time: columns by name, from and to CSV."""
+
+from __future__ import annotations
+
+import csv
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from crossgait.errors import ConfigError
+from crossgait.files import written_whole
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from typing_extensions import Self
+
+Numbers = npt.NDArray[np.float64]
+
+
+class TraceTable:
+    """A table of numbers, a row per control step; columns as `crossgait walk --trace` has them, SI units.
+
+    `Trace` adds the files of viewers, whose writers take this.
+    """
+
+    def __init__(self, names: list[str], values: Numbers, *, name: str = "") -> None:
+        self.names = names
+        self.values = values
+        self.name = name  #: of the engine
+        self._index = {column: i for i, column in enumerate(names)}
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __contains__(self, column: object) -> bool:
+        return column in self._index
+
+    def __getitem__(self, column: str) -> Numbers:
+        """A column, without a copy."""
+        try:
+            column_values: Numbers = self.values[:, self._index[column]]
+        except KeyError:
+            known = ", ".join(self.names[:8])
+            raise ConfigError("trace", "column", f"one of {known}, ... ({len(self.names)} names)", column) from None
+        return column_values
+
+    @property
+    def time(self) -> Numbers:
+        """Simulated seconds."""
+        return self["time"]
+
+    def group(self, prefix: str) -> dict[str, Numbers]:
+        """The columns `prefix.NAME` by NAME, such as `q`, `load` or `param`."""
+        return {name.removeprefix(f"{prefix}."): self[name] for name in self.names if name.startswith(f"{prefix}.")}
+
+    def to_frame(self) -> pd.DataFrame:
+        """A pandas DataFrame, its index the time."""
+        import pandas as pd
+
+        return pd.DataFrame(self.values[:, 1:], columns=self.names[1:], index=pd.Index(self.time, name="time"))
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write what `crossgait report` reads. The file appears whole or not at all."""
+        with written_whole(path) as beside, open(beside, "w") as file:
+            file.write(",".join(self.names) + "\n")
+            for row in self.values:
+                file.write(",".join(f"{value:.17g}" for value in row) + "\n")
+
+    @classmethod
+    def read_csv(cls, path: str | os.PathLike[str]) -> Self:
+        """Read what `crossgait walk --trace` wrote. Raises ConfigError."""
+        with open(path, newline="") as file:
+            rows = csv.reader(file)
+            names = next(rows, [])
+            if "time" not in names:
+                raise ConfigError(str(path), "line 1", "names of columns, time among them", ",".join(names)[:60])
+            table = []
+            for number, row in enumerate(rows, start=2):
+                try:
+                    values = [float(cell) for cell in row]
+                except ValueError as error:
+                    raise ConfigError(str(path), f"line {number}", "numbers", str(error)) from None
+                if len(values) != len(names) or not np.all(np.isfinite(values)):
+                    raise ConfigError(str(path), f"line {number}", f"{len(names)} finite numbers", ",".join(row)[:60])
+                table.append(values)
+        return cls(names, np.array(table, dtype=np.float64).reshape(-1, len(names)), name=Path(path).stem)
+
+    def __repr__(self) -> str:
+        seconds = self.time[-1] - self.time[0] if len(self) else 0.0
+        size = f"{len(self)} rows, {len(self.names)} columns, {seconds:g} s"
+        return f"<crossgait.{type(self).__name__} {self.name!r}: {size}>"

@@ -1,0 +1,59 @@
+"""What a walk looked like over time, and its files for viewers."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+from crossgait.traces import scene
+from crossgait.traces.table import TraceTable
+
+if TYPE_CHECKING:
+    from crossgait._core import Robot, Terrain
+
+
+class Trace(TraceTable):
+    """A walk over time: columns by name as NumPy arrays (`trace["p_WB.x"]`), and files for viewers."""
+
+    def to_mcap(self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None) -> None:
+        """Write an MCAP file for Foxglove: frames and shapes of the bodies, footfalls, and every column to plot.
+
+        Args:
+            path: the file appears whole or not at all.
+            robot: that walked; as `Robot.load` takes it, or a robot.
+            terrain: that it walked on, drawn as far as 1 m from its way; flat ground is not drawn.
+
+        Raises:
+            ConfigError: if it was another robot.
+            ImportError: without mcap (`pip install crossgait[mcap]`).
+
+        """
+        from crossgait.traces import mcap
+
+        mcap.write(self, path, scene.the_robot(self, robot), terrain)
+
+    def to_rerun(self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None) -> None:
+        """Write an .rrd file for Rerun: as `to_mcap`.
+
+        Raises:
+            ConfigError: if it was another robot.
+            ImportError: without rerun-sdk (`pip install crossgait[rerun]`).
+
+        """
+        from crossgait.traces import rerun
+
+        rerun.write(self, path, scene.the_robot(self, robot), terrain)
+
+    def to_video(
+        self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None, **how: Any
+    ) -> None:
+        """Write FILE.mp4 or FILE.gif: see `crossgait.traces.video.write` for the rest of the arguments.
+
+        Raises:
+            ConfigError: if it was another robot, or for another ending.
+            ImportError: without what draws and writes it (`pip install crossgait[video]`).
+
+        """
+        from crossgait.traces import video
+
+        video.write([self], path, scene.the_robot(self, robot), terrain, **how)

@@ -1,0 +1,172 @@
+"""Films of walks: `Trace.to_video`, and the part of `crossgait video` that draws. Needs `crossgait[video]`."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from crossgait import _core
+from crossgait.errors import ConfigError
+from crossgait.files import written_whole
+from crossgait.progress import ProgressBar, shown
+from crossgait.traces.scene import the_robot
+from crossgait.traces.table import TraceTable
+from crossgait.viewing import film
+from crossgait.viewing.rendering import Frame, Renderer
+
+try:
+    from PIL import Image, ImageDraw
+except ImportError as error:
+    raise ImportError("films need Pillow: pip install crossgait[video]") from error
+
+#: Rounded to these multiples, without which players refuse H.264.
+_EVEN = 2
+_NAME_HEIGHT = 24  # px
+
+
+def write(
+    traces: Sequence[TraceTable],
+    path: str | os.PathLike[str],
+    robot: _core.Robot,
+    terrain: _core.Terrain | None = None,
+    *,
+    fps: float = 30,
+    slow: float = 1,
+    width: int = 640,
+    height: int = 480,
+    azimuth: float = 130,
+    elevation: float = -20,
+    progress: Any = None,
+) -> None:
+    """Write walks as a film, one panel a trace, each with its name.
+
+    Args:
+        traces: of one robot; those that end sooner stand still at their end.
+        path: FILE.mp4 (H.264) or FILE.gif; appears whole or not at all.
+        robot: that walked.
+        terrain: that it walked on; flat by default.
+        fps: frames per second.
+        slow: times slower than it happened.
+        width: of a panel, pixels, made even.
+        height: of a panel, pixels, made even.
+        azimuth: direction of the cameras' look, deg: 90 is along the world's y.
+        elevation: of the cameras' look, deg.
+        progress: as `crossgait.walk` takes it.
+
+    Raises:
+        ConfigError: for another ending, a trace of another robot, or one without rows.
+        RuntimeError: where no graphics context can be made.
+
+    """
+    film.check(path)
+    for trace in traces:
+        if len(trace) == 0:
+            raise ConfigError(trace.name or "trace", "rows", "one at least", "none")
+        the_robot(trace, robot)
+    size = (width - width % _EVEN, height - height % _EVEN)
+    renderers = [
+        Renderer(robot, terrain, width=size[0], height=size[1], azimuth=azimuth, elevation=elevation) for _ in traces
+    ]
+    told = shown(progress)
+    try:
+        with written_whole(path) as beside, film.writer(beside, fps) as sink:
+            for frame in _frames(traces, robot, renderers, fps * slow, told):
+                sink.append_data(frame)
+    finally:
+        for renderer in renderers:
+            renderer.close()
+        if isinstance(told, ProgressBar):
+            told.close()
+
+
+def _frames(
+    traces: Sequence[TraceTable], robot: _core.Robot, renderers: Sequence[Renderer], per_second: float, told: Any
+) -> Iterator[Frame]:
+    """Panels beside each other, `per_second` for each simulated second."""
+    begin = min(float(trace.time[0]) for trace in traces)
+    end = max(float(trace.time[-1]) for trace in traces)
+    count = max(1, round((end - begin) * per_second))
+    for number in range(count):
+        now = begin + number / per_second
+        panels = [
+            _named(renderer.frame(_state(trace, robot, now)), trace.name if len(traces) > 1 else "")
+            for trace, renderer in zip(traces, renderers, strict=True)
+        ]
+        yield np.concatenate(panels, axis=1)
+        if told is not None:
+            told("drawing", (number + 1) / count)
+
+
+def _state(trace: TraceTable, robot: _core.Robot, now: float) -> _core.State:
+    """The last row that is not after `now`, or the first."""
+    row = max(0, int(np.searchsorted(trace.time, now + 1e-9, side="right")) - 1)
+    state = _core.State()
+    state.time = now
+    state.p_WB = np.array([trace[f"p_WB.{axis}"][row] for axis in "xyz"])
+    state.q_WB = np.array([trace[f"q_WB.{axis}"][row] for axis in "wxyz"])
+    state.q = np.array([trace[f"q.{joint}"][row] for joint in robot.joints])
+    return state
+
+
+def _named(frame: Frame, name: str) -> Frame:
+    if not name:
+        return frame
+    picture = Image.fromarray(frame)
+    draw = ImageDraw.Draw(picture)
+    length = draw.textlength(name, font_size=_NAME_HEIGHT * 0.6)
+    draw.rectangle((0, 0, length + 12, _NAME_HEIGHT), fill=(255, 255, 255))
+    draw.text((6, 4), name, fill=(20, 24, 28), font_size=_NAME_HEIGHT * 0.6)
+    return np.asarray(picture)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m crossgait.traces.video", description=__doc__)
+    parser.add_argument("traces", nargs="+", metavar="TRACE.csv")
+    parser.add_argument("--out", required=True, metavar="FILE.mp4|gif")
+    parser.add_argument("--robot", default="scara_quadruped")
+    parser.add_argument("--terrain", default="flat")
+    parser.add_argument("--seed", type=int, default=0, help="of a random terrain")
+    parser.add_argument("--fps", type=float, default=30)
+    parser.add_argument("--slow", type=float, default=1)
+    parser.add_argument("--width", type=int, default=640)
+    parser.add_argument("--height", type=int, default=480)
+    parser.add_argument("--azimuth", type=float, default=130)
+    parser.add_argument("--elevation", type=float, default=-20)
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Draw traces. Returns the exit code: 2 for bad input."""
+    options = _parser().parse_args(arguments)
+    try:
+        traces = [TraceTable.read_csv(file) for file in options.traces]
+        write(
+            traces,
+            options.out,
+            _core.Robot.load(options.robot),
+            _core.Terrain(options.terrain, seed=options.seed),
+            fps=options.fps,
+            slow=options.slow,
+            width=options.width,
+            height=options.height,
+            azimuth=options.azimuth,
+            elevation=options.elevation,
+            progress=None,
+        )
+    except (ConfigError, OSError) as error:
+        print(f"crossgait: {error}", file=sys.stderr)
+        return 2
+    except RuntimeError as error:
+        print(f"crossgait: {error}", file=sys.stderr)
+        return 1
+    print(f"{options.out}: {os.path.getsize(options.out) / 1e6:.1f} MB")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,147 @@
+"""`python -m crossgait.train.compare_policies`: policies beside each other, in every engine on every ground."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from crossgait import _core
+from crossgait._core import EnvironmentConfig
+from crossgait.commands import exit_code
+from crossgait.errors import ConfigError
+from crossgait.files import written_whole
+from crossgait.policies.environment import ENVIRONMENT, environment_of
+from crossgait.train.evaluation import evaluate, failures
+
+Json = dict[str, Any]
+
+EPILOG = """\
+examples:
+  python -m crossgait.train.compare_policies runs/a/best.safetensors runs/b/best.safetensors zero
+  python -m crossgait.train.compare_policies mine.safetensors zero --environment env.yaml --json result.json
+"""
+
+
+def compare_policies(
+    policies: Sequence[str],
+    environment: EnvironmentConfig,
+    *,
+    engines: Sequence[str] | None = None,
+    terrains: Sequence[str] | None = None,
+    episodes: int = 10,
+    seed: int = 0,
+    workers: int | None = None,
+) -> Json:
+    """Run all policies on the same episodes, in every engine on every ground.
+
+    Args:
+        policies: bundles, descriptions, zero, random.
+        environment: whose randomisation spreads the episodes.
+        engines: all that are available by default.
+        terrains: the environment's own by default.
+        episodes: of each policy, engine and ground.
+        seed: that episodes follow from.
+        workers: threads; as many as the process may use cores by default.
+
+    Returns:
+        `cells`: one for each engine, ground and policy, with what `crossgait rollout --json` says of all episodes; and
+        what was asked for.
+
+    Raises:
+        ConfigError: for what cannot be read or made.
+
+    """
+    if episodes < 1:
+        raise ConfigError("compare_policies", "episodes", "at least 1", str(episodes))
+    names = list(dict.fromkeys(policies))
+    where = list(engines or _core.available_engines())
+    cells = []
+    for terrain in terrains or [environment.terrain]:
+        config = environment.updated(json.dumps({"terrain": terrain}), "terrain")
+        done = evaluate(names, config, where, episodes, seed, workers, progress=None)
+        cells += [
+            {"engine": engine, "terrain": terrain, "policy": policy, "all": done[policy][engine]}
+            for engine in where
+            for policy in names
+        ]
+    return {"episodes": episodes, "seed": seed, "cells": cells}
+
+
+def table(document: Json) -> str:
+    """For people: mean +- standard deviation over episodes."""
+    heads = ["terrain", "engine", "policy", "return", "speed, m/s", "cost of transport", "drag", "slip", "ended early"]
+    rows = [heads]
+    for cell in document["cells"]:
+        said = cell["all"]
+        keys = ("total_reward", "mean_speed_mps", "cost_of_transport", "drag", "slip_per_path")
+        ended = f"{failures(said)} of {said['episodes']}"
+        what = (cell["terrain"], cell["engine"], _short(cell["policy"]))
+        rows.append([*what, *(_cell(said.get(key)) for key in keys), ended])
+    widths = [max(len(row[i]) for row in rows) for i in range(len(heads))]
+    lines = ["  ".join(f"{text:<{width}}" for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    return "\n".join([lines[0], "-" * len(lines[0]), *lines[1:]])
+
+
+def _short(policy: str) -> str:
+    path = Path(policy)
+    return str(Path(*path.parts[-2:])) if len(path.parts) > 1 else policy
+
+
+def _cell(told: Json | None) -> str:
+    if not told or not math.isfinite(told["mean"]):
+        return "-"
+    return f"{told['mean']:.4g} +- {told['deviation']:.2g}"
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m crossgait.train.compare_policies",
+        description="Policies on the same episodes, in every engine on every ground (docs/training.md).",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("policies", metavar="POLICY", nargs="+", help="FILE.safetensors, FILE.yaml, zero, random")
+    parser.add_argument("--environment", metavar="FILE", help=f"(default: {ENVIRONMENT} beside the first policy)")
+    parser.add_argument("--engines", metavar="A,B", help="(default: all that are available)")
+    parser.add_argument("--terrain", metavar="TERRAIN", action="append", help="again for more; the environment's")
+    parser.add_argument("--episodes", metavar="N", type=int, default=10, help="(default: 10)")
+    parser.add_argument("--seed", metavar="N", type=int, default=0)
+    parser.add_argument("--workers", metavar="N", type=int)
+    parser.add_argument("--json", metavar="FILE", help="write the result; - is standard output")
+    return parser
+
+
+def _run(options: argparse.Namespace) -> int:
+    document = compare_policies(
+        options.policies,
+        environment_of(options.policies, options.environment),
+        engines=options.engines.split(",") if options.engines else None,
+        terrains=options.terrain,
+        episodes=options.episodes,
+        seed=options.seed,
+        workers=options.workers,
+    )
+    text = json.dumps(document, indent=2) + "\n"
+    if options.json == "-":
+        sys.stdout.write(text)
+        return 0
+    if options.json:
+        with written_whole(options.json) as beside:
+            beside.write_text(text)
+    print(table(document))
+    return 0
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Do it; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    return exit_code("crossgait.train.compare_policies", lambda: _run(options))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

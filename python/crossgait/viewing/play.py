@@ -1,0 +1,144 @@
+"""The command `python -m crossgait.viewing.play`: one episode of a policy, in a window or as a video."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from crossgait import _core
+from crossgait._core import EnvironmentConfig
+from crossgait.commands import exit_code
+from crossgait.errors import ConfigError
+from crossgait.files import written_whole
+from crossgait.policies import Policy
+from crossgait.policies.environment import ENVIRONMENT, environment_of
+from crossgait.viewing import film
+
+FRAME_RATE = 25  #: of videos, at most, 1/s
+
+EPILOG = """\
+examples:
+  python -m crossgait.viewing.play runs/a/best.safetensors                    # in a window
+  python -m crossgait.viewing.play runs/a/best.safetensors --video a.mp4 --engine bullet --seconds 5
+"""
+
+
+def play(
+    policy: str,
+    environment: EnvironmentConfig,
+    *,
+    video: str | os.PathLike[str] | None = None,
+    engine: str | None = None,
+    seed: int = 0,
+    seconds: float | None = None,
+    size: tuple[int, int] = (640, 480),
+) -> dict[str, Any]:
+    """Run one episode and show it.
+
+    Args:
+        policy: a bundle, a description, zero or random.
+        environment: what it runs in.
+        video: file to write (.mp4 or .gif), whole or not at all; a window if None.
+        engine: in the place of the environment's.
+        seed: of the episode.
+        seconds: ends it earlier, s.
+        size: of frames, pixels.
+
+    Returns:
+        the episode's summary, with the keys of `crossgait walk --json`.
+
+    Raises:
+        ConfigError: for what cannot be read or made.
+        RuntimeError: without a display for a window, or a graphics context for a video.
+
+    """
+    if video is not None:
+        film.check(video)
+    from crossgait.viewing.rendering import EnvironmentRenderer
+
+    core = _core.Environment(environment, engine or "")
+    actor = Policy.load(policy, environment)
+    renderer = EnvironmentRenderer(*size)
+    try:
+        if video is None:
+            _episode(core, actor, seed, seconds, lambda: renderer.show(core))
+        else:
+            every = max(1, round(1 / (FRAME_RATE * environment.policy_dt)))
+            with written_whole(video) as beside, film.writer(beside, 1 / (every * environment.policy_dt)) as writer:
+                count = [0]
+
+                def draw() -> bool:
+                    if count[0] % every == 0:
+                        writer.append_data(renderer.frame(core))
+                    count[0] += 1
+                    return True
+
+                _episode(core, actor, seed, seconds, draw)
+    finally:
+        renderer.close()
+    return core.summary()
+
+
+def _episode(core: _core.Environment, policy: Policy, seed: int, seconds: float | None, seen: Any) -> None:
+    observation = core.reset(seed)
+    policy.reset(seed)
+    ended = not seen()
+    while not ended and (seconds is None or core.info["time"] < seconds):
+        observation, _, terminated, truncated = core.step(policy.act(observation))
+        ended = not seen() or terminated or truncated  # the last state is seen, too
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m crossgait.viewing.play",
+        description="One episode of a policy, in a window or as a video (docs/training.md).",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("policy", metavar="POLICY", help="FILE.safetensors, FILE.yaml, zero, random")
+    parser.add_argument("--environment", metavar="FILE", help=f"(default: {ENVIRONMENT} beside the policy)")
+    parser.add_argument("--video", metavar="FILE", help=".mp4 or .gif; without it a window")
+    parser.add_argument("--engine", metavar="NAME")
+    parser.add_argument("--terrain", metavar="TERRAIN")
+    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of the episode")
+    parser.add_argument("--seconds", metavar="S", type=float, help="end earlier")
+    parser.add_argument("--size", metavar="WxH", default="640x480")
+    return parser
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal() and int(width) and int(height)):
+        raise ConfigError("play", "--size", "WIDTHxHEIGHT, pixels", text)
+    return int(width), int(height)
+
+
+def _run(options: argparse.Namespace) -> int:
+    environment = environment_of([options.policy], options.environment)
+    if options.terrain:
+        environment = environment.updated(json.dumps({"terrain": options.terrain}), "--terrain")
+    summary = play(
+        options.policy,
+        environment,
+        video=options.video,
+        engine=options.engine,
+        seed=options.seed,
+        seconds=options.seconds,
+        size=_size(options.size),
+    )
+    print(f"{summary['outcome']}, {summary['distance_m']:.3f} m in {summary['simulated_seconds']:g} s")
+    return 0
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Do it; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    return exit_code("crossgait.viewing.play", lambda: _run(options))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

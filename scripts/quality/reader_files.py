@@ -1,0 +1,101 @@
+"""Valid files of every kind that crossgait reads, and the command that reads each. For bombs and fuzz-readers."""
+import json
+import os
+import shutil
+import struct
+import subprocess
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PROGRAM = os.path.join(ROOT, "build", "release", "apps", "crossgait")
+
+# What reads a file of a kind; {} is the file. Short, so that the reading is most of it.
+COMMANDS = {
+    "robot.urdf": ["robots", "{}"],
+    "robot.yaml": ["robots", "{}"],
+    "robot.xml": ["robots", "{}"],
+    "env.yaml": ["env", "--config", "{}"],
+    "scripted.yaml": ["rollout", "--policy", "{}", "--episodes", "1", "--episode-seconds", ".02"],
+    "hierarchical.yaml": ["rollout", "--policy", "{}", "--episodes", "1", "--episode-seconds", ".02"],
+    "policy.safetensors": ["rollout", "--policy", "{}", "--episodes", "1", "--episode-seconds", ".02"],
+    "trace.csv": ["report", "{}", "--out", "page.html"],
+    "verdict.json": ["report", "{}", "--out", "page.html"],
+    "map.csv": ["terrain", "{}"],
+    "map.png": ["terrain", "{}"],
+    "bench.json": ["bench", "--from", "{}"],
+    "runs.jsonl": ["verdict", "--runs", "{}", "--seconds", ".1", "--settle", ".1", "--starts", "4"],
+}
+
+
+def command_of(program, kind, file):
+    """The command line that reads `file` as a file of `kind`."""
+    return [program] + [file if word == "{}" else word for word in COMMANDS[kind]]
+
+
+def run(program, arguments):
+    """Standard output of a command that must succeed."""
+    return subprocess.run([program, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+def safetensors(tensors, metadata):
+    """Bytes of a file of {name: (shape, floats)}."""
+    header, data = {"__metadata__": metadata}, b""
+    for name, (shape, values) in tensors.items():
+        bytes_ = struct.pack(f"<{len(values)}f", *values)
+        header[name] = {"dtype": "F32", "shape": shape, "data_offsets": [len(data), len(data) + len(bytes_)]}
+        data += bytes_
+    text = json.dumps(header).encode()
+    return struct.pack("<Q", len(text)) + text + data
+
+
+def policy(program):
+    """A bundle for the default environment whose network says zero whatever it sees."""
+    env = json.loads(run(program, ["env", "--describe", "--json", "-"]))
+    observation, action = ([entry["name"] for entry in env[key]] for key in ("observation", "action"))
+    inputs, outputs = len(observation), len(action)
+    metadata = {"format": "crossgait-policy-1", "activation": "tanh", "output": "tanh",
+                "layout_version": str(env["layout_version"]), "layout_hash": env["layout_hash"],
+                "observation_names": json.dumps(observation), "action_names": json.dumps(action),
+                "policy_dt": str(env["policy_dt"])}
+    return safetensors({"layer.0.weight": ([outputs, inputs], [0.0] * inputs * outputs),
+                        "layer.0.bias": ([outputs], [0.0] * outputs),
+                        "golden.observation": ([1, inputs], [0.5] * inputs),
+                        "golden.action": ([1, outputs], [0.0] * outputs)}, metadata)
+
+
+def make_valid(program, folder):
+    """Writes one file of every kind into `folder`, the repository's own where it has one."""
+    def models(*parts):
+        return os.path.join(ROOT, "models", *parts)
+
+    for name in ("robot.urdf", "robot.yaml"):
+        shutil.copy(models("robots", "scara_quadruped", name), folder)
+    # With what it includes in it: one file to change.
+    mjcf = os.path.join(ROOT, "tests", "backends", "mjcf")
+    with open(os.path.join(mjcf, "serial_quadruped.xml"), encoding="utf-8") as file:
+        text = file.read()
+    with open(os.path.join(mjcf, "legs.xml"), encoding="utf-8") as file:
+        legs = file.read().replace("<mujocoinclude>", "").replace("</mujocoinclude>", "")
+    with open(os.path.join(folder, "robot.xml"), "w", encoding="utf-8") as file:
+        file.write(text.replace('<include file="legs.xml"/>', legs))
+    shutil.copy(models("terrains", "blocks.csv"), os.path.join(folder, "map.csv"))
+    shutil.copy(models("terrains", "bumps.png"), os.path.join(folder, "map.png"))
+    shutil.copy(os.path.join(ROOT, "benchmarks", "results", "amd-epyc-2-cores.json"),
+                os.path.join(folder, "bench.json"))
+    texts = {
+        "env.yaml": run(program, ["env", "--yaml", "--terrain", "rough"])
+        + "randomisation: {friction: [.5, 1], mass: [.9, 1.1], terrain_seed: [0, 9]}\n",
+        "scripted.yaml": "kind: scripted\nlayout_version: 2\nsteps:\n"
+        "  - {time: 0, action: {residual.FL.z: .5}}\n  - {time: .01, parameters: {step_height: .06}}\n",
+        "hierarchical.yaml": "kind: hierarchical\nlayout_version: 2\n"
+        "planner: {policy: zero, observation: [p_WB., param.], dt: .1}\nresidual: {policy: random}\n",
+    }
+    for name, text in texts.items():
+        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+            file.write(text)
+    with open(os.path.join(folder, "policy.safetensors"), "wb") as file:
+        file.write(policy(program))
+    run(program, ["walk", "--seconds", ".2", "--settle", ".1", "--trace", os.path.join(folder, "trace.csv")])
+    run(program, ["verdict", "--seconds", ".1", "--settle", ".1", "--starts", "4", "--explain",
+                  "--json", os.path.join(folder, "verdict.json")])
+    runs = os.path.join(folder, "runs.jsonl")
+    run(program, [word if word != "{}" else runs for word in COMMANDS["runs.jsonl"]])

@@ -1,0 +1,42 @@
+#include "physics/robot_files/robot_formats.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "physics/robot_files/data_path.h"
+
+namespace crossgait {
+namespace {
+
+TEST(RobotFormats, AreKnownByTheirExtensions) {
+  std::set<std::string_view> keys, extensions;
+  for (const RobotFormat& format : robot_formats()) {
+    EXPECT_TRUE(keys.insert(format.key).second) << format.key;
+    for (const std::string_view extension : format.extensions) {
+      if (extension.empty()) continue;
+      EXPECT_TRUE(extensions.insert(extension).second) << extension;
+      EXPECT_EQ(robot_format_of("some/robot" + std::string(extension)), &format);
+      EXPECT_TRUE(is_robot_file("robot" + std::string(extension)));
+    }
+  }
+  for (const char* other : {"robot.yaml", "robot", "robot.XML", "robot.", ""})
+    EXPECT_EQ(robot_format_of(other), nullptr) << other;
+}
+
+TEST(RobotFormats, OneOfThemTakesAnyName) {
+  std::size_t takers = 0;
+  for (const RobotFormat& format : robot_formats()) takers += format.any_name ? 1 : 0;
+  EXPECT_EQ(takers, 1U);
+  EXPECT_EQ(robot_format_of_any("robot.txt").name, "URDF");
+  EXPECT_EQ(robot_format_of_any("robot.mjcf").name, "MJCF");
+}
+
+TEST(RobotFormats, AreSaidInWords) {
+  EXPECT_EQ(robot_files_in_words(), ".yaml, .urdf or .xml (MJCF)");
+  EXPECT_EQ(extensions_in_words(robot_formats()[0]), ".urdf");
+  EXPECT_EQ(extensions_in_words(robot_formats()[1]), ".xml or .mjcf");
+}
+
+}  // namespace
+}  // namespace crossgait

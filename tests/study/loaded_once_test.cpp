@@ -1,0 +1,85 @@
+// What is loaded needs its files no more.
+#include <filesystem>
+
+#include "physics/core/error.h"
+#include "physics/robot_files/data_path.h"
+#include "physics/terrain/terrain.h"
+#include "study/judgement.h"
+#include "study/rollout.h"
+#include "study/walk.h"
+#include "tests/physics/core/scratch_folder.h"
+#include "tests/support/backend_test.h"
+
+namespace crossgait {
+namespace {
+
+namespace fs = std::filesystem;
+
+class LoadedOnce : public ScratchFolder {
+ protected:
+  void SetUp() override {
+    ScratchFolder::SetUp();
+    fs::copy(fs::path(find_robot("scara_quadruped")).parent_path(), path("files"),
+             fs::copy_options::recursive);
+    write_csv(*make_terrain("rough:size_x=2,size_y=2", 3).field(), path("files/ground.csv"));
+  }
+  WalkConfig walk() const {
+    WalkConfig config;
+    config.robot = path("files/robot.yaml");
+    config.terrain = path("files/ground.csv");
+    config.timing = {.seconds = 0.1, .settle_seconds = 0.05};
+    return config;
+  }
+  void remove_files() const { fs::remove_all(path("files")); }
+};
+
+TEST_F(LoadedOnce, AWalkGoesOnWithoutItsFiles) {
+  const std::string engine = available_engines().front();
+  const LoadedWalk loaded = walk();
+  const Behaviour behaviour = make_behaviour({loaded, {}, 0});
+  const MotionSummary walked = crossgait::walk(loaded, engine).summary;
+  const std::vector<double> run = behaviour.run(find_engine(engine), variations()[1], 2);
+  remove_files();
+  EXPECT_THROW(static_cast<void>(LoadedWalk(walk())), ConfigError);
+  EXPECT_EQ(crossgait::walk(loaded, engine).summary.distance_m, walked.distance_m);
+  EXPECT_EQ(behaviour.run(find_engine(engine), variations()[1], 2), run);
+}
+
+TEST_F(LoadedOnce, SoDoThePolicyAndItsEpisodes) {
+  const std::string engine = available_engines().front();
+  EnvConfig config = walk().environment();
+  config.engine = engine;
+  // Drawn in every episode: of a file there is one ground.
+  config.randomisation[Randomised::kTerrainSeed] = {0, 9};
+  const LoadedEnv environment = config;
+  const LoadedBehaviour loaded(environment, "zero", {}, 0);
+  const Behaviour behaviour = make_behaviour(loaded);
+  const std::vector<double> run = behaviour.run(find_engine(engine), variations()[2], 1);
+  const auto rolled = [&] {
+    return to_json(roll_out(environment, {"zero"}, {.episodes = 2, .workers = 1})).dump();
+  };
+  const EnvFactory make = env_factory(environment);
+  make();  // the ground is read when it is first made
+  remove_files();
+  EXPECT_THROW(static_cast<void>(LoadedEnv(config)), ConfigError);
+  EXPECT_EQ(behaviour.run(find_engine(engine), variations()[2], 1), run);
+  EXPECT_NE(rolled(), "");
+  EXPECT_NO_THROW(make());
+  EXPECT_EQ(LoadedBehaviour(environment, "zero", {}, 0).world().robot, environment.robot);
+}
+
+TEST_F(LoadedOnce, OtherSettingsReadOnlyWhatTheyNameAnew) {
+  const LoadedEnv environment = walk().environment();
+  EnvConfig changed = environment.config;
+  changed.friction = 0.1;
+  EXPECT_EQ(environment.with(changed).robot, environment.robot);
+  EXPECT_EQ(environment.with(changed).config.friction, 0.1);
+  changed.robot = "scara_quadruped";
+  changed.terrain = "flat";
+  const LoadedEnv other = environment.with(changed);
+  EXPECT_NE(other.robot, environment.robot);
+  EXPECT_EQ(other.ground.text(), "flat");
+}
+
+}  // namespace
+}  // namespace crossgait
