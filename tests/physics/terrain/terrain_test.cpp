@@ -291,7 +291,9 @@ TEST(MakeTerrain, KeepsTheTextAsName) {
 }
 
 TEST(MakeTerrain, NamesWhatItKnows) {
-  const std::string known = "one of flat, slope, stairs, steps, waves, rough, FILE.png or FILE.csv";
+  std::string known = "one of ";
+  for (const TerrainGenerator& generator : terrain_generators()) known += std::string(generator.name) + ", ";
+  known += "FILE.png or FILE.csv";
   EXPECT_EQ(what("rouhg:seed=3"),
             "terrain 'rouhg:seed=3': name: expected " + known + ", found 'rouhg' (did you mean rough?)");
   EXPECT_EQ(what(""), "terrain '': name: expected " + known + ", found ''");
