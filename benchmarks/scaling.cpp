@@ -55,8 +55,8 @@ class Walk {
     world_ = make_backend(backend, spec);
     timing_.seconds = seconds;
     timing_.settle_seconds = 0;  // an observer sees no targets of the settling
-    start_ = source().stand(spec.terrain, {});
-    const MotionSummary summary = run_walk(*world_, source(), timing_, [this](const WalkSample& sample) {
+    start_ = controller()->stand(spec.terrain, {});
+    const MotionSummary summary = run_walk(*world_, controller(), timing_, [this](const WalkSample& sample) {
       targets_.push_back(sample.targets.joints);
       return true;
     });
@@ -69,7 +69,7 @@ class Walk {
   }
   /// CPU time, s.
   double walk() {
-    const TargetSource gait = source();
+    const ControllerPtr gait = controller();
     const double begin = thread_seconds();
     run_walk(*world_, gait, timing_);
     const double time = thread_seconds() - begin;
@@ -92,7 +92,7 @@ class Walk {
   }
 
  private:
-  TargetSource source() const { return make_gait_source(choose_gait("trot", {}), world_->spec().robot); }
+  ControllerPtr controller() const { return make_gait_controller(choose_gait("trot", {}), world_->spec()); }
 
   std::unique_ptr<PhysicsBackend> world_;
   WalkTiming timing_;

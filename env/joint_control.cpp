@@ -63,7 +63,7 @@ RobotState JointControl::stand(const Terrain& terrain, const Placement& placemen
   return standing_on(terrain, placement, *robot_, standing_);
 }
 
-void JointControl::hold(double /*dt*/, ControlTargets& out) const noexcept {
+void JointControl::hold(double /*dt*/, ControlTargets& out) noexcept {
   out.joints = line_.empty() ? wanted_ : line_[oldest_];
 }
 

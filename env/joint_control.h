@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "env/env_model.h"
+#include "motion/controller.h"
 
 namespace crossgait {
 
 /// The targets of an episode, and those that are still on their way. A value: a copy goes on from there.
-class JointControl {
+class JointControl final : public Controller {
  public:
   /// @throws ConfigError if the robot's chains do not meet at home
   explicit JointControl(const EnvModel& model);
@@ -22,10 +23,9 @@ class JointControl {
   void apply(std::span<const double> action) noexcept;
   void set_command(const VelocityCommand& command) noexcept { command_ = command; }
 
-  /// The functions of a TargetSource.
-  RobotState stand(const Terrain& terrain, const Placement& placement) const;
-  void hold(double dt, ControlTargets& out) const noexcept;
-  void advance(double dt, ControlTargets& out) noexcept;
+  RobotState stand(const Terrain& terrain, const Placement& placement) const override;
+  void hold(double dt, ControlTargets& out) noexcept override;
+  void advance(double dt, ControlTargets& out) noexcept override;
 
  private:
   std::shared_ptr<const RobotDescription> robot_;

@@ -30,7 +30,7 @@ constexpr std::uint64_t kNoiseStream = 0x6e6f697365;  // "noise": random numbers
 }  // namespace
 
 QuadrupedEnv::QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine)
-    : model_(std::move(model)), engine_(std::move(engine)), episode_(make_episode()), source_(make_source()) {
+    : model_(std::move(model)), engine_(std::move(engine)), episode_(make_episode()) {
   if (!config().randomisation.changes_world()) backend_ = engine_.make(model_->world);
 }
 
@@ -58,25 +58,28 @@ const AdaptiveGaitController* QuadrupedEnv::gait() const noexcept {
   return control == nullptr ? nullptr : &control->controller();
 }
 
-TargetSource QuadrupedEnv::make_source() {
-  TargetSource source;
-  source.stand = [this](const Terrain& terrain, const Placement& placement) {
-    return std::visit([&](const auto& control) { return control.stand(terrain, placement); },
-                      episode_.control);
-  };
-  source.hold = [this](double dt, ControlTargets& out) {
-    std::visit([&](auto& control) { control.hold(dt, out); }, episode_.control);
-    episode_.info.ik_clamped += out.ik_clamped;
-  };
-  source.advance = [this](double dt, ControlTargets& out) {
-    std::visit([&](auto& control) { control.advance(dt, out); }, episode_.control);
-    episode_.info.ik_clamped += out.ik_clamped;
-  };
-  source.look = [this](const RobotState& state, double dt) {
-    if (auto* control = std::get_if<GaitControl>(&episode_.control)) control->look(state, dt);
-    look_between();
-  };
-  return source;
+Controller& QuadrupedEnv::control() noexcept {
+  if (auto* gait = std::get_if<GaitControl>(&episode_.control)) return *gait;
+  return *std::get_if<JointControl>(&episode_.control);
+}
+
+RobotState QuadrupedEnv::Watched::stand(const Terrain& terrain, const Placement& placement) const {
+  return env_.control().stand(terrain, placement);
+}
+
+void QuadrupedEnv::Watched::hold(double dt, ControlTargets& out) {
+  env_.control().hold(dt, out);
+  env_.episode_.info.ik_clamped += out.ik_clamped;
+}
+
+void QuadrupedEnv::Watched::advance(double dt, ControlTargets& out) {
+  env_.control().advance(dt, out);
+  env_.episode_.info.ik_clamped += out.ik_clamped;
+}
+
+void QuadrupedEnv::Watched::look(const RobotState& state, double dt) {
+  env_.control().look(state, dt);
+  env_.look_between();
 }
 
 WorldSpec QuadrupedEnv::draw_world() {
@@ -112,7 +115,7 @@ void QuadrupedEnv::reset(std::uint64_t seed, std::span<double> observation) {
   std::fill(e.action.begin(), e.action.end(), 0.0);
 
   // Standing first; motion begins after it, part of a gait's cycle if so drawn.
-  e.loop.start(*backend_, source_, draw_start());
+  e.loop.start(*backend_, watched_, draw_start());
   e.result.terminated = e.loop.ended();
   e.begun = true;
   measure();
@@ -146,7 +149,7 @@ StepResult QuadrupedEnv::step(std::span<const double> action, std::span<double> 
   const RobotState before = backend_->state();
   take_action(action);
   e.info.ik_clamped = e.control_steps = 0;
-  e.loop.advance(*backend_, source_, model_->policy_steps);
+  e.loop.advance(*backend_, watched_, model_->policy_steps);
   finish_step(before);
   observe(observation);
   return e.result;

@@ -96,6 +96,19 @@ class QuadrupedEnv {
   void restore(const Saved& saved);
 
  private:
+  // The episode's control, watched: what its legs could not solve is counted, and it is looked at between.
+  class Watched final : public Controller {
+   public:
+    explicit Watched(QuadrupedEnv& env) : env_(env) {}
+    RobotState stand(const Terrain& terrain, const Placement& placement) const override;
+    void hold(double dt, ControlTargets& out) override;
+    void advance(double dt, ControlTargets& out) override;
+    void look(const RobotState& state, double dt) override;
+
+   private:
+    QuadrupedEnv& env_;
+  };
+
   // What changes from step to step, beside the engine.
   struct Episode {
     std::variant<GaitControl, JointControl> control;
@@ -113,7 +126,7 @@ class QuadrupedEnv {
   };
 
   Episode make_episode() const;
-  TargetSource make_source();
+  Controller& control() noexcept;
   WorldSpec draw_world();
   Start draw_start() const;
   void take_action(std::span<const double> action) noexcept;
@@ -130,7 +143,7 @@ class QuadrupedEnv {
   FootStates feet_;
   std::unique_ptr<PhysicsBackend> backend_;
   Episode episode_;
-  TargetSource source_;  // the episode's control
+  Watched watched_{*this};
 };
 
 struct QuadrupedEnv::Saved {

@@ -5,8 +5,8 @@
 #include <span>
 #include <string_view>
 
+#include "motion/controller.h"
 #include "motion/pushes.h"
-#include "motion/target_source.h"
 #include "physics/core/random.h"
 #include "physics/engine/world_spec.h"
 

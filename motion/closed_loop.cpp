@@ -19,7 +19,7 @@ void check_place(const Terrain& terrain, const Placement& placement) {
 ClosedLoop::ClosedLoop(const RobotDescription& robot, const Options& options)
     : options_(options), statistics_(robot, options.limits) {}
 
-void ClosedLoop::start(PhysicsBackend& world, const TargetSource& source, const Start& start) {
+void ClosedLoop::start(PhysicsBackend& world, Controller& controller, const Start& start) {
   const double dt = options_.control_dt;
   const WorldSpec& spec = world.spec();
   substeps_ = whole_steps("control_dt", dt, spec.physics_dt);
@@ -27,17 +27,17 @@ void ClosedLoop::start(PhysicsBackend& world, const TargetSource& source, const 
   pushes_ = start.pushes;
   steps_ = 0;
   ended_ = false;
-  const RobotState standing = source.stand(spec.terrain, start.placement);
+  const RobotState standing = controller.stand(spec.terrain, start.placement);
   world.reset(standing);
 
   StepStatus status = StepStatus::kOk;
   const int settling = step_count(options_.settle_seconds, dt), leading = step_count(start.lead_in, dt);
   for (int i = 0; i < settling && status == StepStatus::kOk; ++i) {
-    source.hold(dt, targets_);
+    controller.hold(dt, targets_);
     status = control_step(world, false);
   }
   for (int i = 0; i < leading && status == StepStatus::kOk; ++i) {
-    next_targets(world, source);
+    next_targets(world, controller);
     status = control_step(world, false);
   }
   const Vector3& p = standing.p_WB;
@@ -56,15 +56,15 @@ StepStatus ClosedLoop::control_step(PhysicsBackend& world, bool watched) {
   return StepStatus::kOk;
 }
 
-void ClosedLoop::next_targets(const PhysicsBackend& world, const TargetSource& source) {
-  if (source.look) source.look(world.state(), options_.control_dt);
-  source.advance(options_.control_dt, targets_);
+void ClosedLoop::next_targets(const PhysicsBackend& world, Controller& controller) {
+  controller.look(world.state(), options_.control_dt);
+  controller.advance(options_.control_dt, targets_);
 }
 
-bool ClosedLoop::advance(PhysicsBackend& world, const TargetSource& source, int steps) {
+bool ClosedLoop::advance(PhysicsBackend& world, Controller& controller, int steps) {
   for (int i = 0; i < steps && !ended_; ++i) {
     if (const auto push = pushes_.due(time())) world.apply_push(*push);
-    next_targets(world, source);
+    next_targets(world, controller);
     if (control_step(world, true) != StepStatus::kOk) {
       statistics_.note(Outcome::kDiverged);
       ended_ = true;

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
+#include "motion/controller.h"
 #include "motion/motion_statistics.h"
 #include "motion/pushes.h"
-#include "motion/target_source.h"
 #include "physics/engine/physics_backend.h"
 
 namespace crossgait {
@@ -18,8 +18,8 @@ struct Start {
 };
 
 /// A value: a copy taken between two calls and used with a world that was saved and restored along with it
-/// continues bit for bit. It keeps no reference to world or source; both are handed over with every call, and
-/// have to be the same ones from `start` on.
+/// continues bit for bit. It keeps no reference to world or controller; both are handed over with every call,
+/// and have to be the same ones from `start` on.
 class ClosedLoop {
  public:
   struct Options {
@@ -32,11 +32,11 @@ class ClosedLoop {
   ClosedLoop(const RobotDescription& robot, const Options& options);
 
   /// Puts the robot down, lets it settle and begins. @throws ConfigError if the control step is no multiple
-  /// of the world's physics step, the place is off the terrain, or the source cannot stand
-  void start(PhysicsBackend& world, const TargetSource& source, const Start& start = {});
+  /// of the world's physics step, the place is off the terrain, or the controller cannot stand
+  void start(PhysicsBackend& world, Controller& controller, const Start& start = {});
 
   /// `steps` more control steps; fewer, if an outcome ends the motion. @returns false once it has ended
-  bool advance(PhysicsBackend& world, const TargetSource& source, int steps);
+  bool advance(PhysicsBackend& world, Controller& controller, int steps);
 
   bool ended() const noexcept { return ended_; }
   /// Of the last control step.
@@ -46,7 +46,7 @@ class ClosedLoop {
   double time() const noexcept { return static_cast<double>(steps_) * options_.control_dt; }
 
  private:
-  void next_targets(const PhysicsBackend& world, const TargetSource& source);
+  void next_targets(const PhysicsBackend& world, Controller& controller);
   StepStatus control_step(PhysicsBackend& world, bool watched);
 
   Options options_;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "motion/gait_walker.h"
 #include "physics/core/error.h"
 
 namespace crossgait {
@@ -14,44 +15,33 @@ void require(bool accepted) {
   if (!accepted) throw ConfigError("gait", "parameters or command", "valid values", "values that are not");
 }
 
-// A gait that walks on legs. @tparam Gait  GaitGenerator or MultiGaitController
-template <typename Gait>
-struct GaitOnLegs {
-  Gait gait;
-  LegController legs;
-  std::optional<VelocityCommand> command;
-  HeadingHold heading_hold;
-  LegArray<Vector3> standing;
-  HeadingHoldState heading = {};
-};
-
-const GaitGenerator& generator_of(const GaitGenerator& gait) { return gait; }
-const GaitGenerator& generator_of(const MultiGaitController& gait) { return gait.generator(); }
-
-template <typename Gait>
-TargetSource walk_legs(Gait gait, LegController legs, const std::optional<VelocityCommand>& command,
-                       const HeadingHold& heading_hold) {
-  const LegArray<Vector3> standing = target_positions(generator_of(gait).targets());
-  gait.set_sweep(legs.foot_sweep(standing, generator_of(gait).parameters()));
-  legs.set_load_share(generator_of(gait).parameters().load_share);
-  const auto own = std::make_shared<GaitOnLegs<Gait>>(
-      GaitOnLegs<Gait>{std::move(gait), std::move(legs), command, heading_hold, standing});
-  return {.stand =
-              [own](const Terrain& terrain, const Placement& placement) {
-                return own->legs.standing_state(own->standing, terrain, placement);
-              },
-          .hold = [own](double dt, ControlTargets& out) { solve_legs(own->legs, own->standing, dt, out); },
-          .advance =
-              [own](double dt, ControlTargets& out) {
-                const LegArray<FootTarget>& feet = own->gait.update(dt);
-                drive_legs(own->legs, generator_of(own->gait), feet, own->command, dt, out);
-              },
-          .look =
-              [own](const RobotState& state, double dt) {
-                const double turning = own->command ? own->command->yaw_rate : 0;
-                own->gait.set_steering(own->heading.look(own->heading_hold, state, turning, dt));
-              }};
+// One that is about to begin.
+template <typename Generator>
+ControllerPtr walker(Generator generator, LegController legs, const HeadingHold& heading_hold,
+                     const std::optional<VelocityCommand>& command) {
+  const auto made =
+      std::make_shared<GaitWalker<Generator>>(std::move(generator), std::move(legs), heading_hold, command);
+  made->begin();
+  return made;
 }
+
+// Feet from anywhere on legs.
+class FeetController final : public Controller {
+ public:
+  FeetController(FootTargets feet, LegController legs)
+      : feet_(std::move(feet)), legs_(std::move(legs)), standing_(feet_(0)) {}
+
+  RobotState stand(const Terrain& terrain, const Placement& placement) const override {
+    return legs_.standing_state(standing_, terrain, placement);
+  }
+  void hold(double dt, ControlTargets& out) override { solve_legs(legs_, standing_, dt, out); }
+  void advance(double dt, ControlTargets& out) override { solve_legs(legs_, feet_(dt), dt, out); }
+
+ private:
+  FootTargets feet_;
+  LegController legs_;
+  LegArray<Vector3> standing_;
+};
 
 }  // namespace
 
@@ -117,38 +107,27 @@ LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept
   return feet;
 }
 
-TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const RobotDescription> robot,
-                              const GaitLayers& layers) {
-  const GaitScale scale = gait_scale(*robot);
+ControllerPtr make_gait_controller(const GaitChoice& choice, const WorldSpec& world,
+                                   const GaitLayers& layers) {
+  const GaitScale scale = gait_scale(*world.robot);
   const HeadingHold heading_hold = scaled(layers.heading_hold, scale);
-  LegController legs(std::move(robot), layers.compensation);
+  LegController legs(world.robot, layers.compensation, weight_per_mass(world));
   const LegArray<Vector3> p_BL = leg_origins(legs.kinematics());
   if (!choice.gait) {
     MultiGaitController controller(multi_gait_options(choice, scale), p_BL);
     require(!choice.command || controller.set_command(*choice.command));
-    return walk_legs(std::move(controller), std::move(legs), choice.command, heading_hold);
+    return walker(std::move(controller), std::move(legs), heading_hold, choice.command);
   }
   GaitGenerator generator(*choice.gait, choice.parameters, p_BL, scaled(StepLimits(), scale));
   require(!choice.command || generator.set_command(*choice.command));
   generator.reset(GaitGenerator::Start::kStanding);
-  return walk_legs(std::move(generator), std::move(legs), choice.command, heading_hold);
+  return walker(std::move(generator), std::move(legs), heading_hold, choice.command);
 }
 
-TargetSource make_feet_source(FootTargets feet, std::shared_ptr<const RobotDescription> robot,
-                              const ServoCompensation& compensation) {
-  struct Feet {
-    FootTargets targets;
-    LegController legs;
-    LegArray<Vector3> standing;
-  };
-  const LegArray<Vector3> standing = feet(0);
-  const auto own =
-      std::make_shared<Feet>(Feet{std::move(feet), LegController(std::move(robot), compensation), standing});
-  return {[own](const Terrain& terrain, const Placement& placement) {
-            return own->legs.standing_state(own->standing, terrain, placement);
-          },
-          [own](double dt, ControlTargets& out) { solve_legs(own->legs, own->standing, dt, out); },
-          [own](double dt, ControlTargets& out) { solve_legs(own->legs, own->targets(dt), dt, out); }};
+ControllerPtr make_feet_controller(FootTargets feet, const WorldSpec& world,
+                                   const ServoCompensation& compensation) {
+  return std::make_shared<FeetController>(std::move(feet),
+                                          LegController(world.robot, compensation, weight_per_mass(world)));
 }
 
 }  // namespace crossgait

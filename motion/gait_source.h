@@ -1,4 +1,4 @@
-// Gaits as sources of foot targets for a walk.
+// Gaits as controllers of a walk.
 #pragma once
 
 #include <optional>
@@ -9,6 +9,7 @@
 #include "gait/scale.h"
 #include "motion/heading_hold.h"
 #include "motion/leg_controller.h"
+#include "physics/engine/world_spec.h"
 
 namespace crossgait {
 
@@ -60,10 +61,10 @@ struct GaitLayers {
   HeadingHold heading_hold;
 };
 
-/// Walks `choice` from standing. Every call makes an independent source.
-/// @throws ConfigError if the robot has no legs
-TargetSource make_gait_source(const GaitChoice& choice, std::shared_ptr<const RobotDescription> robot,
-                              const GaitLayers& layers = {});
+/// Walks `choice` from standing, with the robot and under the gravity of `world`. Every call makes an
+/// independent controller. @throws ConfigError if the robot has no legs
+ControllerPtr make_gait_controller(const GaitChoice& choice, const WorldSpec& world,
+                                   const GaitLayers& layers = {});
 
 /// Foot targets in the leg frames, m, after `dt` more seconds. Asked with dt = 0 before the first step, it
 /// says where the feet stand.
@@ -71,7 +72,7 @@ using FootTargets = std::function<LegArray<Vector3>(double dt)>;
 
 /// Feet from anywhere else: recorded, computed, commanded. Nothing is known of what they mean, so that
 /// statistics of swing and progress stay empty. @throws ConfigError if the robot has no legs
-TargetSource make_feet_source(FootTargets feet, std::shared_ptr<const RobotDescription> robot,
-                              const ServoCompensation& compensation = {});
+ControllerPtr make_feet_controller(FootTargets feet, const WorldSpec& world,
+                                   const ServoCompensation& compensation = {});
 
 }  // namespace crossgait

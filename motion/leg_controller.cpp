@@ -18,11 +18,13 @@ constexpr double kSlow = 0.1;  // rad/s, of scara_quadruped
 
 }  // namespace
 
+double weight_per_mass(const WorldSpec& world) noexcept { return std::max(0.0, -world.gravity.z()); }
+
 LegController::LegController(std::shared_ptr<const RobotDescription> description,
-                             const ServoCompensation& compensation)
+                             const ServoCompensation& compensation, double gravity)
     : robot_(std::move(description)),
       compensation_(compensation),
-      weight_(robot_->total_mass() * kGravity),
+      weight_(robot_->total_mass() * gravity),
       kinematics_(make_leg_kinematics(*robot_)) {
   const RobotDescription& robot = *robot_;
   compensation_.load_depth *= gait_scale(robot).length;

@@ -7,20 +7,26 @@
 #include <memory>
 
 #include "ik/leg_kinematics.h"
+#include "motion/controller.h"
 #include "motion/servo_compensation.h"
-#include "motion/target_source.h"
+#include "physics/engine/world_spec.h"
 #include "physics/robot/robot.h"
 #include "physics/robot/state.h"
 #include "physics/terrain/terrain.h"
 
 namespace crossgait {
 
+/// What a mass weighs on level ground of `world`, N/kg: the part of its gravity that presses on it. On an
+/// incline (gravity that is tilted) the rest pulls along the ground.
+double weight_per_mass(const WorldSpec& world) noexcept;
+
 /// Solves all four legs at once. Constructing one reads the geometry of the robot; updates allocate nothing.
 class LegController {
  public:
+  /// @param gravity  what a mass weighs where the robot stands, N/kg (`weight_per_mass`)
   /// @throws ConfigError if the robot has no legs, or none that `make_leg_kinematics` knows
   explicit LegController(std::shared_ptr<const RobotDescription> description,
-                         const ServoCompensation& compensation = {});
+                         const ServoCompensation& compensation = {}, double gravity = kGravity);
 
   /// @param feet targets in each leg's frame (x forward, y left, z up), m; of legs without abduction y counts
   ///             as 0
@@ -78,7 +84,7 @@ class LegController {
   std::shared_ptr<const RobotDescription> robot_;
   ServoCompensation compensation_;
   double load_share_ = GaitParameters{}.load_share;
-  double weight_;        // of the robot on Earth, N
+  double weight_;        // of the robot where it stands, N
   bool moving_ = false;  // last_ holds an earlier update
   LegArray<LegKinematics> kinematics_;
   LegArray<LegServos> servos_{};

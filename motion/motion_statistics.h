@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include "motion/controller.h"
 #include "motion/outcome.h"
-#include "motion/target_source.h"
 #include "physics/engine/physics_backend.h"
 #include "physics/robot/loop_gap.h"
 

@@ -1,7 +1,7 @@
 // Where a robot's base has to be for its feet to touch the ground.
 #pragma once
 
-#include "motion/target_source.h"
+#include "motion/controller.h"
 #include "physics/robot/robot.h"
 
 namespace crossgait {

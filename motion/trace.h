@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "motion/target_source.h"
+#include "motion/controller.h"
 #include "physics/core/atomic_file.h"
 #include "physics/engine/physics_backend.h"
 

@@ -35,15 +35,15 @@ void WalkTiming::validate(double physics_dt) const {
 
 int WalkTiming::control_steps() const { return step_count(seconds, control_dt); }
 
-Walk::Walk(PhysicsBackend& world, TargetSource source, const WalkTiming& timing, const Start& start,
+Walk::Walk(PhysicsBackend& world, ControllerPtr controller, const WalkTiming& timing, const Start& start,
            const OutcomeSet& ends)
     : world_(world),
-      source_(std::move(source)),
+      controller_(std::move(controller)),
       loop_((timing.validate(world.spec().physics_dt), world.robot()),
             {timing.control_dt, timing.settle_seconds, {}, ends}),
       steps_left_(timing.control_steps()) {
   const auto begin = Clock::now();
-  loop_.start(world_, source_, start);
+  loop_.start(world_, *controller_, start);
   spent_ = Clock::now() - begin;
 }
 
@@ -51,7 +51,7 @@ bool Walk::advance() {
   if (steps_left_ == 0 || loop_.ended()) return false;
   const auto begin = Clock::now();
   --steps_left_;
-  loop_.advance(world_, source_, 1);
+  loop_.advance(world_, *controller_, 1);
   spent_ += Clock::now() - begin;
   // A step that diverged has nothing to show: the world still holds the state before it.
   return !loop_.statistics().has(Outcome::kDiverged);
@@ -63,9 +63,9 @@ MotionSummary Walk::summary() const {
   return summary;
 }
 
-MotionSummary run_walk(PhysicsBackend& world, const TargetSource& source, const WalkTiming& timing,
+MotionSummary run_walk(PhysicsBackend& world, const ControllerPtr& controller, const WalkTiming& timing,
                        const WalkObserver& observer, const Start& start, const OutcomeSet& ends) {
-  Walk walk(world, source, timing, start, ends);
+  Walk walk(world, controller, timing, start, ends);
   while (walk.advance()) {
     if (observer && !observer(walk.sample())) break;
   }

@@ -1,4 +1,4 @@
-// One walk: a source of targets drives a robot in one engine for a while; what happened is summed up and can
+// One walk: a controller drives a robot in one engine for a while; what happened is summed up and can
 // be watched.
 #pragma once
 
@@ -40,8 +40,8 @@ class Walk {
  public:
   /// Puts the robot down and lets it settle.
   /// @param ends  outcomes that end the walk before its time
-  /// @throws ConfigError for impossible timing or a source that cannot stand there
-  Walk(PhysicsBackend& world, TargetSource source, const WalkTiming& timing, const Start& start = {},
+  /// @throws ConfigError for impossible timing or a controller that cannot stand there
+  Walk(PhysicsBackend& world, ControllerPtr controller, const WalkTiming& timing, const Start& start = {},
        const OutcomeSet& ends = OutcomeSet::of_walks());
 
   /// One more control step. @returns false, with nothing to show, once the walk is over
@@ -55,14 +55,14 @@ class Walk {
   using Clock = std::chrono::steady_clock;
 
   PhysicsBackend& world_;
-  TargetSource source_;
+  ControllerPtr controller_;
   ClosedLoop loop_;
   int steps_left_;
   Clock::duration spent_{};
 };
 
 /// The whole of it at once. @throws ConfigError as Walk does
-MotionSummary run_walk(PhysicsBackend& world, const TargetSource& source, const WalkTiming& timing,
+MotionSummary run_walk(PhysicsBackend& world, const ControllerPtr& controller, const WalkTiming& timing,
                        const WalkObserver& observer = {}, const Start& start = {},
                        const OutcomeSet& ends = OutcomeSet::of_walks());
 

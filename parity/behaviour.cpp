@@ -77,7 +77,7 @@ MotionSummary walk_once(const WorldSpec& world, const WalkSetup& setup, const St
       return true;
     };
   }
-  return run_walk(*backend, setup.make_source(world.robot), setup.timing, observer, start, setup.ends);
+  return run_walk(*backend, setup.make_controller(world), setup.timing, observer, start, setup.ends);
 }
 
 }  // namespace

@@ -57,9 +57,8 @@ Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& b
   std::vector<Runner> runners;
   runners.reserve(backends.size());
   for (const auto& backend : backends) {
-    runners.push_back({*backend,
-                       Walk(*backend, setup.make_source(backend->spec().robot), setup.timing, {}, setup.ends),
-                       {}});
+    runners.push_back(
+        {*backend, Walk(*backend, setup.make_controller(backend->spec()), setup.timing, {}, setup.ends), {}});
   }
   Comparison result;
   result.pairs = pairs_of(runners, tolerances);
@@ -84,7 +83,7 @@ Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& b
 WalkRun record_walk(PhysicsBackend& backend, const WalkSetup& setup, const Progress& progress,
                     const SampleObserver& observer) {
   WalkRun run{backend.info(), backend.spec().terrain.name(), setup.gait, {}, false};
-  Walk walk(backend, setup.make_source(backend.spec().robot), setup.timing, {}, setup.ends);
+  Walk walk(backend, setup.make_controller(backend.spec()), setup.timing, {}, setup.ends);
   const int steps = setup.timing.control_steps();
   try {
     for (int done = 1; walk.advance(); ++done) {

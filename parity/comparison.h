@@ -29,8 +29,8 @@ struct Comparison {
 /// The controller's side of a walk, the same for every engine.
 struct WalkSetup {
   std::string gait;  ///< its name, for reports
-  /// Makes a fresh source for each run: state must not leak from one into the next.
-  std::function<TargetSource(std::shared_ptr<const RobotDescription> robot)> make_source;
+  /// Makes a fresh controller for each run in that world: state must not leak from one into the next.
+  std::function<ControllerPtr(const WorldSpec& world)> make_controller;
   WalkTiming timing;
   OutcomeSet ends = OutcomeSet::of_walks();  ///< outcomes that end the walk before its time
 };

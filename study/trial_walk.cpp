@@ -71,12 +71,12 @@ Trial try_robot(std::shared_ptr<const RobotDescription> robot, const std::vector
     std::int64_t steps = 0, at_limit = 0;
     TrialWalk walk;
     walk.engine = engine;
-    walk.summary =
-        run_walk(*world, make_gait_source(trot, robot), {.seconds = seconds}, [&](const WalkSample& sample) {
-          ++steps;
-          at_limit += saturated(*robot, servos, sample.world);
-          return true;
-        });
+    walk.summary = run_walk(*world, make_gait_controller(trot, spec), {.seconds = seconds},
+                            [&](const WalkSample& sample) {
+                              ++steps;
+                              at_limit += saturated(*robot, servos, sample.world);
+                              return true;
+                            });
     walk.speed_ratio = walk.summary.mean_speed_mps / trial.commanded_mps;
     if (steps > 0) walk.torque_share = static_cast<double>(at_limit) / static_cast<double>(steps);
     walk.complaints = complaints_of(walk);

@@ -7,11 +7,10 @@ namespace crossgait {
 WalkSetup WalkConfig::setup() const {
   const GaitLayers layers{compensation ? ServoCompensation{} : ServoCompensation::none(),
                           heading_hold ? HeadingHold{} : HeadingHold::none()};
-  return {gait.name(),
-          [choice = gait, layers](std::shared_ptr<const RobotDescription> description) {
-            return make_gait_source(choice, std::move(description), layers);
-          },
-          timing, ends};
+  return {
+      gait.name(),
+      [choice = gait, layers](const WorldSpec& world) { return make_gait_controller(choice, world, layers); },
+      timing, ends};
 }
 
 EnvConfig WalkConfig::environment() const {

@@ -21,9 +21,11 @@ void require_within(double value, double most, const char* element, const char* 
                     fmt::format("{:g}", value));
 }
 
-// A generator has to have one; `set_gait` chooses among those by speed.
-Gait first_gait(const std::string& gait, const GaitScale& scale) {
-  return scaled(is_automatic(gait) ? default_speed_bands().front().gait : find_gait(gait), scale);
+// A generator has to have a gait; `set_gait` chooses among those by speed.
+GaitGenerator first_generator(const std::string& gait, const RobotDescription& robot) {
+  const GaitScale scale = gait_scale(robot);
+  const Gait first = scaled(is_automatic(gait) ? default_speed_bands().front().gait : find_gait(gait), scale);
+  return {first, first.preferred, leg_origins(robot), scaled(StepLimits(), scale)};
 }
 
 }  // namespace
@@ -50,57 +52,53 @@ AdaptationRanges::Interval parameter_range(std::string_view name, const GaitScal
   return range;
 }
 
-GaitDrive::GaitDrive(std::shared_ptr<const RobotDescription> robot, const std::string& gait)
-    : robot_(std::move(robot)),
-      scale_(gait_scale(*robot_)),
-      hold_heading_(scaled(HeadingHold(), scale_)),
-      legs_(robot_),
-      generator_(first_gait(gait, scale_), first_gait(gait, scale_).preferred,
-                 leg_origins(legs_.kinematics()), scaled(StepLimits(), scale_)) {
+GaitDrive::GaitDrive(const WorldSpec& world, const std::string& gait)
+    : GaitWalker(first_generator(gait, *world.robot), LegController(world.robot, {}, weight_per_mass(world)),
+                 scaled(HeadingHold(), gait_scale(*world.robot))),
+      robot_(world.robot),
+      scale_(gait_scale(*robot_)) {
   set_gait(gait);
   restart();
 }
 
 void GaitDrive::restart() {
   set_command({});
-  generator_.reset(GaitGenerator::Start::kStanding);
-  heading_.restart();
-  legs_.restart();
-  standing_ = target_positions(generator_.targets());
-  generator_.set_sweep(legs_.foot_sweep(standing_, generator_.parameters()));
-  legs_.set_load_share(generator_.parameters().load_share);
+  mutable_generator().reset(GaitGenerator::Start::kStanding);
+  begin();
 }
 
 void GaitDrive::set_command(const VelocityCommand& command) {
   check_drive(*robot_, command);
-  static_cast<void>(generator_.set_command(command));  // finite: within bounds
+  static_cast<void>(mutable_generator().set_command(command));  // finite: within bounds
   command_ = command;
+  follow(command);
   if (by_speed_) walk_as(chosen_by_speed());
 }
 
 void GaitDrive::set_gait(const std::string& gait) {
   if (is_automatic(gait)) {
     const MultiGaitOptions options = multi_gait_options(choose_gait(gait, {}, command_, scale_), scale_);
-    by_speed_.emplace(options, leg_origins(legs_.kinematics()));
+    by_speed_.emplace(options, leg_origins(legs().kinematics()));
   } else {
     const Gait wanted = scaled(find_gait(gait), scale_);
-    generator_.set_gait(wanted);
+    mutable_generator().set_gait(wanted);
     by_speed_.reset();
   }
   chosen_ = gait;
   settings_ = {};
-  walk_as(by_speed_ ? chosen_by_speed() : generator_.gait().preferred);
+  walk_as(by_speed_ ? chosen_by_speed() : generator().gait().preferred);
 }
 
 GaitParameters GaitDrive::chosen_by_speed() {
   static_cast<void>(by_speed_->set_command(command_));  // finite: within bounds
   const GaitGenerator& chosen = by_speed_->generator();
-  if (chosen.gait().name != generator_.gait().name) generator_.set_gait(chosen.gait());
+  if (chosen.gait().name != generator().gait().name) mutable_generator().set_gait(chosen.gait());
   return chosen.parameters();
 }
 
 void GaitDrive::walk_as(const GaitParameters& parameters) {
-  static_cast<void>(generator_.set_parameters(settings_.over(parameters)));  // valid: both were checked
+  static_cast<void>(
+      mutable_generator().set_parameters(settings_.over(parameters)));  // valid: both were checked
 }
 
 void GaitDrive::set_parameter(const std::string& name, double value) {
@@ -110,21 +108,12 @@ void GaitDrive::set_parameter(const std::string& name, double value) {
                       fmt::format("{:g}", value));
   }
   set(settings_, name, value);
-  walk_as(generator_.parameters());
+  walk_as(generator().parameters());
 }
 
 void GaitDrive::set_curve(const std::string& curve) {
   assign(settings_, "swing=" + curve);
-  walk_as(generator_.parameters());
-}
-
-void GaitDrive::look(const RobotState& state, double dt) noexcept {
-  generator_.set_steering(heading_.look(hold_heading_, state, command_.yaw_rate, dt));
-}
-
-void GaitDrive::advance(double dt, ControlTargets& out) noexcept {
-  const LegArray<FootTarget>& feet = generator_.update(dt);
-  drive_legs(legs_, generator_, feet, command_, dt, out);
+  walk_as(generator().parameters());
 }
 
 }  // namespace crossgait

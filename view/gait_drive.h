@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "gait/multi_gait_controller.h"
-#include "motion/gait_source.h"
+#include "motion/gait_walker.h"
 
 namespace crossgait {
 
@@ -30,10 +30,10 @@ void check_drive(const RobotDescription& robot, const VelocityCommand& command);
 AdaptationRanges::Interval parameter_range(std::string_view name, const GaitScale& scale);
 
 /// A value: a copy drives another robot on from there, in the same phase of the gait.
-class GaitDrive {
+class GaitDrive final : public GaitWalker<GaitGenerator> {
  public:
   /// Stands. @throws ConfigError for an unknown gait, or a robot without legs that can be driven
-  GaitDrive(std::shared_ptr<const RobotDescription> robot, const std::string& gait);
+  GaitDrive(const WorldSpec& world, const std::string& gait);
 
   /// @throws ConfigError beyond `drive_limits`, or not finite
   void set_command(const VelocityCommand& command);
@@ -51,15 +51,6 @@ class GaitDrive {
   /// What `set_gait` was told.
   const std::string& chosen_gait() const noexcept { return chosen_; }
   const VelocityCommand& command() const noexcept { return command_; }
-  const GaitGenerator& generator() const noexcept { return generator_; }
-
-  /// The functions of a TargetSource.
-  RobotState stand(const Terrain& terrain, const Placement& placement) const {
-    return legs_.standing_state(standing_, terrain, placement);
-  }
-  void hold(double dt, ControlTargets& out) noexcept { solve_legs(legs_, standing_, dt, out); }
-  void look(const RobotState& state, double dt) noexcept;
-  void advance(double dt, ControlTargets& out) noexcept;
 
  private:
   /// Changes over to the gait for the speed. @returns its parameters
@@ -70,16 +61,11 @@ class GaitDrive {
   std::shared_ptr<const RobotDescription> robot_;
   GaitScale scale_;
   std::string chosen_;
-  HeadingHold hold_heading_;
-  HeadingHoldState heading_;
-  LegController legs_;
-  GaitGenerator generator_;
   /// Asked for gait and parameters at every command, and for nothing else; none where the gait is chosen by
   /// hand.
   std::optional<MultiGaitController> by_speed_;
   GaitSettings settings_;  ///< of the driver, since the gait was chosen
   VelocityCommand command_;
-  LegArray<Vector3> standing_{};  // feet before the first step, in the leg frames, m
 };
 
 }  // namespace crossgait

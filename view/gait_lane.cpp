@@ -15,8 +15,7 @@ GaitLane::GaitLane(const Engine& engine, const WorldSpec& spec, const GaitDrive&
     : world_(engine.make(spec)),
       control_dt_(control_dt),
       drive_(drive),
-      loop_(*spec.robot, loop_options(control_dt)),
-      source_(source()) {
+      loop_(*spec.robot, loop_options(control_dt)) {
   stand_up();
 }
 
@@ -24,8 +23,7 @@ GaitLane::GaitLane(const Engine& engine, const GaitLane& other)
     : world_(engine.make(other.world_->spec())),
       control_dt_(other.control_dt_),
       drive_(other.drive_),
-      loop_(other.loop_),
-      source_(source()) {
+      loop_(other.loop_) {
   world_->reset(other.world_->state());
 }
 
@@ -39,19 +37,11 @@ std::unique_ptr<Lane> GaitLane::on(const Engine& engine, const Ground& ground) c
   return std::make_unique<GaitLane>(engine, spec, drive_, control_dt_);
 }
 
-TargetSource GaitLane::source() {
-  return {.stand = [this](const Terrain& terrain,
-                          const Placement& placement) { return drive_.stand(terrain, placement); },
-          .hold = [this](double dt, ControlTargets& out) { drive_.hold(dt, out); },
-          .advance = [this](double dt, ControlTargets& out) { drive_.advance(dt, out); },
-          .look = [this](const RobotState& state, double dt) { drive_.look(state, dt); }};
-}
-
 void GaitLane::stand_up() {
   GaitDrive standing = drive_;
   standing.restart();  // may throw: the lane is as it was then
   drive_ = std::move(standing);
-  loop_.start(*world_, source_);
+  loop_.start(*world_, drive_);
 }
 
 }  // namespace crossgait

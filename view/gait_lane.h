@@ -19,7 +19,7 @@ class GaitLane final : public Lane {
   std::unique_ptr<Lane> in(const Engine& engine) const override;
   std::unique_ptr<Lane> on(const Engine& engine, const Ground& ground) const override;
 
-  void step() override { loop_.advance(*world_, source_, 1); }
+  void step() override { loop_.advance(*world_, drive_, 1); }
   void stand_up() override;
   void push(const Vector3& impulse) override { world_->apply_push(impulse); }
 
@@ -37,13 +37,11 @@ class GaitLane final : public Lane {
 
  private:
   GaitLane(const Engine& engine, const GaitLane& other);
-  TargetSource source();
 
   std::unique_ptr<PhysicsBackend> world_;
   double control_dt_;
   GaitDrive drive_;
   ClosedLoop loop_;
-  TargetSource source_;  // of drive_
 };
 
 }  // namespace crossgait

@@ -45,7 +45,7 @@ std::unique_ptr<Lane> ViewSession::make_lane(const std::string& engine) const {
   const Engine found = shelf_.find(engine);
   if (setup_.policy)
     return std::make_unique<PolicyLane>(found, setup_.policy->environment, setup_.policy->policy);
-  const GaitDrive drive(setup_.world.robot, setup_.gait);
+  const GaitDrive drive(setup_.world, setup_.gait);
   return std::make_unique<GaitLane>(found, setup_.world, drive, setup_.control_dt);
 }
 

@@ -33,11 +33,11 @@ Eigen::MatrixXd numbers(const nb::object& returned, const std::string& name, Eig
   return values;
 }
 
-// One run's controller.
-class Controller {
+// One run's function, and the state that it is to be called with.
+class PythonFunction {
  public:
-  Controller(const PythonBehaviour& behaviour, const RobotDescription& robot)
-      : name_(behaviour.name), controller_(make(behaviour.make)) {
+  PythonFunction(const PythonBehaviour& behaviour, const RobotDescription& robot)
+      : name_(behaviour.name), function_(make(behaviour.make)) {
     state_.q = robot.home;
     state_.qd = JointVector::Zero(robot.joint_count());
   }
@@ -45,7 +45,7 @@ class Controller {
   void look(const RobotState& state) { state_ = state; }
   Eigen::MatrixXd operator()(Eigen::Index rows, Eigen::Index columns) const {
     const nb::gil_scoped_acquire acquire;
-    return numbers(controller_.get()(state_), name_, rows, columns);
+    return numbers(function_.get()(state_), name_, rows, columns);
   }
 
  private:
@@ -55,47 +55,66 @@ class Controller {
   }
 
   std::string name_;
-  SharedObject controller_;
+  SharedObject function_;
   RobotState state_;
 };
 
-TargetSource joint_source(const PythonBehaviour& behaviour,
-                          const std::shared_ptr<const RobotDescription>& robot) {
-  const auto controller = std::make_shared<Controller>(behaviour, *robot);
-  const std::vector<int> servos = robot->actuated_joints();
-  const auto count = static_cast<Eigen::Index>(servos.size());
-  const auto command = behaviour.walk.gait.command;
-  return {[robot](const Terrain& terrain, const Placement& placement) {
-            return standing_on(terrain, placement, *robot, robot->home);
-          },
-          [robot, servos](double, ControlTargets& out) { out.joints.q = robot->home(servos); },
-          [controller, count, command](double, ControlTargets& out) {
-            out.joints.q = (*controller)(count, 1);
-            out.velocity = command;
-          },
-          [controller](const RobotState& state, double) { controller->look(state); }};
-}
+// Servo angles from Python.
+class JointFunction final : public Controller {
+ public:
+  JointFunction(const PythonBehaviour& behaviour, std::shared_ptr<const RobotDescription> robot)
+      : robot_(std::move(robot)),
+        function_(behaviour, *robot_),
+        servos_(robot_->actuated_joints()),
+        command_(behaviour.walk.gait.command) {}
 
-TargetSource feet_source(const PythonBehaviour& behaviour,
-                         const std::shared_ptr<const RobotDescription>& robot) {
-  const auto controller = std::make_shared<Controller>(behaviour, *robot);
-  const auto feet = [controller](double) {
-    const Eigen::MatrixXd rows = (*controller)(kLegCount, 3);
-    LegArray<Vector3> positions;
-    for (const Leg leg : kLegs) positions[leg] = rows.row(static_cast<Eigen::Index>(index(leg)));
-    return positions;
-  };
-  const ServoCompensation compensation =
-      behaviour.walk.compensation ? ServoCompensation{} : ServoCompensation::none();
-  TargetSource source = make_feet_source(feet, robot, compensation);
-  source.advance = [move = std::move(source.advance), command = behaviour.walk.gait.command](
-                       double dt, ControlTargets& out) {
-    move(dt, out);
-    out.velocity = command;
-  };
-  source.look = [controller](const RobotState& state, double) { controller->look(state); };
-  return source;
-}
+  RobotState stand(const Terrain& terrain, const Placement& placement) const override {
+    return standing_on(terrain, placement, *robot_, robot_->home);
+  }
+  void hold(double /*dt*/, ControlTargets& out) override { out.joints.q = robot_->home(servos_); }
+  void advance(double /*dt*/, ControlTargets& out) override {
+    out.joints.q = function_(static_cast<Eigen::Index>(servos_.size()), 1);
+    out.velocity = command_;
+  }
+  void look(const RobotState& state, double /*dt*/) override { function_.look(state); }
+
+ private:
+  std::shared_ptr<const RobotDescription> robot_;
+  PythonFunction function_;
+  std::vector<int> servos_;
+  std::optional<VelocityCommand> command_;
+};
+
+// Feet from Python, on Crossgait's legs.
+class FeetFunction final : public Controller {
+ public:
+  FeetFunction(const PythonBehaviour& behaviour, const WorldSpec& world)
+      : function_(std::make_shared<PythonFunction>(behaviour, *world.robot)),
+        legs_(make_feet_controller(
+            [function = function_](double) {
+              const Eigen::MatrixXd rows = (*function)(kLegCount, 3);
+              LegArray<Vector3> positions;
+              for (const Leg leg : kLegs) positions[leg] = rows.row(static_cast<Eigen::Index>(index(leg)));
+              return positions;
+            },
+            world, behaviour.walk.compensation ? ServoCompensation{} : ServoCompensation::none())),
+        command_(behaviour.walk.gait.command) {}
+
+  RobotState stand(const Terrain& terrain, const Placement& placement) const override {
+    return legs_->stand(terrain, placement);
+  }
+  void hold(double dt, ControlTargets& out) override { legs_->hold(dt, out); }
+  void advance(double dt, ControlTargets& out) override {
+    legs_->advance(dt, out);
+    out.velocity = command_;
+  }
+  void look(const RobotState& state, double /*dt*/) override { function_->look(state); }
+
+ private:
+  std::shared_ptr<PythonFunction> function_;
+  ControllerPtr legs_;
+  std::optional<VelocityCommand> command_;
+};
 
 Targets targets_of(const std::string& text) {
   if (text == "joints") return Targets::kJoints;
@@ -113,8 +132,9 @@ SharedObject::SharedObject(nb::object object)
 
 WalkSetup PythonBehaviour::setup() const {
   return {name,
-          [*this](const std::shared_ptr<const RobotDescription>& robot) {
-            return targets == Targets::kJoints ? joint_source(*this, robot) : feet_source(*this, robot);
+          [*this](const WorldSpec& world) -> ControllerPtr {
+            if (targets == Targets::kJoints) return std::make_shared<JointFunction>(*this, world.robot);
+            return std::make_shared<FeetFunction>(*this, world);
           },
           walk.timing, walk.ends};
 }

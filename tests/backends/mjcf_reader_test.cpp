@@ -539,9 +539,10 @@ class RobotFile : public BackendTest {
       way.push_back(sample.world.state().p_WB);
       return true;
     };
-    (void)run_walk(*backend,
-                   make_gait_source(choose_gait("trot", {}, std::nullopt, gait_scale(*robot)), robot),
-                   {.seconds = 2}, watch);
+    (void)run_walk(
+        *backend,
+        make_gait_controller(choose_gait("trot", {}, std::nullopt, gait_scale(*robot)), backend->spec()),
+        {.seconds = 2}, watch);
     return way;
   }
 };

@@ -29,7 +29,7 @@ class GaitWalk : public BackendTest {
       last = yaw;
       return true;
     };
-    walk.summary = run_walk(*backend, make_gait_source(choose_gait(gait, {}, command), kRobot),
+    walk.summary = run_walk(*backend, make_gait_controller(choose_gait(gait, {}, command), backend->spec()),
                             {.seconds = seconds}, watch);
     EXPECT_EQ(walk.summary.outcome, Outcome::kWalked) << gait;
     EXPECT_EQ(walk.summary.ik_clamped, 0);
@@ -92,7 +92,8 @@ TEST_P(GaitWalk, WithoutHeadingHoldItTurnsWithItsFirstSteps) {
     const scenes::RobotPtr robot = scenes::quadruped();
     const auto backend = make(robot);
     const GaitChoice trot = choose_gait("trot", {}, VelocityCommand{0.35, 0, 0});
-    const MotionSummary s = run_walk(*backend, make_gait_source(trot, robot, {{}, hold}), {.seconds = 10});
+    const MotionSummary s =
+        run_walk(*backend, make_gait_controller(trot, backend->spec(), {{}, hold}), {.seconds = 10});
     return std::abs(s.yaw_rad);
   };
   const double held = turned({}), open = turned(HeadingHold::none());
@@ -119,7 +120,7 @@ TEST_P(GaitWalk, RoughGroundIsCrossedFast) {
     WorldSpec spec = scenes::world_of(robot);
     spec.terrain = make_terrain("rough:size_x=15", seed);
     const auto backend = make(spec);
-    const MotionSummary s = run_walk(*backend, make_gait_source(choice, robot), {.seconds = 5});
+    const MotionSummary s = run_walk(*backend, make_gait_controller(choice, backend->spec()), {.seconds = 5});
     EXPECT_EQ(s.outcome, Outcome::kWalked);
     measured("auto at .8 m/s on rough ground, m/s", s.mean_speed_mps);
     EXPECT_GT(s.mean_speed_mps, 0.72);  // .78 over 15 s, of which starting takes a larger share of 5 s
@@ -133,7 +134,8 @@ TEST_P(GaitWalk, ASerialRobotTrotsAtGaitsOfItsSize) {
   for (const double speed : {0.3, 0.6}) {
     const auto backend = make(robot);
     const GaitChoice choice = choose_gait("trot", {}, VelocityCommand{speed, 0, 0}, gait_scale(*robot));
-    const MotionSummary s = run_walk(*backend, make_gait_source(choice, robot), {.seconds = 10});
+    const MotionSummary s =
+        run_walk(*backend, make_gait_controller(choice, backend->spec()), {.seconds = 10});
     EXPECT_EQ(s.outcome, Outcome::kWalked);
     EXPECT_EQ(s.ik_clamped, 0);
     measured("serial trot, speed over commanded", s.mean_speed_mps / speed);

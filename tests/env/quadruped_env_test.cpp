@@ -36,7 +36,7 @@ TEST_P(Environment, AZeroPolicyIsThePlainGait) {
   }
   const auto backend = make(scenes::quadruped());
   const MotionSummary walk =
-      run_walk(*backend, make_gait_source(choose_gait("trot", {}), backend->spec().robot), {.seconds = 2});
+      run_walk(*backend, make_gait_controller(choose_gait("trot", {}), backend->spec()), {.seconds = 2});
   EXPECT_TRUE(scenes::identical(env.backend().state(), backend->state()));
   EXPECT_EQ(env.info().distance, walk.distance_m);
   EXPECT_EQ(env.info().time, 2);

@@ -11,25 +11,33 @@ namespace {
 constexpr double kDt = 2e-3;  // s
 
 /// A trot whose only state is its clock, so that a test can set it back.
-TargetSource clocked_trot(const scenes::RobotPtr& robot, double& clock) {
-  const scenes::Trot trot(*robot);
-  return {[robot](const Terrain& terrain, const Placement& placement) {
-            RobotState state;
-            state.q = robot->home;
-            state.qd = JointVector::Zero(robot->joint_count());
-            state.p_WB = {placement.x, placement.y,
-                          terrain.height(placement.x, placement.y) + robot->home_height + 0.01};
-            return state;
-          },
-          [trot](double /*dt*/, ControlTargets& out) { out.joints = trot.targets(0); },
-          [trot, &clock](double dt, ControlTargets& out) {
-            clock += dt;
-            out.joints = trot.targets(scenes::Trot::kStand + clock);
-            out.plan.emplace();
-            for (const Leg leg : kLegs) (*out.plan)[leg] = {scenes::Trot::swings(leg, clock), 0.5};
-            out.velocity = VelocityCommand{0.1, 0, 0};
-          }};
-}
+class ClockedTrot final : public Controller {
+ public:
+  ClockedTrot(scenes::RobotPtr robot, double& clock)
+      : robot_(std::move(robot)), trot_(*robot_), clock_(clock) {}
+
+  RobotState stand(const Terrain& terrain, const Placement& placement) const override {
+    RobotState state;
+    state.q = robot_->home;
+    state.qd = JointVector::Zero(robot_->joint_count());
+    state.p_WB = {placement.x, placement.y,
+                  terrain.height(placement.x, placement.y) + robot_->home_height + 0.01};
+    return state;
+  }
+  void hold(double /*dt*/, ControlTargets& out) override { out.joints = trot_.targets(0); }
+  void advance(double dt, ControlTargets& out) override {
+    clock_ += dt;
+    out.joints = trot_.targets(scenes::Trot::kStand + clock_);
+    out.plan.emplace();
+    for (const Leg leg : kLegs) (*out.plan)[leg] = {scenes::Trot::swings(leg, clock_), 0.5};
+    out.velocity = VelocityCommand{0.1, 0, 0};
+  }
+
+ private:
+  scenes::RobotPtr robot_;
+  scenes::Trot trot_;
+  double& clock_;
+};
 
 Pushes now_and_then() {
   Random random(3);
@@ -54,7 +62,7 @@ TEST_P(ClosedLoops, ACopyWithASavedWorldGoesOnBitForBit) {
   const WorldSpec spec = rough();
   const auto world = make(spec), other = make(spec);
   double clock = 0;
-  const TargetSource source = clocked_trot(spec.robot, clock);
+  ClockedTrot source(spec.robot, clock);
   ClosedLoop loop = loop_of(spec);
   loop.start(*world, source, {{}, 0.2, now_and_then()});
   ASSERT_TRUE(loop.advance(*world, source, 333));
@@ -85,7 +93,7 @@ TEST_P(ClosedLoops, OneStepAtATimeOrManyIsTheSame) {
   const auto a = make(spec), b = make(spec);
   ClosedLoop many = loop_of(spec), one = loop_of(spec);
   double clock = 0;
-  const TargetSource source = clocked_trot(spec.robot, clock);
+  ClockedTrot source(spec.robot, clock);
   many.start(*a, source, {{}, 0, now_and_then()});
   many.advance(*a, source, 400);
   clock = 0;
@@ -99,7 +107,7 @@ TEST_P(ClosedLoops, StartForgetsTheMotionBefore) {
   const WorldSpec spec = rough();
   const auto world = make(spec);
   double clock = 0;
-  const TargetSource source = clocked_trot(spec.robot, clock);
+  ClockedTrot source(spec.robot, clock);
   ClosedLoop loop = loop_of(spec);
   const auto run = [&] {
     clock = 0;
@@ -125,7 +133,7 @@ TEST_P(ClosedLoops, RefuseStepsAndPlacesThatCannotBe) {
   const WorldSpec spec = rough();
   const auto world = make(spec);
   double clock = 0;
-  const TargetSource source = clocked_trot(spec.robot, clock);
+  ClockedTrot source(spec.robot, clock);
   ClosedLoop uneven = loop_of(spec, 1.5e-3);
   EXPECT_THROW(uneven.start(*world, source), ConfigError);
   ClosedLoop loop = loop_of(spec);
@@ -139,7 +147,7 @@ TEST_P(ClosedLoops, TargetsHoldForAllPhysicsStepsOfAControlStep) {
   spec.physics_dt = 0.5e-3;
   const auto world = make(spec);
   double clock = 0;
-  const TargetSource source = clocked_trot(spec.robot, clock);
+  ClockedTrot source(spec.robot, clock);
   ClosedLoop loop = loop_of(spec);
   loop.start(*world, source);
   EXPECT_NEAR(world->state().time, 0.3, 1e-12);  // a sum of 600 steps

@@ -19,7 +19,7 @@ double step_that_opens_loops(const std::string& engine) {
 
 class Motion : public BackendTest {
  protected:
-  static MotionSummary run(const WorldSpec& spec, const TargetSource& source, const WalkTiming& timing,
+  static MotionSummary run(const WorldSpec& spec, const ControllerPtr& source, const WalkTiming& timing,
                            const Start& start = {}, const OutcomeSet& ends = OutcomeSet::of_walks()) {
     const auto world = make(spec);
     return run_walk(*world, source, timing, {}, start, ends);
@@ -82,7 +82,7 @@ TEST_P(Motion, ComesApartWhereTheTimeStepIsTooLongForItsLoops) {
 TEST_P(Motion, FallsWhenItIsPutDownOnItsSide) {
   const Start start{{.roll = 1.5}, 0, {}};
   const WalkTiming timing{.seconds = 1, .settle_seconds = 0};
-  const TargetSource source = motions::standing(scenes::quadruped());
+  const ControllerPtr source = motions::standing(scenes::quadruped());
   const MotionSummary m = run(flat(), source, timing, start);
   EXPECT_EQ(m.outcome, Outcome::kFell);
   EXPECT_DOUBLE_EQ(at(m, Outcome::kFell), timing.control_dt);  // from the first step on
@@ -97,8 +97,8 @@ TEST_P(Motion, CollapsesWhereServosAreTooWeakAfterHalfASecondDown) {
   // Every physics step is a control step here, so that the observer sees what the definition is about.
   const scenes::RobotPtr weak = motions::weak_quadruped();
   const auto world = make(weak);
-  const TargetSource source = motions::standing(weak);
-  const double h = 1e-3, standing = source.stand(Terrain(), {}).p_WB.z(), weight = weak->total_mass() * 9.81;
+  const ControllerPtr source = motions::standing(weak);
+  const double h = 1e-3, standing = source->stand(Terrain(), {}).p_WB.z(), weight = weak->total_mass() * 9.81;
   double load = 0, expected = -1;  // of all but feet, smoothed, N; s
   int steps = 0, low_steps = 0;
   const auto watch = [&](const WalkSample& sample) {
@@ -128,18 +128,18 @@ TEST_P(Motion, CollapsesOntoItsTrunkHoweverHighThatIs) {
   OutcomeLimits limits;
   limits.low_height = 0.01;
   const auto world = make(weak);
-  TargetSource source = motions::standing(weak, 0.04);
-  source.stand = [stand = source.stand](const Terrain& terrain, const Placement& placement) {
+  const auto source = motions::functions_of(motions::standing(weak, 0.04));
+  source->on_stand = [stand = source->on_stand](const Terrain& terrain, const Placement& placement) {
     RobotState state = stand(terrain, placement);
     state.p_WB.z() = 0.1;  // the trunk clear of the ground too
     return state;
   };
   ClosedLoop loop(*weak, {.control_dt = 1e-3, .settle_seconds = 0, .limits = limits});
-  loop.start(*world, source, {{.roll = M_PI}, 0, {}});  // on its back, where no foot carries anything
+  loop.start(*world, *source, {{.roll = M_PI}, 0, {}});  // on its back, where no foot carries anything
   double load = 0, expected = -1;
   int low_steps = 0;
   for (int i = 1; i <= 1500; ++i) {
-    loop.advance(*world, source, 1);
+    loop.advance(*world, *source, 1);
     double other = 0;
     for (const Contact& c : world->contacts()) other += c.leg < 0 ? c.force.z() : 0;
     load += 1e-3 / (0.1 + 1e-3) * (other - load);
@@ -187,8 +187,8 @@ TEST_P(Motion, SlidesDownASlipperySlope) {
 
 TEST_P(Motion, FeetThatAreMeantToSwingAreDraggedAndDoNotSlide) {
   const WorldSpec spec = motions::inclined(0.3, 0.03);
-  TargetSource swinging = motions::standing(spec.robot);
-  swinging.advance = [stand = swinging.advance](double dt, ControlTargets& out) {
+  const auto swinging = motions::functions_of(motions::standing(spec.robot));
+  swinging->on_advance = [stand = swinging->on_advance](double dt, ControlTargets& out) {
     stand(dt, out);
     out.plan.emplace();
     out.plan->fill({.swing = true, .progress = 0.5});
@@ -202,8 +202,8 @@ TEST_P(Motion, FeetThatAreMeantToSwingAreDraggedAndDoNotSlide) {
 TEST_P(Motion, SlidingIsWorseThanMakingNoWay) {
   // Towards +x, on feet that are meant to go back.
   const WorldSpec spec = motions::inclined(0.3, 0.03);
-  TargetSource back = motions::standing(spec.robot);
-  back.advance = [stand = back.advance](double dt, ControlTargets& out) {
+  const auto back = motions::functions_of(motions::standing(spec.robot));
+  back->on_advance = [stand = back->on_advance](double dt, ControlTargets& out) {
     stand(dt, out);
     out.velocity = VelocityCommand{-0.15, 0, 0};
   };

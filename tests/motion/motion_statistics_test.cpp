@@ -15,19 +15,22 @@ struct ControlStep {
   bool counts = false;  // after settling
 };
 
-/// `source`, with everything that it says written down.
-TargetSource recorded(const TargetSource& source, std::vector<ControlStep>& steps, RobotState& start) {
-  return {[&source, &start](const Terrain& terrain, const Placement& placement) {
-            return start = source.stand(terrain, placement);
-          },
-          [&source, &steps](double dt, ControlTargets& out) {
-            source.hold(dt, out);
-            steps.push_back({out, false});
-          },
-          [&source, &steps](double dt, ControlTargets& out) {
-            source.advance(dt, out);
-            steps.push_back({out, true});
-          }};
+/// `source`, with everything that it says written down, and blind: it is not told where the robot is.
+ControllerPtr recorded(const ControllerPtr& source, std::vector<ControlStep>& steps, RobotState& start) {
+  const auto recording = motions::functions_of(source);
+  recording->on_stand = [source, &start](const Terrain& terrain, const Placement& placement) {
+    return start = source->stand(terrain, placement);
+  };
+  recording->on_hold = [source, &steps](double dt, ControlTargets& out) {
+    source->hold(dt, out);
+    steps.push_back({out, false});
+  };
+  recording->on_advance = [source, &steps](double dt, ControlTargets& out) {
+    source->advance(dt, out);
+    steps.push_back({out, true});
+  };
+  recording->on_look = [](const RobotState&, double) {};
+  return recording;
 }
 
 /// The definitions of MotionSummary, straight from states and contacts.
@@ -121,10 +124,10 @@ Recomputed recompute(PhysicsBackend& world, const RobotState& start, const std::
 }
 
 /// The same motion, said to be meant for a turn to the left that the steps follow by half.
-TargetSource said_to_turn(const TargetSource& source) {
-  TargetSource turning = source;
-  turning.advance = [advance = source.advance](double dt, ControlTargets& out) {
-    advance(dt, out);
+ControllerPtr said_to_turn(const ControllerPtr& source) {
+  const auto turning = motions::functions_of(source);
+  turning->on_advance = [source](double dt, ControlTargets& out) {
+    source->advance(dt, out);
     out.velocity = VelocityCommand{0.1, 0.05, 0.4};
     out.limit_factor = 0.5;
   };
@@ -137,7 +140,7 @@ class MotionNumbers : public BackendTest {
     MotionSummary motion;
     Recomputed again;
   };
-  static Run run(const WorldSpec& spec, const TargetSource& source, const WalkTiming& timing) {
+  static Run run(const WorldSpec& spec, const ControllerPtr& source, const WalkTiming& timing) {
     std::vector<ControlStep> steps;
     RobotState start;
     const auto world = make(spec), other = make(spec);
@@ -157,7 +160,7 @@ TEST_P(MotionNumbers, AreThoseOfARecordingAtEveryPhysicsStep) {
     WorldSpec spec = scenes::world_of(scenes::quadruped());
     spec.terrain = make_terrain(terrain);
     const WalkTiming timing{.seconds = 2.7, .settle_seconds = 0.3};
-    const TargetSource trot = motions::trot(spec.robot);
+    const ControllerPtr trot = motions::trot(spec.robot);
     const bool straight = std::string_view(terrain) == "flat";
     const auto [m, r] = run(spec, straight ? trot : said_to_turn(trot), timing);
     EXPECT_EQ(m.outcome, Outcome::kWalked);
@@ -221,14 +224,14 @@ TEST_P(MotionNumbers, SwayingWithinAStrideIsNoWay) {
   // Feet to and fro by 10 mm twice a second: the body comes back to where it was every half second.
   const WorldSpec spec = scenes::world_of(scenes::quadruped());
   const auto clock = std::make_shared<double>(0);
-  const TargetSource sway = make_feet_source(
+  const ControllerPtr sway = make_feet_controller(
       [clock](double dt) {
         *clock += dt;
         LegArray<Vector3> feet;
         feet.fill(Vector3(0, 0.01 * std::sin(4 * M_PI * *clock), -0.06));
         return feet;
       },
-      spec.robot);
+      spec);
   const auto [m, r] = run(spec, sway, {.seconds = 3});
   EXPECT_LT(m.path_m, 0.02);  // where the way to and fro is 6 x 40 mm
   EXPECT_NEAR(m.path_m, r.path, kRounding);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <optional>
 
 #include "motion/gait_source.h"
@@ -10,15 +12,39 @@
 
 namespace crossgait::motions {
 
-inline TargetSource trot(const scenes::RobotPtr& robot, const std::optional<VelocityCommand>& command = {}) {
-  return make_gait_source(choose_gait("trot", {}, command), robot);
+inline ControllerPtr trot(const scenes::RobotPtr& robot, const std::optional<VelocityCommand>& command = {}) {
+  return make_gait_controller(choose_gait("trot", {}, command), scenes::world_of(robot));
 }
 
 /// Feet that stay under the shoulders.
-inline TargetSource standing(const scenes::RobotPtr& robot, double height = 0.06) {
+inline ControllerPtr standing(const scenes::RobotPtr& robot, double height = 0.06) {
   LegArray<Vector3> feet;
   feet.fill(Vector3(0, 0, -height));
-  return make_feet_source([feet](double) { return feet; }, robot);
+  return make_feet_controller([feet](double) { return feet; }, scenes::world_of(robot));
+}
+
+/// A controller made of functions, so that a test can change one of another's.
+struct FunctionController final : Controller {
+  explicit FunctionController(const ControllerPtr& of)
+      : on_stand([of](const Terrain& terrain, const Placement& at) { return of->stand(terrain, at); }),
+        on_hold([of](double dt, ControlTargets& out) { of->hold(dt, out); }),
+        on_advance([of](double dt, ControlTargets& out) { of->advance(dt, out); }),
+        on_look([of](const RobotState& state, double dt) { of->look(state, dt); }) {}
+
+  RobotState stand(const Terrain& terrain, const Placement& at) const override {
+    return on_stand(terrain, at);
+  }
+  void hold(double dt, ControlTargets& out) override { on_hold(dt, out); }
+  void advance(double dt, ControlTargets& out) override { on_advance(dt, out); }
+  void look(const RobotState& state, double dt) override { on_look(state, dt); }
+
+  std::function<RobotState(const Terrain&, const Placement&)> on_stand;
+  std::function<void(double, ControlTargets&)> on_hold, on_advance;
+  std::function<void(const RobotState&, double)> on_look;
+};
+
+inline std::shared_ptr<FunctionController> functions_of(const ControllerPtr& controller) {
+  return std::make_shared<FunctionController>(controller);
 }
 
 /// The quadruped with servos that can hold next to nothing.

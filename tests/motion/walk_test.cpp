@@ -31,8 +31,14 @@ LegArray<Vector3> standing_feet() {
   return feet;
 }
 
-TargetSource standing() {
-  return make_feet_source([](double) { return standing_feet(); }, robot());
+WorldSpec world() {
+  WorldSpec spec;
+  spec.robot = robot();
+  return spec;
+}
+
+ControllerPtr standing() {
+  return make_feet_controller([](double) { return standing_feet(); }, world());
 }
 
 TEST(LegController, UnreachableStandingFootIsAnError) {
@@ -244,7 +250,7 @@ TEST(Walk, TrotStatisticsAreThoseOfATrot) {
   const GaitChoice trot = choose_gait("trot", {});
   int samples = 0;
   const MotionSummary s =
-      run_walk(*backend, make_gait_source(trot, robot()), timing, [&](const WalkSample& sample) {
+      run_walk(*backend, make_gait_controller(trot, world()), timing, [&](const WalkSample& sample) {
         ++samples;
         EXPECT_TRUE(sample.world.state().is_finite());
         return true;
@@ -264,9 +270,9 @@ TEST(Walk, TrotStatisticsAreThoseOfATrot) {
 
 TEST(GaitSource, ServosMakeUpForTheShareThatTheGaitSays) {
   const auto targets = [](const std::vector<std::string>& settings, const GaitLayers& layers) {
-    const TargetSource source = make_gait_source(choose_gait("trot", settings), robot(), layers);
+    const ControllerPtr source = make_gait_controller(choose_gait("trot", settings), world(), layers);
     ControlTargets out;
-    for (int i = 0; i < 100; ++i) source.advance(2e-3, out);
+    for (int i = 0; i < 100; ++i) source->advance(2e-3, out);
     return JointVector(out.joints.q);
   };
   const JointVector none = targets({"load_share=0"}, {});

@@ -23,8 +23,8 @@ WorldSpec rough() {
 WalkSetup trot(double seconds) {
   WalkSetup setup;
   setup.gait = "trot";
-  setup.make_source = [](std::shared_ptr<const RobotDescription> robot) {
-    return make_gait_source(choose_gait("trot", {}), std::move(robot));
+  setup.make_controller = [](const WorldSpec& world) {
+    return make_gait_controller(choose_gait("trot", {}), world);
   };
   setup.timing.seconds = seconds;
   return setup;

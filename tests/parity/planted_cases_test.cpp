@@ -128,13 +128,13 @@ EngineFamily shortened(const EngineFamily& whole) {
 }
 
 Behaviour behaviour_of(const WorldSpec& spec, const std::string& name,
-                       const std::function<TargetSource(std::shared_ptr<const RobotDescription>)>& gait,
-                       double seconds, double settling = 0.2) {
+                       const std::function<ControllerPtr(const WorldSpec&)>& gait, double seconds,
+                       double settling = 0.2) {
   WalkSetup setup;
   setup.gait = name;
   setup.timing.seconds = seconds;
   setup.timing.settle_seconds = settling;
-  setup.make_source = gait;
+  setup.make_controller = gait;
   return walk_behaviour(spec, setup, [terrain = spec.terrain](std::size_t) { return terrain; });
 }
 
@@ -174,9 +174,9 @@ TEST(PlantedBehaviours, AGlideOnSoftFrictionIsTheEnginesAndItsFrictionIsNamed) {
   if (contact_families().empty()) GTEST_SKIP() << "no engine is made of factors of contact";
   for (const EngineFamily& ends : contact_families()) {
     const WorldSpec spec = world_on("slope:angle=20");
-    const auto stand = [](std::shared_ptr<const RobotDescription> robot) {
-      LegArray<Vector3> feet = standing_feet("trot", *robot);
-      return make_feet_source([feet](double) { return feet; }, std::move(robot));
+    const auto stand = [](const WorldSpec& world) {
+      LegArray<Vector3> feet = standing_feet("trot", *world.robot);
+      return make_feet_controller([feet](double) { return feet; }, world);
     };
     const Behaviour glide = behaviour_of(spec, "glide", stand, 1.5, 0.5);
     const Verdict verdict = reach_verdict(glide, find_engine(ends.from), find_engine(ends.to), {.starts = 4});
@@ -199,8 +199,8 @@ TEST(PlantedBehaviours, ASingleHiddenFactorIsNamed) {
         const bool has = std::find(names.begin(), names.end(), hidden) != names.end();
         return with(has ? std::vector<std::string>{hidden} : std::vector<std::string>{});
       };
-      const auto trot = [](std::shared_ptr<const RobotDescription> robot) {
-        return make_gait_source(choose_gait("trot:guide", {}), std::move(robot));
+      const auto trot = [](const WorldSpec& world) {
+        return make_gait_controller(choose_gait("trot:guide", {}), world);
       };
       // A gait whose feet slip, for a cause of slip.
       const Behaviour walk = behaviour_of(world_on("flat"), "trot:guide", trot, 0.6);

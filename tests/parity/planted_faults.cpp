@@ -126,9 +126,9 @@ LegArray<Vector3> standing_feet(const std::string& gait, const RobotDescription&
   return target_positions(generator.update(0));
 }
 
-TargetSource careful_crawl(std::shared_ptr<const RobotDescription> robot) {
+ControllerPtr careful_crawl(const WorldSpec& world) {
   constexpr double kCycle = 2.4, kSwing = 0.12, kStep = 0.03, kLift = 0.03, kLean = 0.03;  // s, -, m, m, m
-  const LegArray<Vector3> rest = standing_feet("walk", *robot);
+  const LegArray<Vector3> rest = standing_feet("walk", *world.robot);
   const auto clock = std::make_shared<double>(0);
   const auto smooth = [](double s) { return (1 - std::cos(M_PI * s)) / 2; };
   const auto feet_after = [=](double dt) {
@@ -149,7 +149,7 @@ TargetSource careful_crawl(std::shared_ptr<const RobotDescription> robot) {
     }
     return feet;
   };
-  return make_feet_source(feet_after, std::move(robot));
+  return make_feet_controller(feet_after, world);
 }
 
 }  // namespace crossgait

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "motion/target_source.h"
+#include "motion/controller.h"
 #include "physics/engine/world_spec.h"
 
 namespace crossgait {
@@ -38,6 +38,6 @@ LegArray<Vector3> standing_feet(const std::string& gait, const RobotDescription&
 
 /// A crawl that is in balance at every moment: one foot at a time is lifted, and the body leans away from it.
 /// On ground of good friction that gives little, nothing in it hangs on how contact is modelled.
-TargetSource careful_crawl(std::shared_ptr<const RobotDescription> robot);
+ControllerPtr careful_crawl(const WorldSpec& world);
 
 }  // namespace crossgait

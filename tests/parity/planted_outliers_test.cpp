@@ -58,7 +58,7 @@ class Crawl {
     WalkSetup setup;
     setup.gait = "careful crawl";
     setup.timing = {.seconds = 3, .settle_seconds = 0.2};
-    setup.make_source = careful_crawl;
+    setup.make_controller = careful_crawl;
     const WorldSpec spec = crawling_ground();
     behaviour_ = walk_behaviour(
         spec, setup, [terrain = spec.terrain](std::size_t) { return terrain; }, {}, seed);

@@ -148,8 +148,8 @@ Verdict short_trot(const std::string& a, const std::string& b, std::size_t worke
   WalkSetup setup;
   setup.gait = "trot";
   setup.timing = {.seconds = 0.3, .settle_seconds = 0.1};
-  setup.make_source = [](std::shared_ptr<const RobotDescription> robot) {
-    return make_gait_source(choose_gait("trot", {}), std::move(robot));
+  setup.make_controller = [](const WorldSpec& world) {
+    return make_gait_controller(choose_gait("trot", {}), world);
   };
   const Behaviour behaviour =
       walk_behaviour(spec, setup, [](std::size_t k) { return make_terrain("rough:size_x=2,size_y=2", k); });

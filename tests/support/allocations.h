@@ -84,17 +84,17 @@ inline std::size_t allocations_of_pushes_and_refused_targets(const Engine& engin
 
 /// In the closed loop with pushes, on rough ground.
 inline std::size_t allocations_of_a_loop(const Engine& engine, const WorldSpec& spec,
-                                         const TargetSource& source) {
+                                         const ControllerPtr& controller) {
   const auto world = engine.make(spec);
   ClosedLoop loop(*spec.robot, {});
   Randomisation randomisation;
   randomisation[Randomised::kPushImpulse] = {0.001, 0.005};
   randomisation[Randomised::kPushInterval] = {0.1, 0.2};
   Random random(1);
-  loop.start(*world, source, {{}, 0, pushes_of(randomisation, draw(randomisation, random), random)});
-  loop.advance(*world, source, 750);  // every buffer has had its largest size
+  loop.start(*world, *controller, {{}, 0, pushes_of(randomisation, draw(randomisation, random), random)});
+  loop.advance(*world, *controller, 750);  // every buffer has had its largest size
   const AllocationScope scope;
-  EXPECT_TRUE(loop.advance(*world, source, 750));
+  EXPECT_TRUE(loop.advance(*world, *controller, 750));
   EXPECT_GT(loop.statistics().summary(*world).physics_steps, 0);
   return scope.count();
 }
@@ -107,20 +107,20 @@ inline WorldSpec rough_world() {
 
 inline std::size_t allocations_of_a_gait(const Engine& engine) {
   const WorldSpec spec = rough_world();
-  return allocations_of_a_loop(engine, spec, make_gait_source(choose_gait("trot", {}), spec.robot));
+  return allocations_of_a_loop(engine, spec, make_gait_controller(choose_gait("trot", {}), spec));
 }
 
 inline std::size_t allocations_of_the_gait_by_speed(const Engine& engine) {
   const WorldSpec spec = rough_world();
   const GaitChoice choice = choose_gait("auto", {}, VelocityCommand{0.1, 0, 0.1});
-  return allocations_of_a_loop(engine, spec, make_gait_source(choice, spec.robot));
+  return allocations_of_a_loop(engine, spec, make_gait_controller(choice, spec));
 }
 
 inline std::size_t allocations_of_standing_feet(const Engine& engine) {
   const WorldSpec spec = rough_world();
   LegArray<Vector3> feet;
   feet.fill(Vector3(0, 0, -0.06));
-  return allocations_of_a_loop(engine, spec, make_feet_source([feet](double) { return feet; }, spec.robot));
+  return allocations_of_a_loop(engine, spec, make_feet_controller([feet](double) { return feet; }, spec));
 }
 
 /// Everything that an environment can observe and reward, on rough ground.
