@@ -28,12 +28,6 @@ bool MotionSummary::failed() const noexcept {
          has(Outcome::kCollapsed);
 }
 
-double MotionSummary::mean_duty_factor() const noexcept {
-  double sum = 0;
-  for (const Leg leg : kLegs) sum += duty_factor[leg];
-  return sum / kLegCount;
-}
-
 double servo_power(const PhysicsBackend& world, const std::vector<int>& servos) noexcept {
   double power = 0;
   for (const int i : servos) {

@@ -16,7 +16,7 @@
 namespace crossgait {
 
 /// Statistics of a motion proper, without settling. Speeds are per simulated second, never per wall-clock
-/// second.
+/// second. Each has a row in motion/statistic_rows.cpp.
 struct MotionSummary {
   Outcome outcome = Outcome::kWalked;  ///< the worst that holds
   /// When each outcome that is known at once first held, s since the motion began.
@@ -61,7 +61,6 @@ struct MotionSummary {
   bool has(Outcome which) const noexcept { return first_at_s[static_cast<std::size_t>(which)].has_value(); }
   /// Fell, collapsed, came apart or diverged: what a share of failures counts.
   bool failed() const noexcept;
-  double mean_duty_factor() const noexcept;
 };
 
 /// Sum of |servo torque x joint velocity| of the actuated joints, W. @param servos  their indices
