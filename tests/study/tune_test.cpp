@@ -92,8 +92,9 @@ TEST(Tuning, WalksOnSeedsFromItsOwnAndChecksOnThoseBehind) {
   EXPECT_NE(third, fourth);
   EXPECT_NE(fourth, fifth);
   ASSERT_EQ(tuning.checks.size(), 4U);  // default and tuned
-  EXPECT_NEAR(tuning.checks[0].per_engine[0].distance_m.mean, (third + fourth) / 2, 1e-15);  // rounding
-  EXPECT_EQ(tuning.checks[2].per_engine[0].distance_m.mean, fifth);
+  EXPECT_NEAR(tuning.checks[0].per_engine[0].motion.of(&MotionSummary::distance_m).mean, (third + fourth) / 2,
+              1e-15);  // rounding
+  EXPECT_EQ(tuning.checks[2].per_engine[0].motion.of(&MotionSummary::distance_m).mean, fifth);
 }
 
 TEST(Tuning, NeedsSomethingToTune) {
