@@ -1,6 +1,6 @@
 #include "env/evaluation.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "physics/core/error.h"
 #include "physics/core/worker_pool.h"
@@ -19,35 +19,7 @@ void check_interface(const Policy& policy, const QuadrupedEnv& env) {
     throw ConfigError(policy.name(), "layout", "a policy for this environment", difference);
 }
 
-template <typename Value>
-std::optional<MeanAndDeviation> over(const std::vector<EpisodeSummary>& episodes, const Value& value) {
-  std::vector<double> values;
-  for (const EpisodeSummary& e : episodes) {
-    if (const std::optional<double> v = value(e)) values.push_back(*v);
-  }
-  if (values.empty()) return std::nullopt;
-  return mean_and_deviation(values);
-}
-
-MeanAndDeviation over(const std::vector<EpisodeSummary>& episodes, double MotionSummary::*member) {
-  return *over(episodes, [member](const EpisodeSummary& e) { return std::optional(e.motion.*member); });
-}
-
-std::optional<MeanAndDeviation> over(const std::vector<EpisodeSummary>& episodes,
-                                     std::optional<double> MotionSummary::*member) {
-  return over(episodes, [member](const EpisodeSummary& e) { return e.motion.*member; });
-}
-
 }  // namespace
-
-MeanAndDeviation mean_and_deviation(std::span<const double> values) noexcept {
-  const auto n = static_cast<double>(values.size());
-  double sum = 0, squares = 0;
-  for (const double v : values) sum += v;
-  const double mean = sum / n;
-  for (const double v : values) squares += (v - mean) * (v - mean);
-  return {mean, n > 1 ? std::sqrt(squares / (n - 1)) : 0};
-}
 
 EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed,
                            const EpisodeObserver& observer) {
@@ -109,27 +81,19 @@ Evaluation sum_up(const std::vector<EpisodeSummary>& episodes) {
   Evaluation all;
   all.episodes = episodes.size();
   if (episodes.empty()) return all;
-  using M = MotionSummary;
-  all.total_reward = *over(episodes, [](const EpisodeSummary& e) { return std::optional(e.total_reward); });
-  all.mean_speed_mps = over(episodes, &M::mean_speed_mps);
-  all.distance_m = over(episodes, &M::distance_m);
-  all.path_m = over(episodes, &M::path_m);
-  all.rms_roll_deg = over(episodes, &M::rms_roll_deg);
-  all.rms_pitch_deg = over(episodes, &M::rms_pitch_deg);
-  all.slip_m = over(episodes, &M::slip_m);
-  all.duty_factor =
-      *over(episodes, [](const EpisodeSummary& e) { return std::optional(e.motion.mean_duty_factor()); });
-  all.cost_of_transport = over(episodes, &M::cost_of_transport);
-  all.drag = over(episodes, &M::drag);
-  all.drag_inner = over(episodes, &M::drag_inner);
-  all.slip_per_path = over(episodes, &M::slip_per_path);
-  all.heading_error_deg = over(episodes, &M::heading_error_deg);
+  std::vector<double> rewards;
+  std::vector<const MotionSummary*> motions;
+  for (const EpisodeSummary& e : episodes) {
+    rewards.push_back(e.total_reward);
+    motions.push_back(&e.motion);
+  }
+  all.total_reward = mean_and_deviation(rewards);
+  all.motion = MotionAverages(motions);
   for (const EpisodeSummary& e : episodes) {
     for (std::size_t i = 0; i < all.reward_terms.size(); ++i)
       all.reward_terms[i] += e.reward_terms[i] / static_cast<double>(episodes.size());
     all.simulated_seconds += e.motion.simulated_seconds;
     all.steps += e.steps;
-    all.ik_clamped += e.motion.ik_clamped;
     all.invalid_actions += e.invalid_actions;
     ++all.outcomes[static_cast<std::size_t>(e.motion.outcome)];
   }

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "env/quadruped_env.h"
+#include "motion/motion_averages.h"
 #include "physics/core/progress.h"
 
 namespace crossgait {
@@ -41,26 +41,19 @@ std::vector<EpisodeSummary> evaluate_policy(const EnvFactory& make_env, const Po
                                             std::size_t episodes, std::uint64_t seed, std::size_t workers = 1,
                                             const Progress& progress = {});
 
-/// Over episodes; the deviation is that of the sample, zero for a single one.
-struct MeanAndDeviation {
-  double mean = 0, deviation = 0;
-};
-/// Of at least one value.
-MeanAndDeviation mean_and_deviation(std::span<const double> values) noexcept;
-
 /// What a set of episodes comes to.
 struct Evaluation {
   std::size_t episodes = 0;
-  MeanAndDeviation total_reward, mean_speed_mps, distance_m, path_m, rms_roll_deg, rms_pitch_deg, slip_m,
-      duty_factor;
-  std::optional<MeanAndDeviation> cost_of_transport, drag, drag_inner, slip_per_path,
-      heading_error_deg;                                        ///< over the episodes that have one
-  RewardTerms reward_terms{};                                   ///< means of the sums
-  double simulated_seconds = 0;                                 ///< sum
-  std::int64_t steps = 0, ik_clamped = 0, invalid_actions = 0;  ///< sums
-  std::array<std::size_t, kOutcomes> outcomes{};                ///< episodes of each outcome
+  MeanAndDeviation total_reward;
+  MotionAverages motion;
+  RewardTerms reward_terms{};                     ///< means of the sums
+  double simulated_seconds = 0;                   ///< sum
+  std::int64_t steps = 0, invalid_actions = 0;    ///< sums
+  std::array<std::size_t, kOutcomes> outcomes{};  ///< episodes of each outcome
 
   std::size_t count(Outcome outcome) const noexcept { return outcomes[static_cast<std::size_t>(outcome)]; }
+  /// Averages the mean speeds of the episodes, m/s.
+  double mean_speed() const { return motion.of(&MotionSummary::mean_speed_mps).mean; }
   /// Episodes that an outcome of `EnvConfig::ends` cut short, or would by default.
   std::size_t ended_early() const noexcept;
 };

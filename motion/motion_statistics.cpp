@@ -6,7 +6,7 @@
 namespace crossgait {
 namespace {
 
-constexpr double kCornerTime = 0.5;  // s, of the straight pieces that make the path
+constexpr double kPieceTime = 0.5;  // s, of the straight pieces that make the path
 // s, between two looks at the loops: each costs three times all else here together, and a loop that opens
 // stays open.
 constexpr double kGapTime = 0.01;
@@ -26,12 +26,6 @@ double wrap(double angle) { return std::remainder(angle, 2 * M_PI); }
 bool MotionSummary::failed() const noexcept {
   return has(Outcome::kDiverged) || has(Outcome::kCameApart) || has(Outcome::kFell) ||
          has(Outcome::kCollapsed);
-}
-
-double MotionSummary::mean_duty_factor() const noexcept {
-  double sum = 0;
-  for (const Leg leg : kLegs) sum += duty_factor[leg];
-  return sum / kLegCount;
 }
 
 double servo_power(const PhysicsBackend& world, const std::vector<int>& servos) noexcept {
@@ -56,7 +50,7 @@ void MotionStatistics::begin(const PhysicsBackend& world, double standing_height
   t_ = {};
   t_.weight = mass_ * world.spec().gravity.norm();
   t_.standing_height = standing_height;
-  t_.start = t_.corner = s.p_WB;
+  t_.start = t_.piece_start = s.p_WB;
   t_.start_yaw = crossgait::roll_pitch_yaw(s.q_WB).z();
   t_.height = t_.begin_height = s.p_WB.z() - world.spec().terrain.height(s.p_WB.x(), s.p_WB.y());
 }
@@ -69,7 +63,7 @@ void MotionStatistics::add_physics_step(const PhysicsBackend& world, const Contr
     t_.max_penetration = std::max(t_.max_penetration, -c.distance);
     if (c.leg < 0) other += c.force.dot(c.normal);
   }
-  t_.other_load += h / (limits_.load_smoothing + h) * (other - t_.other_load);
+  t_.body_load += h / (limits_.load_smoothing + h) * (other - t_.body_load);
   const LegArray<FootContact> feet = world.foot_contacts();
   const double speed = world.state().v_WB.norm();
   for (const Leg leg : kLegs) {
@@ -79,15 +73,15 @@ void MotionStatistics::add_physics_step(const PhysicsBackend& world, const Contr
       const bool inner = plan.progress >= kSwingEdge && plan.progress <= 1 - kSwingEdge;
       ++t_.swings[leg].steps;
       t_.swings[leg].loaded += loaded;
-      t_.inner[leg].steps += inner ? 1 : 0;
-      t_.inner[leg].loaded += inner ? loaded : 0;
+      t_.inner_swings[leg].steps += inner ? 1 : 0;
+      t_.inner_swings[leg].loaded += inner ? loaded : 0;
     }
     if (!feet[leg].touching) continue;
-    ++t_.touching[leg];
+    ++t_.contact_steps[leg];
     t_.slip += feet[leg].slip_speed * h;
     if (plan.swing) continue;  // dragged, not stood upon
     t_.stance_slip += feet[leg].slip_speed * h;
-    t_.stance_way += speed * h;
+    t_.stance_path += speed * h;
   }
 }
 
@@ -99,9 +93,9 @@ void MotionStatistics::add_control_step(const PhysicsBackend& world, const Contr
   t_.limit_factor = std::min(t_.limit_factor, targets.limit_factor);
   t_.power = servo_power(world, servos_);
   t_.work += t_.power * dt;
-  if (lasts(++t_.gap_steps, dt, kGapTime)) {
+  if (lasts(++t_.steps_since_gap, dt, kGapTime)) {
     t_.max_loop_gap = std::max(t_.max_loop_gap, loop_gaps_->largest(world.state().q));
-    t_.gap_steps = 0;
+    t_.steps_since_gap = 0;
   }
   add_attitude(world);
   add_way(world, targets, dt);
@@ -110,8 +104,8 @@ void MotionStatistics::add_control_step(const PhysicsBackend& world, const Contr
 
 void MotionStatistics::add_attitude(const PhysicsBackend& world) noexcept {
   t_.roll_pitch_yaw = crossgait::roll_pitch_yaw(world.state().q_WB);
-  t_.roll2 += t_.roll_pitch_yaw.x() * t_.roll_pitch_yaw.x();
-  t_.pitch2 += t_.roll_pitch_yaw.y() * t_.roll_pitch_yaw.y();
+  t_.roll_squares += t_.roll_pitch_yaw.x() * t_.roll_pitch_yaw.x();
+  t_.pitch_squares += t_.roll_pitch_yaw.y() * t_.roll_pitch_yaw.y();
   t_.roll_pitch_yaw.z() = wrap(t_.roll_pitch_yaw.z() - t_.start_yaw);
 }
 
@@ -119,25 +113,25 @@ void MotionStatistics::add_way(const PhysicsBackend& world, const ControlTargets
                                double dt) noexcept {
   const RobotState& s = world.state();
   t_.height = s.p_WB.z() - world.spec().terrain.height(s.p_WB.x(), s.p_WB.y());
-  if (lasts(++t_.corner_steps, dt, kCornerTime)) {
-    t_.path += (s.p_WB - t_.corner).head<2>().norm();
-    t_.corner = s.p_WB;
-    t_.corner_steps = 0;
+  if (lasts(++t_.steps_in_piece, dt, kPieceTime)) {
+    t_.path += (s.p_WB - t_.piece_start).head<2>().norm();
+    t_.piece_start = s.p_WB;
+    t_.steps_in_piece = 0;
   }
   if (!targets.velocity) return;
   const VelocityCommand& asked = *targets.velocity;
   const double yaw = t_.start_yaw + t_.roll_pitch_yaw.z(), c = std::cos(yaw), sn = std::sin(yaw);
   const double speed = std::hypot(asked.vx, asked.vy);
-  t_.asked_path += speed * dt;
-  t_.asked_turn += std::abs(asked.yaw_rate) * dt;
+  t_.commanded_path += speed * dt;
+  t_.commanded_turn += std::abs(asked.yaw_rate) * dt;
   if (speed > 0) {
     const double forward = c * s.v_WB.x() + sn * s.v_WB.y(), left = c * s.v_WB.y() - sn * s.v_WB.x();
-    t_.made_path += (forward * asked.vx + left * asked.vy) / speed * dt;
+    t_.achieved_path += (forward * asked.vx + left * asked.vy) / speed * dt;
   }
-  t_.made_turn += std::copysign(1.0, asked.yaw_rate) * s.w_WB.z() * dt;
-  t_.asked_yaw += asked.yaw_rate * targets.limit_factor * dt;
-  t_.heading_error =
-      std::max(t_.heading_error.value_or(0), std::abs(wrap(t_.roll_pitch_yaw.z() - t_.asked_yaw)));
+  t_.achieved_turn += std::copysign(1.0, asked.yaw_rate) * s.w_WB.z() * dt;
+  t_.commanded_yaw += asked.yaw_rate * targets.limit_factor * dt;
+  t_.max_heading_error =
+      std::max(t_.max_heading_error.value_or(0), std::abs(wrap(t_.roll_pitch_yaw.z() - t_.commanded_yaw)));
   if (!targets.plan) return;
   for (const LegPlan& leg : *targets.plan)
     t_.planned_sweep += leg.swing ? 0 : speed * targets.limit_factor * dt;
@@ -147,9 +141,9 @@ void MotionStatistics::find_outcomes(const PhysicsBackend& world, double dt) noe
   const double tilt = t_.roll_pitch_yaw.head<2>().cwiseAbs().maxCoeff() * kDegreesPerRadian;
   if (tilt > limits_.tilt_deg) note(Outcome::kFell);
   const bool low =
-      t_.height < limits_.low_height * t_.standing_height || t_.other_load > limits_.other_load * t_.weight;
-  t_.low_steps = low ? t_.low_steps + 1 : 0;
-  if (low && lasts(t_.low_steps, dt, limits_.low_seconds)) note(Outcome::kCollapsed);
+      t_.height < limits_.low_height * t_.standing_height || t_.body_load > limits_.other_load * t_.weight;
+  t_.steps_collapsed = low ? t_.steps_collapsed + 1 : 0;
+  if (low && lasts(t_.steps_collapsed, dt, limits_.low_seconds)) note(Outcome::kCollapsed);
   const Vector3& p = world.state().p_WB;
   if (!world.spec().terrain.contains(p.x(), p.y())) note(Outcome::kLeftTerrain);
   if (t_.max_loop_gap > limits_.loop_gap * leg_length_) note(Outcome::kCameApart);
@@ -175,13 +169,13 @@ bool MotionStatistics::any(const OutcomeSet& ends) const noexcept {
 }
 
 bool MotionStatistics::slid(double path) const noexcept {
-  return path > limits_.slip_path * leg_length_ && t_.stance_slip > limits_.slip * t_.stance_way;
+  return path > limits_.slip_path * leg_length_ && t_.stance_slip > limits_.slip * t_.stance_path;
 }
 
 bool MotionStatistics::no_progress() const noexcept {
-  if (t_.asked_path > limits_.asked_path * leg_length_)
-    return t_.made_path < limits_.progress * t_.asked_path;
-  return t_.asked_turn > limits_.asked_turn && t_.made_turn < limits_.progress * t_.asked_turn;
+  if (t_.commanded_path > limits_.asked_path * leg_length_)
+    return t_.achieved_path < limits_.progress * t_.commanded_path;
+  return t_.commanded_turn > limits_.asked_turn && t_.achieved_turn < limits_.progress * t_.commanded_turn;
 }
 
 std::optional<double> MotionStatistics::share_loaded(const LegArray<Swing>& legs) noexcept {
@@ -203,7 +197,7 @@ MotionSummary MotionStatistics::summary(const PhysicsBackend& world) const {
   m.first_at_s = t_.first_at_s;
   m.distance_m = c * moved.x() + sn * moved.y();
   m.lateral_m = -sn * moved.x() + c * moved.y();
-  m.path_m = t_.path + (s.p_WB - t_.corner).head<2>().norm();
+  m.path_m = t_.path + (s.p_WB - t_.piece_start).head<2>().norm();
   m.yaw_rad = wrap(crossgait::roll_pitch_yaw(s.q_WB).z() - t_.start_yaw);
   m.final_position_m = s.p_WB;
   m.simulated_seconds = t_.time;
@@ -216,17 +210,17 @@ MotionSummary MotionStatistics::summary(const PhysicsBackend& world) const {
   if (t_.control_steps > 0) {
     const auto n = static_cast<double>(t_.control_steps);
     m.mean_speed_mps = m.distance_m / m.simulated_seconds;
-    m.rms_roll_deg = std::sqrt(t_.roll2 / n) * kDegreesPerRadian;
-    m.rms_pitch_deg = std::sqrt(t_.pitch2 / n) * kDegreesPerRadian;
+    m.rms_roll_deg = std::sqrt(t_.roll_squares / n) * kDegreesPerRadian;
+    m.rms_pitch_deg = std::sqrt(t_.pitch_squares / n) * kDegreesPerRadian;
   }
   for (const Leg leg : kLegs) {
     if (t_.physics_steps > 0)
-      m.duty_factor[leg] = static_cast<double>(t_.touching[leg]) / static_cast<double>(t_.physics_steps);
+      m.duty_factor[leg] = static_cast<double>(t_.contact_steps[leg]) / static_cast<double>(t_.physics_steps);
   }
   m.drag = share_loaded(t_.swings);
-  m.drag_inner = share_loaded(t_.inner);
+  m.drag_inner = share_loaded(t_.inner_swings);
   if (t_.planned_sweep > 0) m.slip_per_path = t_.slip / t_.planned_sweep;
-  if (t_.heading_error) m.heading_error_deg = *t_.heading_error * kDegreesPerRadian;
+  if (t_.max_heading_error) m.heading_error_deg = *t_.max_heading_error * kDegreesPerRadian;
   if (m.path_m > kMoved * leg_length_ && t_.weight > 0)
     m.cost_of_transport = t_.work / (t_.weight * m.path_m);
   m.outcome = worst();

@@ -16,7 +16,7 @@
 namespace crossgait {
 
 /// Statistics of a motion proper, without settling. Speeds are per simulated second, never per wall-clock
-/// second.
+/// second. Each has a row in motion/statistic_rows.cpp.
 struct MotionSummary {
   Outcome outcome = Outcome::kWalked;  ///< the worst that holds
   /// When each outcome that is known at once first held, s since the motion began.
@@ -61,7 +61,6 @@ struct MotionSummary {
   bool has(Outcome which) const noexcept { return first_at_s[static_cast<std::size_t>(which)].has_value(); }
   /// Fell, collapsed, came apart or diverged: what a share of failures counts.
   bool failed() const noexcept;
-  double mean_duty_factor() const noexcept;
 };
 
 /// Sum of |servo torque x joint velocity| of the actuated joints, W. @param servos  their indices
@@ -122,20 +121,50 @@ class MotionStatistics {
   };
   static std::optional<double> share_loaded(const LegArray<Swing>& legs) noexcept;
 
-  /// All that grows as the motion goes on.
+  /// All that changes as the motion goes on. SI units and radians; distances are along the ground.
   struct Totals {
-    double weight = 0, standing_height = 0, begin_height = 0, start_yaw = 0;
-    Vector3 start = Vector3::Zero(), corner = Vector3::Zero(), roll_pitch_yaw = Vector3::Zero();
-    double time = 0, path = 0;
-    std::int64_t physics_steps = 0, control_steps = 0, corner_steps = 0, low_steps = 0, gap_steps = 0,
-                 ik_clamped = 0;
-    double roll2 = 0, pitch2 = 0, work = 0, power = 0, height = 0, slip = 0;
-    double max_penetration = 0, max_loop_gap = 0, other_load = 0, limit_factor = 1;
-    double stance_slip = 0, stance_way = 0, asked_path = 0, made_path = 0, asked_turn = 0, made_turn = 0;
-    double planned_sweep = 0, asked_yaw = 0;
-    std::optional<double> heading_error;
-    LegArray<std::int64_t> touching{};
-    LegArray<Swing> swings{}, inner{};
+    // Set when the motion begins.
+    double weight = 0;           ///< of the robot
+    double standing_height = 0;  ///< of the base over the ground where it was put down
+    double begin_height = 0;     ///< of the base over the ground, settled
+    double start_yaw = 0;
+    Vector3 start = Vector3::Zero();  ///< of the base
+
+    // As of the last control step.
+    Vector3 roll_pitch_yaw = Vector3::Zero();  ///< yaw since the beginning
+    double height = 0;                         ///< of the base over the ground below it
+    double power = 0;                          ///< of the servos
+    double body_load = 0;                      ///< normal force on all but the feet, smoothed
+
+    double time = 0;
+    std::int64_t physics_steps = 0, control_steps = 0;
+    std::int64_t steps_since_gap = 0;  ///< control steps since the loops were looked at
+    std::int64_t steps_collapsed = 0;  ///< control steps without a break in which it lay low or on its body
+
+    // The path of the base: straight pieces, and the one that has begun.
+    double path = 0;                        ///< of the pieces that are finished
+    Vector3 piece_start = Vector3::Zero();  ///< where the base was when the present piece began
+    std::int64_t steps_in_piece = 0;        ///< control steps of the present piece
+
+    double roll_squares = 0, pitch_squares = 0;  ///< sums over control steps
+    double work = 0;                             ///< of the servos, integral of the power
+    std::int64_t ik_clamped = 0;
+    double limit_factor = 1, max_penetration = 0, max_loop_gap = 0;
+
+    // Integrals over time, of all feet together.
+    double slip = 0;         ///< of speed of sliding, loaded feet
+    double stance_slip = 0;  ///< the same of feet that were not to swing
+    double stance_path = 0;  ///< of the speed of the base, once for every such foot
+
+    // What the velocity command asked for, and what came of it.
+    double commanded_path = 0, achieved_path = 0;  ///< `achieved_` in the direction of the command
+    double commanded_turn = 0, achieved_turn = 0;  ///< angles; `achieved_` in the sense of the command
+    double commanded_yaw = 0;  ///< where the yaw rate leads, as far as the steps could follow
+    double planned_sweep = 0;  ///< way that stance feet were to sweep, of all feet together
+    std::optional<double> max_heading_error;
+
+    LegArray<std::int64_t> contact_steps{};    ///< physics steps in which the foot touched
+    LegArray<Swing> swings{}, inner_swings{};  ///< `inner_` without the ends of each swing
     std::array<std::optional<double>, kOutcomes> first_at_s;
   };
   Totals t_;

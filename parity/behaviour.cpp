@@ -6,28 +6,37 @@
 #include <fmt/format.h>
 
 #include "gait/scale.h"
+#include "motion/statistic_rows.h"
 #include "motion/time_steps.h"
 
 namespace crossgait {
 namespace {
 
-// The statistics that every behaviour is judged by; `values_of` in the same order. Floors: two per cent of a
-// distance, a tenth of a degree, what repeated runs of one real robot differ by; lengths and speeds by the
-// robot's size.
+// What a floor for the reference robot is worth for this one.
+double scale_of(FloorScale scale, const RobotDescription& robot) {
+  switch (scale) {
+    case FloorScale::kLength:
+      return gait_scale(robot).length;
+    case FloorScale::kSpeed:
+      return gait_scale(robot).time();
+    case FloorScale::kFixed:
+      break;
+  }
+  return 1;
+}
+
+// Where nothing is planned, what compares with a plan says nothing.
+bool is_judged(const StatisticJudged& judged, bool planned) { return planned || !judged.needs_plan; }
+
+// The statistics that every behaviour is judged by, and whether it failed; `values_of` in the same order.
 // @param planned  there is a plan of swing and stance to compare with
 std::vector<Statistic> motion_statistics(const RobotDescription& robot, bool planned) {
-  const double length = gait_scale(robot).length, speed = gait_scale(robot).time();
-  std::vector<Statistic> all{{"distance", "m", 0.02, 0.005 * length},
-                             {"mean speed", "m/s", 0.02, 0.001 * speed},
-                             {"RMS roll", "deg", 0.02, 0.1},
-                             {"RMS pitch", "deg", 0.02, 0.1},
-                             {"slip of loaded feet", "m", 0.02, 0.02 * length},  // 5 mm for each foot
-                             {"cost of transport", "-", 0.02, 0.01},
-                             {"duty factor", "-", 0, 0.02},
-                             {"heading error", "deg", 0.02, 1}};
-  if (planned) {
-    all.push_back({"drag", "-", 0, 0.02});
-    all.push_back({"slip per path", "-", 0, 0.02});
+  std::vector<Statistic> all;
+  for (const StatisticRow* row : judged_statistics()) {
+    const StatisticJudged& judged = row->judged;
+    if (!is_judged(judged, planned)) continue;
+    all.push_back({std::string(judged.name), std::string(row->unit), judged.relative_floor,
+                   judged.absolute_floor * scale_of(judged.scale, robot)});
   }
   all.push_back({"failures", "share", 0, 0.05, true});
   return all;
@@ -36,17 +45,9 @@ std::vector<Statistic> motion_statistics(const RobotDescription& robot, bool pla
 // A robot that went nowhere has no cost of transport; it differs from one that did in distance already. So
 // with the others that may be missing.
 std::vector<double> values_of(const MotionSummary& m, bool planned) {
-  std::vector<double> all{m.distance_m,
-                          m.mean_speed_mps,
-                          m.rms_roll_deg,
-                          m.rms_pitch_deg,
-                          m.slip_m,
-                          m.cost_of_transport.value_or(0),
-                          m.mean_duty_factor(),
-                          m.heading_error_deg.value_or(0)};
-  if (planned) {
-    all.push_back(m.drag.value_or(0));
-    all.push_back(m.slip_per_path.value_or(0));
+  std::vector<double> all;
+  for (const StatisticRow* row : judged_statistics()) {
+    if (is_judged(row->judged, planned)) all.push_back(number_of(*row, m).value_or(0));
   }
   all.push_back(m.failed() ? 1.0 : 0.0);
   return all;

@@ -1,11 +1,11 @@
 #include "parity/report.h"
 
 #include <cmath>
-#include <functional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "motion/statistic_rows.h"
 #include "physics/core/table.h"
 
 namespace crossgait {
@@ -35,45 +35,29 @@ ordered_json to_json(const PairDifference& pair) {
   return result;
 }
 
-// One line of the statistics table.
-struct Row {
-  const char* label;
-  std::function<std::string(const MotionSummary&)> value;
+ordered_json or_null(const std::optional<double>& value) {
+  return value ? ordered_json(*value) : ordered_json(nullptr);
+}
+
+// The value of a statistic, of the type that its row says.
+struct ReadJson {
+  const MotionSummary& motion;
+
+  ordered_json operator()(double MotionSummary::*member) const { return motion.*member; }
+  ordered_json operator()(std::optional<double> MotionSummary::*member) const {
+    return or_null(motion.*member);
+  }
+  ordered_json operator()(std::int64_t MotionSummary::*member) const { return motion.*member; }
+  ordered_json operator()(LegArray<double> MotionSummary::*member) const { return per_leg(motion.*member); }
+  ordered_json operator()(Vector3 MotionSummary::*member) const {
+    const Vector3& p = motion.*member;
+    return {p.x(), p.y(), p.z()};
+  }
+  ordered_json operator()(OutcomeHeld held) const { return motion.has(held.outcome); }
+  ordered_json operator()(OutcomeTime first) const {
+    return or_null(motion.first_at_s[static_cast<std::size_t>(first.outcome)]);
+  }
 };
-
-std::string optional(const std::optional<double>& value) {
-  return value ? fmt::format("{:.3f}", *value) : "-";
-}
-
-const std::vector<Row>& rows() {
-  static const std::vector<Row> kRows{
-      {"outcome", outcome_in_words},
-      {"simulated time, s",
-       [](const MotionSummary& s) { return fmt::format("{:.2f}", s.simulated_seconds); }},
-      {"distance, m", [](const MotionSummary& s) { return fmt::format("{:.4f}", s.distance_m); }},
-      {"drift to the left, m", [](const MotionSummary& s) { return fmt::format("{:.4f}", s.lateral_m); }},
-      {"mean speed, m/s", [](const MotionSummary& s) { return fmt::format("{:.4f}", s.mean_speed_mps); }},
-      {"RMS roll, deg", [](const MotionSummary& s) { return fmt::format("{:.3f}", s.rms_roll_deg); }},
-      {"RMS pitch, deg", [](const MotionSummary& s) { return fmt::format("{:.3f}", s.rms_pitch_deg); }},
-      {"duty factor, mean of legs",
-       [](const MotionSummary& s) { return fmt::format("{:.3f}", s.mean_duty_factor()); }},
-      {"drag, share of swing", [](const MotionSummary& s) { return optional(s.drag); }},
-      {"drag, inner 80 % of swing", [](const MotionSummary& s) { return optional(s.drag_inner); }},
-      {"slip over planned stance path", [](const MotionSummary& s) { return optional(s.slip_per_path); }},
-      {"heading error, deg", [](const MotionSummary& s) { return optional(s.heading_error_deg); }},
-      {"slip of loaded feet, m", [](const MotionSummary& s) { return fmt::format("{:.4f}", s.slip_m); }},
-      {"largest penetration, mm",
-       [](const MotionSummary& s) { return fmt::format("{:.3f}", 1e3 * s.max_penetration_m); }},
-      {"largest loop gap, mm",
-       [](const MotionSummary& s) { return fmt::format("{:.3f}", 1e3 * s.max_loop_gap_m); }},
-      {"cost of transport", [](const MotionSummary& s) { return optional(s.cost_of_transport); }},
-      {"IK targets clamped", [](const MotionSummary& s) { return fmt::format("{}", s.ik_clamped); }},
-      {"share of command followed",
-       [](const MotionSummary& s) { return fmt::format("{:.3f}", s.limit_factor); }},
-      {"wall time, s", [](const MotionSummary& s) { return fmt::format("{:.2f}", s.wall_seconds); }},
-  };
-  return kRows;
-}
 
 std::string heading(const WalkRun& run) {
   return fmt::format("{} on {}, {:.3g} s", run.gait, run.terrain, run.summary.simulated_seconds);
@@ -115,40 +99,10 @@ std::string outcome_in_words(const MotionSummary& m) {
 }
 
 nlohmann::ordered_json to_json(const MotionSummary& m) {
-  const Vector3& p = m.final_position_m;
-  const auto at = [&m](Outcome which) { return m.first_at_s[static_cast<std::size_t>(which)]; };
-  const auto or_null = [](const std::optional<double>& value) {
-    return value ? ordered_json(*value) : ordered_json(nullptr);
-  };
-  return {{"outcome", name(m.outcome)},
-          {"outcome_at_s", or_null(at(m.outcome))},
-          {"simulated_seconds", m.simulated_seconds},
-          {"distance_m", m.distance_m},
-          {"lateral_m", m.lateral_m},
-          {"path_m", m.path_m},
-          {"yaw_rad", m.yaw_rad},
-          {"fell", m.has(Outcome::kFell)},
-          {"fell_at_s", or_null(at(Outcome::kFell))},
-          {"collapsed", m.has(Outcome::kCollapsed)},
-          {"left_terrain", m.has(Outcome::kLeftTerrain)},
-          {"came_apart", m.has(Outcome::kCameApart)},
-          {"diverged", m.has(Outcome::kDiverged)},
-          {"mean_speed_mps", m.mean_speed_mps},
-          {"final_position_m", {p.x(), p.y(), p.z()}},
-          {"rms_roll_deg", m.rms_roll_deg},
-          {"rms_pitch_deg", m.rms_pitch_deg},
-          {"duty_factor", per_leg(m.duty_factor)},
-          {"drag", or_null(m.drag)},
-          {"drag_inner", or_null(m.drag_inner)},
-          {"slip_per_path", or_null(m.slip_per_path)},
-          {"heading_error_deg", or_null(m.heading_error_deg)},
-          {"slip_m", m.slip_m},
-          {"cost_of_transport", or_null(m.cost_of_transport)},
-          {"ik_clamped", m.ik_clamped},
-          {"limit_factor", m.limit_factor},
-          {"max_penetration_m", m.max_penetration_m},
-          {"max_loop_gap_m", m.max_loop_gap_m},
-          {"physics_steps", m.physics_steps}};
+  ordered_json json{{"outcome", name(m.outcome)}, {"outcome_at_s", ReadJson{m}(OutcomeTime{m.outcome})}};
+  for (const StatisticRow& row : statistic_rows())
+    json[std::string(row.key)] = std::visit(ReadJson{m}, row.source);
+  return json;
 }
 
 nlohmann::ordered_json to_json(const WalkRun& run) {
@@ -173,11 +127,15 @@ Table statistics_table(const std::string& heading, const std::vector<WalkRun>& r
   std::vector<std::string> header{heading};
   for (const WalkRun& run : runs) header.push_back(run.engine.name);
   Table table(std::move(header));
-  for (const Row& row : rows()) {
-    std::vector<std::string> cells{row.label};
-    for (const WalkRun& run : runs) cells.push_back(row.value(run.summary));
+  const auto add = [&](std::string_view label, const auto& text) {
+    std::vector<std::string> cells{std::string(label)};
+    for (const WalkRun& run : runs) cells.push_back(text(run.summary));
     table.add_row(std::move(cells));
-  }
+  };
+  add("outcome", outcome_in_words);
+  for (const StatisticRow* row : shown_statistics())
+    add(row->text.label, [row](const MotionSummary& m) { return text_of(*row, m); });
+  add("wall time, s", [](const MotionSummary& m) { return fmt::format("{:.2f}", m.wall_seconds); });
   return table;
 }
 

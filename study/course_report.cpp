@@ -66,10 +66,13 @@ Table table(const CourseResult& r) {
   Table rows({fmt::format("{} on course {}, {} each", short_name(r.policy), r.course, counted(r.runs, "run")),
               "engine", "asked, m/s", "made, m/s", "score", "outcome", "cost of transport", "drag", "slip"});
   for (const CourseCell& cell : r.cells) {
+    using M = MotionSummary;
     const Evaluation& e = cell.all;
+    const MotionAverages& m = e.motion;
     rows.add_row({cell.section.name, cell.engine, fmt::format("{:.2f}", cell.section.speed),
-                  number(e.mean_speed_mps, 3), score(mean_and_deviation(cell.scores)), outcomes_in_words(e),
-                  number(e.cost_of_transport, 2), number(e.drag, 3), number(e.slip_per_path, 3)});
+                  number(m.of(&M::mean_speed_mps), 3), score(mean_and_deviation(cell.scores)),
+                  outcomes_in_words(e), number(m.of(&M::cost_of_transport), 2), number(m.of(&M::drag), 3),
+                  number(m.of(&M::slip_per_path), 3)});
   }
   for (const std::string& engine : engines_of(r))
     rows.add_row({"all sections", engine, "", "", score(r.score(engine))});

@@ -33,15 +33,29 @@ std::string with_deviation(const MeanAndDeviation& m, int digits) {
   return fmt::format("{:.{}f} +- {:.{}f}", m.mean, digits, m.deviation, digits);
 }
 
-std::string with_deviation(const std::optional<MeanAndDeviation>& m, int digits) {
-  return m ? with_deviation(*m, digits) : "-";
+// A statistic of all episodes, as its row says.
+std::string text_of(const StatisticRow& row, const MotionAverages& motion) {
+  const MotionAverages::Value& value = motion.of(row);
+  const int digits = row.average.digits.value_or(0);
+  if (row.average.how == OverEpisodes::kSum) return fmt::format("{}", value.sum);
+  if (!value.mean) return "-";
+  return row.average.deviation ? with_deviation(*value.mean, digits)
+                               : fmt::format("{:.{}f}", value.mean->mean, digits);
+}
+
+void add_averages(const MotionAverages& motion, OverEpisodes how, ordered_json& json) {
+  for (const StatisticRow* row : averaged_statistics()) {
+    if (row->average.how != how) continue;
+    const MotionAverages::Value& value = motion.of(*row);
+    json[std::string(row->key)] = how == OverEpisodes::kSum ? ordered_json(value.sum) : to_json(value.mean);
+  }
 }
 
 // Rewards have any size: the guide's run to thousands of millions.
 std::string reward(double value) { return fmt::format("{:.5g}", value); }
 
 std::string speed(const Evaluation& e) {
-  return fmt::format("{:.4f}{}", e.mean_speed_mps.mean,
+  return fmt::format("{:.4f}{}", e.mean_speed(),
                      e.ended_early() > 0 ? fmt::format(" ({})", outcomes_in_words(e)) : "");
 }
 
@@ -61,29 +75,19 @@ std::string outcomes_in_words(const Evaluation& e) {
 nlohmann::ordered_json to_json(const Evaluation& e) {
   ordered_json outcomes;
   for (const OutcomeRow& row : outcome_rows()) outcomes[std::string(row.name)] = e.count(row.outcome);
-  return {{"episodes", e.episodes},
-          {"outcomes", outcomes},
-          {"falls", e.count(Outcome::kFell)},
-          {"left_terrain", e.count(Outcome::kLeftTerrain)},
-          {"diverged", e.count(Outcome::kDiverged)},
-          {"total_reward", to_json(e.total_reward)},
-          {"reward_terms", terms_to_json(e.reward_terms)},
-          {"mean_speed_mps", to_json(e.mean_speed_mps)},
-          {"distance_m", to_json(e.distance_m)},
-          {"path_m", to_json(e.path_m)},
-          {"rms_roll_deg", to_json(e.rms_roll_deg)},
-          {"rms_pitch_deg", to_json(e.rms_pitch_deg)},
-          {"duty_factor", to_json(e.duty_factor)},
-          {"drag", to_json(e.drag)},
-          {"drag_inner", to_json(e.drag_inner)},
-          {"slip_per_path", to_json(e.slip_per_path)},
-          {"heading_error_deg", to_json(e.heading_error_deg)},
-          {"slip_m", to_json(e.slip_m)},
-          {"cost_of_transport", to_json(e.cost_of_transport)},
-          {"simulated_seconds", e.simulated_seconds},
-          {"steps", e.steps},
-          {"ik_clamped", e.ik_clamped},
-          {"invalid_actions", e.invalid_actions}};
+  ordered_json json{{"episodes", e.episodes},
+                    {"outcomes", outcomes},
+                    {"falls", e.count(Outcome::kFell)},
+                    {"left_terrain", e.count(Outcome::kLeftTerrain)},
+                    {"diverged", e.count(Outcome::kDiverged)},
+                    {"total_reward", to_json(e.total_reward)},
+                    {"reward_terms", terms_to_json(e.reward_terms)}};
+  add_averages(e.motion, OverEpisodes::kMean, json);
+  json["simulated_seconds"] = e.simulated_seconds;
+  json["steps"] = e.steps;
+  add_averages(e.motion, OverEpisodes::kSum, json);
+  json["invalid_actions"] = e.invalid_actions;
+  return json;
 }
 
 nlohmann::ordered_json to_json(const EpisodeSummary& e) {
@@ -151,18 +155,10 @@ Table table(const Rollout& r) {
     if (r.config.reward[i] == 0) continue;
     add(fmt::format("  {}", reward_terms()[i].name), [i](const E& e) { return reward(e.reward_terms[i]); });
   }
-  add("distance, m", [](const E& e) { return with_deviation(e.distance_m, 3); });
-  add("mean speed, m/s", [](const E& e) { return with_deviation(e.mean_speed_mps, 4); });
-  add("RMS roll, deg", [](const E& e) { return fmt::format("{:.2f}", e.rms_roll_deg.mean); });
-  add("RMS pitch, deg", [](const E& e) { return fmt::format("{:.2f}", e.rms_pitch_deg.mean); });
-  add("duty factor, mean of legs", [](const E& e) { return fmt::format("{:.3f}", e.duty_factor.mean); });
-  add("drag, share of swing", [](const E& e) { return with_deviation(e.drag, 3); });
-  add("drag, inner 80 % of swing", [](const E& e) { return with_deviation(e.drag_inner, 3); });
-  add("slip over planned stance path", [](const E& e) { return with_deviation(e.slip_per_path, 3); });
-  add("heading error, deg", [](const E& e) { return with_deviation(e.heading_error_deg, 2); });
-  add("slip of loaded feet, m", [](const E& e) { return fmt::format("{:.2f}", e.slip_m.mean); });
-  add("cost of transport", [](const E& e) { return with_deviation(e.cost_of_transport, 2); });
-  add("IK targets clamped", [](const E& e) { return fmt::format("{}", e.ik_clamped); });
+  for (const StatisticRow& row : statistic_rows()) {
+    if (row.average.digits)
+      add(std::string(row.text.label), [&row](const E& e) { return text_of(row, e.motion); });
+  }
   return rows;
 }
 
@@ -177,7 +173,7 @@ Table table(const Transfer& t) {
     std::vector<double> speeds;
     for (const TransferCell& cell : t.cells) {
       if (cell.terrain != terrain) continue;
-      speeds.push_back((cell.*which).mean_speed_mps.mean);
+      speeds.push_back((cell.*which).mean_speed());
       row.push_back(speed(cell.*which));
     }
     row.resize(2 + t.engines.size(), "-");  // where it was interrupted

@@ -9,6 +9,7 @@
 
 #include "backends/registry.h"
 #include "motion/gait_source.h"
+#include "motion/statistic_rows.h"
 #include "motion/walk.h"
 #include "physics/core/table.h"
 
@@ -19,6 +20,21 @@ namespace {
 constexpr double kLeastSpeed = 0.7, kMostSpeed = 1.3;  // of the commanded one
 constexpr double kMostTilt = 5, kMostTurn = 10;        // deg, RMS and largest
 constexpr double kMostDrag = 0.2, kMostSaturation = 0.1;
+
+// The statistics that tell how well a robot walks, 0 where a walk has none.
+struct Column {
+  StatisticSource source;
+  const char* header;
+  int digits;
+
+  const StatisticRow& row() const { return statistic_row(source); }
+  double value(const MotionSummary& motion) const { return number_of(row(), motion).value_or(0); }
+};
+const Column kColumns[] = {{&MotionSummary::rms_roll_deg, "roll, deg", 2},
+                           {&MotionSummary::rms_pitch_deg, "pitch, deg", 2},
+                           {&MotionSummary::heading_error_deg, "turned, deg", 1},
+                           {&MotionSummary::drag, "drag", 3},
+                           {&MotionSummary::slip_per_path, "slip/path", 3}};
 
 std::vector<std::string> complaints_of(const TrialWalk& walk) {
   std::vector<std::string> list;
@@ -90,32 +106,31 @@ nlohmann::ordered_json to_json(const Trial& trial) {
                               {"walks", nlohmann::ordered_json::array()}};
   for (const TrialWalk& walk : trial.walks) {
     const MotionSummary& s = walk.summary;
-    json["walks"].push_back({{"engine", walk.engine},
-                             {"outcome", name(s.outcome)},
-                             {"speed_ratio", walk.speed_ratio},
-                             {"rms_roll_deg", s.rms_roll_deg},
-                             {"rms_pitch_deg", s.rms_pitch_deg},
-                             {"heading_error_deg", s.heading_error_deg.value_or(0)},
-                             {"drag", s.drag.value_or(0)},
-                             {"slip_per_path", s.slip_per_path.value_or(0)},
-                             {"torque_share", walk.torque_share},
-                             {"complaints", walk.complaints}});
+    json["walks"].push_back(
+        {{"engine", walk.engine}, {"outcome", name(s.outcome)}, {"speed_ratio", walk.speed_ratio}});
+    nlohmann::ordered_json& entry = json["walks"].back();
+    for (const Column& column : kColumns) entry[std::string(column.row().key)] = column.value(s);
+    entry["torque_share"] = walk.torque_share;
+    entry["complaints"] = walk.complaints;
   }
   return json;
 }
 
 std::string describe(const Trial& trial) {
-  Table table({"trot", "outcome", "speed over told", "roll, deg", "pitch, deg", "turned, deg", "drag",
-               "slip/path", "at torque limit"});
+  std::vector<std::string> header{"trot", "outcome", "speed over told"};
+  for (const Column& column : kColumns) header.emplace_back(column.header);
+  header.emplace_back("at torque limit");
+  Table table(std::move(header));
   std::string wrong;
   for (const TrialWalk& walk : trial.walks) {
     const MotionSummary& s = walk.summary;
-    table.add_row(
-        {walk.engine, std::string(outcome_rows()[static_cast<std::size_t>(s.outcome)].words),
-         fmt::format("{:.2f}", walk.speed_ratio), fmt::format("{:.2f}", s.rms_roll_deg),
-         fmt::format("{:.2f}", s.rms_pitch_deg), fmt::format("{:.1f}", s.heading_error_deg.value_or(0)),
-         fmt::format("{:.3f}", s.drag.value_or(0)), fmt::format("{:.3f}", s.slip_per_path.value_or(0)),
-         fmt::format("{:.0f} %", 100 * walk.torque_share)});
+    std::vector<std::string> cells{walk.engine,
+                                   std::string(outcome_rows()[static_cast<std::size_t>(s.outcome)].words),
+                                   fmt::format("{:.2f}", walk.speed_ratio)};
+    for (const Column& column : kColumns)
+      cells.push_back(fmt::format("{:.{}f}", column.value(s), column.digits));
+    cells.push_back(fmt::format("{:.0f} %", 100 * walk.torque_share));
+    table.add_row(std::move(cells));
     for (const std::string& complaint : walk.complaints)
       wrong += fmt::format("{}: {}\n", walk.engine, complaint);
   }

@@ -56,18 +56,19 @@ Evaluation walk(LoadedEnv environment, std::uint64_t first, std::size_t terrains
 // Mean speed, less a metre per second for every terrain that it did not stay on, and a little for reaching
 // beyond the legs.
 double score(const Evaluation& e) {
-  const double clamped =
-      static_cast<double>(e.ik_clamped) / static_cast<double>(std::max<std::int64_t>(1, e.steps));
-  return e.mean_speed_mps.mean - static_cast<double>(e.ended_early()) - 0.1 * clamped;
+  const double clamped = static_cast<double>(e.motion.of(&MotionSummary::ik_clamped)) /
+                         static_cast<double>(std::max<std::int64_t>(1, e.steps));
+  return e.mean_speed() - static_cast<double>(e.ended_early()) - 0.1 * clamped;
 }
 
 // Minus the cost of transport, which is unknown of a robot that did not move; what falls or is slower than
 // asked for comes behind everything that does not.
 double cost_score(const Evaluation& e, double commanded) {
   constexpr double kSlow = 0.95, kPenalty = 100;  // costs of gaits are 5 to 20
-  const double share = e.mean_speed_mps.mean / commanded;
+  const double share = e.mean_speed() / commanded;
   const double lacking = std::max(0.0, kSlow - share) + static_cast<double>(e.ended_early());
-  return -(e.cost_of_transport ? e.cost_of_transport->mean : kPenalty) - kPenalty * lacking;
+  const auto& cost = e.motion.of(&MotionSummary::cost_of_transport);
+  return -(cost ? cost->mean : kPenalty) - kPenalty * lacking;
 }
 
 // A set of runs: of terrain seeds from `first` on, or of a course from a seed.
@@ -192,8 +193,9 @@ void add_checks(const LoadedEnv& method, const TuneOptions& options, const Progr
 double value_of(const TuneCheck& line, TuneFor aim, std::size_t engine) {
   if (!line.course.empty()) return line.course[engine].score(line.course[engine].cells.front().engine).mean;
   const Evaluation& e = line.per_engine[engine];
-  if (aim == TuneFor::kSpeed) return e.mean_speed_mps.mean;
-  return e.cost_of_transport ? e.cost_of_transport->mean : std::numeric_limits<double>::quiet_NaN();
+  if (aim == TuneFor::kSpeed) return e.mean_speed();
+  const auto& cost = e.motion.of(&MotionSummary::cost_of_transport);
+  return cost ? cost->mean : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace
@@ -267,7 +269,7 @@ std::array<Table, 2> tables(const Tuning& t) {
         text +=
             fmt::format(" ({:.2f} x)", value_of(t.checks[i], t.aim, k) / value_of(t.checks[i - 1], t.aim, k));
       if (cost && t.course.empty())
-        text += fmt::format(", {:.2f} m/s", t.checks[i].per_engine[k].mean_speed_mps.mean);
+        text += fmt::format(", {:.2f} m/s", t.checks[i].per_engine[k].mean_speed());
       if (t.course.empty() && t.checks[i].per_engine[k].ended_early() > 0)
         text += fmt::format(", {}", outcomes_in_words(t.checks[i].per_engine[k]));
       row.push_back(text);

@@ -20,9 +20,32 @@ namespace {
 using nlohmann::json;
 using Adapter = valijson::adapters::NlohmannJsonAdapter;
 
-json read_schema(const std::string& name) {
-  std::ifstream file(std::string(CROSSGAIT_SOURCE_DIR) + "/docs/schemas/" + name + ".json");
+json read_schema_file(const std::string& path) {
+  std::ifstream file(std::string(CROSSGAIT_SOURCE_DIR) + "/docs/schemas/" + path);
   return json::parse(file);
+}
+
+/// `schema` with what it refers to in its place: valijson does not follow relative references from one file
+/// into a second. @param root the document that it stands in; @param folder that document's
+json without_references(const json& schema, const json& root, const std::string& folder) {
+  if (schema.is_object() && schema.contains("$ref")) {
+    const auto reference = schema["$ref"].get<std::string>();
+    const std::string file = reference.substr(0, reference.find('#'));
+    const json::json_pointer place(reference.substr(reference.find('#') + 1));
+    if (file.empty()) return without_references(root.at(place), root, folder);
+    const json other = read_schema_file(folder + file);
+    return without_references(other.at(place), other, "definitions/");
+  }
+  json result = schema;
+  if (schema.is_structured()) {
+    for (json& part : result) part = without_references(part, root, folder);
+  }
+  return result;
+}
+
+json read_schema(const std::string& name) {
+  const json schema = read_schema_file(name + ".json");
+  return without_references(schema, schema, "");
 }
 
 /// What is wrong with `value`, by place; empty if nothing is.

@@ -8,6 +8,7 @@
 namespace crossgait {
 namespace {
 
+using M = MotionSummary;
 using Rows = std::vector<Cells>;
 using nlohmann::ordered_json;
 
@@ -24,20 +25,20 @@ Evaluation some_evaluation() {
   e.total_reward = {1234.5, 6.25};
   e.reward_terms[find_reward_term("forward_velocity")] = 1200.5;
   e.reward_terms[find_reward_term("alive")] = 34;
-  e.mean_speed_mps = {0.1234, 0.0056};
-  e.distance_m = {0.617, 0.028};
-  e.path_m = {0.75, 0.05};
-  e.rms_roll_deg = {1.25, 0.1};
-  e.rms_pitch_deg = {2.75, 0.2};
-  e.slip_m = {0.375, 0.3};
-  e.duty_factor = {0.625, 0.4};
-  e.cost_of_transport = MeanAndDeviation{3.5, 0.75};
-  e.drag = MeanAndDeviation{0.015, 0.005};
-  e.slip_per_path = MeanAndDeviation{0.25, 0.125};
-  e.heading_error_deg = MeanAndDeviation{4.5, 1.5};
+  e.motion.of(&M::mean_speed_mps) = {0.1234, 0.0056};
+  e.motion.of(&M::distance_m) = {0.617, 0.028};
+  e.motion.of(&M::path_m) = {0.75, 0.05};
+  e.motion.of(&M::rms_roll_deg) = {1.25, 0.1};
+  e.motion.of(&M::rms_pitch_deg) = {2.75, 0.2};
+  e.motion.of(&M::slip_m) = {0.375, 0.3};
+  e.motion.of(&M::duty_factor) = {0.625, 0.4};
+  e.motion.of(&M::cost_of_transport) = MeanAndDeviation{3.5, 0.75};
+  e.motion.of(&M::drag) = MeanAndDeviation{0.015, 0.005};
+  e.motion.of(&M::slip_per_path) = MeanAndDeviation{0.25, 0.125};
+  e.motion.of(&M::heading_error_deg) = MeanAndDeviation{4.5, 1.5};
   e.simulated_seconds = 12.5;
   e.steps = 6250;
-  e.ik_clamped = 7;
+  e.motion.of(&M::ik_clamped) = 7;
   e.invalid_actions = 8;
   return e;
 }
@@ -46,7 +47,7 @@ Evaluation walks_at(double speed) {
   Evaluation e;
   e.episodes = 1;
   outcomes_of(e, Outcome::kWalked) = 1;
-  e.mean_speed_mps.mean = speed;
+  e.motion.of(&M::mean_speed_mps).mean = speed;
   return e;
 }
 

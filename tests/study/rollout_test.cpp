@@ -93,7 +93,7 @@ TEST_P(Studies, TuningDoesNotHangOnThreadsAndEndsNoWorseThanItBegan) {
   EXPECT_GE(one.history[1], one.history[0]);
   EXPECT_EQ(one.score, one.history.back());
   ASSERT_EQ(one.checks.size(), 4U);  // default and tuned, on the seed tuned on and on another
-  EXPECT_GE(one.checks[1].per_engine[0].mean_speed_mps.mean, one.checks[0].per_engine[0].mean_speed_mps.mean);
+  EXPECT_GE(one.checks[1].per_engine[0].mean_speed(), one.checks[0].per_engine[0].mean_speed());
 }
 
 TEST(Evaluations, AreToldInWords) {

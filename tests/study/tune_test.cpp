@@ -58,7 +58,7 @@ TEST(Tuning, BeginsWithNormalDrawsAboutTheStart) {
   EXPECT_NE(tuning.tuned.parameters.find("step_length").value(),
             start.parameters.find("step_length").value());
   ASSERT_EQ(tuning.checks.size(), 2U);  // on no unseen seeds
-  EXPECT_EQ(tuning.checks[1].per_engine[0].mean_speed_mps.mean, tuning.score);
+  EXPECT_EQ(tuning.checks[1].per_engine[0].mean_speed(), tuning.score);
 }
 
 TEST(Tuning, ReachingBeyondTheLegsCostsATenthOfItsShare) {
@@ -68,10 +68,10 @@ TEST(Tuning, ReachingBeyondTheLegsCostsATenthOfItsShare) {
       .iterations = 1, .population = 4, .terrains = 1, .unseen = 0, .workers = 1, .seed = 2};
   const Tuning tuning = tune_gait(start, {start.engine}, options);
   const Evaluation& walked = tuning.checks[1].per_engine[0];
-  ASSERT_GT(walked.ik_clamped, 0);
+  ASSERT_GT(walked.motion.of(&MotionSummary::ik_clamped), 0);
   EXPECT_NEAR(tuning.score,
-              walked.mean_speed_mps.mean -
-                  0.1 * static_cast<double>(walked.ik_clamped) / static_cast<double>(walked.steps),
+              walked.mean_speed() - 0.1 * static_cast<double>(walked.motion.of(&MotionSummary::ik_clamped)) /
+                                        static_cast<double>(walked.steps),
               1e-15);  // rounding
 }
 
@@ -92,8 +92,9 @@ TEST(Tuning, WalksOnSeedsFromItsOwnAndChecksOnThoseBehind) {
   EXPECT_NE(third, fourth);
   EXPECT_NE(fourth, fifth);
   ASSERT_EQ(tuning.checks.size(), 4U);  // default and tuned
-  EXPECT_NEAR(tuning.checks[0].per_engine[0].distance_m.mean, (third + fourth) / 2, 1e-15);  // rounding
-  EXPECT_EQ(tuning.checks[2].per_engine[0].distance_m.mean, fifth);
+  EXPECT_NEAR(tuning.checks[0].per_engine[0].motion.of(&MotionSummary::distance_m).mean, (third + fourth) / 2,
+              1e-15);  // rounding
+  EXPECT_EQ(tuning.checks[2].per_engine[0].motion.of(&MotionSummary::distance_m).mean, fifth);
 }
 
 TEST(Tuning, NeedsSomethingToTune) {
@@ -111,7 +112,7 @@ TEST(Tuning, NeedsSomethingToTune) {
 Evaluation tuned_walk(double speed, Outcome outcome = Outcome::kWalked) {
   Evaluation e;
   e.episodes = 1;
-  e.mean_speed_mps.mean = speed;
+  e.motion.of(&MotionSummary::mean_speed_mps).mean = speed;
   e.outcomes[static_cast<std::size_t>(outcome)] = 1;
   return e;
 }
@@ -192,15 +193,18 @@ TEST(Tuning, ForCostTheCheapestCountsThatIsFastEnough) {
   const Tuning tuning = tune_gait(start, {start.engine}, options);
   ASSERT_EQ(tuning.checks.size(), 2U);
   const Evaluation &before = tuning.checks[0].per_engine[0], &after = tuning.checks[1].per_engine[0];
-  ASSERT_TRUE(before.cost_of_transport && after.cost_of_transport);
-  const double lacking = std::max(0.0, 0.95 - after.mean_speed_mps.mean / 0.2);
-  EXPECT_DOUBLE_EQ(tuning.score, -after.cost_of_transport->mean - 100 * lacking);
-  EXPECT_LE(after.cost_of_transport->mean + 100 * lacking,
-            before.cost_of_transport->mean + 100 * std::max(0.0, 0.95 - before.mean_speed_mps.mean / 0.2));
+  ASSERT_TRUE(before.motion.of(&MotionSummary::cost_of_transport) &&
+              after.motion.of(&MotionSummary::cost_of_transport));
+  const double lacking = std::max(0.0, 0.95 - after.mean_speed() / 0.2);
+  EXPECT_DOUBLE_EQ(tuning.score, -after.motion.of(&MotionSummary::cost_of_transport)->mean - 100 * lacking);
+  EXPECT_LE(after.motion.of(&MotionSummary::cost_of_transport)->mean + 100 * lacking,
+            before.motion.of(&MotionSummary::cost_of_transport)->mean +
+                100 * std::max(0.0, 0.95 - before.mean_speed() / 0.2));
   EXPECT_EQ(to_json(tuning)["for"], "cost");
   const std::vector<Cells> rows = table_rows(describe(tuning));
   EXPECT_EQ(rows[4][0], "cost of transport on flat at 0.2 m/s");
-  EXPECT_EQ(rows[5][2].substr(0, 7), fmt::format("{:.4f}", before.cost_of_transport->mean).substr(0, 7));
+  EXPECT_EQ(rows[5][2].substr(0, 7),
+            fmt::format("{:.4f}", before.motion.of(&MotionSummary::cost_of_transport)->mean).substr(0, 7));
   start.command.reset();
   const ConfigError error =
       config_error([&] { static_cast<void>(tune_gait(start, {start.engine}, options)); });

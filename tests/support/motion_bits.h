@@ -5,45 +5,49 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
 
-#include "motion/motion_statistics.h"
+#include "motion/statistic_rows.h"
 #include "motion/trace.h"
 
 namespace crossgait {
 
+inline bool same_bits(std::int64_t a, std::int64_t b) { return a == b; }
+inline bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+inline bool same_bits(const std::optional<double>& a, const std::optional<double>& b) {
+  return a.has_value() == b.has_value() && (!a || same_bits(*a, *b));
+}
+inline bool same_bits(const LegArray<double>& a, const LegArray<double>& b) {
+  bool same = true;
+  for (const Leg leg : kLegs) same = same && same_bits(a[leg], b[leg]);
+  return same;
+}
+inline bool same_bits(const Vector3& a, const Vector3& b) {
+  return same_bits(a.x(), b.x()) && same_bits(a.y(), b.y()) && same_bits(a.z(), b.z());
+}
+
 /// Names of the members in which two motions differ, "" if in none. How long they took is left out.
 inline std::string differences(const MotionSummary& a, const MotionSummary& b) {
   std::string names;
-  const auto note = [&names](bool same, const char* name) { names += same ? "" : std::string(name) + " "; };
-  const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
-  const auto same = [&](const std::optional<double>& x, const std::optional<double>& y) {
-    return x.has_value() == y.has_value() && (!x || bits(*x) == bits(*y));
+  const auto note = [&names](bool same, std::string_view name) {
+    names += same ? "" : std::string(name) + " ";
   };
   note(a.outcome == b.outcome, "outcome");
-  for (std::size_t i = 0; i < kOutcomes; ++i) note(same(a.first_at_s[i], b.first_at_s[i]), "first_at_s");
-  using M = MotionSummary;
-  const std::pair<const char*, double M::*> numbers[] = {{"simulated_seconds", &M::simulated_seconds},
-                                                         {"distance_m", &M::distance_m},
-                                                         {"lateral_m", &M::lateral_m},
-                                                         {"path_m", &M::path_m},
-                                                         {"yaw_rad", &M::yaw_rad},
-                                                         {"mean_speed_mps", &M::mean_speed_mps},
-                                                         {"rms_roll_deg", &M::rms_roll_deg},
-                                                         {"rms_pitch_deg", &M::rms_pitch_deg},
-                                                         {"limit_factor", &M::limit_factor},
-                                                         {"max_penetration_m", &M::max_penetration_m},
-                                                         {"max_loop_gap_m", &M::max_loop_gap_m},
-                                                         {"slip_m", &M::slip_m}};
-  for (const auto& [name, member] : numbers) note(same(a.*member, b.*member), name);
-  for (int k = 0; k < 3; ++k) note(same(a.final_position_m[k], b.final_position_m[k]), "final_position_m");
-  for (const Leg leg : kLegs) note(same(a.duty_factor[leg], b.duty_factor[leg]), "duty_factor");
-  note(a.physics_steps == b.physics_steps, "physics_steps");
-  note(a.ik_clamped == b.ik_clamped, "ik_clamped");
-  note(same(a.drag, b.drag), "drag");
-  note(same(a.drag_inner, b.drag_inner), "drag_inner");
-  note(same(a.slip_per_path, b.slip_per_path), "slip_per_path");
-  note(same(a.heading_error_deg, b.heading_error_deg), "heading_error_deg");
-  note(same(a.cost_of_transport, b.cost_of_transport), "cost_of_transport");
+  for (std::size_t i = 0; i < kOutcomes; ++i) note(same_bits(a.first_at_s[i], b.first_at_s[i]), "first_at_s");
+  for (const StatisticRow& row : statistic_rows()) {
+    const bool equal = std::visit(
+        [&](const auto& source) {
+          if constexpr (std::is_member_pointer_v<std::decay_t<decltype(source)>>)
+            return same_bits(a.*source, b.*source);
+          return true;  // outcomes are compared above
+        },
+        row.source);
+    note(equal, row.key);
+  }
   return names;
 }
 
