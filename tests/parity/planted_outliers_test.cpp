@@ -1,6 +1,6 @@
 // A fault in one of four engines of four laws, which the verdict of many has to name: real runs of a crawl in
-// which nothing hangs on the law of contact. One fault, or with CROSSGAIT_LONG_TESTS set (scripts/quality/nightly)
-// twenty, and ten crawls without.
+// which nothing hangs on the law of contact. One fault, or with CROSSGAIT_LONG_TESTS set
+// (scripts/quality/nightly) twenty, and ten crawls without.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
