@@ -102,7 +102,7 @@ Json to_json(const LoadedPolicy& c) {
           {"robot", identity_of(*c.model->robot)},
           {"terrain", terrain_json(c.model->config.terrain)},
           {"environment", to_yaml(config)},
-          {"policy", policy_json(c.policy, model->interface)}};
+          {"policy", policy_json(c.policy, c.model->interface)}};
 }
 
 // @param r  stated for its robot
