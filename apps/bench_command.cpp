@@ -29,7 +29,7 @@ struct BenchCommand {
 
 ordered_json measure(const BenchCommand& options) {
   benchmarks::BenchOptions bench = options.bench;
-  if (bench.backends.empty()) bench.backends = available_engines();
+  if (bench.engines.empty()) bench.engines = available_engines();
   ProgressLine progress("measuring");
   return benchmarks::run_bench(bench, [&](double share) { progress.update(share); });
 }
@@ -37,7 +37,7 @@ ordered_json measure(const BenchCommand& options) {
 Provenance provenance_of(const BenchCommand& options) {
   if (!options.from.empty()) return options.json.provenance();  // it says itself what it was measured with
   const std::vector<std::string> engines =
-      options.bench.backends.empty() ? available_engines() : options.bench.backends;
+      options.bench.engines.empty() ? available_engines() : options.bench.engines;
   ResultInputs inputs = of_robot("scara_quadruped");
   inputs.engines = engines;
   inputs.chosen["--engines"] = engines;
@@ -93,9 +93,9 @@ void add_bench_command(CLI::App& program) {
           ->add_option("--only", options->bench.sections,
                        "Measure only this: speed, accuracy, analytic or feet; may be repeated")
           ->delimiter(',');
-  CLI::Option* backend =
+  CLI::Option* engine =
       command
-          ->add_option("--engines,--engine,--backend", options->bench.backends,
+          ->add_option("--engines,--engine", options->bench.engines,
                        "Engines, comma-separated or repeated; all that are built in by default. Times are "
                        "compared to the first one's")
           ->delimiter(',');
@@ -103,7 +103,7 @@ void add_bench_command(CLI::App& program) {
       ->type_name("FILE")
       ->excludes(quick)
       ->excludes(only)
-      ->excludes(backend);
+      ->excludes(engine);
   command
       ->add_option("--compare", options->compare,
                    "Compare with a stored result: times as ratios to the first engine, errors as they are; "

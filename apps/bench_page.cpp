@@ -31,11 +31,11 @@ std::string spaced(std::string key) {
 class Engines {
  public:
   explicit Engines(const ordered_json& result) {
-    for (const ordered_json& backend : result.at("backends")) names_.push_back(backend.at("name"));
+    for (const ordered_json& engine : result.at("engines")) names_.push_back(engine.at("name"));
   }
   const std::vector<std::string>& names() const { return names_; }
   std::size_t index(const ordered_json& record) const {
-    const auto found = std::find(names_.begin(), names_.end(), text(record, "backend"));
+    const auto found = std::find(names_.begin(), names_.end(), text(record, "engine"));
     return static_cast<std::size_t>(found - names_.begin()) % names_.size();
   }
 
@@ -180,7 +180,7 @@ Charts feet_charts(const ordered_json& feet, const Engines& engines) {
       {"impulse of a touch-down, first 10 ms", "mN s", "touchdown_impulse_Ns", 1e3},
       {"largest force of a touch-down", "over the robot's weight", "touchdown_peak_over_weight", 1},
       {"slip of a standing foot per stride", "mm", "slip_per_stride_m", 1e3},
-      {"drag of a swinging foot per stride", "mm", "drag_per_stride_m", 1e3},
+      {"toe drag per stride", "mm", "toe_drag_per_stride_m", 1e3},
   }};
   Charts charts{"Feet", {}};
   for (const Quantity& quantity : kQuantities) {

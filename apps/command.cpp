@@ -18,7 +18,7 @@ void print_notes(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) fmt::print(stderr, "crossgait: note: {}\n", note);
 }
 
-RobotDescription load_robot_and_tell(const std::string& robot) {
+RobotDescription load_robot_with_warnings(const std::string& robot) {
   LoadedRobot loaded = load_robot_with_report(find_robot(robot));
   if (const std::size_t count = loaded.report.warnings.size(); count > 0) {
     print_notes({fmt::format("{}: {} on what its file holds: crossgait robots {}", loaded.robot.source,

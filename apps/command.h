@@ -21,7 +21,7 @@ void add_view_command(CLI::App& program);
 void add_compare_command(CLI::App& program);
 void add_bench_command(CLI::App& program);
 void add_verdict_command(CLI::App& program);
-void add_backends_command(CLI::App& program);
+void add_engines_command(CLI::App& program);
 void add_conformance_command(CLI::App& program);
 void add_robots_command(CLI::App& program);
 void add_terrain_command(CLI::App& program);
@@ -44,7 +44,7 @@ void print_notes(const std::vector<std::string>& notes);
 
 /// The robot of a name or file, and a note on standard error if its file holds what is doubtful.
 /// @throws ConfigError
-RobotDescription load_robot_and_tell(const std::string& robot);
+RobotDescription load_robot_with_warnings(const std::string& robot);
 
 /// A name with `--robot`'s meaning: a bundled robot's name or a file. Adds the option alone.
 void add_robot_option(CLI::App& command, std::string& robot);

@@ -32,10 +32,10 @@ struct CompareCommand {
 };
 
 // walk.csv -> walk.bullet-matched.csv
-std::string trace_path(const std::string& path, std::string backend) {
-  std::replace(backend.begin(), backend.end(), ':', '-');
+std::string trace_path(const std::string& path, std::string engine) {
+  std::replace(engine.begin(), engine.end(), ':', '-');
   const std::filesystem::path p(path);
-  return (p.parent_path() / (p.stem().string() + "." + backend + p.extension().string())).string();
+  return (p.parent_path() / (p.stem().string() + "." + engine + p.extension().string())).string();
 }
 
 // One trace per engine, and the steps of all for a page, where they are asked for.

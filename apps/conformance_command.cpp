@@ -51,8 +51,8 @@ void add_conformance_command(CLI::App& program) {
       "  CROSSGAIT_ENGINE_PATH=build crossgait conformance --engine skeleton --only free_fall,tumbling\n"
       "  crossgait conformance --list");
   auto options = std::make_shared<ConformanceCommand>();
-  CLI::Option* engine = command->add_option("--engine,--backend", options->engine,
-                                            "The engine to check, of `crossgait backends`");
+  CLI::Option* engine =
+      command->add_option("--engine", options->engine, "The engine to check, of `crossgait engines`");
   CLI::Option* only =
       command->add_option("--only", options->only, "Only these checks, comma-separated or repeated")
           ->delimiter(',');

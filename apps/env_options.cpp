@@ -16,7 +16,7 @@ void EnvOptions::add_to(CLI::App& command, EnvScope scope) {
           "Crossgait; options come on top")
       ->type_name("FILE.yaml");
   if (scope == EnvScope::kAll) {
-    command.add_option("--engine,--backend", engine, "Engine and mode (see `crossgait backends`)");
+    command.add_option("--engine", engine, "Engine and mode (see `crossgait engines`)");
     command.add_option("--terrain", terrain, "The ground (see `crossgait terrain --list`)")
         ->type_name("NAME[:k=v,...]|FILE.png|FILE.csv");
     add_seed_option(command, "--terrain-seed", terrain_seed, "Seed of a random terrain");
@@ -72,7 +72,7 @@ LoadedEnv EnvOptions::make(const std::string& policy) const {
   if (episode_seconds) c.episode_seconds = *episode_seconds;
   c.validate("command line");
   LoadedEnv environment(c, c.at_its_place(c.robot, [&c] {
-    return std::make_shared<const RobotDescription>(load_robot_and_tell(c.robot));
+    return std::make_shared<const RobotDescription>(load_robot_with_warnings(c.robot));
   }));
   print_notes(notes_on(environment));
   return environment;

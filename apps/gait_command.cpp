@@ -39,7 +39,7 @@ struct Chosen {
 };
 
 Chosen choose(const GaitCommand& options) {
-  const RobotDescription robot = load_robot_and_tell(options.robot);
+  const RobotDescription robot = load_robot_with_warnings(options.robot);
   const GaitScale scale = gait_scale(robot);
   return {scale, leg_origins(robot), choose_gait(options.gait, options.settings, {}, scale),
           choose_gait(options.gait, {}, {}, scale)};

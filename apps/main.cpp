@@ -23,7 +23,7 @@ constexpr int kFailure = 1;
 constexpr int kBadInput = 2;
 
 // Not through fmt: standard error may be closed, and there is nowhere left to say so.
-int complain(const std::string& what, int code) {
+int report_error(const std::string& what, int code) {
   std::fputs(("crossgait: " + what + "\n").c_str(), stderr);
   return code;
 }
@@ -42,7 +42,7 @@ void add_commands(CLI::App& program, std::vector<std::string>& again) {
   add_view_command(program);
   add_bench_command(program);
   add_verdict_command(program);
-  add_backends_command(program);
+  add_engines_command(program);
   add_conformance_command(program);
   add_robots_command(program);
   add_terrain_command(program);
@@ -75,10 +75,10 @@ int run(std::vector<std::string> arguments, std::vector<std::string>& again) {
   } catch (const CLI::ParseError& error) {
     const std::string hint = suggestion(program), unknown = unknown_command(program);
     if (!unknown.empty())
-      return complain(fmt::format("{} {}", unknown, hint.empty() ? "`crossgait --help` lists them." : hint),
-                      kBadInput);
+      return report_error(
+          fmt::format("{} {}", unknown, hint.empty() ? "`crossgait --help` lists them." : hint), kBadInput);
     program.exit(error);
-    return hint.empty() ? kBadInput : complain(hint, kBadInput);
+    return hint.empty() ? kBadInput : report_error(hint, kBadInput);
   }
   return 0;
 }
@@ -95,15 +95,15 @@ int main_of(const std::vector<std::string>& arguments) {
     flush_standard_output();
     return code;
   } catch (const ConfigError& error) {
-    return complain(error.what(), kBadInput);
+    return report_error(error.what(), kBadInput);
   } catch (const ChildFailed& child) {
     return child.exit_code > 0 ? child.exit_code : kFailure;
   } catch (const EndedEarly& error) {
-    return complain(error.what(), kInterruptedExit);
+    return report_error(error.what(), kInterruptedExit);
   } catch (const Interrupted&) {
-    return complain("interrupted: nothing is kept", kInterruptedExit);
+    return report_error("interrupted: nothing is kept", kInterruptedExit);
   } catch (const std::exception& error) {
-    return complain(error.what(), kFailure);
+    return report_error(error.what(), kFailure);
   }
 }
 

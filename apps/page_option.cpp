@@ -52,7 +52,7 @@ ReportPage PageRecorder::page(const std::vector<WalkRun>& walked, const std::vec
   for (std::size_t i = 0; i < walked.size(); ++i) {
     const EngineInfo& engine = walked[i].engine;
     motion.runs.push_back(
-        {engine.name, engine.engine + " " + engine.version, recorders_[i].take(engine.name)});
+        {engine.name, engine.library + " " + engine.version, recorders_[i].take(engine.name)});
   }
   page.tables.push_back(statistics_table(page.title, walked));
   page.motion = std::move(motion);

@@ -54,10 +54,10 @@ Table table_of(const std::vector<Json>& runs, const std::string& file) {
     const Json& first = runs.at(0);
     std::vector<std::string> header{
         fmt::format("{} on {}", first.at("gait").get<std::string>(), first.at("terrain").get<std::string>())};
-    for (const Json& run : runs) header.push_back(run.at("backend").get<std::string>());
+    for (const Json& run : runs) header.push_back(run.at("engine").get<std::string>());
     Table table(std::move(header));
     for (const auto& [key, value] : first.items()) {
-      if (value.is_structured() || key == "backend" || key == "gait" || key == "terrain") continue;
+      if (value.is_structured() || key == "engine" || key == "gait" || key == "terrain") continue;
       std::vector<std::string> row{key};
       for (const Json& run : runs) row.push_back(cell(run.at(key)));
       table.add_row(std::move(row));
@@ -93,7 +93,7 @@ void add_result(ReportPage& page, const Recorded& recorded) {
 bool is_trace(const std::string& file) { return std::filesystem::path(file).extension() == ".csv"; }
 
 Motion motion_of(const ReportCommand& options, const std::vector<std::string>& traces) {
-  Motion motion{std::make_shared<const RobotDescription>(load_robot_and_tell(options.robot)),
+  Motion motion{std::make_shared<const RobotDescription>(load_robot_with_warnings(options.robot)),
                 make_terrain(options.terrain, options.seed),
                 {},
                 {},

@@ -48,10 +48,10 @@ struct ResultInputs {
 /// Adds the files that the command has read by now. @throws ConfigError for one that changed meanwhile
 Provenance with_files_read(Provenance provenance);
 
-/// Of a result that is of a robot alone. @throws ConfigError
+/// Returns the inputs of a result that is of a robot alone. @throws ConfigError
 ResultInputs of_robot(const std::string& name_or_file);
 
-/// Of a robot and a gait with all its parameters. @throws ConfigError
+/// Returns the inputs of a result of a robot and a gait with all its parameters. @throws ConfigError
 ResultInputs of_gait(const std::string& robot, const GaitChoice& gait);
 
 /// `--json FILE|-`. With "-" the JSON is all that is written to standard output.

@@ -160,9 +160,9 @@ void run(const TerrainCommand& options) {
 void add_terrain_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("terrain", "Make, look at and sample the ground");
   command->footer(
-      "\nFiles take settings behind a colon: size_x, size_y (extent in m; without them a sample every .025 "
+      "\nFiles take settings behind a colon: size_x, size_y (extent in m; without them a sample every 0.025 "
       "m)\n"
-      "and, of a picture, z_min, z_max (height of black and white in m; without them 0 and .05). A PNG's "
+      "and, of a picture, z_min, z_max (height of black and white in m; without them 0 and 0.05). A PNG's "
       "own\n"
       "sCAL and pCAL chunks stand for what is not given. Colours count by their luminance (Rec. 709).\n"
       "\nExamples:\n"

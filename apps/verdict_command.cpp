@@ -14,7 +14,7 @@
 #include "physics/core/error.h"
 #include "policy/bundled_policies.h"
 #include "report/verdict_document.h"
-#include "study/judgement.h"
+#include "study/engine_comparison.h"
 #include "study/run_store.h"
 
 namespace crossgait::apps {
@@ -24,7 +24,7 @@ struct VerdictCommand {
   std::vector<std::string> engines;
   WalkOptions walk;
   StartRanges starts;
-  JudgementOptions judgement;
+  JudgeOptions judge;
   std::string policy, config;
   PageOption page;
   JsonOption json;
@@ -67,7 +67,7 @@ std::string what_is_kept(const std::string& stored_runs) {
                      counted(RunStore(stored_runs).size(), "run"), stored_runs);
 }
 
-ReportPage page_of(const JudgementOfMany& judged) {
+ReportPage page_of(const EngineComparison& judged) {
   ReportPage page;
   page.title = judged.pairs.front().verdict.behaviour;
   if (judged.pairs.size() == 1) {
@@ -85,23 +85,23 @@ void run(const VerdictCommand& options) {
   const Provenance provenance =
       options.json.provenance({loaded.described, engines, {{"--engines", engines}}});
   Stages stages;
-  std::optional<JudgementOfMany> judged;
+  std::optional<EngineComparison> judged;
   try {
-    judged = judge_engines(loaded, engines, options.judgement, stages.progress());
+    judged = judge_engines(loaded, engines, options.judge, stages.progress());
   } catch (const Interrupted&) {
-    throw EndedEarly(what_is_kept(options.judgement.stored_runs));
+    throw EndedEarly(what_is_kept(options.judge.stored_runs));
   }
   if (options.page.asked()) options.page.write(page_of(*judged), provenance);
   if (judged->pairs.size() == 1) {
-    const Judgement& two = judged->pairs.front();
+    const PairVerdict& two = judged->pairs.front();
     options.json.emit(describe(two), to_json(two), provenance);
   } else {
     options.json.emit(describe(*judged), to_json(*judged), provenance);
   }
 }
 
-void add_judgement_options(CLI::App& command, VerdictCommand& options) {
-  VerdictOptions& verdict = options.judgement.verdict;
+void add_judge_options(CLI::App& command, VerdictCommand& options) {
+  VerdictOptions& verdict = options.judge.verdict;
   StartRanges& starts = options.starts;
   command.add_option("--starts", verdict.starts, "Starts that every engine runs from, at least 4")
       ->check(CLI::Range(4, 10000))
@@ -110,11 +110,12 @@ void add_judgement_options(CLI::App& command, VerdictCommand& options) {
       .add_option("--limit", verdict.limit, "Gap over spread up to which engines agree, and beyond which not")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command.add_option("--confidence", verdict.confidence, "Of all words together, between 0 and 1")
+  command
+      .add_option("--confidence", verdict.confidence, "Confidence of all verdicts together, between 0 and 1")
       ->capture_default_str();
   command
       .add_option("--offset", starts.position_m,
-                  "How far starts lie apart, each way, m; .1 for scara_quadruped, by size for others")
+                  "How far starts lie apart, each way, m; 0.1 for scara_quadruped, by size for others")
       ->check(CLI::Range(0.0, 100.0));
   command.add_option("--heading", starts.heading_rad, "How far headings differ, each way, rad")
       ->check(CLI::Range(0.0, 3.14159))
@@ -122,12 +123,12 @@ void add_judgement_options(CLI::App& command, VerdictCommand& options) {
   command
       .add_option(
           "--push", starts.push_mps,
-          "Push in the first second, as a speed of the robot, m/s; .02 for scara_quadruped, by size for "
+          "Push in the first second, as a speed of the robot, m/s; 0.02 for scara_quadruped, by size for "
           "others")
       ->check(CLI::Range(0.0, 10.0));
   add_workers_option(command, verdict.workers);
   add_output_option(
-      command, "--runs", options.judgement.stored_runs,
+      command, "--runs", options.judge.stored_runs,
       "Take runs that this file holds, and add those that it does not: a verdict that was stopped "
       "goes on, one that is repeated costs nothing")
       ->type_name("FILE.jsonl");
@@ -153,8 +154,8 @@ void add_verdict_command(CLI::App& program) {
                    "laws. Of more than two: which agree, and whether one stands apart")
       ->delimiter(',');
   options->walk.add_to(*command);
-  options->judgement.verdict.workers = EpisodeOptions::default_workers();
-  add_judgement_options(*command, *options);
+  options->judge.verdict.workers = EpisodeOptions::default_workers();
+  add_judge_options(*command, *options);
   CLI::Option* policy =
       command
           ->add_option("--policy", options->policy,
@@ -164,9 +165,9 @@ void add_verdict_command(CLI::App& program) {
       command->add_option("--config", options->config, "The policy's environment as YAML")->needs(policy);
   for (const char* other :
        {"--robot", "--terrain", "--friction", "--physics-dt", "--gait", "--set", "--speed", "--command",
-        "--seconds", "--control-dt", "--settle", "--ends", "--no-compensation", "--no-heading-hold"})
+        "--seconds", "--control-dt", "--settle", "--terminations", "--no-compensation", "--no-heading-hold"})
     config->excludes(command->get_option(other));
-  command->add_flag("--explain", options->judgement.explain,
+  command->add_flag("--explain", options->judge.explain,
                     "Also say what the gap comes from, one modelling factor at a time");
   options->page.add_to(*command, "Write a page that shows it between the limits, as one HTML file");
   options->json.add_to(*command);

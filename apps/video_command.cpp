@@ -131,10 +131,10 @@ void add_video_command(CLI::App& program) {
   command->add_option("--slow", options->slow, "Times slower than it happened")
       ->check(CLI::Range(0.05, 100.0))
       ->capture_default_str();
-  command->add_option("--width", options->width, "Of a panel, pixels")
+  command->add_option("--width", options->width, "Width of a panel, pixels")
       ->check(CLI::Range(64, 3840))
       ->capture_default_str();
-  command->add_option("--height", options->height, "Of a panel, pixels")
+  command->add_option("--height", options->height, "Height of a panel, pixels")
       ->check(CLI::Range(64, 2160))
       ->capture_default_str();
   command->add_option("--azimuth", options->azimuth, "The camera's look, deg: 90 is along the world's y")

@@ -46,18 +46,19 @@ std::vector<std::string> engines_of(const ViewOptions& options, const EnvConfig&
   if (!options.engines.empty()) return options.engines;
   if (!options.file.empty()) return {config.engine};
   if (available.empty())
-    throw ConfigError("view", "--engines", "an engine (see `crossgait backends`)", "none that is available");
+    throw ConfigError("view", "--engines", "an engine (see `crossgait engines`)", "none that is available");
   return {available.front()};
 }
 
 std::unique_ptr<ViewSession> make_session(const ViewOptions& options) {
   const EnvConfig config = config_of(options);
-  const auto robot = std::make_shared<const RobotDescription>(load_robot_and_tell(config.robot));
-  const EngineShelf shelf{available_engines(), [](const std::string& name) { return find_engine(name); }};
+  const auto robot = std::make_shared<const RobotDescription>(load_robot_with_warnings(config.robot));
+  const EngineProvider provider{available_engines(),
+                                [](const std::string& name) { return find_engine(name); }};
   ViewSetup setup;
   setup.gait = config.gait;
   setup.terrain_seed = config.terrain_seed;
-  setup.engines = engines_of(options, config, shelf.names);
+  setup.engines = engines_of(options, config, provider.names);
   if (options.policy.empty()) {
     WalkConfig walk;
     walk.robot = config.robot;
@@ -69,7 +70,7 @@ std::unique_ptr<ViewSession> make_session(const ViewOptions& options) {
     setup.control_dt = config.control_dt;
     setup.policy = {LoadedEnv(config, robot), options.policy};
   }
-  return std::make_unique<ViewSession>(setup, shelf);
+  return std::make_unique<ViewSession>(setup, provider);
 }
 
 void run(const ViewOptions& options) {
@@ -108,7 +109,7 @@ void add_view_command(CLI::App& program) {
   auto options = std::make_shared<ViewOptions>();
   command
       ->add_option("--engines,--engine", options->engines,
-                   "Engine and mode to begin with (see `crossgait backends`), or up to three, "
+                   "Engine and mode to begin with (see `crossgait engines`), or up to three, "
                    "comma-separated, side by side; by default the first that is available")
       ->delimiter(',');
   add_robot_option(*command, options->robot);

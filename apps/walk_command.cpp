@@ -59,7 +59,7 @@ void add_walk_command(CLI::App& program) {
       "  crossgait walk --engine bullet --terrain rough --seed 3 --seconds 10\n"
       "  crossgait walk --set step_length=.08 --set cycle_time=1 --trace walk.csv --json -");
   auto options = std::make_shared<WalkCommand>();
-  command->add_option("--engine,--backend", options->engine, "Engine and mode (see `crossgait backends`)")
+  command->add_option("--engine", options->engine, "Engine and mode (see `crossgait engines`)")
       ->capture_default_str();
   options->walk.add_to(*command);
   add_output_option(*command, "--trace", options->trace,

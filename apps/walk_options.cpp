@@ -59,9 +59,10 @@ void WalkOptions::add_to(CLI::App& command) {
                   "Simulated time to stand before the first step, s, at most 1e3")
       ->capture_default_str();
   command
-      .add_option("--ends", ends,
-                  "Outcomes that end the walk before its time, comma-separated: came_apart, fell, collapsed, "
-                  "left_terrain (divergence always does)")
+      .add_option(
+          "--terminations", terminations,
+          "Outcomes that end the walk before its time, comma-separated: loop_violated, fell, collapsed, "
+          "left_terrain (divergence always does)")
       ->delimiter(',');
   command.add_flag(
       "--no-compensation", plain_servos,
@@ -79,7 +80,7 @@ LoadedWalk WalkOptions::make() const {
                       fmt::format("{}, {}, {}", error.expected(), kAutomaticGait, kGuidesAutomaticGait),
                       error.found());
   }
-  const auto robot = std::make_shared<const RobotDescription>(load_robot_and_tell(config.robot));
+  const auto robot = std::make_shared<const RobotDescription>(load_robot_with_warnings(config.robot));
   const GaitScale scale = gait_scale(*robot);
   made.gait = choose_gait(gait, settings, make_command(*this), scale);
   print_notes(outside_ranges(made.gait.parameters,
@@ -87,7 +88,7 @@ LoadedWalk WalkOptions::make() const {
                              scaled(AdaptationRanges(), scale)));
   made.compensation = !plain_servos;
   made.heading_hold = !open_loop;
-  made.ends = OutcomeSet::that_end(ends);
+  made.terminations = OutcomeSet::of_names(terminations);
   return {made, robot};
 }
 

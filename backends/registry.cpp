@@ -147,7 +147,7 @@ const EnginePlugin* EngineRegistry::newest_mjcf_compiler() const {
 MjcfModel EngineRegistry::compile_mjcf(const MjcfText& text) const {
   if (const EnginePlugin* newest = newest_mjcf_compiler()) return newest->compile_mjcf(text);
   throw ConfigError(text.source, "file",
-                    "an engine that reads MJCF: MuJoCo (`crossgait backends` says why it is missing)",
+                    "an engine that reads MJCF: MuJoCo (`crossgait engines` says why it is missing)",
                     fmt::format("{}", fmt::join(available(), ", ")));
 }
 
@@ -161,7 +161,7 @@ Engine find_engine(std::string_view name) { return shared_registry().find(name);
 
 bool compiles_mjcf() { return shared_registry().compiles_mjcf(); }
 
-std::unique_ptr<PhysicsBackend> make_backend(std::string_view name, const WorldSpec& spec) {
+std::unique_ptr<PhysicsBackend> make_world(std::string_view name, const WorldSpec& spec) {
   return find_engine(name).make(spec);
 }
 

@@ -78,6 +78,6 @@ Engine find_engine(std::string_view name);
 bool compiles_mjcf();
 
 /// find_engine(name).make(spec).
-std::unique_ptr<PhysicsBackend> make_backend(std::string_view name, const WorldSpec& spec);
+std::unique_ptr<PhysicsBackend> make_world(std::string_view name, const WorldSpec& spec);
 
 }  // namespace crossgait

@@ -15,12 +15,12 @@ namespace {
 
 constexpr double kSettle = 1;  // s: longer than the touch-down's swinging
 
-std::unique_ptr<PhysicsBackend> make_world(const std::string& backend, const std::string& terrain,
-                                           double step) {
+std::unique_ptr<PhysicsBackend> make_trot_world(const std::string& engine, const std::string& terrain,
+                                                double step) {
   WorldSpec spec = scenes::world_of(scenes::quadruped());
   spec.terrain = make_terrain(terrain);
   spec.physics_dt = step;
-  return make_backend(backend, spec);
+  return crossgait::make_world(engine, spec);
 }
 
 /// Physics steps per command: at least one.
@@ -57,10 +57,10 @@ struct Run {
   RobotState start;
   std::vector<double> cost, cost_ratio;
 
-  Run(const std::string& terrain, const std::string& backend, double step, RobotState from)
-      : world(make_world(backend, terrain, step)), start(std::move(from)) {
+  Run(const std::string& terrain, const std::string& engine, double step, RobotState from)
+      : world(make_trot_world(engine, terrain, step)), start(std::move(from)) {
     point.terrain = terrain;
-    point.backend = backend;
+    point.engine = engine;
     point.step_s = step;
   }
 };
@@ -89,19 +89,19 @@ RobotState settled(PhysicsBackend& world) {
 }
 
 /// One engine at every step, against itself at the reference step.
-std::vector<Run> measure_errors(const std::string& backend, const std::string& terrain,
+std::vector<Run> measure_errors(const std::string& engine, const std::string& terrain,
                                 const std::vector<double>& steps) {
   const std::vector<JointTargets> targets = commands(kAccuracyHorizon);
-  const auto exact = make_world(backend, terrain, kReferenceStep);
+  const auto exact = make_trot_world(engine, terrain, kReferenceStep);
   const RobotState start = settled(*exact);
   States states, reference;
   follow(*exact, start, targets, reference);
   if (reference.size() < targets.size()) {
-    throw std::runtime_error(fmt::format("the trot diverged in {} at the reference step", backend));
+    throw std::runtime_error(fmt::format("the trot diverged in {} at the reference step", engine));
   }
   std::vector<Run> runs;
   for (const double step : steps) {
-    Run& run = runs.emplace_back(terrain, backend, step, start);
+    Run& run = runs.emplace_back(terrain, engine, step, start);
     follow(*run.world, start, targets, states);
     compare(states, reference, run.point);
   }
@@ -123,15 +123,15 @@ void time_round(std::vector<std::vector<Run>>& runs) {
   }
 }
 
-StableStep find_stable_step(const std::string& backend, const std::string& terrain) {
+StableStep find_stable_step(const std::string& engine, const std::string& terrain) {
   StableStep result;
   result.terrain = terrain;
-  result.backend = backend;
+  result.engine = engine;
   for (const double ms :
        {1.0, 2.0, 8.0 / 3, 4.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0}) {
     const double step = 1e-3 * ms;
     result.tried_s.push_back(step);
-    if (!trot_survives(backend, terrain, step)) break;
+    if (!trot_survives(engine, terrain, step)) break;
     result.largest_s = step;
   }
   return result;
@@ -139,9 +139,9 @@ StableStep find_stable_step(const std::string& backend, const std::string& terra
 
 }  // namespace
 
-bool trot_survives(const std::string& backend, const std::string& terrain, double step) {
+bool trot_survives(const std::string& engine, const std::string& terrain, double step) {
   constexpr double kFallen = M_PI / 3;
-  const auto world = make_world(backend, terrain, step);
+  const auto world = make_trot_world(engine, terrain, step);
   if (world->step(scenes::home_targets(world->robot()), static_cast<int>(std::lround(kSettle / step))) !=
       StepStatus::kOk) {
     return false;
@@ -164,9 +164,9 @@ Accuracy measure_accuracy(const AccuracySettings& settings, const Progress& prog
   const auto advance = [&](double share) { progress((done += share) / parts); };
   for (const std::string& terrain : settings.terrains) {
     std::vector<std::vector<Run>> runs;  // by engine, by step
-    for (const std::string& backend : settings.backends) {
-      runs.push_back(measure_errors(backend, terrain, settings.steps_s));
-      advance(2.0 / static_cast<double>(settings.backends.size()));
+    for (const std::string& engine : settings.engines) {
+      runs.push_back(measure_errors(engine, terrain, settings.steps_s));
+      advance(2.0 / static_cast<double>(settings.engines.size()));
     }
     for (int round = 0; round < settings.rounds; ++round) {
       time_round(runs);

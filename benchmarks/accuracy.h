@@ -22,7 +22,7 @@ inline constexpr double kStabilityHorizon = 4;       ///< s, five gait cycles
 
 /// One engine with one step on one terrain.
 struct AccuracyPoint {
-  std::string terrain, backend;
+  std::string terrain, engine;
   double step_s = 0;
   std::optional<double> position_error_m;  ///< root mean square over the cycle; empty: it did not get through
   std::optional<double> joint_error_rad;   ///< the same, over all joints
@@ -32,7 +32,7 @@ struct AccuracyPoint {
 
 /// The largest step with which the trot neither falls nor diverges.
 struct StableStep {
-  std::string terrain, backend;
+  std::string terrain, engine;
   std::vector<double> tried_s;      ///< ascending, up to the first that fails or 32 ms
   std::optional<double> largest_s;  ///< empty: not even the smallest tried
 };
@@ -43,16 +43,16 @@ struct Accuracy {
 };
 
 struct AccuracySettings {
-  std::vector<std::string> backends;
+  std::vector<std::string> engines;
   std::vector<std::string> terrains{"flat", "rough:seed=1"};
   std::vector<double> steps_s{8e-3, 4e-3, 2e-3, 1e-3, 1e-3 / 2, 1e-3 / 4, 1e-3 / 8};
-  int rounds = 7;  ///< of timing; every backend and step has its turn in each
+  int rounds = 7;  ///< of timing; every engine and step has its turn in each
 };
 
 /// Whether five cycles of the trot at this step (commands with every step if it is longer than theirs) stay
 /// upright (within 60 degrees), off the belly (base above half its height at home, over the ground) and
 /// finite.
-bool trot_survives(const std::string& backend, const std::string& terrain, double step);
+bool trot_survives(const std::string& engine, const std::string& terrain, double step);
 
 /// @throws std::runtime_error if an engine does not get through the cycle at the reference step
 Accuracy measure_accuracy(const AccuracySettings& settings, const Progress& progress);

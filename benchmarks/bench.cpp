@@ -42,30 +42,30 @@ ordered_json speed(const BenchOptions& options, const Progress& progress) {
       {"scenes", ordered_json::array()}, {"eta", ordered_json::array()}, {"threads", ordered_json::array()}};
   for (const SpeedScene& scene : speed_scenes()) result["summaries"][scene.name] = scene.summary;
   constexpr double kStep = 1e-3;  // of WorldSpec
-  SpeedSettings settings{.backends = options.backends};
+  SpeedSettings settings{.engines = options.engines};
   if (options.quick) settings.rounds = 5;
   for (const SceneSpeed& s : measure_speed(settings, part_of(progress, 0, 0.5))) {
-    ordered_json record{{"scene", s.scene}, {"backend", s.backend}, {"contacts", s.contacts}};
+    ordered_json record{{"scene", s.scene}, {"engine", s.engine}, {"contacts", s.contacts}};
     set(record, "us_per_step", s.us_per_step);
     set(record, "ratio", s.ratio);
     record["steps_per_core_second"] = 1e6 / s.us_per_step.median;
     record["real_time_factor"] = kStep * 1e6 / s.us_per_step.median;
     result["scenes"].push_back(std::move(record));
   }
-  OverheadSettings overhead{.backends = options.backends};
+  OverheadSettings overhead{.engines = options.engines};
   if (options.quick) overhead.rounds = 3;
   for (const Overhead& o : measure_overhead(overhead, part_of(progress, 0.5, 0.7))) {
-    ordered_json record{{"terrain", o.terrain}, {"backend", o.backend}};
+    ordered_json record{{"terrain", o.terrain}, {"engine", o.engine}};
     set(record, "eta", o.eta);
     record["walk_us_per_step"] = o.walk_us;
     record["engine_us_per_step"] = o.alone_us;
     result["eta"].push_back(std::move(record));
   }
-  ScalingSettings scaling{.backends = options.backends};
+  ScalingSettings scaling{.engines = options.engines};
   scaling.max_threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   if (options.quick) scaling.rounds = 3, scaling.repeats = 2;
   for (const ThreadSpeed& t : measure_scaling(scaling, part_of(progress, 0.7, 1))) {
-    ordered_json record{{"backend", t.backend}, {"threads", t.threads}};
+    ordered_json record{{"engine", t.engine}, {"threads", t.threads}};
     record["steps_per_second"] = t.steps_per_second;
     set(record, "efficiency", t.efficiency);
     result["threads"].push_back(std::move(record));
@@ -74,7 +74,7 @@ ordered_json speed(const BenchOptions& options, const Progress& progress) {
 }
 
 ordered_json accuracy(const BenchOptions& options, const Progress& progress) {
-  AccuracySettings settings{.backends = options.backends};
+  AccuracySettings settings{.engines = options.engines};
   if (options.quick) settings.rounds = 1;
   const Accuracy measured = measure_accuracy(settings, progress);
   ordered_json result{{"command_step_s", kCommandStep},  {"reference_step_s", kReferenceStep},
@@ -82,7 +82,7 @@ ordered_json accuracy(const BenchOptions& options, const Progress& progress) {
                       {"points", ordered_json::array()}, {"stable_steps", ordered_json::array()}};
   for (const AccuracyPoint& p : measured.points) {
     result["points"].push_back({{"terrain", p.terrain},
-                                {"backend", p.backend},
+                                {"engine", p.engine},
                                 {"step_s", p.step_s},
                                 {"position_error_m", number_or_null(p.position_error_m)},
                                 {"joint_error_rad", number_or_null(p.joint_error_rad)},
@@ -91,7 +91,7 @@ ordered_json accuracy(const BenchOptions& options, const Progress& progress) {
   }
   for (const StableStep& s : measured.stable) {
     result["stable_steps"].push_back({{"terrain", s.terrain},
-                                      {"backend", s.backend},
+                                      {"engine", s.engine},
                                       {"largest_s", number_or_null(s.largest_s)},
                                       {"tried_s", s.tried_s}});
   }
@@ -100,10 +100,10 @@ ordered_json accuracy(const BenchOptions& options, const Progress& progress) {
 
 ordered_json analytic(const BenchOptions& options, const Progress& progress) {
   ordered_json result{{"convergence", ordered_json::array()}, {"friction", ordered_json::array()}};
-  for (const Convergence& c : measure_convergence(options.backends, part_of(progress, 0, 0.5))) {
+  for (const Convergence& c : measure_convergence(options.engines, part_of(progress, 0, 0.5))) {
     result["convergence"].push_back({{"quantity", c.quantity},
                                      {"unit", c.unit},
-                                     {"backend", c.backend},
+                                     {"engine", c.engine},
                                      {"order", number_or_null(c.order)},
                                      {"step_s", c.step_s},
                                      {"error", c.error}});
@@ -111,16 +111,16 @@ ordered_json analytic(const BenchOptions& options, const Progress& progress) {
   const std::vector<std::pair<const char*, scenes::MakeIncline>> grounds{
       {"plane", scenes::tilted_gravity}, {"height field", scenes::inclined_field}};
   for (const auto& [ground, make_incline] : grounds) {
-    for (const std::string& backend : options.backends) {
-      const scenes::FrictionCone cone = scenes::measure_friction_cone(find_engine(backend), make_incline);
+    for (const std::string& engine : options.engines) {
+      const scenes::FrictionCone cone = scenes::measure_friction_cone(find_engine(engine), make_incline);
       result["friction"].push_back({{"ground", ground},
-                                    {"backend", backend},
+                                    {"engine", engine},
                                     {"creep_inside_mps", cone.creep_speed},
                                     {"distance_error_outside", cone.distance_error},
                                     {"range_over_headings", cone.range},
                                     {"off_line", cone.off_line}});
       progress(0.5 + 0.5 * static_cast<double>(result["friction"].size()) /
-                         static_cast<double>(grounds.size() * options.backends.size()));
+                         static_cast<double>(grounds.size() * options.engines.size()));
     }
   }
   return result;
@@ -128,11 +128,11 @@ ordered_json analytic(const BenchOptions& options, const Progress& progress) {
 
 ordered_json feet(const BenchOptions& options, const Progress& progress) {
   ordered_json result = ordered_json::array();
-  FeetSettings settings{.backends = options.backends};
+  FeetSettings settings{.engines = options.engines};
   if (options.quick) settings.stand_seconds = 10;
   for (const FootCard& c : measure_feet(settings, progress)) {
     result.push_back({{"terrain", c.terrain},
-                      {"backend", c.backend},
+                      {"engine", c.engine},
                       {"stand_seconds", c.stand_seconds},
                       {"creep_mps", c.creep_mps},
                       {"penetration_m", c.penetration_m},
@@ -142,7 +142,7 @@ ordered_json feet(const BenchOptions& options, const Progress& progress) {
                       {"touchdown_impulse_Ns", c.touchdown_impulse},
                       {"touchdown_peak_over_weight", c.touchdown_peak},
                       {"slip_per_stride_m", c.slip_per_stride_m},
-                      {"drag_per_stride_m", c.drag_per_stride_m},
+                      {"toe_drag_per_stride_m", c.toe_drag_per_stride_m},
                       {"deepest_penetration_m", c.deepest_m}});
   }
   return result;
@@ -181,18 +181,18 @@ const std::vector<std::string>& bench_sections() {
 }
 
 ordered_json run_bench(const BenchOptions& options, const Progress& progress) {
-  check_list(options.backends, available_engines(), "backend");
+  check_list(options.engines, available_engines(), "engine");
   check_list(options.sections, bench_sections(), "section");
-  if (options.backends.empty()) throw ConfigError("benchmark", "backend", "at least one engine", "none");
+  if (options.engines.empty()) throw ConfigError("benchmark", "engine", "at least one engine", "none");
 
   ordered_json result = with_schema("bench", {{"quick", options.quick}});
   result["machine"] = describe_machine();
   result["robot"] = scenes::quadruped()->name;
-  result["backends"] = ordered_json::array();
-  for (const std::string& name : options.backends) {
-    const EngineInfo info = make_backend(name, scenes::world_of(scenes::quadruped()))->info();
-    result["backends"].push_back(
-        {{"name", name}, {"engine", info.engine}, {"version", info.version}, {"mode", info.mode}});
+  result["engines"] = ordered_json::array();
+  for (const std::string& name : options.engines) {
+    const EngineInfo info = make_world(name, scenes::world_of(scenes::quadruped()))->info();
+    result["engines"].push_back(
+        {{"name", name}, {"library", info.library}, {"version", info.version}, {"mode", info.mode}});
   }
   const auto wanted = [&options](const char* name) {
     return options.sections.empty() ||
@@ -228,7 +228,7 @@ ordered_json read_bench(const std::string& path) {
                                             : "none");
   }
   try {  // whatever is made of a result later reads these keys
-    if (result.at("backends").empty()) throw ConfigError(path, "backends", "at least one", "none");
+    if (result.at("engines").empty()) throw ConfigError(path, "engines", "at least one", "none");
     describe_bench(result);
     comparable_figures(result);
   } catch (const ordered_json::exception& error) {

@@ -18,13 +18,13 @@ namespace crossgait::benchmarks {
 const std::vector<std::string>& bench_sections();
 
 struct BenchOptions {
-  std::vector<std::string> backends;  ///< the first one is what times are compared to
+  std::vector<std::string> engines;   ///< the first one is what times are compared to
   std::vector<std::string> sections;  ///< empty: all
   bool quick = false;                 ///< fewer repetitions and shorter standing
 };
 
 /// If `progress` throws Interrupted, the sections that are finished, and "interrupted": true.
-/// @throws ConfigError for an unknown or repeated section or backend, or none
+/// @throws ConfigError for an unknown or repeated section or engine, or none
 /// @throws std::runtime_error if an engine diverges where it must not
 nlohmann::ordered_json run_bench(const BenchOptions& options, const Progress& progress);
 

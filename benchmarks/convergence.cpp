@@ -9,7 +9,7 @@
 
 namespace crossgait::benchmarks {
 
-std::vector<Convergence> measure_convergence(const std::vector<std::string>& backends,
+std::vector<Convergence> measure_convergence(const std::vector<std::string>& engines,
                                              const Progress& progress) {
   struct Quantity {
     const char* name;
@@ -26,14 +26,14 @@ std::vector<Convergence> measure_convergence(const std::vector<std::string>& bac
   }};
   std::vector<Convergence> results;
   for (const Quantity& quantity : kQuantities) {
-    for (const std::string& backend : backends) {
-      Convergence c{quantity.name, quantity.unit, backend, {4e-3, 2e-3, 1e-3, 5e-4}, {}, 0};
-      const Engine engine = find_engine(backend);
+    for (const std::string& name : engines) {
+      Convergence c{quantity.name, quantity.unit, name, {4e-3, 2e-3, 1e-3, 5e-4}, {}, 0};
+      const Engine engine = find_engine(name);
       for (const double h : c.step_s) c.error.push_back(quantity.error(engine, h));
       c.order = convergence_order(c.step_s, c.error);
       results.push_back(std::move(c));
       progress(static_cast<double>(results.size()) /
-               static_cast<double>(kQuantities.size() * backends.size()));
+               static_cast<double>(kQuantities.size() * engines.size()));
     }
   }
   return results;

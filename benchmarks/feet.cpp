@@ -114,7 +114,7 @@ void trot(PhysicsBackend& world, int strides, FootCard& card) {
   card.touchdowns = static_cast<int>(impulses.size());
   card.touchdown_impulse = impulses.empty() ? 0 : quantile(impulses, 0.5);
   card.touchdown_peak = peaks.empty() ? 0 : quantile(peaks, 0.5) / weight_of(world);
-  card.drag_per_stride_m = drag / (kLegCount * strides);
+  card.toe_drag_per_stride_m = drag / (kLegCount * strides);
   card.slip_per_stride_m = slip / (kLegCount * strides);
 }
 
@@ -122,14 +122,14 @@ void trot(PhysicsBackend& world, int strides, FootCard& card) {
 
 std::vector<FootCard> measure_feet(const FeetSettings& settings, const Progress& progress) {
   std::vector<FootCard> cards;
-  const double count = static_cast<double>(settings.terrains.size() * settings.backends.size());
+  const double count = static_cast<double>(settings.terrains.size() * settings.engines.size());
   for (const std::string& terrain : settings.terrains) {
-    for (const std::string& backend : settings.backends) {
+    for (const std::string& engine : settings.engines) {
       WorldSpec spec = scenes::world_of(scenes::quadruped());
       spec.terrain = make_terrain(terrain);
-      const auto world = make_backend(backend, spec);
+      const auto world = make_world(engine, spec);
       FootCard card;
-      card.backend = backend;
+      card.engine = engine;
       card.terrain = terrain;
       stand(*world, settings.stand_seconds, card);
       trot(*world, settings.strides, card);

@@ -9,7 +9,7 @@
 namespace crossgait::benchmarks {
 
 struct FeetSettings {
-  std::vector<std::string> backends;
+  std::vector<std::string> engines;
   std::vector<std::string> terrains{"flat", "rough:seed=1"};
   double stand_seconds = 60;
   int strides = 6;  ///< of each leg, at full step length
@@ -17,20 +17,20 @@ struct FeetSettings {
 
 /// One engine on one terrain, physics step 1 ms.
 struct FootCard {
-  std::string backend, terrain;
+  std::string engine, terrain;
   // Standing in the home pose.
   double stand_seconds = 0;
   double creep_mps = 0;      ///< of the foot that crept farthest, mean speed along the ground
   double penetration_m = 0;  ///< mean of the feet that touch
   double force_error = 0;    ///< mean vertical force over the weight, - 1
   // Trotting.
-  int strides = 0;               ///< of each leg
-  int touchdowns = 0;            ///< a foot that touches again after 20 ms without contact
-  double touchdown_impulse = 0;  ///< of the ground on the foot in the first 10 ms, median, N s
-  double touchdown_peak = 0;     ///< largest force in these 10 ms over the robot's weight, median
-  double drag_per_stride_m = 0;  ///< path of one foot on the ground while it should be in the air, mean
-  double slip_per_stride_m = 0;  ///< path that one foot slides while it should stand, mean
-  double deepest_m = 0;          ///< largest penetration of a foot
+  int strides = 0;                   ///< of each leg
+  int touchdowns = 0;                ///< a foot that touches again after 20 ms without contact
+  double touchdown_impulse = 0;      ///< of the ground on the foot in the first 10 ms, median, N s
+  double touchdown_peak = 0;         ///< largest force in these 10 ms over the robot's weight, median
+  double toe_drag_per_stride_m = 0;  ///< path of one foot on the ground while it should be in the air, mean
+  double slip_per_stride_m = 0;      ///< path that one foot slides while it should stand, mean
+  double deepest_m = 0;              ///< largest penetration of a foot
 };
 
 /// @throws std::runtime_error if an engine diverges

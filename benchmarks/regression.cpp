@@ -33,20 +33,20 @@ using Figures = std::vector<Figure>;
 
 void add_speed(const ordered_json& speed, const std::string& base, Figures& figures) {
   for (const ordered_json& r : speed.at("scenes")) {
-    if (r.at("backend") == base) continue;
+    if (r.at("engine") == base) continue;
     figures.push_back(
-        {fmt::format("speed, {}: time of {} over {}", text(r, "scene"), text(r, "backend"), base),
+        {fmt::format("speed, {}: time of {} over {}", text(r, "scene"), text(r, "engine"), base),
          magnitude(r, "ratio"), 0});
   }
   for (const ordered_json& r : speed.at("eta")) {
     figures.push_back(
-        {fmt::format("speed, walk on {}: time over that of {} alone", text(r, "terrain"), text(r, "backend")),
+        {fmt::format("speed, walk on {}: time over that of {} alone", text(r, "terrain"), text(r, "engine")),
          1 / magnitude(r, "eta"), 0});
   }
   for (const ordered_json& r : speed.at("threads")) {
     const int threads = r.at("threads");
     if (threads == 1) continue;
-    figures.push_back({fmt::format("speed, {} on {} threads: 1 / efficiency", text(r, "backend"), threads),
+    figures.push_back({fmt::format("speed, {} on {} threads: 1 / efficiency", text(r, "engine"), threads),
                        1 / magnitude(r, "efficiency"), 0});
   }
 }
@@ -56,20 +56,20 @@ void add_accuracy(const ordered_json& accuracy, const std::string& base, Figures
     return fmt::format("{}, {:g} ms", text(p, "terrain"), 1e3 * p.at("step_s").get<double>());
   };
   for (const ordered_json& p : accuracy.at("points")) {
-    const std::string at = setting(p), backend = text(p, "backend");
-    figures.push_back({fmt::format("accuracy, {}: base of {}, m", at, backend),
+    const std::string at = setting(p), engine = text(p, "engine");
+    figures.push_back({fmt::format("accuracy, {}: base of {}, m", at, engine),
                        magnitude(p, "position_error_m"), kLengthFloor});
-    figures.push_back({fmt::format("accuracy, {}: joints of {}, rad", at, backend),
+    figures.push_back({fmt::format("accuracy, {}: joints of {}, rad", at, engine),
                        magnitude(p, "joint_error_rad"), kRelativeFloor});
-    if (backend != base) {
-      figures.push_back({fmt::format("accuracy, {}: time of {} over {}", at, backend, base),
-                         magnitude(p, "cost_ratio"), 0});
+    if (engine != base) {
+      figures.push_back(
+          {fmt::format("accuracy, {}: time of {} over {}", at, engine, base), magnitude(p, "cost_ratio"), 0});
     }
   }
   for (const ordered_json& s : accuracy.at("stable_steps")) {
     const double largest = magnitude(s, "largest_s");
     figures.push_back({fmt::format("accuracy, {}: 1 / largest stable step of {}, 1/s", text(s, "terrain"),
-                                   text(s, "backend")),
+                                   text(s, "engine")),
                        std::isinf(largest) ? kInfinity : 1 / largest, 0});
   }
 }
@@ -77,13 +77,13 @@ void add_accuracy(const ordered_json& accuracy, const std::string& base, Figures
 void add_analytic(const ordered_json& analytic, Figures& figures) {
   for (const ordered_json& c : analytic.at("convergence")) {
     for (std::size_t i = 0; i < c.at("step_s").size(); ++i) {
-      figures.push_back({fmt::format("analytic, {} of {} at {:g} ms", text(c, "quantity"), text(c, "backend"),
+      figures.push_back({fmt::format("analytic, {} of {} at {:g} ms", text(c, "quantity"), text(c, "engine"),
                                      1e3 * c.at("step_s").at(i).get<double>()),
                          std::abs(c.at("error").at(i).get<double>()), kLengthFloor});
     }
   }
   for (const ordered_json& f : analytic.at("friction")) {
-    const std::string where = fmt::format("friction on the {} in {}", text(f, "ground"), text(f, "backend"));
+    const std::string where = fmt::format("friction on the {} in {}", text(f, "ground"), text(f, "engine"));
     figures.push_back(
         {"analytic, " + where + ": creep, m/s", magnitude(f, "creep_inside_mps"), kLengthFloor});
     figures.push_back(
@@ -106,14 +106,14 @@ void add_feet(const ordered_json& feet, Figures& figures) {
       {"touch-down impulse, N s", "touchdown_impulse_Ns", 0},
       {"touch-down peak over weight", "touchdown_peak_over_weight", 0},
       {"slip per stride, m", "slip_per_stride_m", kLengthFloor},
-      {"drag per stride, m", "drag_per_stride_m", kLengthFloor},
+      {"toe drag per stride, m", "toe_drag_per_stride_m", kLengthFloor},
       {"deepest penetration, m", "deepest_penetration_m", kLengthFloor},
   }};
   for (const ordered_json& c : feet) {
     for (const Column& column : kColumns) {
       figures.push_back({fmt::format("feet, {}, {:g} s, {} strides, {}: {}", text(c, "terrain"),
                                      c.at("stand_seconds").get<double>(), c.at("strides").get<int>(),
-                                     text(c, "backend"), column.name),
+                                     text(c, "engine"), column.name),
                          magnitude(c, column.key), column.floor});
     }
   }
@@ -132,7 +132,7 @@ double ratio(const Figure& before, const Figure& after) {
 
 Figures comparable_figures(const ordered_json& result) {
   Figures figures;
-  const std::string base = result.at("backends").at(0).at("name");
+  const std::string base = result.at("engines").at(0).at("name");
   if (result.contains("speed")) add_speed(result.at("speed"), base, figures);
   if (result.contains("accuracy")) add_accuracy(result.at("accuracy"), base, figures);
   if (result.contains("analytic")) add_analytic(result.at("analytic"), figures);

@@ -49,19 +49,19 @@ double run_together(std::vector<SceneRunner>& runners, int threads, int repeats)
 /// A recorded walk that can be run again as a walk and as bare steps.
 class Walk {
  public:
-  Walk(const std::string& backend, const std::string& terrain, double seconds) {
+  Walk(const std::string& engine, const std::string& terrain, double seconds) {
     WorldSpec spec = scenes::world_of(scenes::quadruped());
     spec.terrain = make_terrain(terrain);
-    world_ = make_backend(backend, spec);
+    world_ = make_world(engine, spec);
     timing_.seconds = seconds;
     timing_.settle_seconds = 0;  // an observer sees no targets of the settling
-    start_ = controller()->stand(spec.terrain, {});
+    start_ = controller()->initial_state(spec.terrain, {});
     const MotionSummary summary = run_walk(*world_, controller(), timing_, [this](const WalkSample& sample) {
       targets_.push_back(sample.targets.joints);
       return true;
     });
     if (summary.has(Outcome::kDiverged))
-      throw std::runtime_error(fmt::format("the walk in {} diverged", backend));
+      throw std::runtime_error(fmt::format("the walk in {} diverged", engine));
   }
 
   double steps() const {
@@ -105,10 +105,10 @@ class Walk {
 std::vector<ThreadSpeed> measure_scaling(const ScalingSettings& settings, const Progress& progress) {
   const SpeedScene scene = scene_named("trot_flat");
   const auto threads = static_cast<std::size_t>(settings.max_threads);
-  std::vector<std::vector<SceneRunner>> runners(settings.backends.size());
+  std::vector<std::vector<SceneRunner>> runners(settings.engines.size());
   for (std::size_t b = 0; b < runners.size(); ++b) {
     for (std::size_t t = 0; t < threads; ++t)
-      runners[b].emplace_back(scene, find_engine(settings.backends[b]));
+      runners[b].emplace_back(scene, find_engine(settings.engines[b]));
   }
   std::vector<std::vector<double>> speed(runners.size() * threads), efficiency(speed.size());
   for (int round = 0; round < settings.rounds; ++round) {
@@ -127,7 +127,7 @@ std::vector<ThreadSpeed> measure_scaling(const ScalingSettings& settings, const 
   }
   std::vector<ThreadSpeed> results;
   for (std::size_t i = 0; i < speed.size(); ++i) {
-    results.push_back({settings.backends[i / threads], static_cast<int>(i % threads) + 1,
+    results.push_back({settings.engines[i / threads], static_cast<int>(i % threads) + 1,
                        quartiles(speed[i]).median, quartiles(efficiency[i])});
   }
   return results;
@@ -138,8 +138,8 @@ std::vector<Overhead> measure_overhead(const OverheadSettings& settings, const P
   const std::vector<std::string> terrains{"flat", "rough:seed=1"};
   for (std::size_t k = 0; k < terrains.size(); ++k) {
     std::vector<Walk> walks;
-    for (const std::string& backend : settings.backends) {
-      walks.emplace_back(backend, terrains[k], settings.seconds);
+    for (const std::string& engine : settings.engines) {
+      walks.emplace_back(engine, terrains[k], settings.seconds);
     }
     std::vector<std::vector<double>> eta(walks.size()), walk_us(walks.size()), alone_us(walks.size());
     for (int round = 0; round < settings.rounds; ++round) {
@@ -153,7 +153,7 @@ std::vector<Overhead> measure_overhead(const OverheadSettings& settings, const P
                static_cast<double>(terrains.size()));
     }
     for (std::size_t i = 0; i < walks.size(); ++i) {
-      results.push_back({settings.backends[i], terrains[k], quartiles(eta[i]), quartiles(walk_us[i]).median,
+      results.push_back({settings.engines[i], terrains[k], quartiles(eta[i]), quartiles(walk_us[i]).median,
                          quartiles(alone_us[i]).median});
     }
   }

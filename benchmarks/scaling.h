@@ -9,15 +9,15 @@
 namespace crossgait::benchmarks {
 
 struct ScalingSettings {
-  std::vector<std::string> backends;
+  std::vector<std::string> engines;
   int max_threads = 1;
-  int rounds = 9;   ///< every backend and number of threads has its turn in each
+  int rounds = 9;   ///< every engine and number of threads has its turn in each
   int repeats = 6;  ///< of the scene by each thread in a turn
 };
 
 /// One engine on so many threads, a world of its own on each.
 struct ThreadSpeed {
-  std::string backend;
+  std::string engine;
   int threads = 1;
   double steps_per_second = 0;  ///< of all threads together, by the clock on the wall; median
   Quartiles efficiency;         ///< per thread, over that of one thread in the same round
@@ -27,7 +27,7 @@ struct ThreadSpeed {
 std::vector<ThreadSpeed> measure_scaling(const ScalingSettings& settings, const Progress& progress);
 
 struct OverheadSettings {
-  std::vector<std::string> backends;
+  std::vector<std::string> engines;
   int rounds = 15;
   double seconds = 2;  ///< of trot
 };
@@ -35,7 +35,7 @@ struct OverheadSettings {
 /// A walk (gait, kinematics, engine, statistics) against the engine alone on the servo targets recorded from
 /// it.
 struct Overhead {
-  std::string backend, terrain;
+  std::string engine, terrain;
   Quartiles eta;        ///< physics steps per second of the walk over those of the engine alone
   double walk_us = 0;   ///< per physics step, median
   double alone_us = 0;  ///< per physics step, median

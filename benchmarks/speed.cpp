@@ -86,7 +86,7 @@ std::vector<SceneSpeed> measure_speed(const SpeedSettings& settings, const Progr
   std::vector<SceneSpeed> results;
   for (std::size_t s = 0; s < all.size(); ++s) {
     std::vector<SceneRunner> runners;
-    for (const std::string& backend : settings.backends) runners.emplace_back(all[s], find_engine(backend));
+    for (const std::string& engine : settings.engines) runners.emplace_back(all[s], find_engine(engine));
     const std::size_t count = runners.size();
     std::vector<std::vector<double>> time(count), ratio(count);
     std::vector<double> contacts;
@@ -100,7 +100,7 @@ std::vector<SceneSpeed> measure_speed(const SpeedSettings& settings, const Progr
     }
     for (std::size_t i = 0; i < count; ++i) {
       results.push_back(
-          {all[s].name, settings.backends[i], contacts[i], quartiles(time[i]), quartiles(ratio[i])});
+          {all[s].name, settings.engines[i], contacts[i], quartiles(time[i]), quartiles(ratio[i])});
     }
   }
   return results;

@@ -25,16 +25,16 @@ struct SpeedScene {
 std::vector<SpeedScene> speed_scenes();
 
 struct SpeedSettings {
-  std::vector<std::string> backends;  ///< the first one is what the others are compared to
-  int rounds = 31;                    ///< every backend has its turn in each
+  std::vector<std::string> engines;  ///< the first one is what the others are compared to
+  int rounds = 31;                   ///< every engine has its turn in each
 };
 
 /// One scene in one engine.
 struct SceneSpeed {
-  std::string scene, backend;
+  std::string scene, engine;
   double contacts = 0;    ///< mean number per step
   Quartiles us_per_step;  ///< CPU time of the thread, us
-  Quartiles ratio;        ///< to the first backend in the same round
+  Quartiles ratio;        ///< to the first engine in the same round
 };
 
 /// A world that stands where a scene begins, and can be put back there bit for bit.

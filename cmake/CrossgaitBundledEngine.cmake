@@ -4,7 +4,7 @@
 # which only tests and benchmarks of its inside link, and the plug-in of plugin.cpp around it. NAMES are what it offers.
 # HEADERS are what the names of the engine's own headers begin with, which only its folder may include, and FILES parts of
 # the names of its libraries, which no program that opens plug-ins may be linked to (tests/layering, tests/support).
-# Where the package is missing, the build goes on, and `crossgait backends` says why the names are not available.
+# Where the package is missing, the build goes on, and `crossgait engines` says why the names are not available.
 include(CrossgaitEngine)
 set(CROSSGAIT_ENGINES_FOLDER ${PROJECT_BINARY_DIR}/engines)
 set(CROSSGAIT_ENGINES_INSTALL_FOLDER ${CMAKE_INSTALL_LIBDIR}/crossgait/engines)

@@ -14,21 +14,22 @@
 namespace crossgait::conformance {
 namespace {
 
-std::string with_unit(const Demand& demand) {
-  return demand.unit.empty() ? demand.what : fmt::format("{} ({})", demand.what, demand.unit);
+std::string with_unit(const Requirement& requirement) {
+  return requirement.unit.empty() ? requirement.what
+                                  : fmt::format("{} ({})", requirement.what, requirement.unit);
 }
 
 std::string describe(const Outcome& outcome) {
   const Check& check = *outcome.check;
-  std::string text = fmt::format("{:7} {}: {}\n", name(outcome.status), check.name, check.proves);
+  std::string text = fmt::format("{:7} {}: {}\n", name(outcome.status), check.name, check.statement);
   if (outcome.status == Status::kSkipped) text += fmt::format("          needs: {}\n", outcome.reason);
   if (outcome.status == Status::kFailed && !outcome.reason.empty())
     text += fmt::format("          {}\n", outcome.reason);
   for (std::size_t i = 0; i < outcome.values.size(); ++i) {
-    const Demand& demand = check.demands[i];
+    const Requirement& requirement = check.requirements[i];
     const double value = outcome.values[i];
-    text += fmt::format("        {} {:62} {:>10.4g}  {}\n", demand.holds(value) ? ' ' : '!',
-                        with_unit(demand), value, demand.bound());
+    text += fmt::format("        {} {:62} {:>10.4g}  {}\n", requirement.holds(value) ? ' ' : '!',
+                        with_unit(requirement), value, requirement.bound());
   }
   return text;
 }
@@ -48,18 +49,21 @@ nlohmann::ordered_json to_json(const Outcome& outcome) {
   const Check& check = *outcome.check;
   nlohmann::ordered_json measurements = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < outcome.values.size(); ++i) {
-    const Demand& demand = check.demands[i];
-    measurements.push_back({{"what", demand.what},
-                            {"unit", demand.unit},
+    const Requirement& requirement = check.requirements[i];
+    measurements.push_back({{"what", requirement.what},
+                            {"unit", requirement.unit},
                             {"value", number(outcome.values[i])},
-                            {"low", number(demand.low)},
-                            {"high", number(demand.high)},
-                            {"why", demand.reason},
-                            {"holds", demand.holds(outcome.values[i])}});
+                            {"low", number(requirement.low)},
+                            {"high", number(requirement.high)},
+                            {"why", requirement.reason},
+                            {"holds", requirement.holds(outcome.values[i])}});
   }
-  return {{"name", check.name},       {"proves", check.proves},
-          {"needs", check.need.what}, {"status", name(outcome.status)},
-          {"reason", outcome.reason}, {"measurements", std::move(measurements)}};
+  return {{"name", check.name},
+          {"statement", check.statement},
+          {"precondition", check.precondition.what},
+          {"status", name(outcome.status)},
+          {"reason", outcome.reason},
+          {"measurements", std::move(measurements)}};
 }
 
 std::vector<const Check*> chosen_checks(const std::vector<std::string>& only) {
@@ -108,7 +112,7 @@ std::string_view name(Status status) {
 
 std::string describe(const Card& card) {
   const EngineInfo& engine = card.engine;
-  std::string text = fmt::format("{}: {} {}, {}\n", engine.name, engine.engine, engine.version, engine.mode);
+  std::string text = fmt::format("{}: {} {}, {}\n", engine.name, engine.library, engine.version, engine.mode);
   for (const Outcome& outcome : card.outcomes) text += describe(outcome);
   text += fmt::format("\n{} passed", counted(static_cast<std::size_t>(card.count(Status::kPassed)), "check"));
   for (const Status status : {Status::kFailed, Status::kSkipped})
@@ -122,7 +126,7 @@ nlohmann::ordered_json to_json(const Card& card) {
   for (const Outcome& outcome : card.outcomes) checks.push_back(to_json(outcome));
   return with_schema("conformance", {{"engine",
                                       {{"name", engine.name},
-                                       {"engine", engine.engine},
+                                       {"library", engine.library},
                                        {"version", engine.version},
                                        {"mode", engine.mode},
                                        {"contact_law", engine.laws.contact},
@@ -138,11 +142,12 @@ std::string markdown_of_checks() {
   std::string text =
       "| check | what it proves; what is demanded | bound | why just there |\n|---|---|---|---|\n";
   for (const Check& check : checks()) {
-    const std::string need = check.need.what.empty() ? "" : fmt::format(" Needs: {}.", check.need.what);
-    text += fmt::format("| `{}` | **{}.**{} | | |\n", check.name, cell(check.proves), cell(need));
-    for (const Demand& demand : check.demands)
-      text +=
-          fmt::format("| | {} | {} | {} |\n", cell(with_unit(demand)), demand.bound(), cell(demand.reason));
+    const std::string precondition =
+        check.precondition.what.empty() ? "" : fmt::format(" Needs: {}.", check.precondition.what);
+    text += fmt::format("| `{}` | **{}.**{} | | |\n", check.name, cell(check.statement), cell(precondition));
+    for (const Requirement& requirement : check.requirements)
+      text += fmt::format("| | {} | {} | {} |\n", cell(with_unit(requirement)), requirement.bound(),
+                          cell(requirement.reason));
   }
   return text;
 }

@@ -33,7 +33,7 @@ std::string describe(const Card& card);
 /// docs/schemas/conformance.json.
 nlohmann::ordered_json to_json(const Card& card);
 
-/// All checks with what they prove, demand and need, as the table in docs/adding-an-engine.md.
+/// All checks with what they prove, requirement and precondition, as the table in docs/adding-an-engine.md.
 std::string markdown_of_checks();
 
 }  // namespace crossgait::conformance

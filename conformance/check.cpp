@@ -22,27 +22,27 @@ Subject subject_of(std::string_view engine) {
   return subject;
 }
 
-bool Demand::holds(double value) const noexcept {
+bool Requirement::holds(double value) const noexcept {
   return std::isfinite(value) && value >= low && value <= high;
 }
 
-std::string Demand::bound() const {
+std::string Requirement::bound() const {
   if (std::isinf(low)) return std::isinf(high) ? "reported" : fmt::format("<= {:.4g}", high);
   if (std::isinf(high)) return fmt::format(">= {:.4g}", low);
   return fmt::format("{:.4g} to {:.4g}", low, high);
 }
 
-Demand at_most(double bound, std::string what, std::string unit, std::string reason) {
+Requirement at_most(double bound, std::string what, std::string unit, std::string reason) {
   return {std::move(what), std::move(unit), -std::numeric_limits<double>::infinity(), bound,
           std::move(reason)};
 }
 
-Demand at_least(double bound, std::string what, std::string unit, std::string reason) {
+Requirement at_least(double bound, std::string what, std::string unit, std::string reason) {
   return {std::move(what), std::move(unit), bound, std::numeric_limits<double>::infinity(),
           std::move(reason)};
 }
 
-Demand between(double low, double high, std::string what, std::string unit, std::string reason) {
+Requirement between(double low, double high, std::string what, std::string unit, std::string reason) {
   return {std::move(what), std::move(unit), low, high, std::move(reason)};
 }
 
@@ -61,9 +61,9 @@ const std::vector<Check>& checks() {
 
 Outcome run_check(const Check& check, const Subject& subject) {
   Outcome outcome{&check, Status::kFailed, {}, ""};
-  if (check.need.is_met != nullptr && !check.need.is_met(subject)) {
+  if (check.precondition.is_met != nullptr && !check.precondition.is_met(subject)) {
     outcome.status = Status::kSkipped;
-    outcome.reason = check.need.what;
+    outcome.reason = check.precondition.what;
     return outcome;
   }
   try {
@@ -72,12 +72,12 @@ Outcome run_check(const Check& check, const Subject& subject) {
     outcome.reason = error.what();
     return outcome;
   }
-  if (outcome.values.size() != check.demands.size())
-    throw std::logic_error(
-        fmt::format("{}: {} values for {} demands", check.name, outcome.values.size(), check.demands.size()));
+  if (outcome.values.size() != check.requirements.size())
+    throw std::logic_error(fmt::format("{}: {} values for {} requirements", check.name, outcome.values.size(),
+                                       check.requirements.size()));
   bool all_hold = true;
   for (std::size_t i = 0; i < outcome.values.size(); ++i)
-    all_hold = all_hold && check.demands[i].holds(outcome.values[i]);
+    all_hold = all_hold && check.requirements[i].holds(outcome.values[i]);
   if (all_hold) outcome.status = Status::kPassed;
   return outcome;
 }

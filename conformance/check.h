@@ -28,7 +28,7 @@ Subject subject_of(std::string_view engine);
 
 /// A number that a check measures, and where it has to lie, bounds included. One that is not finite lies
 /// nowhere.
-struct Demand {
+struct Requirement {
   std::string what, unit;  ///< unit is empty for a pure number
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -40,23 +40,23 @@ struct Demand {
 };
 
 /// At most so much. @param reason  why just there
-Demand at_most(double bound, std::string what, std::string unit, std::string reason);
-Demand at_least(double bound, std::string what, std::string unit, std::string reason);
-Demand between(double low, double high, std::string what, std::string unit, std::string reason);
+Requirement at_most(double bound, std::string what, std::string unit, std::string reason);
+Requirement at_least(double bound, std::string what, std::string unit, std::string reason);
+Requirement between(double low, double high, std::string what, std::string unit, std::string reason);
 
 /// What an engine declares, without which a check means nothing: the only thing that one is skipped for.
-struct Need {
+struct Precondition {
   std::string what;  ///< in words: "Laws::joint_friction is not empty"; empty if there is none
   bool (*is_met)(const Subject&) = nullptr;
 };
 
 struct Check {
-  std::string name;    ///< "free_fall"
-  std::string proves;  ///< one sentence
-  std::vector<Demand> demands;
-  /// One value for each demand, in their order. Throws if the engine diverges or refuses.
+  std::string name;       ///< "free_fall"
+  std::string statement;  ///< one sentence
+  std::vector<Requirement> requirements;
+  /// One value for each requirement, in their order. Throws if the engine diverges or refuses.
   std::function<std::vector<double>(const Subject&)> measure;
-  Need need = {};
+  Precondition precondition = {};
 };
 
 /// All, in an order in which a fault shows first where its cause is.
@@ -67,7 +67,7 @@ enum class Status { kPassed, kFailed, kSkipped };
 struct Outcome {
   const Check* check = nullptr;
   Status status = Status::kFailed;
-  std::vector<double> values;  ///< of the demands; empty where nothing was measured
+  std::vector<double> values;  ///< of the requirements; empty where nothing was measured
   std::string reason;          ///< what was thrown, or the need that is not met
 };
 

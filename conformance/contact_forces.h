@@ -16,9 +16,9 @@ inline double sinking(double force, double inverse_weight) {
   return R * force / (K * soft.impedance_min);
 }
 
-inline Vector3 total_force(const PhysicsBackend& backend) {
+inline Vector3 total_force(const PhysicsBackend& world) {
   Vector3 sum = Vector3::Zero();
-  for (const Contact& c : backend.contacts()) sum += c.force;
+  for (const Contact& c : world.contacts()) sum += c.force;
   return sum;
 }
 

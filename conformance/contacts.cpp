@@ -184,7 +184,7 @@ std::vector<Check> contact_checks() {
        {at_most(0, "steps in which a standing foot does not touch", "", "as `contact_geometry`"),
         at_most(0.2, "load of swinging feet over that of standing ones", "",
                 "hard contact lets the robot tip on to a corner: it drags a foot"),
-        at_least(0.3, "way in 5 s", "m", "it walks; .46 to .48 in MuJoCo and Bullet")},
+        at_least(0.3, "way in 5 s", "m", "it walks; 0.46 to 0.48 in MuJoCo and Bullet")},
        trotting},
       {"no_contact",
        "A foot that is held up does not touch, nor does anything in the air",

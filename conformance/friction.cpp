@@ -92,12 +92,12 @@ std::vector<double> slip_speed(const Subject& subject) {
   return {worst, static_cast<double>(world->contacts().count)};
 }
 
-std::vector<Demand> cone_demands() {
+std::vector<Requirement> cone_requirements() {
   return {at_most(1, "creeps a tenth inside the cone, over what the law allows", "",
                   "soft: 1.05 R f / B of the law; hard: 1e-5 m/s, the solver's tolerance"),
-          at_most(1, "creeps in .3 s, over what the law allows", "", "the same"),
+          at_most(1, "creeps in 0.3 s, over what the law allows", "", "the same"),
           at_most(0.01, "slides a tenth outside, off a t^2 / 2, relative", "",
-                  "half a step late (.3 %), and a soft contact hops under way"),
+                  "half a step late (0.3 %), and a soft contact hops under way"),
           at_most(0.01, "range over eight headings, relative", "", "the same"),
           at_most(1e-3, "off the line of fall, share of the way", "", "friction opposes slip")};
 }
@@ -107,9 +107,11 @@ std::vector<Demand> cone_demands() {
 std::vector<Check> friction_checks() {
   return {
       {"friction_cone_plane", "Coulomb's cone, not a pyramid, on the plane under tilted gravity",
-       cone_demands(), [](const Subject& subject) { return friction_cone(subject, scenes::tilted_gravity); }},
+       cone_requirements(),
+       [](const Subject& subject) { return friction_cone(subject, scenes::tilted_gravity); }},
       {"friction_cone_field", "The same on a height field: normals and tangents of its triangles",
-       cone_demands(), [](const Subject& subject) { return friction_cone(subject, scenes::inclined_field); }},
+       cone_requirements(),
+       [](const Subject& subject) { return friction_cone(subject, scenes::inclined_field); }},
       {"soft_friction",
        "Soft friction creeps by R f / B, and R is impratio times smaller than the normal's",
        {at_least(1e-4, "creeps", "m/s", "a tenth of what the law says: it is there"),
@@ -130,11 +132,11 @@ std::vector<Check> friction_checks() {
        sled_stops},
       {"no_friction",
        "Without friction nothing brakes",
-       {at_most(1e-4, "speed lost of 1 m/s in .5 s", "m/s", "MuJoCo's least coefficient, 1e-5, takes 5e-5")},
+       {at_most(1e-4, "speed lost of 1 m/s in 0.5 s", "m/s", "MuJoCo's least coefficient, 1e-5, takes 5e-5")},
        no_friction},
       {"slip_speed",
        "slip_speed is that of the body at the point before the step",
-       {at_most(1e-9, "off the sled's .5 m/s", "m/s", "at rest otherwise, to 1e-9 m/s"),
+       {at_most(1e-9, "off the sled's 0.5 m/s", "m/s", "at rest otherwise, to 1e-9 m/s"),
         at_least(3, "contacts", "", "three runners at least carry it")},
        slip_speed},
   };

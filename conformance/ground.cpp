@@ -107,7 +107,7 @@ std::vector<Check> ground_checks() {
         at_most(1e-3, "a sled rests on it, off", "m", "soft contact sinks less; margins are thinner")},
        level_field},
       {"home_above_ground",
-       "At home a robot is clear of the ground, by .1 mm, and nothing is reported to touch",
+       "At home a robot is clear of the ground, by 0.1 mm, and nothing is reported to touch",
        {at_most(0, "contacts in the first step", "",
                 "a point above the ground that carries nothing is no contact")},
        home_above_ground},

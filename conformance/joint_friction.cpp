@@ -136,8 +136,9 @@ std::vector<double> stays_still(const Subject& subject) {
 }  // namespace
 
 std::vector<Check> joint_friction_checks() {
-  const Need need{"Laws::joint_friction is not empty",
-                  [](const Subject& subject) { return !subject.engine.info.laws.joint_friction.empty(); }};
+  const Precondition precondition{"Laws::joint_friction is not empty", [](const Subject& subject) {
+                                    return !subject.engine.info.laws.joint_friction.empty();
+                                  }};
   const std::string creeps = "of the soft law: R f / B; hard friction does not give way";
   return {
       {"joint_friction_pendulum",
@@ -148,32 +149,32 @@ std::vector<Check> joint_friction_checks() {
         at_most(1.01, "creeps once stopped, over what the law allows", "",
                 creeps + "; the torque falls on the way")},
        friction_pendulum,
-       need},
+       precondition},
       {"joint_friction_coasting",
        "A joint without load coasts to rest at constant deceleration",
        {at_most(1e-9, "speed, off", "rad/s", "solvers stop early"),
         at_most(2e-3, "way, off", "rad", "v h / 2 ahead, and the way of MuJoCo's damper to its end"),
         at_most(1e-9, "creeps at rest", "rad", "nothing moves it; a damper's end is exponential")},
        coasting,
-       need},
+       precondition},
       {"joint_friction_holding",
        "Friction holds what is below it and gives way to what is above it",
        {at_most(1.001, "creeps in a second, over what the law allows", "", creeps),
         between(0.99, 1.01, "speed after ten steps of a tenth above, over the excess torque's", "",
                 "the angle has changed little")},
        holding,
-       need},
+       precondition},
       {"joint_friction_reported",
        "joint_friction() is what the engine holds, joint by joint",
        {at_most(0, "off", "N m", "the same numbers")},
        reported,
-       need},
+       precondition},
       {"joint_friction_standing",
        "Friction keeps a standing robot still: solved along with loops and contacts",
        {at_most(1, "joints move in a second, over what the law allows", "",
                 "no row of friction gives way faster, nor more than its bound")},
        stays_still,
-       need},
+       precondition},
   };
 }
 

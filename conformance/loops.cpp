@@ -52,7 +52,7 @@ std::vector<Check> loop_checks() {
        "Loops stay closed in a trot, and close when they are let go open",
        {at_most(1e-3, "largest gap in a trot", "m", "five times what MuJoCo's law comes to"),
         at_least(1e-4, "let go open by", "m", "something is there to be closed"),
-        at_most(1e-5, "left of it after .5 s in the air", "m",
+        at_most(1e-5, "left of it after 0.5 s in the air", "m",
                 "twenty times what the weight of the links keeps open")},
        loops_closed},
       {"loop_softness",

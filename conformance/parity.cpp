@@ -160,7 +160,7 @@ std::vector<double> step_time(const Subject& subject) {
   return {quartiles.median, quartiles.high - quartiles.low, benchmarks::quartiles(micro_seconds).median};
 }
 
-std::vector<Demand> same_demands() {
+std::vector<Requirement> same_requirements() {
   const std::string reason = "a hundred times what was measured between MuJoCo and `bullet:matched`";
   return {at_most(kSameLength, "bases apart", "m", reason),
           at_most(kSameAngle, "joints apart", "rad", reason),
@@ -172,11 +172,12 @@ std::vector<Demand> same_demands() {
 }  // namespace
 
 std::vector<Check> parity_checks() {
-  const Need same{"another engine declares the same Laws",
-                  [](const Subject& subject) { return other_of_same_laws(subject) != nullptr; }};
-  const Need different{"another engine declares other Laws",
-                       [](const Subject& subject) { return other_of_other_laws(subject) != nullptr; }};
-  const Need beside{"there is another engine", has_other};
+  const Precondition same{"another engine declares the same Laws",
+                          [](const Subject& subject) { return other_of_same_laws(subject) != nullptr; }};
+  const Precondition different{"another engine declares other Laws", [](const Subject& subject) {
+                                 return other_of_other_laws(subject) != nullptr;
+                               }};
+  const Precondition beside{"there is another engine", has_other};
   const std::string band = "what engines of different laws come to (docs/parity-measurements.md)";
   return {
       {"model_audit",
@@ -184,15 +185,16 @@ std::vector<Check> parity_checks() {
        {at_most(0, "findings", "", "audit_models, whose tolerances are rounding or the declared ones")},
        model_audit,
        beside},
-      {"same_swing", "Engines of the same laws tumble and swing alike", same_demands(), same_swing, same},
-      {"same_trot_flat", "Engines of the same laws trot alike on the plane", same_demands(),
-       [](const Subject& subject) { return same_trot(subject, "flat"); }, same},
-      {"same_trot_rough", "Engines of the same laws trot alike on rough ground", same_demands(),
-       [](const Subject& subject) { return same_trot(subject, "rough:seed=1,size_x=4,size_y=2"); }, same},
-      {"same_sled", "Engines of the same laws share a load between contacts alike", same_demands(), same_sled,
+      {"same_swing", "Engines of the same laws tumble and swing alike", same_requirements(), same_swing,
        same},
+      {"same_trot_flat", "Engines of the same laws trot alike on the plane", same_requirements(),
+       [](const Subject& subject) { return same_trot(subject, "flat"); }, same},
+      {"same_trot_rough", "Engines of the same laws trot alike on rough ground", same_requirements(),
+       [](const Subject& subject) { return same_trot(subject, "rough:seed=1,size_x=4,size_y=2"); }, same},
+      {"same_sled", "Engines of the same laws share a load between contacts alike", same_requirements(),
+       same_sled, same},
       {"same_joint_friction", "Engines of the same laws trot alike with dry friction in their joints",
-       same_demands(), same_joint_friction, same},
+       same_requirements(), same_joint_friction, same},
       {"walks_as_far",
        "A trot is a trot: as far and as level as in the first engine of other laws",
        {between(0.92, 1.08, "way over the other's, plane", "", band),

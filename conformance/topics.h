@@ -30,7 +30,7 @@ WorldSpec world_on(const char* terrain, const scenes::RobotPtr& robot);
 /// Whether contact is soft by declaration.
 bool is_soft(const Subject& subject);
 
-/// Of its poses by forward kinematics of the state, m.
+/// Returns the largest loop gap of its poses by forward kinematics of the state, m.
 double loop_gap(const PhysicsBackend& world);
 
 }  // namespace crossgait::conformance

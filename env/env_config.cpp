@@ -141,10 +141,10 @@ EnvConfig joint_environment() {
   config.reward.fill(0);
   for (const auto& [term, weight] : {std::pair{"velocity_tracking", 1.0},
                                      {"yaw_rate_tracking", 0.3},
-                                     {"orientation", -2.0},
-                                     {"action_rate", -0.01},
+                                     {"flat_orientation_l2", -2.0},
+                                     {"action_rate_l2", -0.01},
                                      {"foot_slip", -1.0},
-                                     {"fall", -10.0}})
+                                     {"termination", -10.0}})
     config.reward[find_reward_term(term)] = weight;
   return config;
 }

@@ -25,7 +25,7 @@ std::string_view name(ActionKind kind) noexcept;
 
 /// The initialisers are the defaults. `docs/environment.md` shows the same as YAML.
 struct EnvConfig {
-  std::string engine = "mujoco";          ///< see `crossgait backends`; used by whoever makes it
+  std::string engine = "mujoco";          ///< see `crossgait engines`; used by whoever makes it
   std::string robot = "scara_quadruped";  ///< a bundled robot or a file
   std::string terrain = "flat";           ///< as `make_terrain` takes it
   std::uint64_t terrain_seed = 0;
@@ -37,7 +37,7 @@ struct EnvConfig {
                                ///< heading_hold is of those that adapt a gait
 
   std::string gait = "trot";
-  /// Of the gait at the start of an episode; what is not set is as the gait prefers at the robot's size
+  /// Sets the gait at the start of an episode; what is not set is as the gait prefers at the robot's size
   /// (EnvModel::parameters).
   GaitSettings parameters;
   std::vector<std::string> adapt = AdaptiveGaitOptions{}.parameters;  ///< parameters that the action changes
@@ -55,7 +55,8 @@ struct EnvConfig {
   double episode_seconds = 20;  ///< then an episode is truncated
   double settle_seconds = 0.5;  ///< standing before the first observation
   double tilt_limit_deg = 60;   ///< roll or pitch beyond it is a fall
-  OutcomeSet ends = OutcomeSet::of_episodes();  ///< outcomes that end an episode; divergence always does
+  OutcomeSet terminations =
+      OutcomeSet::of_episodes();  ///< outcomes that end an episode; divergence always does
   Randomisation randomisation;
 
   std::string source = "environment";  ///< the file that it was read from, for messages

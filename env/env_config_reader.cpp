@@ -228,7 +228,6 @@ std::string resolved(const std::string& text, const std::string& from, bool is_f
 }
 
 void read_world(const YamlValue& root, EnvConfig& config) {
-  read(root, "backend", config.engine);  // its name before plug-ins
   read(root, "engine", config.engine);
   if (const auto robot = root.find("robot")) {
     config.robot = resolved(robot->text(), root.source(), is_robot_file(robot->text()));
@@ -243,11 +242,11 @@ void read_world(const YamlValue& root, EnvConfig& config) {
 }
 
 void read_ends(const YamlValue& root, EnvConfig& config) {
-  const auto ends = root.find("ends");
+  const auto ends = root.find("terminations");
   if (!ends) return;
-  config.ends = OutcomeSet::that_end({});
+  config.terminations = OutcomeSet::of_names({});
   for (const YamlValue& item : ends->items())
-    config.ends.add(named(item, [](const std::string& name) { return find_ending_outcome(name); }));
+    config.terminations.add(named(item, [](const std::string& name) { return find_termination(name); }));
 }
 
 // What the rest of the file comes on top of.
@@ -264,12 +263,12 @@ EnvConfig read_beginning(const YamlValue& root) {
 
 // What the file says, on top of `config`.
 EnvConfig read_onto(EnvConfig config, const YamlValue& root) {
-  root.allow_keys({"preset",         "engine",     "backend",      "robot",           "terrain",
-                   "terrain_seed",   "friction",   "servos",       "action",          "joints",
-                   "gait",           "parameters", "adapt",        "ranges",          "delta_scales",
-                   "residual_scale", "command",    "heading_hold", "observation",     "reward",
-                   "physics_dt",     "control_dt", "policy_dt",    "episode_seconds", "settle_seconds",
-                   "tilt_limit_deg", "ends",       "randomisation"});
+  root.allow_keys({"preset",       "engine",       "robot",           "terrain",        "terrain_seed",
+                   "friction",     "servos",       "action",          "joints",         "gait",
+                   "parameters",   "adapt",        "ranges",          "delta_scales",   "residual_scale",
+                   "command",      "heading_hold", "observation",     "reward",         "physics_dt",
+                   "control_dt",   "policy_dt",    "episode_seconds", "settle_seconds", "tilt_limit_deg",
+                   "terminations", "randomisation"});
   config.source = root.source();
   read_world(root, config);
   read_servos(root, config);

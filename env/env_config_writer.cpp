@@ -169,7 +169,7 @@ Json to_json(const EnvConfig& c) {
   out["episode_seconds"] = c.episode_seconds;
   out["settle_seconds"] = c.settle_seconds;
   out["tilt_limit_deg"] = c.tilt_limit_deg;
-  out["ends"] = outcome_names(c.ends);
+  out["terminations"] = outcome_names(c.terminations);
   add(out, "randomisation", randomisation_json(c.randomisation));
   return out;
 }

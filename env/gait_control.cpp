@@ -3,8 +3,9 @@
 namespace crossgait {
 
 GaitControl::GaitControl(const EnvModel& model)
-    : GaitWalker(model.make_controller(), LegController(model.world.robot, {}, weight_per_mass(model.world)),
-                 model.heading_hold) {}
+    : GaitWalker(model.make_controller(),
+                 FootTargetTracker(model.world.robot, {}, weight_per_mass(model.world)), model.heading_hold) {
+}
 
 void GaitControl::restart(const std::optional<VelocityCommand>& command) {
   follow(command);

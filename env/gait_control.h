@@ -12,7 +12,7 @@ namespace crossgait {
 /// The gait of an episode. A value: a copy goes on from there.
 class GaitControl final : public GaitWalker<AdaptiveGaitController> {
  public:
-  /// @throws ConfigError as LegController
+  /// @throws ConfigError as FootTargetTracker
   explicit GaitControl(const EnvModel& model);
 
   /// An episode begins, from the stand. @param command  empty: steps of step_length

@@ -59,16 +59,16 @@ void JointControl::apply(std::span<const double> action) noexcept {
   for (std::size_t i = 0; i < slots_.size(); ++i) wanted_.q[slots_[i]] = home_[i] + scale_[i] * action[i];
 }
 
-RobotState JointControl::stand(const Terrain& terrain, const Placement& placement) const {
+RobotState JointControl::initial_state(const Terrain& terrain, const Placement& placement) const {
   return standing_on(terrain, placement, *robot_, standing_);
 }
 
-void JointControl::hold(double /*dt*/, ControlTargets& out) noexcept {
+void JointControl::hold_pose(double /*dt*/, ControlTargets& out) noexcept {
   out.joints = line_.empty() ? wanted_ : line_[oldest_];
 }
 
 void JointControl::advance(double dt, ControlTargets& out) noexcept {
-  hold(dt, out);
+  hold_pose(dt, out);
   out.velocity = command_;
   if (line_.empty()) return;
   line_[oldest_] = wanted_;

@@ -23,8 +23,8 @@ class JointControl final : public Controller {
   void apply(std::span<const double> action) noexcept;
   void set_command(const VelocityCommand& command) noexcept { command_ = command; }
 
-  RobotState stand(const Terrain& terrain, const Placement& placement) const override;
-  void hold(double dt, ControlTargets& out) noexcept override;
+  RobotState initial_state(const Terrain& terrain, const Placement& placement) const override;
+  void hold_pose(double dt, ControlTargets& out) noexcept override;
   void advance(double dt, ControlTargets& out) noexcept override;
 
  private:

@@ -61,24 +61,22 @@ void put(double*& out, const JointVector& values, std::span<const int> joints) {
   for (const int i : joints) *out++ = values[i];
 }
 
-const RobotState& state(const Source& s) { return s.backend.state(); }
+const RobotState& state(const Source& s) { return s.world.state(); }
 double yaw(const Source& s) { return roll_pitch_yaw(state(s).q_WB).z(); }
 
 Vector3 in_base(const Source& s, const Vector3& v_W) { return state(s).q_WB.conjugate() * v_W; }
 
-double ring_radius(const Source& s) {
-  return kTerrainRingRadius * gait_scale(*s.backend.spec().robot).length;
-}
+double ring_radius(const Source& s) { return kTerrainRingRadius * gait_scale(*s.world.spec().robot).length; }
 
 void write_ring_over(double level, const Source& s, double*& out) {
   const Vector3& p = state(s).p_WB;
-  for (const double height : sample_ring(s.backend.spec().terrain, p.x(), p.y(), yaw(s), ring_radius(s)))
+  for (const double height : sample_ring(s.world.spec().terrain, p.x(), p.y(), yaw(s), ring_radius(s)))
     put(out, height - level);
 }
 
 double ground_below(const Source& s) {
   const Vector3& p = state(s).p_WB;
-  return s.backend.spec().terrain.height(p.x(), p.y());
+  return s.world.spec().terrain.height(p.x(), p.y());
 }
 
 void write_engine_terrain(const Source& s, double*& out) {
@@ -87,9 +85,9 @@ void write_engine_terrain(const Source& s, double*& out) {
   for (int k = 0; k < kRingSize; ++k) {
     const double angle = heading - 2 * M_PI * k / kRingSize;
     const double x = p.x() + radius * std::cos(angle), y = p.y() + radius * std::sin(angle);
-    const double height = s.backend.terrain_height(x, y);
+    const double height = s.world.terrain_height(x, y);
     // A ray that meets no ground, past the border, sees what the shared field says: its nearest point.
-    put(out, std::isfinite(height) ? height : s.backend.spec().terrain.height(x, y));
+    put(out, std::isfinite(height) ? height : s.world.spec().terrain.height(x, y));
   }
 }
 
@@ -156,7 +154,7 @@ constexpr std::array kBlocks{
                        out += count;
                      },
                      kNeedsGait},
-    ObservationBlock{"terrain", "heights of the shared terrain on a ring of .15 m about the base", false,
+    ObservationBlock{"terrain", "heights of the shared terrain on a ring of 0.15 m about the base", false,
                      [](const Context&, Layout& l) { describe_ring(l, "terrain"); },
                      [](const Source& s, double*& out) { write_ring_over(0, s, out); }},
     ObservationBlock{"terrain_local", "the same over the height of the ground below the base", false,

@@ -18,7 +18,7 @@ namespace crossgait {
 
 /// What there is to see at one instant. References are valid during the call alone.
 struct ObservationSource {
-  const PhysicsBackend& backend;
+  const PhysicsBackend& world;
   const FootStates& feet;
   const LegArray<FootContact>& contacts;
   const AdaptiveGaitController* gait;  ///< null where actions command joints

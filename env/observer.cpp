@@ -51,8 +51,8 @@ Observer::Observer(const std::vector<ObservationTerm>& terms, const ObservationC
   const auto within_policy_step = [policy_dt](const ObservationTerm& term) {
     return term.delay > 0 && !is_whole_multiple(term.delay, policy_dt);
   };
-  looks_between_ = std::any_of(terms.begin(), terms.end(), within_policy_step);
-  const double between_looks = looks_between_ ? control_dt : policy_dt;
+  samples_substeps_ = std::any_of(terms.begin(), terms.end(), within_policy_step);
+  const double between_looks = samples_substeps_ ? control_dt : policy_dt;
   for (const ObservationTerm& term : terms) {
     const ObservationBlock& block = find_observation_block(term.block);
     Layout entries;
@@ -95,7 +95,7 @@ void Observer::write(const Term& term, const ObservationSource& source, double* 
   }
 }
 
-void Observer::look(const ObservationSource& source) noexcept {
+void Observer::sample(const ObservationSource& source) noexcept {
   if (rows_ == 0) return;
   newest_ = (newest_ + 1) % rows_;
   double* row = memory_.data() + static_cast<std::size_t>(newest_) * row_;
@@ -111,7 +111,7 @@ void Observer::look(const ObservationSource& source) noexcept {
 }
 
 void Observer::observe(const ObservationSource& source, std::span<double> out) noexcept {
-  look(source);
+  sample(source);
   double* next = out.data();
   for (const Term& term : terms_) {
     if (!term.remembered) {

@@ -30,8 +30,8 @@ class Observer {
   void restart(std::uint64_t seed) noexcept;
   /// Whether `look` wants to be called after each control step within a policy step, for delays that end
   /// there.
-  bool looks_between() const noexcept { return looks_between_; }
-  void look(const ObservationSource& source) noexcept;
+  bool samples_substeps() const noexcept { return samples_substeps_; }
+  void sample(const ObservationSource& source) noexcept;
   /// Looks, and writes what is to be seen. @param out  of layout().size()
   void observe(const ObservationSource& source, std::span<double> out) noexcept;
 
@@ -55,7 +55,7 @@ class Observer {
   std::vector<double> memory_;  // a row per look, the last of them at newest_
   std::size_t row_ = 0;         // numbers in it
   int rows_ = 0, newest_ = 0;
-  bool looks_between_ = false, empty_ = true;
+  bool samples_substeps_ = false, empty_ = true;
   Random noise_;
 };
 

@@ -31,7 +31,7 @@ constexpr std::uint64_t kNoiseStream = 0x6e6f697365;  // "noise": random numbers
 
 QuadrupedEnv::QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine)
     : model_(std::move(model)), engine_(std::move(engine)), episode_(make_episode()) {
-  if (!config().randomisation.changes_world()) backend_ = engine_.make(model_->world);
+  if (!config().randomisation.changes_world()) world_ = engine_.make(model_->world);
 }
 
 QuadrupedEnv::QuadrupedEnv(const LoadedEnv& loaded, Engine engine)
@@ -41,9 +41,10 @@ QuadrupedEnv::Episode QuadrupedEnv::make_episode() const {
   const EnvConfig& c = config();
   OutcomeLimits limits;
   limits.tilt_deg = c.tilt_limit_deg;
-  Episode episode{.control = make_control(*model_),
-                  .loop = ClosedLoop(*model_->world.robot, {c.control_dt, c.settle_seconds, limits, c.ends}),
-                  .observer = model_->observer};
+  Episode episode{
+      .control = make_control(*model_),
+      .loop = ClosedLoop(*model_->world.robot, {c.control_dt, c.settle_seconds, limits, c.terminations}),
+      .observer = model_->observer};
   if (const auto* control = std::get_if<GaitControl>(&episode.control))
     episode.parameters.assign(control->controller().adapted().size(), 0);
   episode.last_parameters = episode.parameters;
@@ -63,12 +64,12 @@ Controller& QuadrupedEnv::control() noexcept {
   return *std::get_if<JointControl>(&episode_.control);
 }
 
-RobotState QuadrupedEnv::Watched::stand(const Terrain& terrain, const Placement& placement) const {
-  return env_.control().stand(terrain, placement);
+RobotState QuadrupedEnv::Watched::initial_state(const Terrain& terrain, const Placement& placement) const {
+  return env_.control().initial_state(terrain, placement);
 }
 
-void QuadrupedEnv::Watched::hold(double dt, ControlTargets& out) {
-  env_.control().hold(dt, out);
+void QuadrupedEnv::Watched::hold_pose(double dt, ControlTargets& out) {
+  env_.control().hold_pose(dt, out);
   env_.episode_.info.ik_clamped += out.ik_clamped;
 }
 
@@ -77,9 +78,9 @@ void QuadrupedEnv::Watched::advance(double dt, ControlTargets& out) {
   env_.episode_.info.ik_clamped += out.ik_clamped;
 }
 
-void QuadrupedEnv::Watched::look(const RobotState& state, double dt) {
-  env_.control().look(state, dt);
-  env_.look_between();
+void QuadrupedEnv::Watched::observe(const RobotState& state, double dt) {
+  env_.control().observe(state, dt);
+  env_.observe_substep();
 }
 
 WorldSpec QuadrupedEnv::draw_world() {
@@ -104,7 +105,7 @@ void QuadrupedEnv::reset(std::uint64_t seed, std::span<double> observation) {
   e.begun = false;  // until all of it has worked
   e.random = Random(seed);
   e.draw = draw(config().randomisation, e.random);
-  if (config().randomisation.changes_world()) backend_ = engine_.make(draw_world());
+  if (config().randomisation.changes_world()) world_ = engine_.make(draw_world());
 
   std::visit([this](auto& control) { control.restart(config().command); }, e.control);
   e.command = config().command.value_or(VelocityCommand{});
@@ -115,7 +116,7 @@ void QuadrupedEnv::reset(std::uint64_t seed, std::span<double> observation) {
   std::fill(e.action.begin(), e.action.end(), 0.0);
 
   // Standing first; motion begins after it, part of a gait's cycle if so drawn.
-  e.loop.start(*backend_, watched_, draw_start());
+  e.loop.start(*world_, watched_, draw_start());
   e.result.terminated = e.loop.ended();
   e.begun = true;
   measure();
@@ -146,10 +147,10 @@ StepResult QuadrupedEnv::step(std::span<const double> action, std::span<double> 
     std::copy(e.last_observation.begin(), e.last_observation.end(), observation.begin());
     return e.result;
   }
-  const RobotState before = backend_->state();
+  const RobotState before = world_->state();
   take_action(action);
   e.info.ik_clamped = e.control_steps = 0;
-  e.loop.advance(*backend_, watched_, model_->policy_steps);
+  e.loop.advance(*world_, watched_, model_->policy_steps);
   finish_step(before);
   observe(observation);
   return e.result;
@@ -168,10 +169,10 @@ void QuadrupedEnv::finish_step(const RobotState& before) {
 
 void QuadrupedEnv::measure() {
   Episode& e = episode_;
-  const RobotState& state = backend_->state();
+  const RobotState& state = world_->state();
   const MotionStatistics& statistics = e.loop.statistics();
   model_->foot_kinematics.update(state, feet_);
-  e.info.contacts = backend_->foot_contacts();
+  e.info.contacts = world_->foot_contacts();
   if (const AdaptiveGaitController* controller = gait()) {
     for (const Leg leg : kLegs) e.info.swing[leg] = controller->is_swing(leg);
     e.info.parameters = controller->parameters();
@@ -184,20 +185,20 @@ void QuadrupedEnv::measure() {
   const Vector3 moved = in_heading(state.p_WB - statistics.start(), statistics.start_yaw());
   e.info.distance = moved.x();
   e.info.lateral = moved.y();
-  e.info.power = servo_power(*backend_, model_->joints.servos);
+  e.info.power = servo_power(*world_, model_->joints.servos);
   e.info.outcome = statistics.worst();
 }
 
 double QuadrupedEnv::evaluate(const RobotState& before) {
   Episode& e = episode_;
-  const RobotState& after = backend_->state();
+  const RobotState& after = world_->state();
   const MotionStatistics& statistics = e.loop.statistics();
-  const WorldSpec& world = backend_->spec();
+  const WorldSpec& world = world_->spec();
   const StepRecord record{
       .dt = config().policy_dt,
       .before = before,
       .after = after,
-      .torques = backend_->torques(),
+      .torques = world_->torques(),
       .v_start = in_heading(after.v_WB, statistics.start_yaw()),
       .v_heading = in_heading(after.v_WB, statistics.start_yaw() + e.info.roll_pitch_yaw.z()),
       .roll_pitch_yaw = e.info.roll_pitch_yaw,
@@ -214,15 +215,15 @@ double QuadrupedEnv::evaluate(const RobotState& before) {
       .weight = statistics.weight(),
       .power = e.info.power,
       .size = model_->size,
-      .failed = e.result.terminated,
+      .terminated = e.result.terminated,
   };
   return evaluate_reward(record, config().reward, e.info.reward_terms);
 }
 
 ObservationSource QuadrupedEnv::seen() const noexcept {
   const Episode& e = episode_;
-  return {*backend_,           feet_,   e.info.contacts, gait(), e.command, model_->joints.servos,
-          model_->joints.home, e.action};
+  return {*world_, feet_, e.info.contacts, gait(), e.command, model_->joints.servos, model_->joints.home,
+          e.action};
 }
 
 void QuadrupedEnv::observe(std::span<double> observation) {
@@ -232,12 +233,12 @@ void QuadrupedEnv::observe(std::span<double> observation) {
 }
 
 // The observer sees the instants between the control steps of a policy step; those at its ends in `observe`.
-void QuadrupedEnv::look_between() {
+void QuadrupedEnv::observe_substep() {
   Episode& e = episode_;
-  if (!e.begun || !e.observer.looks_between() || e.control_steps++ == 0) return;
-  model_->foot_kinematics.update(backend_->state(), feet_);
-  e.info.contacts = backend_->foot_contacts();
-  e.observer.look(seen());
+  if (!e.begun || !e.observer.samples_substeps() || e.control_steps++ == 0) return;
+  model_->foot_kinematics.update(world_->state(), feet_);
+  e.info.contacts = world_->foot_contacts();
+  e.observer.sample(seen());
 }
 
 void QuadrupedEnv::set_command(const VelocityCommand& command) {
@@ -255,7 +256,7 @@ void QuadrupedEnv::require_begun(std::string_view what) const {
 
 std::shared_ptr<const QuadrupedEnv::Saved> QuadrupedEnv::save() const {
   require_begun("save");
-  return std::make_shared<const Saved>(Saved{episode_, backend_->spec(), backend_->save(), model_->layout});
+  return std::make_shared<const Saved>(Saved{episode_, world_->spec(), world_->save(), model_->layout});
 }
 
 void QuadrupedEnv::restore(const Saved& saved) {
@@ -264,12 +265,12 @@ void QuadrupedEnv::restore(const Saved& saved) {
                       saved.layout);
   }
   // A world that was drawn for its episode goes with it.
-  const bool foreign = backend_ == nullptr || backend_->spec().robot != saved.world.robot ||
-                       backend_->spec().terrain.field() != saved.world.terrain.field();
-  if (config().randomisation.changes_world() && foreign) backend_ = engine_.make(saved.world);
-  backend_->restore(saved.physics);
+  const bool foreign = world_ == nullptr || world_->spec().robot != saved.world.robot ||
+                       world_->spec().terrain.field() != saved.world.terrain.field();
+  if (config().randomisation.changes_world() && foreign) world_ = engine_.make(saved.world);
+  world_->restore(saved.physics);
   episode_ = saved.episode;
-  model_->foot_kinematics.update(backend_->state(), feet_);
+  model_->foot_kinematics.update(world_->state(), feet_);
 }
 
 }  // namespace crossgait

@@ -16,7 +16,7 @@ namespace crossgait {
 
 struct StepResult {
   double reward = 0;
-  bool terminated = false;  ///< an outcome of EnvConfig::ends came about, or the engine diverged
+  bool terminated = false;  ///< an outcome of EnvConfig::terminations came about, or the engine diverged
   bool truncated = false;   ///< the episode's time is over
   bool done() const noexcept { return terminated || truncated; }
 };
@@ -71,19 +71,19 @@ class QuadrupedEnv {
   /// @throws ConfigError for a wrong size or before the first `reset` (before anything changes)
   StepResult step(std::span<const double> action, std::span<double> observation);
 
-  /// Of the last step; of the start after `reset`.
+  /// Returns what is known of the last step; of the start after `reset`.
   const StepInfo& info() const noexcept { return episode_.info; }
   /// The world. @throws ConfigError before the first `reset` where the configuration randomises it
-  const PhysicsBackend& backend() const {
-    if (backend_ == nullptr) require_begun("world");
-    return *backend_;
+  const PhysicsBackend& world() const {
+    if (world_ == nullptr) require_begun("world");
+    return *world_;
   }
   /// The gait that actions adapt; null where they command joints.
   const AdaptiveGaitController* gait() const noexcept;
   const FootStates& feet() const noexcept { return feet_; }
   const ControlTargets& targets() const noexcept { return episode_.loop.targets(); }
-  /// The episode so far. @throws ConfigError as `backend` does
-  MotionSummary summary() const { return episode_.loop.statistics().summary(backend()); }
+  /// The episode so far. @throws ConfigError as `world` does
+  MotionSummary summary() const { return episode_.loop.statistics().summary(world()); }
 
   /// Asks for another velocity from the next step on. @throws ConfigError if it is not finite
   void set_command(const VelocityCommand& command);
@@ -100,10 +100,10 @@ class QuadrupedEnv {
   class Watched final : public Controller {
    public:
     explicit Watched(QuadrupedEnv& env) : env_(env) {}
-    RobotState stand(const Terrain& terrain, const Placement& placement) const override;
-    void hold(double dt, ControlTargets& out) override;
+    RobotState initial_state(const Terrain& terrain, const Placement& placement) const override;
+    void hold_pose(double dt, ControlTargets& out) override;
     void advance(double dt, ControlTargets& out) override;
-    void look(const RobotState& state, double dt) override;
+    void observe(const RobotState& state, double dt) override;
 
    private:
     QuadrupedEnv& env_;
@@ -134,14 +134,14 @@ class QuadrupedEnv {
   void measure();
   double evaluate(const RobotState& before);
   ObservationSource seen() const noexcept;
-  void look_between();
+  void observe_substep();
   void observe(std::span<double> observation);
   void require_begun(std::string_view what) const;
 
   std::shared_ptr<const EnvModel> model_;
   Engine engine_;
   FootStates feet_;
-  std::unique_ptr<PhysicsBackend> backend_;
+  std::unique_ptr<PhysicsBackend> world_;
   Episode episode_;
   Watched watched_{*this};
 };

@@ -46,16 +46,15 @@ constexpr std::array kTerms{
                [](const Record& r) { return r.v_start.x(); }},
     RewardTerm{"lateral_velocity", "m/s", "speed across it", -2,
                [](const Record& r) { return std::abs(r.v_start.y()); }},
-    RewardTerm{"contact_pattern", "-", "for every leg .2 if it touches or not as the gait says, else -.5", 1,
-               contact_pattern},
-    RewardTerm{"stability", "deg^2", "roll^2 + pitch^2 + yaw^2, yaw since the start", -2,
+    RewardTerm{"contact_pattern", "-", "for every leg 0.2 if it touches or not as the gait says, else -0.5",
+               1, contact_pattern},
+    RewardTerm{"orientation_l2", "deg^2", "roll^2 + pitch^2 + yaw^2, yaw since the start", -2,
                [](const Record& r) { return (kDegreesPerRadian * r.roll_pitch_yaw).squaredNorm(); }},
-    RewardTerm{"energy_efficiency", "rad^2/s^4", "sum of squared servo accelerations", -0.1,
-               joint_acceleration},
-    RewardTerm{"smooth_adaptation", "mixed", "sum of squared changes of the adapted parameters", -5,
+    RewardTerm{"joint_acc_l2", "rad^2/s^4", "sum of squared servo accelerations", -0.1, joint_acceleration},
+    RewardTerm{"parameter_rate_l2", "mixed", "sum of squared changes of the adapted parameters", -5,
                [](const Record& r) { return squared_difference(r.parameters, r.last_parameters); }},
     RewardTerm{"velocity_tracking", "-",
-               "exp(-|v_xy - commanded|^2 / (.1 m/s x root of size)^2), in the heading frame", 0,
+               "exp(-|v_xy - commanded|^2 / (0.1 m/s x root of size)^2), in the heading frame", 0,
                [](const Record& r) {
                  return std::exp(
                      -(square(r.v_heading.x() - r.command.vx) + square(r.v_heading.y() - r.command.vy)) /
@@ -66,14 +65,14 @@ constexpr std::array kTerms{
                [](const Record& r) {
                  return std::hypot(r.v_heading.x() - r.command.vx, r.v_heading.y() - r.command.vy);
                }},
-    RewardTerm{"progress", "-",
+    RewardTerm{"forward_velocity_ratio", "-",
                "velocity along the direction faced at the start over the commanded one, -1 to 1; 0 if none "
                "is asked for",
                0,
                [](const Record& r) {
                  return r.command.vx > 0 ? std::clamp(r.v_start.x() / r.command.vx, -1.0, 1.0) : 0;
                }},
-    RewardTerm{"yaw_rate_tracking", "-", "exp(-(yaw rate - commanded)^2 / (.5 rad/s / root of size)^2)", 0,
+    RewardTerm{"yaw_rate_tracking", "-", "exp(-(yaw rate - commanded)^2 / (0.5 rad/s / root of size)^2)", 0,
                [](const Record& r) {
                  return std::exp(-square((r.after.w_WB.z() - r.command.yaw_rate) / kYawRateWidth) * r.size);
                }},
@@ -83,27 +82,28 @@ constexpr std::array kTerms{
                [](const Record& r) { return square(r.after.v_WB.z()); }},
     RewardTerm{"tilt_rate", "rad^2/s^2", "squared angular velocity of the base about the horizontal axes", 0,
                [](const Record& r) { return r.after.w_WB.head<2>().squaredNorm(); }},
-    RewardTerm{"orientation", "-", "squared horizontal part of the direction of gravity in the base's frame",
-               0,
+    RewardTerm{"flat_orientation_l2", "-",
+               "squared horizontal part of the direction of gravity in the base's frame", 0,
                [](const Record& r) {
                  const Vector3 down = r.after.q_WB.conjugate() * Vector3(0, 0, -1);
                  return down.head<2>().squaredNorm();
                }},
-    RewardTerm{"height", "m^2", "squared difference from the standing height over the ground", 0,
+    RewardTerm{"base_height_l2", "m^2", "squared difference from the standing height over the ground", 0,
                [](const Record& r) { return square(r.height - r.standing_height); }},
     RewardTerm{"alive", "-", "one for every step", 0, [](const Record&) { return 1.0; }},
-    RewardTerm{"fall", "-", "one for the step that ends an episode by a fall or another failure", 0,
-               [](const Record& r) { return r.failed ? 1.0 : 0.0; }},
-    RewardTerm{"action_rate", "-", "sum of squared changes of the action", 0,
+    RewardTerm{"termination", "-", "one for the step that ends an episode by a fall or another failure", 0,
+               [](const Record& r) { return r.terminated ? 1.0 : 0.0; }},
+    RewardTerm{"action_rate_l2", "-", "sum of squared changes of the action", 0,
                [](const Record& r) { return squared_difference(r.action, r.last_action); }},
-    RewardTerm{"action_size", "-", "sum of squares of the action", 0,
+    RewardTerm{"action_l2", "-", "sum of squares of the action", 0,
                [](const Record& r) {
                  double sum = 0;
                  for (const double a : r.action) sum += square(a);
                  return sum;
                }},
     RewardTerm{"foot_slip", "m^2/s^2", "sum of squared slip speeds of the feet that touch", 0, foot_slip},
-    RewardTerm{"torque", "N^2 m^2", "sum of squared torques of the servo joints, passive damping included", 0,
+    RewardTerm{"joint_torques_l2", "N^2 m^2",
+               "sum of squared torques of the servo joints, passive damping included", 0,
                [](const Record& r) {
                  double sum = 0;
                  for (const int i : r.servos) sum += square(r.torques[i]);
@@ -111,7 +111,7 @@ constexpr std::array kTerms{
                }},
     RewardTerm{"power", "W", "sum of |servo torque x joint velocity|", 0,
                [](const Record& r) { return r.power; }},
-    RewardTerm{"cost_of_transport", "-", "that power over weight times horizontal speed (at least .02 m/s)",
+    RewardTerm{"cost_of_transport", "-", "that power over weight times horizontal speed (at least 0.02 m/s)",
                0,
                [](const Record& r) {
                  return r.power / (r.weight * std::max(r.after.v_WB.head<2>().norm(), kLeastSpeed));

@@ -35,7 +35,7 @@ struct StepRecord {
   double weight;                                        ///< of the robot, N
   double power;     ///< of the servos at the end of the step (servo_power), W
   double size = 1;  ///< of the robot, in reference sizes: widths of speeds go with its root (gait/scale.h)
-  bool failed;      ///< the episode ended by an outcome: a fall, divergence, ... (EnvConfig::ends)
+  bool terminated;  ///< the episode ended by an outcome: a fall, divergence, ... (EnvConfig::terminations)
 };
 
 /// One row of the table. The reward is the sum of weight times value.

@@ -3,6 +3,6 @@
 import crossgait
 
 verdict = crossgait.verdict("trot", terrain="rough", seconds=0.5, starts=4, explain=True)
-print(verdict.word)
+print(verdict.verdict)
 print(verdict)
 print("to blame:", verdict.causes)

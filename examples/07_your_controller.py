@@ -23,7 +23,7 @@ def make():
     return feet
 
 
-crawl = crossgait.Behaviour(make, crossgait.Walk(seconds=1.2), targets="feet", name="crawl")
+crawl = crossgait.Controller(make, crossgait.Walk(seconds=1.2), targets="feet", name="crawl")
 print(crossgait.compare(crawl))
 verdict = crossgait.verdict(crawl, starts=4, explain=True)
 print(verdict)

@@ -259,7 +259,7 @@ LegPhase GaitGenerator::phase_of(Leg leg, const Stride& stride) const noexcept {
 
 Vector3 GaitGenerator::position_of(Leg leg, const Stride& stride) const noexcept {
   return foot_position(stride.parameters, leg, phase_of(leg, stride),
-                       {sweep_.cwiseProduct(stride.step[leg]), stride.lift_scale, curve_[leg]});
+                       {rolling_correction_.cwiseProduct(stride.step[leg]), stride.lift_scale, curve_[leg]});
 }
 
 void GaitGenerator::place_feet() noexcept {

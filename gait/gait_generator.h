@@ -55,9 +55,9 @@ class GaitGenerator {
   void set_steering(double yaw_rate) noexcept;
 
   /// How far a foot's centre sweeps for each metre that the body is to advance, forward and sideways: less
-  /// than 1 for feet that roll as their legs turn (LegController::foot_sweep). Steps are advances of the
-  /// body. To be set while standing. @param sweep  positive
-  void set_sweep(const Vector2& sweep) noexcept { sweep_ = sweep; }
+  /// than 1 for feet that roll as their legs turn (FootTargetTracker::rolling_correction). Steps are advances
+  /// of the body. To be set while standing. @param sweep  positive
+  void set_rolling_correction(const Vector2& sweep) noexcept { rolling_correction_ = sweep; }
 
   /// Advances by dt (s) and returns the targets. Without effect unless dt is positive and finite.
   const LegArray<FootTarget>& update(double dt) noexcept;
@@ -106,7 +106,7 @@ class GaitGenerator {
   StepLimits limits_;
   std::optional<VelocityCommand> command_;
   double steering_ = 0;  // rad/s
-  Vector2 sweep_{1, 1};
+  Vector2 rolling_correction_{1, 1};
 
   PhaseClock clock_;
   LegArray<double> offset_ = {};

@@ -21,8 +21,8 @@ std::vector<SpeedBand> guide_speed_bands();
 
 struct MultiGaitOptions {
   std::vector<SpeedBand> bands = default_speed_bands();
-  /// Of every gait, but for cycle_time and duty_factor, which are the gait's preferred ones. Empty: all of
-  /// its preferred parameters.
+  /// Replaces the parameters of every gait, but for cycle_time and duty_factor, which are the gait's
+  /// preferred ones. Empty: all of its preferred parameters.
   std::optional<GaitParameters> parameters;
   double hysteresis =
       0.02;  ///< a slower gait takes over this far below the speed where the faster one did, m/s
@@ -54,7 +54,7 @@ class MultiGaitController {
   [[nodiscard]] bool set_parameters(const GaitParameters& parameters) noexcept;
 
   /// As GaitGenerator's.
-  void set_sweep(const Vector2& sweep) noexcept { generator_.set_sweep(sweep); }
+  void set_rolling_correction(const Vector2& sweep) noexcept { generator_.set_rolling_correction(sweep); }
   /// As GaitGenerator's. It has no say in the choice of gait.
   void set_steering(double yaw_rate) noexcept { generator_.set_steering(yaw_rate); }
 

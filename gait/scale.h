@@ -21,7 +21,7 @@ struct GaitScale {
   double time() const noexcept { return std::sqrt(length); }  ///< and of speeds
 };
 
-/// Of a robot without a standing height: that of the reference.
+/// Compares a robot with the reference; one without a standing height has the reference's scale.
 GaitScale gait_scale(const RobotDescription& robot) noexcept;
 
 /// Lengths times `length`, times times `time()`.

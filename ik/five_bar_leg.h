@@ -55,7 +55,7 @@ struct LegPosition {
 /// (`LegMargins::parallel` is zero).
 Matrix3 leg_jacobian(const FiveBarGeometry& geometry, const LegAngles& q) noexcept;
 
-/// Of all five joints.
+/// Returns the margins of all five joints.
 LegMargins leg_margins(const FiveBarGeometry& geometry, const LegAngles& q) noexcept;
 
 }  // namespace crossgait

@@ -53,7 +53,7 @@ using LegJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3>;
 /// that are given have `servo_count` and `passive_count` numbers.
 class LegKinematics {
  public:
-  /// Of a leg alone, without a robot, joints are numbered in the order of their roles.
+  /// Makes the kinematics of a leg alone, without a robot: joints are numbered in the order of their roles.
   LegKinematics(const FiveBarGeometry& geometry, const LegModel& model = {}, LegBranch home = {});
   LegKinematics(const SerialLegGeometry& geometry, const SerialLegJoints& joints, LegBranch home = {})
       : LegKinematics(Kind(geometry), joints, home) {}
@@ -121,7 +121,7 @@ LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg);
 /// The same of a serial leg of a robot that does not say where its legs are.
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);
 
-/// Of all legs.
+/// Makes the kinematics of all legs.
 LegArray<LegKinematics> make_leg_kinematics(const RobotDescription& robot);
 
 /// p_BL of every leg: where gaits and velocity commands take the legs to be, m.

@@ -27,13 +27,13 @@ void ClosedLoop::start(PhysicsBackend& world, Controller& controller, const Star
   pushes_ = start.pushes;
   steps_ = 0;
   ended_ = false;
-  const RobotState standing = controller.stand(spec.terrain, start.placement);
+  const RobotState standing = controller.initial_state(spec.terrain, start.placement);
   world.reset(standing);
 
   StepStatus status = StepStatus::kOk;
-  const int settling = step_count(options_.settle_seconds, dt), leading = step_count(start.lead_in, dt);
+  const int settling = step_count(options_.settle_seconds, dt), leading = step_count(start.warm_up, dt);
   for (int i = 0; i < settling && status == StepStatus::kOk; ++i) {
-    controller.hold(dt, targets_);
+    controller.hold_pose(dt, targets_);
     status = control_step(world, false);
   }
   for (int i = 0; i < leading && status == StepStatus::kOk; ++i) {
@@ -57,7 +57,7 @@ StepStatus ClosedLoop::control_step(PhysicsBackend& world, bool watched) {
 }
 
 void ClosedLoop::next_targets(const PhysicsBackend& world, Controller& controller) {
-  controller.look(world.state(), options_.control_dt);
+  controller.observe(world.state(), options_.control_dt);
   controller.advance(options_.control_dt, targets_);
 }
 
@@ -72,7 +72,7 @@ bool ClosedLoop::advance(PhysicsBackend& world, Controller& controller, int step
     }
     ++steps_;
     statistics_.add_control_step(world, targets_, options_.control_dt);
-    ended_ = statistics_.any(options_.ends);
+    ended_ = statistics_.any(options_.terminations);
   }
   return !ended_;
 }

@@ -13,7 +13,7 @@ namespace crossgait {
 /// How a motion begins.
 struct Start {
   Placement placement;
-  double lead_in = 0;  ///< of the motion itself, after settling and before statistics begin, s
+  double warm_up = 0;  ///< of the motion itself, after settling and before statistics begin, s
   Pushes pushes;       ///< times count from the beginning of the statistics
 };
 
@@ -26,7 +26,7 @@ class ClosedLoop {
     double control_dt = 2e-3;     ///< gait, kinematics and servo targets, s; a multiple of the physics step
     double settle_seconds = 0.5;  ///< standing before the motion, s
     OutcomeLimits limits = {};
-    OutcomeSet ends = OutcomeSet::of_walks();  ///< outcomes that end the motion
+    OutcomeSet terminations = OutcomeSet::of_walks();  ///< outcomes that end the motion
   };
 
   ClosedLoop(const RobotDescription& robot, const Options& options);
@@ -39,7 +39,7 @@ class ClosedLoop {
   bool advance(PhysicsBackend& world, Controller& controller, int steps);
 
   bool ended() const noexcept { return ended_; }
-  /// Of the last control step.
+  /// Returns the targets of the last control step.
   const ControlTargets& targets() const noexcept { return targets_; }
   const MotionStatistics& statistics() const noexcept { return statistics_; }
   /// Since the beginning, s.

@@ -18,7 +18,7 @@ struct Placement {
 };
 
 /// What a leg is meant to do in a control step.
-struct LegPlan {
+struct ScheduledLeg {
   bool swing = false;   ///< to be in the air
   double progress = 0;  ///< of that swing or stance, 0 to 1
 };
@@ -26,8 +26,8 @@ struct LegPlan {
 /// One control step's targets, and what the controller means by them as far as it knows.
 struct ControlTargets {
   JointTargets joints;
-  std::optional<LegArray<LegPlan>> plan;    ///< where there is a gait
-  std::optional<VelocityCommand> velocity;  ///< of the body, that the motion is meant to have
+  std::optional<LegArray<ScheduledLeg>> contact_schedule;  ///< where there is a gait
+  std::optional<VelocityCommand> velocity;                 ///< of the body, that the motion is meant to have
   std::optional<GaitParameters> parameters;
   double limit_factor = 1;  ///< share of a velocity command that the steps can follow
   int ik_clamped = 0;       ///< leg solutions of this step that were not exact
@@ -40,13 +40,13 @@ class Controller {
   virtual ~Controller() = default;
 
   /// The robot at rest as it stands on `terrain` before the motion. Throws ConfigError if it cannot.
-  virtual RobotState stand(const Terrain& terrain, const Placement& placement) const = 0;
+  virtual RobotState initial_state(const Terrain& terrain, const Placement& placement) const = 0;
   /// Targets that hold that pose for the next dt (s).
-  virtual void hold(double dt, ControlTargets& targets) = 0;
+  virtual void hold_pose(double dt, ControlTargets& targets) = 0;
   /// Targets of the motion for the next dt (s).
   virtual void advance(double dt, ControlTargets& targets) = 0;
   /// Takes in where the robot is before the motion's next dt (s): what feedback there is. Nothing by default.
-  virtual void look(const RobotState& /*state*/, double /*dt*/) {}
+  virtual void observe(const RobotState& /*state*/, double /*dt*/) {}
 
  protected:
   Controller() = default;

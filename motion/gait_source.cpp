@@ -17,7 +17,7 @@ void require(bool accepted) {
 
 // One that is about to begin.
 template <typename Generator>
-ControllerPtr walker(Generator generator, LegController legs, const HeadingHold& heading_hold,
+ControllerPtr walker(Generator generator, FootTargetTracker legs, const HeadingHold& heading_hold,
                      const std::optional<VelocityCommand>& command) {
   const auto made =
       std::make_shared<GaitWalker<Generator>>(std::move(generator), std::move(legs), heading_hold, command);
@@ -28,29 +28,29 @@ ControllerPtr walker(Generator generator, LegController legs, const HeadingHold&
 // Feet from anywhere on legs.
 class FeetController final : public Controller {
  public:
-  FeetController(FootTargets feet, LegController legs)
+  FeetController(FootTargets feet, FootTargetTracker legs)
       : feet_(std::move(feet)), legs_(std::move(legs)), standing_(feet_(0)) {}
 
-  RobotState stand(const Terrain& terrain, const Placement& placement) const override {
+  RobotState initial_state(const Terrain& terrain, const Placement& placement) const override {
     return legs_.standing_state(standing_, terrain, placement);
   }
-  void hold(double dt, ControlTargets& out) override { solve_legs(legs_, standing_, dt, out); }
+  void hold_pose(double dt, ControlTargets& out) override { solve_legs(legs_, standing_, dt, out); }
   void advance(double dt, ControlTargets& out) override { solve_legs(legs_, feet_(dt), dt, out); }
 
  private:
   FootTargets feet_;
-  LegController legs_;
+  FootTargetTracker legs_;
   LegArray<Vector3> standing_;
 };
 
 }  // namespace
 
-void drive_legs(LegController& legs, const GaitGenerator& generator, const LegArray<FootTarget>& feet,
+void drive_legs(FootTargetTracker& legs, const GaitGenerator& generator, const LegArray<FootTarget>& feet,
                 const std::optional<VelocityCommand>& command, double dt, ControlTargets& out) noexcept {
   legs.set_load_share(generator.effective().parameters.load_share);
   solve_legs(legs, target_positions(feet), dt, out);
-  out.plan.emplace();
-  for (const Leg leg : kLegs) (*out.plan)[leg] = {feet[leg].swing, feet[leg].progress};
+  out.contact_schedule.emplace();
+  for (const Leg leg : kLegs) (*out.contact_schedule)[leg] = {feet[leg].swing, feet[leg].progress};
   out.parameters = generator.parameters();
   out.limit_factor = generator.limit_factor();
   out.velocity = command ? *command : nominal_velocity(generator);
@@ -111,7 +111,7 @@ ControllerPtr make_gait_controller(const GaitChoice& choice, const WorldSpec& wo
                                    const GaitLayers& layers) {
   const GaitScale scale = gait_scale(*world.robot);
   const HeadingHold heading_hold = scaled(layers.heading_hold, scale);
-  LegController legs(world.robot, layers.compensation, weight_per_mass(world));
+  FootTargetTracker legs(world.robot, layers.compensation, weight_per_mass(world));
   const LegArray<Vector3> p_BL = leg_origins(legs.kinematics());
   if (!choice.gait) {
     MultiGaitController controller(multi_gait_options(choice, scale), p_BL);
@@ -126,8 +126,8 @@ ControllerPtr make_gait_controller(const GaitChoice& choice, const WorldSpec& wo
 
 ControllerPtr make_feet_controller(FootTargets feet, const WorldSpec& world,
                                    const ServoCompensation& compensation) {
-  return std::make_shared<FeetController>(std::move(feet),
-                                          LegController(world.robot, compensation, weight_per_mass(world)));
+  return std::make_shared<FeetController>(
+      std::move(feet), FootTargetTracker(world.robot, compensation, weight_per_mass(world)));
 }
 
 }  // namespace crossgait

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "gait/scale.h"
+#include "motion/foot_target_tracker.h"
 #include "motion/heading_hold.h"
-#include "motion/leg_controller.h"
 #include "physics/engine/world_spec.h"
 
 namespace crossgait {
@@ -40,19 +40,19 @@ struct GaitChoice {
 GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& settings,
                        const std::optional<VelocityCommand>& command = {}, const GaitScale& scale = {});
 
-/// Of a gait that is chosen by speed, at the robot's size.
+/// Returns the options of a gait that is chosen by speed, at the robot's size.
 MultiGaitOptions multi_gait_options(const GaitChoice& choice, const GaitScale& scale);
 
-/// The positions alone, as LegController takes them.
+/// The positions alone, as FootTargetTracker takes them.
 LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept;
 
 /// Sends a gait's targets for the next `dt` (s) to legs that make up for its share of their load, and says
 /// what it means by them: swing, velocity, parameters.
 /// @param command  empty: the velocity is that of steps of step_length
-void drive_legs(LegController& legs, const GaitGenerator& generator, const LegArray<FootTarget>& feet,
+void drive_legs(FootTargetTracker& legs, const GaitGenerator& generator, const LegArray<FootTarget>& feet,
                 const std::optional<VelocityCommand>& command, double dt, ControlTargets& out) noexcept;
 
-/// Of the body, by steps of step_length: one step per stance.
+/// Returns the body's velocity by steps of step_length: one step per stance.
 VelocityCommand nominal_velocity(const GaitGenerator& generator) noexcept;
 
 /// What stands between a gait and the servos besides kinematics. Each can be switched off.

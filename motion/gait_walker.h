@@ -7,9 +7,9 @@
 #include "gait/adaptive_gait_controller.h"
 #include "gait/multi_gait_controller.h"
 #include "motion/controller.h"
+#include "motion/foot_target_tracker.h"
 #include "motion/gait_source.h"
 #include "motion/heading_hold.h"
-#include "motion/leg_controller.h"
 
 namespace crossgait {
 
@@ -42,7 +42,7 @@ template <typename Generator>
 class GaitWalker : public Controller {
  public:
   /// @param command  that the generator follows, if any: without one it takes steps of step_length
-  GaitWalker(Generator generator, LegController legs, const HeadingHold& heading_hold,
+  GaitWalker(Generator generator, FootTargetTracker legs, const HeadingHold& heading_hold,
              const std::optional<VelocityCommand>& command = {})
       : generator_(std::move(generator)),
         legs_(std::move(legs)),
@@ -56,17 +56,18 @@ class GaitWalker : public Controller {
     heading_.restart();
     // Standing is the gait's first target held; walking begins after it.
     standing_ = target_positions(feet_of(generator_));
-    steered(generator_).set_sweep(legs_.foot_sweep(standing_, generator_of(generator_).parameters()));
+    steered(generator_)
+        .set_rolling_correction(legs_.rolling_correction(standing_, generator_of(generator_).parameters()));
     legs_.set_load_share(generator_of(generator_).parameters().load_share);
   }
 
-  RobotState stand(const Terrain& terrain, const Placement& placement) const override {
+  RobotState initial_state(const Terrain& terrain, const Placement& placement) const override {
     return legs_.standing_state(standing_, terrain, placement);
   }
-  void hold(double dt, ControlTargets& out) noexcept override { solve_legs(legs_, standing_, dt, out); }
-  void look(const RobotState& state, double dt) noexcept override {
+  void hold_pose(double dt, ControlTargets& out) noexcept override { solve_legs(legs_, standing_, dt, out); }
+  void observe(const RobotState& state, double dt) noexcept override {
     const double turning = command_ ? command_->yaw_rate : 0;
-    steered(generator_).set_steering(heading_.look(hold_heading_, state, turning, dt));
+    steered(generator_).set_steering(heading_.update(hold_heading_, state, turning, dt));
   }
   void advance(double dt, ControlTargets& out) noexcept override {
     const LegArray<FootTarget>& feet = generator_.update(dt);
@@ -77,13 +78,13 @@ class GaitWalker : public Controller {
 
  protected:
   Generator& mutable_generator() noexcept { return generator_; }
-  const LegController& legs() const noexcept { return legs_; }
+  const FootTargetTracker& legs() const noexcept { return legs_; }
   /// Notes what the generator has been told to follow.
   void follow(const std::optional<VelocityCommand>& command) noexcept { command_ = command; }
 
  private:
   Generator generator_;
-  LegController legs_;
+  FootTargetTracker legs_;
   HeadingHold hold_heading_;
   HeadingHoldState heading_;
   std::optional<VelocityCommand> command_;

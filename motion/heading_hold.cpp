@@ -5,8 +5,8 @@
 
 namespace crossgait {
 
-double HeadingHoldState::look(const HeadingHold& options, const RobotState& state, double commanded,
-                              double dt) noexcept {
+double HeadingHoldState::update(const HeadingHold& options, const RobotState& state, double commanded,
+                                double dt) noexcept {
   if (!options.on) return 0;
   const double heading = roll_pitch_yaw(state.q_WB).z();
   if (!wanted_) wanted_ = heading;

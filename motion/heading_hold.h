@@ -35,7 +35,7 @@ class HeadingHoldState {
 
   /// @param commanded  yaw rate that is commanded for the next `dt` (s), rad/s
   /// @returns the yaw rate to add to it, rad/s; 0 if `options` has it off
-  double look(const HeadingHold& options, const RobotState& state, double commanded, double dt) noexcept;
+  double update(const HeadingHold& options, const RobotState& state, double commanded, double dt) noexcept;
 
  private:
   std::optional<double> wanted_;  // rad

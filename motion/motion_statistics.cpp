@@ -10,9 +10,9 @@ constexpr double kPieceTime = 0.5;  // s, of the straight pieces that make the p
 // s, between two looks at the loops: each costs three times all else here together, and a loop that opens
 // stays open.
 constexpr double kGapTime = 0.01;
-constexpr double kMoved = 0.1;          // leg lengths, below which a cost per distance means nothing
-constexpr double kDragLoad = 1.0 / 50;  // of the weight
-constexpr double kSwingEdge = 0.1;      // of a swing, at either end: not its inner part
+constexpr double kMoved = 0.1;                  // leg lengths, below which a cost per distance means nothing
+constexpr double kSwingContactLoad = 1.0 / 50;  // of the weight
+constexpr double kSwingEdge = 0.1;              // of a swing, at either end: not its inner part
 
 // Whether so many steps of `dt` make `seconds`, whatever the rounding of times written as decimals.
 bool lasts(std::int64_t steps, double dt, double seconds) {
@@ -24,7 +24,7 @@ double wrap(double angle) { return std::remainder(angle, 2 * M_PI); }
 }  // namespace
 
 bool MotionSummary::failed() const noexcept {
-  return has(Outcome::kDiverged) || has(Outcome::kCameApart) || has(Outcome::kFell) ||
+  return has(Outcome::kDiverged) || has(Outcome::kLoopViolated) || has(Outcome::kFell) ||
          has(Outcome::kCollapsed);
 }
 
@@ -67,10 +67,11 @@ void MotionStatistics::add_physics_step(const PhysicsBackend& world, const Contr
   const LegArray<FootContact> feet = world.foot_contacts();
   const double speed = world.state().v_WB.norm();
   for (const Leg leg : kLegs) {
-    const LegPlan plan = targets.plan ? (*targets.plan)[leg] : LegPlan{};
-    if (plan.swing) {
-      const int loaded = feet[leg].force.norm() > kDragLoad * t_.weight ? 1 : 0;
-      const bool inner = plan.progress >= kSwingEdge && plan.progress <= 1 - kSwingEdge;
+    const ScheduledLeg scheduled =
+        targets.contact_schedule ? (*targets.contact_schedule)[leg] : ScheduledLeg{};
+    if (scheduled.swing) {
+      const int loaded = feet[leg].force.norm() > kSwingContactLoad * t_.weight ? 1 : 0;
+      const bool inner = scheduled.progress >= kSwingEdge && scheduled.progress <= 1 - kSwingEdge;
       ++t_.swings[leg].steps;
       t_.swings[leg].loaded += loaded;
       t_.inner_swings[leg].steps += inner ? 1 : 0;
@@ -79,7 +80,7 @@ void MotionStatistics::add_physics_step(const PhysicsBackend& world, const Contr
     if (!feet[leg].touching) continue;
     ++t_.contact_steps[leg];
     t_.slip += feet[leg].slip_speed * h;
-    if (plan.swing) continue;  // dragged, not stood upon
+    if (scheduled.swing) continue;  // dragged, not stood upon
     t_.stance_slip += feet[leg].slip_speed * h;
     t_.stance_path += speed * h;
   }
@@ -98,7 +99,7 @@ void MotionStatistics::add_control_step(const PhysicsBackend& world, const Contr
     t_.steps_since_gap = 0;
   }
   add_attitude(world);
-  add_way(world, targets, dt);
+  add_path(world, targets, dt);
   find_outcomes(world, dt);
 }
 
@@ -109,8 +110,8 @@ void MotionStatistics::add_attitude(const PhysicsBackend& world) noexcept {
   t_.roll_pitch_yaw.z() = wrap(t_.roll_pitch_yaw.z() - t_.start_yaw);
 }
 
-void MotionStatistics::add_way(const PhysicsBackend& world, const ControlTargets& targets,
-                               double dt) noexcept {
+void MotionStatistics::add_path(const PhysicsBackend& world, const ControlTargets& targets,
+                                double dt) noexcept {
   const RobotState& s = world.state();
   t_.height = s.p_WB.z() - world.spec().terrain.height(s.p_WB.x(), s.p_WB.y());
   if (lasts(++t_.steps_in_piece, dt, kPieceTime)) {
@@ -132,21 +133,21 @@ void MotionStatistics::add_way(const PhysicsBackend& world, const ControlTargets
   t_.commanded_yaw += asked.yaw_rate * targets.limit_factor * dt;
   t_.max_heading_error =
       std::max(t_.max_heading_error.value_or(0), std::abs(wrap(t_.roll_pitch_yaw.z() - t_.commanded_yaw)));
-  if (!targets.plan) return;
-  for (const LegPlan& leg : *targets.plan)
+  if (!targets.contact_schedule) return;
+  for (const ScheduledLeg& leg : *targets.contact_schedule)
     t_.planned_sweep += leg.swing ? 0 : speed * targets.limit_factor * dt;
 }
 
 void MotionStatistics::find_outcomes(const PhysicsBackend& world, double dt) noexcept {
   const double tilt = t_.roll_pitch_yaw.head<2>().cwiseAbs().maxCoeff() * kDegreesPerRadian;
   if (tilt > limits_.tilt_deg) note(Outcome::kFell);
-  const bool low =
-      t_.height < limits_.low_height * t_.standing_height || t_.body_load > limits_.other_load * t_.weight;
+  const bool low = t_.height < limits_.low_height * t_.standing_height ||
+                   t_.body_load > limits_.nonfoot_contact_load * t_.weight;
   t_.steps_collapsed = low ? t_.steps_collapsed + 1 : 0;
   if (low && lasts(t_.steps_collapsed, dt, limits_.low_seconds)) note(Outcome::kCollapsed);
   const Vector3& p = world.state().p_WB;
   if (!world.spec().terrain.contains(p.x(), p.y())) note(Outcome::kLeftTerrain);
-  if (t_.max_loop_gap > limits_.loop_gap * leg_length_) note(Outcome::kCameApart);
+  if (t_.max_loop_gap > limits_.loop_gap * leg_length_) note(Outcome::kLoopViolated);
 }
 
 void MotionStatistics::note(Outcome outcome) noexcept {
@@ -161,9 +162,9 @@ Outcome MotionStatistics::worst() const noexcept {
   return Outcome::kWalked;
 }
 
-bool MotionStatistics::any(const OutcomeSet& ends) const noexcept {
+bool MotionStatistics::any(const OutcomeSet& terminations) const noexcept {
   for (const OutcomeRow& row : outcome_rows()) {
-    if (ends.has(row.outcome) && has(row.outcome)) return true;
+    if (terminations.has(row.outcome) && has(row.outcome)) return true;
   }
   return false;
 }
@@ -173,12 +174,13 @@ bool MotionStatistics::slid(double path) const noexcept {
 }
 
 bool MotionStatistics::no_progress() const noexcept {
-  if (t_.commanded_path > limits_.asked_path * leg_length_)
+  if (t_.commanded_path > limits_.commanded_path * leg_length_)
     return t_.achieved_path < limits_.progress * t_.commanded_path;
-  return t_.commanded_turn > limits_.asked_turn && t_.achieved_turn < limits_.progress * t_.commanded_turn;
+  return t_.commanded_turn > limits_.commanded_turn &&
+         t_.achieved_turn < limits_.progress * t_.commanded_turn;
 }
 
-std::optional<double> MotionStatistics::share_loaded(const LegArray<Swing>& legs) noexcept {
+std::optional<double> MotionStatistics::loaded_fraction(const LegArray<Swing>& legs) noexcept {
   double sum = 0;
   int planned = 0;
   for (const Swing& leg : legs) {
@@ -217,8 +219,8 @@ MotionSummary MotionStatistics::summary(const PhysicsBackend& world) const {
     if (t_.physics_steps > 0)
       m.duty_factor[leg] = static_cast<double>(t_.contact_steps[leg]) / static_cast<double>(t_.physics_steps);
   }
-  m.drag = share_loaded(t_.swings);
-  m.drag_inner = share_loaded(t_.inner_swings);
+  m.swing_contact_ratio = loaded_fraction(t_.swings);
+  m.swing_contact_ratio_inner = loaded_fraction(t_.inner_swings);
   if (t_.planned_sweep > 0) m.slip_per_path = t_.slip / t_.planned_sweep;
   if (t_.max_heading_error) m.heading_error_deg = *t_.max_heading_error * kDegreesPerRadian;
   if (m.path_m > kMoved * leg_length_ && t_.weight > 0)

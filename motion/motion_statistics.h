@@ -42,9 +42,9 @@ struct MotionSummary {
   double slip_m = 0;               ///< path length that loaded feet slid, all four together
   /// Share of planned swing time in which the foot carried more than a fiftieth of the weight, mean of legs;
   /// empty where no swing was planned.
-  std::optional<double> drag;
+  std::optional<double> swing_contact_ratio;
   /// The same without the first and last tenth of each swing, where a foot may touch and do no harm.
-  std::optional<double> drag_inner;
+  std::optional<double> swing_contact_ratio_inner;
   /// `slip_m` over the way that planned stance feet were to sweep, all four together; empty where no plan or
   /// no way was asked for.
   std::optional<double> slip_per_path;
@@ -87,16 +87,16 @@ class MotionStatistics {
   }
   /// The worst of them, or kWalked.
   Outcome worst() const noexcept;
-  /// Whether any of `ends` has come about.
-  bool any(const OutcomeSet& ends) const noexcept;
+  /// Whether any of `terminations` has come about.
+  bool any(const OutcomeSet& terminations) const noexcept;
   /// Roll, pitch, and yaw since the beginning, after the last control step, rad.
   const Vector3& roll_pitch_yaw() const noexcept { return t_.roll_pitch_yaw; }
   double start_yaw() const noexcept { return t_.start_yaw; }
-  /// Of the base over the ground when the motion began, settled, m.
+  /// Returns the height of the base over the ground when the motion began, settled, m.
   double begin_height() const noexcept { return t_.begin_height; }
   double weight() const noexcept { return t_.weight; }  ///< of the robot, N
   const Vector3& start() const noexcept { return t_.start; }
-  /// Of the base over the ground below it after the last control step, m.
+  /// Returns the height of the base over the ground below it after the last control step, m.
   double height() const noexcept { return t_.height; }
   /// Servo power at the end of the last control step, W.
   double power() const noexcept { return t_.power; }
@@ -105,7 +105,7 @@ class MotionStatistics {
 
  private:
   void add_attitude(const PhysicsBackend& world) noexcept;
-  void add_way(const PhysicsBackend& world, const ControlTargets& targets, double dt) noexcept;
+  void add_path(const PhysicsBackend& world, const ControlTargets& targets, double dt) noexcept;
   void find_outcomes(const PhysicsBackend& world, double dt) noexcept;
   bool slid(double path) const noexcept;
   bool no_progress() const noexcept;
@@ -119,7 +119,7 @@ class MotionStatistics {
   struct Swing {
     std::int64_t steps = 0, loaded = 0;
   };
-  static std::optional<double> share_loaded(const LegArray<Swing>& legs) noexcept;
+  static std::optional<double> loaded_fraction(const LegArray<Swing>& legs) noexcept;
 
   /// All that changes as the motion goes on. SI units and radians; distances are along the ground.
   struct Totals {

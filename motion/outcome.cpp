@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array kOutcomeRows{
     OutcomeRow{Outcome::kDiverged, "diverged", "diverged", true},
-    OutcomeRow{Outcome::kCameApart, "came_apart", "came apart", true},
+    OutcomeRow{Outcome::kLoopViolated, "loop_violated", "loop violated", true},
     OutcomeRow{Outcome::kFell, "fell", "fell", true},
     OutcomeRow{Outcome::kCollapsed, "collapsed", "collapsed", true},
     OutcomeRow{Outcome::kLeftTerrain, "left_terrain", "left the terrain", true},
@@ -49,16 +49,17 @@ std::vector<std::string> outcome_names(const OutcomeSet& set) {
   return names;
 }
 
-Outcome find_ending_outcome(std::string_view name) {
+Outcome find_termination(std::string_view name) {
   const Outcome outcome = find_outcome(name);
   if (!kOutcomeRows[static_cast<std::size_t>(outcome)].at_once)
-    throw ConfigError("outcome", "ends", "outcomes that are known the moment they happen", std::string(name));
+    throw ConfigError("outcome", "terminations", "outcomes that are known the moment they happen",
+                      std::string(name));
   return outcome;
 }
 
-OutcomeSet OutcomeSet::that_end(const std::vector<std::string>& names) {
+OutcomeSet OutcomeSet::of_names(const std::vector<std::string>& names) {
   OutcomeSet set = of_walks();
-  for (const std::string& name : names) set.add(find_ending_outcome(name));
+  for (const std::string& name : names) set.add(find_termination(name));
   return set;
 }
 
@@ -78,15 +79,15 @@ void OutcomeLimits::validate(std::string_view source) const {
   };
   require("tilt_limit_deg", tilt_deg, 180);
   require("low_height", low_height, 1);
-  require("other_load", other_load, 1);
+  require("nonfoot_contact_load", nonfoot_contact_load, 1);
   require("low_seconds", low_seconds, 1e6);
   require("load_smoothing", load_smoothing, 1e6);
   require("loop_gap", loop_gap, 1e6);
   require("slip", slip, 1e6);
   require("slip_path", slip_path, 1e6);
   require("progress", progress, 1);
-  require("asked_path", asked_path, 1e6);
-  require("asked_turn", asked_turn, 1e6);
+  require("commanded_path", commanded_path, 1e6);
+  require("commanded_turn", commanded_turn, 1e6);
 }
 
 }  // namespace crossgait

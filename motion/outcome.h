@@ -13,14 +13,14 @@ namespace crossgait {
 
 /// From worst to best. Where several hold, the first of this list is the outcome.
 enum class Outcome : std::uint8_t {
-  kDiverged,     ///< the engine produced a state that is none
-  kCameApart,    ///< a loop of the mechanism opened: the numbers no longer describe the machine
-  kFell,         ///< roll or pitch beyond a limit
-  kCollapsed,    ///< down: a body other than a foot carried the weight, or the base hung low, for a while
-  kLeftTerrain,  ///< the base left the height field
-  kSlid,         ///< moved, but by sliding feet rather than by steps
-  kNoProgress,   ///< made next to nothing of the way or the turn that was asked for
-  kWalked,       ///< none of the above
+  kDiverged,      ///< the engine produced a state that is not finite
+  kLoopViolated,  ///< a loop of the mechanism opened: the numbers no longer describe the machine
+  kFell,          ///< roll or pitch beyond a limit
+  kCollapsed,     ///< down: a body other than a foot carried the weight, or the base hung low, for a while
+  kLeftTerrain,   ///< the base left the height field
+  kSlid,          ///< moved, but by sliding feet rather than by steps
+  kNoProgress,    ///< made next to nothing of the way or the turn that was asked for
+  kWalked,        ///< none of the above
 };
 /// As many as there are in the enumeration, of which this is the last.
 inline constexpr std::size_t kOutcomes = static_cast<std::size_t>(Outcome::kWalked) + 1;
@@ -28,8 +28,8 @@ inline constexpr std::size_t kOutcomes = static_cast<std::size_t>(Outcome::kWalk
 /// One row of the table of outcomes.
 struct OutcomeRow {
   Outcome outcome;
-  std::string_view name;   ///< in JSON and YAML: "came_apart"
-  std::string_view words;  ///< in tables: "came apart"
+  std::string_view name;   ///< in JSON and YAML: "loop_violated"
+  std::string_view words;  ///< in tables: "loop violated"
   bool at_once;            ///< known the moment it happens, and may end a motion; the others at its end alone
 };
 
@@ -42,7 +42,7 @@ std::vector<std::string> outcome_names(const OutcomeSet& set);
 /// @throws ConfigError listing the known names
 Outcome find_outcome(std::string_view name);
 /// One that may end a motion. @throws ConfigError also for an outcome that is known at the end alone
-Outcome find_ending_outcome(std::string_view name);
+Outcome find_termination(std::string_view name);
 
 /// Some of the outcomes.
 struct OutcomeSet {
@@ -56,7 +56,7 @@ struct OutcomeSet {
   bool operator==(const OutcomeSet&) const = default;
   /// Those named, and divergence, after which nothing goes on. @throws ConfigError for an unknown name, or an
   /// outcome that is known at the end alone
-  static OutcomeSet that_end(const std::vector<std::string>& names);
+  static OutcomeSet of_names(const std::vector<std::string>& names);
 
   /// What ends a walk: divergence alone, so that a fall is on its trace.
   static OutcomeSet of_walks() noexcept { return OutcomeSet().add(Outcome::kDiverged); }
@@ -67,19 +67,20 @@ struct OutcomeSet {
 /// When an outcome holds. Lengths are in leg lengths, which are RobotDescription::home_height: the height of
 /// the base in the home pose.
 struct OutcomeLimits {
-  double tilt_deg = 60;      ///< fell: |roll| or |pitch| beyond this, degrees
-  double low_height = 0.5;   ///< collapsed: base below this share of the height it was put down at ...
-  double other_load = 0.5;   ///< ... or bodies other than feet carry more than this share of the weight ...
+  double tilt_deg = 60;     ///< fell: |roll| or |pitch| beyond this, degrees
+  double low_height = 0.5;  ///< collapsed: base below this share of the height it was put down at ...
+  double nonfoot_contact_load =
+      0.5;                   ///< ... or bodies other than feet carry more than this share of the weight ...
   double low_seconds = 0.5;  ///< ... for this long without a break, s
   double load_smoothing = 0.1;  ///< time constant of that load, s: contact forces come in blows
   double loop_gap = 0.05;       ///< came apart: a loop opens beyond this, leg lengths
   /// Slid: the way that loaded stance feet slid, over the way that the base made meanwhile, beyond this (a
   /// glide is 1, a trot .03 to .08, the worst gallop .5) ...
   double slip = 0.75;
-  double slip_path = 1;     ///< ... if the base went further than this, leg lengths
-  double progress = 0.2;    ///< no progress: less than this share of the way (or turn) that was asked for ...
-  double asked_path = 1;    ///< ... if that was longer than this, leg lengths ...
-  double asked_turn = 0.5;  ///< ... or, short of that, a turn beyond this, rad
+  double slip_path = 1;   ///< ... if the base went further than this, leg lengths
+  double progress = 0.2;  ///< no progress: less than this share of the way (or turn) that was asked for ...
+  double commanded_path = 1;    ///< ... if that was longer than this, leg lengths ...
+  double commanded_turn = 0.5;  ///< ... or, short of that, a turn beyond this, rad
 
   /// @throws ConfigError naming `source` and the limit
   void validate(std::string_view source) const;

@@ -32,8 +32,8 @@ struct JointDrag {
 
   /// N m, to overcome at `rate` (rad/s).
   double torque(double rate) const noexcept { return damping * rate + dry(rate); }
-  /// Of friction alone: friction rate / sqrt(rate^2 + slow^2), so that a target that turns round does not
-  /// jump.
+  /// Returns the torque of friction alone: friction rate / sqrt(rate^2 + slow^2), so that a target that turns
+  /// round does not jump.
   double dry(double rate) const noexcept;
 };
 

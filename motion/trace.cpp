@@ -11,7 +11,7 @@ TraceSample::TraceSample(const PhysicsBackend& world, const ControlTargets& cont
     : state(world.state()),
       targets(control.joints),
       torques(world.torques()),
-      plan(control.plan),
+      contact_schedule(control.contact_schedule),
       parameters(control.parameters) {
   const LegArray<FootContact> feet = world.foot_contacts();
   for (const Leg leg : kLegs) {
@@ -22,7 +22,7 @@ TraceSample::TraceSample(const PhysicsBackend& world, const ControlTargets& cont
 }
 
 TraceColumns::TraceColumns(const RobotDescription& robot, const TraceSample& first)
-    : planned_(first.plan.has_value()),
+    : planned_(first.contact_schedule.has_value()),
       parameters_(first.parameters.has_value()),
       names_{"time",   "p_WB.x", "p_WB.y", "p_WB.z", "q_WB.w", "q_WB.x", "q_WB.y",
              "q_WB.z", "v_WB.x", "v_WB.y", "v_WB.z", "w_WB.x", "w_WB.y", "w_WB.z"} {
@@ -53,7 +53,7 @@ void TraceColumns::append(const TraceSample& sample, std::vector<double>& number
   for (const Leg leg : kLegs) numbers.push_back(sample.contact[leg] ? 1 : 0);
   for (const Leg leg : kLegs) numbers.push_back(sample.load[leg]);
   for (const Leg leg : kLegs) {
-    if (planned_) numbers.push_back(sample.plan && (*sample.plan)[leg].swing ? 0 : 1);
+    if (planned_) numbers.push_back(sample.contact_schedule && (*sample.contact_schedule)[leg].swing ? 0 : 1);
   }
   for (const ParameterRow& row : gait_parameters()) {
     if (parameters_) numbers.push_back(sample.parameters.value_or(GaitParameters{}).*row.member);

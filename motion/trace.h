@@ -22,7 +22,8 @@ struct TraceSample {
   LegArray<Vector3> force{{Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), Vector3::Zero()}};
   JointVector torques;  ///< of the last physics step, N m; empty in samples that no world made
 
-  std::optional<LegArray<LegPlan>> plan;     ///< what the legs were meant to do, where that is known
+  std::optional<LegArray<ScheduledLeg>>
+      contact_schedule;                      ///< what the legs were meant to do, where that is known
   std::optional<GaitParameters> parameters;  ///< of the gait, where there is one
 
   TraceSample() = default;

@@ -36,11 +36,11 @@ void WalkTiming::validate(double physics_dt) const {
 int WalkTiming::control_steps() const { return step_count(seconds, control_dt); }
 
 Walk::Walk(PhysicsBackend& world, ControllerPtr controller, const WalkTiming& timing, const Start& start,
-           const OutcomeSet& ends)
+           const OutcomeSet& terminations)
     : world_(world),
       controller_(std::move(controller)),
       loop_((timing.validate(world.spec().physics_dt), world.robot()),
-            {timing.control_dt, timing.settle_seconds, {}, ends}),
+            {timing.control_dt, timing.settle_seconds, {}, terminations}),
       steps_left_(timing.control_steps()) {
   const auto begin = Clock::now();
   loop_.start(world_, *controller_, start);
@@ -64,8 +64,8 @@ MotionSummary Walk::summary() const {
 }
 
 MotionSummary run_walk(PhysicsBackend& world, const ControllerPtr& controller, const WalkTiming& timing,
-                       const WalkObserver& observer, const Start& start, const OutcomeSet& ends) {
-  Walk walk(world, controller, timing, start, ends);
+                       const WalkObserver& observer, const Start& start, const OutcomeSet& terminations) {
+  Walk walk(world, controller, timing, start, terminations);
   while (walk.advance()) {
     if (observer && !observer(walk.sample())) break;
   }

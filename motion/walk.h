@@ -42,7 +42,7 @@ class Walk {
   /// @param ends  outcomes that end the walk before its time
   /// @throws ConfigError for impossible timing or a controller that cannot stand there
   Walk(PhysicsBackend& world, ControllerPtr controller, const WalkTiming& timing, const Start& start = {},
-       const OutcomeSet& ends = OutcomeSet::of_walks());
+       const OutcomeSet& terminations = OutcomeSet::of_walks());
 
   /// One more control step. @returns false, with nothing to show, once the walk is over
   bool advance();
@@ -64,6 +64,6 @@ class Walk {
 /// The whole of it at once. @throws ConfigError as Walk does
 MotionSummary run_walk(PhysicsBackend& world, const ControllerPtr& controller, const WalkTiming& timing,
                        const WalkObserver& observer = {}, const Start& start = {},
-                       const OutcomeSet& ends = OutcomeSet::of_walks());
+                       const OutcomeSet& terminations = OutcomeSet::of_walks());
 
 }  // namespace crossgait

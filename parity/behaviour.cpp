@@ -38,7 +38,7 @@ std::vector<Statistic> motion_statistics(const RobotDescription& robot, bool pla
     all.push_back({std::string(judged.name), std::string(row->unit), judged.relative_floor,
                    judged.absolute_floor * scale_of(judged.scale, robot)});
   }
-  all.push_back({"failures", "share", 0, 0.05, true});
+  all.push_back({"failures", "fraction", 0, 0.05, true});
   return all;
 }
 
@@ -70,7 +70,7 @@ Start draw_start(const Randomisation& randomisation, std::uint64_t seed) {
 // @param trace filled with every control step if not null
 MotionSummary walk_once(const WorldSpec& world, const WalkSetup& setup, const Start& start,
                         const Engine& engine, Trace* trace = nullptr) {
-  const std::unique_ptr<PhysicsBackend> backend = engine.make(world);
+  const std::unique_ptr<PhysicsBackend> instance = engine.make(world);
   WalkObserver observer;
   if (trace != nullptr) {
     observer = [trace](const WalkSample& sample) {
@@ -78,7 +78,7 @@ MotionSummary walk_once(const WorldSpec& world, const WalkSetup& setup, const St
       return true;
     };
   }
-  return run_walk(*backend, setup.make_controller(world), setup.timing, observer, start, setup.ends);
+  return run_walk(*instance, setup.make_controller(world), setup.timing, observer, start, setup.terminations);
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ bool Behaviour::allows(const Variation& variation) const {
          std::all_of(delays.begin(), delays.end(), [step](double d) { return is_whole_multiple(d, step); });
 }
 
-StartRanges StartRanges::stated_for(const RobotDescription& robot) const {
+StartRanges StartRanges::with_defaults(const RobotDescription& robot) const {
   const GaitScale scale = gait_scale(robot);
   StartRanges all = *this;
   all.position_m = position_m.value_or(0.1 * scale.length);
@@ -118,7 +118,7 @@ Randomisation StartRanges::over(Randomisation base, const RobotDescription& robo
   const auto fill = [&base](Randomised what, double low, double high) {
     if (!base.is_on(what)) base[what] = {low, high};
   };
-  const StartRanges own = stated_for(robot);
+  const StartRanges own = with_defaults(robot);
   const double position = *own.position_m, push = *own.push_mps;
   fill(kStartX, -position, position);
   fill(kStartY, -position, position);

@@ -46,7 +46,7 @@ struct StartRanges {
   std::optional<double> push_mps = {};
 
   /// With everything that goes by the robot's size.
-  StartRanges stated_for(const RobotDescription& robot) const;
+  StartRanges with_defaults(const RobotDescription& robot) const;
 
   /// The same as ranges of an environment. Rows of `base` that are on stay as they are.
   Randomisation over(Randomisation base, const RobotDescription& robot) const;

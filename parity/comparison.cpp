@@ -6,7 +6,7 @@ namespace crossgait {
 namespace {
 
 struct Runner {
-  PhysicsBackend& backend;
+  PhysicsBackend& world;
   Walk walk;
   std::optional<TraceSample> sample;  ///< of the step that all are in; none once its walk is over
 };
@@ -37,7 +37,7 @@ std::vector<PairDifference> pairs_of(const std::vector<Runner>& runners,
   std::vector<PairDifference> pairs;
   for (std::size_t i = 0; i < runners.size(); ++i) {
     for (std::size_t k = i + 1; k < runners.size(); ++k) {
-      const EngineInfo &a = runners[i].backend.info(), &b = runners[k].backend.info();
+      const EngineInfo &a = runners[i].world.info(), &b = runners[k].world.info();
       PairDifference pair;
       pair.a = a.name;
       pair.b = b.name;
@@ -51,14 +51,16 @@ std::vector<PairDifference> pairs_of(const std::vector<Runner>& runners,
 
 }  // namespace
 
-Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& backends,
-                           const WalkSetup& setup, const DivergenceTolerances& tolerances,
-                           const Progress& progress, const SampleObserver& observer) {
+Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& worlds, const WalkSetup& setup,
+                           const DivergenceTolerances& tolerances, const Progress& progress,
+                           const SampleObserver& observer) {
   std::vector<Runner> runners;
-  runners.reserve(backends.size());
-  for (const auto& backend : backends) {
+  runners.reserve(worlds.size());
+  for (const auto& world : worlds) {
     runners.push_back(
-        {*backend, Walk(*backend, setup.make_controller(backend->spec()), setup.timing, {}, setup.ends), {}});
+        {*world,
+         Walk(*world, setup.make_controller(world->spec()), setup.timing, {}, setup.terminations),
+         {}});
   }
   Comparison result;
   result.pairs = pairs_of(runners, tolerances);
@@ -74,20 +76,20 @@ Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& b
     result.interrupted = true;
   }
   for (const Runner& r : runners) {
-    result.runs.push_back({r.backend.info(), r.backend.spec().terrain.name(), setup.gait, r.walk.summary(),
-                           result.interrupted});
+    result.runs.push_back(
+        {r.world.info(), r.world.spec().terrain.name(), setup.gait, r.walk.summary(), result.interrupted});
   }
   return result;
 }
 
-WalkRun record_walk(PhysicsBackend& backend, const WalkSetup& setup, const Progress& progress,
+WalkRun record_walk(PhysicsBackend& world, const WalkSetup& setup, const Progress& progress,
                     const SampleObserver& observer) {
-  WalkRun run{backend.info(), backend.spec().terrain.name(), setup.gait, {}, false};
-  Walk walk(backend, setup.make_controller(backend.spec()), setup.timing, {}, setup.ends);
+  WalkRun run{world.info(), world.spec().terrain.name(), setup.gait, {}, false};
+  Walk walk(world, setup.make_controller(world.spec()), setup.timing, {}, setup.terminations);
   const int steps = setup.timing.control_steps();
   try {
     for (int done = 1; walk.advance(); ++done) {
-      if (observer) observer(0, TraceSample(backend, walk.sample().targets));
+      if (observer) observer(0, TraceSample(world, walk.sample().targets));
       constexpr int kStepsPerReport = 100;
       if (progress && done % kStepsPerReport == 0) progress(static_cast<double>(done) / steps);
     }

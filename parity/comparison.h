@@ -32,22 +32,22 @@ struct WalkSetup {
   /// Makes a fresh controller for each run in that world: state must not leak from one into the next.
   std::function<ControllerPtr(const WorldSpec& world)> make_controller;
   WalkTiming timing;
-  OutcomeSet ends = OutcomeSet::of_walks();  ///< outcomes that end the walk before its time
+  OutcomeSet terminations = OutcomeSet::of_walks();  ///< outcomes that end the walk before its time
 };
 
 /// Sees every control step of every run, which nothing keeps. @param run its number among the engines
 using SampleObserver = std::function<void(std::size_t run, const TraceSample& sample)>;
 
-/// Walks once on `backend`. If `progress` throws Interrupted, what was walked until then is returned.
-WalkRun record_walk(PhysicsBackend& backend, const WalkSetup& setup, const Progress& progress = {},
+/// Walks once on `world`. If `progress` throws Interrupted, what was walked until then is returned.
+WalkRun record_walk(PhysicsBackend& world, const WalkSetup& setup, const Progress& progress = {},
                     const SampleObserver& observer = {});
 
 /// All walks in step, compared as they go: memory does not grow with their length. Interrupted as
 /// `record_walk`.
 /// @param tolerances for pairs of which one is an independent opinion; two engines of the same laws
 ///                   are held to `DivergenceTolerances::exact()`
-Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& backends,
-                           const WalkSetup& setup, const DivergenceTolerances& tolerances = {},
-                           const Progress& progress = {}, const SampleObserver& observer = {});
+Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& worlds, const WalkSetup& setup,
+                           const DivergenceTolerances& tolerances = {}, const Progress& progress = {},
+                           const SampleObserver& observer = {});
 
 }  // namespace crossgait

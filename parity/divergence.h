@@ -14,7 +14,7 @@ struct DivergenceTolerances {
   double position = 1e-3;  ///< of the base, m
   double joint = 1e-2;     ///< largest difference of a joint angle, rad
   double attitude = 1e-2;  ///< angle between the base orientations, rad
-  /// Of the force on a foot, N, and of a joint's torque, N m. Not watched unless asked for: both jump at
+  /// Bounds the force on a foot, N, and a joint's torque, N m. Not watched unless asked for: both jump at
   /// every touchdown that comes a step earlier.
   double load = std::numeric_limits<double>::infinity();
   double torque = std::numeric_limits<double>::infinity();
@@ -37,7 +37,7 @@ struct FirstDivergence {
 };
 
 struct PairDifference {
-  std::string a, b;        ///< backend names
+  std::string a, b;        ///< names of engines
   bool same_laws = false;  ///< both engines solve the same equations, so that they are held to `exact()`
   double max_position_difference_m = 0;
   double max_joint_difference_rad = 0;

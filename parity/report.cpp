@@ -63,9 +63,9 @@ std::string heading(const WalkRun& run) {
   return fmt::format("{} on {}, {:.3g} s", run.gait, run.terrain, run.summary.simulated_seconds);
 }
 
-const WalkRun& run_named(const Comparison& comparison, const std::string& backend) {
+const WalkRun& run_named(const Comparison& comparison, const std::string& engine) {
   for (const WalkRun& run : comparison.runs) {
-    if (run.engine.name == backend) return run;
+    if (run.engine.name == engine) return run;
   }
   return comparison.runs.front();
 }
@@ -106,8 +106,8 @@ nlohmann::ordered_json to_json(const MotionSummary& m) {
 }
 
 nlohmann::ordered_json to_json(const WalkRun& run) {
-  ordered_json result{{"backend", run.engine.name},
-                      {"engine", run.engine.engine + " " + run.engine.version},
+  ordered_json result{{"engine", run.engine.name},
+                      {"engine_version", run.engine.library + " " + run.engine.version},
                       {"terrain", run.terrain},
                       {"gait", run.gait}};
   result.update(to_json(run.summary));

@@ -79,9 +79,9 @@ StatisticVerdict judge_one(const std::vector<Statistic>& statistics, std::size_t
   v.gap = jackknife(starts, gap, confidence);
   v.score = jackknife(starts, score, confidence);
   if (v.score.low > -options.limit && v.score.high < options.limit) {
-    v.conclusion = Conclusion::kAgrees;
+    v.value = VerdictValue::kAgrees;
   } else if (v.score.low > options.limit || v.score.high < -options.limit) {
-    v.conclusion = Conclusion::kEngineDependent;
+    v.value = VerdictValue::kEngineDependent;
   }
   return v;
 }
@@ -164,9 +164,9 @@ class Campaign {
 
 }  // namespace
 
-std::string_view name(Conclusion conclusion) noexcept {
+std::string_view name(VerdictValue value) noexcept {
   constexpr std::array<std::string_view, 3> kNames{"agrees", "engine-dependent", "unresolved"};
-  return kNames[static_cast<std::size_t>(conclusion)];
+  return kNames[static_cast<std::size_t>(value)];
 }
 
 double WithinSpread::total() const noexcept {
@@ -183,13 +183,13 @@ void VerdictOptions::validate() const {
   require(workers >= 1, "workers", "1 or more", static_cast<double>(workers));
 }
 
-Conclusion Verdict::conclusion() const noexcept {
-  const auto any = [this](Conclusion what) {
+VerdictValue Verdict::value() const noexcept {
+  const auto any = [this](VerdictValue what) {
     return std::any_of(statistics.begin(), statistics.end(),
-                       [what](const auto& s) { return s.conclusion == what; });
+                       [what](const auto& s) { return s.value == what; });
   };
-  if (any(Conclusion::kEngineDependent)) return Conclusion::kEngineDependent;
-  return any(Conclusion::kUnresolved) ? Conclusion::kUnresolved : Conclusion::kAgrees;
+  if (any(VerdictValue::kEngineDependent)) return VerdictValue::kEngineDependent;
+  return any(VerdictValue::kUnresolved) ? VerdictValue::kUnresolved : VerdictValue::kAgrees;
 }
 
 std::vector<StatisticVerdict> judge(const std::vector<Statistic>& statistics,

@@ -11,9 +11,9 @@
 
 namespace crossgait {
 
-enum class Conclusion { kAgrees, kEngineDependent, kUnresolved };
+enum class VerdictValue { kAgrees, kEngineDependent, kUnresolved };
 /// "agrees", "engine-dependent", "unresolved"
-std::string_view name(Conclusion conclusion) noexcept;
+std::string_view name(VerdictValue value) noexcept;
 
 /// Standard deviations of one statistic within one engine, by what was varied.
 struct WithinSpread {
@@ -49,7 +49,7 @@ struct StatisticVerdict {
   WithinSpread spread_a, spread_b;
   double spread = 0, floor = 0;
   Interval score;
-  Conclusion conclusion = Conclusion::kUnresolved;
+  VerdictValue value = VerdictValue::kUnresolved;
 };
 
 struct VerdictOptions {
@@ -72,7 +72,7 @@ struct Verdict {
   std::vector<std::string> left_out;  ///< the others, with the reason
   std::vector<StatisticVerdict> statistics;
 
-  Conclusion conclusion() const noexcept;
+  VerdictValue value() const noexcept;
 };
 
 /// The rule alone, on runs that were made.

@@ -28,7 +28,7 @@ ordered_json to_json(const StatisticVerdict& v) {
           {"spread", v.spread},
           {"floor", v.floor},
           {"score", to_json(v.score)},
-          {"word", name(v.conclusion)}};
+          {"verdict", name(v.value)}};
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ nlohmann::ordered_json to_json(const Verdict& verdict) {
   ordered_json json{{"behaviour", verdict.behaviour},
                     {"a", verdict.a},
                     {"b", verdict.b},
-                    {"word", name(verdict.conclusion())},
+                    {"verdict", name(verdict.value())},
                     {"starts", verdict.options.starts},
                     {"limit", verdict.options.limit},
                     {"confidence", verdict.options.confidence},
@@ -74,7 +74,7 @@ std::string describe(const Verdict& verdict) {
                    fmt::format("{:+.3g}", v.gap.estimate), number(v.gap.half_width()), number(v.spread),
                    number(v.floor), fmt::format("{:+.2f}", v.score.estimate),
                    fmt::format("{:+.2f}", v.score.low), fmt::format("{:+.2f}", v.score.high),
-                   std::string(name(v.conclusion))});
+                   std::string(name(v.value))});
   }
   std::vector<std::string> varied;
   for (const Variation& v : verdict.variations) varied.push_back(v.name);
@@ -86,7 +86,7 @@ std::string describe(const Verdict& verdict) {
       verdict.options.starts, fmt::join(varied, ", "), 100 * verdict.options.confidence,
       verdict.options.limit);
   for (const std::string& reason : verdict.left_out) text += "Left out: " + reason + ".\n";
-  return text + fmt::format("\n{} against {}: {}.\n", verdict.b, verdict.a, name(verdict.conclusion()));
+  return text + fmt::format("\n{} against {}: {}.\n", verdict.b, verdict.a, name(verdict.value()));
 }
 
 }  // namespace crossgait

@@ -64,7 +64,7 @@ PolicyBundle with_golden_pairs(PolicyBundle bundle, const Eigen::MatrixXd& obser
 
 /// @throws ConfigError if the place cannot be written
 void write_policy_bundle(const std::string& path, const PolicyBundle& bundle);
-/// Of `make_policy_bundle`.
+/// Writes the bytes of `make_policy_bundle`.
 void write_policy_bundle(const std::string& path, const MlpNetwork& network,
                          const PolicyInterface& interface);
 

@@ -72,19 +72,19 @@ ordered_json run_document(const RecordedRun& run, const Motion& motion, RunFrame
           {"planned", stances_of(run.trace, "planned", 0)}};
 }
 
-Way way_of(const std::vector<RecordedRun>& runs) {
-  Way way;
+PathBounds way_of(const std::vector<RecordedRun>& runs) {
+  PathBounds path;
   for (std::size_t i = 0; i < 2; ++i) {
     const char* column = i == 0 ? "p_WB.x" : "p_WB.y";
-    way.min[i] = way.max[i] = runs.front().trace.column(column).front();
+    path.min[i] = path.max[i] = runs.front().trace.column(column).front();
     for (const RecordedRun& run : runs) {
       const auto [low, high] =
           std::minmax_element(run.trace.column(column).begin(), run.trace.column(column).end());
-      way.min[i] = std::min(way.min[i], *low);
-      way.max[i] = std::max(way.max[i], *high);
+      path.min[i] = std::min(path.min[i], *low);
+      path.max[i] = std::max(path.max[i], *high);
     }
   }
-  return way;
+  return path;
 }
 
 /// Rows that two traces share: as many as the shorter has, if they are at the same times; else none.

@@ -128,8 +128,8 @@ ordered_json legs_of(const RobotDescription& robot) {
   return legs;
 }
 
-/// First and last sample of a row (or column) of the field within `reach` of the way, at least two.
-std::pair<int, int> near_way(double cell, int count, double from, double to) {
+/// First and last sample of a row (or column) of the field within `reach` of the path, at least two.
+std::pair<int, int> near_path(double cell, int count, double from, double to) {
   const double middle = cell * (count - 1) / 2;
   // Clamped before they are whole numbers: a trace may say that the base was anywhere.
   const double first = std::clamp(std::floor((from + middle) / cell), 0.0, count - 2.0);
@@ -137,10 +137,10 @@ std::pair<int, int> near_way(double cell, int count, double from, double to) {
   return {static_cast<int>(first), static_cast<int>(last)};
 }
 
-ordered_json ground_of(const HeightField& field, const Way& way, double reach, PageNumbers& numbers,
+ordered_json ground_of(const HeightField& field, const PathBounds& path, double reach, PageNumbers& numbers,
                        ordered_json& notes) {
-  const auto [c0, c1] = near_way(field.cell_x(), field.columns(), way.min[0] - reach, way.max[0] + reach);
-  const auto [r0, r1] = near_way(field.cell_y(), field.rows(), way.min[1] - reach, way.max[1] + reach);
+  const auto [c0, c1] = near_path(field.cell_x(), field.columns(), path.min[0] - reach, path.max[0] + reach);
+  const auto [r0, r1] = near_path(field.cell_y(), field.rows(), path.min[1] - reach, path.max[1] + reach);
   const double samples = static_cast<double>(c1 - c0 + 1) * (r1 - r0 + 1);
   const int stride = static_cast<int>(std::ceil(std::sqrt(std::max(1.0, samples / kMaxGroundSamples))));
   if (stride > 1) notes.push_back(fmt::format("of the ground, every {}th sample is shown", stride));
@@ -160,8 +160,8 @@ ordered_json ground_of(const HeightField& field, const Way& way, double reach, P
 
 }  // namespace
 
-nlohmann::ordered_json scene_document(const RobotDescription& robot, const Terrain& terrain, const Way& way,
-                                      PageNumbers& numbers) {
+nlohmann::ordered_json scene_document(const RobotDescription& robot, const Terrain& terrain,
+                                      const PathBounds& path, PageNumbers& numbers) {
   ordered_json notes = ordered_json::array(), bodies = ordered_json::array();
   Shapes shapes(numbers, notes);
   for (const Body& body : robot.bodies) {
@@ -177,13 +177,13 @@ nlohmann::ordered_json scene_document(const RobotDescription& robot, const Terra
                      {"terrain", terrain.name()},
                      {"standing_height", robot.standing_height},
                      {"reach", reach},
-                     {"way", {way.min[0], way.min[1], way.max[0], way.max[1]}},
+                     {"path", {path.min[0], path.min[1], path.max[0], path.max[1]}},
                      {"bodies", std::move(bodies)},
                      {"meshes", shapes.meshes()},
                      {"legs", legs_of(robot)},
                      {"ground", nullptr}};
   if (const HeightField* field = terrain.field())
-    scene["ground"] = ground_of(*field, way, reach, numbers, notes);
+    scene["ground"] = ground_of(*field, path, reach, numbers, notes);
   scene["notes"] = std::move(notes);
   return scene;
 }

@@ -13,7 +13,7 @@
 namespace crossgait {
 
 /// Where bases went, seen from above, m.
-struct Way {
+struct PathBounds {
   std::array<double, 2> min{0, 0}, max{0, 0};
 };
 
@@ -24,7 +24,7 @@ struct Way {
 /// or null, and `mesh`, an index, with `scale`. Bodies without a visual shape that can be shown have their
 /// collision shapes.
 /// @throws ConfigError for a mesh that cannot be read
-nlohmann::ordered_json scene_document(const RobotDescription& robot, const Terrain& terrain, const Way& way,
-                                      PageNumbers& numbers);
+nlohmann::ordered_json scene_document(const RobotDescription& robot, const Terrain& terrain,
+                                      const PathBounds& path, PageNumbers& numbers);
 
 }  // namespace crossgait

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "parity/standing.h"
+#include "parity/consensus.h"
 #include "physics/core/error.h"
 
 namespace crossgait {
@@ -29,7 +29,7 @@ ordered_json texts(const Json& from, const char* key) { return from.at(key).get<
 ordered_json statistic(const Json& s) {
   return {{"name", text(s, "name")},       {"unit", text(s, "unit")},       {"mean_a", number(s, "mean_a")},
           {"mean_b", number(s, "mean_b")}, {"gap", interval(s, "gap")},     {"spread", number(s, "spread")},
-          {"floor", number(s, "floor")},   {"score", interval(s, "score")}, {"word", text(s, "word")}};
+          {"floor", number(s, "floor")},   {"score", interval(s, "score")}, {"verdict", text(s, "verdict")}};
 }
 
 ordered_json attribution(const Json& a) {
@@ -71,7 +71,7 @@ nlohmann::ordered_json verdict_document(const nlohmann::json& verdict, const std
     return {{"behaviour", text(verdict, "behaviour")},
             {"a", text(verdict, "a")},
             {"b", text(verdict, "b")},
-            {"word", text(verdict, "word")},
+            {"verdict", text(verdict, "verdict")},
             {"starts", number(verdict, "starts")},
             {"limit", number(verdict, "limit")},
             {"confidence", number(verdict, "confidence")},
@@ -102,7 +102,7 @@ VerdictsDocument verdicts_document(const nlohmann::json& verdicts, const std::st
     std::vector<ordered_json> pairs;
     for (const Json& pair : verdicts.at("pairs")) {
       pairs.push_back(verdict_document(pair, file));
-      words.push_back(pair.at("word"));
+      words.push_back(pair.at("verdict"));
     }
     const std::size_t n = engines.size();
     if (n < 2 || pairs.size() != n * (n - 1) / 2) {

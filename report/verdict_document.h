@@ -16,7 +16,7 @@ namespace crossgait {
 /// @throws ConfigError naming `file` and what is missing or of another kind
 nlohmann::ordered_json verdict_document(const nlohmann::json& verdict, const std::string& file);
 
-/// Of many engines.
+/// Holds the verdicts of many engines, as a page shows them.
 struct VerdictsDocument {
   Table words;                                   ///< of all pairs, engine by engine
   std::vector<std::string> sentences;            ///< clusters, and the outlier or why none is named

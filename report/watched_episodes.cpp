@@ -34,9 +34,9 @@ Motion watch_episodes(const std::vector<WatchedEpisode>& episodes, std::uint64_t
     watch_episode(episode.environment, episode.policy, seed, [&](const QuadrupedEnv& env) {
       if (!recorder) {
         // Of the world that the episode drew.
-        const WorldSpec& world = env.backend().spec();
+        const WorldSpec& world = env.world().spec();
         recorder.emplace(world.robot, terms.columns);
-        engine = fmt::format("{} {}", env.engine().info.engine, env.engine().info.version);
+        engine = fmt::format("{} {}", env.engine().info.library, env.engine().info.version);
         if (motion.robot == nullptr) {
           motion.robot = world.robot;
           motion.terrain = world.terrain;

@@ -22,7 +22,7 @@ double free_fall_error(const Engine& engine, double h);
 
 /// Mean period over `swings` full swings from rest at `amplitude` (rad), s, timed by zero crossings.
 double pendulum_period(const Engine& engine, const ArmLink& link, double amplitude, double h, int swings);
-/// Of the period of a swing of 143 degrees against the elliptic integral, relative.
+/// Returns the error of the period of a swing of 143 degrees against the elliptic integral, relative.
 double pendulum_error(const Engine& engine, double h);
 
 }  // namespace crossgait::scenes

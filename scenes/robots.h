@@ -39,7 +39,7 @@ struct ArmLink {
   double effort_limit = 1;  ///< N m
   double limit = 3.1;       ///< targets within +-limit, rad
 
-  /// Of the link alone, about its joint, with the armature.
+  /// Returns the inertia of the link alone, about its joint, with the armature.
   double joint_inertia() const { return inertia + mass * length * length + armature; }
 };
 /// Links in series, the first on a base that is meant to be fixed. No shapes.

@@ -104,7 +104,7 @@ LoadedEnv section_environment(const LoadedEnv& method, const Course& course, con
   here.episode_seconds = course.seconds;
   here.settle_seconds = usual.settle_seconds;
   here.tilt_limit_deg = usual.tilt_limit_deg;
-  here.ends = usual.ends;
+  here.terminations = usual.terminations;
   here.randomisation = StartRanges{.push_mps = 0}.over({}, robot);
   here.randomisation[Randomised::kTerrainSeed] = {0, kTerrainSeeds};
   if (section.payload > 0) {

@@ -48,7 +48,7 @@ nlohmann::ordered_json to_json(const CourseResult& r) {
   for (const CourseCell& cell : r.cells) {
     const MeanAndDeviation s = mean_and_deviation(cell.scores);
     json["cells"].push_back({{"section", to_json(cell.section)},
-                             {"backend", cell.engine},
+                             {"engine", cell.engine},
                              {"score", {{"mean", s.mean}, {"deviation", s.deviation}}},
                              {"scores", cell.scores},
                              {"all", to_json(cell.all)}});
@@ -56,7 +56,7 @@ nlohmann::ordered_json to_json(const CourseResult& r) {
   json["scores"] = ordered_json::array();
   for (const std::string& engine : engines_of(r)) {
     const MeanAndDeviation s = r.score(engine);
-    json["scores"].push_back({{"backend", engine}, {"mean", s.mean}, {"deviation", s.deviation}});
+    json["scores"].push_back({{"engine", engine}, {"mean", s.mean}, {"deviation", s.deviation}});
   }
   if (r.interrupted) json["interrupted"] = true;
   return with_schema("course", json);
@@ -64,15 +64,16 @@ nlohmann::ordered_json to_json(const CourseResult& r) {
 
 Table table(const CourseResult& r) {
   Table rows({fmt::format("{} on course {}, {} each", short_name(r.policy), r.course, counted(r.runs, "run")),
-              "engine", "asked, m/s", "made, m/s", "score", "outcome", "cost of transport", "drag", "slip"});
+              "engine", "asked, m/s", "made, m/s", "score", "outcome", "cost of transport", "swing contact",
+              "slip"});
   for (const CourseCell& cell : r.cells) {
     using M = MotionSummary;
     const Evaluation& e = cell.all;
     const MotionAverages& m = e.motion;
     rows.add_row({cell.section.name, cell.engine, fmt::format("{:.2f}", cell.section.speed),
                   number(m.of(&M::mean_speed_mps), 3), score(mean_and_deviation(cell.scores)),
-                  outcomes_in_words(e), number(m.of(&M::cost_of_transport), 2), number(m.of(&M::drag), 3),
-                  number(m.of(&M::slip_per_path), 3)});
+                  outcomes_in_words(e), number(m.of(&M::cost_of_transport), 2),
+                  number(m.of(&M::swing_contact_ratio), 3), number(m.of(&M::slip_per_path), 3)});
   }
   for (const std::string& engine : engines_of(r))
     rows.add_row({"all sections", engine, "", "", score(r.score(engine))});

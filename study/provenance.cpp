@@ -14,7 +14,7 @@ Json without_hash(const Provenance& p) {
   for (const auto& [name, hash] : p.files) result["files"][name] = hash;
   result["engines"] = Json::array();
   for (const EngineInfo& e : p.engines)
-    result["engines"].push_back({{"name", e.name}, {"engine", e.engine}, {"version", e.version}});
+    result["engines"].push_back({{"name", e.name}, {"library", e.library}, {"version", e.version}});
   if (p.subject.is_object()) result.update(p.subject);
   return result;
 }

@@ -58,7 +58,7 @@ void watch_episode(const LoadedEnv& environment, const std::string& policy, std:
 }
 
 TraceSample trace_sample(const QuadrupedEnv& env) {
-  TraceSample sample(env.backend(), env.targets());
+  TraceSample sample(env.world(), env.targets());
   sample.parameters = env.info().parameters;
   return sample;
 }

@@ -106,7 +106,7 @@ nlohmann::ordered_json to_json(const EpisodeSummary& e) {
 }
 
 nlohmann::ordered_json to_json(const Rollout& r) {
-  ordered_json json{{"backend", r.config.engine},
+  ordered_json json{{"engine", r.config.engine},
                     {"terrain", r.config.terrain},
                     {"gait", r.config.action == ActionKind::kGait ? ordered_json(r.config.gait) : nullptr},
                     {"seed", r.seed},
@@ -124,7 +124,7 @@ nlohmann::ordered_json to_json(const Transfer& t) {
   ordered_json json{{"policy", t.policy}, {"seed", t.seed}, {"cells", ordered_json::array()}};
   for (const TransferCell& cell : t.cells) {
     json["cells"].push_back({{"terrain", cell.terrain},
-                             {"backend", cell.engine},
+                             {"engine", cell.engine},
                              {"policy", to_json(cell.policy)},
                              {"baseline", to_json(cell.baseline)}});
   }

@@ -85,7 +85,7 @@ Json to_json(const LoadedWalk& walk) {
           {"command", to_json(c.gait.command)},
           {"compensation", c.compensation},
           {"heading_hold", c.heading_hold},
-          {"ends", outcome_names(c.ends)},
+          {"terminations", outcome_names(c.terminations)},
           {"seconds", c.timing.seconds},
           {"control_dt", c.timing.control_dt},
           {"settle_seconds", c.timing.settle_seconds}};
@@ -120,7 +120,7 @@ Json described_in_runs(const LoadedBehaviour& loaded) {
   return std::visit(
       [&](const auto& what) -> Json {
         return {{"behaviour", to_json(what)},
-                {"starts", to_json(loaded.starts.stated_for(robot_of(what)))},
+                {"starts", to_json(loaded.starts.with_defaults(robot_of(what)))},
                 {"seed", loaded.seed}};
       },
       loaded.what);

@@ -16,10 +16,10 @@
 namespace crossgait {
 namespace {
 
-// What is worth a complaint: two seconds of a good trot are far inside all of them (docs/robots.md).
+// What is worth a failure: two seconds of a good trot are far inside all of them (docs/robots.md).
 constexpr double kLeastSpeed = 0.7, kMostSpeed = 1.3;  // of the commanded one
 constexpr double kMostTilt = 5, kMostTurn = 10;        // deg, RMS and largest
-constexpr double kMostDrag = 0.2, kMostSaturation = 0.1;
+constexpr double kMostSwingContact = 0.2, kMostSaturation = 0.1;
 
 // The statistics that tell how well a robot walks, 0 where a walk has none.
 struct Column {
@@ -33,7 +33,7 @@ struct Column {
 const Column kColumns[] = {{&MotionSummary::rms_roll_deg, "roll, deg", 2},
                            {&MotionSummary::rms_pitch_deg, "pitch, deg", 2},
                            {&MotionSummary::heading_error_deg, "turned, deg", 1},
-                           {&MotionSummary::drag, "drag", 3},
+                           {&MotionSummary::swing_contact_ratio, "swing_contact_ratio", 3},
                            {&MotionSummary::slip_per_path, "slip/path", 3}};
 
 std::vector<std::string> complaints_of(const TrialWalk& walk) {
@@ -48,12 +48,12 @@ std::vector<std::string> complaints_of(const TrialWalk& walk) {
         fmt::format("it rolled by {:.1f} and pitched by {:.1f} deg RMS", s.rms_roll_deg, s.rms_pitch_deg));
   if (s.heading_error_deg.value_or(0) > kMostTurn)
     list.push_back(fmt::format("it turned by {:.0f} deg", *s.heading_error_deg));
-  if (s.drag.value_or(0) > kMostDrag)
-    list.push_back(
-        fmt::format("its feet dragged for {:.0f} % of their swings: stiffer servos (kp)?", 100 * *s.drag));
-  if (walk.torque_share > kMostSaturation)
+  if (s.swing_contact_ratio.value_or(0) > kMostSwingContact)
+    list.push_back(fmt::format("its feet dragged for {:.0f} % of their swings: stiffer servos (kp)?",
+                               100 * *s.swing_contact_ratio));
+  if (walk.torque_limit_fraction > kMostSaturation)
     list.push_back(fmt::format("servos were at their torque limit for {:.0f} % of the time (effort)",
-                               100 * walk.torque_share));
+                               100 * walk.torque_limit_fraction));
   if (s.ik_clamped > 0)
     list.push_back(
         fmt::format("{} foot targets were out of reach (home, standing_height, joint limits)", s.ik_clamped));
@@ -68,7 +68,7 @@ bool saturated(const RobotDescription& robot, const std::vector<int>& servos, co
 }  // namespace
 
 bool Trial::passed() const {
-  return std::all_of(walks.begin(), walks.end(), [](const TrialWalk& w) { return w.complaints.empty(); });
+  return std::all_of(walks.begin(), walks.end(), [](const TrialWalk& w) { return w.failures.empty(); });
 }
 
 Trial try_robot(std::shared_ptr<const RobotDescription> robot, const std::vector<std::string>& engines,
@@ -94,8 +94,8 @@ Trial try_robot(std::shared_ptr<const RobotDescription> robot, const std::vector
                               return true;
                             });
     walk.speed_ratio = walk.summary.mean_speed_mps / trial.commanded_mps;
-    if (steps > 0) walk.torque_share = static_cast<double>(at_limit) / static_cast<double>(steps);
-    walk.complaints = complaints_of(walk);
+    if (steps > 0) walk.torque_limit_fraction = static_cast<double>(at_limit) / static_cast<double>(steps);
+    walk.failures = complaints_of(walk);
     trial.walks.push_back(std::move(walk));
   }
   return trial;
@@ -110,8 +110,8 @@ nlohmann::ordered_json to_json(const Trial& trial) {
         {{"engine", walk.engine}, {"outcome", name(s.outcome)}, {"speed_ratio", walk.speed_ratio}});
     nlohmann::ordered_json& entry = json["walks"].back();
     for (const Column& column : kColumns) entry[std::string(column.row().key)] = column.value(s);
-    entry["torque_share"] = walk.torque_share;
-    entry["complaints"] = walk.complaints;
+    entry["torque_limit_fraction"] = walk.torque_limit_fraction;
+    entry["failures"] = walk.failures;
   }
   return json;
 }
@@ -129,10 +129,9 @@ std::string describe(const Trial& trial) {
                                    fmt::format("{:.2f}", walk.speed_ratio)};
     for (const Column& column : kColumns)
       cells.push_back(fmt::format("{:.{}f}", column.value(s), column.digits));
-    cells.push_back(fmt::format("{:.0f} %", 100 * walk.torque_share));
+    cells.push_back(fmt::format("{:.0f} %", 100 * walk.torque_limit_fraction));
     table.add_row(std::move(cells));
-    for (const std::string& complaint : walk.complaints)
-      wrong += fmt::format("{}: {}\n", walk.engine, complaint);
+    for (const std::string& failure : walk.failures) wrong += fmt::format("{}: {}\n", walk.engine, failure);
   }
   return fmt::format("{}\nTold to go at {:.2f} m/s, .25 sqrt(g h).\n{}", table.str(), trial.commanded_mps,
                      wrong.empty() ? "Nothing is wrong.\n" : wrong);

@@ -16,9 +16,9 @@ namespace crossgait {
 struct TrialWalk {
   std::string engine;
   MotionSummary summary;
-  double speed_ratio = 0;               ///< mean speed over the commanded one
-  double torque_share = 0;              ///< of the time, that some servo was at its torque limit
-  std::vector<std::string> complaints;  ///< empty if it walked well
+  double speed_ratio = 0;             ///< mean speed over the commanded one
+  double torque_limit_fraction = 0;   ///< of the time, that some servo was at its torque limit
+  std::vector<std::string> failures;  ///< empty if it walked well
 };
 
 struct Trial {

@@ -221,7 +221,7 @@ Tuning tune_gait(const LoadedEnv& method, const std::vector<std::string>& engine
 
 nlohmann::ordered_json to_json(const Tuning& t) {
   using nlohmann::ordered_json;
-  ordered_json json{{"backend", t.start.engine},
+  ordered_json json{{"engine", t.start.engine},
                     {"terrain", t.start.terrain},
                     {"history", t.history},
                     {"checks", ordered_json::array()}};
@@ -235,7 +235,7 @@ nlohmann::ordered_json to_json(const Tuning& t) {
     json["parameters"][std::string(row.name)] = stated(t.tuned).*row.member;
   for (const TuneCheck& line : t.checks) {
     for (std::size_t k = 0; k < t.engines.size(); ++k) {
-      ordered_json check{{"ground", line.ground}, {"parameters", line.parameters}, {"backend", t.engines[k]}};
+      ordered_json check{{"ground", line.ground}, {"parameters", line.parameters}, {"engine", t.engines[k]}};
       if (line.course.empty()) {
         check["all"] = to_json(line.per_engine[k]);
       } else {

@@ -5,7 +5,7 @@
 
 namespace crossgait {
 
-/// Of this build, as `crossgait --version` prints it.
+/// Returns the version of this build, as `crossgait --version` prints it.
 std::string_view crossgait_version() noexcept;
 
 }  // namespace crossgait

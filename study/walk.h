@@ -7,7 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "parity/verdict.h"
-#include "study/judgement.h"
+#include "study/engine_comparison.h"
 
 namespace crossgait {
 

@@ -10,7 +10,7 @@ WalkSetup WalkConfig::setup() const {
   return {
       gait.name(),
       [choice = gait, layers](const WorldSpec& world) { return make_gait_controller(choice, world, layers); },
-      timing, ends};
+      timing, terminations};
 }
 
 EnvConfig WalkConfig::environment() const {
@@ -30,7 +30,7 @@ EnvConfig WalkConfig::environment() const {
   c.parameters = GaitSettings::all(gait.parameters);
   c.command = gait.command;
   c.heading_hold = heading_hold;
-  c.ends = ends;
+  c.terminations = terminations;
   c.validate("walk");
   return c;
 }

@@ -21,7 +21,7 @@ struct WalkConfig {
   bool compensation = true;  ///< make up for the servos' lag and give
   bool heading_hold = true;  ///< steer to the heading that the command leads to
   WalkTiming timing;
-  OutcomeSet ends = OutcomeSet::of_walks();  ///< outcomes that end it before its time
+  OutcomeSet terminations = OutcomeSet::of_walks();  ///< outcomes that end it before its time
 
   /// The controller's side of it.
   WalkSetup setup() const;

@@ -53,7 +53,8 @@ AdaptationRanges::Interval parameter_range(std::string_view name, const GaitScal
 }
 
 GaitDrive::GaitDrive(const WorldSpec& world, const std::string& gait)
-    : GaitWalker(first_generator(gait, *world.robot), LegController(world.robot, {}, weight_per_mass(world)),
+    : GaitWalker(first_generator(gait, *world.robot),
+                 FootTargetTracker(world.robot, {}, weight_per_mass(world)),
                  scaled(HeadingHold(), gait_scale(*world.robot))),
       robot_(world.robot),
       scale_(gait_scale(*robot_)) {

@@ -43,7 +43,7 @@ class GaitDrive final : public GaitWalker<GaitGenerator> {
   /// Where the gait is chosen by speed, of every one of them. @throws ConfigError for an unknown name, or a
   /// value outside `parameter_range`
   void set_parameter(const std::string& name, double value);
-  /// Of the swing, likewise. @throws ConfigError for an unknown name
+  /// Sets the curve of the swing, likewise. @throws ConfigError for an unknown name
   void set_curve(const std::string& curve);
   /// Back to standing, with gait and parameters as they are and no command.
   void restart();

@@ -7,8 +7,8 @@
 #include <fmt/ranges.h>
 
 #include "physics/core/error.h"
-#include "view/gait_lane.h"
-#include "view/policy_lane.h"
+#include "view/gait_instance.h"
+#include "view/policy_instance.h"
 
 namespace crossgait {
 namespace {
@@ -23,8 +23,8 @@ template <typename... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;
 
 void check_engines_of(const std::vector<std::string>& engines, const std::vector<std::string>& known) {
-  if (engines.empty() || engines.size() > kMaxLanes) {
-    throw ConfigError(kSessionSource, "engines", fmt::format("one to {}", kMaxLanes),
+  if (engines.empty() || engines.size() > kMaxInstances) {
+    throw ConfigError(kSessionSource, "engines", fmt::format("one to {}", kMaxInstances),
                       fmt::format("{}", engines.size()));
   }
   for (const std::string& engine : engines) {
@@ -35,46 +35,51 @@ void check_engines_of(const std::vector<std::string>& engines, const std::vector
 
 }  // namespace
 
-ViewSession::ViewSession(const ViewSetup& setup, EngineShelf shelf)
-    : setup_(setup), shelf_(std::move(shelf)) {
-  check_engines_of(setup_.engines, shelf_.names);
-  for (const std::string& engine : setup_.engines) lanes_.push_back(make_lane(engine));
+ViewSession::ViewSession(const ViewSetup& setup, EngineProvider provider)
+    : setup_(setup), provider_(std::move(provider)) {
+  check_engines_of(setup_.engines, provider_.names);
+  for (const std::string& engine : setup_.engines) instances_.push_back(make_instance(engine));
 }
 
-std::unique_ptr<Lane> ViewSession::make_lane(const std::string& engine) const {
-  const Engine found = shelf_.find(engine);
+std::unique_ptr<RobotInstance> ViewSession::make_instance(const std::string& engine) const {
+  const Engine found = provider_.find(engine);
   if (setup_.policy)
-    return std::make_unique<PolicyLane>(found, setup_.policy->environment, setup_.policy->policy);
+    return std::make_unique<PolicyInstance>(found, setup_.policy->environment, setup_.policy->policy);
   const GaitDrive drive(setup_.world, setup_.gait);
-  return std::make_unique<GaitLane>(found, setup_.world, drive, setup_.control_dt);
+  return std::make_unique<GaitInstance>(found, setup_.world, drive, setup_.control_dt);
 }
 
 void ViewSession::apply(const ViewCommand& command) {
-  std::visit(
-      Overloaded{
-          [this](const DriveCommand& c) { change_all([&c](Lane& lane) { lane.set_command(c.velocity); }); },
-          [this](const GaitCommand& c) { change_all([&c](Lane& lane) { lane.set_gait(c.gait); }); },
-          [this](const ParameterCommand& c) {
-            change_all([&c](Lane& lane) { lane.set_parameter(c.name, c.value); });
-          },
-          [this](const CurveCommand& c) { change_all([&c](Lane& lane) { lane.set_curve(c.curve); }); },
-          [this](const PushCommand& c) { push(c.impulse); },
-          [this](const TerrainCommand& c) { change_terrain(c); },
-          [this](const EnginesCommand& c) { choose_engines(c.engines); },
-          [this](const PauseCommand& c) { paused_ = c.on; },
-          [this](const StandCommand&) {
-            finish_recording();
-            for (const auto& lane : lanes_) lane->stand_up();
-          },
-          [this](const RecordCommand& c) { record(c.on); },
-      },
-      command);
+  std::visit(Overloaded{
+                 [this](const DriveCommand& c) {
+                   change_all([&c](RobotInstance& instance) { instance.set_command(c.velocity); });
+                 },
+                 [this](const GaitCommand& c) {
+                   change_all([&c](RobotInstance& instance) { instance.set_gait(c.gait); });
+                 },
+                 [this](const ParameterCommand& c) {
+                   change_all([&c](RobotInstance& instance) { instance.set_parameter(c.name, c.value); });
+                 },
+                 [this](const CurveCommand& c) {
+                   change_all([&c](RobotInstance& instance) { instance.set_curve(c.curve); });
+                 },
+                 [this](const PushCommand& c) { push(c.impulse); },
+                 [this](const TerrainCommand& c) { change_terrain(c); },
+                 [this](const EnginesCommand& c) { choose_engines(c.engines); },
+                 [this](const PauseCommand& c) { paused_ = c.on; },
+                 [this](const StandCommand&) {
+                   finish_recording();
+                   for (const auto& instance : instances_) instance->stand_up();
+                 },
+                 [this](const RecordCommand& c) { record(c.on); },
+             },
+             command);
 }
 
 // All take the same commands, so that what the first one refuses nobody has taken.
 template <typename Change>
 void ViewSession::change_all(const Change& change) {
-  for (const auto& lane : lanes_) change(*lane);
+  for (const auto& instance : instances_) change(*instance);
 }
 
 void ViewSession::push(const Vector3& impulse) {
@@ -83,19 +88,19 @@ void ViewSession::push(const Vector3& impulse) {
     throw ConfigError(kSessionSource, "push", fmt::format("an impulse of at most {:g} N s", most),
                       fmt::format("{:g}", impulse.norm()));
   }
-  for (const auto& lane : lanes_) lane->push(impulse);
+  for (const auto& instance : instances_) instance->push(impulse);
 }
 
 void ViewSession::choose_engines(const std::vector<std::string>& engines) {
-  check_engines_of(engines, shelf_.names);
-  std::vector<std::unique_ptr<Lane>> lanes;
+  check_engines_of(engines, provider_.names);
+  std::vector<std::unique_ptr<RobotInstance>> instances;
   for (std::size_t i = 0; i < engines.size(); ++i) {
     // A further robot begins where the first one is.
-    const Lane& before = *lanes_[i < lanes_.size() ? i : 0];
-    lanes.push_back(before.in(shelf_.find(engines[i])));
+    const RobotInstance& before = *instances_[i < instances_.size() ? i : 0];
+    instances.push_back(before.with_engine(provider_.find(engines[i])));
   }
   finish_recording();
-  lanes_ = std::move(lanes);
+  instances_ = std::move(instances);
   setup_.engines = engines;
 }
 
@@ -104,12 +109,12 @@ void ViewSession::change_terrain(const TerrainCommand& command) {
     throw ConfigError(kSessionSource, "terrain", "a generator: files are for the command line (--terrain)",
                       command.terrain);
   }
-  const Ground ground{command.terrain, command.seed};
-  std::vector<std::unique_ptr<Lane>> lanes;
-  for (std::size_t i = 0; i < lanes_.size(); ++i)
-    lanes.push_back(lanes_[i]->on(shelf_.find(setup_.engines[i]), ground));
+  const TerrainChoice ground{command.terrain, command.seed};
+  std::vector<std::unique_ptr<RobotInstance>> instances;
+  for (std::size_t i = 0; i < instances_.size(); ++i)
+    instances.push_back(instances_[i]->with_terrain(provider_.find(setup_.engines[i]), ground));
   finish_recording();
-  lanes_ = std::move(lanes);
+  instances_ = std::move(instances);
   setup_.terrain_seed = command.seed;
   ++scene_revision_;
 }
@@ -117,13 +122,13 @@ void ViewSession::change_terrain(const TerrainCommand& command) {
 void ViewSession::advance(int steps) {
   if (paused_) return;
   for (int i = 0; i < steps; ++i) {
-    for (const auto& lane : lanes_) lane->step();
+    for (const auto& instance : instances_) instance->step();
     if (recorders_.empty()) continue;
-    for (std::size_t k = 0; k < lanes_.size(); ++k) {
+    for (std::size_t k = 0; k < instances_.size(); ++k) {
       // Whose time stands still has ended, or made this step with the one before.
-      const double time = lanes_[k]->world().state().time;
+      const double time = instances_[k]->world().state().time;
       if (std::exchange(recorded_times_[k], time) != time)
-        recorders_[k].add(TraceSample(lanes_[k]->world(), lanes_[k]->targets()));
+        recorders_[k].add(TraceSample(instances_[k]->world(), instances_[k]->targets()));
     }
     if (++recorded_steps_ == kMaxRecordedSteps) finish_recording();
   }
@@ -132,9 +137,9 @@ void ViewSession::advance(int steps) {
 void ViewSession::record(bool on) {
   finish_recording();
   if (!on) return;
-  recorders_.assign(lanes_.size(), RunRecorder(world().robot));
+  recorders_.assign(instances_.size(), RunRecorder(world().robot));
   recorded_times_.clear();
-  for (const auto& lane : lanes_) recorded_times_.push_back(lane->world().state().time);
+  for (const auto& instance : instances_) recorded_times_.push_back(instance->world().state().time);
 }
 
 void ViewSession::finish_recording() {
@@ -142,15 +147,15 @@ void ViewSession::finish_recording() {
   std::vector<RunRecorder> recorders = std::exchange(recorders_, {});
   const std::size_t steps = std::exchange(recorded_steps_, 0);
   Motion motion{world().robot, world().terrain, {}, {}};
-  for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
-    if (recorders[lane].empty()) continue;
-    const EngineInfo& engine = lanes_[lane]->world().info();
+  for (std::size_t instance = 0; instance < instances_.size(); ++instance) {
+    if (recorders[instance].empty()) continue;
+    const EngineInfo& engine = instances_[instance]->world().info();
     motion.runs.push_back(
-        {engine.name, engine.engine + " " + engine.version, recorders[lane].take(engine.name)});
+        {engine.name, engine.library + " " + engine.version, recorders[instance].take(engine.name)});
   }
   if (motion.runs.empty()) return;
   ReportPage page;
-  const GaitGenerator* gait = lanes_.front()->gait();
+  const GaitGenerator* gait = instances_.front()->gait();
   page.title =
       fmt::format("{} on {}, {:.2f} s, driven by hand", gait != nullptr ? gait->gait().name : "a policy",
                   world().terrain.name(), static_cast<double>(steps) * setup_.control_dt);

@@ -14,12 +14,12 @@
 #include "env/loaded_env.h"
 #include "report/page.h"
 #include "view/command.h"
-#include "view/lane.h"
+#include "view/robot_instance.h"
 
 namespace crossgait {
 
 /// Engines as a session reaches them.
-struct EngineShelf {
+struct EngineProvider {
   std::vector<std::string> names;                       ///< that may be asked for
   std::function<Engine(const std::string& name)> find;  ///< throws ConfigError
 };
@@ -35,19 +35,19 @@ struct ViewSetup {
   std::string gait = "trot";  ///< so is this
   std::optional<ViewPolicy> policy = {};
   std::uint64_t terrain_seed = 0;    ///< for pages to show
-  std::vector<std::string> engines;  ///< one to kMaxLanes of them
+  std::vector<std::string> engines;  ///< one to kMaxInstances of them
   double control_dt = 2e-3;          ///< s, a multiple of the physics step
 };
 
 /// Robots side by side.
-inline constexpr std::size_t kMaxLanes = 3;
+inline constexpr std::size_t kMaxInstances = 3;
 /// Longest recording, control steps: a minute at 2 ms.
 inline constexpr std::size_t kMaxRecordedSteps = 30'000;
 
 class ViewSession {
  public:
   /// Robots stand, settled. @throws ConfigError
-  ViewSession(const ViewSetup& setup, EngineShelf shelf);
+  ViewSession(const ViewSetup& setup, EngineProvider provider);
 
   /// At once, before the next step. A command that is refused changes nothing.
   /// @throws ConfigError for what is out of bounds, not known or cannot be made
@@ -57,7 +57,7 @@ class ViewSession {
 
   double control_dt() const noexcept { return setup_.control_dt; }
   bool paused() const noexcept { return paused_; }
-  const std::vector<std::unique_ptr<Lane>>& lanes() const noexcept { return lanes_; }
+  const std::vector<std::unique_ptr<RobotInstance>>& instances() const noexcept { return instances_; }
 
   // As documents, for pages (session_documents.cpp).
 
@@ -83,8 +83,8 @@ class ViewSession {
   std::shared_ptr<const ReportPage> recording() const noexcept { return recording_; }
 
  private:
-  std::unique_ptr<Lane> make_lane(const std::string& engine) const;
-  const WorldSpec& world() const { return lanes_.front()->world().spec(); }
+  std::unique_ptr<RobotInstance> make_instance(const std::string& engine) const;
+  const WorldSpec& world() const { return instances_.front()->world().spec(); }
   void choose_engines(const std::vector<std::string>& engines);
   void change_terrain(const TerrainCommand& command);
   void push(const Vector3& impulse);
@@ -94,11 +94,11 @@ class ViewSession {
   void finish_recording();
 
   ViewSetup setup_;
-  EngineShelf shelf_;
-  std::vector<std::unique_ptr<Lane>> lanes_;
+  EngineProvider provider_;
+  std::vector<std::unique_ptr<RobotInstance>> instances_;
   int scene_revision_ = 1, recordings_ = 0;
   bool paused_ = false;
-  std::vector<RunRecorder> recorders_;  // one per lane while there is a recording
+  std::vector<RunRecorder> recorders_;  // one per instance while there is a recording
   std::vector<double> recorded_times_;  // of the last step of each that was recorded, s
   std::size_t recorded_steps_ = 0;
   std::shared_ptr<const ReportPage> recording_;

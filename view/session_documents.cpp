@@ -22,8 +22,8 @@ void append(ordered_json& list, const Vector3& v) {
   for (const double value : v) list.push_back(rounded(value));
 }
 
-ordered_json robot_frame(const Lane& lane) {
-  const PhysicsBackend& world = lane.world();
+ordered_json robot_frame(const RobotInstance& instance) {
+  const PhysicsBackend& world = instance.world();
   const RobotState& state = world.state();
   const RobotDescription& robot = world.robot();
   std::vector<Pose> all;
@@ -40,14 +40,14 @@ ordered_json robot_frame(const Lane& lane) {
     append(feet, foot_position(robot, leg, all));
     append(forces, touched[leg].force);
     contact.push_back(touched[leg].touching);
-    swing.push_back(lane.targets().plan && (*lane.targets().plan)[leg].swing);
+    swing.push_back(instance.targets().contact_schedule && (*instance.targets().contact_schedule)[leg].swing);
   }
   const Vector3 angles = roll_pitch_yaw(state.q_WB);
   const Vector3 velocity = Eigen::AngleAxisd(-angles.z(), Vector3::UnitZ()) * state.v_WB;
   const Vector3& p = state.p_WB;
   return {{"engine", world.info().name},
           {"law", world.info().laws.contact},
-          {"outcome", name(lane.outcome())},
+          {"outcome", name(instance.outcome())},
           {"time", rounded(state.time)},
           {"poses", std::move(poses)},
           {"feet", std::move(feet)},
@@ -78,8 +78,8 @@ ordered_json ViewSession::options() const {
   }
   for (const TerrainGenerator& terrain : terrain_generators())
     terrains.push_back({{"name", terrain.name}, {"help", terrain.help}});
-  return {{"engines", shelf_.names},
-          {"most_engines", kMaxLanes},
+  return {{"engines", provider_.names},
+          {"most_engines", kMaxInstances},
           {"gaits", std::move(gaits_)},
           {"parameters", std::move(parameters)},
           {"curves", {name(SwingCurve::kBezier), name(SwingCurve::kMatched)}},
@@ -102,19 +102,19 @@ ordered_json ViewSession::scene() const {
 }
 
 ordered_json ViewSession::frame() const {
-  const GaitGenerator* gait = lanes_.front()->gait();
+  const GaitGenerator* gait = instances_.front()->gait();
   ordered_json parameters, robots = ordered_json::array();
   if (gait != nullptr) {
     for (const ParameterRow& row : gait_parameters()) parameters.push_back(gait->parameters().*row.member);
   }
-  for (const auto& lane : lanes_) robots.push_back(robot_frame(*lane));
+  for (const auto& instance : instances_) robots.push_back(robot_frame(*instance));
   ordered_json recorded;
   if (!recorders_.empty()) recorded = rounded(static_cast<double>(recorded_steps_) * setup_.control_dt);
-  const VelocityCommand& command = lanes_.front()->command();
+  const VelocityCommand& command = instances_.front()->command();
   return {{"scene", scene_revision_},
           {"paused", paused_},
           {"gait", gait != nullptr ? ordered_json(gait->gait().name) : ordered_json()},
-          {"chosen", gait != nullptr ? ordered_json(lanes_.front()->chosen_gait()) : ordered_json()},
+          {"chosen", gait != nullptr ? ordered_json(instances_.front()->chosen_gait()) : ordered_json()},
           {"curve", gait != nullptr ? ordered_json(name(gait->parameters().swing)) : ordered_json()},
           {"phase", gait != nullptr ? ordered_json(rounded(gait->phase())) : ordered_json()},
           {"command", {{"vx", command.vx}, {"vy", command.vy}, {"yaw_rate", command.yaw_rate}}},

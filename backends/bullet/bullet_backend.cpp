@@ -12,7 +12,7 @@ namespace {
 EngineInfo make_info(const ContactFactors& factors, bool own_code) {
   const int version = btGetVersion();
   EngineInfo info;
-  info.engine = "Bullet";
+  info.library = "Bullet";
   info.version = fmt::format("{}.{:02}", version / 100, version % 100);
   info.name = own_code ? "bullet:own" : factor_table().name_of(factors);
   const bool matched = factors == ContactFactors::matched();

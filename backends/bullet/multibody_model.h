@@ -21,7 +21,7 @@ class MultibodyModel {
   const btMultiBody& body() const noexcept { return *body_; }
   /// Pose of the principal frame P in the body's own frame.
   const Pose& X_BP(int body) const { return X_BP_[static_cast<std::size_t>(body)]; }
-  /// Of all bodies.
+  /// Returns the poses of all bodies.
   const std::vector<Pose>& X_BP() const { return X_BP_; }
   /// Where those of all bodies that can move touch the terrain. (Bullet's own routine loses small boxes on
   /// height fields, and finds one point of a cylinder per step and gathers more over several, which a

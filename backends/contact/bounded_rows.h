@@ -33,7 +33,7 @@ class BoundedRows {
   /// @returns solutions of the contacts that it took; kMostSolutions where it swept
   int solve(const ConeProblem& contacts, bool coulomb, double tolerance, int max_sweeps) noexcept;
 
-  /// Of the contacts, leading 3 contacts.
+  /// Returns the impulses of the contacts; their rows are the leading 3 contacts.
   const Eigen::VectorXd& contact_impulses() const noexcept { return reduced_.x; }
 
  private:

@@ -28,17 +28,17 @@ struct FactorTable {
 
   /// `base` with changes `+NAME` (on) and `-NAME` (off), one after the other.
   /// @throws ConfigError for an unknown factor, a change that changes nothing, or a combination without
-  /// meaning; messages name `backend`
-  Factors changed(Factors base, std::string_view changes, std::string_view backend) const {
+  /// meaning; messages name `engine`
+  Factors changed(Factors base, std::string_view changes, std::string_view engine) const {
     while (!changes.empty()) {
-      const std::string_view change = take_change(changes);
-      bool& factor = base.*find_factor(change.substr(1), backend).member;
+      const std::string_view change = pop_modifier(changes);
+      bool& factor = base.*find_factor(change.substr(1), engine).member;
       const bool adds = change.front() == '+';
       if (factor == adds)
-        throw ConfigError("engine", backend, "changes that change something", std::string(change));
+        throw ConfigError("engine", engine, "changes that change something", std::string(change));
       factor = adds;
     }
-    check_meaning(base, backend);
+    check_meaning(base, engine);
     return base;
   }
 
@@ -55,17 +55,17 @@ struct FactorTable {
   }
 
  private:
-  const FactorRow<Factors>& find_factor(std::string_view name, std::string_view backend) const {
-    return find_row(rows, name, "engine", backend,
+  const FactorRow<Factors>& find_factor(std::string_view name, std::string_view engine) const {
+    return find_row(rows, name, "engine", engine,
                     [](const FactorRow<Factors>& row) { return row.factor.name; });
   }
 
-  void check_meaning(const Factors& factors, std::string_view backend) const {
+  void check_meaning(const Factors& factors, std::string_view engine) const {
     for (const FactorRow<Factors>& row : rows) {
       if (!(factors.*row.member)) continue;
       for (const std::string_view need : row.factor.needs) {
-        if (!(factors.*find_factor(need, backend).member)) {
-          throw ConfigError("engine", backend, fmt::format("{} along with {}", need, row.factor.name),
+        if (!(factors.*find_factor(need, engine).member)) {
+          throw ConfigError("engine", engine, fmt::format("{} along with {}", need, row.factor.name),
                             fmt::format("{} without {}", row.factor.name, need));
         }
       }

@@ -21,7 +21,7 @@ constexpr double kMaxTorque = 1e15;   // N m
 
 EngineInfo make_info(const DartFactors& factors) {
   EngineInfo info;
-  info.engine = "DART";
+  info.library = "DART";
   info.version = DART_VERSION;
   info.name = name_of(factors);
   info.capabilities.soft_contact = !factors.hard_normal;

@@ -19,8 +19,8 @@ inline constexpr DartFactors kStock{true, true, true, true, false, true, false, 
 /// From "dart:matched" to "dart".
 const contact::FactorTable<DartFactors>& factor_table();
 
-/// Of a name: an end with changes behind it, "dart+pyramid" (friction bounded by a pyramid along the slip) or
-/// "dart+stock" (contact as DART ships: no point above the ground counts). Nothing for a name of others.
+/// Reads a name: an end with changes behind it, "dart+pyramid" (friction bounded by a pyramid along the slip)
+/// or "dart+stock" (contact as DART ships: no point above the ground counts). Nothing for a name of others.
 /// @throws ConfigError if a change is invalid
 std::optional<DartFactors> find_factors(std::string_view name);
 /// The shortest name.

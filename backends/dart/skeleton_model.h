@@ -19,7 +19,7 @@ class BaseJoint final : public ::dart::dynamics::FreeJoint {
  public:
   explicit BaseJoint(const Properties& properties) : FreeJoint(properties) {}
 
-  /// Of the base's centre of mass, in the base's axes.
+  /// Sets the pose of the base's centre of mass, in the base's axes.
   void place(const Pose& X_WC);
 
  protected:

@@ -25,7 +25,7 @@ std::optional<Engine> find(std::string_view name) {
   if (base != kName) return std::nullopt;
   bool loop_bias = true;
   while (!changes.empty()) {
-    const std::string_view change = take_change(changes);
+    const std::string_view change = pop_modifier(changes);
     if (!kHasLoopBias) throw ConfigError("engine", kName, "no factors: it has none", change);
     if (change != (loop_bias ? "-loop_bias" : "+loop_bias")) {
       throw ConfigError("engine", kName, loop_bias ? "-loop_bias" : "+loop_bias",

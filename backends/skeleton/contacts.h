@@ -24,7 +24,7 @@ class Contacts {
   /// @param response  factors of what is multiplied with a velocity to give an impulse
   void solve(const Dynamics& dynamics, const Eigen::LLT<DofMatrix>& response, DofVector& velocity) noexcept;
 
-  /// Of the last step.
+  /// Returns the contacts of the last step.
   const ContactList& list() const noexcept { return list_; }
   void clear() noexcept { list_.clear(); }
   JointVector joint_friction() const;  ///< N m

@@ -35,7 +35,7 @@ class Dynamics {
   const DofMatrix& mass_matrix() const { return M_; }
   /// Forces that keep v' at zero, gravity included; N, N m.
   const DofVector& bias() const { return bias_; }
-  /// Of the velocity of a body's point at p_WP, rows in W.
+  /// Returns the Jacobian of the velocity of a body's point at p_WP, rows in W.
   PointJacobian jacobian(int body, const Vector3& p_WP) const noexcept;
 
  private:

@@ -13,7 +13,7 @@ namespace {
 EngineInfo make_info(const std::string& version) {
   EngineInfo info;
   info.name = "skeleton";
-  info.engine = "Skeleton";
+  info.library = "Skeleton";
   info.version = version;
   info.mode = "hard contact, projected Gauss-Seidel, in plain code";
   // Names of one's own, unless the equations are exactly those of another engine: equal names are held to

@@ -48,7 +48,7 @@ std::vector<SpeedScene> all_scenes() {
 /// m.
 double distance(SpeedScene scene, const std::string& a, const std::string& b) {
   scene.spec.solver.tolerance = 1e-12;
-  const auto x = make_backend(a, scene.spec), y = make_backend(b, scene.spec);
+  const auto x = make_world(a, scene.spec), y = make_world(b, scene.spec);
   const double h = scene.spec.physics_dt;
   double worst = 0;
   for (int i = 0; i < 1000; ++i) {

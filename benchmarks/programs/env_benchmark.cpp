@@ -27,10 +27,10 @@ std::string with_quartiles(const benchmarks::Quartiles& s) {
 /// from the same start. CPU time of the thread.
 class Eta {
  public:
-  Eta(const std::string& backend, const std::string& terrain)
-      : env_(config(terrain), find_engine(backend)),
+  Eta(const std::string& name, const std::string& terrain)
+      : env_(config(terrain), find_engine(name)),
         observation_(env_.observation_size()),
-        engine_(make_engine(backend)) {
+        engine_(make_engine(name)) {
     env_.reset(1, observation_);
     // The stride has grown to its full length.
     for (int i = 0; i < kSteps; ++i) env_.step(action(i), observation_);
@@ -59,7 +59,7 @@ class Eta {
   }
 
   std::vector<std::string> row() const {
-    return {env_.backend().info().name, env_.config().terrain, with_quartiles(benchmarks::quartiles(ratio_)),
+    return {env_.world().info().name, env_.config().terrain, with_quartiles(benchmarks::quartiles(ratio_)),
             fmt::format("{:.1f}", benchmarks::quartiles(step_us_).median),
             fmt::format("{:.2f}", benchmarks::quartiles(added_us_).median)};
   }
@@ -73,8 +73,8 @@ class Eta {
     c.episode_seconds = 1e5;
     return c;
   }
-  std::unique_ptr<PhysicsBackend> make_engine(const std::string& backend) const {
-    return make_backend(backend, env_.backend().spec());
+  std::unique_ptr<PhysicsBackend> make_engine(const std::string& name) const {
+    return make_world(name, env_.world().spec());
   }
   // Small residuals that change all the time, so that nothing in the environment comes to rest.
   std::span<const double> action(int step) {
@@ -92,9 +92,8 @@ class Eta {
 
 void print_eta() {
   std::vector<std::unique_ptr<Eta>> runs;
-  for (const std::string& backend : available_engines()) {
-    for (const char* terrain : {"flat", "rough:seed=1"})
-      runs.push_back(std::make_unique<Eta>(backend, terrain));
+  for (const std::string& name : available_engines()) {
+    for (const char* terrain : {"flat", "rough:seed=1"}) runs.push_back(std::make_unique<Eta>(name, terrain));
   }
   for (int round = 0; round < kRounds; ++round) {
     for (const auto& run : runs) run->measure();
@@ -128,9 +127,9 @@ void print_scaling() {
   constexpr std::size_t kEnvironments = 32;
   constexpr int kBatchSteps = 100;
   Table table({"engine", "steps/s, 1 worker", "2 workers over 1 (quartiles)", "2 threads apart over 1"});
-  for (const std::string& backend : available_engines()) {
+  for (const std::string& name : available_engines()) {
     const auto batch = [&](std::size_t environments, std::size_t workers) {
-      return VectorEnv(EnvConfig(), find_engine(backend), {.environments = environments, .workers = workers});
+      return VectorEnv(EnvConfig(), find_engine(name), {.environments = environments, .workers = workers});
     };
     VectorEnv one = batch(kEnvironments, 1), two = batch(kEnvironments, 2),
               half = batch(kEnvironments / 2, 1), other_half = batch(kEnvironments / 2, 1);
@@ -141,7 +140,7 @@ void print_scaling() {
       apart.push_back(slow / apart_seconds(half, other_half, kBatchSteps));
       rate.push_back(1.0 * kBatchSteps * kEnvironments / slow);
     }
-    table.add_row({backend, fmt::format("{:.0f}", benchmarks::quartiles(rate).median),
+    table.add_row({name, fmt::format("{:.0f}", benchmarks::quartiles(rate).median),
                    with_quartiles(benchmarks::quartiles(ratio)),
                    with_quartiles(benchmarks::quartiles(apart))});
   }

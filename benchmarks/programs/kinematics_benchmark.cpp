@@ -3,8 +3,8 @@
 #include <benchmark/benchmark.h>
 
 #include "ik/leg_kinematics.h"
+#include "motion/foot_target_tracker.h"
 #include "motion/gait_source.h"
-#include "motion/leg_controller.h"
 #include "physics/robot_files/data_path.h"
 
 namespace crossgait {
@@ -34,7 +34,7 @@ BENCHMARK(BM_Gait);
 
 void BM_GaitAndInverseKinematics(benchmark::State& state) {
   GaitGenerator gait = trot();
-  LegController legs(robot(), ServoCompensation::none());
+  FootTargetTracker legs(robot(), ServoCompensation::none());
   for (auto _ : state) benchmark::DoNotOptimize(legs.update(next_feet(gait), 2e-3));
   state.SetItemsProcessed(state.iterations());
 }
@@ -42,7 +42,7 @@ BENCHMARK(BM_GaitAndInverseKinematics);
 
 void BM_GaitInverseKinematicsAndCompensation(benchmark::State& state) {
   GaitGenerator gait = trot();
-  LegController legs(robot());
+  FootTargetTracker legs(robot());
   for (auto _ : state) benchmark::DoNotOptimize(legs.update(next_feet(gait), 2e-3));
   state.SetItemsProcessed(state.iterations());
 }

@@ -78,18 +78,18 @@ int main(int argc, char** argv) {
   }
   BareMujoco bare(spec);
   std::vector<Series> series{{"bare mj_step", {}, {}}};
-  std::vector<std::unique_ptr<PhysicsBackend>> backends;
+  std::vector<std::unique_ptr<PhysicsBackend>> worlds;
   for (const Engine& engine : engines()) {
-    backends.push_back(engine.make(spec));
+    worlds.push_back(engine.make(spec));
     series.push_back({engine.name(), {}, {}});
   }
   for (int r = -1; r < repetitions; ++r) {  // the first warms up and is not kept
     std::vector<double> times{microseconds_per_step([&] { bare.replay(start, torques); })};
-    for (const auto& backend : backends) {
-      backend->reset();
+    for (const auto& world : worlds) {
+      world->reset();
       times.push_back(microseconds_per_step([&] {
         for (const JointTargets& target : targets) {
-          if (backend->step(target) != StepStatus::kOk) std::abort();
+          if (world->step(target) != StepStatus::kOk) std::abort();
         }
       }));
     }

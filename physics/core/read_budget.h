@@ -36,8 +36,8 @@ inline constexpr std::size_t kMaxMjcfFiles = 100;
 inline constexpr std::size_t kMaxXmlAttributes = 100;
 /// Collision meshes: a binary STL of 600,000 triangles, each with three vertices of 24 bytes in memory.
 inline constexpr ReadBudget kMeshBudget{32 * kMebibyte, 2'000'000, 1};
-/// Of all meshes of a robot together: their files, and vertices that differ within a mesh, which are kept for
-/// every use of it.
+/// Bounds all meshes of a robot together: their files, and vertices that differ within a mesh, which are kept
+/// for every use of it.
 inline constexpr std::size_t kMaxRobotMeshBytes = 2 * kMeshBudget.bytes;
 inline constexpr std::size_t kMaxRobotMeshVertices = 1'000'000;
 /// Results of `crossgait bench`: 1,100 values in 35 kB. Here and below the number of values is also that of

@@ -24,7 +24,7 @@ std::pair<std::string_view, std::string_view> split_factors(std::string_view nam
   return {name.substr(0, end), name.substr(end)};
 }
 
-std::string_view take_change(std::string_view& changes) {
+std::string_view pop_modifier(std::string_view& changes) {
   const std::string_view first = changes.substr(0, changes.find_first_of("+-", 1));
   changes.remove_prefix(first.size());
   return first;
@@ -49,7 +49,7 @@ void EngineFamily::validate() const {
 EngineFamily family_for(EngineFamily family, const RobotDescription& robot) {
   EngineFamily concerned{family.from, family.to, {}, {}};
   for (const ModelFactor& factor : family.factors) {
-    if (factor.concerns == nullptr || factor.concerns(robot)) concerned.factors.push_back(factor);
+    if (factor.applies_to == nullptr || factor.applies_to(robot)) concerned.factors.push_back(factor);
   }
   concerned.with = [whole = std::move(family.factors),
                     with = std::move(family.with)](const std::vector<std::string>& names) {

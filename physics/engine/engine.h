@@ -29,7 +29,7 @@ Engine with_change(Engine engine, std::function<void(WorldSpec&)> change);
 std::pair<std::string_view, std::string_view> split_factors(std::string_view name);
 /// Takes the first change, its sign included, off `changes`, which are not empty: "+surface-coulomb" gives
 /// "+surface".
-std::string_view take_change(std::string_view& changes);
+std::string_view pop_modifier(std::string_view& changes);
 
 /// One modelling choice in which two engines differ and that can be changed on its own: a factor, as in a
 /// factorial experiment.
@@ -37,7 +37,7 @@ struct ModelFactor {
   std::string name, summary;
   std::vector<std::string> needs;  ///< factors without which it means nothing; they come before it
   /// Whether it can change anything of this robot's motion; null: of any robot's.
-  bool (*concerns)(const RobotDescription&) = nullptr;
+  bool (*applies_to)(const RobotDescription&) = nullptr;
 };
 
 /// Two engines and everything that is different between them.

@@ -40,7 +40,7 @@ struct Laws {
 
 struct EngineInfo {
   std::string name;     ///< the name it is chosen by: "mujoco", "bullet", "bullet:matched"
-  std::string engine;   ///< "MuJoCo", "Bullet"
+  std::string library;  ///< "MuJoCo", "Bullet"
   std::string version;  ///< of the engine's library, e.g. "2.2.2"
   std::string mode;     ///< contact mode in words
   Laws laws;

@@ -11,7 +11,7 @@ namespace crossgait {
 /// Physics steps, s. A thousandth of the usual one is far beyond where the engines' results stop changing.
 inline constexpr double kShortestPhysicsStep = 1e-6, kLongestPhysicsStep = 0.1;
 
-/// The contact *intent*. How each engine realises it is one documented function per backend
+/// The contact *intent*. How each engine realises it is one documented function per engine
 /// (backends/mujoco/model_xml.cpp, backends/contact/soft_constraint.h, backends/bullet/native_contact.cpp).
 struct ContactSpec {
   double friction = 0.6;  ///< Coulomb coefficient between robot and terrain

@@ -5,7 +5,7 @@
 
 namespace crossgait {
 
-/// Of both together, in one frame (parallel-axis theorem).
+/// Returns the inertia of both together, in one frame (parallel-axis theorem).
 inline SpatialInertia combine(const SpatialInertia& a, const SpatialInertia& b) {
   if (a.mass == 0) return b;
   if (b.mass == 0) return a;

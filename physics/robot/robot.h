@@ -125,7 +125,7 @@ struct LegModel {
   Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m
   double foot_radius = 0;          ///< m
 
-  /// Of servos, then of passive joints.
+  /// Lists the roles of servos, then of passive joints.
   std::span<const LegRole> roles() const noexcept;
   /// Servos, then passive joints: as `roles`.
   std::vector<int> joints() const;
@@ -148,9 +148,9 @@ struct RobotDescription {
   std::vector<Body> bodies;  ///< topological order, base first
   std::vector<LoopClosure> loops;
   Softness loop_softness{0.005, 1.0, 0.95, 0.99, 0.001};
-  /// Of dry friction in joints, which engines with hard joint friction ignore; nothing is ever violated, so
-  /// damping ratio and width do not count. Stiffer than MuJoCo's defaults, with which friction pushes a joint
-  /// on that stops by itself, and stuck joints creep eight times as fast (docs/conventions.md).
+  /// Softens dry friction in joints, which engines with hard joint friction ignore; nothing is ever violated,
+  /// so damping ratio and width do not count. Stiffer than MuJoCo's defaults, with which friction pushes a
+  /// joint on that stops by itself, and stuck joints creep eight times as fast (docs/conventions.md).
   Softness friction_softness{0.005, 1.0, 0.95, 0.99, 0.001};
   std::optional<LegArray<LegModel>> legs;  ///< absent only for test bodies built in code
   JointVector home;                        ///< joint angles of the home pose, loops closed, rad

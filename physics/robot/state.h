@@ -53,7 +53,7 @@ struct DeepestPoints {
   int dropped = 0;
 
   void clear() noexcept { count = dropped = 0; }
-  /// Of equally deep points the earlier ones stay.
+  /// Adds a point; of equally deep points the earlier ones stay.
   void add(const Point& point) noexcept {
     if (count == kMaxContacts) {
       ++dropped;

@@ -13,7 +13,7 @@
 
 namespace crossgait {
 
-/// Immutable and cheap to copy: backends and environments share one height field.
+/// Immutable and cheap to copy: worlds and environments share one height field.
 class Terrain {
  public:
   /// The infinite plane z = 0.
@@ -23,8 +23,8 @@ class Terrain {
 
   /// The text it was made from.
   const std::string& name() const { return name_; }
-  /// Of a file: what its samples were taken to measure, in words, and which of it was given, came from the
-  /// file or was assumed. Empty for anything else.
+  /// Says of a file what its samples were taken to measure, in words, and which of it was given, came from
+  /// the file or was assumed. Empty for anything else.
   const std::string& scale() const { return scale_; }
   /// Null for the plane.
   const HeightField* field() const { return field_.get(); }

@@ -36,13 +36,13 @@ Eigen::MatrixXd numbers(const nb::object& returned, const std::string& name, Eig
 // One run's function, and the state that it is to be called with.
 class PythonFunction {
  public:
-  PythonFunction(const PythonBehaviour& behaviour, const RobotDescription& robot)
+  PythonFunction(const PythonController& behaviour, const RobotDescription& robot)
       : name_(behaviour.name), function_(make(behaviour.make)) {
     state_.q = robot.home;
     state_.qd = JointVector::Zero(robot.joint_count());
   }
 
-  void look(const RobotState& state) { state_ = state; }
+  void observe(const RobotState& state) { state_ = state; }
   Eigen::MatrixXd operator()(Eigen::Index rows, Eigen::Index columns) const {
     const nb::gil_scoped_acquire acquire;
     return numbers(function_.get()(state_), name_, rows, columns);
@@ -62,21 +62,21 @@ class PythonFunction {
 // Servo angles from Python.
 class JointFunction final : public Controller {
  public:
-  JointFunction(const PythonBehaviour& behaviour, std::shared_ptr<const RobotDescription> robot)
+  JointFunction(const PythonController& behaviour, std::shared_ptr<const RobotDescription> robot)
       : robot_(std::move(robot)),
         function_(behaviour, *robot_),
         servos_(robot_->actuated_joints()),
         command_(behaviour.walk.gait.command) {}
 
-  RobotState stand(const Terrain& terrain, const Placement& placement) const override {
+  RobotState initial_state(const Terrain& terrain, const Placement& placement) const override {
     return standing_on(terrain, placement, *robot_, robot_->home);
   }
-  void hold(double /*dt*/, ControlTargets& out) override { out.joints.q = robot_->home(servos_); }
+  void hold_pose(double /*dt*/, ControlTargets& out) override { out.joints.q = robot_->home(servos_); }
   void advance(double /*dt*/, ControlTargets& out) override {
     out.joints.q = function_(static_cast<Eigen::Index>(servos_.size()), 1);
     out.velocity = command_;
   }
-  void look(const RobotState& state, double /*dt*/) override { function_.look(state); }
+  void observe(const RobotState& state, double /*dt*/) override { function_.observe(state); }
 
  private:
   std::shared_ptr<const RobotDescription> robot_;
@@ -88,7 +88,7 @@ class JointFunction final : public Controller {
 // Feet from Python, on Crossgait's legs.
 class FeetFunction final : public Controller {
  public:
-  FeetFunction(const PythonBehaviour& behaviour, const WorldSpec& world)
+  FeetFunction(const PythonController& behaviour, const WorldSpec& world)
       : function_(std::make_shared<PythonFunction>(behaviour, *world.robot)),
         legs_(make_feet_controller(
             [function = function_](double) {
@@ -100,15 +100,15 @@ class FeetFunction final : public Controller {
             world, behaviour.walk.compensation ? ServoCompensation{} : ServoCompensation::none())),
         command_(behaviour.walk.gait.command) {}
 
-  RobotState stand(const Terrain& terrain, const Placement& placement) const override {
-    return legs_->stand(terrain, placement);
+  RobotState initial_state(const Terrain& terrain, const Placement& placement) const override {
+    return legs_->initial_state(terrain, placement);
   }
-  void hold(double dt, ControlTargets& out) override { legs_->hold(dt, out); }
+  void hold_pose(double dt, ControlTargets& out) override { legs_->hold_pose(dt, out); }
   void advance(double dt, ControlTargets& out) override {
     legs_->advance(dt, out);
     out.velocity = command_;
   }
-  void look(const RobotState& state, double /*dt*/) override { function_->look(state); }
+  void observe(const RobotState& state, double /*dt*/) override { function_->observe(state); }
 
  private:
   std::shared_ptr<PythonFunction> function_;
@@ -130,17 +130,17 @@ SharedObject::SharedObject(nb::object object)
         delete held;
       }) {}
 
-WalkSetup PythonBehaviour::setup() const {
+WalkSetup PythonController::setup() const {
   return {name,
           [*this](const WorldSpec& world) -> ControllerPtr {
             if (targets == Targets::kJoints) return std::make_shared<JointFunction>(*this, world.robot);
             return std::make_shared<FeetFunction>(*this, world);
           },
-          walk.timing, walk.ends};
+          walk.timing, walk.terminations};
 }
 
 const WalkConfig& config_of(const Subject& subject) {
-  const auto* behaviour = std::get_if<PythonBehaviour>(&subject);
+  const auto* behaviour = std::get_if<PythonController>(&subject);
   return behaviour != nullptr ? behaviour->walk : std::get<WalkConfig>(subject);
 }
 
@@ -149,13 +149,13 @@ WalkSetup setup_of(const Subject& subject) {
 }
 
 void bind_behaviour(nb::module_& m) {
-  nb::class_<PythonBehaviour>(
-      m, "Behaviour", "A controller of your own: what `walk`, `compare` and `verdict` take beside gaits.")
+  nb::class_<PythonController>(
+      m, "Controller", "A controller of your own: what `walk`, `compare` and `verdict` take beside gaits.")
       .def(
           "__init__",
-          [](PythonBehaviour* self, const nb::callable& make, const WalkConfig& walk,
+          [](PythonController* self, const nb::callable& make, const WalkConfig& walk,
              const std::string& targets, const std::string& name) {
-            new (self) PythonBehaviour{walk, name, targets_of(targets), SharedObject(make)};
+            new (self) PythonController{walk, name, targets_of(targets), SharedObject(make)};
           },
           nb::arg("make"), nb::arg("walk") = WalkConfig(), nb::kw_only(), nb::arg("targets") = "joints",
           nb::arg("name") = "behaviour",
@@ -176,8 +176,8 @@ void bind_behaviour(nb::module_& m) {
           "how long; its command, if it has one, is what progress and heading are judged by. The same "
           "controller must "
           "return the same targets for the same states: verdicts repeat runs.")
-      .def_ro("name", &PythonBehaviour::name)
-      .def_ro("walk", &PythonBehaviour::walk);
+      .def_ro("name", &PythonController::name)
+      .def_ro("walk", &PythonController::walk);
 }
 
 }  // namespace crossgait::python

@@ -44,7 +44,7 @@ inline PyType_Slot kHolderSlots[] = {
 enum class Targets { kJoints, kFeet };
 
 /// A controller in Python, in the world and with the timing of `walk`, whose gait is not used.
-struct PythonBehaviour {
+struct PythonController {
   WalkConfig walk;
   std::string name;
   Targets targets = Targets::kJoints;
@@ -54,7 +54,7 @@ struct PythonBehaviour {
   WalkSetup setup() const;
 };
 
-using Subject = std::variant<WalkConfig, PythonBehaviour>;
+using Subject = std::variant<WalkConfig, PythonController>;
 
 const WalkConfig& config_of(const Subject& subject);
 WalkSetup setup_of(const Subject& subject);

@@ -24,9 +24,9 @@ void bind_engines(nb::module_& m) {
       .def_ro("available", &EngineListing::available, "Whether worlds can be made in it here.")
       .def_ro("reason", &EngineListing::reason, "Why not, where not.")
       .def_prop_ro(
-          "engine", [](const EngineListing& e) { return e.info.engine; }, "Name of its library.")
+          "library", [](const EngineListing& e) { return e.info.library; }, "Name of its library.")
       .def_prop_ro(
-          "version", [](const EngineListing& e) { return e.info.version; }, "Of its library.")
+          "version", [](const EngineListing& e) { return e.info.version; }, "Version of its library.")
       .def_prop_ro(
           "mode", [](const EngineListing& e) { return e.info.mode; }, "Its contact mode in words.")
       .def_prop_ro(

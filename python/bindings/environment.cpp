@@ -74,39 +74,39 @@ void set_observation_bounds(Environment& self, const Bounds& low, const Bounds& 
 // What there is to see of an environment, whoever steps it.
 template <typename T>
 void bind_reading(nb::class_<T>& c) {
-  c.def_prop_ro("config", [](const T& e) { return e.look().config(); })
-      .def_prop_ro("engine", [](const T& e) { return e.look().engine().name(); })
+  c.def_prop_ro("config", [](const T& e) { return e.get().config(); })
+      .def_prop_ro("engine", [](const T& e) { return e.get().engine().name(); })
       .def_prop_ro(
-          "layout_hash", [](const T& e) { return e.look().model().layout; }, "What a policy is trained for.")
+          "layout_hash", [](const T& e) { return e.get().model().layout; }, "What a policy is trained for.")
       .def_prop_ro(
-          "observation_layout", [](const T& e) { return layout(e.look().observation_layout()); },
+          "observation_layout", [](const T& e) { return layout(e.get().observation_layout()); },
           nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float]]"),
           "(name, unit, min, max) of every number; infinite where nothing bounds it.")
       .def_prop_ro(
-          "action_layout", [](const T& e) { return layout(e.look().action_layout()); },
+          "action_layout", [](const T& e) { return layout(e.get().action_layout()); },
           nb::sig("def action_layout(self) -> list[tuple[str, str, float, float]]"))
       .def_prop_ro(
-          "parameters", [](const T& e) { return parameters_of(e.look()); },
+          "parameters", [](const T& e) { return parameters_of(e.get()); },
           nb::sig("def parameters(self) -> dict[str, float] | None"),
-          "Of the gait as adapted so far; None where actions command joints.")
+          "Parameters of the gait as adapted so far; None where actions command joints.")
       .def_prop_ro(
-          "state", [](const T& e) { return RobotState(e.look().backend().state()); },
-          "Of the robot, as the engine has it.")
+          "state", [](const T& e) { return RobotState(e.get().world().state()); },
+          "State of the robot, as the engine has it.")
       .def_prop_ro(
           "robot",
           [](const T& e) {
-            return Robot{e.look().config().robot, e.look().model().world.robot, {}};
+            return Robot{e.get().config().robot, e.get().model().world.robot, {}};
           },
           "Nominal, with the environment's servos.")
       .def_prop_ro(
-          "terrain", [](const T& e) { return e.look().backend().spec().terrain; }, "Of this episode.")
+          "terrain", [](const T& e) { return e.get().world().spec().terrain; }, "Terrain of this episode.")
       .def_prop_ro("foot_contacts",
                    [](const T& e) {
-                     const LegArray<FootContact>& feet = e.look().info().contacts;
+                     const LegArray<FootContact>& feet = e.get().info().contacts;
                      return std::vector<FootContact>(feet.begin(), feet.end());
                    })
       .def(
-          "summary", [](const T& e) { return to_python(to_json(e.look().summary())); },
+          "summary", [](const T& e) { return to_python(to_json(e.get().summary())); },
           nb::sig("def summary(self) -> dict[str, typing.Any]"),
           "The episode so far, with the keys of `crossgait walk --json`.");
 }
@@ -154,7 +154,7 @@ void bind_environment(nb::module_& m) {
            "to their "
            "bounds; not finite counts as zero. The observation is an array of its own. Raises ConfigError.")
       .def_prop_ro("info", &info_of, nb::sig("def info(self) -> dict[str, typing.Any]"),
-                   "Of the last step; of the start after `reset`.")
+                   "What is known of the last step; of the start after `reset`.")
       .def("set_observation_bounds", &set_observation_bounds, nb::arg("low"), nb::arg("high"),
            "Names of numbers beyond them are `out_of_bounds` of `info` from the next step on.")
       .def(

@@ -19,7 +19,7 @@ struct Environment {
   ObservationBounds bounds = {};
   std::vector<std::size_t> outside = {};  ///< of the last observation
 
-  const QuadrupedEnv& look() const { return *env; }
+  const QuadrupedEnv& get() const { return *env; }
 };
 
 /// One of the environments of a VectorEnv, which outlives it and alone steps it.
@@ -27,7 +27,7 @@ struct EnvironmentView {
   VectorEnv* envs;
   std::size_t index;
 
-  const QuadrupedEnv& look() const { return envs->environment(index); }
+  const QuadrupedEnv& get() const { return envs->environment(index); }
 };
 
 /// A layout as names, units and bounds.

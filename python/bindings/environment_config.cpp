@@ -105,10 +105,11 @@ constexpr Key kKeys[] = {
     {"control_dt", "def control_dt(self) -> float", "s.", "", ""},
     {"policy_dt", "def policy_dt(self) -> float", "s.", "", ""},
     {"episode_seconds", "def episode_seconds(self) -> float", "s.", "", ""},
-    {"settle_seconds", "def settle_seconds(self) -> float", "Standing before the first observation, s.", "",
+    {"settle_seconds", "def settle_seconds(self) -> float", "Consensus before the first observation, s.", "",
      ""},
     {"tilt_limit_deg", "def tilt_limit_deg(self) -> float", "Roll or pitch beyond it is a fall.", "", ""},
-    {"ends", "def ends(self) -> list[str]", "Outcomes that end an episode; divergence always does.", "", ""},
+    {"terminations", "def ends(self) -> list[str]", "Outcomes that end an episode; divergence always does.",
+     "", ""},
     {"randomisation", "def randomisation(self) -> dict[str, list[float]]",
      "[min, max] of what differs from episode to episode.", "{}", ""},
 };

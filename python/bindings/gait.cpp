@@ -114,7 +114,7 @@ void bind_gait(nb::module_& m) {
       .def("reset", &FootTargets::reset, nb::kw_only(), nb::arg("standing") = false,
            "Back to phase 0, in full stride or standing.")
       .def_prop_ro(
-          "phase", [](const FootTargets& t) { return t.generator().phase(); }, "Of the clock, 0 to 1.")
+          "phase", [](const FootTargets& t) { return t.generator().phase(); }, "Phase of the clock, 0 to 1.")
       .def_prop_ro("phase_name",
                    [](const FootTargets& t) { return std::string(t.generator().current_phase_name()); })
       .def_prop_ro(

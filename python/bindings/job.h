@@ -10,7 +10,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "study/judgement.h"
+#include "study/engine_comparison.h"
 
 namespace crossgait::python {
 

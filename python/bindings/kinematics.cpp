@@ -150,7 +150,7 @@ void bind_kinematics(nb::module_& m) {
           "Where they stand in `State.q`.")
       .def_prop_ro(
           "origin", [](const RobotLeg& l) { return Vector3(l.kinematics.origin()); },
-          "Of its frame in the base's, m.")
+          "Origin of its frame in the base's, m.")
       .def("inverse", &inverse, nb::arg("targets"),
            nb::sig("def inverse(self, targets: numpy.typing.ArrayLike) -> "
                    "tuple[numpy.typing.NDArray[numpy.float64], list[str]]"),

@@ -8,7 +8,7 @@ NB_MODULE(_core, m) {
   using namespace crossgait::python;
   m.doc() = "The C++ core of Crossgait. Use the package crossgait, which gives these names.";
   m.def(
-      "version", [] { return std::string(crossgait::crossgait_version()); }, "Of Crossgait.");
+      "version", [] { return std::string(crossgait::crossgait_version()); }, "Version of Crossgait.");
   bind_errors(m);
   bind_engines(m);
   bind_robot(m);

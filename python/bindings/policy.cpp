@@ -113,7 +113,7 @@ void bind_interface(nb::module_& m) {
   nb::class_<PolicyInterface>(m, "PolicyInterface",
                               "What a policy runs on: the layouts of an environment and its pace. Immutable.")
       .def(nb::new_([](const EnvConfig& config) { return EnvModel::make(config)->interface; }),
-           nb::arg("config"), "Of an environment. Raises ConfigError.")
+           nb::arg("config"), "Makes the interface of an environment. Raises ConfigError.")
       .def_prop_ro(
           "observation_layout", [](const PolicyInterface& i) { return layout(i.observation); },
           nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float]]"),
@@ -169,7 +169,7 @@ void bind_network(nb::module_& m) {
             if (!std::isfinite(n.observation_clip)) return std::nullopt;
             return n.observation_clip;
           },
-          "Of the normalised observation, +-, or None.")
+          "Bound of the normalised observation, ±, or None.")
       .def("evaluate", &evaluate, nb::arg("observations"),
            "Outputs [n, act] of raw observations [n, obs], in double precision and not clipped to the "
            "action's bounds. Raises ConfigError for another width.");
@@ -216,7 +216,7 @@ void bind_policy(nb::module_& m) {
   bind_interface(m);
   bind_network(m);
   bind_bundle(m);
-  m.def("policy_names", &policy_names, "Of the policies that come with Crossgait, sorted.");
+  m.def("policy_names", &policy_names, "Names of the policies that come with Crossgait, sorted.");
   m.def("find_policy_file", &find_policy_file, nb::arg("text"),
         "The file of the policy of that name; `text` itself if there is none.");
   m.def("environment_of_policy", &environment_of_policy, nb::arg("text"),

@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "python/bindings/behaviour.h"
-#include "study/judgement.h"
+#include "study/engine_comparison.h"
 #include "study/rollout.h"
 
 namespace crossgait::python {

@@ -104,7 +104,7 @@ void bind_robot(nb::module_& m) {
           "Joint angles of the home pose, rad.")
       .def_prop_ro(
           "home_height", [](const Robot& r) { return r.description->home_height; },
-          "Of the base over flat ground in the home pose, m.")
+          "Height of the base over flat ground in the home pose, m.")
       .def_prop_ro(
           "standing_height", [](const Robot& r) { return r.description->standing_height; },
           "How deep below the hips the feet of a standing leg are, m: what gaits scale with.")

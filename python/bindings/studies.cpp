@@ -20,7 +20,7 @@
 #include "python/bindings/python_policy.h"
 #include "python/bindings/walk_config.h"
 #include "study/course.h"
-#include "study/judgement.h"
+#include "study/engine_comparison.h"
 #include "study/provenance.h"
 #include "study/rollout.h"
 #include "study/tune.h"
@@ -96,7 +96,7 @@ nb::object traces_of(const std::shared_ptr<Recorder>& recorder) {
 nlohmann::json subject_json(const Subject& subject, const LoadedWalk& loaded) {
   if (std::holds_alternative<WalkConfig>(subject))
     return {{"behaviour", LoadedBehaviour(loaded, {}, 0).described.at("behaviour")}};
-  return {{"python", std::get<PythonBehaviour>(subject).name}};
+  return {{"python", std::get<PythonController>(subject).name}};
 }
 
 Pair walk_in(const Subject& subject, const std::string& engine, bool trace, const nb::object& progress) {
@@ -134,9 +134,9 @@ Pair compare_in(const Subject& subject, const std::vector<std::string>& engines,
   return nb::make_tuple(to_python(report), traces_of(record));
 }
 
-JudgementOptions judgement_options(std::size_t starts, double limit, double confidence, std::size_t workers,
-                                   bool explain, const std::string& runs) {
-  JudgementOptions options;
+JudgeOptions judge_options(std::size_t starts, double limit, double confidence, std::size_t workers,
+                           bool explain, const std::string& runs) {
+  JudgeOptions options;
   options.verdict = {starts, limit, confidence, workers};
   options.explain = explain;
   options.stored_runs = runs;
@@ -144,15 +144,15 @@ JudgementOptions judgement_options(std::size_t starts, double limit, double conf
 }
 
 // Of two engines the document of `crossgait verdict --engines A,B`, of more that of all of them.
-Report report_of(const JudgementOfMany& judged, const Json& made) {
+Report report_of(const EngineComparison& judged, const Json& made) {
   const bool two = judged.pairs.size() == 1;
   Json json = two ? to_json(judged.pairs.front()) : to_json(judged);
   json["provenance"] = made;
   return {json, two ? describe(judged.pairs.front()) : describe(judged)};
 }
 
-Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines,
-           const JudgementOptions& options, const nb::object& progress) {
+Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines, const JudgeOptions& options,
+           const nb::object& progress) {
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
         const LoadedBehaviour loaded = spec;
@@ -162,16 +162,15 @@ Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines,
       progress));
 }
 
-void refuse_stored_runs(const JudgementOptions& options) {
+void refuse_stored_runs(const JudgeOptions& options) {
   if (!options.stored_runs.empty())
     throw ConfigError("verdict", "runs",
                       "none: what a function in Python does has no identity to be found by",
                       options.stored_runs);
 }
 
-Pair judge(const PythonBehaviour& behaviour, const StartRanges& starts_from, std::uint64_t seed,
-           const std::vector<std::string>& engines, const JudgementOptions& options,
-           const nb::object& progress) {
+Pair judge(const PythonController& behaviour, const StartRanges& starts_from, std::uint64_t seed,
+           const std::vector<std::string>& engines, const JudgeOptions& options, const nb::object& progress) {
   refuse_stored_runs(options);
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
@@ -200,7 +199,7 @@ Report with_policies(const std::vector<PolicyChoice>& choices, const StageProgre
 }
 
 Pair judge(const EnvConfig& environment, const PythonPolicy& policy, const StartRanges& starts_from,
-           std::uint64_t seed, const std::vector<std::string>& engines, const JudgementOptions& options,
+           std::uint64_t seed, const std::vector<std::string>& engines, const JudgeOptions& options,
            const nb::object& progress) {
   refuse_stored_runs(options);
   return to_python(run_job(
@@ -218,7 +217,7 @@ Pair judge(const EnvConfig& environment, const PythonPolicy& policy, const Start
       progress));
 }
 
-void bind_judgements(nb::module_& m) {
+void bind_verdicts(nb::module_& m) {
   nb::class_<StartRanges>(m, "StartRanges", "How far apart the starts of a verdict lie.")
       .def(
           "__init__",
@@ -237,10 +236,10 @@ void bind_judgements(nb::module_& m) {
       [](const Subject& walk, const std::vector<std::string>& engines, const StartRanges& starts_from,
          std::uint64_t seed, std::size_t starts, double limit, double confidence, std::size_t workers,
          bool explain, const std::string& runs, const nb::object& progress) {
-        const JudgementOptions options = judgement_options(starts, limit, confidence, workers, explain, runs);
+        const JudgeOptions options = judge_options(starts, limit, confidence, workers, explain, runs);
         if (const auto* config = std::get_if<WalkConfig>(&walk))
           return judge({*config, starts_from, seed}, engines, options, progress);
-        return judge(std::get<PythonBehaviour>(walk), starts_from, seed, engines, options, progress);
+        return judge(std::get<PythonController>(walk), starts_from, seed, engines, options, progress);
       },
       nb::arg("walk"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"), nb::arg("starts"),
       nb::arg("limit"), nb::arg("confidence"), nb::arg("workers"), nb::arg("explain"), nb::arg("runs"),
@@ -251,7 +250,7 @@ void bind_judgements(nb::module_& m) {
          const StartRanges& starts_from, std::uint64_t seed, std::size_t starts, double limit,
          double confidence, std::size_t workers, bool explain, const std::string& runs,
          const nb::object& progress) {
-        const JudgementOptions options = judgement_options(starts, limit, confidence, workers, explain, runs);
+        const JudgeOptions options = judge_options(starts, limit, confidence, workers, explain, runs);
         if (const auto* text = std::get_if<std::string>(&policy))
           return judge({PolicyConfig{environment, *text}, starts_from, seed}, engines, options, progress);
         return judge(environment, std::get<PythonPolicy>(policy), starts_from, seed, engines, options,
@@ -367,7 +366,7 @@ void bind_studies(nb::module_& m) {
       },
       nb::arg("walk"), nb::arg("engines"), nb::arg("trace"), nb::arg("position"), nb::arg("joint"),
       nb::arg("attitude"), kProgress);
-  bind_judgements(m);
+  bind_verdicts(m);
   m.def(
       "_rollout",
       [](const EnvConfig& config, const std::vector<PolicyChoice>& policies, std::size_t episodes,

@@ -62,11 +62,12 @@ void bind_terrain(nb::module_& m) {
           "ConfigError.")
       .def_static("from_heights", &of_heights, nb::arg("heights"), nb::kw_only(), nb::arg("size_x"),
                   nb::arg("size_y"), nb::arg("name") = "heights",
-                  "Of an array of heights in m, rows along y from the smallest, columns along x, centred on "
+                  "Makes a terrain of an array of heights in m, rows along y from the smallest, columns "
+                  "along x, centred on "
                   "the world's "
                   "origin; its extent is size_x by size_y m.")
       .def_prop_ro("name", &Terrain::name, "The text that it was made from.")
-      .def_prop_ro("scale", &Terrain::scale, "Of a file: what its samples were taken to measure.")
+      .def_prop_ro("scale", &Terrain::scale, "Says of a file what its samples were taken to measure.")
       .def_prop_ro(
           "size",
           [](const Terrain& t) {

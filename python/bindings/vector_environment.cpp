@@ -168,12 +168,13 @@ void bind_vector_environment(nb::module_& m) {
       .def("environment", &environment_of, nb::arg("index"), nb::keep_alive<0, 1>(),
            "One of them, to look at. Raises IndexError.")
       .def("infos", &infos_of, nb::sig("def infos(self) -> dict[str, typing.Any]"),
-           "Of the last step, as Gymnasium's vector environments have it: an array for every key, and a mask "
+           "What is known of the last step, as Gymnasium's vector environments have it: an array for every "
+           "key, and a mask "
            "for its name with an underscore.")
       .def("final_infos", &final_infos_of, nb::sig("def final_infos(self) -> dict[str, typing.Any]"),
            "With same_step, of the episodes that the last step ended.")
       .def("info", &info_of, nb::arg("index"), nb::sig("def info(self, index: int) -> dict[str, typing.Any]"),
-           "Of one environment's last step.")
+           "What is known of one environment's last step.")
       .def("final_info", &final_info_of, nb::arg("index"),
            nb::sig("def final_info(self, index: int) -> dict[str, typing.Any] | None"),
            "With same_step, of one environment's episode if the last step ended it.")

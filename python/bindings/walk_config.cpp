@@ -39,7 +39,7 @@ struct Arguments {
   Velocity command;
   WalkTiming timing;
   bool compensation, heading_hold;
-  std::vector<std::string> ends;
+  std::vector<std::string> terminations;
 };
 
 WalkConfig make(const Arguments& a) {
@@ -57,7 +57,7 @@ WalkConfig make(const Arguments& a) {
   config.compensation = a.compensation;
   config.heading_hold = a.heading_hold;
   config.timing = a.timing;
-  config.ends = OutcomeSet::that_end(a.ends);
+  config.terminations = OutcomeSet::of_names(a.terminations);
   return config;
 }
 
@@ -83,7 +83,7 @@ void bind_walk_config(nb::module_& m) {
           [](WalkConfig* self, const std::string& gait, const Velocity& command, const Settings& parameters,
              const std::string& robot, const std::string& terrain, std::uint64_t seed, double friction,
              double seconds, double physics_dt, double control_dt, double settle, bool compensation,
-             bool heading_hold, const std::vector<std::string>& ends) {
+             bool heading_hold, const std::vector<std::string>& terminations) {
             new (self) WalkConfig(make({robot,
                                         terrain,
                                         seed,
@@ -95,17 +95,18 @@ void bind_walk_config(nb::module_& m) {
                                         {seconds, control_dt, settle},
                                         compensation,
                                         heading_hold,
-                                        ends}));
+                                        terminations}));
           },
           nb::arg("gait") = "trot", nb::kw_only(), nb::arg("command") = nb::none(),
           nb::arg("parameters") = Settings(), nb::arg("robot") = "scara_quadruped",
           nb::arg("terrain") = "flat", nb::arg("seed") = 0, nb::arg("friction") = 0.6,
           nb::arg("seconds") = 5.0, nb::arg("physics_dt") = 1e-3, nb::arg("control_dt") = 2e-3,
           nb::arg("settle") = 0.5, nb::arg("compensation") = true, nb::arg("heading_hold") = true,
-          nb::arg("ends") = std::vector<std::string>(),
+          nb::arg("terminations") = std::vector<std::string>(),
           "`gait` by name, or auto with a `command` (forward m/s, left m/s, yaw rate rad/s); `parameters` "
           "change the "
-          "gait's own, by name (`swing` is bezier or matched); `seed` is of a random terrain; `ends` are "
+          "gait's own, by name (`swing` is bezier or matched); `seed` is of a random terrain; `terminations` "
+          "are "
           "outcomes that "
           "end the walk. Raises ConfigError.")
       .def_ro("robot", &WalkConfig::robot)
@@ -120,9 +121,9 @@ void bind_walk_config(nb::module_& m) {
       .def_prop_ro("settle", [](const WalkConfig& c) { return c.timing.settle_seconds; })
       .def_ro("compensation", &WalkConfig::compensation)
       .def_ro("heading_hold", &WalkConfig::heading_hold)
-      .def_prop_ro("ends", [](const WalkConfig& c) { return outcome_names(c.ends); })
+      .def_prop_ro("terminations", [](const WalkConfig& c) { return outcome_names(c.terminations); })
       .def_prop_ro("parameters", &parameters_of, nb::sig("def parameters(self) -> dict[str, float]"),
-                   "Of the gait, all of them.")
+                   "Parameters of the gait, all of them.")
       .def("environment", &WalkConfig::environment,
            "The environment in which the zero policy walks like this. Raises ConfigError for what an "
            "environment cannot "

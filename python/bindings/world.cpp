@@ -43,7 +43,7 @@ std::unique_ptr<PhysicsBackend> make_world(const Robot& robot, const Terrain& te
   spec.fixed_base = fixed_base;
   spec.contact.friction = friction;
   const nb::gil_scoped_release release;
-  auto world = make_backend(engine.empty() ? available_engines().front() : engine, spec);
+  auto world = make_world(engine.empty() ? available_engines().front() : engine, spec);
   world->reset();
   return world;
 }
@@ -125,9 +125,9 @@ void bind_contacts(nb::module_& m) {
   nb::class_<FootContact>(m, "FootContact", "All contact points of one foot together.")
       .def_ro("touching", &FootContact::touching)
       .def_ro("force", &FootContact::force, "Sum, in W, N.")
-      .def_ro("p_WP", &FootContact::p_WP, "Of the deepest point, m.")
+      .def_ro("p_WP", &FootContact::p_WP, "Position of the deepest point, m.")
       .def_ro("slip_speed", &FootContact::slip_speed, "At the deepest point, m/s.")
-      .def_ro("penetration", &FootContact::penetration, "Of the deepest point, m.");
+      .def_ro("penetration", &FootContact::penetration, "Penetration of the deepest point, m.");
   nb::class_<Snapshot>(m, "Snapshot", "A saved instant of a world: restoring it continues bit for bit.")
       .def_ro("engine_name", &Snapshot::engine_name)
       .def_ro("state", &Snapshot::state);
@@ -164,7 +164,7 @@ void bind_world(nb::module_& m) {
       .def_prop_ro("state", [](const PhysicsBackend& w) { return RobotState(w.state()); })
       .def_prop_ro(
           "torques", [](const PhysicsBackend& w) { return Eigen::VectorXd(w.torques()); },
-          "Of every joint in the last physics step, N m.")
+          "Torques of every joint in the last physics step, N m.")
       .def_prop_ro(
           "contacts",
           [](const PhysicsBackend& w) {
@@ -177,7 +177,7 @@ void bind_world(nb::module_& m) {
             const LegArray<FootContact> feet = w.foot_contacts();
             return std::vector<FootContact>(feet.begin(), feet.end());
           },
-          "Of the feet FL, FR, RL, RR.")
+          "Contacts of the feet FL, FR, RL, RR.")
       .def(
           "body_pose",
           [](const PhysicsBackend& w, int body) {
@@ -190,7 +190,7 @@ void bind_world(nb::module_& m) {
            "Joint-space inertia with armature; rows and columns v_WB, w_WB, qd (the joints alone with a "
            "fixed base).")
       .def("terrain_height", &PhysicsBackend::terrain_height, nb::arg("x"), nb::arg("y"),
-           "Of the engine's own ground under a point, m; NaN where there is none.")
+           "Height of the engine's own ground under a point, m; NaN where there is none.")
       .def(
           "push",
           [](PhysicsBackend& w, const nb::object& impulse) { w.apply_push(vector3(impulse, "push")); },

@@ -8,8 +8,8 @@ True
 from __future__ import annotations
 
 from crossgait._core import (
-    Behaviour,
     Contact,
+    Controller,
     Engine,
     EnvironmentConfig,
     FootContact,
@@ -65,12 +65,12 @@ from crossgait.traces import Trace
 __version__ = version()
 
 __all__ = [
-    "Behaviour",
     "Bench",
     "CompareResult",
     "ConfigError",
     "Conformance",
     "Contact",
+    "Controller",
     "CourseResult",
     "Engine",
     "EnvironmentConfig",

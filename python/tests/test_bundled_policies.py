@@ -47,12 +47,12 @@ def test_the_card_is_what_the_course_gives(name: str) -> None:
     sections = ["slope-20deg", "pushed"]
     done = crossgait.course(name, sections=sections, engines=some_engines(said), episodes=2)
     for cell in done.document["cells"]:
-        stored = said["course"]["policy"]["sections"][cell["backend"]][cell["section"]["name"]]["runs"]
-        assert cell["scores"] == stored[:2], (cell["backend"], cell["section"]["name"])
+        stored = said["course"]["policy"]["sections"][cell["engine"]][cell["section"]["name"]]["runs"]
+        assert cell["scores"] == stored[:2], (cell["engine"], cell["section"]["name"])
     card = (folder(name) / "card.md").read_text()
     for engine in said["engines"]:
         mean, deviation = said["course"]["policy"]["scores"][engine]
-        assert f"{mean:.3f} +- {deviation:.3f}" in card
+        assert f"{mean:.3f} ± {deviation:.3f}" in card
 
 
 @pytest.mark.parametrize("name", judged_by("commands"))
@@ -84,7 +84,7 @@ def test_the_card_is_how_fast_it_goes(name: str) -> None:
     done = crossgait.rollout(name, own.updated(json.dumps(asked), "test"), episodes=said["runs"])
     told = done.document["policies"][0]["all"]
     stored = said["speed"]["policy"][engine]
-    for statistic in ("mean_speed_mps", "cost_of_transport", "drag", "slip_per_path"):
+    for statistic in ("mean_speed_mps", "cost_of_transport", "swing_contact_ratio", "slip_per_path"):
         assert told[statistic]["mean"] == stored[statistic]
     card = (folder(name) / "card.md").read_text()
     assert f"| `{engine}` | policy | {stored['mean_speed_mps']:.3f} |" in card
@@ -97,8 +97,8 @@ def test_the_verdict_is_that_of_the_card(name: str) -> None:
         pytest.skip(f"{said['a']} or {said['b']} is not there")
     environment = crossgait.EnvironmentConfig.load(str(folder(name) / "environment.yaml"))
     told = crossgait.verdict(name, environment=environment, engines=[said["a"], said["b"]]).document
-    assert {key: told[key] for key in ("word", "starts", "statistics")} == {
-        key: said[key] for key in ("word", "starts", "statistics")
+    assert {key: told[key] for key in ("verdict", "starts", "statistics")} == {
+        key: said[key] for key in ("verdict", "starts", "statistics")
     }
     assert f"**{said['word'].replace('_', ' ')}**" in (folder(name) / "card.md").read_text()
 

@@ -153,7 +153,7 @@ def test_every_class_that_shows_anything_is_looked_at() -> None:
     }
     # Plain values: every property is a number, a string or a copy made for the asking (test_policies, test_studies).
     plain = {
-        "Behaviour",
+        "Controller",
         "FunctionPolicy",
         "MlpNetwork",
         "Policy",

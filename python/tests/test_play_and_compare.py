@@ -58,7 +58,7 @@ def test_policies_meet_the_same_episodes_in_every_engine(run: Path) -> None:
     assert all(short < zero for short, zero in zip(speeds[::2], speeds[1::2], strict=True))
     text = table(told)
     assert len(text.splitlines()) == 2 + len(expected)
-    assert f"{speeds[0]:.4g} +- " in text
+    assert f"{speeds[0]:.4g} ± " in text
 
 
 def test_the_environment_beside_a_policy_is_taken(run: Path, tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import crossgait
-from crossgait import Behaviour, ConfigError, EnvironmentConfig, FunctionPolicy, Robot, State, Trace, Walk
+from crossgait import ConfigError, Controller, EnvironmentConfig, FunctionPolicy, Robot, State, Trace, Walk
 
 
 def command(*arguments: str) -> Any:
@@ -69,7 +69,7 @@ def test_verdict_is_the_command() -> None:
     verdict = crossgait.verdict("trot", seconds=0.5, starts=4, explain=True)
     told = command("verdict", "--seconds", ".5", "--starts", "4", "--explain")
     assert without_the_run(verdict.to_dict()) == without_the_run(told)
-    assert verdict.word in ("agrees", "engine-dependent", "unresolved")
+    assert verdict.verdict in ("agrees", "engine-dependent", "unresolved")
     assert verdict.statistic("distance")["unit"] == "m"
     assert set(verdict.causes) <= {s["name"] for s in verdict.document["statistics"]}
     assert {verdict.document["a"], verdict.document["b"]} <= set(engines)
@@ -107,7 +107,7 @@ def test_verdicts_of_many_are_the_command() -> None:
         (engines[0], engines[2]),
         (engines[1], engines[2]),
     ]
-    assert judged.word(engines[1], engines[0]) == judged.pairs[0].word
+    assert judged.verdict(engines[1], engines[0]) == judged.pairs[0].verdict
     assert sorted(name for cluster in judged.clusters for name in cluster) == sorted(engines)
     assert judged.outlier is None  # two laws of contact
     assert "one vote" in judged.reason or judged.reason == "all agree"
@@ -221,7 +221,7 @@ def test_results_show_themselves(tmp_path: Path) -> None:
 
 
 def test_a_name_in_a_result_is_text_in_a_notebook() -> None:
-    hostile = Behaviour(lambda: lambda state: np.zeros(12), Walk(seconds=0.1), name="<script>alert(1)</script>")
+    hostile = Controller(lambda: lambda state: np.zeros(12), Walk(seconds=0.1), name="<script>alert(1)</script>")
     assert "<script>" not in crossgait.walk(hostile)._repr_html_()
 
 
@@ -242,7 +242,7 @@ def sway(robot: Robot) -> Any:
 
 
 def test_a_behaviour_of_ones_own_is_walked_compared_and_judged(scara: Robot) -> None:
-    behaviour = Behaviour(sway(scara), Walk(seconds=0.5), name="sway")
+    behaviour = Controller(sway(scara), Walk(seconds=0.5), name="sway")
     once, twice = crossgait.walk(behaviour), crossgait.walk(behaviour)
     assert without_the_run(once.document) == without_the_run(twice.document)
     assert once.document["gait"] == "sway"
@@ -259,7 +259,7 @@ def test_a_behaviour_of_ones_own_is_walked_compared_and_judged(scara: Robot) -> 
 def test_feet_of_a_gait_walk_as_the_gait(scara: Robot) -> None:
     """Standing feet below the hips: it stays where it is."""
     feet = np.tile([0.0, 0.0, -0.062], (4, 1))
-    behaviour = Behaviour(lambda: lambda state: feet, Walk(seconds=1), targets="feet")
+    behaviour = Controller(lambda: lambda state: feet, Walk(seconds=1), targets="feet")
     result = crossgait.walk(behaviour)
     assert result.outcome == "walked"
     assert abs(result.distance_m) < 5e-3  # settles by some millimetres
@@ -271,9 +271,9 @@ def test_what_a_behaviour_raises_comes_out() -> None:
         raise KeyError("mine")
 
     with pytest.raises(KeyError, match="mine"):
-        crossgait.walk(Behaviour(lambda: broken))
+        crossgait.walk(Controller(lambda: broken))
     with pytest.raises(KeyError, match="mine"):
-        crossgait.verdict(Behaviour(lambda: broken, Walk(seconds=0.1)), starts=4)
+        crossgait.verdict(Controller(lambda: broken, Walk(seconds=0.1)), starts=4)
 
 
 @pytest.mark.parametrize(
@@ -281,7 +281,7 @@ def test_what_a_behaviour_raises_comes_out() -> None:
 )
 def test_wrong_targets_of_a_behaviour_are_refused(returned: Any, what: str) -> None:
     with pytest.raises(ConfigError, match=what) as caught:
-        crossgait.walk(Behaviour(lambda: lambda state: returned, name="mine"))
+        crossgait.walk(Controller(lambda: lambda state: returned, name="mine"))
     assert caught.value.source == "mine"
 
 

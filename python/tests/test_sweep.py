@@ -255,7 +255,7 @@ def test_a_verdict_of_a_sweeps_rows_makes_no_run(tmp_path: Path) -> None:
     assert judged.document["statistics"] == crossgait.verdict("trot", **options).document["statistics"]
     with file.open("ab") as more:  # runs that failed count as not there
         more.write(b'{"hash":"0","run":null,"error":"signal SIGSEGV"}\n')
-    assert crossgait.verdict("trot", runs=file, **options).word == judged.word
+    assert crossgait.verdict("trot", runs=file, **options).verdict == judged.verdict
 
 
 def test_the_command_teaches_and_counts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -26,7 +26,7 @@ walks:
     command: [[0.2, 0, 0], [0.3, 0, 0.1], null]
     parameters: {step_height: [0.02, 0.03], cycle_time: 0.5}
   - terrain: [rough, "rough:amplitude=.01"]
-    ends: [[fell], [fell, collapsed]]
+    terminations: [[fell], [fell, collapsed]]
     command: [0.2, 0, 0]
 """,
     ).runs()
@@ -58,7 +58,15 @@ def test_a_study_with_every_default_is_the_same_study(tmp_path: Path) -> None:
     stated = study(tmp_path, first.to_yaml())
     assert stated.document == first.document
     assert [run.hash for run in stated.runs()] == [run.hash for run in first.runs()]
-    assert set(first.document["walks"][0]) >= {"robot", "terrain", "gait", "command", "parameters", "seconds", "ends"}
+    assert set(first.document["walks"][0]) >= {
+        "robot",
+        "terrain",
+        "gait",
+        "command",
+        "parameters",
+        "seconds",
+        "terminations",
+    }
 
 
 def test_policies_are_run_in_environments_with_changes(tmp_path: Path) -> None:

@@ -314,7 +314,14 @@ def test_the_folder_tells_what_was_run(finished: Path) -> None:
     rows = read(run / PROGRESS)
     assert [row["steps"] for row in rows] == [160, 320, 480, 640]
     assert [row["stage"] for row in rows] == [0, 0, 1, 1]
-    for column in ("reward.forward_velocity", "reward.fall", "parameter.step_length", "falls", "drag", "slip_per_path"):
+    for column in (
+        "reward.forward_velocity",
+        "reward.termination",
+        "parameter.step_length",
+        "falls",
+        "swing_contact_ratio",
+        "slip_per_path",
+    ):
         assert rows[-1][column] is not None, column
     assert rows[0]["parameter.step_length"] != rows[-1]["parameter.step_length"]
     for row in rows:
@@ -460,7 +467,7 @@ def test_tensorboard_is_given_every_number_where_it_is_installed(
     stand_in.SummaryWriter = SummaryWriter  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "torch.utils.tensorboard", stand_in)
     board = Board(tmp_path)
-    board.add("train", 5, {"reward": 1.5, "drag": None, "falls": 2})
+    board.add("train", 5, {"reward": 1.5, "swing_contact_ratio": None, "falls": 2})
     board.close()
     assert written == [str(tmp_path / "tensorboard"), ("train/reward", 1.5, 5), ("train/falls", 2, 5), "closed"]
 

@@ -17,7 +17,7 @@ SMALL: dict[str, Any] = {
         "episode_seconds": 0.5,
         "settle_seconds": 0.02,
         "adapt": ["step_length", "cycle_time"],
-        "reward": {"forward_velocity": 1, "fall": -1},
+        "reward": {"forward_velocity": 1, "termination": -1},
     },
     "randomisation": {"terrain_seed": [0, 20], "friction": [0.8, 1.2]},
     "environments": 4,

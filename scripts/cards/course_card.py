@@ -20,9 +20,9 @@ def on_course(options, folder):
     for method in methods_of(folder, {"tuned.yaml": "tuned gait"}):
         said = ask(options.program, "course", *method.arguments, "--engines", ",".join(options.engines), "--episodes", str(options.runs))
         results[method.name] = {
-            "scores": {s["backend"]: [s["mean"], s["deviation"]] for s in said["scores"]},
+            "scores": {s["engine"]: [s["mean"], s["deviation"]] for s in said["scores"]},
             "sections": {e: {c["section"]["name"]: shown(c["all"]) | {"score": c["score"]["mean"], "runs": c["scores"]}
-                             for c in said["cells"] if c["backend"] == e} for e in options.engines}}
+                             for c in said["cells"] if c["engine"] == e} for e in options.engines}}
     return results
 
 
@@ -36,7 +36,7 @@ def rolled_out(options, folder, files, command, terrain, episodes):
 
 
 def course_text(results, engines):
-    rows = [[f"`{e}`"] + [f"{m['scores'][e][0]:.3f} +- {m['scores'][e][1]:.3f}" for m in results.values()] for e in engines]
+    rows = [[f"`{e}`"] + [f"{m['scores'][e][0]:.3f} ± {m['scores'][e][1]:.3f}" for m in results.values()] for e in engines]
     if "tuned gait" in results:
         for row, e in zip(rows, engines, strict=True):
             mine, theirs = results["policy"]["scores"][e][0], results["tuned gait"]["scores"][e][0]
@@ -44,13 +44,13 @@ def course_text(results, engines):
     head = ["engine", *results] + (["of what the tuned gait loses, won back"] if "tuned gait" in results else [])
     parts = [table(head, rows)]
     own = results["policy"]["sections"]
-    head = ["section, of the policy"] + [f"`{e}`: score, cost, drag, slip, ended early" for e in engines]
+    head = ["section, of the policy"] + [f"`{e}`: score, cost, swing contact, slip, ended early" for e in engines]
     rows = []
     for section in own[engines[0]]:
         cells = []
         for e in engines:
             c = own[e][section]
-            numbers = ", ".join(f"{c[key]:.2f}" if key in c else "-" for key in ("cost_of_transport", "drag", "slip_per_path"))
+            numbers = ", ".join(f"{c[key]:.2f}" if key in c else "-" for key in ("cost_of_transport", "swing_contact_ratio", "slip_per_path"))
             cells.append(f"{c['score']:.3f}, {numbers}, {c['ended_early']}")
         rows.append([section, *cells])
     return "\n\n".join([*parts, table(head, rows)])
@@ -61,10 +61,10 @@ def rollout_text(results, engines):
     for e in engines:
         for name, by_engine in results.items():
             c = by_engine[e]
-            numbers = [f"{c[key]:.3f}" if key in c else "-" for key in ("mean_speed_mps", "cost_of_transport", "drag", "slip_per_path")]
+            numbers = [f"{c[key]:.3f}" if key in c else "-" for key in ("mean_speed_mps", "cost_of_transport", "swing_contact_ratio", "slip_per_path")]
             ended = f"{c['ended_early']} of {c['episodes']}, < {100 * falls_bound(c['ended_early'], c['episodes']):.1f} %"
             rows.append([f"`{e}`", name, *numbers, ended])
-    return table(["engine", "", "m/s", "cost of transport", "drag", "slip", "ended early, upper end at 95 %"], rows)
+    return table(["engine", "", "m/s", "cost of transport", "swing contact", "slip", "ended early, upper end at 95 %"], rows)
 
 
 def measure(options, folder, note):

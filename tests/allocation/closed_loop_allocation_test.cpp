@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/allocations.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
 
-class ClosedLoopAllocation : public BackendTest {};
+class ClosedLoopAllocation : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(ClosedLoopAllocation);
 
 TEST_P(ClosedLoopAllocation, NonePerStepWhateverDrivesIt) {

@@ -1,11 +1,11 @@
 // No allocation per policy step, in one environment or many.
 #include "tests/support/allocations.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
 
-class EnvironmentAllocation : public BackendTest {
+class EnvironmentAllocation : public EngineTest {
  protected:
   void SetUp() override {
     if (capabilities().allocates) GTEST_SKIP() << "the engine's own library allocates";

@@ -2,15 +2,15 @@
 // say so; what remains to be shown of them needs a look inside (tests/backends/bullet/allocation_test.cpp).
 #include <gtest/gtest.h>
 
+#include "motion/foot_target_tracker.h"
 #include "motion/gait_source.h"
-#include "motion/leg_controller.h"
 #include "tests/support/allocations.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
 
-class StepAllocation : public BackendTest {
+class StepAllocation : public EngineTest {
  protected:
   void SetUp() override {
     if (capabilities().allocates) GTEST_SKIP() << "the engine's own library allocates";
@@ -40,7 +40,7 @@ TEST_P(StepAllocation, NoneForPushesAndRefusedTargets) {
   EXPECT_EQ(allocations_of_pushes_and_refused_targets(engine()), 0U);
 }
 
-class DeclaredAllocation : public BackendTest {};
+class DeclaredAllocation : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(DeclaredAllocation);
 
 // An engine may not skip the tests above by saying that it allocates where it does not.
@@ -51,7 +51,7 @@ TEST_P(DeclaredAllocation, IsTrue) {
 
 TEST(ControlAllocation, NoneInGaitKinematicsAndCompensation) {
   const auto robot = scenes::quadruped();
-  LegController legs(robot);
+  FootTargetTracker legs(robot);
   GaitGenerator gait(find_gait("trot"), find_gait("trot").preferred, leg_origins(*robot));
   const AllocationScope scope;
   for (int i = 0; i < 1000; ++i) {

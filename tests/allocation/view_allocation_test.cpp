@@ -3,13 +3,13 @@
 
 #include "physics/robot_files/data_path.h"
 #include "tests/support/allocation_counter.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "view/session.h"
 
 namespace crossgait {
 namespace {
 
-class ViewAllocation : public BackendTest {};
+class ViewAllocation : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(ViewAllocation);
 
 TEST_P(ViewAllocation, NoneWhileItIsDriven) {

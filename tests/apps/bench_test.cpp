@@ -18,12 +18,12 @@ namespace fs = std::filesystem;
 TEST(Bench, MeasuresStoresComparesAndShows) {
   const std::string engine = available_engines().front();
   const ProgramResult first =
-      run_program("bench --quick --only analytic --backend " + engine + " --json bench_app.json");
+      run_program("bench --quick --only analytic --engine " + engine + " --json bench_app.json");
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_NE(first.out.find("pendulum_period"), std::string::npos);
 
   // Analytic errors are the same on every run.
-  const ProgramResult again = run_program("bench --quick --only analytic --backend " + engine +
+  const ProgramResult again = run_program("bench --quick --only analytic --engine " + engine +
                                           " --compare bench_app.json --worse-than 1.001 --json -");
   ASSERT_EQ(again.exit_code, 0) << again.err;
   const json result = json::parse(again.out);
@@ -44,7 +44,7 @@ TEST(Bench, MeasuresStoresComparesAndShows) {
 TEST(Bench, FailsWhereAFigureGotWorse) {
   const std::string engine = available_engines().front();
   const ProgramResult first =
-      run_program("bench --quick --only analytic --backend " + engine + " --json bench_worse.json");
+      run_program("bench --quick --only analytic --engine " + engine + " --json bench_worse.json");
   ASSERT_EQ(first.exit_code, 0) << first.err;
   json better;
   std::ifstream("bench_worse.json") >> better;
@@ -79,13 +79,13 @@ TEST(Bench, StoredResultsOfTheProjectAreRead) {
 TEST(Bench, NamesWhatWasWrong) {
   expect_bad_input("bench --only beauty", {"beauty", "analytic"});
   expect_bad_input("bench --only feet --only feet", {"feet", "again"});
-  expect_bad_input("bench --backend nonsense", {"nonsense", available_engines().front()});
+  expect_bad_input("bench --engine nonsense", {"nonsense", available_engines().front()});
   expect_bad_input("bench --compare bench_nowhere.json", {"bench_nowhere.json"});
   expect_bad_input("bench --from bench_nowhere.json", {"bench_nowhere.json"});
   expect_bad_input("bench --from x.json --quick", {"--quick"});
   expect_bad_input("bench --worse-than .5", {"--worse-than", "0.5"});
   expect_bad_input("bench --worse-than soon", {"--worse-than"});
-  std::ofstream("bench_broken.json") << "{\"schema\": \"crossgait-bench\", \"version\": 1, \"backends\": 3}";
+  std::ofstream("bench_broken.json") << "{\"schema\": \"crossgait-bench\", \"version\": 1, \"engines\": 3}";
   expect_bad_input("bench --from bench_broken.json", {"bench_broken.json"});
   fs::remove("bench_broken.json");
 }

@@ -14,13 +14,13 @@ namespace {
 
 using nlohmann::json;
 
-std::string backend() { return available_engines().front(); }
+std::string engine_of_test() { return available_engines().front(); }
 
 TEST(EnvCommand, DescribesEveryNumberByName) {
   const json result = run_json(
       "env --describe --adapt step_height,step_length,cycle_time,body_height,stance_width "
-      "--observe terrain --backend " +
-      backend());
+      "--observe terrain --engine " +
+      engine_of_test());
   EXPECT_EQ(result["action_size"], 17);
   EXPECT_EQ(result["observation_size"], 78);
   EXPECT_EQ(result["action"].size(), 17U);
@@ -44,7 +44,7 @@ TEST(EnvCommand, ListsItsTables) {
 
 TEST(EnvCommand, WritesAConfigurationThatRolloutReads) {
   const ProgramResult yaml =
-      run_program("env --yaml --gait walk --terrain rough --episode-seconds 1 --backend " + backend());
+      run_program("env --yaml --gait walk --terrain rough --episode-seconds 1 --engine " + engine_of_test());
   ASSERT_EQ(yaml.exit_code, 0) << yaml.err;
   std::ofstream("commands_env.yaml") << yaml.out;
   const json result = run_json("rollout --config commands_env.yaml --episodes 2");
@@ -101,7 +101,7 @@ TEST(RolloutCommand, ShowsPoliciesAndTheBaselineInEveryEngine) {
   ASSERT_FALSE(available_engines().empty());
   for (const std::string& engine : available_engines()) {
     const std::string arguments =
-        "rollout --policy random --baseline --episodes 2 --episode-seconds 1 --terrain rough --backend " +
+        "rollout --policy random --baseline --episodes 2 --episode-seconds 1 --terrain rough --engine " +
         engine;
     const json result = run_json(arguments + " --workers 2");
     ASSERT_EQ(result["policies"].size(), 2U);
@@ -122,7 +122,7 @@ TEST(RolloutCommand, OfTheZeroPolicyIsTheWalk) {
     const json rollout = run_json(
         "rollout --terrain rough --terrain-seed 2 --episode-seconds 1 --episodes 1 --engine " + engine);
     const json& episode = rollout["policies"][0]["episodes"][0];
-    const std::set<std::string> of_the_run{"schema", "backend",      "engine",    "terrain",
+    const std::set<std::string> of_the_run{"schema", "engine",       "engine_version", "terrain",
                                            "gait",   "wall_seconds", "provenance"};
     int numbers = 0;
     for (const auto& [key, value] : walk.items()) {
@@ -140,7 +140,7 @@ TEST(RolloutCommand, OfTheZeroPolicyIsTheWalk) {
 
 TEST(RolloutCommand, TracesAnEpisode) {
   const ProgramResult result = run_program(
-      "rollout --episode-seconds .5 --episodes 1 --trace commands_trace.csv --backend " + backend());
+      "rollout --episode-seconds .5 --episodes 1 --trace commands_trace.csv --engine " + engine_of_test());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   std::ifstream file("commands_trace.csv");
   std::string line;
@@ -164,7 +164,7 @@ TEST(TuneCommand, FindsFasterParametersAndWritesThem) {
   const std::string arguments =
       "tune --adapt step_length --iterations 2 --population 6 --terrains 1 --unseen 1 --episode-seconds 2 "
       "--engines " +
-      backend() + " --backend " + backend();
+      engine_of_test() + " --engine " + engine_of_test();
   const json result = run_json(arguments + " --workers 2 --out commands_tuned.yaml");
   const EnvConfig tuned = load_env_config("commands_tuned.yaml");
   EXPECT_GT(tuned.parameters.find("step_length").value(), find_gait("trot").preferred.step_length);
@@ -188,7 +188,7 @@ TEST(EnvironmentCommandsBadInput, NamesWhatWasWrong) {
   expect_bad_input("rollout --observe smell", {"smell", "terrain"});
   expect_bad_input("rollout --policy-dt .003", {"policy_dt", "0.003"});
   expect_bad_input("rollout --episodes 0", {"--episodes"});
-  expect_bad_input("rollout --backend none", {"none", backend()});
+  expect_bad_input("rollout --engine none", {"none", engine_of_test()});
   expect_bad_input("transfer --terrains moon", {"moon"});
   expect_bad_input("tune --population 1", {"--population"});
   std::ofstream("commands_bad.yaml") << "gait: trot\nreward: {fun: 1}\n";

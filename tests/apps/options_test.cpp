@@ -62,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(
         WalkOption{"--seconds .2", "/seconds", .2}, WalkOption{"--control-dt .001", "/control_dt", .001},
         WalkOption{"--settle .3", "/settle_seconds", .3},
         // It does not fall: nothing ends early.
-        WalkOption{"--ends fell", "/ends", {"diverged", "fell"}, false},
+        WalkOption{"--terminations fell", "/terminations", {"diverged", "fell"}, false},
         WalkOption{"--no-compensation", "/compensation", false},
         WalkOption{"--no-heading-hold", "/heading_hold", false}),
     [](const auto& test) {

@@ -28,7 +28,7 @@ TEST(Program, HelpTeachesEveryCommand) {
   const ProgramResult help = run_program("--help");
   EXPECT_EQ(help.exit_code, 0);
   for (const std::string command :
-       {"walk", "compare", "verdict", "bench", "backends", "robots", "terrain", "ik", "gait", "workspace"}) {
+       {"walk", "compare", "verdict", "bench", "engines", "robots", "terrain", "ik", "gait", "workspace"}) {
     EXPECT_NE(help.out.find(command), std::string::npos) << command;
     const ProgramResult own = run_program(command + " --help");
     EXPECT_EQ(own.exit_code, 0) << command;
@@ -38,10 +38,10 @@ TEST(Program, HelpTeachesEveryCommand) {
   EXPECT_EQ(run_program("fly").exit_code, 2);
 }
 
-TEST(Program, BackendsListsWhatIsBuiltIn) {
+TEST(Program, EnginesListsWhatIsBuiltIn) {
   std::vector<std::string> names;
-  const json result = run_json("backends");
-  for (const json& entry : result["backends"]) {
+  const json result = run_json("engines");
+  for (const json& entry : result["engines"]) {
     if (entry["available"]) names.push_back(entry["name"]);
   }
   EXPECT_EQ(names, available_engines());
@@ -60,20 +60,41 @@ TEST(Program, RobotsShowsTheBundledOnesAndOne) {
 
 TEST(Program, WalkKeepsItsContract) {
   ASSERT_FALSE(available_engines().empty());
-  for (const std::string& backend : available_engines()) {
+  for (const std::string& engine : available_engines()) {
     const json walk =
-        run_json("walk --backend " + backend + " --terrain flat --gait trot --seconds 1 --seed 3");
-    for (const char* key : {"backend",           "terrain",        "gait",           "simulated_seconds",
-                            "distance_m",        "fell",           "mean_speed_mps", "final_position_m",
-                            "rms_roll_deg",      "rms_pitch_deg",  "ik_clamped",     "diverged",
-                            "max_penetration_m", "max_loop_gap_m", "wall_seconds",   "physics_steps",
-                            "outcome",           "outcome_at_s",   "path_m",         "collapsed",
-                            "came_apart",        "left_terrain",   "drag",           "cost_of_transport",
-                            "duty_factor",       "slip_m",         "drag_inner",     "slip_per_path",
+        run_json("walk --engine " + engine + " --terrain flat --gait trot --seconds 1 --seed 3");
+    for (const char* key : {"engine",
+                            "terrain",
+                            "gait",
+                            "simulated_seconds",
+                            "distance_m",
+                            "fell",
+                            "mean_speed_mps",
+                            "final_position_m",
+                            "rms_roll_deg",
+                            "rms_pitch_deg",
+                            "ik_clamped",
+                            "diverged",
+                            "max_penetration_m",
+                            "max_loop_gap_m",
+                            "wall_seconds",
+                            "physics_steps",
+                            "outcome",
+                            "outcome_at_s",
+                            "path_m",
+                            "collapsed",
+                            "loop_violated",
+                            "left_terrain",
+                            "swing_contact_ratio",
+                            "cost_of_transport",
+                            "duty_factor",
+                            "slip_m",
+                            "swing_contact_ratio_inner",
+                            "slip_per_path",
                             "heading_error_deg"}) {
-      EXPECT_TRUE(walk.contains(key)) << backend << ": " << key;
+      EXPECT_TRUE(walk.contains(key)) << engine << ": " << key;
     }
-    EXPECT_EQ(walk["backend"], backend);
+    EXPECT_EQ(walk["engine"], engine);
     EXPECT_EQ(walk["physics_steps"], 1000);
     EXPECT_NEAR(walk["simulated_seconds"], 1.0, 1e-12);
     // Speed is per simulated second by definition.
@@ -84,8 +105,7 @@ TEST(Program, WalkKeepsItsContract) {
 }
 
 TEST(Program, LongerStepsWalkFurther) {
-  const std::string base =
-      "walk --backend " + available_engines().front() + " --seconds 3 --set step_length=";
+  const std::string base = "walk --engine " + available_engines().front() + " --seconds 3 --set step_length=";
   EXPECT_GT(run_json(base + ".09")["distance_m"].get<double>(),
             1.5 * run_json(base + ".045")["distance_m"].get<double>());
 }
@@ -124,7 +144,7 @@ TEST(Program, CompareNamesTheFirstDivergence) {
 
 TEST(Program, TraceHasOneRowPerControlStep) {
   ASSERT_EQ(
-      run_program("walk --seconds 0.5 --trace program_trace.csv --backend " + available_engines().front())
+      run_program("walk --seconds 0.5 --trace program_trace.csv --engine " + available_engines().front())
           .exit_code,
       0);
   std::ifstream file("program_trace.csv");
@@ -196,7 +216,7 @@ TEST(Program, ARobotIsTriedInEveryEngine) {
   EXPECT_EQ(checked["walks"].size(), available_engines().size());
   for (const json& walk : checked["walks"]) {
     EXPECT_EQ(walk["outcome"], "walked");
-    EXPECT_TRUE(walk["complaints"].empty()) << walk;
+    EXPECT_TRUE(walk["failures"].empty()) << walk;
   }
   // Knees that cannot hold the robot.
   const ProgramResult weak = run_program("robots " + weak_robot() + " --check");
@@ -217,7 +237,7 @@ TEST(Program, AnMjcfIsARobotLikeAnyOther) {
   EXPECT_EQ(robot["body_list"][3]["visuals"], 2);  // shin and foot
   const json check = run_json("robots " + file + " --check");
   ASSERT_FALSE(check["walks"].empty());
-  for (const json& walk : check["walks"]) EXPECT_TRUE(walk["complaints"].empty()) << walk;
+  for (const json& walk : check["walks"]) EXPECT_TRUE(walk["failures"].empty()) << walk;
   const ProgramResult yaml = run_program("robots " + file + " --yaml");
   EXPECT_NE(yaml.out.find("\nmjcf: '" + file + "'\n"), std::string::npos) << yaml.out;
   // A copy without what it includes.
@@ -292,7 +312,7 @@ TEST(Program, JsonGoesToAFileToo) {
 }
 
 TEST(ProgramBadInput, NamesWhatWasWrong) {
-  expect_bad_input("walk --backend nonsense", {"nonsense", available_engines().front()});
+  expect_bad_input("walk --engine nonsense", {"nonsense", available_engines().front()});
   expect_bad_input("walk --seconds -1", {"seconds", "-1"});
   expect_bad_input("walk --seconds nan", {"seconds"});
   expect_bad_input("walk --seconds soon", {"seconds", "soon"});

@@ -196,13 +196,14 @@ TEST_F(Report, ARobotWithAHostileNameIsShownNotRun) {
 
 TEST_F(Report, BadInputLeavesNoPage) {
   write_file("report_broken.json", "{\"schema\": ");
-  write_file("report_other.json", R"({"schema": {"name": "ik", "version": 2}})");
+  write_file("report_other.json", R"({"schema": {"name": "ik", "version": "draft"}})");
   write_file("report_none.json", "{}");
-  write_file("report_verdict.json", R"({"schema": {"name": "verdict", "version": 1}, "statistics": [{}]})");
-  write_file("report_walk_alone.json", R"({"schema": {"name": "walk", "version": 1}})");
+  write_file("report_verdict.json",
+             R"({"schema": {"name": "verdict", "version": "draft"}, "statistics": [{}]})");
+  write_file("report_walk_alone.json", R"({"schema": {"name": "walk", "version": "draft"}})");
   write_file(
       "report_walk_as_tune.json",
-      R"({"schema": {"name": "walk", "version": 1}, "provenance": {"command": "tune", "arguments": []}})");
+      R"({"schema": {"name": "walk", "version": "draft"}, "provenance": {"command": "tune", "arguments": []}})");
   write_file("report_short.csv", "time,q.a\n0,1\n1\n");
   write_file("report_strange.csv", "time,q.a\n0,1\n");
   const std::string out = " --out report_never.html";

@@ -26,7 +26,7 @@ struct Command {
 std::vector<Command> commands() {
   std::vector<Command> all{
       {"walk", "walk --terrain rough --seed 7 --seconds .3 --set step_length=.07 --command .1,-.01,.2"},
-      {"walk_automatic", "walk --seconds .3 --gait auto --speed -.05 --ends fell,collapsed"},
+      {"walk_automatic", "walk --seconds .3 --gait auto --speed -.05 --terminations fell,collapsed"},
       {"rollout",
        "rollout --policy random --baseline --episodes 2 --episode-seconds .2 --seed 5 --workers 2"},
       {"transfer", "transfer --episodes 1 --episode-seconds .1 --terrains 'flat;stairs:rise=.005,run=.1'"},
@@ -111,7 +111,7 @@ TEST_F(Provenances, HoldWhatTheWalkWasMadeOf) {
   const json& walk = p["behaviour"];
   EXPECT_EQ(walk["robot"]["name"], "scara_quadruped");
   for (const char* key : {"terrain", "terrain_seed", "friction", "physics_dt", "control_dt", "gait",
-                          "parameters", "seconds", "settle_seconds", "ends", "compensation"}) {
+                          "parameters", "seconds", "settle_seconds", "terminations", "compensation"}) {
     EXPECT_TRUE(walk.contains(key)) << key;
   }
 }

@@ -101,7 +101,7 @@ std::vector<Case> cases() {
       {"transfer", "transfer --episodes 1 --episode-seconds .1"},
       {"course", "course --sections speed-1.0,pushed --episodes 1"},
       {"tune", "tune --iterations 1 --population 4 --terrains 1 --unseen 1 --episode-seconds .1"},
-      {"engines", "backends"},
+      {"engines", "engines"},
       {"conformance", "conformance --only free_fall,soft_friction,hard_friction --engine " + engines.front()},
       {"robots", "robots"},
       {"robots", "robots scara_quadruped"},

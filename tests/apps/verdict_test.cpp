@@ -36,7 +36,7 @@ bool has_two_engines() { return available_engines().size() >= 2; }
 TEST(VerdictCommand, KeepsItsContract) {
   if (!has_two_engines()) GTEST_SKIP() << "one engine alone";
   const json verdict = run_json("verdict" + kShort);
-  for (const char* key : {"behaviour", "a", "b", "word", "starts", "limit", "confidence", "variations",
+  for (const char* key : {"behaviour", "a", "b", "verdict", "starts", "limit", "confidence", "variations",
                           "left_out", "statistics", "models"}) {
     EXPECT_TRUE(verdict.contains(key)) << key;
   }
@@ -51,7 +51,7 @@ TEST(VerdictCommand, KeepsItsContract) {
   EXPECT_EQ(verdict["statistics"].size(), 11U);
   for (const json& s : verdict["statistics"]) {
     for (const char* key : {"name", "unit", "mean_a", "mean_b", "gap", "spread_a", "spread_b", "spread",
-                            "floor", "score", "word"}) {
+                            "floor", "score", "verdict"}) {
       EXPECT_TRUE(s.contains(key)) << key;
     }
     EXPECT_LE(s["score"]["low"].get<double>(), s["score"]["estimate"].get<double>());

@@ -16,7 +16,7 @@
 #include "tests/physics/core/config_error.h"
 #include "tests/physics/core/scratch_folder.h"
 #include "tests/physics/robot_files/mesh_bytes.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -529,19 +529,19 @@ TEST(MjcfCompilation, WithoutAnEngineThatCanItSaysSo) {
 }
 
 /// Positions of the base over two seconds of trot.
-class RobotFile : public BackendTest {
+class RobotFile : public EngineTest {
  protected:
   static std::vector<Vector3> walk(const RobotDescription& description) {
     const auto robot = std::make_shared<const RobotDescription>(description);
-    const auto backend = make(robot);
+    const auto world = make(robot);
     std::vector<Vector3> way;
     const auto watch = [&way](const WalkSample& sample) {
       way.push_back(sample.world.state().p_WB);
       return true;
     };
     (void)run_walk(
-        *backend,
-        make_gait_controller(choose_gait("trot", {}, std::nullopt, gait_scale(*robot)), backend->spec()),
+        *world,
+        make_gait_controller(choose_gait("trot", {}, std::nullopt, gait_scale(*robot)), world->spec()),
         {.seconds = 2}, watch);
     return way;
   }

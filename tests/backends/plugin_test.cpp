@@ -9,7 +9,7 @@
 #include "backends/registry.h"
 #include "physics/core/error.h"
 #include "tests/physics/core/scratch_folder.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {

@@ -6,12 +6,12 @@
 
 #include "physics/core/error.h"
 #include "tests/physics/core/config_error.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
 
-// Everything that runs for "every backend that is available" would say nothing of one whose plug-in is
+// Everything that runs for "every world that is available" would say nothing of one whose plug-in is
 // broken.
 TEST(Registry, WhatWasBuiltIsAvailable) {
   std::istringstream built(CROSSGAIT_BUILT_ENGINES);
@@ -58,11 +58,11 @@ TEST(Registry, WhatIsAvailableCanBeMadeAndNothingElse) {
   const WorldSpec spec = scenes::world_of(scenes::sled());
   for (const EngineListing& entry : known_engines()) {
     if (entry.available) {
-      EXPECT_EQ(make_backend(entry.name, spec)->info().name, entry.name);
+      EXPECT_EQ(make_world(entry.name, spec)->info().name, entry.name);
       continue;
     }
     try {
-      make_backend(entry.name, spec);
+      make_world(entry.name, spec);
       ADD_FAILURE() << entry.name << " was made";
     } catch (const ConfigError& error) {
       EXPECT_EQ(error.found(), entry.reason);
@@ -73,7 +73,7 @@ TEST(Registry, WhatIsAvailableCanBeMadeAndNothingElse) {
 TEST(Registry, AnUnknownNameListsTheKnownOnes) {
   for (const char* name : {"nonsense", "", "MuJoCo", "bullet:"}) {
     try {
-      make_backend(name, scenes::world_of(scenes::sled()));
+      make_world(name, scenes::world_of(scenes::sled()));
       ADD_FAILURE() << name;
     } catch (const ConfigError& error) {
       for (const std::string& known : available_engines()) {
@@ -99,10 +99,10 @@ TEST(Registry, FamiliesLeadFromOneEndToTheOther) {
     for (const ModelFactor& factor : family.factors) {
       EXPECT_FALSE(factor.summary.empty());
       name += "+" + factor.name;
-      EXPECT_NO_THROW(make_backend(name, spec)) << name;
+      EXPECT_NO_THROW(make_world(name, spec)) << name;
     }
-    EXPECT_EQ(make_backend(name, spec)->info().name, family.to);
-    EXPECT_THROW(make_backend(family.to + "+" + family.factors[0].name, spec), ConfigError);
+    EXPECT_EQ(make_world(name, spec)->info().name, family.to);
+    EXPECT_THROW(make_world(family.to + "+" + family.factors[0].name, spec), ConfigError);
   }
 }
 
@@ -115,15 +115,15 @@ TEST(Registry, AnEngineHasNoFactorsButItsFamilys) {
   }
 }
 
-class Info : public BackendTest {};
+class Info : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Info);
 
 TEST_P(Info, IsFilledIn) {
-  const auto backend = make(scenes::sled());
-  EXPECT_EQ(backend->info().name, GetParam());
-  EXPECT_FALSE(backend->info().engine.empty());
-  EXPECT_FALSE(backend->info().mode.empty());
-  EXPECT_NE(backend->info().version.find('.'), std::string::npos) << backend->info().version;
+  const auto world = make(scenes::sled());
+  EXPECT_EQ(world->info().name, GetParam());
+  EXPECT_FALSE(world->info().library.empty());
+  EXPECT_FALSE(world->info().mode.empty());
+  EXPECT_NE(world->info().version.find('.'), std::string::npos) << world->info().version;
 }
 
 }  // namespace

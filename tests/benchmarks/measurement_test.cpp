@@ -9,14 +9,14 @@
 #include "benchmarks/scaling.h"
 #include "benchmarks/speed.h"
 #include "scenes/analytic.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait::benchmarks {
 namespace {
 
 const Progress kSilent = [](double) {};
 
-class Analytic : public BackendTest {};
+class Analytic : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Analytic);
 
 TEST_P(Analytic, FreeFallIsLateByHalfAStep) {
@@ -39,7 +39,7 @@ TEST_P(Analytic, OrdersAreThoseOfSemiImplicitEuler) {
   }
 }
 
-class Scenes : public BackendTest {};
+class Scenes : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Scenes);
 
 TEST_P(Scenes, TouchTheGroundAsTheyShould) {
@@ -58,7 +58,7 @@ TEST_P(Scenes, TouchTheGroundAsTheyShould) {
 }
 
 TEST_P(Scenes, AreMeasuredInEveryRound) {
-  const auto results = measure_speed({.backends = {GetParam()}, .rounds = 1}, kSilent);
+  const auto results = measure_speed({.engines = {GetParam()}, .rounds = 1}, kSilent);
   ASSERT_EQ(results.size(), speed_scenes().size());
   for (const SceneSpeed& s : results) {
     EXPECT_GT(s.us_per_step.median, 0);
@@ -68,25 +68,25 @@ TEST_P(Scenes, AreMeasuredInEveryRound) {
 
 TEST_P(Scenes, TheWalkIsFollowedToTheBit) {
   // Throws if the recorded targets lead elsewhere.
-  const auto results = measure_overhead({.backends = {GetParam()}, .rounds = 1, .seconds = 0.2}, kSilent);
+  const auto results = measure_overhead({.engines = {GetParam()}, .rounds = 1, .seconds = 0.2}, kSilent);
   ASSERT_EQ(results.size(), 2U);
   for (const Overhead& o : results) EXPECT_GT(o.eta.median, 0);
 }
 
 TEST_P(Scenes, RunOnSeveralThreads) {
   const auto results =
-      measure_scaling({.backends = {GetParam()}, .max_threads = 3, .rounds = 1, .repeats = 1}, kSilent);
+      measure_scaling({.engines = {GetParam()}, .max_threads = 3, .rounds = 1, .repeats = 1}, kSilent);
   ASSERT_EQ(results.size(), 3U);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(results[static_cast<std::size_t>(i)].threads, i + 1);
   EXPECT_EQ(results[0].efficiency.median, 1);
 }
 
-class SelfConsistency : public BackendTest {};
+class SelfConsistency : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(SelfConsistency);
 
 TEST_P(SelfConsistency, ErrorsShrinkWithTheStep) {
   const Accuracy a = measure_accuracy(
-      {.backends = {GetParam()}, .terrains = {"flat"}, .steps_s = {4e-3, 1e-3, kReferenceStep}, .rounds = 1},
+      {.engines = {GetParam()}, .terrains = {"flat"}, .steps_s = {4e-3, 1e-3, kReferenceStep}, .rounds = 1},
       kSilent);
   ASSERT_EQ(a.points.size(), 3U);
   // The trot's legs obey equations of first order in the step: a quarter, give or take the next order.
@@ -107,12 +107,12 @@ TEST_P(SelfConsistency, AnExplicitServoHasALargestStableStep) {
   EXPECT_FALSE(trot_survives(GetParam(), "flat", 40e-3));
 }
 
-class Feet : public BackendTest {};
+class Feet : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Feet);
 
 TEST_P(Feet, StandAndStep) {
   const auto cards = measure_feet(
-      {.backends = {GetParam()}, .terrains = {"flat"}, .stand_seconds = 2, .strides = 2}, kSilent);
+      {.engines = {GetParam()}, .terrains = {"flat"}, .stand_seconds = 2, .strides = 2}, kSilent);
   ASSERT_EQ(cards.size(), 1U);
   const FootCard& card = cards[0];
   EXPECT_EQ(card.stand_seconds, 2);

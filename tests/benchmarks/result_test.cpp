@@ -19,33 +19,33 @@ using nlohmann::ordered_json;
 /// A small result written by hand: two engines, the first the one that times are compared to.
 ordered_json hand_written() {
   ordered_json result = ordered_json::parse(R"({
-    "schema": {"name": "bench", "version": 1}, "quick": false, "machine": {"cores": 2},
-    "backends": [{"name": "a"}, {"name": "b"}],
+    "schema": {"name": "bench", "version": "draft"}, "quick": false, "machine": {"cores": 2},
+    "engines": [{"name": "a"}, {"name": "b"}],
     "speed": {
       "scenes": [
-        {"scene": "stand", "backend": "a", "contacts": 4, "us_per_step": 10, "us_per_step_quartiles": [9, 11],
+        {"scene": "stand", "engine": "a", "contacts": 4, "us_per_step": 10, "us_per_step_quartiles": [9, 11],
          "ratio": 1, "ratio_quartiles": [1, 1], "steps_per_core_second": 1e5, "real_time_factor": 100},
-        {"scene": "stand", "backend": "b", "contacts": 4, "us_per_step": 20, "us_per_step_quartiles": [19, 21],
+        {"scene": "stand", "engine": "b", "contacts": 4, "us_per_step": 20, "us_per_step_quartiles": [19, 21],
          "ratio": 2, "ratio_quartiles": [1.9, 2.1], "steps_per_core_second": 5e4, "real_time_factor": 50}],
-      "eta": [{"terrain": "flat", "backend": "b", "eta": 0.9, "walk_us_per_step": 1, "engine_us_per_step": 1}],
-      "threads": [{"backend": "b", "threads": 1, "steps_per_second": 5e4, "efficiency": 1},
-                  {"backend": "b", "threads": 2, "steps_per_second": 9e4, "efficiency": 0.9}]},
+      "eta": [{"terrain": "flat", "engine": "b", "eta": 0.9, "walk_us_per_step": 1, "engine_us_per_step": 1}],
+      "threads": [{"engine": "b", "threads": 1, "steps_per_second": 5e4, "efficiency": 1},
+                  {"engine": "b", "threads": 2, "steps_per_second": 9e4, "efficiency": 0.9}]},
     "accuracy": {
       "points": [
-        {"terrain": "flat", "backend": "a", "step_s": 0.001, "position_error_m": 1e-5, "joint_error_rad": 1e-4,
+        {"terrain": "flat", "engine": "a", "step_s": 0.001, "position_error_m": 1e-5, "joint_error_rad": 1e-4,
          "cost": 0.02, "cost_ratio": 1},
-        {"terrain": "flat", "backend": "b", "step_s": 0.001, "position_error_m": null, "joint_error_rad": null,
+        {"terrain": "flat", "engine": "b", "step_s": 0.001, "position_error_m": null, "joint_error_rad": null,
          "cost": 0.03, "cost_ratio": 1.5}],
-      "stable_steps": [{"terrain": "flat", "backend": "a", "largest_s": 0.016},
-                       {"terrain": "flat", "backend": "b", "largest_s": null}]},
+      "stable_steps": [{"terrain": "flat", "engine": "a", "largest_s": 0.016},
+                       {"terrain": "flat", "engine": "b", "largest_s": null}]},
     "analytic": {
-      "convergence": [{"quantity": "tumbling_energy", "unit": "relative", "backend": "a", "order": 1.0,
+      "convergence": [{"quantity": "tumbling_energy", "unit": "relative", "engine": "a", "order": 1.0,
                        "step_s": [0.002, 0.001], "error": [-0.02, -0.01]}],
-      "friction": [{"ground": "plane", "backend": "b", "creep_inside_mps": 1e-12,
+      "friction": [{"ground": "plane", "engine": "b", "creep_inside_mps": 1e-12,
                     "distance_error_outside": 0.001, "range_over_headings": 1e-6}]},
-    "feet": [{"terrain": "flat", "backend": "a", "stand_seconds": 60, "creep_mps": 1e-5, "penetration_m": 1e-3,
+    "feet": [{"terrain": "flat", "engine": "a", "stand_seconds": 60, "creep_mps": 1e-5, "penetration_m": 1e-3,
               "force_error": -1e-7, "strides": 6, "touchdowns": 24, "touchdown_impulse_Ns": 0.02,
-              "touchdown_peak_over_weight": 0.4, "slip_per_stride_m": 0.004, "drag_per_stride_m": 0.02,
+              "touchdown_peak_over_weight": 0.4, "slip_per_stride_m": 0.004, "toe_drag_per_stride_m": 0.02,
               "deepest_penetration_m": 0.002}]})");
   return result;
 }
@@ -161,10 +161,10 @@ TEST(StoredResult, RefusesAnythingElse) {
   expect_refused(R"({"schema": "something-else"})", "schema");
   expect_refused(R"({"schema": 7})", "schema");
   expect_refused(R"({"schema": {"name": "bench", "version": 99}})", "schema");
-  expect_refused(R"({"schema": {"name": "bench", "version": 1}})", "backends");
+  expect_refused(R"({"schema": {"name": "bench", "version": "draft"}})", "engines");
   ordered_json result = hand_written();
-  result["backends"].clear();
-  expect_refused(result.dump(), "backends");
+  result["engines"].clear();
+  expect_refused(result.dump(), "engines");
   result = hand_written();
   result["speed"]["scenes"][0].erase("us_per_step");
   expect_refused(result.dump(), "us_per_step");
@@ -174,8 +174,8 @@ TEST(StoredResult, RefusesAnythingElse) {
 }
 
 TEST(RunBench, RefusesBadSelections) {
-  const auto run = [](std::vector<std::string> backends, std::vector<std::string> sections) {
-    return run_bench({.backends = std::move(backends), .sections = std::move(sections), .quick = true},
+  const auto run = [](std::vector<std::string> engines, std::vector<std::string> sections) {
+    return run_bench({.engines = std::move(engines), .sections = std::move(sections), .quick = true},
                      [](double) {});
   };
   const std::string engine = available_engines().front();
@@ -189,7 +189,7 @@ TEST(RunBench, RefusesBadSelections) {
 TEST(RunBench, HoldsWhatWasAskedFor) {
   double last = 0;
   const ordered_json result =
-      run_bench({.backends = available_engines(), .sections = {"analytic", "feet"}, .quick = true},
+      run_bench({.engines = available_engines(), .sections = {"analytic", "feet"}, .quick = true},
                 [&last](double share) {
                   EXPECT_GE(share, last - 1e-12);
                   last = share;
@@ -199,7 +199,7 @@ TEST(RunBench, HoldsWhatWasAskedFor) {
   EXPECT_FALSE(result.contains("speed"));
   EXPECT_FALSE(result.contains("accuracy"));
   const std::size_t engines = available_engines().size();
-  EXPECT_EQ(result["backends"].size(), engines);
+  EXPECT_EQ(result["engines"].size(), engines);
   EXPECT_EQ(result["analytic"]["convergence"].size(), 4 * engines);
   EXPECT_EQ(result["analytic"]["friction"].size(), 2 * engines);
   EXPECT_EQ(result["feet"].size(), 2 * engines);

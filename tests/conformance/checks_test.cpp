@@ -1,19 +1,19 @@
-// Every check of conformance/ on every engine of the registry, and that the guide says what they demand.
+// Every check of conformance/ on every engine of the registry, and that the guide says what they requirement.
 #include <fstream>
 #include <set>
 #include <sstream>
 
 #include "conformance/card.h"
-#include "tests/support/backend_test.h"
 #include "tests/support/conformance_check.h"
 #include "tests/support/constants.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait::conformance {
 namespace {
 
 class EveryCheck : public ::testing::TestWithParam<std::tuple<std::string, std::string>> {};
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(EveryCheck);
-INSTANTIATE_TEST_SUITE_P(EveryBackend, EveryCheck,
+INSTANTIATE_TEST_SUITE_P(EveryEngine, EveryCheck,
                          ::testing::Combine(::testing::ValuesIn(names_of_checks()),
                                             ::testing::ValuesIn(available_engines())),
                          [](const auto& test) {
@@ -26,30 +26,30 @@ TEST(Checks, AreNamedOnceAndSayWhatTheyAre) {
   std::set<std::string> names;
   for (const Check& check : checks()) {
     EXPECT_TRUE(names.insert(check.name).second) << check.name;
-    EXPECT_FALSE(check.proves.empty()) << check.name;
-    EXPECT_FALSE(check.demands.empty()) << check.name;
-    EXPECT_EQ(check.need.what.empty(), check.need.is_met == nullptr) << check.name;
-    for (const Demand& demand : check.demands) {
-      EXPECT_FALSE(demand.what.empty()) << check.name;
-      EXPECT_FALSE(demand.reason.empty()) << check.name << ": " << demand.what;
-      EXPECT_LE(demand.low, demand.high) << check.name << ": " << demand.what;
+    EXPECT_FALSE(check.statement.empty()) << check.name;
+    EXPECT_FALSE(check.requirements.empty()) << check.name;
+    EXPECT_EQ(check.precondition.what.empty(), check.precondition.is_met == nullptr) << check.name;
+    for (const Requirement& requirement : check.requirements) {
+      EXPECT_FALSE(requirement.what.empty()) << check.name;
+      EXPECT_FALSE(requirement.reason.empty()) << check.name << ": " << requirement.what;
+      EXPECT_LE(requirement.low, requirement.high) << check.name << ": " << requirement.what;
     }
   }
 }
 
 TEST(Checks, NothingThatIsNotFiniteHolds) {
-  for (const Demand& demand :
-       {at_most(1, "", "", ""), at_least(-1, "", "", ""), between(-1, 1, "", "", ""), Demand{}}) {
-    EXPECT_TRUE(demand.holds(0));
+  for (const Requirement& requirement :
+       {at_most(1, "", "", ""), at_least(-1, "", "", ""), between(-1, 1, "", "", ""), Requirement{}}) {
+    EXPECT_TRUE(requirement.holds(0));
     for (const double value : {test::kNaN, test::kInfinity, -test::kInfinity})
-      EXPECT_FALSE(demand.holds(value));
+      EXPECT_FALSE(requirement.holds(value));
   }
   EXPECT_FALSE(at_most(1, "", "", "").holds(1.5));
   EXPECT_FALSE(at_least(1, "", "", "").holds(0.5));
   EXPECT_EQ(at_most(1e-11, "", "", "").bound(), "<= 1e-11");
   EXPECT_EQ(at_least(0.3, "", "", "").bound(), ">= 0.3");
   EXPECT_EQ(between(0.48, 0.52, "", "", "").bound(), "0.48 to 0.52");
-  EXPECT_EQ(Demand{}.bound(), "reported");
+  EXPECT_EQ(Requirement{}.bound(), "reported");
 }
 
 // The guide's table is what `crossgait conformance --list` prints.

@@ -1,12 +1,12 @@
 // Policies that know nothing, for long: no crash, no NaN, no runaway, whatever they do.
 #include "env/vector_env.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {
 
-class RandomActions : public BackendTest {};
+class RandomActions : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(RandomActions);
 
 // A part of the 10^6 steps per engine and terrain of docs/environment.md, which take minutes.

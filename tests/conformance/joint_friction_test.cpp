@@ -1,10 +1,10 @@
 // Joints without dry friction. What friction does: conformance/joint_friction.cpp.
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
 
-class JointFriction : public BackendTest {};
+class JointFriction : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(JointFriction);
 
 // Without friction there are no rows of it.

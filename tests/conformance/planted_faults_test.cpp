@@ -4,8 +4,8 @@
 #include <set>
 
 #include "conformance/check.h"
-#include "tests/support/backend_test.h"
 #include "tests/support/conformance_check.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait::conformance {
 namespace {
@@ -162,7 +162,7 @@ std::vector<Planted> planted_faults() {
 std::optional<Subject> subject_for(const Check& check, const Change& fault) {
   for (const std::string& name : available_engines()) {
     Subject subject = subject_of(name);
-    if (check.need.is_met != nullptr && !check.need.is_met(subject)) continue;
+    if (check.precondition.is_met != nullptr && !check.precondition.is_met(subject)) continue;
     subject.engine = with_change(subject.engine, fault);
     return subject;
   }
@@ -176,7 +176,7 @@ INSTANTIATE_TEST_SUITE_P(EveryCheck, PlantedFault, ::testing::ValuesIn(planted_f
 TEST_P(PlantedFault, IsSeen) {
   const Check& check = check_of(GetParam().check);
   const std::optional<Subject> subject = subject_for(check, GetParam().change);
-  if (!subject) GTEST_SKIP() << "no engine here: " << check.need.what;
+  if (!subject) GTEST_SKIP() << "no engine here: " << check.precondition.what;
   EXPECT_EQ(run_check(check, *subject).status, Status::kFailed) << subject->engine.name();
 }
 
@@ -184,9 +184,10 @@ TEST(PlantedFaults, ThereIsOneForEveryCheckThatDemandsSomething) {
   std::set<std::string> planted;
   for (const Planted& fault : planted_faults()) planted.insert(fault.check);
   for (const Check& check : checks()) {
-    const bool demands = std::any_of(check.demands.begin(), check.demands.end(),
-                                     [](const Demand& demand) { return demand.bound() != "reported"; });
-    EXPECT_EQ(planted.contains(check.name), demands) << check.name;
+    const bool requirements =
+        std::any_of(check.requirements.begin(), check.requirements.end(),
+                    [](const Requirement& requirement) { return requirement.bound() != "reported"; });
+    EXPECT_EQ(planted.contains(check.name), requirements) << check.name;
   }
 }
 

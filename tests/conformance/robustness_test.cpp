@@ -3,8 +3,8 @@
 #include <functional>
 
 #include "physics/core/error.h"
-#include "tests/support/backend_test.h"
 #include "tests/support/constants.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -24,33 +24,33 @@ std::string refusal(const std::function<void()>& action) {
   return "";
 }
 
-class BadInput : public BackendTest {};
+class BadInput : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(BadInput);
 
 TEST_P(BadInput, TargetsOfTheWrongSizeOrNotFiniteChangeNothing) {
-  const auto backend = make(scenes::quadruped());
-  const JointTargets good = scenes::home_targets(backend->robot());
-  ASSERT_EQ(backend->step(good, 50), StepStatus::kOk);
-  const RobotState before = backend->state();
+  const auto world = make(scenes::quadruped());
+  const JointTargets good = scenes::home_targets(world->robot());
+  ASSERT_EQ(world->step(good, 50), StepStatus::kOk);
+  const RobotState before = world->state();
   JointTargets bad = good;
   for (const double value : {kNaN, kInfinity, -kInfinity}) {
     bad.q[7] = value;
-    EXPECT_EQ(backend->step(bad), StepStatus::kInvalidTargets);
+    EXPECT_EQ(world->step(bad), StepStatus::kInvalidTargets);
   }
-  EXPECT_EQ(backend->step({}), StepStatus::kInvalidTargets);
+  EXPECT_EQ(world->step({}), StepStatus::kInvalidTargets);
   bad.q = JointVector::Zero(good.q.size() + 1);
-  EXPECT_EQ(backend->step(bad), StepStatus::kInvalidTargets);
-  EXPECT_TRUE(identical(backend->state(), before));
+  EXPECT_EQ(world->step(bad), StepStatus::kInvalidTargets);
+  EXPECT_TRUE(identical(world->state(), before));
   // ... and the world goes on as if nothing had been asked.
   const auto undisturbed = make(scenes::quadruped());
   ASSERT_EQ(undisturbed->step(good, 100), StepStatus::kOk);
-  ASSERT_EQ(backend->step(good, 50), StepStatus::kOk);
-  EXPECT_TRUE(identical(backend->state(), undisturbed->state()));
+  ASSERT_EQ(world->step(good, 50), StepStatus::kOk);
+  EXPECT_TRUE(identical(world->state(), undisturbed->state()));
 }
 
 TEST_P(BadInput, StatesAreRefusedByName) {
-  const auto backend = make(scenes::quadruped());
-  const RobotState good = backend->home_state();
+  const auto world = make(scenes::quadruped());
+  const RobotState good = world->home_state();
   const std::vector<std::pair<const char*, std::function<void(RobotState&)>>> faults{
       {"joint vectors", [](RobotState& s) { s.q.resize(3); }},
       {"joint vectors", [](RobotState& s) { s.qd.resize(0); }},
@@ -67,8 +67,8 @@ TEST_P(BadInput, StatesAreRefusedByName) {
   for (const auto& [element, spoil] : faults) {
     RobotState bad = good;
     spoil(bad);
-    EXPECT_NE(refusal([&] { backend->reset(bad); }).find(element), std::string::npos) << element;
-    EXPECT_TRUE(identical(backend->state(), good));
+    EXPECT_NE(refusal([&] { world->reset(bad); }).find(element), std::string::npos) << element;
+    EXPECT_TRUE(identical(world->state(), good));
   }
 }
 
@@ -92,15 +92,15 @@ TEST_P(BadInput, WorldsAreRefusedByField) {
 }
 
 TEST_P(BadInput, PushesAndBodiesAreChecked) {
-  const auto backend = make(scenes::quadruped());
-  EXPECT_NE(refusal([&] { backend->apply_push({0, kNaN, 0}); }), "");
-  EXPECT_NE(refusal([&] { backend->body_pose(-1); }), "");
-  EXPECT_NE(refusal([&] { backend->body_pose(21); }), "");
-  EXPECT_NE(refusal([&] { backend->body_inertia(21); }), "");
-  EXPECT_EQ(refusal([&] { backend->body_pose(20); }), "");
+  const auto world = make(scenes::quadruped());
+  EXPECT_NE(refusal([&] { world->apply_push({0, kNaN, 0}); }), "");
+  EXPECT_NE(refusal([&] { world->body_pose(-1); }), "");
+  EXPECT_NE(refusal([&] { world->body_pose(21); }), "");
+  EXPECT_NE(refusal([&] { world->body_inertia(21); }), "");
+  EXPECT_EQ(refusal([&] { world->body_pose(20); }), "");
 }
 
-class Divergence : public BackendTest {
+class Divergence : public EngineTest {
  protected:
   /// Servos so stiff that explicit torques must blow up.
   static WorldSpec explosive(double stiffness) {
@@ -118,60 +118,60 @@ CROSSGAIT_FOR_EVERY_BACKEND(Divergence);
 
 TEST_P(Divergence, IsReportedSticksAndEndsWithAReset) {
   for (const double stiffness : {1e4, 1e6, 1e9}) {
-    const auto backend = make(explosive(stiffness));
-    const JointTargets home = scenes::home_targets(backend->robot());
+    const auto world = make(explosive(stiffness));
+    const JointTargets home = scenes::home_targets(world->robot());
     JointTargets off = home;
     off.q.array() += 0.1;
     int steps = 0;
     StepStatus status = StepStatus::kOk;
-    for (; steps < 1000 && status == StepStatus::kOk; ++steps) status = backend->step(off);
+    for (; steps < 1000 && status == StepStatus::kOk; ++steps) status = world->step(off);
     ASSERT_EQ(status, StepStatus::kDiverged) << stiffness;
     measured("steps until it was noticed", steps);
-    const RobotState last_good = backend->state();
+    const RobotState last_good = world->state();
     EXPECT_TRUE(last_good.is_finite());
     for (int i = 0; i < 3; ++i) {
-      EXPECT_EQ(backend->step(home), StepStatus::kDiverged);
-      EXPECT_TRUE(identical(backend->state(), last_good));
+      EXPECT_EQ(world->step(home), StepStatus::kDiverged);
+      EXPECT_TRUE(identical(world->state(), last_good));
     }
     // Whether any are left is the engine's affair; none may carry what blew up.
-    for (const Contact& c : backend->contacts()) EXPECT_TRUE(c.force.allFinite());
+    for (const Contact& c : world->contacts()) EXPECT_TRUE(c.force.allFinite());
 
     // In the air at home the servos have nothing to do, and nothing blows up at once.
-    RobotState start = backend->home_state();
+    RobotState start = world->home_state();
     start.p_WB.z() = 1;
     const auto fresh = make(explosive(stiffness));
     fresh->reset(start);
-    backend->reset(start);
-    EXPECT_TRUE(identical(backend->state(), fresh->state()));
+    world->reset(start);
+    EXPECT_TRUE(identical(world->state(), fresh->state()));
     for (int i = 0; i < 2; ++i) {
-      EXPECT_EQ(backend->step(home), fresh->step(home));
-      EXPECT_TRUE(identical(backend->state(), fresh->state()));
+      EXPECT_EQ(world->step(home), fresh->step(home));
+      EXPECT_TRUE(identical(world->state(), fresh->state()));
     }
-    EXPECT_EQ((backend->mass_matrix() - fresh->mass_matrix()).norm(), 0);
+    EXPECT_EQ((world->mass_matrix() - fresh->mass_matrix()).norm(), 0);
   }
 }
 
 TEST_P(Divergence, ASnapshotFromBeforeEndsItToo) {
-  const auto backend = make(scenes::quadruped());
-  const JointTargets home = scenes::home_targets(backend->robot());
-  ASSERT_EQ(backend->step(home, 100), StepStatus::kOk);
-  const Snapshot saved = backend->save();
-  ASSERT_EQ(backend->step(home, 100), StepStatus::kOk);
-  const RobotState expected = backend->state();
-  RobotState wild = backend->home_state();
+  const auto world = make(scenes::quadruped());
+  const JointTargets home = scenes::home_targets(world->robot());
+  ASSERT_EQ(world->step(home, 100), StepStatus::kOk);
+  const Snapshot saved = world->save();
+  ASSERT_EQ(world->step(home, 100), StepStatus::kOk);
+  const RobotState expected = world->state();
+  RobotState wild = world->home_state();
   wild.p_WB.z() = 1;
   wild.w_WB = {9e3, -9e3, 9e3};
   wild.qd.setConstant(9e3);
-  backend->reset(wild);
+  world->reset(wild);
   StepStatus status = StepStatus::kOk;
-  for (int i = 0; i < 1000 && status == StepStatus::kOk; ++i) status = backend->step(home);
+  for (int i = 0; i < 1000 && status == StepStatus::kOk; ++i) status = world->step(home);
   ASSERT_EQ(status, StepStatus::kDiverged);
-  backend->restore(saved);
-  ASSERT_EQ(backend->step(home, 100), StepStatus::kOk);
-  EXPECT_TRUE(identical(backend->state(), expected));
+  world->restore(saved);
+  ASSERT_EQ(world->step(home, 100), StepStatus::kOk);
+  EXPECT_TRUE(identical(world->state(), expected));
 }
 
-class Instances : public BackendTest {};
+class Instances : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Instances);
 
 TEST_P(Instances, DoNotDisturbEachOther) {

@@ -5,8 +5,8 @@
 
 #include "conformance/contact_forces.h"
 #include "scenes/incline.h"
-#include "tests/support/backend_test.h"
 #include "tests/support/constants.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -34,35 +34,35 @@ CollisionShape tetrahedron(double edge) {
   return hull;
 }
 
-class Shapes : public BackendTest {
+class Shapes : public EngineTest {
  protected:
   /// Drops a block from just above the ground, and looks at it two seconds later.
   /// @param height  of its centre at rest, m  @param roll  that lays it on the side it rests on
   static void rests(const CollisionShape& shape, double height, const char* terrain, double roll = 0) {
     WorldSpec spec = scenes::world_of(scenes::block(shape));
     spec.terrain = make_terrain(terrain);
-    const auto backend = make(spec);
-    RobotState start = backend->home_state();
+    const auto world = make(spec);
+    RobotState start = world->home_state();
     start.p_WB.z() = height + 1e-3;
     start.q_WB = from_roll_pitch_yaw(roll, 0, 0);
-    backend->reset(start);
-    ASSERT_EQ(backend->step({}, 1800), StepStatus::kOk);
+    world->reset(start);
+    ASSERT_EQ(world->step({}, 1800), StepStatus::kOk);
     double force = 0;
     for (int i = 0; i < 200; ++i) {
-      ASSERT_EQ(backend->step({}), StepStatus::kOk);
-      for (const Contact& c : backend->contacts()) force += c.force.dot(c.normal) / 200;
+      ASSERT_EQ(world->step({}), StepStatus::kOk);
+      for (const Contact& c : world->contacts()) force += c.force.dot(c.normal) / 200;
     }
-    const double weight = backend->robot().total_mass() * kGravity;
+    const double weight = world->robot().total_mass() * kGravity;
     measured("force over weight - 1", force / weight - 1);
-    measured("sinks in, m", height - backend->state().p_WB.z());
+    measured("sinks in, m", height - world->state().p_WB.z());
     EXPECT_NEAR(force / weight, 1, 1e-3);
     // No deeper than the contact law has the whole weight sink on one point; Bullet keeps a margin of 1 mm.
-    const double bound = std::max(1e-3, conformance::sinking(weight, 1 / backend->robot().total_mass()));
-    EXPECT_NEAR(backend->state().p_WB.z(), height, bound);
-    EXPECT_LT(backend->state().q_WB.angularDistance(start.q_WB), 1e-2);
-    EXPECT_LT(backend->state().v_WB.norm(), 1e-3);
-    ASSERT_GT(backend->contacts().count, 0);
-    for (const Contact& c : backend->contacts()) EXPECT_EQ(c.leg, -1);
+    const double bound = std::max(1e-3, conformance::sinking(weight, 1 / world->robot().total_mass()));
+    EXPECT_NEAR(world->state().p_WB.z(), height, bound);
+    EXPECT_LT(world->state().q_WB.angularDistance(start.q_WB), 1e-2);
+    EXPECT_LT(world->state().v_WB.norm(), 1e-3);
+    ASSERT_GT(world->contacts().count, 0);
+    for (const Contact& c : world->contacts()) EXPECT_EQ(c.leg, -1);
   }
 
   /// Something round whose axis lies across a slope of 5 degrees rolls down it: a = g sin / (1 + I / (m
@@ -71,29 +71,29 @@ class Shapes : public BackendTest {
     constexpr double kAngle = 5 * std::numbers::pi / 180;
     scenes::Incline incline = make_incline(kAngle, 0);
     incline.spec.robot = scenes::block(type, size);
-    const auto backend = make(incline.spec);
+    const auto world = make(incline.spec);
     const double radius = size.x();
-    RobotState start = backend->home_state();
+    RobotState start = world->home_state();
     // Its axis z along W's y, level.
     start.q_WB = rotation_of_z_to(incline.normal) * from_roll_pitch_yaw(kQuarterTurn, 0, 0);
     start.p_WB = incline.normal * radius;
-    backend->reset(start);
+    world->reset(start);
     const auto speed_after = [&](int steps) {
-      EXPECT_EQ(backend->step({}, steps), StepStatus::kOk);
-      return backend->state().v_WB.dot(incline.downhill);
+      EXPECT_EQ(world->step({}, steps), StepStatus::kOk);
+      return world->state().v_WB.dot(incline.downhill);
     };
     const double first = speed_after(200), then = speed_after(600);
     const SpatialInertia& inertia = incline.spec.robot->bodies[0].inertia;
     const double ratio = inertia.I_C(2, 2) / (inertia.mass * radius * radius);
     const double expected = kGravity * std::sin(kAngle) / (1 + ratio);
-    const double turning = backend->state().w_WB.norm();
+    const double turning = world->state().w_WB.norm();
     measured("acceleration, relative error", (then - first) / 0.6 / expected - 1);
     measured("slip over speed", then / (turning * radius) - 1);
     // A soft contact sinks by .2 mm of 50, and acts midway: it turns as if it were .2 % smaller, and creeps a
     // little.
     EXPECT_NEAR((then - first) / 0.6 / expected, 1, 0.004);
     EXPECT_NEAR(then / (turning * radius), 1, 0.004);
-    EXPECT_LT(std::abs(backend->state().v_WB.y()), 1e-3 * then) << "straight down";
+    EXPECT_LT(std::abs(world->state().v_WB.y()), 1e-3 * then) << "straight down";
   }
 };
 CROSSGAIT_FOR_EVERY_BACKEND(Shapes);

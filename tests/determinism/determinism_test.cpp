@@ -7,12 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "physics/core/error.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
 
-class Determinism : public BackendTest {
+class Determinism : public EngineTest {
  protected:
   static WorldSpec world(const std::string& terrain) {
     WorldSpec spec = scenes::world_of(scenes::quadruped());
@@ -33,13 +33,13 @@ bool same_bits(const RobotState& a, const RobotState& b) {
 }
 
 // Trots from step `from` to step `to`, pushed now and then; the state after every step.
-std::vector<RobotState> trot(PhysicsBackend& backend, int from, int to) {
-  const scenes::Trot motion(backend.robot());
+std::vector<RobotState> trot(PhysicsBackend& instance, int from, int to) {
+  const scenes::Trot motion(instance.robot());
   std::vector<RobotState> states;
   for (int i = from; i < to; ++i) {
-    if (i % 400 == 399) backend.apply_push({0.01, 0.02, 0});
-    EXPECT_EQ(backend.step(motion.targets(i * backend.spec().physics_dt)), StepStatus::kOk);
-    states.push_back(backend.state());
+    if (i % 400 == 399) instance.apply_push({0.01, 0.02, 0});
+    EXPECT_EQ(instance.step(motion.targets(i * instance.spec().physics_dt)), StepStatus::kOk);
+    states.push_back(instance.state());
   }
   return states;
 }
@@ -54,11 +54,11 @@ TEST_P(Determinism, ShapesOfEveryKindRunAgainAndOn) {
   spec.terrain = make_terrain("rough:flat_radius=0,size_x=4,size_y=4", 9);
   const auto used = make(spec), fresh = make(spec);
   const JointTargets home = scenes::home_targets(*spec.robot);
-  const auto run = [&](PhysicsBackend& backend, int steps) {
+  const auto run = [&](PhysicsBackend& instance, int steps) {
     std::vector<RobotState> states;
     for (int i = 0; i < steps; ++i) {
-      EXPECT_EQ(backend.step(home), StepStatus::kOk);
-      states.push_back(backend.state());
+      EXPECT_EQ(instance.step(home), StepStatus::kOk);
+      states.push_back(instance.state());
     }
     return states;
   };
@@ -77,25 +77,25 @@ TEST_P(Determinism, ShapesOfEveryKindRunAgainAndOn) {
 }
 
 TEST_P(Determinism, PendingPushIsPartOfASnapshot) {
-  const auto backend = make(world("flat"));
-  trot(*backend, 0, 300);
-  backend->apply_push({0.1, 0, 0.05});
-  const Snapshot snapshot = backend->save();
-  const auto pushed = trot(*backend, 300, 320);
-  backend->restore(snapshot);
-  expect_same(pushed, trot(*backend, 300, 320));
+  const auto instance = make(world("flat"));
+  trot(*instance, 0, 300);
+  instance->apply_push({0.1, 0, 0.05});
+  const Snapshot snapshot = instance->save();
+  const auto pushed = trot(*instance, 300, 320);
+  instance->restore(snapshot);
+  expect_same(pushed, trot(*instance, 300, 320));
 }
 
 TEST_P(Determinism, ContactsAndTorquesAreRestored) {
-  const auto backend = make(world("flat"));
-  trot(*backend, 0, 700);
-  const Snapshot snapshot = backend->save();
-  const LegArray<FootContact> feet = backend->foot_contacts();
-  const JointVector torques = backend->torques();
-  trot(*backend, 700, 900);
-  backend->restore(snapshot);
-  for (const Leg leg : kLegs) EXPECT_EQ(backend->foot_contacts()[leg].force, feet[leg].force);
-  EXPECT_EQ(backend->torques(), torques);
+  const auto instance = make(world("flat"));
+  trot(*instance, 0, 700);
+  const Snapshot snapshot = instance->save();
+  const LegArray<FootContact> feet = instance->foot_contacts();
+  const JointVector torques = instance->torques();
+  trot(*instance, 700, 900);
+  instance->restore(snapshot);
+  for (const Leg leg : kLegs) EXPECT_EQ(instance->foot_contacts()[leg].force, feet[leg].force);
+  EXPECT_EQ(instance->torques(), torques);
 }
 
 TEST_P(Determinism, WorldsMayBeMadeOnAnyThread) {
@@ -104,7 +104,7 @@ TEST_P(Determinism, WorldsMayBeMadeOnAnyThread) {
   std::vector<std::thread> threads;
   for (auto& own : states) {
     threads.emplace_back(
-        [&own, name = GetParam()] { own = trot(*make_backend(name, world("rough")), 0, 300); });
+        [&own, name = GetParam()] { own = trot(*make_world(name, world("rough")), 0, 300); });
   }
   for (std::thread& thread : threads) thread.join();
   for (const auto& own : states) expect_same(expected, own);
@@ -145,16 +145,16 @@ TEST_P(Determinism, AFixedBaseIsPartOfASnapshot) {
 }
 
 TEST_P(Determinism, ForeignSnapshotsAreRefused) {
-  const auto backend = make(world("flat"));
-  Snapshot snapshot = backend->save();
+  const auto instance = make(world("flat"));
+  Snapshot snapshot = instance->save();
   snapshot.engine_name = "abacus";
-  EXPECT_THROW(backend->restore(snapshot), ConfigError);
+  EXPECT_THROW(instance->restore(snapshot), ConfigError);
   for (const std::string& name : available_engines()) {
     if (name == GetParam()) continue;
-    EXPECT_THROW(backend->restore(make_backend(name, world("flat"))->save()), ConfigError) << name;
+    EXPECT_THROW(instance->restore(make_world(name, world("flat"))->save()), ConfigError) << name;
   }
   const auto sled = make(scenes::sled());
-  EXPECT_THROW(backend->restore(sled->save()), ConfigError);
+  EXPECT_THROW(instance->restore(sled->save()), ConfigError);
 }
 
 }  // namespace

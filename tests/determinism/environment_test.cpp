@@ -1,6 +1,6 @@
 // The same environment, seed and actions give the same observations bit for bit: 10,000 policy steps.
 #include "env/vector_env.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/environments.h"
 
 namespace crossgait {
@@ -30,7 +30,7 @@ EnvConfig joints_on_rough_ground() {
   return config;
 }
 
-class EnvironmentDeterminism : public BackendTest {};
+class EnvironmentDeterminism : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(EnvironmentDeterminism);
 
 void expect_the_same_again(const EnvConfig& config, const Engine& engine, int steps) {

@@ -48,7 +48,7 @@ TEST(EnvConfig, ReadsBackWhatItWrites) {
   c.episode_seconds = 7;
   c.settle_seconds = 0.25;
   c.tilt_limit_deg = 45;
-  c.ends = OutcomeSet().add(Outcome::kDiverged).add(Outcome::kCollapsed);
+  c.terminations = OutcomeSet().add(Outcome::kDiverged).add(Outcome::kCollapsed);
   c.randomisation[Randomised::kFriction] = {0.5, 1.5};
   const EnvConfig back = parse_env_config(to_yaml(c), "round trip");
   EXPECT_EQ(to_yaml(back), to_yaml(c));
@@ -68,7 +68,7 @@ TEST(EnvConfig, ReadsBackWhatItWrites) {
   EXPECT_EQ(back.observation, c.observation);
   EXPECT_EQ(back.parameters, c.parameters);  // every digit
   EXPECT_EQ(back.reward, c.reward);
-  EXPECT_EQ(back.ends, c.ends);
+  EXPECT_EQ(back.terminations, c.terminations);
   EXPECT_EQ(back.randomisation.ranges, c.randomisation.ranges);
 }
 
@@ -111,8 +111,9 @@ TEST(EnvConfig, ActionJointsEarnsWhatTheGuideToItSays) {
                 "observation: [base_linear_velocity_local, base_angular_velocity_local, gravity, "
                 "joint_offsets, joint_velocities, last_action, command]\n"
                 "policy_dt: 0.02\n"
-                "reward: {velocity_tracking: 1, yaw_rate_tracking: .3, orientation: -2, action_rate: -.01, "
-                "foot_slip: -1, fall: -10}\n",
+                "reward: {velocity_tracking: 1, yaw_rate_tracking: .3, flat_orientation_l2: -2, "
+                "action_rate_l2: -.01, "
+                "foot_slip: -1, termination: -10}\n",
                 "env.yaml")));
 }
 
@@ -139,7 +140,7 @@ TEST(EnvConfig, KeysOfOneKindOfActionAreErrorsWithTheOther) {
 
 TEST(EnvConfig, WhatComesOnTopReplacesKeyByKey) {
   const EnvConfig base = parse_env_config(
-      "robot: serial_quadruped\naction: joints\njoints: {scale: .3, limit: 2}\nreward: {fall: -1}\n",
+      "robot: serial_quadruped\naction: joints\njoints: {scale: .3, limit: 2}\nreward: {termination: -1}\n",
       "env.yaml");
   EnvConfig expected = base;
   expected.terrain = "rough";
@@ -165,15 +166,16 @@ TEST(EnvConfig, WhatComesOnTopReplacesKeyByKey) {
 }
 
 TEST(EnvConfig, TheEngineMayGoByItsOldKey) {
-  EXPECT_EQ(parse_env_config("backend: bullet\n", "env.yaml").engine, "bullet");
+  EXPECT_EQ(parse_env_config("engine: bullet\n", "env.yaml").engine, "bullet");
   EXPECT_EQ(parse_env_config("engine: bullet\n", "env.yaml").engine, "bullet");
 }
 
 TEST(EnvConfig, DivergenceEndsAnEpisodeWhateverIsAskedFor) {
-  const OutcomeSet ends = parse_env_config("ends: [fell]\n", "env.yaml").ends;
-  EXPECT_EQ(ends, OutcomeSet().add(Outcome::kFell).add(Outcome::kDiverged));
-  EXPECT_EQ(parse_env_config("ends: []\n", "env.yaml").ends, OutcomeSet().add(Outcome::kDiverged));
-  EXPECT_EQ(parse_env_config("{}", "env.yaml").ends, OutcomeSet::of_episodes());
+  const OutcomeSet terminations = parse_env_config("terminations: [fell]\n", "env.yaml").terminations;
+  EXPECT_EQ(terminations, OutcomeSet().add(Outcome::kFell).add(Outcome::kDiverged));
+  EXPECT_EQ(parse_env_config("terminations: []\n", "env.yaml").terminations,
+            OutcomeSet().add(Outcome::kDiverged));
+  EXPECT_EQ(parse_env_config("{}", "env.yaml").terminations, OutcomeSet::of_episodes());
 }
 
 TEST(EnvConfig, AGaitBringsItsPreferredParameters) {
@@ -248,9 +250,9 @@ TEST(EnvConfig, ErrorsNameTheLineTheExpectedAndTheFound) {
       {"randomisation: {push_impulse: [0, 1]}\n", {"push_interval"}},
       {"randomisation: {push_interval: [1, 2]}\n", {"env.yaml: push_impulse"}},
       {"command: {vz: 1}\n", {"command", "vz"}},
-      {"ends: [fell, stumbled]\n", {"ends", "came_apart", "stumbled"}},
-      {"ends: [slid]\n", {"ends", "the moment", "slid"}},
-      {"ends: fell\n", {"ends"}},
+      {"terminations: [fell, stumbled]\n", {"terminations", "loop_violated", "stumbled"}},
+      {"terminations: [slid]\n", {"terminations", "the moment", "slid"}},
+      {"terminations: fell\n", {"terminations"}},
   };
   for (const auto& [text, words] : cases) {
     const std::string message = complaint(text);

@@ -9,7 +9,7 @@
 #include "tests/physics/core/config_error.h"
 #include "tests/physics/core/scratch_folder.h"
 #include "tests/policy/policy_interfaces.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/environments.h"
 
 namespace crossgait {
@@ -48,7 +48,7 @@ std::string message_of(const EnvConfig& config) {
   return config_error([&] { static_cast<void>(EnvModel::make(config)); }).what();
 }
 
-class JointActions : public BackendTest {};
+class JointActions : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(JointActions);
 
 TEST_P(JointActions, AreServoTargetsAboutHome) {
@@ -57,9 +57,9 @@ TEST_P(JointActions, AreServoTargetsAboutHome) {
   QuadrupedEnv env(config, find_engine(GetParam()));
   std::vector<double> seen(env.observation_size());
   env.reset(0, seen);
-  const auto alone = find_engine(GetParam()).make(env.backend().spec());
-  alone->restore(env.backend().save());
-  const RobotDescription& robot = env.backend().robot();
+  const auto alone = find_engine(GetParam()).make(env.world().spec());
+  alone->restore(env.world().save());
+  const RobotDescription& robot = env.world().robot();
   const std::vector<int> servos = robot.actuated_joints();
   Random random(1);
   for (int i = 0; i < 20; ++i) {
@@ -77,7 +77,7 @@ TEST_P(JointActions, AreServoTargetsAboutHome) {
           foreign_home(robot, servos[k]) + scale * std::clamp(a, -1.0, 1.0);
     }
     ASSERT_EQ(alone->step(targets, 20), StepStatus::kOk);
-    ASSERT_TRUE(scenes::identical(env.backend().state(), alone->state())) << i;
+    ASSERT_TRUE(scenes::identical(env.world().state(), alone->state())) << i;
   }
 }
 
@@ -96,9 +96,9 @@ TEST_P(JointActions, AreSeenInTheirOrderAsTheFieldSeesThem) {
     action = scenes::random_action(random, 12);
     env.step(action, seen);
   }
-  const RobotState& state = env.backend().state();
+  const RobotState& state = env.world().state();
   const Matrix3 R_BW = state.q_WB.toRotationMatrix().transpose();
-  const RobotDescription& robot = env.backend().robot();
+  const RobotDescription& robot = env.world().robot();
   for (Eigen::Index k = 0; k < 3; ++k) {
     const auto at = static_cast<std::size_t>(k);
     EXPECT_NEAR(seen[at], (R_BW * state.v_WB)[k], 1e-14);
@@ -121,7 +121,7 @@ TEST_P(JointActions, AreSeenInTheirOrderAsTheFieldSeesThem) {
 TEST(JointHome, IsHowTheRobotStandsAtFirst) {
   const auto model = EnvModel::make(foreign());
   const RobotDescription& robot = *model->world.robot;
-  const RobotState state = JointControl(*model).stand(make_terrain("flat"), {});
+  const RobotState state = JointControl(*model).initial_state(make_terrain("flat"), {});
   for (int i = 0; i < robot.joint_count(); ++i)
     EXPECT_EQ(state.q[i], foreign_home(robot, i)) << robot.joint(i).name;
 }
@@ -179,7 +179,7 @@ TEST_P(JointActions, HaveNoGait) {
   env.step(std::vector<double>(12, 0), seen);
   EXPECT_EQ(env.gait(), nullptr);
   EXPECT_FALSE(env.info().parameters);
-  EXPECT_FALSE(env.targets().plan);
+  EXPECT_FALSE(env.targets().contact_schedule);
   ASSERT_TRUE(env.targets().velocity);
   EXPECT_EQ(env.targets().velocity->vx, 0.3);
   env.set_command({0.1, 0.2, -0.3});
@@ -201,7 +201,7 @@ TEST_P(JointActions, UseTheServosThatThePolicyWasMadeFor) {
 }
 
 class JointPolicies : public ScratchFolder, public ::testing::WithParamInterface<std::string> {};
-INSTANTIATE_TEST_SUITE_P(EveryBackend, JointPolicies, ::testing::ValuesIn(available_engines()),
+INSTANTIATE_TEST_SUITE_P(EveryEngine, JointPolicies, ::testing::ValuesIn(available_engines()),
                          [](const auto& engine) { return test_name(engine.param); });
 
 TEST_P(JointPolicies, OfSwishNetworksRunFromABundle) {

@@ -5,7 +5,7 @@
 
 #include "physics/core/error.h"
 #include "tests/physics/core/config_error.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/environments.h"
 
 namespace crossgait {
@@ -20,7 +20,7 @@ EnvConfig adapting(std::size_t parameters, bool terrain) {
   return config;
 }
 
-class Layouts : public BackendTest {};
+class Layouts : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Layouts);
 
 TEST_P(Layouts, HaveTheGuidesSizesAndOneNamePerNumber) {
@@ -65,13 +65,13 @@ TEST_P(Layouts, ReadAsWhatTheirNamesSay) {
     EXPECT_TRUE(index) << name;
     return seen.at(index.value_or(0));
   };
-  const RobotState& state = env.backend().state();
+  const RobotState& state = env.world().state();
   EXPECT_EQ(at("p_WB.z"), state.p_WB.z());
   EXPECT_EQ(at("q_WB.w"), state.q_WB.w());
   EXPECT_EQ(at("q_WB.x"), state.q_WB.x());
   EXPECT_EQ(at("v_WB.y"), state.v_WB.y());
   EXPECT_EQ(at("w_WB.x"), state.w_WB.x());
-  const RobotDescription& robot = env.backend().robot();
+  const RobotDescription& robot = env.world().robot();
   for (const int i : robot.actuated_joints()) {
     EXPECT_EQ(at("q." + robot.joint(i).name), state.q[i]);
     EXPECT_EQ(at("qd." + robot.joint(i).name), state.qd[i]);
@@ -83,7 +83,7 @@ TEST_P(Layouts, ReadAsWhatTheirNamesSay) {
   const ParameterRow& row = find_parameter("body_height");
   EXPECT_EQ(at("param.body_height"), row.normalise(env.info().parameters->body_height));
   const double yaw = roll_pitch_yaw(state.q_WB).z();
-  const Terrain& ground = env.backend().spec().terrain;
+  const Terrain& ground = env.world().spec().terrain;
   EXPECT_NEAR(at("terrain.front"),
               ground.height(state.p_WB.x() + 0.15 * std::cos(yaw), state.p_WB.y() + 0.15 * std::sin(yaw)),
               1e-15);
@@ -143,15 +143,15 @@ TEST_P(Layouts, OfARobotOfAnotherSizeAreOfItsSize) {
   std::vector<double> seen(env.observation_size());
   env.reset(1, seen);
   const std::vector<double> nothing(env.action_size(), 0);
-  while (env.backend().state().time < 3) ASSERT_FALSE(env.step(nothing, seen).terminated);
-  const RobotState& state = env.backend().state();
+  while (env.world().state().time < 3) ASSERT_FALSE(env.step(nothing, seen).terminated);
+  const RobotState& state = env.world().state();
   const double scale = 0.288 / 0.062, yaw = roll_pitch_yaw(state.q_WB).z();
   EXPECT_DOUBLE_EQ(env.info().parameters->body_height, 0.062 * scale);
   EXPECT_GT(state.p_WB.x(), 0.5) << "two and a half seconds of .5 m/s, but for the start";
   const double x = state.p_WB.x() + 0.15 * scale * std::cos(yaw),
                y = state.p_WB.y() + 0.15 * scale * std::sin(yaw);
   EXPECT_NEAR(seen.at(env.observation_layout().find("terrain.front").value()),
-              env.backend().spec().terrain.height(x, y), 1e-12);
+              env.world().spec().terrain.height(x, y), 1e-12);
   // A full step of a parameter that adapts is as much larger.
   std::vector<double> up = nothing;
   up[0] = 1;

@@ -8,7 +8,7 @@
 
 #include "physics/core/error.h"
 #include "tests/physics/core/config_error.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/environments.h"
 
 namespace crossgait {
@@ -45,7 +45,7 @@ ObservationTerm term(const char* block, const std::function<void(ObservationTerm
   return made;
 }
 
-class Observers : public BackendTest {};
+class Observers : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Observers);
 
 TEST_P(Observers, ScaleThenClip) {

@@ -6,7 +6,7 @@
 #include "policy/hierarchical_policy.h"
 #include "tests/physics/core/scratch_folder.h"
 #include "tests/policy/policy_interfaces.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/environments.h"
 
 namespace crossgait {

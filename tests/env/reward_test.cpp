@@ -54,30 +54,30 @@ TEST(Reward, EveryTermIsItsFormula) {
                           .servos = servos,
                           .weight = 10,
                           .power = 0.23,
-                          .failed = true};
+                          .terminated = true};
   const double degrees = 180 / M_PI;
   const std::map<std::string, double> expected{
       {"forward_velocity", 0.11},
       {"lateral_velocity", 0.06},
       {"contact_pattern", 0.2 - 0.5 - 0.5 - 0.5},
-      {"stability", degrees * degrees * (0.01 + 0.04 + 0.09)},
-      {"energy_efficiency", 15 * 15 + 20 * 20},  // .3 and .4 rad/s in .02 s
-      {"smooth_adaptation", 0.01 * 0.01 + 0.1 * 0.1},
+      {"orientation_l2", degrees * degrees * (0.01 + 0.04 + 0.09)},
+      {"joint_acc_l2", 15 * 15 + 20 * 20},  // .3 and .4 rad/s in .02 s
+      {"parameter_rate_l2", 0.01 * 0.01 + 0.1 * 0.1},
       {"velocity_tracking", std::exp(-(0.03 * 0.03 + 0.03 * 0.03) / 0.01)},
       {"velocity_error", std::hypot(0.03, 0.03)},
-      {"progress", 1},  // faster than asked for
+      {"forward_velocity_ratio", 1},  // faster than asked for
       {"yaw_rate_tracking", std::exp(-0.04)},
       {"yaw_rate_error", 0.1},
       {"vertical_velocity", 0.0004},
       {"tilt_rate", 0.25},
-      {"orientation", 1 - std::pow(std::cos(0.1) * std::cos(0.2), 2)},
-      {"height", 0.0004},
+      {"flat_orientation_l2", 1 - std::pow(std::cos(0.1) * std::cos(0.2), 2)},
+      {"base_height_l2", 0.0004},
       {"alive", 1},
-      {"fall", 1},
-      {"action_rate", 0.25 + 4},
-      {"action_size", 1.25},
+      {"termination", 1},
+      {"action_rate_l2", 0.25 + 4},
+      {"action_l2", 1.25},
       {"foot_slip", 0.05},
-      {"torque", 0.29},
+      {"joint_torques_l2", 0.29},
       {"power", 0.15 + 0.08},
       {"cost_of_transport", 0.23 / (10 * 0.13)},
   };
@@ -103,9 +103,9 @@ TEST(Reward, TermsSayWhatTheyAre) {
 
 TEST(Reward, TheGuidesWeights) {
   const RewardTerms weights = guide_reward_weights();
-  const std::map<std::string, double> guide{{"forward_velocity", 2000},  {"lateral_velocity", -2},
-                                            {"contact_pattern", 1},      {"stability", -2},
-                                            {"energy_efficiency", -0.1}, {"smooth_adaptation", -5}};
+  const std::map<std::string, double> guide{{"forward_velocity", 2000}, {"lateral_velocity", -2},
+                                            {"contact_pattern", 1},     {"orientation_l2", -2},
+                                            {"joint_acc_l2", -0.1},     {"parameter_rate_l2", -5}};
   for (std::size_t i = 0; i < weights.size(); ++i) {
     const auto it = guide.find(std::string(reward_terms()[i].name));
     EXPECT_EQ(weights[i], it == guide.end() ? 0 : it->second) << reward_terms()[i].name;
@@ -139,7 +139,7 @@ TEST(Reward, ARobotAtRestHasAFiniteCostOfTransport) {
                           .servos = {},
                           .weight = 10,
                           .power = 0,
-                          .failed = false};
+                          .terminated = false};
   for (const RewardTerm& term : reward_terms()) EXPECT_TRUE(std::isfinite(term.value(record))) << term.name;
 }
 

@@ -5,7 +5,7 @@
 
 #include "env/quadruped_env.h"
 #include "physics/core/error.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/environments.h"
 
 namespace crossgait {
@@ -29,8 +29,8 @@ EnvConfig turned_on_rough_ground() {
 }
 
 double ground_clearance(const QuadrupedEnv& env) {
-  const Vector3& p = env.backend().state().p_WB;
-  return p.z() - env.backend().spec().terrain.height(p.x(), p.y());
+  const Vector3& p = env.world().state().p_WB;
+  return p.z() - env.world().spec().terrain.height(p.x(), p.y());
 }
 
 /// What an onlooker knows of one step.
@@ -39,7 +39,7 @@ struct Seen {
   double start_yaw, standing_height;
   std::vector<double> action, last_action;
   GaitParameters parameters, last_parameters;
-  bool failed;
+  bool terminated;
 };
 
 double squares(const std::vector<double>& a, const std::vector<double>& b) {
@@ -58,7 +58,7 @@ Vector3 left_of(const Vector3& forward) { return Vector3::UnitZ().cross(forward)
 
 std::map<std::string, double> expected_terms(const QuadrupedEnv& env, const Seen& seen) {
   const RobotState &before = seen.before, &after = seen.after;
-  const PhysicsBackend& world = env.backend();
+  const PhysicsBackend& world = env.world();
   const RobotDescription& robot = world.robot();
   const Vector3 start(std::cos(seen.start_yaw), std::sin(seen.start_yaw), 0), now = heading_of(after);
   const Vector3& v = after.v_WB;
@@ -85,39 +85,39 @@ std::map<std::string, double> expected_terms(const QuadrupedEnv& env, const Seen
       {"forward_velocity", v.dot(start)},
       {"lateral_velocity", std::abs(v.dot(left_of(start)))},
       {"contact_pattern", pattern},
-      {"stability", (rpy.x() * rpy.x() + rpy.y() * rpy.y() + yaw * yaw) * std::pow(180 / M_PI, 2)},
-      {"energy_efficiency", acceleration},
-      {"smooth_adaptation", adaptation},
+      {"orientation_l2", (rpy.x() * rpy.x() + rpy.y() * rpy.y() + yaw * yaw) * std::pow(180 / M_PI, 2)},
+      {"joint_acc_l2", acceleration},
+      {"parameter_rate_l2", adaptation},
       {"velocity_tracking",
        std::exp(-(std::pow(v.dot(now) - kCommand.vx, 2) + std::pow(v.dot(left_of(now)) - kCommand.vy, 2)) /
                 std::pow(0.1, 2))},
       {"velocity_error", std::hypot(v.dot(now) - kCommand.vx, v.dot(left_of(now)) - kCommand.vy)},
-      {"progress", std::clamp(v.dot(start) / kCommand.vx, -1.0, 1.0)},
+      {"forward_velocity_ratio", std::clamp(v.dot(start) / kCommand.vx, -1.0, 1.0)},
       {"yaw_rate_tracking", std::exp(-std::pow((after.w_WB.z() - kCommand.yaw_rate) / 0.5, 2))},
       {"yaw_rate_error", std::abs(after.w_WB.z() - kCommand.yaw_rate)},
       {"vertical_velocity", std::pow(v.z(), 2)},
       {"tilt_rate", std::pow(after.w_WB.x(), 2) + std::pow(after.w_WB.y(), 2)},
-      {"orientation", std::pow(gravity_in_base.x(), 2) + std::pow(gravity_in_base.y(), 2)},
-      {"height", std::pow(ground_clearance(env) - seen.standing_height, 2)},
+      {"flat_orientation_l2", std::pow(gravity_in_base.x(), 2) + std::pow(gravity_in_base.y(), 2)},
+      {"base_height_l2", std::pow(ground_clearance(env) - seen.standing_height, 2)},
       {"alive", 1},
-      {"fall", seen.failed ? 1 : 0},
-      {"action_rate", squares(seen.action, seen.last_action)},
-      {"action_size", squares(seen.action, std::vector<double>(seen.action.size(), 0))},
+      {"termination", seen.terminated ? 1 : 0},
+      {"action_rate_l2", squares(seen.action, seen.last_action)},
+      {"action_l2", squares(seen.action, std::vector<double>(seen.action.size(), 0))},
       {"foot_slip", slip},
-      {"torque", torque},
+      {"joint_torques_l2", torque},
       {"power", power},
       {"cost_of_transport", power / (weight * std::max(std::hypot(v.x(), v.y()), 0.02))},
   };
 }
 
-class StepRecords : public BackendTest {
+class StepRecords : public EngineTest {
  protected:
   /// Runs until the episode ends, comparing every term of every step. @returns the sum of each term's size
   static std::map<std::string, double> compare(QuadrupedEnv& env, StepResult& result) {
     std::vector<double> observation(env.observation_size());
     env.reset(5, observation);
     Seen seen{};
-    seen.start_yaw = roll_pitch_yaw(env.backend().state().q_WB).z();
+    seen.start_yaw = roll_pitch_yaw(env.world().state().q_WB).z();
     seen.standing_height = ground_clearance(env);
     seen.action.assign(env.action_size(), 0);
     seen.parameters = *env.info().parameters;
@@ -126,14 +126,14 @@ class StepRecords : public BackendTest {
     Random random(3);
     result = {};
     while (!result.done()) {
-      seen.before = env.backend().state();
+      seen.before = env.world().state();
       seen.last_action = seen.action;
       seen.last_parameters = seen.parameters;
       seen.action = scenes::random_action(random, env.action_size());
       result = env.step(seen.action, observation);
-      seen.after = env.backend().state();
+      seen.after = env.world().state();
       seen.parameters = *env.info().parameters;
-      seen.failed = result.terminated;
+      seen.terminated = result.terminated;
       double reward = 0;
       for (const auto& [name, value] : expected_terms(env, seen)) {
         const double found = env.info().reward_terms[find_reward_term(name)];
@@ -156,7 +156,7 @@ TEST_P(StepRecords, HoldWhatHappened) {
   const std::map<std::string, double> sums = compare(env, result);
   EXPECT_EQ(sums.size(), kRewardTerms);
   for (const auto& [name, sum] : sums) {
-    if (name == "fall") continue;
+    if (name == "termination") continue;
     EXPECT_GT(sum, 0) << name << " was never put to the test";
   }
   // Across the world's axes and its own: what a turn the wrong way would give differs.
@@ -170,7 +170,7 @@ TEST_P(StepRecords, SayOfTheLastStepThatItFailed) {
   StepResult result;
   const std::map<std::string, double> sums = compare(env, result);
   EXPECT_TRUE(result.terminated);
-  EXPECT_EQ(sums.at("fall"), 1);
+  EXPECT_EQ(sums.at("termination"), 1);
   EXPECT_GT(sums.at("alive"), 1);
 }
 
@@ -178,10 +178,10 @@ TEST_P(StepRecords, DistancesAreAlongAndLeftOfTheHeadingAtTheStart) {
   QuadrupedEnv env(turned_on_rough_ground(), find_engine(GetParam()));
   std::vector<double> observation(env.observation_size());
   env.reset(5, observation);
-  const RobotState start = env.backend().state();
+  const RobotState start = env.world().state();
   const Vector3 forward = heading_of(start);
   for (int i = 0; i < 60; ++i) env.step(std::vector<double>(env.action_size(), 0), observation);
-  const Vector3 moved = env.backend().state().p_WB - start.p_WB;
+  const Vector3 moved = env.world().state().p_WB - start.p_WB;
   EXPECT_GT(moved.norm(), 0.03);
   // One rotation of numbers of order one.
   EXPECT_NEAR(env.info().distance, moved.dot(forward), 1e-13);

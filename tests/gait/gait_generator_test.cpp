@@ -322,7 +322,7 @@ TEST(Steering, StartsNoWalkAndTakesNoNonsense) {
 TEST(Sweep, ShortensThePathOfAFootNotTheStep) {
   GaitGenerator g = generator(), rolling = generator();
   for (GaitGenerator* each : {&g, &rolling}) each->reset(GaitGenerator::Start::kStanding);
-  rolling.set_sweep({0.9, 0.5});
+  rolling.set_rolling_correction({0.9, 0.5});
   for (int i = 0; i < 1000; ++i) {
     g.update(kDt);
     rolling.update(kDt);

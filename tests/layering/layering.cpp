@@ -16,8 +16,8 @@ namespace {
 struct Folder {
   std::string_view name;  ///< "ik", or a room of a folder: "physics/robot"
   std::vector<std::string_view>
-      may_include;             ///< folders with all that is in them, or rooms; its own is always allowed
-  bool knows_backends = true;  ///< may speak of engines, and of the interface to them
+      may_include;            ///< folders with all that is in them, or rooms; its own is always allowed
+  bool knows_engines = true;  ///< may speak of engines, and of the interface to them
 };
 
 const std::vector<std::string_view> kEverything{
@@ -138,7 +138,7 @@ bool may_include_backend(const fs::path& file, const fs::path& header_folder) {
 /// Headers whose users open plug-ins.
 bool opens_plugins(std::string_view header) {
   return header == "backends/registry.h" || header == "backends/plugin_loader.h" ||
-         header == "tests/support/backend_test.h";
+         header == "tests/support/engine_test.h";
 }
 
 /// Whether a header makes its includer need an engine linked to the program.
@@ -203,7 +203,7 @@ std::vector<Violation> check_file(const fs::path& file, std::string_view text) {
     if (links && opens && (links_engine(header) || opens_plugins(header))) {
       report("a program that is linked to an engine opens no plug-in");
     }
-    if (!folder->knows_backends) {
+    if (!folder->knows_engines) {
       const std::string code = code_of(line);
       for (const std::string_view word : engine_words) {
         if (code.find(word) != std::string::npos) report(top + " may not mention " + std::string(word));
@@ -225,7 +225,8 @@ std::vector<Violation> includes_that_lead_nowhere(const fs::path& root, const fs
     if (header.empty() || !quoted || header == "physics/robot_files/installed_models.h") continue;
     if (!fs::is_regular_file(root / from_root(header)) &&
         !fs::is_regular_file(root / file.parent_path() / header)) {
-      violations.push_back({file.string(), number, "no such file from the root of the tree or beside this one: " + line});
+      violations.push_back(
+          {file.string(), number, "no such file from the root of the tree or beside this one: " + line});
     }
   }
   return violations;

@@ -105,7 +105,7 @@ TEST(Layering, WhatIsLinkedToAnEngineOpensNoPlugin) {
   const std::string engine = "#include \"backends/mujoco/model.h\"\n";
   for (const std::string opens :
        {"#include \"backends/registry.h\"\n", "#include \"backends/plugin_loader.h\"\n",
-        "#include \"tests/support/backend_test.h\"\n"}) {
+        "#include \"tests/support/engine_test.h\"\n"}) {
     expect_rule({{"benchmarks/programs/a.cpp", opens, true},
                  {"benchmarks/programs/a.cpp", engine + opens, false},
                  {"benchmarks/programs/a.cpp", opens + engine, false},
@@ -115,9 +115,9 @@ TEST(Layering, WhatIsLinkedToAnEngineOpensNoPlugin) {
   }
 }
 
-TEST(Layering, GaitAndIkKnowNoBackend) {
+TEST(Layering, GaitAndIkKnowNoEngine) {
   expect_rule({{"gait/a.h", "#include \"physics/engine/physics_backend.h\"", false},
-               {"ik/a.h", "void solve(const PhysicsBackend& backend);", false},
+               {"ik/a.h", "void solve(const PhysicsBackend& world);", false},
                {"gait/a.cpp", "if (engine == \"MuJoCo\") x = 1;", false},
                {"gait/a.cpp", "x = 1;  // as MuJoCo does", true},
                {"env/a.h", "#include \"physics/engine/physics_backend.h\"", true}});

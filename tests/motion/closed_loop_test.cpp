@@ -2,7 +2,7 @@
 
 #include "physics/core/error.h"
 #include "tests/motion/motions.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/motion_bits.h"
 
 namespace crossgait {
@@ -16,7 +16,7 @@ class ClockedTrot final : public Controller {
   ClockedTrot(scenes::RobotPtr robot, double& clock)
       : robot_(std::move(robot)), trot_(*robot_), clock_(clock) {}
 
-  RobotState stand(const Terrain& terrain, const Placement& placement) const override {
+  RobotState initial_state(const Terrain& terrain, const Placement& placement) const override {
     RobotState state;
     state.q = robot_->home;
     state.qd = JointVector::Zero(robot_->joint_count());
@@ -24,12 +24,12 @@ class ClockedTrot final : public Controller {
                   terrain.height(placement.x, placement.y) + robot_->home_height + 0.01};
     return state;
   }
-  void hold(double /*dt*/, ControlTargets& out) override { out.joints = trot_.targets(0); }
+  void hold_pose(double /*dt*/, ControlTargets& out) override { out.joints = trot_.targets(0); }
   void advance(double dt, ControlTargets& out) override {
     clock_ += dt;
     out.joints = trot_.targets(scenes::Trot::kStand + clock_);
-    out.plan.emplace();
-    for (const Leg leg : kLegs) (*out.plan)[leg] = {scenes::Trot::swings(leg, clock_), 0.5};
+    out.contact_schedule.emplace();
+    for (const Leg leg : kLegs) (*out.contact_schedule)[leg] = {scenes::Trot::swings(leg, clock_), 0.5};
     out.velocity = VelocityCommand{0.1, 0, 0};
   }
 
@@ -45,7 +45,7 @@ Pushes now_and_then() {
   return {{0.005, 0.02}, interval, random.uniform(interval.min, interval.max), 0, random};
 }
 
-class ClosedLoops : public BackendTest {
+class ClosedLoops : public EngineTest {
  protected:
   static WorldSpec rough() {
     WorldSpec spec = scenes::world_of(scenes::quadruped());

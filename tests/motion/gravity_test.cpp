@@ -2,7 +2,7 @@
 #include "motion/gait_source.h"
 #include "motion/walk.h"
 #include "tests/motion/motions.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -54,7 +54,7 @@ TEST(GravityOfLegs, OfGaitsIsThatOfTheWorldToo) {
   EXPECT_NE(targets({0, 0, -9.81}), targets({0, 0, -1.62}));
 }
 
-class Gravity : public BackendTest {
+class Gravity : public EngineTest {
  protected:
   // Of the base after a second of standing with feet that make up for `felt`, m.
   static double height(const Vector3& gravity, const Vector3& felt) {

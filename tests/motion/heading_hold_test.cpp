@@ -18,26 +18,26 @@ RobotState heading(double yaw, double roll = 0, double pitch = 0) {
 TEST(HeadingHold, SteersBackToWhereItFirstLooked) {
   HeadingHoldState hold;
   const HeadingHold options;
-  EXPECT_EQ(hold.look(options, heading(1), 0, kLookEvery), 0);
+  EXPECT_EQ(hold.update(options, heading(1), 0, kLookEvery), 0);
   // Too far to the left by .1 rad, whatever the roll and pitch; rounding of an angle of one.
-  EXPECT_NEAR(hold.look(options, heading(1.1, 0.2, -0.3), 0, kLookEvery), -0.1 * options.gain, 1e-15);
-  EXPECT_NEAR(hold.look(options, heading(0.95), 0, kLookEvery), 0.05 * options.gain, 1e-15);
+  EXPECT_NEAR(hold.update(options, heading(1.1, 0.2, -0.3), 0, kLookEvery), -0.1 * options.gain, 1e-15);
+  EXPECT_NEAR(hold.update(options, heading(0.95), 0, kLookEvery), 0.05 * options.gain, 1e-15);
 }
 
 TEST(HeadingHold, TurnsNoFasterThanItsBound) {
   HeadingHoldState hold;
   const HeadingHold options{.max_rate = 0.3};
-  hold.look(options, heading(0), 0, kLookEvery);
-  EXPECT_EQ(hold.look(options, heading(1), 0, kLookEvery), -0.3);
-  EXPECT_EQ(hold.look(options, heading(-1), 0, kLookEvery), 0.3);
+  hold.update(options, heading(0), 0, kLookEvery);
+  EXPECT_EQ(hold.update(options, heading(1), 0, kLookEvery), -0.3);
+  EXPECT_EQ(hold.update(options, heading(-1), 0, kLookEvery), 0.3);
 }
 
 TEST(HeadingHold, TurnsTheShortWayRound) {
   HeadingHoldState hold;
   const HeadingHold options;
-  hold.look(options, heading(3.1), 0, kLookEvery);
+  hold.update(options, heading(3.1), 0, kLookEvery);
   // From 3.1 on to -3.1 are 2 pi - 6.2 rad, to the left; rounding of 2 pi.
-  EXPECT_NEAR(hold.look(options, heading(-3.1), 0, kLookEvery), -options.gain * (2 * M_PI - 6.2), 1e-14);
+  EXPECT_NEAR(hold.update(options, heading(-3.1), 0, kLookEvery), -options.gain * (2 * M_PI - 6.2), 1e-14);
 }
 
 TEST(HeadingHold, FollowsTheCommandedTurn) {
@@ -48,22 +48,23 @@ TEST(HeadingHold, FollowsTheCommandedTurn) {
     const double late = 0.04;       // rad behind, as a robot is that needs .08 rad/s more than commanded
     const double yaw = kRate * kLookEvery * i - (i == 0 ? 0 : late);
     // The sum of a thousand steps, 1e-16 of a radian each.
-    EXPECT_NEAR(hold.look(options, heading(yaw), kRate, kLookEvery), i == 0 ? 0 : options.gain * late, 1e-12);
+    EXPECT_NEAR(hold.update(options, heading(yaw), kRate, kLookEvery), i == 0 ? 0 : options.gain * late,
+                1e-12);
   }
 }
 
 TEST(HeadingHold, BeginsAnewWhenRestarted) {
   HeadingHoldState hold;
   const HeadingHold options;
-  hold.look(options, heading(0), 0, kLookEvery);
+  hold.update(options, heading(0), 0, kLookEvery);
   hold.restart();
-  EXPECT_EQ(hold.look(options, heading(2), 0, kLookEvery), 0);
+  EXPECT_EQ(hold.update(options, heading(2), 0, kLookEvery), 0);
 }
 
 TEST(HeadingHold, DoesNothingWhereItIsOff) {
   HeadingHoldState hold;
-  hold.look(HeadingHold::none(), heading(0), 0, kLookEvery);
-  EXPECT_EQ(hold.look(HeadingHold::none(), heading(1), 0, kLookEvery), 0);
+  hold.update(HeadingHold::none(), heading(0), 0, kLookEvery);
+  EXPECT_EQ(hold.update(HeadingHold::none(), heading(1), 0, kLookEvery), 0);
 }
 
 }  // namespace

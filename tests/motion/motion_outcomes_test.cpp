@@ -4,7 +4,7 @@
 
 #include "env/quadruped_env.h"
 #include "tests/motion/motions.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -17,12 +17,12 @@ double step_that_opens_loops(const std::string& engine) {
   return find_engine(engine).info.laws.loops.find("velocity bias") != std::string::npos ? 0.012 : 0.02;
 }
 
-class Motion : public BackendTest {
+class Motion : public EngineTest {
  protected:
   static MotionSummary run(const WorldSpec& spec, const ControllerPtr& source, const WalkTiming& timing,
-                           const Start& start = {}, const OutcomeSet& ends = OutcomeSet::of_walks()) {
+                           const Start& start = {}, const OutcomeSet& terminations = OutcomeSet::of_walks()) {
     const auto world = make(spec);
-    return run_walk(*world, source, timing, {}, start, ends);
+    return run_walk(*world, source, timing, {}, start, terminations);
   }
   static MotionSummary trot(const WorldSpec& spec, double seconds,
                             const std::optional<VelocityCommand>& command = {}) {
@@ -72,7 +72,7 @@ TEST_P(Motion, ComesApartWhereTheTimeStepIsTooLongForItsLoops) {
   WorldSpec spec = flat();
   spec.physics_dt = step_that_opens_loops(GetParam());
   const MotionSummary m = run(spec, motions::trot(spec.robot), {.seconds = 2, .control_dt = spec.physics_dt});
-  EXPECT_EQ(m.outcome, Outcome::kCameApart);
+  EXPECT_EQ(m.outcome, Outcome::kLoopViolated);
   EXPECT_TRUE(m.failed());
   EXPECT_GT(m.max_loop_gap_m, OutcomeLimits{}.loop_gap * spec.robot->home_height);
   EXPECT_NEAR(m.simulated_seconds, 2, spec.physics_dt);  // which ends no walk
@@ -98,7 +98,8 @@ TEST_P(Motion, CollapsesWhereServosAreTooWeakAfterHalfASecondDown) {
   const scenes::RobotPtr weak = motions::weak_quadruped();
   const auto world = make(weak);
   const ControllerPtr source = motions::standing(weak);
-  const double h = 1e-3, standing = source->stand(Terrain(), {}).p_WB.z(), weight = weak->total_mass() * 9.81;
+  const double h = 1e-3, standing = source->initial_state(Terrain(), {}).p_WB.z(),
+               weight = weak->total_mass() * 9.81;
   double load = 0, expected = -1;  // of all but feet, smoothed, N; s
   int steps = 0, low_steps = 0;
   const auto watch = [&](const WalkSample& sample) {
@@ -190,13 +191,13 @@ TEST_P(Motion, FeetThatAreMeantToSwingAreDraggedAndDoNotSlide) {
   const auto swinging = motions::functions_of(motions::standing(spec.robot));
   swinging->on_advance = [stand = swinging->on_advance](double dt, ControlTargets& out) {
     stand(dt, out);
-    out.plan.emplace();
-    out.plan->fill({.swing = true, .progress = 0.5});
+    out.contact_schedule.emplace();
+    out.contact_schedule->fill({.swing = true, .progress = 0.5});
   };
   const MotionSummary m = run(spec, swinging, {.seconds = 1, .settle_seconds = 0});
   EXPECT_EQ(m.outcome, Outcome::kWalked);
   EXPECT_GT(m.path_m, 1);
-  EXPECT_GT(m.drag.value(), 0.9);
+  EXPECT_GT(m.swing_contact_ratio.value(), 0.9);
 }
 
 TEST_P(Motion, SlidingIsWorseThanMakingNoWay) {
@@ -238,7 +239,7 @@ TEST_P(Motion, NothingIsWorseThanDivergence) {
   EXPECT_EQ(m.outcome, Outcome::kDiverged);
 }
 
-class EpisodeEnds : public BackendTest {
+class EpisodeEnds : public EngineTest {
  protected:
   struct Case {
     Outcome outcome;
@@ -251,7 +252,7 @@ class EpisodeEnds : public BackendTest {
     EnvConfig plain;
     plain.episode_seconds = 3;
     plain.reward.fill(0);
-    plain.reward[find_reward_term("fall")] = -10;
+    plain.reward[find_reward_term("termination")] = -10;
     EnvConfig coarse = plain;
     coarse.physics_dt = coarse.control_dt = coarse.policy_dt = step_that_opens_loops(GetParam());
     EnvConfig toppled = plain;
@@ -264,7 +265,7 @@ class EpisodeEnds : public BackendTest {
     pushed.randomisation[Randomised::kPushImpulse] = {10, 10};
     pushed.randomisation[Randomised::kPushInterval] = {0.1, 0.1};
     return {{Outcome::kDiverged, pushed, [](WorldSpec& w) { w.robot = motions::light_quadruped(); }},
-            {Outcome::kCameApart, coarse},
+            {Outcome::kLoopViolated, coarse},
             {Outcome::kFell, toppled},
             {Outcome::kCollapsed, plain, [](WorldSpec& w) { w.robot = motions::weak_quadruped(); }},
             {Outcome::kLeftTerrain, small, [](WorldSpec& w) {
@@ -314,7 +315,7 @@ TEST_P(EpisodeEnds, EveryEarlyEndCostsTheSame) {
 TEST_P(EpisodeEnds, AreThoseThatAreConfigured) {
   for (Case& c : cases()) {
     SCOPED_TRACE(name(c.outcome));
-    c.config.ends = OutcomeSet();
+    c.config.terminations = OutcomeSet();
     const Episode e = run(c);
     EXPECT_TRUE(e.motion.has(c.outcome));
     const bool always = c.outcome == Outcome::kDiverged;

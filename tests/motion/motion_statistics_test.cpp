@@ -5,7 +5,7 @@
 
 #include "physics/robot/multibody.h"
 #include "tests/motion/motions.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -19,10 +19,10 @@ struct ControlStep {
 ControllerPtr recorded(const ControllerPtr& source, std::vector<ControlStep>& steps, RobotState& start) {
   const auto recording = motions::functions_of(source);
   recording->on_stand = [source, &start](const Terrain& terrain, const Placement& placement) {
-    return start = source->stand(terrain, placement);
+    return start = source->initial_state(terrain, placement);
   };
   recording->on_hold = [source, &steps](double dt, ControlTargets& out) {
-    source->hold(dt, out);
+    source->hold_pose(dt, out);
     steps.push_back({out, false});
   };
   recording->on_advance = [source, &steps](double dt, ControlTargets& out) {
@@ -35,8 +35,8 @@ ControllerPtr recorded(const ControllerPtr& source, std::vector<ControlStep>& st
 
 /// The definitions of MotionSummary, straight from states and contacts.
 struct Recomputed {
-  LegArray<double> duty{}, swing{}, drag{}, inner{}, inner_drag{};
-  double sweep = 0, asked_yaw = 0, heading_error = 0;
+  LegArray<double> duty{}, swing{}, drag{}, inner{}, inner_contact{};
+  double sweep = 0, commanded_yaw = 0, heading_error = 0;
   double slip = 0, penetration = 0, gap = 0, work = 0, path = 0, roll2 = 0, pitch2 = 0, time = 0;
   Vector3 first = Vector3::Zero(), last = Vector3::Zero();
   double first_yaw = 0;
@@ -58,13 +58,13 @@ void add_physics_step(const PhysicsBackend& world, const ControlTargets& targets
       ++r.duty[leg];
       r.slip += feet[leg].slip_speed * world.spec().physics_dt;
     }
-    if (!targets.plan || !(*targets.plan)[leg].swing) continue;
+    if (!targets.contact_schedule || !(*targets.contact_schedule)[leg].swing) continue;
     const double dragged = feet[leg].force.norm() > 0.02 * weight ? 1 : 0;
     ++r.swing[leg];
     r.drag[leg] += dragged;
-    if (std::abs((*targets.plan)[leg].progress - 0.5) > 0.4) continue;
+    if (std::abs((*targets.contact_schedule)[leg].progress - 0.5) > 0.4) continue;
     ++r.inner[leg];
-    r.inner_drag[leg] += dragged;
+    r.inner_contact[leg] += dragged;
   }
 }
 
@@ -94,12 +94,12 @@ Recomputed recompute(PhysicsBackend& world, const RobotState& start, const std::
     r.clamped += step.targets.ik_clamped;
     if (const auto& asked = step.targets.velocity) {
       const double followed = step.targets.limit_factor * dt;
-      r.asked_yaw += asked->yaw_rate * followed;
+      r.commanded_yaw += asked->yaw_rate * followed;
       r.heading_error =
           std::max(r.heading_error,
-                   std::abs(std::remainder(yaw_of(world.state()) - r.first_yaw - r.asked_yaw, 2 * M_PI)));
+                   std::abs(std::remainder(yaw_of(world.state()) - r.first_yaw - r.commanded_yaw, 2 * M_PI)));
       for (const Leg leg : kLegs) {
-        if (step.targets.plan && !(*step.targets.plan)[leg].swing)
+        if (step.targets.contact_schedule && !(*step.targets.contact_schedule)[leg].swing)
           r.sweep += std::hypot(asked->vx, asked->vy) * followed;
       }
     }
@@ -134,7 +134,7 @@ ControllerPtr said_to_turn(const ControllerPtr& source) {
   return turning;
 }
 
-class MotionNumbers : public BackendTest {
+class MotionNumbers : public EngineTest {
  protected:
   struct Run {
     MotionSummary motion;
@@ -178,15 +178,15 @@ TEST_P(MotionNumbers, AreThoseOfARecordingAtEveryPhysicsStep) {
       EXPECT_GT(r.swing[leg], 1000);
       drag += r.drag[leg] / r.swing[leg] / kLegCount;
       EXPECT_NEAR(r.inner[leg] / r.swing[leg], 0.8, 0.02);  // a control step at either edge of a swing
-      inner += r.inner_drag[leg] / r.inner[leg] / kLegCount;
+      inner += r.inner_contact[leg] / r.inner[leg] / kLegCount;
     }
-    EXPECT_NEAR(m.drag_inner.value(), inner, kRounding);
+    EXPECT_NEAR(m.swing_contact_ratio_inner.value(), inner, kRounding);
     EXPECT_LT(inner, drag);  // feet touch at the ends of a swing above all
     EXPECT_NEAR(m.slip_per_path.value(), r.slip / r.sweep, kRounding);
     EXPECT_NEAR(m.heading_error_deg.value(), r.heading_error * 180 / M_PI, kRounding);
     EXPECT_GT(r.heading_error,
               straight ? 0 : 0.4);  // .2 rad/s for 2.7 s are missing where a turn was asked for
-    EXPECT_NEAR(m.drag.value(), drag, kRounding);
+    EXPECT_NEAR(m.swing_contact_ratio.value(), drag, kRounding);
     EXPECT_GT(drag, 0);
     EXPECT_LT(drag, 0.5);  // it does lift its feet
     const double weight = spec.robot->total_mass() * 9.81;
@@ -213,8 +213,8 @@ TEST_P(MotionNumbers, AStandingRobotHasNoCostOfTransportAndNoDrag) {
   const auto [m, r] = run(spec, motions::standing(spec.robot), {.seconds = 1});
   EXPECT_LT(m.path_m, 0.1 * spec.robot->home_height);
   EXPECT_FALSE(m.cost_of_transport.has_value());
-  EXPECT_FALSE(m.drag.has_value());
-  EXPECT_FALSE(m.drag_inner.has_value());
+  EXPECT_FALSE(m.swing_contact_ratio.has_value());
+  EXPECT_FALSE(m.swing_contact_ratio_inner.has_value());
   EXPECT_FALSE(m.slip_per_path.has_value());
   EXPECT_FALSE(m.heading_error_deg.has_value());
   for (const Leg leg : kLegs) EXPECT_EQ(m.duty_factor[leg], 1);

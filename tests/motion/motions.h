@@ -26,17 +26,18 @@ inline ControllerPtr standing(const scenes::RobotPtr& robot, double height = 0.0
 /// A controller made of functions, so that a test can change one of another's.
 struct FunctionController final : Controller {
   explicit FunctionController(const ControllerPtr& of)
-      : on_stand([of](const Terrain& terrain, const Placement& at) { return of->stand(terrain, at); }),
-        on_hold([of](double dt, ControlTargets& out) { of->hold(dt, out); }),
+      : on_stand(
+            [of](const Terrain& terrain, const Placement& at) { return of->initial_state(terrain, at); }),
+        on_hold([of](double dt, ControlTargets& out) { of->hold_pose(dt, out); }),
         on_advance([of](double dt, ControlTargets& out) { of->advance(dt, out); }),
-        on_look([of](const RobotState& state, double dt) { of->look(state, dt); }) {}
+        on_look([of](const RobotState& state, double dt) { of->observe(state, dt); }) {}
 
-  RobotState stand(const Terrain& terrain, const Placement& at) const override {
+  RobotState initial_state(const Terrain& terrain, const Placement& at) const override {
     return on_stand(terrain, at);
   }
-  void hold(double dt, ControlTargets& out) override { on_hold(dt, out); }
+  void hold_pose(double dt, ControlTargets& out) override { on_hold(dt, out); }
   void advance(double dt, ControlTargets& out) override { on_advance(dt, out); }
-  void look(const RobotState& state, double dt) override { on_look(state, dt); }
+  void observe(const RobotState& state, double dt) override { on_look(state, dt); }
 
   std::function<RobotState(const Terrain&, const Placement&)> on_stand;
   std::function<void(double, ControlTargets&)> on_hold, on_advance;

@@ -8,8 +8,8 @@
 #include "motion/motion_statistics.h"
 #include "physics/core/error.h"
 #include "scenes/scenes.h"
-#include "tests/support/backend_test.h"
 #include "tests/support/constants.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -45,17 +45,18 @@ TEST(OutcomeLimits, AreCheckedByName) {
   EXPECT_NO_THROW(OutcomeLimits{}.validate("limits"));
   using test::kNaN;
   using L = OutcomeLimits;
-  const std::vector<std::pair<const char*, double L::*>> limits{{"tilt_limit_deg", &L::tilt_deg},
-                                                                {"low_height", &L::low_height},
-                                                                {"other_load", &L::other_load},
-                                                                {"low_seconds", &L::low_seconds},
-                                                                {"load_smoothing", &L::load_smoothing},
-                                                                {"loop_gap", &L::loop_gap},
-                                                                {"slip", &L::slip},
-                                                                {"slip_path", &L::slip_path},
-                                                                {"progress", &L::progress},
-                                                                {"asked_path", &L::asked_path},
-                                                                {"asked_turn", &L::asked_turn}};
+  const std::vector<std::pair<const char*, double L::*>> limits{
+      {"tilt_limit_deg", &L::tilt_deg},
+      {"low_height", &L::low_height},
+      {"nonfoot_contact_load", &L::nonfoot_contact_load},
+      {"low_seconds", &L::low_seconds},
+      {"load_smoothing", &L::load_smoothing},
+      {"loop_gap", &L::loop_gap},
+      {"slip", &L::slip},
+      {"slip_path", &L::slip_path},
+      {"progress", &L::progress},
+      {"commanded_path", &L::commanded_path},
+      {"commanded_turn", &L::commanded_turn}};
   for (const auto& [element, member] : limits) {
     for (const double bad : {0.0, -1.0, kNaN, 1e9}) {
       OutcomeLimits wrong;
@@ -70,7 +71,7 @@ TEST(OutcomeLimits, AreCheckedByName) {
     }
   }
   const std::vector<std::pair<double L::*, double>> most{
-      {&L::tilt_deg, 180}, {&L::low_height, 1}, {&L::other_load, 1}, {&L::progress, 1}};
+      {&L::tilt_deg, 180}, {&L::low_height, 1}, {&L::nonfoot_contact_load, 1}, {&L::progress, 1}};
   for (const auto& [member, value] : most) {
     OutcomeLimits edge;
     edge.*member = value;
@@ -81,7 +82,7 @@ TEST(OutcomeLimits, AreCheckedByName) {
 }
 
 TEST(MotionStatistics, OfSeveralOutcomesTheFirstOfTheListIsTheOutcome) {
-  const auto world = make_backend(available_engines().front(), scenes::world_of(scenes::quadruped()));
+  const auto world = make_world(available_engines().front(), scenes::world_of(scenes::quadruped()));
   MotionStatistics statistics(world->robot());
   for (const OutcomeRow& worse : outcome_rows()) {
     if (!worse.at_once) continue;
@@ -117,7 +118,7 @@ class MadeUpMotion : public ::testing::Test {
   bool collapsed() const { return statistics_.has(Outcome::kCollapsed); }
 
   std::unique_ptr<PhysicsBackend> world_ =
-      make_backend(available_engines().front(), scenes::world_of(scenes::quadruped()));
+      make_world(available_engines().front(), scenes::world_of(scenes::quadruped()));
   MotionStatistics statistics_{world_->robot()};
 };
 

@@ -115,8 +115,8 @@ TraceSample numbered(double time) {
 
 TEST_F(TraceFiles, LoseNothing) {
   TraceSample first = numbered(0.1), second = numbered(0.2);
-  first.plan.emplace();
-  (*first.plan)[Leg::FL].swing = (*first.plan)[Leg::RR].swing = true;
+  first.contact_schedule.emplace();
+  (*first.contact_schedule)[Leg::FL].swing = (*first.contact_schedule)[Leg::RR].swing = true;
   first.parameters.emplace();
   first.parameters->cycle_time = 1.0 / 7;
   TraceWriter writer(two_joints(), path("trace.csv"));

@@ -19,10 +19,10 @@ std::shared_ptr<const RobotDescription> robot() {
   return kRobot;
 }
 
-std::unique_ptr<PhysicsBackend> any_backend() {
+std::unique_ptr<PhysicsBackend> any_world() {
   WorldSpec spec;
   spec.robot = robot();
-  return make_backend(available_engines().front(), spec);
+  return make_world(available_engines().front(), spec);
 }
 
 LegArray<Vector3> standing_feet() {
@@ -41,15 +41,15 @@ ControllerPtr standing() {
   return make_feet_controller([](double) { return standing_feet(); }, world());
 }
 
-TEST(LegController, UnreachableStandingFootIsAnError) {
+TEST(FootTargetTracker, UnreachableStandingFootIsAnError) {
   LegArray<Vector3> feet = standing_feet();
   feet[Leg::RL].z() = -0.5;
-  const LegController legs(robot());
+  const FootTargetTracker legs(robot());
   EXPECT_THROW((void)legs.standing_state(feet, Terrain()), ConfigError);
 }
 
-TEST(LegController, CountsTargetsOutOfReach) {
-  LegController legs(robot());
+TEST(FootTargetTracker, CountsTargetsOutOfReach) {
+  FootTargetTracker legs(robot());
   LegArray<Vector3> feet = standing_feet();
   legs.update(feet, 2e-3);
   EXPECT_EQ(legs.clamped(), 0);
@@ -61,8 +61,8 @@ TEST(LegController, CountsTargetsOutOfReach) {
   EXPECT_EQ(legs.clamped(), 0);
 }
 
-TEST(LegController, LeadVanishesAtRestAndGrowsWithSpeed) {
-  LegController plain(robot(), ServoCompensation::none()), leading(robot(), {.load = false});
+TEST(FootTargetTracker, LeadVanishesAtRestAndGrowsWithSpeed) {
+  FootTargetTracker plain(robot(), ServoCompensation::none()), leading(robot(), {.load = false});
   LegArray<Vector3> feet = standing_feet();
   EXPECT_EQ(plain.update(feet, 2e-3).q, leading.update(feet, 2e-3).q);
   EXPECT_EQ(plain.update(feet, 2e-3).q, leading.update(feet, 2e-3).q);
@@ -75,11 +75,11 @@ TEST(LegController, LeadVanishesAtRestAndGrowsWithSpeed) {
               0.02);  // the legs' pose moved 2e-4 m
 }
 
-TEST(LegController, FeetSweepLessByWhatTheyRoll) {
+TEST(FootTargetTracker, FeetSweepLessByWhatTheyRoll) {
   GaitParameters p;
   p.load_share = 1;  // nothing gives way
-  const LegController legs(robot());
-  const Vector2 sweep = legs.foot_sweep(standing_feet(), p);
+  const FootTargetTracker legs(robot());
+  const Vector2 sweep = legs.rolling_correction(standing_feet(), p);
   // Sideways: the leg turns by 1 / D for each metre, D = .06 + .010 m below the tilt axis
   // (docs/kinematics.md).
   const double radius = (*robot()->legs)[Leg::FL].foot_radius;
@@ -96,13 +96,13 @@ TEST(LegController, FeetSweepLessByWhatTheyRoll) {
   EXPECT_NEAR(1 / sweep.x(), 1 + radius * rate, 1e-5);  // as above
 }
 
-TEST(LegController, FeetSweepOtherwiseByWhatTheirLoadLeaves) {
-  const LegController legs(robot()), plain(robot(), ServoCompensation::none());
-  const auto advance = [](const LegController& l, double share, double duty) {
+TEST(FootTargetTracker, FeetSweepOtherwiseByWhatTheirLoadLeaves) {
+  const FootTargetTracker legs(robot()), plain(robot(), ServoCompensation::none());
+  const auto advance = [](const FootTargetTracker& l, double share, double duty) {
     GaitParameters p;
     p.load_share = share;
     p.duty_factor = duty;
-    return Vector2(l.foot_sweep(standing_feet(), p).cwiseInverse());
+    return Vector2(l.rolling_correction(standing_feet(), p).cwiseInverse());
   };
   const Vector2 carried = advance(legs, 1, 0.5), half = advance(legs, 0.5, 0.5);
   EXPECT_LT(half.x(), carried.x() - 0.01);  // it gives way against the sweep
@@ -112,11 +112,11 @@ TEST(LegController, FeetSweepOtherwiseByWhatTheirLoadLeaves) {
   EXPECT_EQ(advance(plain, 1, 0.5), advance(legs, 0, 0.5)) << "servos that make up for nothing";
 }
 
-TEST(LegController, HoldsUpTheLoadOfStandingLegs) {
+TEST(FootTargetTracker, HoldsUpTheLoadOfStandingLegs) {
   // A servo's lead times its stiffness is a torque, and the torques of all legs do the work of lifting the
   // weight: tau . theta' = load d' for any velocity d' of the foot downward.
-  LegController plain(robot(), ServoCompensation::none());
-  LegController lifting(robot(), {.lag = false});
+  FootTargetTracker plain(robot(), ServoCompensation::none());
+  FootTargetTracker lifting(robot(), {.lag = false});
   lifting.set_load_share(1);
   LegArray<Vector3> feet = standing_feet();
   feet[Leg::FR].z() += 0.01;  // in the air
@@ -195,14 +195,14 @@ TEST(JointDrag, IsSmoothWhereTheJointTurnsRound) {
   EXPECT_NEAR(drag.dry(0.1), 2 / std::sqrt(2.0), 1e-12);
 }
 
-TEST(LegController, LeadsByTheDryFrictionOfItsServos) {
+TEST(FootTargetTracker, LeadsByTheDryFrictionOfItsServos) {
   // A friction of f asks servos of stiffness kp for f / kp more in the direction they turn.
   constexpr double kFriction = 0.02;
   RobotDescription rubbing = *robot();
   for (const LegModel& leg : *rubbing.legs) {
     for (const int i : leg.servos) rubbing.bodies[static_cast<std::size_t>(i) + 1].joint.friction = kFriction;
   }
-  LegController smooth(robot()), dry(std::make_shared<const RobotDescription>(rubbing));
+  FootTargetTracker smooth(robot()), dry(std::make_shared<const RobotDescription>(rubbing));
   const std::vector<int> actuated = robot()->actuated_joints();
   LegArray<Vector3> feet;
   for (int step = 0; step < 3; ++step) {
@@ -234,9 +234,9 @@ TEST(Walk, AcceptsOnlyTimingThatCanBe) {
 }
 
 TEST(Walk, StandingStillGoesNowhere) {
-  const auto backend = any_backend();
+  const auto world = any_world();
   const WalkTiming timing{.seconds = 1};
-  const MotionSummary s = run_walk(*backend, standing(), timing);
+  const MotionSummary s = run_walk(*world, standing(), timing);
   EXPECT_LT(std::abs(s.distance_m), 2e-3);  // soft contact lets a standing robot creep
   EXPECT_EQ(s.outcome, Outcome::kWalked);
   for (const auto& at : s.first_at_s) EXPECT_FALSE(at.has_value());
@@ -245,12 +245,12 @@ TEST(Walk, StandingStillGoesNowhere) {
 }
 
 TEST(Walk, TrotStatisticsAreThoseOfATrot) {
-  const auto backend = any_backend();
+  const auto world = any_world();
   const WalkTiming timing{.seconds = 4};
   const GaitChoice trot = choose_gait("trot", {});
   int samples = 0;
   const MotionSummary s =
-      run_walk(*backend, make_gait_controller(trot, world()), timing, [&](const WalkSample& sample) {
+      run_walk(*world, make_gait_controller(trot, world()), timing, [&](const WalkSample& sample) {
         ++samples;
         EXPECT_TRUE(sample.world.state().is_finite());
         return true;
@@ -285,7 +285,7 @@ TEST(DriveLegs, FollowsAShareOfTheLoadThatChangesOnTheWay) {
   GaitGenerator gait(find_gait("trot"), p, leg_origins(*robot()));
   p.load_share = 0;
   ASSERT_TRUE(gait.set_parameters(p));
-  LegController legs(robot()), none(robot(), {.load = false});
+  FootTargetTracker legs(robot()), none(robot(), {.load = false});
   ControlTargets out, expected;
   for (int i = 0; i < 500; ++i) {
     const LegArray<FootTarget>& feet = gait.update(2e-3);
@@ -319,9 +319,9 @@ TEST(GaitChoice, SettingsChangeEveryGaitThatMayBeChosen) {
 }
 
 TEST(Walk, ObserverCanEndIt) {
-  const auto backend = any_backend();
+  const auto world = any_world();
   int samples = 0;
-  const MotionSummary s = run_walk(*backend, standing(), WalkTiming{.seconds = 5},
+  const MotionSummary s = run_walk(*world, standing(), WalkTiming{.seconds = 5},
                                    [&](const WalkSample&) { return ++samples < 10; });
   EXPECT_EQ(s.physics_steps, 20);
 }
@@ -333,9 +333,9 @@ TEST(Walk, FallingIsNoticed) {
   spec.robot = robot();
   spec.gravity = {0, 20, -9.81};
   spec.contact.friction = 5;
-  const auto backend = make_backend(available_engines().front(), spec);
+  const auto world = make_world(available_engines().front(), spec);
   const WalkTiming timing{.seconds = 2, .settle_seconds = 0};
-  const MotionSummary s = run_walk(*backend, standing(), timing);
+  const MotionSummary s = run_walk(*world, standing(), timing);
   ASSERT_TRUE(s.has(Outcome::kFell));
   EXPECT_GT(*s.first_at_s[static_cast<std::size_t>(Outcome::kFell)], 0.0);
   EXPECT_FALSE(s.has(Outcome::kDiverged));

@@ -124,8 +124,8 @@ TEST(Behaviours, AreNamedAndJudgedByTheSameStatistics) {
   EXPECT_EQ(names,
             (std::vector<std::string>{"distance, m", "mean speed, m/s", "RMS roll, deg", "RMS pitch, deg",
                                       "slip of loaded feet, m", "cost of transport, -", "duty factor, -",
-                                      "heading error, deg", "drag, -", "slip per path, -", "failures, share",
-                                      "total reward, -"}));
+                                      "heading error, deg", "swing contact, -", "slip per path, -",
+                                      "failures, fraction", "total reward, -"}));
   ASSERT_EQ(walk.statistics.size() + 1, policy.statistics.size());
   for (std::size_t i = 0; i < walk.statistics.size(); ++i) {
     EXPECT_EQ(walk.statistics[i].name, policy.statistics[i].name);

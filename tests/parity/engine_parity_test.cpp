@@ -205,12 +205,12 @@ TEST_P(MatchedPair, FallsTheSame) {
 
 TEST_P(MatchedPair, PushesMoveThemTheSame) {
   const WorldSpec spec = scenes::world_of(scenes::long_quadruped());
-  const auto a = make_backend(GetParam().a, spec), b = make_backend(GetParam().b, spec);
+  const auto a = make_world(GetParam().a, spec), b = make_world(GetParam().b, spec);
   const JointTargets home = scenes::home_targets(*spec.robot);
   for (int i = 0; i < 1000; ++i) {
-    for (PhysicsBackend* backend : {a.get(), b.get()}) {
-      if (i % 250 == 100) backend->apply_push({0.05, -0.04, 0.02});
-      ASSERT_EQ(backend->step(home), StepStatus::kOk);
+    for (PhysicsBackend* world : {a.get(), b.get()}) {
+      if (i % 250 == 100) world->apply_push({0.05, -0.04, 0.02});
+      ASSERT_EQ(world->step(home), StepStatus::kOk);
     }
   }
   const double difference = (a->state().p_WB - b->state().p_WB).norm();
@@ -260,7 +260,7 @@ TEST_P(MatchedPair, MassMatricesAgree) {
   for (const scenes::RobotPtr& robot :
        {scenes::quadruped(), scenes::long_quadruped(), scenes::awkward_robot()}) {
     const WorldSpec spec = scenes::world_of(robot);
-    const auto a = make_backend(GetParam().a, spec), b = make_backend(GetParam().b, spec);
+    const auto a = make_world(GetParam().a, spec), b = make_world(GetParam().b, spec);
     for (int n = 0; n < 20; ++n) {
       const RobotState state = scenes::random_state(*robot, random);
       a->reset(state);

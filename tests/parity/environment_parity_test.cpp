@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "physics/core/text.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/environments.h"
 
 namespace crossgait {
@@ -94,8 +94,8 @@ TEST(EnvironmentParity, MatchedEnginesSeeTheSameUnderJointActions) {
 }
 
 /// An observation every 25 steps of 200 under fixed actions, one line each.
-std::vector<std::vector<double>> golden_run(const std::string& backend) {
-  QuadrupedEnv env(all_blocks("rough"), find_engine(backend));
+std::vector<std::vector<double>> golden_run(const std::string& world) {
+  QuadrupedEnv env(all_blocks("rough"), find_engine(world));
   std::vector<double> seen(env.observation_size());
   std::vector<std::vector<double>> lines;
   env.reset(1, seen);
@@ -115,10 +115,9 @@ std::string name_of(const Laws& laws) {
   return test_name("contact " + laws.contact) + "-" + test_name("loops " + laws.loops);
 }
 
-class GoldenObservations : public BackendTest {};
+class GoldenObservations : public EngineTest {};
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(GoldenObservations);
-INSTANTIATE_TEST_SUITE_P(EveryBackend, GoldenObservations, ::testing::ValuesIn(own_engines()),
-                         backend_of_test);
+INSTANTIATE_TEST_SUITE_P(EveryEngine, GoldenObservations, ::testing::ValuesIn(own_engines()), engine_of_test);
 
 // Meant changes of physics, gait or layout: run with CROSSGAIT_WRITE_GOLDEN=1 and look at the difference.
 TEST_P(GoldenObservations, AreAsRecorded) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "conformance/in_step.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 
@@ -50,7 +50,7 @@ class MatchedPair : public ::testing::TestWithParam<Pair> {
     return result;
   }
 
-  static RobotState home_of(const WorldSpec& spec) { return make_backend(GetParam().a, spec)->home_state(); }
+  static RobotState home_of(const WorldSpec& spec) { return make_world(GetParam().a, spec)->home_state(); }
 
   static Difference trot(const WorldSpec& spec, double seconds) {
     const scenes::Trot gait(*spec.robot);

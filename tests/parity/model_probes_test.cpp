@@ -1,11 +1,11 @@
 #include "parity/model_probes.h"
 
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
 
-class Probes : public BackendTest {};
+class Probes : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Probes);
 
 TEST_P(Probes, TurnEveryJointTheFirstOneToo) {

@@ -7,7 +7,7 @@
 #include "parity/model_audit.h"
 #include "parity/verdict_report.h"
 #include "tests/parity/planted_faults.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -20,8 +20,8 @@ WorldSpec world_on(const std::string& terrain) {
 
 double cylinder_radius(const WorldSpec& spec) { return spec.robot->bodies[1].shapes[0].size[0]; }
 
-/// The audited backend against the first there is; the first against the last.
-class PlantedFaults : public BackendTest {
+/// The audited world against the first there is; the first against the last.
+class PlantedFaults : public EngineTest {
  protected:
   static std::string reference() {
     const std::vector<std::string> names = available_engines();
@@ -46,7 +46,7 @@ TEST_P(PlantedFaults, SoundModelsRaiseNoAlarm) {
                                           scenes::with_joint_friction(scenes::quadruped(), 0.02)}) {
       WorldSpec spec = world_on(terrain);
       spec.robot = robot;
-      const auto a = make_backend(reference(), spec), b = make(spec);
+      const auto a = make_world(reference(), spec), b = make(spec);
       const std::vector<AuditFinding> findings = audit_models(*a, *b);
       EXPECT_TRUE(findings.empty()) << robot->name << " on " << terrain << ": " << describe(findings);
     }
@@ -59,7 +59,7 @@ TEST_P(PlantedFaults, AreNamed) {
     const WorldSpec sound = world_on(fault.terrain);
     WorldSpec faulty = sound;
     fault.plant(faulty);
-    const auto a = make_backend(reference_of_same_loops(), sound), b = make(faulty);
+    const auto a = make_world(reference_of_same_loops(), sound), b = make(faulty);
     const std::vector<AuditFinding> findings = audit_models(*a, *b);
     EXPECT_FALSE(findings.empty());
     if (findings.empty()) continue;
@@ -104,7 +104,7 @@ TEST_P(PlantedFaults, CornersOfACylinderAreNamed) {
                                      i % 2 == 0 ? cylinder.size[1] : -cylinder.size[1]);
     }
     faulty.robot = std::move(robot);
-    const auto a = make_backend(reference(), sound), b = make(sound), c = make(faulty);
+    const auto a = make_world(reference(), sound), b = make(sound), c = make(faulty);
     const std::vector<AuditFinding> none = audit_models(*a, *b), findings = audit_models(*a, *c);
     EXPECT_TRUE(none.empty()) << describe(none);
     ASSERT_FALSE(findings.empty()) << terrain;
@@ -164,7 +164,7 @@ TEST(PlantedBehaviours, ACarefulCrawlAgrees) {
     spec.contact.softness.time_constant = 0.005;  // s
     const Verdict verdict = reach_verdict(behaviour_of(spec, "careful crawl", careful_crawl, 3),
                                           find_engine(family.from), find_engine(family.to), {.starts = 4});
-    EXPECT_EQ(verdict.conclusion(), Conclusion::kAgrees) << describe(verdict);
+    EXPECT_EQ(verdict.value(), VerdictValue::kAgrees) << describe(verdict);
     std::printf("planted careful crawl:\n%s", describe(verdict).c_str());
   }
 }
@@ -181,7 +181,7 @@ TEST(PlantedBehaviours, AGlideOnSoftFrictionIsTheEnginesAndItsFrictionIsNamed) {
     const Behaviour glide = behaviour_of(spec, "glide", stand, 1.5, 0.5);
     const Verdict verdict = reach_verdict(glide, find_engine(ends.from), find_engine(ends.to), {.starts = 4});
     const std::size_t distance = index_of(glide.statistics, "distance");
-    EXPECT_EQ(verdict.statistics[distance].conclusion, Conclusion::kEngineDependent) << describe(verdict);
+    EXPECT_EQ(verdict.statistics[distance].value, VerdictValue::kEngineDependent) << describe(verdict);
     const Attribution attribution = attribute(glide, shortened(ends), {.starts = 4});
     EXPECT_EQ(attribution.leading(distance), std::vector<std::string>{"hard_friction"})
         << describe(attribution);

@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "parity/standing.h"
+#include "parity/consensus.h"
 #include "tests/parity/planted_faults.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -65,7 +65,7 @@ class Crawl {
   }
 
   /// @param faulty  of the engines; none if it is beyond them
-  Standing stand(std::size_t faulty, const GrossFault& fault) {
+  Consensus stand(std::size_t faulty, const GrossFault& fault) {
     std::vector<Engine> engines;
     std::vector<JudgedEngine> judged;
     for (const std::string& name : kEngines) {
@@ -86,7 +86,7 @@ class Crawl {
         return behaviour_.run(engine, variation, start);
       return sound_run(engine, variation, start);
     };
-    return crossgait::stand(judged, reach_verdicts(behaviour, engines, {.starts = 6, .workers = 2}));
+    return crossgait::find_consensus(judged, reach_verdicts(behaviour, engines, {.starts = 6, .workers = 2}));
   }
 
  private:
@@ -123,7 +123,7 @@ TEST(PlantedOutliers, AreNamedOfRealEngines) {
   if (!missing_engines().empty()) GTEST_SKIP() << "needs " << missing_engines().front();
   Crawl crawl(0);
   const auto expect_none = [](Crawl& sound) {
-    const Standing standing = sound.stand(kEngines.size(), kFaults.front());
+    const Consensus standing = sound.stand(kEngines.size(), kFaults.front());
     EXPECT_EQ(standing.clusters.size(), 1U) << standing.reason;
     EXPECT_TRUE(standing.outlier.empty()) << standing.reason;
   };
@@ -132,7 +132,7 @@ TEST(PlantedOutliers, AreNamedOfRealEngines) {
   for (const GrossFault& fault : kFaults) {
     for (std::size_t engine = 0; engine < kEngines.size(); ++engine) {
       if (!long_tests() && faults == 1) break;
-      const Standing found = crawl.stand(engine, fault);
+      const Consensus found = crawl.stand(engine, fault);
       std::printf("planted outlier %s, %s: %s\n", kEngines[engine].c_str(), fault.name, found.reason.c_str());
       ++faults;
       named += found.outlier == std::vector<std::size_t>{engine};

@@ -39,8 +39,8 @@ MotionSummary some_motion() {
   m.max_loop_gap_m = 0.0025;
   m.duty_factor = {{0.5, 0.25, 0.75, 1}};
   m.slip_m = 0.4375;
-  m.drag = 0.0625;
-  m.drag_inner = 0.03125;
+  m.swing_contact_ratio = 0.0625;
+  m.swing_contact_ratio_inner = 0.03125;
   m.slip_per_path = 0.1875;
   m.heading_error_deg = 6.5;
   m.cost_of_transport = 2.75;
@@ -51,7 +51,7 @@ MotionSummary some_motion() {
 WalkRun some_walk(const std::string& engine, const MotionSummary& motion) {
   WalkRun run;
   run.engine.name = engine;
-  run.engine.engine = "Engine";
+  run.engine.library = "Engine";
   run.engine.version = "1.2";
   run.terrain = "rough";
   run.gait = "trot";
@@ -70,8 +70,8 @@ TEST(WalkReport, HasEveryStatistic) {
                                 {"RMS roll, deg", "1.125"},
                                 {"RMS pitch, deg", "2.125"},
                                 {"duty factor, mean of legs", "0.625"},
-                                {"drag, share of swing", "0.062"},  // .0625 is a binary fraction: to even
-                                {"drag, inner 80 % of swing", "0.031"},
+                                {"swing contact, fraction", "0.062"},  // .0625 is a binary fraction: to even
+                                {"swing contact, inner 80 %", "0.031"},
                                 {"slip over planned stance path", "0.188"},
                                 {"heading error, deg", "6.500"},
                                 {"slip of loaded feet, m", "0.4375"},
@@ -79,7 +79,7 @@ TEST(WalkReport, HasEveryStatistic) {
                                 {"largest loop gap, mm", "2.500"},
                                 {"cost of transport", "2.750"},
                                 {"IK targets clamped", "17"},
-                                {"share of command followed", "0.875"},
+                                {"fraction of command followed", "0.875"},
                                 {"wall time, s", "0.25"}}));
 }
 
@@ -90,7 +90,7 @@ TEST(WalkReport, SaysWhenTheOutcomeWasAndNothingOfWhatIsNotKnown) {
   slid.outcome = Outcome::kSlid;
   EXPECT_EQ(outcome_in_words(slid), "slid");
   const std::vector<Cells> rows = table_rows(describe(some_walk("one", {})));
-  for (const char* label : {"drag, share of swing", "drag, inner 80 % of swing",
+  for (const char* label : {"swing contact, fraction", "swing contact, inner 80 %",
                             "slip over planned stance path", "heading error, deg", "cost of transport"}) {
     EXPECT_EQ(std::count(rows.begin(), rows.end(), (Cells{label, "-"})), 1) << label;
   }
@@ -98,8 +98,8 @@ TEST(WalkReport, SaysWhenTheOutcomeWasAndNothingOfWhatIsNotKnown) {
 
 TEST(WalkReport, AsJsonHasEveryNumber) {
   WalkRun run = some_walk("one", some_motion());
-  const ordered_json expected = {{"backend", "one"},
-                                 {"engine", "Engine 1.2"},
+  const ordered_json expected = {{"engine", "one"},
+                                 {"engine_version", "Engine 1.2"},
                                  {"terrain", "rough"},
                                  {"gait", "trot"},
                                  {"outcome", "fell"},
@@ -113,15 +113,15 @@ TEST(WalkReport, AsJsonHasEveryNumber) {
                                  {"fell_at_s", 1.25},
                                  {"collapsed", false},
                                  {"left_terrain", true},
-                                 {"came_apart", false},
+                                 {"loop_violated", false},
                                  {"diverged", false},
                                  {"mean_speed_mps", 0.125},
                                  {"final_position_m", {3.25, 4.25, 5.25}},
                                  {"rms_roll_deg", 1.125},
                                  {"rms_pitch_deg", 2.125},
                                  {"duty_factor", {{"FL", 0.5}, {"FR", 0.25}, {"RL", 0.75}, {"RR", 1.0}}},
-                                 {"drag", 0.0625},
-                                 {"drag_inner", 0.03125},
+                                 {"swing_contact_ratio", 0.0625},
+                                 {"swing_contact_ratio_inner", 0.03125},
                                  {"slip_per_path", 0.1875},
                                  {"heading_error_deg", 6.5},
                                  {"slip_m", 0.4375},
@@ -139,15 +139,15 @@ TEST(WalkReport, AsJsonHasEveryNumber) {
 
 TEST(WalkReport, AsJsonSaysNullForWhatIsNotKnownAndTellsOutcomesApart) {
   const ordered_json json = to_json(MotionSummary{});
-  for (const char* key : {"outcome_at_s", "fell_at_s", "drag", "drag_inner", "slip_per_path",
-                          "heading_error_deg", "cost_of_transport"}) {
+  for (const char* key : {"outcome_at_s", "fell_at_s", "swing_contact_ratio", "swing_contact_ratio_inner",
+                          "slip_per_path", "heading_error_deg", "cost_of_transport"}) {
     ASSERT_TRUE(json.contains(key)) << key;
     EXPECT_TRUE(json[key].is_null()) << key;
   }
   const std::pair<Outcome, const char*> flags[] = {{Outcome::kFell, "fell"},
                                                    {Outcome::kCollapsed, "collapsed"},
                                                    {Outcome::kLeftTerrain, "left_terrain"},
-                                                   {Outcome::kCameApart, "came_apart"},
+                                                   {Outcome::kLoopViolated, "loop_violated"},
                                                    {Outcome::kDiverged, "diverged"}};
   for (const auto& [outcome, key] : flags) {
     MotionSummary m;

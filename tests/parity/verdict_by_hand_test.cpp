@@ -129,7 +129,7 @@ TEST(JudgeByHand, OneStatisticNeedNotShareTheConfidence) {
   ASSERT_EQ(both.size(), 2U);
   EXPECT_EQ(both[1].statistic.name, "constant");
   EXPECT_EQ(both[1].mean_a, 7);
-  EXPECT_EQ(both[1].conclusion, Conclusion::kAgrees);
+  EXPECT_EQ(both[1].value, VerdictValue::kAgrees);
 }
 
 TEST(JudgeByHand, TheScoreIsTheGapInSpreadAndFloor) {
@@ -146,25 +146,25 @@ TEST(JudgeByHand, TheScoreIsTheGapInSpreadAndFloor) {
 TEST(JudgeByHand, TheWordHangsOnTheWholeInterval) {
   // The interval is [1.0945, 2.7164]; it would be [1.3057, 2.5051] with the confidence unshared.
   const auto word = [](double limit, bool turned) {
-    return (turned ? way(kB, kA, limit) : way(kA, kB, limit)).conclusion;
+    return (turned ? way(kB, kA, limit) : way(kA, kB, limit)).value;
   };
   for (const bool turned : {false, true}) {
-    EXPECT_EQ(word(1.09, turned), Conclusion::kEngineDependent) << turned;
-    EXPECT_EQ(word(1.10, turned), Conclusion::kUnresolved) << turned;
-    EXPECT_EQ(word(1.90, turned), Conclusion::kUnresolved) << turned;
-    EXPECT_EQ(word(2.71, turned), Conclusion::kUnresolved) << turned;
-    EXPECT_EQ(word(2.72, turned), Conclusion::kAgrees) << turned;
+    EXPECT_EQ(word(1.09, turned), VerdictValue::kEngineDependent) << turned;
+    EXPECT_EQ(word(1.10, turned), VerdictValue::kUnresolved) << turned;
+    EXPECT_EQ(word(1.90, turned), VerdictValue::kUnresolved) << turned;
+    EXPECT_EQ(word(2.71, turned), VerdictValue::kUnresolved) << turned;
+    EXPECT_EQ(word(2.72, turned), VerdictValue::kAgrees) << turned;
   }
 }
 
 TEST(JudgeByHand, ABehaviourIsTheWorstOfItsStatistics) {
-  const auto of = [](const std::vector<Conclusion>& conclusions) {
+  const auto of = [](const std::vector<VerdictValue>& verdict_values) {
     Verdict verdict;
-    for (const Conclusion c : conclusions) verdict.statistics.emplace_back().conclusion = c;
-    return verdict.conclusion();
+    for (const VerdictValue c : verdict_values) verdict.statistics.emplace_back().value = c;
+    return verdict.value();
   };
-  constexpr Conclusion kAgrees = Conclusion::kAgrees, kDepends = Conclusion::kEngineDependent,
-                       kOpen = Conclusion::kUnresolved;
+  constexpr VerdictValue kAgrees = VerdictValue::kAgrees, kDepends = VerdictValue::kEngineDependent,
+                         kOpen = VerdictValue::kUnresolved;
   EXPECT_EQ(of({kAgrees, kAgrees}), kAgrees);
   EXPECT_EQ(of({kAgrees, kOpen}), kOpen);
   EXPECT_EQ(of({kOpen, kAgrees, kDepends}), kDepends);

@@ -33,11 +33,11 @@ Verdict some_verdict() {
   s.spread = 0.125;
   s.floor = 0.0625;
   s.score = {-1.75, -2.5, -1.25};
-  s.conclusion = Conclusion::kUnresolved;
+  s.value = VerdictValue::kUnresolved;
   v.statistics.push_back(s);
   s = {};
   s.statistic = {"duty factor", "-", 0, 0.02};
-  s.conclusion = Conclusion::kAgrees;
+  s.value = VerdictValue::kAgrees;
   v.statistics.push_back(s);
   return v;
 }
@@ -72,16 +72,16 @@ TEST(VerdictReport, AsJsonHasEveryNumber) {
       {"spread", 0.125},
       {"floor", 0.0625},
       {"score", {{"estimate", -1.75}, {"low", -2.5}, {"high", -1.25}}},
-      {"word", "unresolved"}};
+      {"verdict", "unresolved"}};
   ASSERT_EQ(json["statistics"].size(), 2U);
   EXPECT_EQ(json["statistics"][0].dump(1), statistic.dump(1));
-  EXPECT_EQ(json["statistics"][1]["word"], "agrees");
+  EXPECT_EQ(json["statistics"][1]["verdict"], "agrees");
   ordered_json rest = json;
   rest.erase("statistics");
   EXPECT_EQ(rest, (ordered_json{{"behaviour", "trot on rough"},
                                 {"a", "one"},
                                 {"b", "two"},
-                                {"word", "unresolved"},
+                                {"verdict", "unresolved"},
                                 {"starts", 7},
                                 {"limit", 1.5},
                                 {"confidence", 0.9},
@@ -209,7 +209,7 @@ TEST(AttributionReport, AsJsonHasEveryNumber) {
 }
 
 TEST(Schema, IsPutFirstAndHasToBeKnown) {
-  EXPECT_EQ(with_schema("walk", {{"a", 1}}).dump(), R"({"schema":{"name":"walk","version":1},"a":1})");
+  EXPECT_EQ(with_schema("walk", {{"a", 1}}).dump(), R"({"schema":{"name":"walk","version":"draft"},"a":1})");
   EXPECT_THROW((void)schema("no such"), std::logic_error);
 }
 

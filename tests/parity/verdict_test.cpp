@@ -8,13 +8,13 @@
 #include "motion/gait_source.h"
 #include "parity/verdict_report.h"
 #include "physics/core/error.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
 
 const std::vector<Statistic> kStatistics{{"distance", "m", 0.02, 0.005},
-                                         {"failures", "share", 0, 0.05, true}};
+                                         {"failures", "fraction", 0, 0.05, true}};
 
 // Distance 1 m, `noise` either way over starts that both engines share, `own` either way that they do not,
 // `per_step` more at twice the time step, `offset` more in the second engine.
@@ -46,7 +46,7 @@ StatisticVerdict judged(const Truth& truth, std::size_t starts = 12) {
 
 TEST(Judge, EqualRunsAgree) {
   const StatisticVerdict v = judged({.noise = 0.1});
-  EXPECT_EQ(v.conclusion, Conclusion::kAgrees);
+  EXPECT_EQ(v.value, VerdictValue::kAgrees);
   EXPECT_EQ(v.gap.estimate, 0);
   // Uniform over +-.1: standard deviation .1 / sqrt(3), of 12 samples good to a third.
   EXPECT_NEAR(v.spread_a.starts, 0.1 / std::sqrt(3), 0.02);
@@ -55,7 +55,7 @@ TEST(Judge, EqualRunsAgree) {
 
 TEST(Judge, AGapFarBeyondTheSpreadIsTheEngines) {
   const StatisticVerdict v = judged({.noise = 0.02, .offset = 0.2});
-  EXPECT_EQ(v.conclusion, Conclusion::kEngineDependent);
+  EXPECT_EQ(v.value, VerdictValue::kEngineDependent);
   EXPECT_NEAR(v.gap.estimate, 0.2, 1e-12);
   EXPECT_GT(v.score.low, 1);
 }
@@ -65,28 +65,28 @@ TEST(Judge, AGapWithinTheSpreadAgreesHoweverSignificant) {
   // itself.
   const StatisticVerdict v = judged({.noise = 0.3, .offset = 0.03});
   EXPECT_GT(v.gap.low, 0);
-  EXPECT_EQ(v.conclusion, Conclusion::kAgrees);
+  EXPECT_EQ(v.value, VerdictValue::kAgrees);
 }
 
 TEST(Judge, AGapNobodyWouldActOnAgreesHoweverRepeatable) {
   const StatisticVerdict v = judged({.offset = 0.01});  // floor .02 m, spread nil
   EXPECT_EQ(v.spread, 0);
   EXPECT_GT(v.gap.low, 0);
-  EXPECT_EQ(v.conclusion, Conclusion::kAgrees);
+  EXPECT_EQ(v.value, VerdictValue::kAgrees);
 }
 
 TEST(Judge, TheTimeStepCountsAsSpread) {
-  EXPECT_EQ(judged({.offset = 0.05}).conclusion, Conclusion::kEngineDependent);
+  EXPECT_EQ(judged({.offset = 0.05}).value, VerdictValue::kEngineDependent);
   const StatisticVerdict v = judged({.per_step = 0.2, .offset = 0.05});
   // Means at half, one and two steps: -.1, 0, .2.
   EXPECT_NEAR(v.spread_a.time_step, std::sqrt((0.01 + 0.04 - 0.01 / 3) / 2), 1e-12);
-  EXPECT_EQ(v.conclusion, Conclusion::kAgrees);
+  EXPECT_EQ(v.value, VerdictValue::kAgrees);
 }
 
 TEST(Judge, WhatFewRunsCannotTellIsUnresolvedAndManyResolve) {
   const Truth truth{.noise = 0, .own = 0.1, .offset = 0.085};  // 1.4 standard deviations
-  EXPECT_EQ(judged(truth, 6).conclusion, Conclusion::kUnresolved);
-  EXPECT_EQ(judged(truth, 400).conclusion, Conclusion::kEngineDependent);
+  EXPECT_EQ(judged(truth, 6).value, VerdictValue::kUnresolved);
+  EXPECT_EQ(judged(truth, 400).value, VerdictValue::kEngineDependent);
 }
 
 TEST(Judge, IsRarelyWrong) {
@@ -103,7 +103,7 @@ TEST(Judge, IsRarelyWrong) {
       a[0].push_back({1 + random.uniform(-0.1, 0.1), 0});
       b[0].push_back({1 + offset + random.uniform(-0.1, 0.1), 0});
     }
-    if (judge(kStatistics, nominal, a, b, {}).front().conclusion != Conclusion::kUnresolved) ++words;
+    if (judge(kStatistics, nominal, a, b, {}).front().value != VerdictValue::kUnresolved) ++words;
   }
   EXPECT_LE(static_cast<double>(words) / kRepetitions, 0.05);
 }
@@ -176,7 +176,7 @@ TEST(ReachVerdict, EnginesOfOneContactLawAgree) {
   }
   if (matched.size() < 2) GTEST_SKIP() << "no two engines declare the same contact law";
   const Verdict verdict = short_trot(matched[0], matched[1], 1);
-  EXPECT_EQ(verdict.conclusion(), Conclusion::kAgrees) << describe(verdict);
+  EXPECT_EQ(verdict.value(), VerdictValue::kAgrees) << describe(verdict);
   ASSERT_FALSE(verdict.statistics.empty());
   for (const StatisticVerdict& v : verdict.statistics) {
     measured(v.statistic.name + ", score", v.score.estimate);

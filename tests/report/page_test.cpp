@@ -21,7 +21,7 @@
 #include "tests/physics/core/scratch_folder.h"
 #include "tests/physics/robot_files/mesh_bytes.h"
 #include "tests/report/walked_motion.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -47,7 +47,7 @@ TraceTable standing(const RobotDescription& robot, std::size_t rows, double x = 
   return recorder.take("standing");
 }
 
-class PageOfEngine : public BackendTest {};
+class PageOfEngine : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(PageOfEngine);
 
 TEST_P(PageOfEngine, BodiesAndFeetAreWhereTheTraceHasThem) {
@@ -362,7 +362,7 @@ TEST(ReportPage, HoldsADocumentWhoseTitleIsHarmless) {
 
 TEST(VerdictDocument, NamesTheFileOfWhatIsNone) {
   for (const char* text : {"{}", R"({"statistics": 3})", R"({"statistics": [{"name": 7}]})",
-                           R"({"statistics": [], "behaviour": "b", "a": "x", "b": "y", "word": 1})"}) {
+                           R"({"statistics": [], "behaviour": "b", "a": "x", "b": "y", "verdict": 1})"}) {
     const ConfigError error = config_error([&] { verdict_document(nlohmann::json::parse(text), "v.json"); });
     EXPECT_EQ(error.source(), "v.json") << text;
   }

@@ -6,7 +6,7 @@
 #include "gait/parameters.h"
 #include "physics/core/math.h"
 #include "tests/report/walked_motion.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -32,7 +32,7 @@ std::vector<OfTheBase> panels_of_the_base() {
           {"Yaw rate", [](const RobotState& s) { return kDegreesPerRadian * s.w_WB.z(); }}};
 }
 
-class PanelsOfEngine : public BackendTest {
+class PanelsOfEngine : public EngineTest {
  protected:
   /// Two runs of different lengths, turning: forward is not x.
   PanelsOfEngine() {

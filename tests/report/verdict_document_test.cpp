@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 
 Json pair_of(const std::string& a, const std::string& b, const std::string& word) {
   return {{"behaviour", "trot"}, {"a", a},           {"b", b},
-          {"word", word},        {"starts", 4},      {"limit", 1},
+          {"verdict", word},     {"starts", 4},      {"limit", 1},
           {"confidence", 0.95},  {"variations", {}}, {"left_out", Json::array()},
           {"statistics", {}},    {"models", {}}};
 }
@@ -51,7 +51,7 @@ TEST(VerdictsDocument, RefusesWhatIsNoResult) {
   EXPECT_EQ(refusal(fewer).found(), "2 of 3 engines");
   EXPECT_EQ(refusal({{"engines", Json::array()}, {"pairs", Json::array()}}).element(), "pairs");
   Json worded = three();
-  worded["pairs"][0]["word"] = 1;
+  worded["pairs"][0]["verdict"] = 1;
   EXPECT_EQ(refusal(worded).source(), "many.json");
   Json silent = three();
   silent.erase("sentences");

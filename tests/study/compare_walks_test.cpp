@@ -74,7 +74,7 @@ TEST(CompareWalks, AreReportedWithTheirVerdicts) {
   result.comparison.runs[1].engine.name = "other";
   nlohmann::ordered_json json = report(result);
   EXPECT_EQ(json["schema"]["name"], "compare");
-  EXPECT_EQ(json["runs"][1]["backend"], "other");
+  EXPECT_EQ(json["runs"][1]["engine"], "other");
   EXPECT_FALSE(json.contains("verdicts"));
   EXPECT_FALSE(json.contains("interrupted"));
   result.verdicts.resize(2);
@@ -91,7 +91,7 @@ TEST(Walk, IsReportedWithItsSchema) {
   run.engine.name = "some";
   const nlohmann::ordered_json json = report(run);
   EXPECT_EQ(json["schema"]["name"], "walk");
-  EXPECT_EQ(json["backend"], "some");
+  EXPECT_EQ(json["engine"], "some");
 }
 
 }  // namespace

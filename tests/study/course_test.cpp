@@ -10,7 +10,7 @@
 #include "env/env_model.h"
 #include "physics/core/error.h"
 #include "physics/robot_files/data_path.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -162,7 +162,7 @@ TEST(CourseScores, AreTheMeanOverSectionsOfOneEngine) {
   EXPECT_EQ(result.score("b").mean, 0);
 }
 
-class Courses : public BackendTest {};
+class Courses : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Courses);
 
 TEST_P(Courses, AreTheEpisodesOfEverySection) {

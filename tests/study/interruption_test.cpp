@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "backends/registry.h"
-#include "study/judgement.h"
+#include "study/engine_comparison.h"
 #include "study/tune.h"
 
 namespace crossgait {

@@ -4,11 +4,11 @@
 #include "physics/core/error.h"
 #include "physics/robot_files/data_path.h"
 #include "physics/terrain/terrain.h"
-#include "study/judgement.h"
+#include "study/engine_comparison.h"
 #include "study/rollout.h"
 #include "study/walk.h"
 #include "tests/physics/core/scratch_folder.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {

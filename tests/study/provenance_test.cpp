@@ -15,7 +15,7 @@ Provenance walk_of_bullet() {
   p.files = {{"ground.csv", "0011"}};
   EngineInfo engine;
   engine.name = "bullet";
-  engine.engine = "Bullet";
+  engine.library = "Bullet";
   engine.version = "3.24";
   p.engines = {engine};
   p.subject = {{"seed", 3}};

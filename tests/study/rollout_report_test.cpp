@@ -33,7 +33,7 @@ Evaluation some_evaluation() {
   e.motion.of(&M::slip_m) = {0.375, 0.3};
   e.motion.of(&M::duty_factor) = {0.625, 0.4};
   e.motion.of(&M::cost_of_transport) = MeanAndDeviation{3.5, 0.75};
-  e.motion.of(&M::drag) = MeanAndDeviation{0.015, 0.005};
+  e.motion.of(&M::swing_contact_ratio) = MeanAndDeviation{0.015, 0.005};
   e.motion.of(&M::slip_per_path) = MeanAndDeviation{0.25, 0.125};
   e.motion.of(&M::heading_error_deg) = MeanAndDeviation{4.5, 1.5};
   e.simulated_seconds = 12.5;
@@ -77,8 +77,8 @@ TEST(RolloutReport, PutsPoliciesSideBySideWithTheTermsThatHaveAWeight) {
                   {"RMS roll, deg", "1.25", "0.00"},
                   {"RMS pitch, deg", "2.75", "0.00"},
                   {"duty factor, mean of legs", "0.625", "0.000"},
-                  {"drag, share of swing", "0.015 +- 0.005", "-"},
-                  {"drag, inner 80 % of swing", "-", "-"},
+                  {"swing contact, fraction", "0.015 +- 0.005", "-"},
+                  {"swing contact, inner 80 %", "-", "-"},
                   {"slip over planned stance path", "0.250 +- 0.125", "-"},
                   {"heading error, deg", "4.50 +- 1.50", "-"},
                   {"slip of loaded feet, m", "0.38", "0.00"},  // .375 is a binary fraction: to even
@@ -103,7 +103,7 @@ TEST(RolloutReport, AsJsonHasEveryNumber) {
       {"episodes", 3},
       {"outcomes",
        {{"diverged", 5},
-        {"came_apart", 0},
+        {"loop_violated", 0},
         {"fell", 1},
         {"collapsed", 0},
         {"left_terrain", 4},
@@ -121,8 +121,8 @@ TEST(RolloutReport, AsJsonHasEveryNumber) {
       {"rms_roll_deg", {{"mean", 1.25}, {"deviation", 0.1}}},
       {"rms_pitch_deg", {{"mean", 2.75}, {"deviation", 0.2}}},
       {"duty_factor", {{"mean", 0.625}, {"deviation", 0.4}}},
-      {"drag", {{"mean", 0.015}, {"deviation", 0.005}}},
-      {"drag_inner", nullptr},
+      {"swing_contact_ratio", {{"mean", 0.015}, {"deviation", 0.005}}},
+      {"swing_contact_ratio_inner", nullptr},
       {"slip_per_path", {{"mean", 0.25}, {"deviation", 0.125}}},
       {"heading_error_deg", {{"mean", 4.5}, {"deviation", 1.5}}},
       {"slip_m", {{"mean", 0.375}, {"deviation", 0.3}}},
@@ -147,7 +147,7 @@ TEST(RolloutReport, AsJsonHasEveryPolicyAndEpisode) {
   r.policies[1].episodes = {episode, {}};
   const ordered_json json = to_json(r);
   EXPECT_EQ(json["schema"]["name"], "rollout");
-  EXPECT_EQ(json["backend"], "bullet");
+  EXPECT_EQ(json["engine"], "bullet");
   EXPECT_EQ(json["terrain"], "rough");
   EXPECT_EQ(json["gait"], "walk");
   EXPECT_EQ(json["seed"], 5);
@@ -213,7 +213,7 @@ TEST(TransferReport, AsJsonHasEveryCell) {
   EXPECT_FALSE(json.contains("interrupted"));
   ASSERT_EQ(json["cells"].size(), 3U);
   EXPECT_EQ(json["cells"][1], (ordered_json{{"terrain", "flat"},
-                                            {"backend", "bullet"},
+                                            {"engine", "bullet"},
                                             {"policy", to_json(t.cells[1].policy)},
                                             {"baseline", to_json(t.cells[1].baseline)}}));
   t.interrupted = true;

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "study/tune.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/motion_bits.h"
 
 namespace crossgait {
@@ -32,7 +32,7 @@ void expect_to_the_end(const std::vector<double>& shares) {
   EXPECT_DOUBLE_EQ(shares.back(), 1);
 }
 
-class Studies : public BackendTest {};
+class Studies : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Studies);
 
 TEST_P(Studies, RolloutsDoNotHangOnThreads) {

@@ -12,7 +12,7 @@
 #include "study/run_maker.h"
 #include "study/run_store.h"
 #include "tests/study/runs.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
@@ -30,13 +30,13 @@ TEST(RunSpec, HasOneTextThatStays) {
   EXPECT_EQ(
       json.dump(),
       R"({"behaviour":{"bands":[],"command":null,"compensation":true,"control_dt":0.002,)"
-      R"("ends":["diverged"],"friction":0.6,"gait":"trot","heading_hold":true,)"
+      R"("friction":0.6,"gait":"trot","heading_hold":true,)"
       R"("kind":"walk","parameters":{"body_height":0.062,"cycle_time":0.24,"duty_factor":0.6,"foot_clearance":0.0,)"
       R"("lateral_offset_fl":0.0,"lateral_offset_fr":0.0,"lateral_offset_rl":0.0,"lateral_offset_rr":0.0,)"
       R"("load_share":1.0,"stance_offset":0.0,"stance_width":0.0,"step_height":0.04,"step_length":0.04,"swing":"bezier","swing_shape":0.3},)"
       R"("physics_dt":0.001,)"
       R"("robot":{"description":"","name":"scara_quadruped"},"seconds":0.3,"settle_seconds":0.1,)"
-      R"("terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"crossgait":"","engine":"mujoco","engine_version":"2.2.2",)"
+      R"("terminations":["diverged"],"terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"crossgait":"","engine":"mujoco","engine_version":"2.2.2",)"
       R"("schema":{"name":"run","version":2},"seed":3,"start":1,)"
       R"("starts":{"heading_rad":0.2,"position_m":0.1,"push_mps":0.02,"tilt_rad":0.02},)"
       R"("variation":{"iterations":1.0,"step":1.0,"tolerance":1.0}})");
@@ -119,7 +119,7 @@ TEST(RunSpec, ChangesWithEveryFieldOfAWalk) {
     c.gait.bands = default_speed_bands();
     c.gait.bands[1].gait.preferred.cycle_time += 0.01;
   });
-  add("ends", [](WalkConfig& c) { c.ends.add(Outcome::kFell); });
+  add("terminations", [](WalkConfig& c) { c.terminations.add(Outcome::kFell); });
   add("seconds", [](WalkConfig& c) { c.timing.seconds = 0.4; });
   add("control_dt", [](WalkConfig& c) { c.timing.control_dt = 4e-3; });
   add("settle", [](WalkConfig& c) { c.timing.settle_seconds = 0.2; });
@@ -167,8 +167,8 @@ TEST(RunSpec, ChangesWithEveryFieldOfAnEnvironment) {
   add("tilt limit", [](EnvConfig& c) { c.tilt_limit_deg = 50; });
   for (const OutcomeRow& row : outcome_rows()) {
     if (!row.at_once || row.outcome == Outcome::kDiverged) continue;
-    add(std::string("ends ") + std::string(row.name),
-        [&row](EnvConfig& c) { c.ends.in[static_cast<std::size_t>(row.outcome)] = false; });
+    add(std::string("terminations ") + std::string(row.name),
+        [&row](EnvConfig& c) { c.terminations.in[static_cast<std::size_t>(row.outcome)] = false; });
   }
   expect_all_different(policy_run(), changes);
   RunSpec elsewhere = policy_run();
@@ -190,7 +190,7 @@ TEST(RunSpec, ChangesWithEveryRangeOfAnEnvironment) {
   expect_all_different(run, changes);
 }
 
-class Runs : public BackendTest {
+class Runs : public EngineTest {
  protected:
   static RunSpec in_this_engine(RunSpec run) {
     run.engine = GetParam();
@@ -237,7 +237,7 @@ TEST_P(Runs, StartAlikeAsWalksAndAsPolicies) {
   walk_of(walk).timing.seconds = 1.2;  // the push comes within the first second
   PolicyConfig policy;
   policy.environment = walk_of(walk).environment();
-  policy.environment.ends = OutcomeSet::of_walks();
+  policy.environment.terminations = OutcomeSet::of_walks();
   RunSpec episode = walk;
   episode.behaviour.what = policy;
   const Behaviour walks = make_behaviour(walk.behaviour), episodes = make_behaviour(episode.behaviour);

@@ -22,8 +22,8 @@ TEST(TrialWalk, IsAtTheSpeedThatRobotsOfAnySizeTrotAt) {
       EXPECT_EQ(walk.engine, available_engines()[k]);
       EXPECT_DOUBLE_EQ(walk.speed_ratio, walk.summary.mean_speed_mps / trial.commanded_mps);
       EXPECT_GT(walk.speed_ratio, 0.5) << name << " in " << walk.engine;
-      EXPECT_GE(walk.torque_share, 0);
-      EXPECT_LE(walk.torque_share, 1);
+      EXPECT_GE(walk.torque_limit_fraction, 0);
+      EXPECT_LE(walk.torque_limit_fraction, 1);
     }
   }
 }

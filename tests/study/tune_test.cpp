@@ -228,7 +228,7 @@ TEST(TuneReport, AsJsonHasTheTunedParametersAndEveryCheck) {
   Tuning t = some_tuning();
   const nlohmann::ordered_json json = to_json(t);
   EXPECT_EQ(json["schema"]["name"], "tune");
-  EXPECT_EQ(json["backend"], "mujoco");
+  EXPECT_EQ(json["engine"], "mujoco");
   EXPECT_EQ(json["terrain"], "waves");
   EXPECT_EQ(json["history"], (nlohmann::ordered_json{0.125, 0.25}));
   EXPECT_EQ(json["parameters"], (nlohmann::ordered_json{{"cycle_time", 0.875}, {"step_length", 0.0625}}));
@@ -236,7 +236,7 @@ TEST(TuneReport, AsJsonHasTheTunedParametersAndEveryCheck) {
   ASSERT_EQ(json["checks"].size(), 8U);
   EXPECT_EQ(json["checks"][3], (nlohmann::ordered_json{{"ground", "seeds tuned on"},
                                                        {"parameters", "tuned"},
-                                                       {"backend", "bullet"},
+                                                       {"engine", "bullet"},
                                                        {"all", to_json(t.checks[1].per_engine[1])}}));
   t.interrupted = true;
   EXPECT_EQ(to_json(t)["interrupted"], true);

@@ -6,7 +6,7 @@
 #include "study/rollout.h"
 #include "study/walk.h"
 #include "tests/physics/core/config_error.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/motion_bits.h"
 
 namespace crossgait {
@@ -38,12 +38,12 @@ std::vector<WalkConfig> walks() {
   return all;
 }
 
-class WalkAndEpisode : public BackendTest {
+class WalkAndEpisode : public EngineTest {
  protected:
   static EnvConfig environment_of(const WalkConfig& config) {
     EnvConfig environment = config.environment();
     environment.engine = GetParam();
-    environment.ends = OutcomeSet::of_walks();
+    environment.terminations = OutcomeSet::of_walks();
     environment.adapt = {"step_length"};  // a cycle time may be shorter than those that adapt
     return environment;
   }
@@ -60,7 +60,7 @@ TEST_P(WalkAndEpisode, HaveTheSameNumbersToTheLastBit) {
     EXPECT_EQ(differences(walked, episode.motion), "");
     EXPECT_EQ(to_json(walked), to_json(episode.motion));
     EXPECT_GT(walked.path_m, 0.02);
-    EXPECT_TRUE(walked.drag.has_value());
+    EXPECT_TRUE(walked.swing_contact_ratio.has_value());
   }
 }
 

@@ -20,13 +20,13 @@ inline std::size_t allocations_of_a_trot(const Engine& engine, const Terrain& te
                                          double joint_friction = 0) {
   WorldSpec spec = scenes::world_of(scenes::with_joint_friction(scenes::quadruped(), joint_friction));
   spec.terrain = terrain;
-  const auto backend = engine.make(spec);
-  const scenes::Trot trot(backend->robot());
+  const auto world = engine.make(spec);
+  const scenes::Trot trot(world->robot());
   int i = 0;
   const auto steps = [&](int count) {
     for (const int end = i + count; i < end; ++i) {
-      EXPECT_EQ(backend->step(trot.targets(i * 1e-3)), StepStatus::kOk);
-      (void)backend->foot_contacts();
+      EXPECT_EQ(world->step(trot.targets(i * 1e-3)), StepStatus::kOk);
+      (void)world->foot_contacts();
     }
   };
   steps(1500);  // a stand and more than a cycle
@@ -39,46 +39,46 @@ inline std::size_t allocations_of_a_trot(const Engine& engine, const Terrain& te
 inline std::size_t allocations_of_a_fall(const Engine& engine, const Terrain& terrain) {
   WorldSpec spec = scenes::world_of(scenes::assortment());
   spec.terrain = terrain;
-  const auto backend = engine.make(spec);
-  RobotState start = backend->home_state();
+  const auto world = engine.make(spec);
+  RobotState start = world->home_state();
   start.w_WB = {2, -3, 1};
-  backend->reset(start);
-  const JointTargets targets = scenes::home_targets(backend->robot());
-  EXPECT_EQ(backend->step(targets, 400), StepStatus::kOk);
-  EXPECT_GT(backend->contacts().count, 2);
+  world->reset(start);
+  const JointTargets targets = scenes::home_targets(world->robot());
+  EXPECT_EQ(world->step(targets, 400), StepStatus::kOk);
+  EXPECT_GT(world->contacts().count, 2);
   const AllocationScope scope;
-  EXPECT_EQ(backend->step(targets, 600), StepStatus::kOk);
+  EXPECT_EQ(world->step(targets, 600), StepStatus::kOk);
   return scope.count();
 }
 
 /// A robot with joint friction that lands on 60 points.
 /// @param before  steps that do not count; it is in the air for the first ten
 inline std::size_t allocations_of_a_crowd_of_contacts(const Engine& engine, int before = 10) {
-  const auto backend =
+  const auto world =
       engine.make(scenes::world_of(scenes::with_joint_friction(scenes::heavy_sledge(60), 0.5)));
-  RobotState start = backend->home_state();
+  RobotState start = world->home_state();
   start.p_WB.z() += 0.02;
-  backend->reset(start);
-  const JointTargets targets = scenes::home_targets(backend->robot());
-  EXPECT_EQ(backend->step(targets, 10), StepStatus::kOk);
-  EXPECT_EQ(backend->contacts().count, 0);
+  world->reset(start);
+  const JointTargets targets = scenes::home_targets(world->robot());
+  EXPECT_EQ(world->step(targets, 10), StepStatus::kOk);
+  EXPECT_EQ(world->contacts().count, 0);
   if (before > 10) {
-    EXPECT_EQ(backend->step(targets, before - 10), StepStatus::kOk);
+    EXPECT_EQ(world->step(targets, before - 10), StepStatus::kOk);
   }
   const AllocationScope scope;
-  EXPECT_EQ(backend->step(targets, 300), StepStatus::kOk);
-  EXPECT_GT(backend->contacts().count, 30);  // where contact is hard, not all that touch carry
+  EXPECT_EQ(world->step(targets, 300), StepStatus::kOk);
+  EXPECT_GT(world->contacts().count, 30);  // where contact is hard, not all that touch carry
   return scope.count();
 }
 
 inline std::size_t allocations_of_pushes_and_refused_targets(const Engine& engine) {
-  const auto backend = engine.make(scenes::world_of(scenes::quadruped()));
-  const JointTargets targets = scenes::home_targets(backend->robot());
-  EXPECT_EQ(backend->step(targets, 500), StepStatus::kOk);
+  const auto world = engine.make(scenes::world_of(scenes::quadruped()));
+  const JointTargets targets = scenes::home_targets(world->robot());
+  EXPECT_EQ(world->step(targets, 500), StepStatus::kOk);
   const AllocationScope scope;
-  backend->apply_push({0.01, 0, 0});
-  EXPECT_EQ(backend->step(targets, 10), StepStatus::kOk);
-  EXPECT_EQ(backend->step({}), StepStatus::kInvalidTargets);
+  world->apply_push({0.01, 0, 0});
+  EXPECT_EQ(world->step(targets, 10), StepStatus::kOk);
+  EXPECT_EQ(world->step({}), StepStatus::kInvalidTargets);
   return scope.count();
 }
 
@@ -168,7 +168,7 @@ inline std::size_t allocations_of_an_environment(const Engine& engine,
   return scope.count();
 }
 
-/// Of all workers.
+/// Counts the allocations of all workers.
 inline std::size_t allocations_of_a_batch(const Engine& engine) {
   VectorEnv env(full_environment(), engine, {.environments = 3, .workers = 2});
   std::vector<double> seen(3 * env.observation_size()), rewards(3), actions(3 * env.action_size(), 0.1);

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 
 namespace crossgait::conformance {
 
@@ -26,10 +26,10 @@ void expect_holds(const std::string& name, const std::string& engine) {
   if (outcome.status == Status::kSkipped) GTEST_SKIP() << "needs: " << outcome.reason;
   EXPECT_EQ(outcome.reason, "");
   for (std::size_t i = 0; i < outcome.values.size(); ++i) {
-    const Demand& demand = check.demands[i];
-    measured(check.name + ": " + demand.what + (demand.unit.empty() ? "" : ", " + demand.unit),
+    const Requirement& requirement = check.requirements[i];
+    measured(check.name + ": " + requirement.what + (requirement.unit.empty() ? "" : ", " + requirement.unit),
              outcome.values[i]);
-    EXPECT_TRUE(demand.holds(outcome.values[i])) << demand.what << ": " << demand.bound();
+    EXPECT_TRUE(requirement.holds(outcome.values[i])) << requirement.what << ": " << requirement.bound();
   }
   EXPECT_EQ(outcome.status, Status::kPassed);
 }

@@ -3,7 +3,7 @@
 
 #include "env/evaluation.h"
 #include "env/vector_env.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/environments.h"
 #include "tests/support/motion_bits.h"
 
@@ -22,7 +22,7 @@ EnvConfig config() {
   return c;
 }
 
-class SharedModel : public BackendTest {};
+class SharedModel : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(SharedModel);
 
 TEST_P(SharedModel, IsReadOnce) {
@@ -33,8 +33,8 @@ TEST_P(SharedModel, IsReadOnce) {
     EXPECT_EQ(&env->model(), model.get());
     EXPECT_EQ(&env->config(), &model->config);
     EXPECT_EQ(&env->interface(), &model->interface);
-    EXPECT_EQ(env->backend().spec().robot, model->world.robot);
-    EXPECT_EQ(env->backend().spec().terrain.field(), model->world.terrain.field());
+    EXPECT_EQ(env->world().spec().robot, model->world.robot);
+    EXPECT_EQ(env->world().spec().terrain.field(), model->world.terrain.field());
   }
   ASSERT_NE(model->world.terrain.field(), nullptr);
   const VectorEnv batch(config(), engine, {.environments = 3, .workers = 2});
@@ -44,8 +44,8 @@ TEST_P(SharedModel, IsReadOnce) {
 TEST_P(SharedModel, MovesNothingBeforeTheFirstReset) {
   const QuadrupedEnv env(EnvModel::make(config()), find_engine(GetParam()));
   const auto fresh = make(env.model().world);
-  EXPECT_TRUE(scenes::identical(env.backend().state(), fresh->state()));
-  EXPECT_EQ(env.backend().contacts().count, 0);
+  EXPECT_TRUE(scenes::identical(env.world().state(), fresh->state()));
+  EXPECT_EQ(env.world().contacts().count, 0);
 }
 
 TEST_P(SharedModel, GivesTheBitsOfModelsOfTheirOwn) {

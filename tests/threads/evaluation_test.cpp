@@ -3,13 +3,13 @@
 #include <cmath>
 
 #include "physics/core/error.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/environments.h"
 
 namespace crossgait {
 namespace {
 
-class Evaluations : public BackendTest {
+class Evaluations : public EngineTest {
  protected:
   static EnvConfig config() {
     EnvConfig c;
@@ -143,8 +143,8 @@ TEST(SumUp, IsMeansAndSampleDeviations) {
   ASSERT_TRUE(all.motion.of(&M::cost_of_transport).has_value());  // of the two that have one
   EXPECT_DOUBLE_EQ(all.motion.of(&M::cost_of_transport)->mean, 3);
   EXPECT_DOUBLE_EQ(all.motion.of(&M::cost_of_transport)->deviation, std::sqrt(2.0));
-  EXPECT_FALSE(all.motion.of(&M::drag).has_value());
-  EXPECT_FALSE(all.motion.of(&M::drag_inner).has_value());
+  EXPECT_FALSE(all.motion.of(&M::swing_contact_ratio).has_value());
+  EXPECT_FALSE(all.motion.of(&M::swing_contact_ratio_inner).has_value());
   ASSERT_TRUE(all.motion.of(&M::slip_per_path).has_value());
   EXPECT_DOUBLE_EQ(all.motion.of(&M::slip_per_path)->mean, 0.25);
   ASSERT_TRUE(all.motion.of(&M::heading_error_deg).has_value());

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "physics/core/error.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/support/environments.h"
 
 namespace crossgait {
@@ -32,7 +32,7 @@ struct Arrays {
   std::vector<StepInfo> final_infos;
 };
 
-class Vectors : public BackendTest {
+class Vectors : public EngineTest {
  protected:
   static VectorEnv make_env(const EnvConfig& config, const VectorEnvOptions& options) {
     return VectorEnv(config, find_engine(GetParam()), options);
@@ -242,7 +242,7 @@ TEST_P(Vectors, ResetInTheSameStep) {
 }
 
 TEST_P(Vectors, ADivergedEnvironmentIsCountedResetAndAlone) {
-  // A push of 1e7 N s every now and then throws the robot beyond any state that the backends accept.
+  // A push of 1e7 N s every now and then throws the robot beyond any state that the worlds accept.
   EnvConfig config = short_episodes();
   config.randomisation[Randomised::kStartYaw] = {0, 0};
   VectorEnv calm = make_env(config, {.environments = 1});

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/physics/core/config_error.h"
-#include "tests/support/backend_test.h"
+#include "tests/support/engine_test.h"
 #include "tests/view/view_setup.h"
 
 namespace crossgait {
@@ -24,7 +24,7 @@ double difference(const RobotState& a, const RobotState& b) {
                    (a.q - b.q).lpNorm<Eigen::Infinity>(), (a.qd - b.qd).lpNorm<Eigen::Infinity>()});
 }
 
-class ViewSessionTest : public BackendTest {
+class ViewSessionTest : public EngineTest {
  protected:
   std::unique_ptr<ViewSession> session_ = make_view_session({GetParam()});
 };
@@ -37,7 +37,7 @@ TEST_P(ViewSessionTest, StandsUntilItIsDriven) {
   session_->advance(3 * kSecond);
   // .6 m were asked for; the trot makes more than half of any speed in every engine (docs/gaits.md).
   EXPECT_GT(state_of(*session_).p_WB.x(), 0.3);
-  EXPECT_EQ(session_->lanes().front()->outcome(), Outcome::kWalked);
+  EXPECT_EQ(session_->instances().front()->outcome(), Outcome::kWalked);
   tell(*session_, R"({"do": "drive", "vx": 0, "vy": 0, "yaw_rate": 0})");
   session_->advance(kSecond);
   const double stopped = state_of(*session_).p_WB.x();
@@ -55,7 +55,7 @@ TEST_P(ViewSessionTest, TurnsAndTakesParameters) {
   tell(*session_, R"({"do": "drive", "vx": 0, "vy": 0, "yaw_rate": 0})");
   session_->advance(2 * kSecond);
   const double before = state_of(*session_).p_WB.z();
-  const double set = session_->lanes().front()->gait()->parameters().body_height;
+  const double set = session_->instances().front()->gait()->parameters().body_height;
   const double lower = set - 0.01;
   tell(*session_, nlohmann::json{{"do", "set"}, {"name", "body_height"}, {"value", lower}}.dump());
   session_->advance(2 * kSecond);
@@ -67,7 +67,7 @@ TEST_P(ViewSessionTest, APushIsAnImpulse) {
   const auto other = make_view_session({GetParam()});
   session_->advance(10);
   other->advance(10);
-  const double mass = session_->lanes().front()->world().robot().total_mass();
+  const double mass = session_->instances().front()->world().robot().total_mass();
   const double asked = 0.2;  // m/s, of the whole robot
   tell(*session_, nlohmann::json{{"do", "push"}, {"impulse", {0, asked * mass, 0}}}.dump());
   session_->advance(1);
@@ -99,16 +99,16 @@ TEST_P(ViewSessionTest, AnotherEngineGoesOnWhereThisOneWas) {
       tell(*each, kForward);
       each->advance(kSecond);
     }
-    const double phase = session->lanes().front()->gait()->phase();
+    const double phase = session->instances().front()->gait()->phase();
     tell(*session, engines_command({other}));
-    EXPECT_EQ(session->lanes().front()->world().info().name, other);
+    EXPECT_EQ(session->instances().front()->world().info().name, other);
     // A quaternion may be normalised anew: rounding.
     EXPECT_LT(difference(state_of(*session), state_of(*stays)), 1e-12) << other;
     EXPECT_EQ(state_of(*session).time, state_of(*stays).time);
-    EXPECT_EQ(session->lanes().front()->gait()->phase(), phase);
+    EXPECT_EQ(session->instances().front()->gait()->phase(), phase);
     session->advance(50);
     stays->advance(50);
-    EXPECT_EQ(session->lanes().front()->outcome(), Outcome::kWalked) << other;
+    EXPECT_EQ(session->instances().front()->outcome(), Outcome::kWalked) << other;
     if (find_engine(other).info.laws != laws) continue;
     // Tight as engines of the same laws are held to (docs/parity-measurements.md), in velocities as well:
     // 1e-6.
@@ -120,7 +120,7 @@ TEST_P(ViewSessionTest, ASecondRobotBeginsWhereTheFirstIsAndDoesTheSame) {
   tell(*session_, kForward);
   session_->advance(kSecond);
   tell(*session_, engines_command({GetParam(), GetParam()}));
-  ASSERT_EQ(session_->lanes().size(), 2U);
+  ASSERT_EQ(session_->instances().size(), 2U);
   EXPECT_LT(difference(state_of(*session_, 0), state_of(*session_, 1)), 1e-12);
   tell(*session_, R"({"do": "drive", "vx": 0.1, "vy": 0, "yaw_rate": 0.3})");
   session_->advance(100);
@@ -150,7 +150,7 @@ TEST_P(ViewSessionTest, AnotherGroundIsAnotherScene) {
   EXPECT_FALSE(session_->scene().at("scene").at("ground").is_null());
   EXPECT_EQ(session_->frame().at("seed"), 3);
   session_->advance(100);
-  EXPECT_EQ(session_->lanes().front()->outcome(), Outcome::kWalked);
+  EXPECT_EQ(session_->instances().front()->outcome(), Outcome::kWalked);
   const ConfigError error =
       config_error([this] { tell(*session_, R"({"do": "terrain", "terrain": "/etc/map.png", "seed": 0})"); });
   EXPECT_EQ(error.element(), "terrain");
@@ -161,13 +161,13 @@ TEST_P(ViewSessionTest, LeavingTheGroundEndsTheWalkUntilItStandsUp) {
   tell(*session_, R"({"do": "terrain", "terrain": "waves:size_x=1,size_y=1", "seed": 0})");
   tell(*session_, R"({"do": "drive", "vx": 0.5, "vy": 0, "yaw_rate": 0})");
   session_->advance(8 * kSecond);
-  EXPECT_NE(session_->lanes().front()->outcome(), Outcome::kWalked);
+  EXPECT_NE(session_->instances().front()->outcome(), Outcome::kWalked);
   const double time = state_of(*session_).time;
   session_->advance(kSecond);
   EXPECT_EQ(state_of(*session_).time, time);
   tell(*session_, R"({"do": "stand"})");
   session_->advance(10);
-  EXPECT_EQ(session_->lanes().front()->outcome(), Outcome::kWalked);
+  EXPECT_EQ(session_->instances().front()->outcome(), Outcome::kWalked);
 }
 
 TEST_P(ViewSessionTest, KeepsARecordingUntilSomethingEndsIt) {
@@ -195,7 +195,7 @@ TEST_P(ViewSessionTest, FramesSayWhereItIs) {
   session_->advance(kSecond);
   const nlohmann::json frame = session_->frame(), robot = frame.at("robots").at(0);
   const RobotState& state = state_of(*session_);
-  EXPECT_EQ(robot.at("poses").size(), 7 * session_->lanes().front()->world().robot().bodies.size());
+  EXPECT_EQ(robot.at("poses").size(), 7 * session_->instances().front()->world().robot().bodies.size());
   for (Eigen::Index i = 0; i < 3; ++i)  // rounded to 1e-5 m
     EXPECT_NEAR(robot.at("poses").at(static_cast<std::size_t>(i)).get<double>(), state.p_WB[i], 1e-5);
   EXPECT_EQ(frame.at("command").at("vx"), 0.2);
@@ -250,7 +250,7 @@ TEST_P(ViewSessionTest, AutoIsTheGaitForTheSpeed) {
     tell(*session_, nlohmann::json{{"do", "drive"}, {"vx", vx}, {"vy", 0}, {"yaw_rate", 0}}.dump());
   };
   const auto gait = [this] { return session_->frame().at("gait").get<std::string>(); };
-  const auto parameters = [this] { return session_->lanes().front()->gait()->parameters(); };
+  const auto parameters = [this] { return session_->instances().front()->gait()->parameters(); };
   tell(*session_, R"({"do": "gait", "gait": "auto"})");
   drive(0.05);
   EXPECT_EQ(gait(), "walk");
@@ -267,7 +267,7 @@ TEST_P(ViewSessionTest, AutoIsTheGaitForTheSpeed) {
   const double before = state_of(*session_).p_WB.x();
   session_->advance(2 * kSecond);
   EXPECT_GT(state_of(*session_).p_WB.x() - before, 0.2);  // of .4 m
-  EXPECT_EQ(session_->lanes().front()->outcome(), Outcome::kWalked);
+  EXPECT_EQ(session_->instances().front()->outcome(), Outcome::kWalked);
   // It goes on choosing in another engine.
   tell(*session_, engines_command({available_engines().front()}));
   drive(0.05);
@@ -312,7 +312,7 @@ TEST_P(ViewSessionTest, APolicyWalksWhereItIsTold) {
     EXPECT_LT(difference(state_of(*session), before), 1e-12) << other;
     EXPECT_EQ(session->frame().at("command").at("vx"), 0.2);
     session->advance(100);
-    EXPECT_EQ(session->lanes().front()->outcome(), Outcome::kWalked) << other;
+    EXPECT_EQ(session->instances().front()->outcome(), Outcome::kWalked) << other;
   }
   const double before = state_of(*session).v_WB.y();
   tell(*session, R"({"do": "push", "impulse": [0, 0.3, 0]})");

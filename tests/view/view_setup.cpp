@@ -6,7 +6,7 @@
 namespace crossgait {
 namespace {
 
-EngineShelf registry_shelf() {
+EngineProvider registry_shelf() {
   return {available_engines(), [](const std::string& name) { return find_engine(name); }};
 }
 
@@ -30,8 +30,8 @@ std::unique_ptr<ViewSession> make_policy_session(const std::vector<std::string>&
 
 void tell(ViewSession& session, const std::string& command) { session.apply(parse_view_command(command)); }
 
-const RobotState& state_of(const ViewSession& session, std::size_t lane) {
-  return session.lanes().at(lane)->world().state();
+const RobotState& state_of(const ViewSession& session, std::size_t instance) {
+  return session.instances().at(instance)->world().state();
 }
 
 }  // namespace crossgait

@@ -19,7 +19,7 @@ std::unique_ptr<ViewSession> make_policy_session(const std::vector<std::string>&
 /// As a viewer says it.
 void tell(ViewSession& session, const std::string& command);
 
-/// Of the robot in the lane.
-const RobotState& state_of(const ViewSession& session, std::size_t lane = 0);
+/// Returns the state of the robot in the instance.
+const RobotState& state_of(const ViewSession& session, std::size_t instance = 0);
 
 }  // namespace crossgait

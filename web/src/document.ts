@@ -33,7 +33,7 @@ export interface Scene {
   terrain: string;
   standing_height: number;
   reach: number;
-  way: [number, number, number, number];
+  path: [number, number, number, number];
   bodies: { name: string; mass: number; centre_of_mass: [number, number, number]; shapes: Shape[] }[];
   meshes: { vertices: Reference; triangles: Reference }[];
   legs: {
@@ -104,7 +104,7 @@ export interface Verdict {
   behaviour: string;
   a: string;
   b: string;
-  word: string;
+  verdict: string;
   starts: number;
   limit: number;
   confidence: number;
@@ -119,7 +119,7 @@ export interface Verdict {
     spread: number;
     floor: number;
     score: Interval;
-    word: string;
+    verdict: string;
   }[];
   models: { quantity: string; element: string; a: number; b: number; unit: string }[];
   attribution: {

@@ -201,7 +201,7 @@ function header(report: ReportDocument): HTMLElement {
     ? `${motion.scene.robot} on ${motion.scene.terrain} \u00b7 ${motion.runs.map((run) => (run.engine ? `${run.name} (${run.engine})` : run.name)).join(", ")}`
     : report.verdicts.length > 1
       ? `${new Set(report.verdicts.flatMap((v) => [v.a, v.b])).size} engines`
-      : report.verdicts.map((v) => `${v.a} and ${v.b}: ${v.word}`).join(", ");
+      : report.verdicts.map((v) => `${v.a} and ${v.b}: ${v.verdict}`).join(", ");
   const keys = h(
     "details",
     { class: "help" },
@@ -258,7 +258,7 @@ function buildReport(report: ReportDocument): object {
         h(
           "section",
           { class: "group" },
-          h("h2", {}, "Shown otherwise than it is"),
+          h("h2", {}, "Rendering notes"),
           h("ul", {}, ...notes.map((note) => h("li", {}, note))),
         ),
       );

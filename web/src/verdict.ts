@@ -109,8 +109,8 @@ export function verdictSection(verdict: Verdict): HTMLElement {
       h("td", {}, digits(s.gap.estimate)),
       h("td", {}, digits((s.gap.high - s.gap.low) / 2)),
       h("td", {}, digits(Math.max(s.spread, s.floor))),
-      h("td", { class: "picture" }, axis.picture(s.score, s.word)),
-      h("td", {}, h("span", { class: `word ${s.word}` }, s.word)),
+      h("td", { class: "picture" }, axis.picture(s.score, s.verdict)),
+      h("td", {}, h("span", { class: `word ${s.verdict}` }, s.verdict)),
     ),
   );
   const scale = h(
@@ -130,7 +130,7 @@ export function verdictSection(verdict: Verdict): HTMLElement {
   return h(
     "section",
     { class: "group verdict" },
-    h("h2", {}, `${verdict.a} and ${verdict.b} `, h("span", { class: `word ${verdict.word}` }, verdict.word)),
+    h("h2", {}, `${verdict.a} and ${verdict.b} `, h("span", { class: `word ${verdict.verdict}` }, verdict.verdict)),
     h(
       "p",
       {},

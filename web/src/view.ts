@@ -180,7 +180,7 @@ export class View {
       this.robots.push(robot);
       this.groups.push(group);
     }
-    const [, y0, , y1] = scene.way;
+    const [, y0, , y1] = scene.path;
     this.ground = this.groundOf(y0 - scene.reach, y1 + scene.reach);
     this.three.add(this.ground);
     const reach = 6 * this.size;
@@ -200,9 +200,9 @@ export class View {
   }
 
   private groundOf(y0: number, y1: number): Group {
-    const { ground, way, reach } = this.motion.scene;
+    const { ground, path, reach } = this.motion.scene;
     const group = new Group();
-    const [x0, x1] = [way[0] - reach, way[2] + reach];
+    const [x0, x1] = [path[0] - reach, path[2] + reach];
     if (ground) {
       group.add(new Mesh(fieldGeometry(ground, this.numbers, y0, y1), this.groundMaterial));
     } else {
@@ -226,7 +226,7 @@ export class View {
 
   /** Of a replay the ground beside the whole way, of a live robot that around it. */
   private stripOf(i: number): { ground: Group; middle: number } {
-    const [, y0, , y1] = this.motion.scene.way;
+    const [, y0, , y1] = this.motion.scene.path;
     const beside = 2.6 * this.size;
     const middle = this.motion.live ? this.robots[i]!.bodies[0]!.position.y : 0;
     const ground = this.motion.live
@@ -253,7 +253,7 @@ export class View {
   /** Colours, and what is there at all. */
   paint(): void {
     const several = this.runs.length > 1;
-    const [, y0, , y1] = this.motion.scene.way;
+    const [, y0, , y1] = this.motion.scene.path;
     const apart = (this.motion.live ? 0 : y1 - y0) + 5.4 * this.size;
     const { inStrips } = this;
     this.groundMaterial.color.set(theme.variable("--ground"));

@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// The model that the MuJoCo backend builds, without anything of Crossgait around it.
+/// The model that the MuJoCo engine builds, without anything of Crossgait around it.
 class BareMujoco {
  public:
   explicit BareMujoco(const WorldSpec& spec);

@@ -7,17 +7,17 @@ from collections.abc import Sequence
 from typing import Any
 
 from crossgait import _core
-from crossgait._core import Behaviour, EnvironmentConfig, FunctionPolicy, Walk
+from crossgait._core import Controller, EnvironmentConfig, FunctionPolicy, Walk
 from crossgait.errors import ConfigError
 from crossgait.progress import Progress, ProgressBar, shown
 
-Subject = Walk | Behaviour | str
+Subject = Walk | Controller | str
 #: A name (zero, random, one of `crossgait.policy_names()`), a file, or a policy of your own. Without an environment a
 #: policy that comes with Crossgait runs in its own.
 Policy = str | FunctionPolicy
 
 
-def walk_or_behaviour(subject: Subject, options: dict[str, Any]) -> Walk | Behaviour:
+def walk_or_behaviour(subject: Subject, options: dict[str, Any]) -> Walk | Controller:
     """Return the subject, or the `Walk` of a gait by name with these options. Raises ConfigError."""
     if isinstance(subject, str):
         return Walk(subject, **options)

@@ -89,9 +89,9 @@ def plot_verdict(document: Json) -> Figure:
     for i, row in enumerate(rows):
         score = row["score"]
         values = np.clip([score["low"], score["estimate"], score["high"]], -reach, reach)
-        ax.plot(values[[0, 2]], [i, i], color=_WORDS[row["word"]], linewidth=2)
+        ax.plot(values[[0, 2]], [i, i], color=_WORDS[row["verdict"]], linewidth=2)
         marker = "o" if abs(score["estimate"]) <= reach else (">" if score["estimate"] > 0 else "<")
-        ax.plot(values[1], i, marker, color=_WORDS[row["word"]])
+        ax.plot(values[1], i, marker, color=_WORDS[row["verdict"]])
     for limit in (-d["limit"], d["limit"]):
         ax.axvline(limit, color="#444444", linewidth=0.8, linestyle="--")
     for word, colour in _WORDS.items():
@@ -101,7 +101,7 @@ def plot_verdict(document: Json) -> Figure:
     ax.invert_yaxis()
     ax.set_xlim(-1.05 * reach, 1.05 * reach)
     ax.set_xlabel(f"gap over spread, {d['b']} less {d['a']} (arrows: beyond the picture)")
-    ax.set_title(f"{d['behaviour']}: {d['word']}")
+    ax.set_title(f"{d['behaviour']}: {d['verdict']}")
     return figure
 
 
@@ -160,7 +160,7 @@ def plot_transfer(document: Json) -> Figure:
             speed = cell[key]["mean_speed_mps"]
             label = {"baseline": "without", "policy": document["policy"]}[key] if i == 0 else None
             ax.errorbar(speed["mean"], i + shift, xerr=speed["deviation"], fmt="o", color=colour, label=label)
-    ax.set_yticks(range(len(cells)), [f"{cell['terrain']}, {cell['backend']}" for cell in cells])
+    ax.set_yticks(range(len(cells)), [f"{cell['terrain']}, {cell['engine']}" for cell in cells])
     ax.invert_yaxis()
     ax.set_xlabel("mean speed, m/s (bars: deviation over episodes)")
     ax.legend(frameon=False)
@@ -171,17 +171,17 @@ def plot_course(document: Json) -> Figure:
     """Score of every section, by engine."""
     cells = document["cells"]
     sections = list(dict.fromkeys(cell["section"]["name"] for cell in cells))
-    engines = list(dict.fromkeys(cell["backend"] for cell in cells))
+    engines = list(dict.fromkeys(cell["engine"] for cell in cells))
     figure, (ax,) = _new(1, 1.5 + 0.3 * len(sections))
     for i, cell in enumerate(cells):
-        engine = engines.index(cell["backend"])
+        engine = engines.index(cell["engine"])
         ax.errorbar(
             cell["score"]["mean"],
             sections.index(cell["section"]["name"]) + 0.15 * (engine - (len(engines) - 1) / 2),
             xerr=cell["score"]["deviation"],
             fmt="o",
             color=_PALETTE[engine % len(_PALETTE)],
-            label=cell["backend"] if i < len(engines) else None,
+            label=cell["engine"] if i < len(engines) else None,
         )
     ax.set_yticks(range(len(sections)), sections)
     ax.invert_yaxis()
@@ -205,10 +205,10 @@ def plot_bench(rows: Sequence[Json]) -> Figure:
     if not rows:
         raise ConfigError("bench", "sections", "speed among them", "none")
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
-    engines = list(dict.fromkeys(row["backend"] for row in rows))
+    engines = list(dict.fromkeys(row["engine"] for row in rows))
     figure, (ax,) = _new(1, 4)
     for colour, engine in zip(_PALETTE, engines, strict=False):
-        ratio = {row["scene"]: row["ratio"] for row in rows if row["backend"] == engine}
+        ratio = {row["scene"]: row["ratio"] for row in rows if row["engine"] == engine}
         ax.plot(
             range(len(scenes)),
             [ratio.get(scene, np.nan) for scene in scenes],

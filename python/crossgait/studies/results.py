@@ -88,7 +88,7 @@ class WalkResult(Result):
 
     trace: Trace | None = None  #: if it was asked for
 
-    _row_name = "backend"
+    _row_name = "engine"
 
     def __getattr__(self, name: str) -> Any:
         if not name.startswith("_") and name in self.document:
@@ -110,7 +110,7 @@ class WalkResult(Result):
     def _headline(self) -> str:
         d = self.document
         return (
-            f"{d['gait']} on {d['terrain']} in {d['backend']}: {d['outcome']}, "
+            f"{d['gait']} on {d['terrain']} in {d['engine']}: {d['outcome']}, "
             f"{d['mean_speed_mps']:.3f} m/s over {d['simulated_seconds']:g} s"
         )
 
@@ -121,12 +121,12 @@ class CompareResult(Result):
 
     traces: dict[str, Trace] = field(default_factory=dict)  #: by engine, if they were asked for
 
-    _row_name = "backend"
+    _row_name = "engine"
 
     @property
     def engines(self) -> list[str]:
         """Names, in the order of the runs."""
-        return [run["backend"] for run in self.document["runs"]]
+        return [run["engine"] for run in self.document["runs"]]
 
     @property
     def pairs(self) -> list[Json]:
@@ -156,9 +156,9 @@ class Verdict(Result):
     """Whether a behaviour depends on the engine (docs/verdict.md)."""
 
     @property
-    def word(self) -> str:
+    def verdict(self) -> str:
         """`agrees`, `engine-dependent` or `unresolved`."""
-        word: str = self.document["word"]
+        word: str = self.document["verdict"]
         return word
 
     def statistic(self, name: str) -> Json:
@@ -188,13 +188,13 @@ class Verdict(Result):
             row |= {self.document["a"]: s["mean_a"], self.document["b"]: s["mean_b"]}
             row |= {"gap": s["gap"]["estimate"], "spread": s["spread"], "floor": s["floor"]}
             score = s["score"]
-            row |= {"score": score["estimate"], "low": score["low"], "high": score["high"], "word": s["word"]}
+            row |= {"score": score["estimate"], "low": score["low"], "high": score["high"], "verdict": s["verdict"]}
             rows.append(row)
         return rows
 
     def _headline(self) -> str:
         d = self.document
-        return f"{d['behaviour']}: {d['word']} between {d['a']} and {d['b']}, {d['starts']} starts"
+        return f"{d['behaviour']}: {d['verdict']} between {d['a']} and {d['b']}, {d['starts']} starts"
 
 
 @dataclass(frozen=True, repr=False)
@@ -226,11 +226,11 @@ class Verdicts(Result):
         reason: str = self.document["reason"]
         return reason
 
-    def word(self, a: str, b: str) -> str:
+    def verdict(self, a: str, b: str) -> str:
         """Of one pair, either way round. Raises KeyError."""
         for pair in self.document["pairs"]:
             if {pair["a"], pair["b"]} == {a, b}:
-                word: str = pair["word"]
+                word: str = pair["verdict"]
                 return word
         raise KeyError((a, b))
 
@@ -242,7 +242,7 @@ class Verdicts(Result):
 
     def _rows(self) -> list[Json]:
         return [
-            {"pair": f"{pair['b']} against {pair['a']}", "word": pair["word"]}
+            {"pair": f"{pair['b']} against {pair['a']}", "verdict": pair["verdict"]}
             | {s["name"]: s["score"]["estimate"] for s in pair["statistics"]}
             for pair in self.document["pairs"]
         ]
@@ -294,7 +294,7 @@ class Transfer(Result):
         return [_flat(cell) for cell in self.document["cells"]]
 
     def _headline(self) -> str:
-        engines = dict.fromkeys(cell["backend"] for cell in self.document["cells"])
+        engines = dict.fromkeys(cell["engine"] for cell in self.document["cells"])
         return f"{self.document['policy']} in {', '.join(engines)}"
 
 
@@ -306,7 +306,7 @@ class CourseResult(Result):
 
     def score(self, engine: str | None = None) -> float:
         """Over all sections, 0 to 1, in an engine; in the first if none is named."""
-        found = [s for s in self.document["scores"] if engine in (None, s["backend"])]
+        found = [s for s in self.document["scores"] if engine in (None, s["engine"])]
         if not found:
             raise ConfigError("course", "engine", "one that it was run in", repr(engine))
         return float(found[0]["mean"])
@@ -324,7 +324,7 @@ class CourseResult(Result):
         ]
 
     def _headline(self) -> str:
-        scores = ", ".join(f"{s['mean']:.3f} in {s['backend']}" for s in self.document["scores"])
+        scores = ", ".join(f"{s['mean']:.3f} in {s['engine']}" for s in self.document["scores"])
         return f"{self.document['policy']} on course {self.document['course']}: {scores}"
 
 
@@ -368,7 +368,7 @@ class Bench(Result):
         return [_flat(row) for row in self.document.get("speed", {}).get("scenes", [])]
 
     def _headline(self) -> str:
-        return f"benchmark of {', '.join(b if isinstance(b, str) else b['name'] for b in self.document['backends'])}"
+        return f"benchmark of {', '.join(b if isinstance(b, str) else b['name'] for b in self.document['engines'])}"
 
 
 @dataclass(frozen=True, repr=False)

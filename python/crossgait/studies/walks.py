@@ -23,7 +23,7 @@ def walk(
     """Walk in one engine.
 
     Args:
-        subject: a gait's name, a `Walk`, or a `Behaviour` of your own.
+        subject: a gait's name, a `Walk`, or a `Controller` of your own.
         engine: see `crossgait.engines()`; the first by default.
         trace: also keep every control step.
         progress: a function, False, True or None (a bar where somebody is looking).

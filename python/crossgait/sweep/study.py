@@ -63,7 +63,7 @@ _WALK: dict[str, _Kind | None] = {
     "settle": _NUMBER,
     "compensation": _FLAG,
     "heading_hold": _FLAG,
-    "ends": _NAMES,
+    "terminations": _NAMES,
 }
 _POLICY: dict[str, _Kind | None] = {"environment": _TEXT, "set": None, "policy": _TEXT}
 _STUDY = ("engines", "variations", "starts", "seeds", "start_ranges", "walks", "policies")

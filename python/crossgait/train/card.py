@@ -16,14 +16,14 @@ from crossgait.train.trainer import EVALUATIONS, PROGRESS, Clock, Trained
 Json = dict[str, Any]
 
 CARD = "card.md"
-_SPREAD = "Mean +- standard deviation. One training run: the spread over training seeds takes several."
+_SPREAD = "Mean ± standard deviation. One training run: the spread over training seeds takes several."
 #: Headings of the table of results, by statistic.
 _COLUMNS = {
     evaluation.COURSE: "course",
     "total_reward": "return",
     "mean_speed_mps": "speed, m/s",
     "cost_of_transport": "cost of transport",
-    "drag": "drag",
+    "swing_contact_ratio": "swing contact",
     "slip_per_path": "slip per path",
 }
 
@@ -139,7 +139,7 @@ def _table(results: dict[str, dict[str, Json]]) -> list[str]:
 
 
 def _cell(told: Json | None) -> str:
-    return f"{told['mean']:.4g} +- {told['deviation']:.2g}" if told else "-"
+    return f"{told['mean']:.4g} ± {told['deviation']:.2g}" if told else "-"
 
 
 def _time(part: Trained) -> str:

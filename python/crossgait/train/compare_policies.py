@@ -73,12 +73,22 @@ def compare_policies(
 
 
 def table(document: Json) -> str:
-    """For people: mean +- standard deviation over episodes."""
-    heads = ["terrain", "engine", "policy", "return", "speed, m/s", "cost of transport", "drag", "slip", "ended early"]
+    """For people: mean ± standard deviation over episodes."""
+    heads = [
+        "terrain",
+        "engine",
+        "policy",
+        "return",
+        "speed, m/s",
+        "cost of transport",
+        "swing contact",
+        "slip",
+        "ended early",
+    ]
     rows = [heads]
     for cell in document["cells"]:
         said = cell["all"]
-        keys = ("total_reward", "mean_speed_mps", "cost_of_transport", "drag", "slip_per_path")
+        keys = ("total_reward", "mean_speed_mps", "cost_of_transport", "swing_contact_ratio", "slip_per_path")
         ended = f"{failures(said)} of {said['episodes']}"
         what = (cell["terrain"], cell["engine"], _short(cell["policy"]))
         rows.append([*what, *(_cell(said.get(key)) for key in keys), ended])
@@ -95,7 +105,7 @@ def _short(policy: str) -> str:
 def _cell(told: Json | None) -> str:
     if not told or not math.isfinite(told["mean"]):
         return "-"
-    return f"{told['mean']:.4g} +- {told['deviation']:.2g}"
+    return f"{told['mean']:.4g} ± {told['deviation']:.2g}"
 
 
 def _parser() -> argparse.ArgumentParser:

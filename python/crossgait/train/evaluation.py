@@ -16,7 +16,13 @@ Json = dict[str, Any]
 #: The score of a course stands beside the statistics of its runs by this name.
 COURSE = "course"
 #: What tables show of episodes, with its unit.
-SHOWN = {"total_reward": "", "mean_speed_mps": "m/s", "cost_of_transport": "", "drag": "", "slip_per_path": ""}
+SHOWN = {
+    "total_reward": "",
+    "mean_speed_mps": "m/s",
+    "cost_of_transport": "",
+    "swing_contact_ratio": "",
+    "slip_per_path": "",
+}
 
 
 def evaluate(
@@ -57,8 +63,8 @@ def evaluate_on_course(
         options: Json = {"engines": engines, "episodes": runs, "seed": seed, "workers": workers, "progress": progress}
         done = studies.course(policy, environment, course=course, **options).document
         for scored in done["scores"]:
-            cells = [cell for cell in done["cells"] if cell["backend"] == scored["backend"]]
-            results[policy][scored["backend"]] = _over_sections(cells) | {
+            cells = [cell for cell in done["cells"] if cell["engine"] == scored["engine"]]
+            results[policy][scored["engine"]] = _over_sections(cells) | {
                 COURSE: {"mean": scored["mean"], "deviation": scored["deviation"]},
                 "sections": {cell["section"]["name"]: cell["score"] for cell in cells},
             }

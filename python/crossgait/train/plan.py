@@ -89,12 +89,12 @@ class Plan:
             raise ConfigError(source, "file", "a mapping", shown(given))
         given = json.loads(json.dumps(given))
         for change in changes:
-            _apply(given, change)
+            _apply_change(given, change)
         document = filled(source, given, TABLE)
-        base = _base(source, document, folder or Path())
+        base = _base_environment(source, document, folder or Path())
         stages = tuple(_stages(source, document, base, folder or Path()))
-        _place(document["evaluation"]["set"], source, "evaluation.set", folder or Path())
-        _place(document["evaluation"], source, "evaluation", folder or Path())
+        _resolve_files(document["evaluation"]["set"], source, "evaluation.set", folder or Path())
+        _resolve_files(document["evaluation"], source, "evaluation", folder or Path())
         plan = Plan(source, document, stages, _evaluated(source, document, stages[-1].environment))
         _check(plan)
         return plan if document["hierarchy"] is None else replace(plan, parts=_parts(plan, folder or Path()))
@@ -139,7 +139,7 @@ def _parts(plan: Plan, folder: Path) -> dict[str, Plan]:
         own = dict(said[name]["set"])
         if found := next((key for key in ("hierarchy", "environment", "seed") if key in own), None):
             raise ConfigError(source, f"hierarchy.{name}.set.{found}", "a key that parts may differ in", "another")
-        given = _merged(document | {"hierarchy": None, "steps": said[name]["steps"] or document["steps"]}, own)
+        given = _merge_sections(document | {"hierarchy": None, "steps": said[name]["steps"] or document["steps"]}, own)
         if name == "planner":  # coarse steps, evaluated as a part of the whole
             fine = given["environment"]["policy_dt"]
             given["environment"]["policy_dt"] = said["planner_dt"]
@@ -165,7 +165,7 @@ def _check_members(plan: Plan, said: Json) -> None:
             raise ConfigError(plan.source, f"hierarchy.{name}: {error.element}", error.expected, error.found) from error
 
 
-def _merged(below: Json, above: Json) -> Json:
+def _merge_sections(below: Json, above: Json) -> Json:
     """A copy of `below` with what `above` says in its place, section by section."""
     merged: Json = json.loads(json.dumps(below))
     for key, value in above.items():
@@ -174,7 +174,7 @@ def _merged(below: Json, above: Json) -> Json:
     return merged
 
 
-def _apply(document: Json, change: str) -> None:
+def _apply_change(document: Json, change: str) -> None:
     """Set what KEY.KEY=VALUE says, its value as in YAML."""
     path, equals, text = change.partition("=")
     if not equals or not path:
@@ -188,13 +188,13 @@ def _apply(document: Json, change: str) -> None:
     at[last] = parse_yaml(text, f"--set {path}")
 
 
-def _base(source: str, document: Json, folder: Path) -> EnvironmentConfig:
+def _base_environment(source: str, document: Json, folder: Path) -> EnvironmentConfig:
     given = document["environment"]
     if isinstance(given, str):
         config = EnvironmentConfig.load(os.fspath(folder / given))
     else:
-        _place(given, source, "environment", folder)
-        config = _of_core(EnvironmentConfig.from_dict, given, f"{source}: environment")
+        _resolve_files(given, source, "environment", folder)
+        config = _read_config(EnvironmentConfig.from_dict, given, f"{source}: environment")
     if document["randomisation"]:
         config = _updated(config, {"randomisation": document["randomisation"]}, f"{source}: randomisation")
     config = _updated(config, {"engine": next(iter(document["engines"]))}, source)
@@ -204,7 +204,7 @@ def _base(source: str, document: Json, folder: Path) -> EnvironmentConfig:
     return config
 
 
-def _place(keys: Json, source: str, where: str, folder: Path) -> None:
+def _resolve_files(keys: Json, source: str, where: str, folder: Path) -> None:
     """Name files in `keys` by whole paths, from `folder`. Raises ConfigError for an engine, named elsewhere."""
     if "engine" in keys:
         raise ConfigError(source, f"{where}.engine", "no engine: `engines` names them", shown(keys["engine"]))
@@ -216,10 +216,10 @@ def _place(keys: Json, source: str, where: str, folder: Path) -> None:
 
 
 def _updated(config: EnvironmentConfig, keys: Json, source: str) -> EnvironmentConfig:
-    return _of_core(config.updated, keys, source) if keys else config
+    return _read_config(config.updated, keys, source) if keys else config
 
 
-def _of_core(read: Callable[[Json, str], EnvironmentConfig], keys: Json, source: str) -> EnvironmentConfig:
+def _read_config(read: Callable[[Json, str], EnvironmentConfig], keys: Json, source: str) -> EnvironmentConfig:
     """What the core makes of `keys`; its errors name the key, as the line is none of the file's."""
     try:
         return read(keys, source)
@@ -236,23 +236,23 @@ def _stages(source: str, document: Json, base: EnvironmentConfig, folder: Path) 
         if (i == 0 and said["from"] != 0) or (i > 0 and said["from"] <= stages[-1].begin):
             expected = "0 for the first stage" if i == 0 else f"more than {stages[-1].begin}"
             raise ConfigError(source, f"{where}.from", expected, str(said["from"]))
-        environment, command = _said(source, said, base, where, folder)
+        environment, command = _apply_settings(source, said, base, where, folder)
         mix = [
-            Share(float(one["share"]), *_said(source, one, environment, f"{where}.mix[{k}]", folder, command))
+            Share(float(one["share"]), *_apply_settings(source, one, environment, f"{where}.mix[{k}]", folder, command))
             for k, one in enumerate(filled(source, m, SHARE, f"{where}.mix[{k}].") for k, m in enumerate(said["mix"]))
         ]
         stages.append(Stage(i, said["from"], environment, tuple(mix or [Share(1.0, environment, command)])))
     return stages
 
 
-def _said(
+def _apply_settings(
     source: str, said: Json, base: EnvironmentConfig, where: str, folder: Path, over: Commands | None = None
 ) -> tuple[EnvironmentConfig, Commands]:
     """What `set` and `command` of a stage or a share make of a base and its commands."""
     for key, value in said["command"].items():
         if key not in COMMAND or not is_range(value):
             raise ConfigError(source, f"{where}.command.{key}", "vx, vy or yaw_rate with [min, max]", shown(value))
-    _place(said["set"], source, f"{where}.set", folder)
+    _resolve_files(said["set"], source, f"{where}.set", folder)
     command = {key: (float(low), float(high)) for key, (low, high) in said["command"].items()}
     return _updated(base, said["set"], f"{source}: {where}.set"), (over or {}) | command
 

@@ -66,7 +66,7 @@ def of_environments(
 ) -> Numbers:
     """Of the episodes that go on at the end of a rollout: means of drag, slip and the parameters that adapt."""
     row: Numbers = {}
-    for key in ("drag", "slip_per_path", "cost_of_transport"):
+    for key in ("swing_contact_ratio", "slip_per_path", "cost_of_transport"):
         row[key] = _mean([s[key] for s in summaries if s["simulated_seconds"] > 0 and s.get(key) is not None])
     there = [p for p in parameters if p is not None]
     for name in adapted if there else ():

@@ -164,21 +164,21 @@ TEST(ContactFactors, PointsJustAboveTheGroundAreAsFarAwayAsTheyAreAndMayCloseThe
 TEST(ContactFactors, AnyCanBeSavedAndRestored) {
   for (const char* name :
        {"bullet:matched+narrowphase", "bullet:matched+hard_normal+speculative", "bullet-sweeps"}) {
-    const auto backend = make(name, scenes::world_of(scenes::quadruped()));
-    EXPECT_EQ(backend->info().name, name);
-    EXPECT_NE(backend->info().laws.contact, "mujoco");
-    EXPECT_NE(backend->info().laws.contact, "hard/sweeps");
-    const scenes::Trot trot(backend->robot());
+    const auto world = make(name, scenes::world_of(scenes::quadruped()));
+    EXPECT_EQ(world->info().name, name);
+    EXPECT_NE(world->info().laws.contact, "mujoco");
+    EXPECT_NE(world->info().laws.contact, "hard/sweeps");
+    const scenes::Trot trot(world->robot());
     const auto walk = [&](int from, int to) {
-      for (int i = from; i < to; ++i) ASSERT_EQ(backend->step(trot.targets(i * 1e-3)), StepStatus::kOk);
+      for (int i = from; i < to; ++i) ASSERT_EQ(world->step(trot.targets(i * 1e-3)), StepStatus::kOk);
     };
     walk(0, 700);
-    const Snapshot snapshot = backend->save();
+    const Snapshot snapshot = world->save();
     walk(700, 1000);
-    const RobotState end = backend->state();
-    backend->restore(snapshot);
+    const RobotState end = world->state();
+    world->restore(snapshot);
     walk(700, 1000);
-    EXPECT_TRUE(scenes::identical(backend->state(), end)) << name;
+    EXPECT_TRUE(scenes::identical(world->state(), end)) << name;
   }
 }
 

@@ -1,4 +1,4 @@
-// Inside the MuJoCo backend: errors of MuJoCo end as errors of ours, and what MuJoCo has once per process
+// Inside the MuJoCo world: errors of MuJoCo end as errors of ours, and what MuJoCo has once per process
 // (its handlers and its collision table) stays as others left it.
 #include "backends/mujoco/engine_call.h"
 

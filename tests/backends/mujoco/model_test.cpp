@@ -1,4 +1,4 @@
-// Inside the MuJoCo backend: the compiled model, and its collision routine.
+// Inside the MuJoCo world: the compiled model, and its collision routine.
 #include "backends/mujoco/model.h"
 
 #include <cmath>
@@ -134,9 +134,9 @@ TEST(MujocoModel, ShapesCollideWithTheTerrainAlone) {
 TEST(MujocoCollision, GivesOneContactPerSphereOnLevelGround) {
   WorldSpec spec = scenes::world_of(scenes::quadruped());
   spec.terrain = make_terrain("slope:angle=0,size_x=2,size_y=2");
-  const auto backend = engine().make(spec);
-  ASSERT_EQ(backend->step(scenes::home_targets(backend->robot()), 500), StepStatus::kOk);
-  EXPECT_EQ(backend->contacts().count, 4);
+  const auto world = engine().make(spec);
+  ASSERT_EQ(world->step(scenes::home_targets(world->robot()), 500), StepStatus::kOk);
+  EXPECT_EQ(world->contacts().count, 4);
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ class StatueBackend final : public PhysicsBackend {
 Engine engine(const std::string& name, const std::string& version) {
   EngineInfo info;
   info.name = name;
-  info.engine = "Statue";
+  info.library = "Statue";
   info.version = version;
   info.mode = "touches nothing";
   info.laws = {.contact = "none", .loops = "rigid", .joint_friction = ""};

@@ -26,7 +26,8 @@ TEST(SkeletonEngine, IsAskedNearlyEverything) {
   const Subject subject = subject_of(kEngine);
   std::set<std::string> left_out;
   for (const Check& check : checks())
-    if (check.need.is_met != nullptr && !check.need.is_met(subject)) left_out.insert(check.name);
+    if (check.precondition.is_met != nullptr && !check.precondition.is_met(subject))
+      left_out.insert(check.name);
   EXPECT_EQ(left_out, (std::set<std::string>{"soft_friction", "same_swing", "same_trot_flat",
                                              "same_trot_rough", "same_sled", "same_joint_friction"}));
 }

@@ -12,8 +12,8 @@
 namespace {
 
 /// Height of the base after `seconds` with the servos holding the home pose, m.
-double stand(const std::string& backend, const crossgait::WorldSpec& spec, double seconds) {
-  const auto world = crossgait::make_backend(backend, spec);
+double stand(const std::string& engine, const crossgait::WorldSpec& spec, double seconds) {
+  const auto world = crossgait::make_world(engine, spec);
   world->reset();
   crossgait::JointTargets targets;
   const auto actuated = spec.robot->actuated_joints();
@@ -37,9 +37,9 @@ int main() {
     for (const crossgait::EngineListing& engine : crossgait::known_engines()) {
       std::printf("%s: %s\n", engine.name.c_str(), engine.file.c_str());
     }
-    for (const std::string& backend : backends) {
-      const double height = stand(backend, spec, 0.5);
-      std::printf("%s: base at %.4f m\n", backend.c_str(), height);
+    for (const std::string& engine : backends) {
+      const double height = stand(engine, spec, 0.5);
+      std::printf("%s: base at %.4f m\n", engine.c_str(), height);
       // The legs are soft and sag, but a standing robot's base is above the ground and not above where it
       // started.
       if (!(height > 0.5 * spec.robot->home_height && height < 1.1 * spec.robot->home_height)) return 1;

@@ -134,9 +134,9 @@ TEST(Engines, HaveFactorsBehindTheirNames) {
 
 TEST(Engines, HaveTheirChangesTakenOneByOne) {
   std::string_view changes = "+cone-step+";
-  EXPECT_EQ(take_change(changes), "+cone");
-  EXPECT_EQ(take_change(changes), "-step");
-  EXPECT_EQ(take_change(changes), "+");
+  EXPECT_EQ(pop_modifier(changes), "+cone");
+  EXPECT_EQ(pop_modifier(changes), "-step");
+  EXPECT_EQ(pop_modifier(changes), "+");
   EXPECT_EQ(changes, "");
 }
 

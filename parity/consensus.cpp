@@ -1,4 +1,4 @@
-#include "parity/standing.h"
+#include "parity/consensus.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,9 +30,9 @@ class Words {
   const Verdict& pair(std::size_t i, std::size_t k) const {
     return pairs_[pair_index(std::min(i, k), std::max(i, k), engines_.size())];
   }
-  bool is(std::size_t i, std::size_t k, Conclusion what) const { return pair(i, k).conclusion() == what; }
+  bool is(std::size_t i, std::size_t k, VerdictValue what) const { return pair(i, k).value() == what; }
 
-  bool all_across(const Indices& a, const Indices& b, Conclusion what) const {
+  bool all_across(const Indices& a, const Indices& b, VerdictValue what) const {
     return std::all_of(a.begin(), a.end(), [&](std::size_t i) {
       return std::all_of(b.begin(), b.end(), [&](std::size_t k) { return is(i, k, what); });
     });
@@ -40,7 +40,7 @@ class Words {
   bool all_agree(const Indices& a) const {
     for (std::size_t i = 0; i < a.size(); ++i) {
       for (std::size_t k = i + 1; k < a.size(); ++k) {
-        if (!is(a[i], a[k], Conclusion::kAgrees)) return false;
+        if (!is(a[i], a[k], VerdictValue::kAgrees)) return false;
       }
     }
     return true;
@@ -84,7 +84,7 @@ std::vector<Indices> clusters_of(const Words& words) {
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < clusters.size(); ++i) {
       for (std::size_t k = i + 1; k < clusters.size(); ++k) {
-        if (!words.all_across(clusters[i], clusters[k], Conclusion::kAgrees)) continue;
+        if (!words.all_across(clusters[i], clusters[k], VerdictValue::kAgrees)) continue;
         const double far = farthest(words, clusters[i], clusters[k]);
         if (far >= nearest) continue;
         nearest = far;
@@ -108,7 +108,7 @@ Indices bridges_of(const Words& words, const std::vector<Indices>& clusters) {
     for (std::size_t d = c + 1; d < clusters.size(); ++d) {
       for (const std::size_t i : clusters[c]) {
         for (const std::size_t k : clusters[d]) {
-          if (words.is(i, k, Conclusion::kAgrees))
+          if (words.is(i, k, VerdictValue::kAgrees))
             bridges.push_back(pair_index(std::min(i, k), std::max(i, k), words.engines()));
         }
       }
@@ -136,7 +136,7 @@ std::vector<Indices> candidates(const Words& words, const std::vector<JudgedEngi
 
 bool stands_apart(const Words& words, const Indices& set) {
   const Indices rest = words.without(set);
-  return words.laws(rest).size() >= 2 && words.all_across(set, rest, Conclusion::kEngineDependent) &&
+  return words.laws(rest).size() >= 2 && words.all_across(set, rest, VerdictValue::kEngineDependent) &&
          words.all_agree(rest) && words.all_agree(set);
 }
 
@@ -147,7 +147,7 @@ std::vector<std::string> separating(const Words& words, const Indices& set) {
   for (std::size_t s = 0; s < statistics.size(); ++s) {
     const bool everywhere = std::all_of(set.begin(), set.end(), [&](std::size_t i) {
       return std::all_of(rest.begin(), rest.end(), [&](std::size_t k) {
-        return words.pair(i, k).statistics[s].conclusion == Conclusion::kEngineDependent;
+        return words.pair(i, k).statistics[s].value == VerdictValue::kEngineDependent;
       });
     });
     if (everywhere) names.push_back(statistics[s].statistic.name);
@@ -160,8 +160,7 @@ std::string no_outlier(const Words& words, const std::vector<Indices>& clusters,
   if (clusters.size() == 1) return "all agree";
   std::vector<std::string> open;
   for (const Verdict& pair : pairs) {
-    if (pair.conclusion() == Conclusion::kUnresolved)
-      open.push_back(fmt::format("{} and {}", pair.a, pair.b));
+    if (pair.value() == VerdictValue::kUnresolved) open.push_back(fmt::format("{} and {}", pair.a, pair.b));
   }
   if (laws.size() < 3) {
     return fmt::format(
@@ -178,25 +177,25 @@ std::string no_outlier(const Words& words, const std::vector<Indices>& clusters,
 
 }  // namespace
 
-Standing stand(const std::vector<JudgedEngine>& engines, const std::vector<Verdict>& pairs) {
+Consensus find_consensus(const std::vector<JudgedEngine>& engines, const std::vector<Verdict>& pairs) {
   const Words words(engines, pairs);
-  Standing standing;
-  standing.clusters = clusters_of(words);
-  standing.bridges = bridges_of(words, standing.clusters);
+  Consensus consensus;
+  consensus.clusters = clusters_of(words);
+  consensus.bridges = bridges_of(words, consensus.clusters);
   const std::set<std::string> laws = words.laws(words.without({}));
   if (laws.size() >= 3) {
     for (const Indices& set : candidates(words, engines)) {
       if (!stands_apart(words, set)) continue;
       const Indices rest = words.without(set);
-      standing.outlier = set;
-      standing.statistics = separating(words, set);
-      standing.reason = fmt::format("engine-dependent from each of {}, which agree ({})", words.names(rest),
-                                    fmt::join(words.laws(rest), ", "));
-      return standing;
+      consensus.outlier = set;
+      consensus.statistics = separating(words, set);
+      consensus.reason = fmt::format("engine-dependent from each of {}, which agree ({})", words.names(rest),
+                                     fmt::join(words.laws(rest), ", "));
+      return consensus;
     }
   }
-  standing.reason = no_outlier(words, standing.clusters, pairs, laws);
-  return standing;
+  consensus.reason = no_outlier(words, consensus.clusters, pairs, laws);
+  return consensus;
 }
 
 Table words_table(const std::string& title, const std::vector<JudgedEngine>& engines,

@@ -6,19 +6,20 @@
 #include <vector>
 
 #include "env/quadruped_env.h"
-#include "view/lane.h"
+#include "view/robot_instance.h"
 
 namespace crossgait {
 
-class PolicyLane final : public Lane {
+class PolicyInstance final : public RobotInstance {
  public:
   /// Stands and has settled. What `config` randomises is left out, its episodes go on for as long as they
   /// may, and its command begins at zero. @param policy  as `make_policy` takes it. @throws ConfigError
-  PolicyLane(const Engine& engine, const LoadedEnv& environment, const std::string& policy);
+  PolicyInstance(const Engine& engine, const LoadedEnv& environment, const std::string& policy);
 
   /// A policy that remembers what it saw begins anew.
-  std::unique_ptr<Lane> in(const Engine& engine) const override;
-  std::unique_ptr<Lane> on(const Engine& engine, const Ground& ground) const override;
+  std::unique_ptr<RobotInstance> with_engine(const Engine& engine) const override;
+  std::unique_ptr<RobotInstance> with_terrain(const Engine& engine,
+                                              const TerrainChoice& ground) const override;
 
   /// Control steps are made a policy step at a time, with the first of it.
   void step() override;
@@ -33,12 +34,12 @@ class PolicyLane final : public Lane {
   const VelocityCommand& command() const noexcept override { return command_; }
   std::string chosen_gait() const override;
   const GaitGenerator* gait() const noexcept override;
-  const PhysicsBackend& world() const noexcept override { return env_.backend(); }
+  const PhysicsBackend& world() const noexcept override { return env_.world(); }
   const ControlTargets& targets() const noexcept override { return env_.targets(); }
   Outcome outcome() const noexcept override { return env_.info().outcome; }
 
  private:
-  PolicyLane(const Engine& engine, const PolicyLane& other);
+  PolicyInstance(const Engine& engine, const PolicyInstance& other);
 
   std::string name_;
   QuadrupedEnv env_;

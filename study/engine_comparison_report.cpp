@@ -4,114 +4,111 @@
 
 #include "parity/verdict_report.h"
 #include "physics/core/schema.h"
-#include "study/judgement.h"
+#include "study/engine_comparison.h"
 
 namespace crossgait {
 namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json pair_json(const Judgement& judgement) {
-  ordered_json json = to_json(judgement.verdict);
-  json["models"] = to_json(judgement.models);
-  if (judgement.attribution) json["attribution"] = to_json(*judgement.attribution);
+ordered_json pair_json(const PairVerdict& pair) {
+  ordered_json json = to_json(pair.verdict);
+  json["models"] = to_json(pair.models);
+  if (pair.attribution) json["attribution"] = to_json(*pair.attribution);
   return json;
 }
 
-std::vector<std::string> names_of(const JudgementOfMany& judgements,
+std::vector<std::string> names_of(const EngineComparison& comparison,
                                   const std::vector<std::size_t>& engines) {
   std::vector<std::string> names;
-  for (const std::size_t i : engines) names.push_back(judgements.engines[i].name);
+  for (const std::size_t i : engines) names.push_back(comparison.engines[i].name);
   return names;
 }
 
 // An engine, or a law of which there are several.
-std::string outlier_name(const JudgementOfMany& judgements) {
-  const JudgedEngine& first = judgements.engines[judgements.standing.outlier.front()];
-  return judgements.standing.outlier.size() == 1 ? first.name : first.law;
+std::string outlier_name(const EngineComparison& comparison) {
+  const JudgedEngine& first = comparison.engines[comparison.consensus.outlier.front()];
+  return comparison.consensus.outlier.size() == 1 ? first.name : first.law;
 }
 
 // Statistics of a pair that are not found to agree.
 std::string differences(const Verdict& verdict) {
   std::vector<std::string> found;
   for (const StatisticVerdict& s : verdict.statistics) {
-    if (s.conclusion == Conclusion::kAgrees) continue;
+    if (s.value == VerdictValue::kAgrees) continue;
     found.push_back(fmt::format("{} {:+.2f}{}", s.statistic.name, s.score.estimate,
-                                s.conclusion == Conclusion::kUnresolved ? " (unresolved)" : ""));
+                                s.value == VerdictValue::kUnresolved ? " (unresolved)" : ""));
   }
   return fmt::format("{}", fmt::join(found, ", "));
 }
 
 // Clusters, and the outlier or why none is named.
-std::vector<std::string> sentences(const JudgementOfMany& j) {
+std::vector<std::string> sentences(const EngineComparison& j) {
   std::vector<std::string> found;
-  for (const std::vector<std::size_t>& cluster : j.standing.clusters) {
+  for (const std::vector<std::size_t>& cluster : j.consensus.clusters) {
     const auto names = names_of(j, cluster);
     found.push_back(cluster.size() == 1 ? fmt::format("Alone: {}.", names.front())
                                         : fmt::format("Agree with one another: {}.", fmt::join(names, ", ")));
   }
-  for (const std::size_t p : j.standing.bridges)
+  for (const std::size_t p : j.consensus.bridges)
     found.push_back(fmt::format("Also agree: {} and {}.", j.pairs[p].verdict.a, j.pairs[p].verdict.b));
-  if (j.standing.outlier.empty()) {
-    found.push_back(fmt::format("No outlier is named: {}.", j.standing.reason));
+  if (j.consensus.outlier.empty()) {
+    found.push_back(fmt::format("No outlier is named: {}.", j.consensus.reason));
   } else {
-    const bool law = j.standing.outlier.size() > 1;
+    const bool law = j.consensus.outlier.size() > 1;
     const std::string who = law ? fmt::format("the law {} ({})", outlier_name(j),
-                                              fmt::join(names_of(j, j.standing.outlier), ", "))
+                                              fmt::join(names_of(j, j.consensus.outlier), ", "))
                                 : outlier_name(j);
-    found.push_back(fmt::format("The outlier is {}: {}; in {}.", who, j.standing.reason,
-                                fmt::join(j.standing.statistics, ", ")));
+    found.push_back(fmt::format("The outlier is {}: {}; in {}.", who, j.consensus.reason,
+                                fmt::join(j.consensus.statistics, ", ")));
   }
   return found;
 }
 
 // The words of all pairs, engine by engine.
-Table words_table(const JudgementOfMany& j) {
+Table words_table(const EngineComparison& j) {
   std::vector<std::string> words;
-  for (const Judgement& pair : j.pairs) words.emplace_back(name(pair.verdict.conclusion()));
+  for (const PairVerdict& pair : j.pairs) words.emplace_back(name(pair.verdict.value()));
   return crossgait::words_table(j.pairs.front().verdict.behaviour, j.engines, words);
 }
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const Judgement& judgement) {
-  return with_schema("verdict", pair_json(judgement));
-}
+nlohmann::ordered_json to_json(const PairVerdict& pair) { return with_schema("verdict", pair_json(pair)); }
 
-std::string describe(const Judgement& judgement) {
-  std::string text =
-      fmt::format("{}\nModels: {}.\n", describe(judgement.verdict), describe(judgement.models));
-  if (judgement.attribution) text += fmt::format("\n{}", describe(*judgement.attribution));
+std::string describe(const PairVerdict& pair) {
+  std::string text = fmt::format("{}\nModels: {}.\n", describe(pair.verdict), describe(pair.models));
+  if (pair.attribution) text += fmt::format("\n{}", describe(*pair.attribution));
   return text;
 }
 
-nlohmann::ordered_json to_json(const JudgementOfMany& j) {
+nlohmann::ordered_json to_json(const EngineComparison& j) {
   const Verdict& first = j.pairs.front().verdict;
-  const Standing& standing = j.standing;
+  const Consensus& consensus = j.consensus;
   ordered_json json{{"behaviour", first.behaviour}, {"engines", ordered_json::array()}};
   for (const JudgedEngine& engine : j.engines)
     json["engines"].push_back({{"name", engine.name}, {"contact_law", engine.law}});
   json["clusters"] = ordered_json::array();
-  for (const auto& cluster : standing.clusters) json["clusters"].push_back(names_of(j, cluster));
+  for (const auto& cluster : consensus.clusters) json["clusters"].push_back(names_of(j, cluster));
   json["bridges"] = ordered_json::array();
-  for (const std::size_t p : standing.bridges)
+  for (const std::size_t p : consensus.bridges)
     json["bridges"].push_back({{"a", j.pairs[p].verdict.a}, {"b", j.pairs[p].verdict.b}});
-  json["outlier"] = standing.outlier.empty() ? ordered_json(nullptr) : ordered_json(outlier_name(j));
-  json["outlier_engines"] = names_of(j, standing.outlier);
-  json["outlier_statistics"] = standing.statistics;
-  json["reason"] = standing.reason;
+  json["outlier"] = consensus.outlier.empty() ? ordered_json(nullptr) : ordered_json(outlier_name(j));
+  json["outlier_engines"] = names_of(j, consensus.outlier);
+  json["outlier_statistics"] = consensus.statistics;
+  json["reason"] = consensus.reason;
   json["sentences"] = sentences(j);
   json["pairs"] = ordered_json::array();
-  for (const Judgement& pair : j.pairs) json["pairs"].push_back(pair_json(pair));
+  for (const PairVerdict& pair : j.pairs) json["pairs"].push_back(pair_json(pair));
   return with_schema("verdicts", json);
 }
 
-std::string describe(const JudgementOfMany& j) {
+std::string describe(const EngineComparison& j) {
   std::string text = words_table(j).str() + "\n";
-  for (const Judgement& pair : j.pairs) {
+  for (const PairVerdict& pair : j.pairs) {
     const Verdict& v = pair.verdict;
-    text += fmt::format("{} against {}: {}{}{}.{}\n", v.b, v.a, name(v.conclusion()),
-                        v.conclusion() == Conclusion::kAgrees ? "" : ": ", differences(v),
+    text += fmt::format("{} against {}: {}{}{}.{}\n", v.b, v.a, name(v.value()),
+                        v.value() == VerdictValue::kAgrees ? "" : ": ", differences(v),
                         pair.models.empty() ? "" : fmt::format(" Models: {}.", describe(pair.models)));
   }
   text += fmt::format("\n{}\n", fmt::join(sentences(j), "\n"));
@@ -121,7 +118,7 @@ std::string describe(const JudgementOfMany& j) {
       "pairs together.\n",
       first.options.starts, 100 * first.options.confidence);
   for (const std::string& reason : first.left_out) text += "Left out: " + reason + ".\n";
-  for (const Judgement& pair : j.pairs) {
+  for (const PairVerdict& pair : j.pairs) {
     if (pair.attribution)
       text +=
           fmt::format("\n{} against {}:\n{}", pair.verdict.b, pair.verdict.a, describe(*pair.attribution));

@@ -1,4 +1,4 @@
-#include "study/judgement.h"
+#include "study/engine_comparison.h"
 
 #include <algorithm>
 #include <map>
@@ -68,14 +68,14 @@ std::vector<std::optional<EngineFamily>> find_families(const std::vector<Engine>
 }
 
 // Each family once, for the pairs that do not agree; of two engines, whatever they do.
-void explain(JudgementOfMany& result, const std::vector<std::optional<EngineFamily>>& families,
-             const Behaviour& behaviour, const WorldSpec& world, const JudgementOptions& options,
+void explain(EngineComparison& result, const std::vector<std::optional<EngineFamily>>& families,
+             const Behaviour& behaviour, const WorldSpec& world, const JudgeOptions& options,
              const StageProgress& progress) {
   const VerdictOptions& how = options.verdict;
   std::map<std::string, Attribution> made;
   for (std::size_t p = 0; p < families.size(); ++p) {
     if (!families[p]) continue;
-    if (families.size() > 1 && result.pairs[p].verdict.conclusion() == Conclusion::kAgrees) continue;
+    if (families.size() > 1 && result.pairs[p].verdict.value() == VerdictValue::kAgrees) continue;
     const std::string ends = families[p]->from + " to " + families[p]->to;
     if (!made.contains(ends)) {
       const std::string stage = families.size() > 1 ? "explaining " + ends : "explaining";
@@ -88,23 +88,23 @@ void explain(JudgementOfMany& result, const std::vector<std::optional<EngineFami
 
 }  // namespace
 
-JudgementOfMany judge_engines(const LoadedBehaviour& loaded, const std::vector<std::string>& engines,
-                              const JudgementOptions& options, const StageProgress& progress) {
+EngineComparison judge_engines(const LoadedBehaviour& loaded, const std::vector<std::string>& engines,
+                               const JudgeOptions& options, const StageProgress& progress) {
   Behaviour behaviour = make_behaviour(loaded);
   if (!options.stored_runs.empty())
     behaviour = with_store(std::move(behaviour), loaded, std::make_shared<RunStore>(options.stored_runs));
   return judge_engines(behaviour, loaded.world(), engines, options, progress);
 }
 
-JudgementOfMany judge_engines(const Behaviour& behaviour, const WorldSpec& world,
-                              const std::vector<std::string>& names, const JudgementOptions& options,
-                              const StageProgress& progress) {
+EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& world,
+                               const std::vector<std::string>& names, const JudgeOptions& options,
+                               const StageProgress& progress) {
   options.verdict.validate();
   const std::vector<Engine> engines = find_engines(names);
   std::vector<std::optional<EngineFamily>> families;
   if (options.explain) families = find_families(engines);
 
-  JudgementOfMany result;
+  EngineComparison result;
   std::vector<std::unique_ptr<PhysicsBackend>> worlds;
   for (const Engine& engine : engines) {
     result.engines.push_back({engine.name(), std::string(engine.info.laws.contact_law())});
@@ -119,19 +119,19 @@ JudgementOfMany judge_engines(const Behaviour& behaviour, const WorldSpec& world
       reach_verdicts(behaviour, engines, options.verdict, progress_of(progress, "judging"));
   for (std::size_t p = 0; p < verdicts.size(); ++p)
     result.pairs.push_back({std::move(models[p]), verdicts[p], std::nullopt});
-  result.standing = stand(result.engines, verdicts);
+  result.consensus = find_consensus(result.engines, verdicts);
   explain(result, families, behaviour, world, options, progress);
   return result;
 }
 
-Judgement judge_behaviour(const LoadedBehaviour& loaded, const std::string& a, const std::string& b,
-                          const JudgementOptions& options, const StageProgress& progress) {
+PairVerdict judge_behaviour(const LoadedBehaviour& loaded, const std::string& a, const std::string& b,
+                            const JudgeOptions& options, const StageProgress& progress) {
   return judge_engines(loaded, {a, b}, options, progress).pairs.front();
 }
 
-Judgement judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, const std::string& a,
-                          const std::string& b, const JudgementOptions& options,
-                          const StageProgress& progress) {
+PairVerdict judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, const std::string& a,
+                            const std::string& b, const JudgeOptions& options,
+                            const StageProgress& progress) {
   return judge_engines(behaviour, world, {a, b}, options, progress).pairs.front();
 }
 

@@ -6,18 +6,19 @@
 
 #include "motion/closed_loop.h"
 #include "view/gait_drive.h"
-#include "view/lane.h"
+#include "view/robot_instance.h"
 
 namespace crossgait {
 
-class GaitLane final : public Lane {
+class GaitInstance final : public RobotInstance {
  public:
   /// Stands and has settled, at the origin. @throws ConfigError if the world cannot be made or the robot
   /// cannot stand
-  GaitLane(const Engine& engine, const WorldSpec& spec, const GaitDrive& drive, double control_dt);
+  GaitInstance(const Engine& engine, const WorldSpec& spec, const GaitDrive& drive, double control_dt);
 
-  std::unique_ptr<Lane> in(const Engine& engine) const override;
-  std::unique_ptr<Lane> on(const Engine& engine, const Ground& ground) const override;
+  std::unique_ptr<RobotInstance> with_engine(const Engine& engine) const override;
+  std::unique_ptr<RobotInstance> with_terrain(const Engine& engine,
+                                              const TerrainChoice& ground) const override;
 
   void step() override { loop_.advance(*world_, drive_, 1); }
   void stand_up() override;
@@ -36,7 +37,7 @@ class GaitLane final : public Lane {
   Outcome outcome() const noexcept override { return loop_.statistics().worst(); }
 
  private:
-  GaitLane(const Engine& engine, const GaitLane& other);
+  GaitInstance(const Engine& engine, const GaitInstance& other);
 
   std::unique_ptr<PhysicsBackend> world_;
   double control_dt_;

@@ -1,4 +1,4 @@
-// Suites that run once for every backend in the registry. A further engine joins them unedited.
+// Suites that run once for every world in the registry. A further engine joins them unedited.
 #pragma once
 
 #include <algorithm>
@@ -15,15 +15,13 @@
 
 namespace crossgait {
 
-class BackendTest : public ::testing::TestWithParam<std::string> {
+class EngineTest : public ::testing::TestWithParam<std::string> {
  protected:
-  static std::unique_ptr<PhysicsBackend> make(const WorldSpec& spec) {
-    return make_backend(GetParam(), spec);
-  }
+  static std::unique_ptr<PhysicsBackend> make(const WorldSpec& spec) { return make_world(GetParam(), spec); }
   static std::unique_ptr<PhysicsBackend> make(const scenes::RobotPtr& robot) {
     return make(scenes::world_of(robot));
   }
-  /// What the backend declares: the only thing that a test may skip or choose by.
+  /// What the world declares: the only thing that a test may skip or choose by.
   static Capabilities capabilities() { return find_engine(GetParam()).info.capabilities; }
 };
 
@@ -40,14 +38,14 @@ inline std::vector<std::string> own_engines() {
 }
 
 /// "bullet:matched" as a test name: "bullet_matched".
-inline std::string test_name(std::string_view backend) {
-  std::string name(backend);
+inline std::string test_name(std::string_view world) {
+  std::string name(world);
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
   return name;
 }
 
-inline std::string backend_of_test(const ::testing::TestParamInfo<std::string>& test) {
+inline std::string engine_of_test(const ::testing::TestParamInfo<std::string>& test) {
   return test_name(test.param);
 }
 
@@ -61,8 +59,8 @@ inline void measured(const std::string& what, double value) {
 
 }  // namespace crossgait
 
-/// Instantiates `suite`, derived from BackendTest, for every backend that is built in.
-#define CROSSGAIT_FOR_EVERY_BACKEND(suite)                                                             \
-  GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(suite);                                                \
-  INSTANTIATE_TEST_SUITE_P(EveryBackend, suite, ::testing::ValuesIn(::crossgait::available_engines()), \
-                           ::crossgait::backend_of_test)
+/// Instantiates `suite`, derived from EngineTest, for every world that is built in.
+#define CROSSGAIT_FOR_EVERY_BACKEND(suite)                                                            \
+  GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(suite);                                               \
+  INSTANTIATE_TEST_SUITE_P(EveryEngine, suite, ::testing::ValuesIn(::crossgait::available_engines()), \
+                           ::crossgait::engine_of_test)

@@ -8,32 +8,32 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "parity/attribution.h"
+#include "parity/consensus.h"
 #include "parity/model_audit.h"
-#include "parity/standing.h"
 #include "parity/verdict.h"
 #include "study/run_spec.h"
 
 namespace crossgait {
 
-struct JudgementOptions {
+struct JudgeOptions {
   VerdictOptions verdict;
   bool explain = false;     ///< also say what the gap comes from
   std::string stored_runs;  ///< file of runs to take and to add to (RunStore); empty: none
 };
 
-struct Judgement {
+struct PairVerdict {
   std::vector<AuditFinding> models;  ///< what the two engines' worlds hold differently
   Verdict verdict;
   std::optional<Attribution> attribution;
 };
 
-/// Of many engines, from one set of runs.
-struct JudgementOfMany {
+/// Holds the verdicts of many engines, from one set of runs.
+struct EngineComparison {
   std::vector<JudgedEngine> engines;
-  /// Of every pair, in the order of `reach_verdicts`. Attributions are of pairs that do not agree and lie at
-  /// the ends of a family; pairs at the ends of one family share theirs.
-  std::vector<Judgement> pairs;
-  Standing standing;
+  /// Lists every pair, in the order of `reach_verdicts`. Attributions are of pairs that do not agree and lie
+  /// at the ends of a family; pairs at the ends of one family share theirs.
+  std::vector<PairVerdict> pairs;
+  Consensus consensus;
 };
 
 /// What is being done, for a line of progress, and the share of it that is done.
@@ -44,32 +44,32 @@ Progress progress_of(const StageProgress& progress, const std::string& stage);
 
 /// Audits the two worlds, runs the behaviour in both engines, judges, and explains if asked.
 /// @throws ConfigError before any long run for what is wrong with names, options or the world
-Judgement judge_behaviour(const LoadedBehaviour& loaded, const std::string& a, const std::string& b,
-                          const JudgementOptions& options = {}, const StageProgress& progress = {});
+PairVerdict judge_behaviour(const LoadedBehaviour& loaded, const std::string& a, const std::string& b,
+                            const JudgeOptions& options = {}, const StageProgress& progress = {});
 
 /// The same of a behaviour that is no specification's, whose runs nothing stores.
 /// @param world  that it takes place in
-Judgement judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, const std::string& a,
-                          const std::string& b, const JudgementOptions& options = {},
-                          const StageProgress& progress = {});
+PairVerdict judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, const std::string& a,
+                            const std::string& b, const JudgeOptions& options = {},
+                            const StageProgress& progress = {});
 
 /// The same of two engines or more, none of which is run twice.
 /// @throws ConfigError also for an engine that is named twice, and for `explain` where no pair has a family
-JudgementOfMany judge_engines(const LoadedBehaviour& loaded, const std::vector<std::string>& engines,
-                              const JudgementOptions& options = {}, const StageProgress& progress = {});
-JudgementOfMany judge_engines(const Behaviour& behaviour, const WorldSpec& world,
-                              const std::vector<std::string>& names, const JudgementOptions& options = {},
-                              const StageProgress& progress = {});
+EngineComparison judge_engines(const LoadedBehaviour& loaded, const std::vector<std::string>& engines,
+                               const JudgeOptions& options = {}, const StageProgress& progress = {});
+EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& world,
+                               const std::vector<std::string>& names, const JudgeOptions& options = {},
+                               const StageProgress& progress = {});
 
 /// The family whose ends are `a` and `b`, either way round; an engine of the same laws may stand for an end.
 /// @throws ConfigError if there is none
 EngineFamily find_family(const Engine& a, const Engine& b);
 
 /// Keys as in docs/schemas/verdict.json.
-nlohmann::ordered_json to_json(const Judgement& judgement);
-std::string describe(const Judgement& judgement);
+nlohmann::ordered_json to_json(const PairVerdict& pair);
+std::string describe(const PairVerdict& pair);
 /// Keys as in docs/schemas/verdicts.json.
-nlohmann::ordered_json to_json(const JudgementOfMany& judgements);
-std::string describe(const JudgementOfMany& judgements);
+nlohmann::ordered_json to_json(const EngineComparison& comparison);
+std::string describe(const EngineComparison& comparison);
 
 }  // namespace crossgait

@@ -1,4 +1,4 @@
-// crossgait backends: which engines there are, where each came from, and why one cannot be used.
+// crossgait engines: which engines there are, where each came from, and why one cannot be used.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -14,7 +14,7 @@ namespace {
 nlohmann::ordered_json to_json(const EngineListing& entry) {
   return {{"name", entry.name},
           {"summary", entry.summary},
-          {"engine", entry.info.engine},
+          {"library", entry.info.library},
           {"version", entry.info.version},
           {"mode", entry.info.mode},
           {"contact_law", entry.info.laws.contact},
@@ -37,13 +37,13 @@ std::string examples_of(const EngineFamily& family) {
 }
 
 void run(const JsonOption& json) {
-  Table table({"name", "engine", "contact", "plug-in"});
+  Table table({"name", "library", "contact", "plug-in"});
   std::string refused;
   nlohmann::ordered_json entries = nlohmann::ordered_json::array();
   for (const EngineListing& entry : known_engines()) {
     entries.push_back(to_json(entry));
     if (entry.available) {
-      table.add_row({entry.name, entry.info.engine + " " + entry.info.version, entry.info.mode, entry.file});
+      table.add_row({entry.name, entry.info.library + " " + entry.info.version, entry.info.mode, entry.file});
     } else {
       refused += fmt::format("  {}{}: {}\n", entry.name, entry.file.empty() ? "" : " of " + entry.file,
                              entry.reason);
@@ -62,15 +62,14 @@ void run(const JsonOption& json) {
     families.push_back({{"from", family.from}, {"to", family.to}, {"factors", factors}});
   }
   json.emit(text,
-            with_schema("engines", {{"backends", std::move(entries)}, {"families", std::move(families)}}));
+            with_schema("engines", {{"engines", std::move(entries)}, {"families", std::move(families)}}));
 }
 
 }  // namespace
 
-void add_backends_command(CLI::App& program) {
+void add_engines_command(CLI::App& program) {
   CLI::App* command =
-      program.add_subcommand("backends", "List the physics engines, where they are, and why one is missing");
-  command->alias("engines");
+      program.add_subcommand("engines", "List the physics engines, where they are, and why one is missing");
   command->footer(
       "\nEngines are plug-ins, libcrossgait_engine_<name>.so. Those in the folders that the environment\n"
       "variable CROSSGAIT_ENGINE_PATH lists, separated by colons, come before the ones of the installation.");

@@ -21,12 +21,12 @@ namespace crossgait {
 double weight_per_mass(const WorldSpec& world) noexcept;
 
 /// Solves all four legs at once. Constructing one reads the geometry of the robot; updates allocate nothing.
-class LegController {
+class FootTargetTracker {
  public:
   /// @param gravity  what a mass weighs where the robot stands, N/kg (`weight_per_mass`)
   /// @throws ConfigError if the robot has no legs, or none that `make_leg_kinematics` knows
-  explicit LegController(std::shared_ptr<const RobotDescription> description,
-                         const ServoCompensation& compensation = {}, double gravity = kGravity);
+  explicit FootTargetTracker(std::shared_ptr<const RobotDescription> description,
+                             const ServoCompensation& compensation = {}, double gravity = kGravity);
 
   /// @param feet targets in each leg's frame (x forward, y left, z up), m; of legs without abduction y counts
   ///             as 0
@@ -50,12 +50,12 @@ class LegController {
     return standing_state(feet, terrain, Placement());
   }
 
-  /// For GaitGenerator::set_sweep, at these standing feet (leg frames, m), mean of the legs. Two things come
-  /// between a sweep and the body's advance. While the centre of a spherical foot moves by dp, its link turns
-  /// by w dp, and the foot rolls on by r w x z dp. And what the servos do not make up for of their load gives
-  /// way by J K^-1 J' F, which differs from one end of the sweep to the other.
+  /// For GaitGenerator::set_rolling_correction, at these standing feet (leg frames, m), mean of the legs. Two
+  /// things come between a sweep and the body's advance. While the centre of a spherical foot moves by dp,
+  /// its link turns by w dp, and the foot rolls on by r w x z dp. And what the servos do not make up for of
+  /// their load gives way by J K^-1 J' F, which differs from one end of the sweep to the other.
   /// @throws ConfigError if a foot is out of reach
-  Vector2 foot_sweep(const LegArray<Vector3>& feet, const GaitParameters& parameters) const;
+  Vector2 rolling_correction(const LegArray<Vector3>& feet, const GaitParameters& parameters) const;
 
   const LegArray<LegKinematics>& kinematics() const noexcept { return kinematics_; }
   /// Status of each leg in the last update.
@@ -65,7 +65,7 @@ class LegController {
 
  private:
   void set_joints(Leg leg, const Vector3& foot, JointVector& q) const;
-  Vector3 give(Leg leg, const Vector3& foot, double load) const noexcept;
+  Vector3 compliance_deflection(Leg leg, const Vector3& foot, double load) const noexcept;
 
   struct LegServos {
     std::array<Eigen::Index, 3> slots{};  // of the leg's servos in JointTargets
@@ -95,6 +95,7 @@ class LegController {
 };
 
 /// Joint targets for feet (in the leg frames, m) after `dt` more seconds, and how many legs could not follow.
-void solve_legs(LegController& legs, const LegArray<Vector3>& feet, double dt, ControlTargets& out) noexcept;
+void solve_legs(FootTargetTracker& legs, const LegArray<Vector3>& feet, double dt,
+                ControlTargets& out) noexcept;
 
 }  // namespace crossgait

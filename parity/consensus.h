@@ -15,7 +15,7 @@ struct JudgedEngine {
   std::string name, law;  ///< law: Laws::contact_law
 };
 
-/// Of the words of all pairs. `pairs` below stand as `reach_verdicts` has them.
+/// Sums up the verdicts of all pairs. `pairs` below stand as `reach_verdicts` has them.
 ///
 /// **Clusters.** Two engines may be in one cluster only if they agree, and so may all others of it (complete
 /// linkage): clusters are joined, the two nearest first, as long as every pair across them agrees. How near
@@ -28,7 +28,7 @@ struct JudgedEngine {
 /// vote, since they agree by construction: the set is one engine, or all engines of one law; the others have
 /// to be of two laws or more, and all together of three or more, or nobody could say which of two is odd.
 /// Where any of these pairs is unresolved no outlier is named.
-struct Standing {
+struct Consensus {
   std::vector<std::vector<std::size_t>> clusters;  ///< engines, rising; the largest cluster first
   std::vector<std::size_t> bridges;                ///< pairs that agree across clusters
   std::vector<std::size_t> outlier;                ///< engines that stand apart; empty if none is named
@@ -44,7 +44,7 @@ Table words_table(const std::string& title, const std::vector<JudgedEngine>& eng
 
 /// @param engines  two or more
 /// @param pairs    `reach_verdicts` of them
-Standing stand(const std::vector<JudgedEngine>& engines, const std::vector<Verdict>& pairs);
+Consensus find_consensus(const std::vector<JudgedEngine>& engines, const std::vector<Verdict>& pairs);
 
 /// Where the pair of engines i < k of n stands.
 constexpr std::size_t pair_index(std::size_t i, std::size_t k, std::size_t n) noexcept {

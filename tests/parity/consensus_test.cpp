@@ -1,5 +1,5 @@
 // Clusters and the outlier: on words that are set by hand, and on made-up runs with a fault that is known.
-#include "parity/standing.h"
+#include "parity/consensus.h"
 
 #include <algorithm>
 #include <map>
@@ -18,10 +18,10 @@ using Indices = std::vector<std::size_t>;
 /// Words of pairs by the engines' names; all others agree. A pair's score is .1 unless it is given.
 struct Said {
   std::vector<JudgedEngine> engines;
-  std::map<std::string, Conclusion> words = {};
+  std::map<std::string, VerdictValue> words = {};
   std::map<std::string, double> scores = {};
 
-  Standing stand() const {
+  Consensus stand() const {
     std::vector<Verdict> pairs;
     for (std::size_t i = 0; i < engines.size(); ++i) {
       for (std::size_t k = i + 1; k < engines.size(); ++k) {
@@ -31,9 +31,9 @@ struct Said {
         StatisticVerdict slip, way;
         slip.statistic.name = "slip";
         way.statistic.name = "way";
-        way.conclusion = Conclusion::kAgrees;
+        way.value = VerdictValue::kAgrees;
         const auto word = words.find(pair.a + pair.b);
-        slip.conclusion = word == words.end() ? Conclusion::kAgrees : word->second;
+        slip.value = word == words.end() ? VerdictValue::kAgrees : word->second;
         const auto score = scores.find(pair.a + pair.b);
         slip.score.high = score == scores.end() ? 0.1 : score->second;
         pair.statistics = {slip, way};
@@ -41,14 +41,14 @@ struct Said {
         pairs.push_back(pair);
       }
     }
-    return crossgait::stand(engines, pairs);
+    return crossgait::find_consensus(engines, pairs);
   }
 };
 
-constexpr Conclusion kApart = Conclusion::kEngineDependent, kUndecided = Conclusion::kUnresolved;
+constexpr VerdictValue kApart = VerdictValue::kEngineDependent, kUndecided = VerdictValue::kUnresolved;
 
-TEST(Standing, OneAgainstOthersOfTwoLawsStandsApart) {
-  const Standing s =
+TEST(Consensus, OneAgainstOthersOfTwoLawsStandsApart) {
+  const Consensus s =
       Said{{{"a", "1"}, {"b", "2"}, {"c", "3"}, {"d", "4"}}, {{"ac", kApart}, {"bc", kApart}, {"cd", kApart}}}
           .stand();
   EXPECT_EQ(s.clusters, (std::vector<Indices>{{0, 1, 3}, {2}}));
@@ -57,58 +57,58 @@ TEST(Standing, OneAgainstOthersOfTwoLawsStandsApart) {
   EXPECT_NE(s.reason.find("a, b, d"), std::string::npos) << s.reason;
 }
 
-TEST(Standing, EnginesOfOneLawAreOneVote) {
+TEST(Consensus, EnginesOfOneLawAreOneVote) {
   // Three against one, but two laws: soft and hard.
-  const std::map<std::string, Conclusion> apart{{"ad", kApart}, {"bd", kApart}, {"cd", kApart}};
-  const Standing two = Said{{{"a", "1"}, {"b", "1"}, {"c", "1"}, {"d", "2"}}, apart}.stand();
+  const std::map<std::string, VerdictValue> apart{{"ad", kApart}, {"bd", kApart}, {"cd", kApart}};
+  const Consensus two = Said{{{"a", "1"}, {"b", "1"}, {"c", "1"}, {"d", "2"}}, apart}.stand();
   EXPECT_TRUE(two.outlier.empty());
   EXPECT_NE(two.reason.find("one vote"), std::string::npos) << two.reason;
   EXPECT_EQ(two.clusters, (std::vector<Indices>{{0, 1, 2}, {3}}));
   // Of three laws, all engines of one stand apart together.
-  const Standing law = Said{{{"a", "1"}, {"b", "1"}, {"c", "2"}, {"d", "3"}},
-                            {{"ac", kApart}, {"ad", kApart}, {"bc", kApart}, {"bd", kApart}}}
-                           .stand();
+  const Consensus law = Said{{{"a", "1"}, {"b", "1"}, {"c", "2"}, {"d", "3"}},
+                             {{"ac", kApart}, {"ad", kApart}, {"bc", kApart}, {"bd", kApart}}}
+                            .stand();
   EXPECT_EQ(law.outlier, (Indices{0, 1}));
   // Three laws, but two that differ from each other and from the third: nobody stands against a majority.
-  const Standing all =
+  const Consensus all =
       Said{{{"a", "1"}, {"b", "2"}, {"c", "3"}}, {{"ab", kApart}, {"ac", kApart}, {"bc", kApart}}}.stand();
   EXPECT_TRUE(all.outlier.empty());
   EXPECT_EQ(all.clusters.size(), 3U);
 }
 
-TEST(Standing, AnEngineThatLeavesItsOwnLawStandsApart) {
+TEST(Consensus, AnEngineThatLeavesItsOwnLawStandsApart) {
   // a and b share a law; b has a fault.
-  const Standing s =
+  const Consensus s =
       Said{{{"a", "1"}, {"b", "1"}, {"c", "2"}, {"d", "3"}}, {{"ab", kApart}, {"bc", kApart}, {"bd", kApart}}}
           .stand();
   EXPECT_EQ(s.outlier, Indices{1});
 }
 
-TEST(Standing, NamesNobodyWhileAPairIsUnresolved) {
+TEST(Consensus, NamesNobodyWhileAPairIsUnresolved) {
   const std::vector<JudgedEngine> engines{{"a", "1"}, {"b", "2"}, {"c", "3"}, {"d", "4"}};
   // The outlier's own pair, and a pair of the others.
   for (const std::string open : {"cd", "ab"}) {
-    std::map<std::string, Conclusion> words{{"ac", kApart}, {"bc", kApart}, {"cd", kApart}};
+    std::map<std::string, VerdictValue> words{{"ac", kApart}, {"bc", kApart}, {"cd", kApart}};
     words[open] = kUndecided;
-    const Standing s = Said{engines, words}.stand();
+    const Consensus s = Said{engines, words}.stand();
     EXPECT_TRUE(s.outlier.empty()) << open;
     EXPECT_NE(s.reason.find("unresolved"), std::string::npos) << s.reason;
   }
 }
 
-TEST(Standing, TwoThatStandApartAreNoOutlier) {
-  const Standing s = Said{{{"a", "1"}, {"b", "2"}, {"c", "3"}, {"d", "4"}},
-                          {{"ac", kApart}, {"bc", kApart}, {"ad", kApart}, {"bd", kApart}}}
-                         .stand();
+TEST(Consensus, TwoThatStandApartAreNoOutlier) {
+  const Consensus s = Said{{{"a", "1"}, {"b", "2"}, {"c", "3"}, {"d", "4"}},
+                           {{"ac", kApart}, {"bc", kApart}, {"ad", kApart}, {"bd", kApart}}}
+                          .stand();
   EXPECT_EQ(s.clusters, (std::vector<Indices>{{0, 1}, {2, 3}}));
   EXPECT_TRUE(s.outlier.empty());
   EXPECT_NE(s.reason.find("{a, b}, {c, d}"), std::string::npos) << s.reason;
 }
 
-TEST(Standing, OfAChainTheNearerAreACluster) {
+TEST(Consensus, OfAChainTheNearerAreACluster) {
   // a and b agree, b and c agree, a and c do not; b is nearer to c.
   Said chain{{{"a", "1"}, {"b", "2"}, {"c", "3"}}, {{"ac", kApart}}, {{"ab", 0.9}, {"bc", 0.2}}};
-  Standing s = chain.stand();
+  Consensus s = chain.stand();
   EXPECT_EQ(s.clusters, (std::vector<Indices>{{1, 2}, {0}}));
   EXPECT_EQ(s.bridges, Indices{0});  // a and b
   EXPECT_TRUE(s.outlier.empty());
@@ -118,8 +118,8 @@ TEST(Standing, OfAChainTheNearerAreACluster) {
   EXPECT_EQ(s.bridges, Indices{2});
 }
 
-TEST(Standing, AllThatAgreeAreOneCluster) {
-  const Standing s = Said{{{"a", "1"}, {"b", "2"}, {"c", "3"}}}.stand();
+TEST(Consensus, AllThatAgreeAreOneCluster) {
+  const Consensus s = Said{{{"a", "1"}, {"b", "2"}, {"c", "3"}}}.stand();
   EXPECT_EQ(s.clusters, (std::vector<Indices>{{0, 1, 2}}));
   EXPECT_TRUE(s.bridges.empty());
   EXPECT_EQ(s.reason, "all agree");
@@ -132,7 +132,7 @@ struct Planted {
   std::size_t faulty;
   double fault;
 
-  Standing stand() const {
+  Consensus stand() const {
     std::vector<Engine> engines;
     std::vector<JudgedEngine> judged;
     for (const char* name : {"a", "b", "c", "d"}) {
@@ -143,8 +143,9 @@ struct Planted {
     }
     Behaviour behaviour;
     behaviour.name = "made up";
-    behaviour.statistics = {
-        {"distance", "m", 0.02, 0.005}, {"height", "m", 0.02, 0.005}, {"failures", "share", 0, 0.05, true}};
+    behaviour.statistics = {{"distance", "m", 0.02, 0.005},
+                            {"height", "m", 0.02, 0.005},
+                            {"failures", "fraction", 0, 0.05, true}};
     behaviour.physics_dt = 1e-3;
     behaviour.control_dt = 4e-3;
     behaviour.run = [this](const Engine& engine, const Variation& variation, std::size_t start) {
@@ -158,7 +159,7 @@ struct Planted {
       values.push_back(0);
       return values;
     };
-    return crossgait::stand(judged, reach_verdicts(behaviour, engines, {.starts = 16}));
+    return crossgait::find_consensus(judged, reach_verdicts(behaviour, engines, {.starts = 16}));
   }
 };
 
@@ -166,7 +167,7 @@ TEST(PlantedOutliers, AreNamedTwentyTimesOfTwenty) {
   int named = 0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const Planted planted{seed, seed % 4, seed % 3 == 0 ? -0.5 : 0.5};
-    const Standing s = planted.stand();
+    const Consensus s = planted.stand();
     EXPECT_EQ(s.outlier, Indices{planted.faulty}) << s.reason;
     if (s.outlier != Indices{planted.faulty}) continue;
     ++named;
@@ -178,7 +179,7 @@ TEST(PlantedOutliers, AreNamedTwentyTimesOfTwenty) {
 TEST(PlantedOutliers, AreNotSeenWhereThereAreNone) {
   int alarms = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
-    const Standing s = Planted{100 + seed, 0, 0}.stand();
+    const Consensus s = Planted{100 + seed, 0, 0}.stand();
     alarms += s.outlier.empty() ? 0 : 1;
     EXPECT_EQ(s.clusters.front().size(), 4U) << seed;
   }

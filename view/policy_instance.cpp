@@ -1,4 +1,4 @@
-#include "view/policy_lane.h"
+#include "view/policy_instance.h"
 
 #include "physics/core/error.h"
 #include "view/gait_drive.h"
@@ -14,7 +14,7 @@ std::shared_ptr<const EnvModel> model_of(LoadedEnv environment) {
   config.randomisation = {};
   config.command = VelocityCommand{};
   config.episode_seconds = kLongestView;
-  config.ends = OutcomeSet::of_walks().add(Outcome::kLeftTerrain);
+  config.terminations = OutcomeSet::of_walks().add(Outcome::kLeftTerrain);
   return EnvModel::make(environment);
 }
 
@@ -24,7 +24,7 @@ std::shared_ptr<const EnvModel> model_of(LoadedEnv environment) {
 
 }  // namespace
 
-PolicyLane::PolicyLane(const Engine& engine, const LoadedEnv& environment, const std::string& policy)
+PolicyInstance::PolicyInstance(const Engine& engine, const LoadedEnv& environment, const std::string& policy)
     : name_(policy),
       env_(model_of(environment), engine),
       policy_(make_policy(policy, env_.interface())),
@@ -33,7 +33,7 @@ PolicyLane::PolicyLane(const Engine& engine, const LoadedEnv& environment, const
   stand_up();
 }
 
-PolicyLane::PolicyLane(const Engine& engine, const PolicyLane& other)
+PolicyInstance::PolicyInstance(const Engine& engine, const PolicyInstance& other)
     : name_(other.name_),
       env_(std::make_shared<const EnvModel>(other.env_.model()), engine),
       policy_(make_policy(name_, env_.interface())),
@@ -49,18 +49,19 @@ PolicyLane::PolicyLane(const Engine& engine, const PolicyLane& other)
   env_.restore(saved);
 }
 
-std::unique_ptr<Lane> PolicyLane::in(const Engine& engine) const {
-  return std::unique_ptr<Lane>(new PolicyLane(engine, *this));
+std::unique_ptr<RobotInstance> PolicyInstance::with_engine(const Engine& engine) const {
+  return std::unique_ptr<RobotInstance>(new PolicyInstance(engine, *this));
 }
 
-std::unique_ptr<Lane> PolicyLane::on(const Engine& engine, const Ground& ground) const {
+std::unique_ptr<RobotInstance> PolicyInstance::with_terrain(const Engine& engine,
+                                                            const TerrainChoice& ground) const {
   EnvConfig config = env_.config();
   config.terrain = ground.terrain;
   config.terrain_seed = ground.seed;
-  return std::make_unique<PolicyLane>(engine, env_.model().loaded().with(config), name_);
+  return std::make_unique<PolicyInstance>(engine, env_.model().loaded().with(config), name_);
 }
 
-void PolicyLane::step() {
+void PolicyInstance::step() {
   if (steps_left_ == 0) {
     policy_->act(observation_, action_);
     env_.step(action_, observation_);
@@ -69,36 +70,36 @@ void PolicyLane::step() {
   --steps_left_;
 }
 
-void PolicyLane::stand_up() {
+void PolicyInstance::stand_up() {
   policy_->reset(0);
   env_.reset(0, observation_);
   command_ = {};
   steps_left_ = 0;
 }
 
-void PolicyLane::push(const Vector3& impulse) {
+void PolicyInstance::push(const Vector3& impulse) {
   if (!impulse.allFinite()) throw ConfigError("drive", "push", "three finite numbers, N s", "not finite");
   QuadrupedEnv::Saved saved = *env_.save();
   saved.physics.push += impulse;
   env_.restore(saved);
 }
 
-void PolicyLane::set_command(const VelocityCommand& command) {
-  check_drive(env_.backend().robot(), command);
+void PolicyInstance::set_command(const VelocityCommand& command) {
+  check_drive(env_.world().robot(), command);
   env_.set_command(command);
   command_ = command;
 }
 
-void PolicyLane::set_gait(const std::string& gait) { refuse_to_meddle(gait); }
-void PolicyLane::set_parameter(const std::string& name, double /*value*/) { refuse_to_meddle(name); }
+void PolicyInstance::set_gait(const std::string& gait) { refuse_to_meddle(gait); }
+void PolicyInstance::set_parameter(const std::string& name, double /*value*/) { refuse_to_meddle(name); }
 
-void PolicyLane::set_curve(const std::string& curve) { refuse_to_meddle(curve); }
+void PolicyInstance::set_curve(const std::string& curve) { refuse_to_meddle(curve); }
 
-std::string PolicyLane::chosen_gait() const {
+std::string PolicyInstance::chosen_gait() const {
   return gait() == nullptr ? std::string() : std::string(gait()->gait().name);
 }
 
-const GaitGenerator* PolicyLane::gait() const noexcept {
+const GaitGenerator* PolicyInstance::gait() const noexcept {
   const AdaptiveGaitController* controller = env_.gait();
   return controller == nullptr ? nullptr : &controller->generator();
 }

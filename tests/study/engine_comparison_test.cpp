@@ -1,4 +1,4 @@
-#include "study/judgement.h"
+#include "study/engine_comparison.h"
 
 #include <algorithm>
 
@@ -25,7 +25,7 @@ BehaviourSpec short_policy() {
   return {config, {}, 0};
 }
 
-class Judgements : public ScratchFolder {
+class EngineComparisons : public ScratchFolder {
  protected:
   void SetUp() override {
     ScratchFolder::SetUp();
@@ -40,8 +40,8 @@ class Judgements : public ScratchFolder {
     });
     return other == all.rend() ? all.back() : *other;
   }
-  JudgementOptions options(bool stored = false, std::size_t workers = 1) const {
-    JudgementOptions o;
+  JudgeOptions options(bool stored = false, std::size_t workers = 1) const {
+    JudgeOptions o;
     o.verdict.starts = 4;
     o.verdict.workers = workers;
     if (stored) o.stored_runs = path("runs.jsonl");
@@ -53,9 +53,9 @@ class Judgements : public ScratchFolder {
   }
 };
 
-TEST_F(Judgements, AreAnAuditAndAVerdict) {
+TEST_F(EngineComparisons, AreAnAuditAndAVerdict) {
   for (const BehaviourSpec& spec : {short_trot(), short_policy()}) {
-    const Judgement whole = judge_behaviour(spec, a(), b(), options());
+    const PairVerdict whole = judge_behaviour(spec, a(), b(), options());
     const Engine engine_a = find_engine(a()), engine_b = find_engine(b());
     const Verdict verdict = reach_verdict(make_behaviour(spec), engine_a, engine_b, options().verdict);
     EXPECT_EQ(to_json(whole.verdict).dump(), to_json(verdict).dump());
@@ -66,14 +66,14 @@ TEST_F(Judgements, AreAnAuditAndAVerdict) {
   }
 }
 
-TEST_F(Judgements, ExplainWithTheFamilyOfTheTwoEngines) {
+TEST_F(EngineComparisons, ExplainWithTheFamilyOfTheTwoEngines) {
   if (engine_families().empty()) GTEST_SKIP() << "no engine is made of factors";
-  JudgementOptions how = options(true);
+  JudgeOptions how = options(true);
   how.explain = true;
   BehaviourSpec spec = short_trot();
   const EngineFamily family = family_for(engine_families().front(), *LoadedBehaviour(spec).world().robot);
   std::get<WalkConfig>(spec.what).timing = {.seconds = 0.1, .settle_seconds = 0.05};
-  const Judgement whole = judge_behaviour(spec, family.from, family.to, how);
+  const PairVerdict whole = judge_behaviour(spec, family.from, family.to, how);
   ASSERT_TRUE(whole.attribution.has_value());
   const Attribution attribution = attribute(make_behaviour(spec), family, {.starts = 4, .workers = 1});
   EXPECT_EQ(to_json(*whole.attribution).dump(), to_json(attribution).dump());
@@ -85,7 +85,7 @@ TEST_F(Judgements, ExplainWithTheFamilyOfTheTwoEngines) {
   EXPECT_THROW(judge_behaviour(spec, family.to, family.to, how), ConfigError);
 }
 
-TEST_F(Judgements, FromStoredRunsCostNoRun) {
+TEST_F(EngineComparisons, FromStoredRunsCostNoRun) {
   for (const BehaviourSpec& spec : {short_trot(), short_policy()}) {
     std::filesystem::remove(path("runs.jsonl"));
     const std::string plain = to_json(judge_behaviour(spec, a(), b(), options())).dump();
@@ -105,8 +105,8 @@ TEST_F(Judgements, FromStoredRunsCostNoRun) {
   }
 }
 
-TEST_F(Judgements, MoreStartsTakeOnlyTheRunsThatAreNew) {
-  JudgementOptions how = options(true);
+TEST_F(EngineComparisons, MoreStartsTakeOnlyTheRunsThatAreNew) {
+  JudgeOptions how = options(true);
   judge_behaviour(short_trot(), a(), b(), how);
   const std::string bytes = read(path("runs.jsonl"));
   how.verdict.starts = 5;
@@ -115,7 +115,7 @@ TEST_F(Judgements, MoreStartsTakeOnlyTheRunsThatAreNew) {
   EXPECT_EQ(read(path("runs.jsonl")).substr(0, bytes.size()), bytes);
 }
 
-TEST_F(Judgements, LookAtTheWorldOfThePolicysConfiguration) {
+TEST_F(EngineComparisons, LookAtTheWorldOfThePolicysConfiguration) {
   PolicyConfig config;
   config.environment.robot = "scara_quadruped_long";
   config.environment.terrain = "rough:size_x=2,size_y=2";
@@ -131,7 +131,7 @@ TEST_F(Judgements, LookAtTheWorldOfThePolicysConfiguration) {
   for (const double x : {-0.7, 0.4, 0.8}) EXPECT_EQ(world.terrain.height(x, 0.5), expected.height(x, 0.5));
 }
 
-TEST_F(Judgements, AuditThatWorldAndNoOther) {
+TEST_F(EngineComparisons, AuditThatWorldAndNoOther) {
   if (find_engine(a()).info.laws.contact == find_engine(b()).info.laws.contact)
     GTEST_SKIP() << "engines of one contact law alone";
   // Where engines are known to hold the same differently: a steep slope, on which neither gets to friction's
@@ -142,20 +142,20 @@ TEST_F(Judgements, AuditThatWorldAndNoOther) {
   config.environment.friction = 0.3;
   config.environment.episode_seconds = 0.02;
   config.environment.settle_seconds = 0;
-  const Judgement judgement = judge_behaviour({config, {}, 0}, a(), b(), options());
+  const PairVerdict pair = judge_behaviour({config, {}, 0}, a(), b(), options());
   WorldSpec world;
   world.robot = std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped_long")));
   world.terrain = make_terrain("slope:angle=40");
   world.contact.friction = 0.3;
-  const auto world_a = make_backend(a(), world), world_b = make_backend(b(), world);
+  const auto world_a = make_world(a(), world), world_b = make_world(b(), world);
   const std::vector<AuditFinding> expected = audit_models(*world_a, *world_b);
   ASSERT_FALSE(expected.empty()) << "take another world to tell by";
-  EXPECT_EQ(to_json(judgement.models).dump(), to_json(expected).dump());
+  EXPECT_EQ(to_json(pair.models).dump(), to_json(expected).dump());
   EXPECT_TRUE(judge_behaviour(short_trot(), a(), b(), options()).models.empty());
 }
 
-TEST_F(Judgements, StartWithNoRunWhereSomethingIsWrong) {
-  JudgementOptions how = options(true);
+TEST_F(EngineComparisons, StartWithNoRunWhereSomethingIsWrong) {
+  JudgeOptions how = options(true);
   how.verdict.starts = 3;
   EXPECT_THROW(judge_behaviour(short_trot(), a(), b(), how), ConfigError);
   how = options(true);
@@ -169,8 +169,8 @@ TEST_F(Judgements, StartWithNoRunWhereSomethingIsWrong) {
   EXPECT_FALSE(std::filesystem::exists(path("runs.jsonl")));
 }
 
-TEST(JudgementReport, IsAVerdictTheModelsAndWhyIfAsked) {
-  Judgement j;
+TEST(EngineComparisonReport, IsAVerdictTheModelsAndWhyIfAsked) {
+  PairVerdict j;
   j.verdict.a = "one";
   j.verdict.b = "two";
   j.models = {{"mass", "body trunk", 0.5, 0.25, "kg"}};
@@ -187,7 +187,7 @@ TEST(JudgementReport, IsAVerdictTheModelsAndWhyIfAsked) {
   EXPECT_EQ(to_json(j)["attribution"]["from"], "one");
 }
 
-TEST(JudgementStages, AreToldWithTheirNames) {
+TEST(JudgeStages, AreToldWithTheirNames) {
   EXPECT_FALSE(progress_of({}, "judging"));
   std::vector<std::pair<std::string, double>> told;
   const Progress progress = progress_of(

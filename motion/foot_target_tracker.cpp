@@ -1,4 +1,4 @@
-#include "motion/leg_controller.h"
+#include "motion/foot_target_tracker.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,8 +20,8 @@ constexpr double kSlow = 0.1;  // rad/s, of scara_quadruped
 
 double weight_per_mass(const WorldSpec& world) noexcept { return std::max(0.0, -world.gravity.z()); }
 
-LegController::LegController(std::shared_ptr<const RobotDescription> description,
-                             const ServoCompensation& compensation, double gravity)
+FootTargetTracker::FootTargetTracker(std::shared_ptr<const RobotDescription> description,
+                                     const ServoCompensation& compensation, double gravity)
     : robot_(std::move(description)),
       compensation_(compensation),
       weight_(robot_->total_mass() * gravity),
@@ -58,20 +58,20 @@ LegController::LegController(std::shared_ptr<const RobotDescription> description
   }
 }
 
-void LegController::restart() noexcept {
+void FootTargetTracker::restart() noexcept {
   moving_ = false;
   clamped_ = 0;
 }
 
-LegInverse LegController::solve(Leg leg, const Vector3& foot) const noexcept {
+LegInverse FootTargetTracker::solve(Leg leg, const Vector3& foot) const noexcept {
   const LegKinematics& kinematics = kinematics_[leg];
   if (kinematics.servo_count() == 3) return kinematics.inverse(foot);
   return kinematics.inverse({foot.x(), 0, foot.z()});
 }
 
 // Torques of the servos that the motion since the last update takes, N m, and those that hold up `load` (N).
-ServoVector LegController::torque(Leg leg, const Vector3& position, const LegPosture& posture, double load,
-                                  double dt) const noexcept {
+ServoVector FootTargetTracker::torque(Leg leg, const Vector3& position, const LegPosture& posture,
+                                      double load, double dt) const noexcept {
   const LegServos& servos = servos_[leg];
   const LegKinematics& kinematics = kinematics_[leg];
   const LegJacobian jacobian = kinematics.jacobian(posture);
@@ -93,7 +93,7 @@ ServoVector LegController::torque(Leg leg, const Vector3& position, const LegPos
   return torque;
 }
 
-const JointTargets& LegController::update(const LegArray<Vector3>& feet, double dt) noexcept {
+const JointTargets& FootTargetTracker::update(const LegArray<Vector3>& feet, double dt) noexcept {
   const LegArray<double> shares = load_shares(feet, compensation_.load_depth);
   const bool compensates = compensation_.lag || compensation_.load;
   for (const Leg leg : kLegs) {
@@ -115,7 +115,7 @@ const JointTargets& LegController::update(const LegArray<Vector3>& feet, double 
 }
 
 // All joints of a leg, with its foot (leg frame, m) there.
-void LegController::set_joints(Leg leg, const Vector3& foot, JointVector& q) const {
+void FootTargetTracker::set_joints(Leg leg, const Vector3& foot, JointVector& q) const {
   const LegInverse solution = solve(leg, foot);
   if (solution.status != IkStatus::kOk) {
     throw ConfigError(robot_->source, fmt::format("foot {}", name(leg)), "a standing position within reach",
@@ -131,13 +131,14 @@ void LegController::set_joints(Leg leg, const Vector3& foot, JointVector& q) con
 }
 
 // How far a foot gives way under `load` (N), against its servos, m.
-Vector3 LegController::give(Leg leg, const Vector3& foot, double load) const noexcept {
+Vector3 FootTargetTracker::compliance_deflection(Leg leg, const Vector3& foot, double load) const noexcept {
   const LegJacobian jacobian = kinematics_[leg].jacobian(solve(leg, foot).posture);
   const ServoVector torque = load * jacobian.row(2).transpose();
   return jacobian * torque.cwiseQuotient(servos_[leg].stiffness);
 }
 
-Vector2 LegController::foot_sweep(const LegArray<Vector3>& feet, const GaitParameters& parameters) const {
+Vector2 FootTargetTracker::rolling_correction(const LegArray<Vector3>& feet,
+                                              const GaitParameters& parameters) const {
   constexpr double kStep = 1e-4;  // m
   const double share = compensation_.load ? parameters.load_share : 0;
   const double load = (1 - share) * weight_ / (kLegCount * parameters.duty_factor);
@@ -157,21 +158,23 @@ Vector2 LegController::foot_sweep(const LegArray<Vector3>& feet, const GaitParam
       const auto link = static_cast<std::size_t>(model.foot_body);
       const Eigen::AngleAxisd turn(ahead[link].linear() * behind[link].linear().transpose());
       const Vector3 rolled = turn.angle() * turn.axis().cross(-model.foot_radius * Vector3::UnitZ());
-      const Vector3 gave = give(leg, feet[leg] + way, load) - give(leg, feet[leg] - way, load);
+      const Vector3 gave = compliance_deflection(leg, feet[leg] + way, load) -
+                           compliance_deflection(leg, feet[leg] - way, load);
       advance[axis] += (1 + (rolled[axis] + gave[axis]) / (2 * kStep)) / kLegCount;
     }
   }
   return advance.cwiseInverse();
 }
 
-RobotState LegController::standing_state(const LegArray<Vector3>& feet, const Terrain& terrain,
-                                         const Placement& placement) const {
+RobotState FootTargetTracker::standing_state(const LegArray<Vector3>& feet, const Terrain& terrain,
+                                             const Placement& placement) const {
   JointVector q = robot_->home;
   for (const Leg leg : kLegs) set_joints(leg, feet[leg], q);
   return standing_on(terrain, placement, *robot_, q);
 }
 
-void solve_legs(LegController& legs, const LegArray<Vector3>& feet, double dt, ControlTargets& out) noexcept {
+void solve_legs(FootTargetTracker& legs, const LegArray<Vector3>& feet, double dt,
+                ControlTargets& out) noexcept {
   const std::int64_t before = legs.clamped();
   out.joints = legs.update(feet, dt);
   out.ik_clamped = static_cast<int>(legs.clamped() - before);

@@ -1,4 +1,4 @@
-// One driven robot in one engine. Several lanes take the same commands, side by side.
+// One driven robot in one engine. Several instances take the same commands, side by side.
 #pragma once
 
 #include <cstdint>
@@ -13,25 +13,26 @@
 namespace crossgait {
 
 /// A ground by generator, as `make_terrain` takes it.
-struct Ground {
+struct TerrainChoice {
   std::string terrain;
   std::uint64_t seed = 0;
 };
 
-/// What drives it is a gait (gait_lane.h) or a policy (policy_lane.h).
-class Lane {
+/// What drives it is a gait (gait_instance.h) or a policy (policy_instance.h).
+class RobotInstance {
  public:
-  Lane() = default;
-  virtual ~Lane() = default;
-  Lane(const Lane&) = delete;
-  Lane& operator=(const Lane&) = delete;
+  RobotInstance() = default;
+  virtual ~RobotInstance() = default;
+  RobotInstance(const RobotInstance&) = delete;
+  RobotInstance& operator=(const RobotInstance&) = delete;
 
   /// As it is now, in another engine: generalised coordinates, velocities and time of the world, phase and
   /// parameters of the gait, statistics. Contacts, pending pushes and servo targets that are on their way are
   /// forgotten, as `PhysicsBackend::reset` does. @throws ConfigError if the world cannot be made
-  virtual std::unique_ptr<Lane> in(const Engine& engine) const = 0;
+  virtual std::unique_ptr<RobotInstance> with_engine(const Engine& engine) const = 0;
   /// Anew on another ground, standing at its origin, gait and parameters as they are. @throws ConfigError
-  virtual std::unique_ptr<Lane> on(const Engine& engine, const Ground& ground) const = 0;
+  virtual std::unique_ptr<RobotInstance> with_terrain(const Engine& engine,
+                                                      const TerrainChoice& ground) const = 0;
 
   /// Goes on by one control step, unless it has ended (it left the ground, the engine diverged).
   virtual void step() = 0;
@@ -49,7 +50,7 @@ class Lane {
   /// @throws ConfigError for an unknown name, a value outside `parameter_range`, or where a policy drives
   virtual void set_parameter(const std::string& name, double value) = 0;
 
-  /// Of SwingCurve. @throws ConfigError for an unknown name, or where a policy drives
+  /// Sets the SwingCurve by name. @throws ConfigError for an unknown name, or where a policy drives
   virtual void set_curve(const std::string& curve) = 0;
 
   virtual const VelocityCommand& command() const noexcept = 0;
@@ -58,7 +59,7 @@ class Lane {
   /// Null where joints are commanded.
   virtual const GaitGenerator* gait() const noexcept = 0;
   virtual const PhysicsBackend& world() const noexcept = 0;
-  /// Of the last control step.
+  /// Returns the targets of the last control step.
   virtual const ControlTargets& targets() const noexcept = 0;
   /// kWalked while all is well, else the worst so far.
   virtual Outcome outcome() const noexcept = 0;
