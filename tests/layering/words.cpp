@@ -1,0 +1,95 @@
+#include "tests/layering/words.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+
+namespace crossgait::layering {
+namespace fs = std::filesystem;
+namespace {
+
+bool in_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+// What somebody wrote at a time, in the words of that time; and what has to name retired words.
+bool is_left_out(const std::string& file) {
+  static const std::array<std::string_view, 9> kLeftOut{"build/",
+                                                        ".git/",
+                                                        "benchmarks/results/",
+                                                        "CHANGELOG.md",
+                                                        "docs/words.md",
+                                                        "docs/nightly.md",
+                                                        "web/node_modules/",
+                                                        "experiments/results/",
+                                                        "tests/layering/words_test.cpp"};
+  return std::any_of(kLeftOut.begin(), kLeftOut.end(),
+                     [&](std::string_view start) { return file.starts_with(start); });
+}
+
+bool is_text(const fs::path& file) {
+  static const std::array<std::string_view, 15> kTexts{".cpp",   ".h",   ".py",   ".pyi",  ".ts",
+                                                       ".mjs",   ".md",  ".json", ".yaml", ".yml",
+                                                       ".cmake", ".txt", ".toml", ".sh",   ".patch"};
+  const std::string extension = file.extension().string();
+  return (extension.empty() && file.string().starts_with("scripts")) ||
+         std::find(kTexts.begin(), kTexts.end(), extension) != kTexts.end();
+}
+
+// A folder whose files are others', or made by a tool.
+bool is_foreign(const fs::path& folder) {
+  const std::string name = folder.filename().string();
+  return name == "build" || name == "node_modules" || (name.starts_with(".") && name != ".ci");
+}
+
+}  // namespace
+
+std::vector<std::string> retired_words(std::string_view words_md) {
+  std::vector<std::string> words;
+  std::size_t at = words_md.find("\n## Retired words");
+  while (at < words_md.size()) {
+    const std::size_t end = std::min(words_md.find('\n', at + 1), words_md.size());
+    std::string_view line = words_md.substr(at + 1, end - at - 1);
+    at = end;
+    if (!line.starts_with("| `")) continue;
+    line = line.substr(0, line.find(" | "));
+    for (std::size_t open = line.find('`'); open != std::string_view::npos; open = line.find('`', open)) {
+      const std::size_t close = line.find('`', open + 1);
+      if (close == std::string_view::npos) break;
+      words.emplace_back(line.substr(open + 1, close - open - 1));
+      open = close + 1;
+    }
+  }
+  return words;
+}
+
+int line_of_word(std::string_view text, std::string_view word) {
+  for (std::size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if (at > 0 && in_word(word.front()) && in_word(text[at - 1])) continue;
+    if (end < text.size() && in_word(word.back()) && in_word(text[end])) continue;
+    return 1 +
+           static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+  }
+  return 0;
+}
+
+WordReport find_words(const fs::path& root, const std::vector<std::string>& words) {
+  WordReport report;
+  for (fs::recursive_directory_iterator i(root), last; i != last; ++i) {
+    if (i->is_directory() && is_foreign(i->path())) i.disable_recursion_pending();
+    const fs::path file = i->path().lexically_relative(root);
+    if (!i->is_regular_file() || i->is_symlink() || !is_text(file) || is_left_out(file.generic_string()))
+      continue;
+    std::ifstream stream(i->path(), std::ios::binary);
+    const std::string text(std::istreambuf_iterator<char>(stream), {});
+    ++report.files;
+    for (const std::string& word : words) {
+      const int line = line_of_word(text, word);
+      if (line > 0) report.found.push_back(file.generic_string() + ":" + std::to_string(line) + ": " + word);
+    }
+  }
+  return report;
+}
+
+}  // namespace crossgait::layering

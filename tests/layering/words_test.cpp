@@ -1,0 +1,45 @@
+#include "tests/layering/words.h"
+
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace crossgait::layering {
+namespace {
+
+std::string words_md() {
+  std::ifstream stream(std::string(CROSSGAIT_SOURCE_DIR) + "/docs/words.md");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST(Words, RetiredOnesAreNowhereInTheTree) {
+  const std::vector<std::string> words = retired_words(words_md());
+  ASSERT_GT(words.size(), 30U);  // as many as when this was written: the table is read to its end
+  const WordReport report = find_words(CROSSGAIT_SOURCE_DIR, words);
+  for (const std::string& found : report.found)
+    ADD_FAILURE() << found << " (docs/words.md says what it is now)";
+  EXPECT_GT(report.files, 900);  // 1000 and more when this was written
+}
+
+TEST(Words, AreThoseOfTheFirstColumn) {
+  const std::vector<std::string> expected{"old_name", "--old", "two words"};
+  EXPECT_EQ(retired_words("| `no` | x |\n## Retired words\n\n| retired | now |\n|---|---|\n"
+                          "| `old_name`, `--old` | `new_name` |\n| `two words` | `one` |"),
+            expected);
+  EXPECT_TRUE(retired_words("| `no` | x |\n").empty());
+}
+
+TEST(Words, AreFoundOnTheirOwn) {
+  EXPECT_EQ(line_of_word("a\nb = old_name;\n", "old_name"), 2);
+  EXPECT_EQ(line_of_word("old_name", "old_name"), 1);
+  EXPECT_EQ(line_of_word("very_old_name old_names Old_name", "old_name"), 0);
+  EXPECT_EQ(line_of_word("very_old_name\nold_name", "old_name"), 2);  // goes on behind one that is none
+  EXPECT_EQ(line_of_word("x --old", "--old"), 1);
+  EXPECT_EQ(line_of_word("x--older", "--old"), 0);
+}
+
+}  // namespace
+}  // namespace crossgait::layering
