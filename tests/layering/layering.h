@@ -23,8 +23,8 @@ struct TreeReport {
   int files = 0;  ///< .h and .cpp files looked at
 };
 
-/// Lines of `file` that include, in quotes, what is no file from `root` or beside it: nobody who reads the tree could
-/// follow them.
+/// Lines of `file` that include, in quotes, what is no file from `root` or beside it: nobody who reads the
+/// tree could follow them.
 std::vector<Violation> includes_that_lead_nowhere(const std::filesystem::path& root,
                                                   const std::filesystem::path& file, std::string_view text);
 

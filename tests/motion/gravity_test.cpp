@@ -21,7 +21,8 @@ WorldSpec under(const Vector3& gravity) {
 
 JointVector held(const WorldSpec& world, const ServoCompensation& compensation = {}) {
   ControlTargets out;
-  make_feet_controller([](double) { return under_the_shoulders(); }, world, compensation)->hold(2e-3, out);
+  make_feet_controller([](double) { return under_the_shoulders(); }, world, compensation)
+      ->hold_pose(2e-3, out);
   return out.joints.q;
 }
 
@@ -48,7 +49,7 @@ TEST(GravityOfLegs, OfGaitsIsThatOfTheWorldToo) {
   const auto targets = [](const Vector3& gravity) {
     const ControllerPtr trot = make_gait_controller(choose_gait("trot", {}), under(gravity));
     ControlTargets out;
-    trot->hold(2e-3, out);
+    trot->hold_pose(2e-3, out);
     return JointVector(out.joints.q);
   };
   EXPECT_NE(targets({0, 0, -9.81}), targets({0, 0, -1.62}));

@@ -31,14 +31,14 @@ LegArray<Vector3> standing_feet() {
   return feet;
 }
 
-WorldSpec world() {
+WorldSpec world_spec() {
   WorldSpec spec;
   spec.robot = robot();
   return spec;
 }
 
 ControllerPtr standing() {
-  return make_feet_controller([](double) { return standing_feet(); }, world());
+  return make_feet_controller([](double) { return standing_feet(); }, world_spec());
 }
 
 TEST(FootTargetTracker, UnreachableStandingFootIsAnError) {
@@ -250,7 +250,7 @@ TEST(Walk, TrotStatisticsAreThoseOfATrot) {
   const GaitChoice trot = choose_gait("trot", {});
   int samples = 0;
   const MotionSummary s =
-      run_walk(*world, make_gait_controller(trot, world()), timing, [&](const WalkSample& sample) {
+      run_walk(*world, make_gait_controller(trot, world_spec()), timing, [&](const WalkSample& sample) {
         ++samples;
         EXPECT_TRUE(sample.world.state().is_finite());
         return true;
@@ -270,7 +270,7 @@ TEST(Walk, TrotStatisticsAreThoseOfATrot) {
 
 TEST(GaitSource, ServosMakeUpForTheShareThatTheGaitSays) {
   const auto targets = [](const std::vector<std::string>& settings, const GaitLayers& layers) {
-    const ControllerPtr source = make_gait_controller(choose_gait("trot", settings), world(), layers);
+    const ControllerPtr source = make_gait_controller(choose_gait("trot", settings), world_spec(), layers);
     ControlTargets out;
     for (int i = 0; i < 100; ++i) source->advance(2e-3, out);
     return JointVector(out.joints.q);
