@@ -57,7 +57,7 @@ void add_course_command(CLI::App& program) {
       "\nThe course says ground, friction, load, pushes and the speed that is asked for; the environment "
       "says what "
       "moves the\nrobot. A run's score is the distance made over the distance asked for, at most 1; a fall "
-      "terminations the "
+      "ends the "
       "run.\n\nExamples:\n"
       "  crossgait course\n"
       "  crossgait course --set cycle_time=.3 --engines mujoco,bullet\n"

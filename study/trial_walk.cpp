@@ -33,7 +33,7 @@ struct Column {
 const Column kColumns[] = {{&MotionSummary::rms_roll_deg, "roll, deg", 2},
                            {&MotionSummary::rms_pitch_deg, "pitch, deg", 2},
                            {&MotionSummary::heading_error_deg, "turned, deg", 1},
-                           {&MotionSummary::swing_contact_ratio, "swing_contact_ratio", 3},
+                           {&MotionSummary::swing_contact_ratio, "swing contact", 3},
                            {&MotionSummary::slip_per_path, "slip/path", 3}};
 
 std::vector<std::string> complaints_of(const TrialWalk& walk) {

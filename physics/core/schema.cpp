@@ -11,9 +11,26 @@ namespace {
 // All are drafts until the first release freezes them: a reader refuses any other version.
 constexpr std::string_view kVersion = "draft";
 
-constexpr std::array<std::string_view, 18> kSchemas{
-    "bench",  "compare", "conformance", "course",   "engines", "env",     "gait",     "ik",   "robots",
-    "report", "rollout", "terrain",     "transfer", "tune",    "verdict", "verdicts", "walk", "workspace"};
+constexpr auto kSchemas = std::to_array<std::string_view>({
+    "bench",
+    "compare",
+    "conformance",
+    "course",
+    "engines",
+    "env",
+    "gait",
+    "ik",
+    "robots",
+    "report",
+    "rollout",
+    "terrain",
+    "transfer",
+    "tune",
+    "verdict",
+    "verdicts",
+    "walk",
+    "workspace",
+});
 
 }  // namespace
 

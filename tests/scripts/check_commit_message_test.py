@@ -44,7 +44,7 @@ class InFiles(unittest.TestCase):
         self.assert_refused("é" * 73 + "\n", "73 characters")
 
     def test_no_full_stop_after_the_subject(self):
-        self.assert_refused("Read a robot once.\n\nBody.\n", "terminations in a full stop")
+        self.assert_refused("Read a robot once.\n\nBody.\n", "ends in a full stop")
         self.assert_accepted("Read version 0.1\n\nBody.\n")
 
     def test_a_blank_line_before_the_body(self):

@@ -164,13 +164,13 @@ export interface Provenance {
   crossgait?: string;
   command?: string;
   arguments?: string[];
-  engines?: { name: string; engine: string; version: string }[];
+  engines?: { name: string; library: string; version: string }[];
   hash?: string;
   [key: string]: unknown;
 }
 
 export interface ReportDocument {
-  schema: { name: "report"; version: 2 };
+  schema: { name: "report"; version: "draft" };
   title: string;
   crossgait: string;
   sentences: string[];

@@ -71,7 +71,7 @@ export function origin(report: ReportDocument): HTMLElement {
       h(
         "p",
         {},
-        `Crossgait ${p.crossgait ?? "?"}; ${(p.engines ?? []).map((e) => `${e.name} (${e.engine} ${e.version})`).join(", ") || "no engine"}; hash ${p.hash ?? "?"}`,
+        `Crossgait ${p.crossgait ?? "?"}; ${(p.engines ?? []).map((e) => `${e.name} (${e.library} ${e.version})`).join(", ") || "no engine"}; hash ${p.hash ?? "?"}`,
       ),
       h("details", {}, h("summary", {}, "All that the result depends on"), h("pre", {}, JSON.stringify(p, null, 1))),
     ),
