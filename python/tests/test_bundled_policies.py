@@ -100,7 +100,7 @@ def test_the_verdict_is_that_of_the_card(name: str) -> None:
     assert {key: told[key] for key in ("verdict", "starts", "statistics")} == {
         key: said[key] for key in ("verdict", "starts", "statistics")
     }
-    assert f"**{said['word'].replace('_', ' ')}**" in (folder(name) / "card.md").read_text()
+    assert f"**{said['verdict'].replace('_', ' ')}**" in (folder(name) / "card.md").read_text()
 
 
 @pytest.mark.parametrize("name", NAMES)

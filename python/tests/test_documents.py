@@ -200,6 +200,6 @@ def test_every_block_says_what_it_is() -> None:
             continue  # written by a program: what other programs said
         text = page.read_text()
         languages = re.findall(r"^ *```(\S*)", text, re.MULTILINE)
-        assert set(languages[::2]) <= {"sh", "cpp", "python", "yaml", "text", "console"}, page
+        assert set(languages[::2]) <= {"sh", "cpp", "python", "yaml", "text", "console", "diff"}, page
         outside = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
         assert not re.search(r"\n\n    \S", outside), page

@@ -33,7 +33,7 @@ CONFIGS = {
         observation=["gravity", {"block": "joint_positions", "scale": 2, "clip": 5, "history": 3}],
         reward={"alive": 0.25},
         randomisation={"friction": [0.5, 1.5], "terrain_seed": [3, 9]},
-        ends=["collapsed"],
+        terminations=["collapsed"],
     ),
     "everything of joints": EnvironmentConfig(
         robot="serial_quadruped", action="joints", joints={"scale": 0.3, "limit": 2, "delay": 0.004}, reward={}
