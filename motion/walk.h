@@ -39,7 +39,7 @@ using WalkObserver = std::function<bool(const WalkSample&)>;
 class Walk {
  public:
   /// Puts the robot down and lets it settle.
-  /// @param ends  outcomes that end the walk before its time
+  /// @param terminations  outcomes that end the walk before its time
   /// @throws ConfigError for impossible timing or a controller that cannot stand there
   Walk(PhysicsBackend& world, ControllerPtr controller, const WalkTiming& timing, const Start& start = {},
        const OutcomeSet& terminations = OutcomeSet::of_walks());

@@ -43,33 +43,35 @@ std::string differences(const Verdict& verdict) {
 }
 
 // Clusters, and the outlier or why none is named.
-std::vector<std::string> sentences(const EngineComparison& j) {
+std::vector<std::string> sentences(const EngineComparison& comparison) {
   std::vector<std::string> found;
-  for (const std::vector<std::size_t>& cluster : j.consensus.clusters) {
-    const auto names = names_of(j, cluster);
+  for (const std::vector<std::size_t>& cluster : comparison.consensus.clusters) {
+    const auto names = names_of(comparison, cluster);
     found.push_back(cluster.size() == 1 ? fmt::format("Alone: {}.", names.front())
                                         : fmt::format("Agree with one another: {}.", fmt::join(names, ", ")));
   }
-  for (const std::size_t p : j.consensus.bridges)
-    found.push_back(fmt::format("Also agree: {} and {}.", j.pairs[p].verdict.a, j.pairs[p].verdict.b));
-  if (j.consensus.outlier.empty()) {
-    found.push_back(fmt::format("No outlier is named: {}.", j.consensus.reason));
+  for (const std::size_t p : comparison.consensus.bridges)
+    found.push_back(
+        fmt::format("Also agree: {} and {}.", comparison.pairs[p].verdict.a, comparison.pairs[p].verdict.b));
+  if (comparison.consensus.outlier.empty()) {
+    found.push_back(fmt::format("No outlier is named: {}.", comparison.consensus.reason));
   } else {
-    const bool law = j.consensus.outlier.size() > 1;
-    const std::string who = law ? fmt::format("the law {} ({})", outlier_name(j),
-                                              fmt::join(names_of(j, j.consensus.outlier), ", "))
-                                : outlier_name(j);
-    found.push_back(fmt::format("The outlier is {}: {}; in {}.", who, j.consensus.reason,
-                                fmt::join(j.consensus.statistics, ", ")));
+    const bool law = comparison.consensus.outlier.size() > 1;
+    const std::string who =
+        law ? fmt::format("the law {} ({})", outlier_name(comparison),
+                          fmt::join(names_of(comparison, comparison.consensus.outlier), ", "))
+            : outlier_name(comparison);
+    found.push_back(fmt::format("The outlier is {}: {}; in {}.", who, comparison.consensus.reason,
+                                fmt::join(comparison.consensus.statistics, ", ")));
   }
   return found;
 }
 
 // The words of all pairs, engine by engine.
-Table words_table(const EngineComparison& j) {
+Table words_table(const EngineComparison& comparison) {
   std::vector<std::string> words;
-  for (const PairVerdict& pair : j.pairs) words.emplace_back(name(pair.verdict.value()));
-  return crossgait::words_table(j.pairs.front().verdict.behaviour, j.engines, words);
+  for (const PairVerdict& pair : comparison.pairs) words.emplace_back(name(pair.verdict.value()));
+  return crossgait::words_table(comparison.pairs.front().verdict.behaviour, comparison.engines, words);
 }
 
 }  // namespace
@@ -82,43 +84,44 @@ std::string describe(const PairVerdict& pair) {
   return text;
 }
 
-nlohmann::ordered_json to_json(const EngineComparison& j) {
-  const Verdict& first = j.pairs.front().verdict;
-  const Consensus& consensus = j.consensus;
+nlohmann::ordered_json to_json(const EngineComparison& comparison) {
+  const Verdict& first = comparison.pairs.front().verdict;
+  const Consensus& consensus = comparison.consensus;
   ordered_json json{{"behaviour", first.behaviour}, {"engines", ordered_json::array()}};
-  for (const JudgedEngine& engine : j.engines)
+  for (const JudgedEngine& engine : comparison.engines)
     json["engines"].push_back({{"name", engine.name}, {"contact_law", engine.law}});
   json["clusters"] = ordered_json::array();
-  for (const auto& cluster : consensus.clusters) json["clusters"].push_back(names_of(j, cluster));
+  for (const auto& cluster : consensus.clusters) json["clusters"].push_back(names_of(comparison, cluster));
   json["bridges"] = ordered_json::array();
   for (const std::size_t p : consensus.bridges)
-    json["bridges"].push_back({{"a", j.pairs[p].verdict.a}, {"b", j.pairs[p].verdict.b}});
-  json["outlier"] = consensus.outlier.empty() ? ordered_json(nullptr) : ordered_json(outlier_name(j));
-  json["outlier_engines"] = names_of(j, consensus.outlier);
+    json["bridges"].push_back({{"a", comparison.pairs[p].verdict.a}, {"b", comparison.pairs[p].verdict.b}});
+  json["outlier"] =
+      consensus.outlier.empty() ? ordered_json(nullptr) : ordered_json(outlier_name(comparison));
+  json["outlier_engines"] = names_of(comparison, consensus.outlier);
   json["outlier_statistics"] = consensus.statistics;
   json["reason"] = consensus.reason;
-  json["sentences"] = sentences(j);
+  json["sentences"] = sentences(comparison);
   json["pairs"] = ordered_json::array();
-  for (const PairVerdict& pair : j.pairs) json["pairs"].push_back(pair_json(pair));
+  for (const PairVerdict& pair : comparison.pairs) json["pairs"].push_back(pair_json(pair));
   return with_schema("verdicts", json);
 }
 
-std::string describe(const EngineComparison& j) {
-  std::string text = words_table(j).str() + "\n";
-  for (const PairVerdict& pair : j.pairs) {
+std::string describe(const EngineComparison& comparison) {
+  std::string text = words_table(comparison).str() + "\n";
+  for (const PairVerdict& pair : comparison.pairs) {
     const Verdict& v = pair.verdict;
     text += fmt::format("{} against {}: {}{}{}.{}\n", v.b, v.a, name(v.value()),
                         v.value() == VerdictValue::kAgrees ? "" : ": ", differences(v),
                         pair.models.empty() ? "" : fmt::format(" Models: {}.", describe(pair.models)));
   }
-  text += fmt::format("\n{}\n", fmt::join(sentences(j), "\n"));
-  const Verdict& first = j.pairs.front().verdict;
+  text += fmt::format("\n{}\n", fmt::join(sentences(comparison), "\n"));
+  const Verdict& first = comparison.pairs.front().verdict;
   text += fmt::format(
       "\n{} starts. Scores as of two engines (crossgait verdict --engines A,B), at {:g} % confidence for all "
       "pairs together.\n",
       first.options.starts, 100 * first.options.confidence);
   for (const std::string& reason : first.left_out) text += "Left out: " + reason + ".\n";
-  for (const PairVerdict& pair : j.pairs) {
+  for (const PairVerdict& pair : comparison.pairs) {
     if (pair.attribution)
       text +=
           fmt::format("\n{} against {}:\n{}", pair.verdict.b, pair.verdict.a, describe(*pair.attribution));

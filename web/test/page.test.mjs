@@ -345,7 +345,7 @@ test("a verdict shows every statistic between the limits", async () => {
   const { page, problems } = await open("verdict.html");
   const result = JSON.parse(readFileSync(join(pages, "verdict.json"), "utf8"));
   assert.equal(await page.locator("svg .dot").count(), result.statistics.length);
-  for (const [i, { score, word }] of result.statistics.entries()) {
+  for (const [i, { score, verdict: word }] of result.statistics.entries()) {
     const row = page.locator(".verdict tbody tr").nth(i);
     assert.equal(await row.locator(".word").textContent(), word);
     const [x, from, width] = await row.evaluate((r) => [
