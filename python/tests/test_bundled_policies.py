@@ -74,6 +74,7 @@ def test_the_card_is_how_it_follows_commands(name: str) -> None:
         assert f"{stored['velocity_error']:.3f}, {stored['yaw_rate_error']:.3f}" in row
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", judged_by("speed"))
 def test_the_card_is_how_fast_it_goes(name: str) -> None:
     """All episodes in one engine, to the last digit."""
@@ -90,6 +91,7 @@ def test_the_card_is_how_fast_it_goes(name: str) -> None:
     assert f"| `{engine}` | policy | {stored['mean_speed_mps']:.3f} |" in card
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", NAMES)
 def test_the_verdict_is_that_of_the_card(name: str) -> None:
     said = results(name)["verdict"]

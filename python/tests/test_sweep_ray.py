@@ -42,6 +42,7 @@ def cluster() -> Iterator[Any]:
         nodes.shutdown()
 
 
+@pytest.mark.long
 def test_a_cluster_that_loses_a_node_makes_the_rows_of_a_loop(cluster: Any, tmp_path: Path) -> None:
     runs = study(tmp_path, SHORT.format(engine=crossgait.available_engines()[0])).runs()
     second = next(iter(cluster.worker_nodes))
@@ -60,6 +61,7 @@ def test_a_cluster_that_loses_a_node_makes_the_rows_of_a_loop(cluster: Any, tmp_
     assert lines(file) == serial_rows(runs)
 
 
+@pytest.mark.long
 def test_a_task_that_kills_its_process_is_a_crash(cluster: Any, tmp_path: Path) -> None:
     runs = study(tmp_path, SHORT.format(engine=crossgait.available_engines()[0])).runs()[:4]
 

@@ -271,6 +271,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return at
 
 
+@pytest.mark.long
 def test_killed_and_resumed_is_never_stopped(finished: Path, tmp_path: Path) -> None:
     """kill -9 three times, right after a checkpoint and within a rollout; at most that rollout is lost."""
     shutil.copy(finished / "train.yaml", tmp_path)

@@ -232,6 +232,7 @@ def test_one_command_trains_all_parts_and_says_what_each_is_worth(finished: Path
         assert {path.name for path in folder.glob("*.safetensors")} == named
 
 
+@pytest.mark.long
 def test_killed_in_any_part_and_resumed_is_never_stopped(finished: Path, tmp_path: Path) -> None:
     shutil.copy(finished / "train.yaml", tmp_path)
     run = tmp_path / "run"

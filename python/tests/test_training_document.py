@@ -29,6 +29,7 @@ def first_column(heading: str) -> list[str]:
     ]
 
 
+@pytest.mark.long
 def test_the_first_run_walks_half_as_fast_again_as_the_gait_alone(tmp_path: Path) -> None:
     """About half a minute of training on an idle machine, from a fixed seed; judged on ground that it has not seen."""
     (tmp_path / "first.yaml").write_text(blocks("yaml")[0])
