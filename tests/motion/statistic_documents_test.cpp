@@ -61,7 +61,7 @@ ordered_json described(ordered_json schema, std::string_view help) {
 /// The JSON Schema of the average of a row over episodes.
 ordered_json average_schema(const StatisticRow& row) {
   if (row.average.how == OverEpisodes::kSum) return described({{"type", "integer"}}, row.help);
-  const ordered_json mean{{"$ref", "#/definitions/mean_and_deviation"}};
+  ordered_json mean{{"$ref", "#/definitions/mean_and_deviation"}};
   if (!std::holds_alternative<std::optional<double> MotionSummary::*>(row.source)) return mean;
   return described({{"oneOf", ordered_json::array({{{"type", "null"}}, mean})}}, row.help);
 }
