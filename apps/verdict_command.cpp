@@ -64,7 +64,7 @@ std::vector<std::string> chosen_engines(const std::vector<std::string>& asked) {
 std::string what_is_kept(const std::string& stored_runs) {
   if (stored_runs.empty()) return "nothing is kept; with --runs FILE.jsonl it would go on from here";
   return fmt::format("{} in {}; the same command goes on from here",
-                     counted(RunStore(stored_runs).size(), "run"), stored_runs);
+                     counted(count_stored_runs(stored_runs), "run"), stored_runs);
 }
 
 ReportPage page_of(const EngineComparison& judged) {

@@ -1,11 +1,15 @@
 #include "study/run_store.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <sstream>
 
+#include <unistd.h>
+
 #include "physics/core/error.h"
 #include "physics/core/worker_pool.h"
+#include "tests/physics/core/config_error.h"
 #include "tests/physics/core/scratch_folder.h"
 
 namespace crossgait {
@@ -60,10 +64,12 @@ TEST_F(StoredRuns, ThatFailedCountAsNotThere) {
   write("runs.jsonl", R"({"hash":")" + failed +
                           R"(","run":null,"error":"signal SIGSEGV"})"
                           "\n");
-  RunStore store(file());
-  EXPECT_EQ(store.size(), 0U);
-  EXPECT_FALSE(store.find(to_json(run_of(0))));
-  store.add(to_json(run_of(0)), {{"distance"}, {0.1}});
+  {
+    RunStore store(file());
+    EXPECT_EQ(store.size(), 0U);
+    EXPECT_FALSE(store.find(to_json(run_of(0))));
+    store.add(to_json(run_of(0)), {{"distance"}, {0.1}});
+  }
   EXPECT_EQ(RunStore(file()).find(to_json(run_of(0)))->values, std::vector<double>{0.1});
   EXPECT_EQ(lines().size(), 2U);
 }
@@ -130,7 +136,7 @@ TEST_F(StoredRuns, ALineThatWasCutOffIsMadeAgain) {
   six();
   const std::string whole = read(file());
   const std::size_t last = whole.rfind('\n', whole.size() - 2) + 1;
-  for (const std::size_t kept : {last + 1, last + 30, whole.size() - 1}) {
+  for (const std::size_t kept : {last + 1, last + 30, whole.size() - 2}) {
     std::filesystem::resize_file(file(), kept);
     made_ = 0;
     EXPECT_EQ(RunStore(file()).size(), 5U);
@@ -208,10 +214,71 @@ TEST_F(StoredRuns, OfTooManyValuesAreAnErrorOfTheirLine) {
 }
 
 TEST_F(StoredRuns, ThatCannotBeWrittenAreAnError) {
-  RunStore store(path("nowhere/runs.jsonl"));
-  EXPECT_EQ(store.size(), 0U);
-  EXPECT_THROW(store.add(to_json(run_of(0)), {{"distance"}, {1}}), ConfigError);
-  EXPECT_EQ(store.size(), 0U);
+  EXPECT_EQ(config_error([&] { RunStore{path("nowhere/runs.jsonl")}; }).found(), "No such file or directory");
+  EXPECT_EQ(config_error([&] { RunStore{folder_.string()}; }).found(), "a folder");
+  EXPECT_EQ(config_error([] { RunStore{"/dev/null"}; }).found(), "a pipe or device");
+}
+
+TEST_F(StoredRuns, AWholeLastLineWithoutItsEndIsKept) {
+  six();
+  const std::string whole = read(file());
+  std::filesystem::resize_file(file(), whole.size() - 1);
+  EXPECT_EQ(RunStore(file()).size(), 6U);
+  EXPECT_EQ(read(file()).size(), whole.size() - 1) << "opening changes nothing";
+  made_ = 0;
+  six();
+  EXPECT_EQ(made_, 0);
+  RunStore(file()).add(to_json(run_of(7)), {{"distance"}, {0.1}});
+  EXPECT_EQ(read(file()), whole + stored_run(to_json(run_of(7)), {{"distance"}, {0.1}}) + "\n");
+}
+
+// What is no beginning of a row is somebody's, and not to be cut off.
+TEST_F(StoredRuns, AFileThatIsSomethingElseIsLeftAsItIs) {
+  six(2);
+  std::string returns = read(file());
+  std::replace(returns.begin(), returns.end(), '\n', '\r');
+  const std::string row = lines().front();
+  const std::vector<std::string> others{"my only notes, no newline at the end",
+                                        R"({"hash": "00", "notes": "one line, as json.dump writes it"})",
+                                        R"({"hash":"00","run":{},"notes":[]})",
+                                        R"([{"hash":"00","run":{},"result":{}}])",
+                                        returns,
+                                        row + " and a remark",
+                                        std::string("\x7f"
+                                                    "ELF\0\1\2\xff",
+                                                    8),
+                                        row + "\nnotes",
+                                        row + "\n" + std::string(9, '\0'),
+                                        "{\n"};
+  for (const std::string& other : others) {
+    write("runs.jsonl", other);
+    EXPECT_THROW(RunStore{file()}, ConfigError) << other;
+    EXPECT_EQ(read(file()), other);
+  }
+}
+
+TEST_F(StoredRuns, WhatAnotherProgramWroteIsNotCutOff) {
+  six();
+  std::filesystem::resize_file(file(), read(file()).size() - 30);
+  RunStore store(file());
+  std::ofstream(file(), std::ios::app) << "somebody's";
+  const std::string before = read(file());
+  EXPECT_NE(config_error([&] {
+              store.add(to_json(run_of(9)), {{"distance"}, {1}});
+            })
+                .found()
+                .find("another program writes it"),
+            std::string::npos);
+  EXPECT_EQ(read(file()), before);
+}
+
+TEST_F(StoredRuns, AreOnesAtATime) {
+  const RunStore store(file());
+  const std::string us = "one that process " + std::to_string(::getpid()) + " is writing";
+  EXPECT_EQ(config_error([&] { RunStore{file()}; }).found(), us);
+  std::filesystem::create_symlink(file(), path("link.jsonl"));
+  EXPECT_EQ(config_error([&] { RunStore{path("link.jsonl")}; }).found(), us) << "by another name";
+  EXPECT_EQ(count_stored_runs(file()), 0U) << "whoever only counts is welcome";
 }
 
 }  // namespace
