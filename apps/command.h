@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,12 @@ void add_course_command(CLI::App& program);
 void add_tune_command(CLI::App& program);
 /// @param again  set to the command line that is to be run next, by a callback
 void add_rerun_command(CLI::App& program, std::vector<std::string>& again);
+
+/// Ends the program with an exit code of its own, and a line on standard error.
+struct RequirementMissed : std::runtime_error {
+  RequirementMissed(int code, const std::string& what) : std::runtime_error(what), exit_code(code) {}
+  int exit_code;
+};
 
 /// Says on standard error what the user may want to know of what was asked for.
 void print_notes(const std::vector<std::string>& notes);

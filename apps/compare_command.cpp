@@ -12,7 +12,6 @@
 #include "apps/walk_options.h"
 #include "backends/registry.h"
 #include "parity/report.h"
-#include "parity/verdict_report.h"
 #include "physics/core/error.h"
 #include "report/verdict_document.h"
 #include "study/rollout.h"
@@ -67,8 +66,7 @@ class Recorders {
 ReportPage page_of(const WalkComparison& result, PageRecorder& recorder) {
   ReportPage page = recorder.page(result.comparison.runs, result.comparison.pairs);
   page.sentences = describe_pairs(result.comparison);
-  for (const Verdict& verdict : result.verdicts)
-    page.verdicts.push_back(verdict_document(to_json(verdict), "verdict"));
+  if (result.verdict) verdict_document(to_json(*result.verdict), "verdict").add_to(page);
   return page;
 }
 
@@ -99,9 +97,9 @@ void check_required(const CompareCommand& options, const std::vector<std::string
                     fmt::format("{}", fmt::join(engines, ",")));
 }
 
-std::string describe_verdicts(const WalkComparison& result) {
+std::string describe_verdict(const WalkComparison& result) {
   std::string text;
-  for (const Verdict& verdict : result.verdicts) text += "\n" + describe(verdict);
+  if (result.verdict) text = fmt::format("\n{}", describe(*result.verdict));
   for (const PairDifference& pair : result.comparison.pairs) {
     if (!pair.same_laws) continue;
     text += fmt::format(
@@ -109,14 +107,11 @@ std::string describe_verdicts(const WalkComparison& result) {
         "verdict's.\n",
         pair.a, pair.b);
   }
-  if (result.comparison.runs.size() > 2)
-    text += "\n`crossgait verdict` with the same engines says which agree, and whether one stands apart.\n";
   return text;
 }
 
 constexpr const char* kHint =
-    "\nPhysics or engine? --verdict weighs the gaps against the spread within an engine (30 more walks an "
-    "engine).\n";
+    "\nPhysics or engine? --verdict judges the gaps from several starts, against margins that are stated.\n";
 
 void run(const CompareCommand& options) {
   const LoadedWalk loaded = options.walk.make();
@@ -133,7 +128,7 @@ void run(const CompareCommand& options) {
   recorders.finish_traces();
   if (recorders.page()) options.page.write(page_of(result, *recorders.page()), provenance);
   options.json.emit(
-      describe(result.comparison) + (options.compare.verdict ? describe_verdicts(result) : kHint),
+      describe(result.comparison) + (options.compare.verdict ? describe_verdict(result) : kHint),
       report(result), provenance);
   if (result.interrupted) {
     throw EndedEarly(
@@ -178,9 +173,9 @@ void add_compare_command(CLI::App& program) {
   options->page.add_to(*command);
   command->add_flag("--require", options->require,
                     "Exit code 1 if engines of the same laws are not the same within 1e-6 m and rad");
-  command->add_flag("--verdict", options->compare.verdict,
-                    "Also judge whether the difference is the engine's (30 more runs per engine; see "
-                    "`crossgait verdict`)");
+  command->add_flag(
+      "--verdict", options->compare.verdict,
+      "Also judge from six starts whether the difference is the engine's (see `crossgait verdict`)");
   options->compare.judge.workers = EpisodeOptions::default_workers();
   options->json.add_to(*command);
   on_run(*command, [options] { run(*options); });

@@ -22,6 +22,8 @@ nlohmann::ordered_json to_json(const EngineListing& entry) {
           {"joint_friction_law", entry.info.laws.joint_friction},
           {"capabilities",
            {{"soft_contact", entry.info.capabilities.soft_contact},
+            {"soft_friction", entry.info.capabilities.soft_friction},
+            {"sweeps", entry.info.capabilities.sweeps},
             {"exact_field_query", entry.info.capabilities.exact_field_query},
             {"allocates", entry.info.capabilities.allocates}}},
           {"file", entry.file},

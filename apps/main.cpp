@@ -96,6 +96,8 @@ int main_of(const std::vector<std::string>& arguments) {
     return code;
   } catch (const ConfigError& error) {
     return report_error(error.what(), kBadInput);
+  } catch (const RequirementMissed& missed) {
+    return report_error(missed.what(), missed.exit_code);
   } catch (const ChildFailed& child) {
     return child.exit_code > 0 ? child.exit_code : kFailure;
   } catch (const EndedEarly& error) {

@@ -73,15 +73,12 @@ void add_result(ReportPage& page, const Recorded& recorded) {
   const std::string kind = schema_of(recorded);
   if (result.contains("provenance")) page.provenances.emplace_back(result.at("provenance"));
   if (kind == "verdict") {
-    page.verdicts.push_back(verdict_document(result, recorded.file));
-  } else if (kind == "verdicts") {
-    verdicts_document(result, recorded.file).add_to(page);
+    verdict_document(result, recorded.file).add_to(page);
   } else if (kind == "walk") {
     page.tables.push_back(table_of({result}, recorded.file));
   } else if (kind == "compare") {
     page.tables.push_back(table_of(result.value("runs", std::vector<Json>()), recorded.file));
-    for (const Json& verdict : result.value("verdicts", std::vector<Json>()))
-      page.verdicts.push_back(verdict_document(verdict, recorded.file));
+    if (result.contains("verdict")) verdict_document(result.at("verdict"), recorded.file).add_to(page);
   } else {
     throw ConfigError(
         recorded.file, "schema.name",

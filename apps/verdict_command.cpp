@@ -25,7 +25,8 @@ struct VerdictCommand {
   WalkOptions walk;
   StartRanges starts;
   JudgeOptions judge;
-  std::string policy, config;
+  std::vector<std::string> margins;
+  std::string margin_file, policy, config, require;
   PageOption page;
   JsonOption json;
 };
@@ -64,18 +65,30 @@ std::vector<std::string> chosen_engines(const std::vector<std::string>& asked) {
 std::string what_is_kept(const std::string& stored_runs) {
   if (stored_runs.empty()) return "nothing is kept; with --runs FILE.jsonl it would go on from here";
   return fmt::format("{} in {}; the same command goes on from here",
-                     counted(RunStore(stored_runs).size(), "run"), stored_runs);
+                     counted(count_stored_runs(stored_runs), "run"), stored_runs);
 }
 
 ReportPage page_of(const EngineComparison& judged) {
   ReportPage page;
-  page.title = judged.pairs.front().verdict.behaviour;
-  if (judged.pairs.size() == 1) {
-    page.verdicts.push_back(verdict_document(to_json(judged.pairs.front()), "verdict"));
-  } else {
-    verdicts_document(to_json(judged), "verdict").add_to(page);
-  }
+  page.title = judged.verdicts.pairs.front().behaviour;
+  verdict_document(to_json(judged), "verdict").add_to(page);
   return page;
+}
+
+// Exit code 0 for the word that is required, and one for each that is found in its place.
+int exit_code(Word found, const std::string& required) {
+  if (required.empty() || name(found) == required) return 0;
+  switch (found) {
+    case Word::kAgrees:
+      return 3;
+    case Word::kDiffers:
+      return 4;
+    case Word::kStepDependent:
+      return 5;
+    case Word::kUnresolved:
+      break;
+  }
+  return 6;
 }
 
 void run(const VerdictCommand& options) {
@@ -92,26 +105,45 @@ void run(const VerdictCommand& options) {
     throw EndedEarly(what_is_kept(options.judge.stored_runs));
   }
   if (options.page.asked()) options.page.write(page_of(*judged), provenance);
-  if (judged->pairs.size() == 1) {
-    const PairVerdict& two = judged->pairs.front();
-    options.json.emit(describe(two), to_json(two), provenance);
-  } else {
-    options.json.emit(describe(*judged), to_json(*judged), provenance);
+  options.json.emit(describe(*judged), to_json(*judged), provenance);
+  const Word word = word_of(*judged);
+  if (const int code = exit_code(word, options.require)) {
+    throw RequirementMissed(
+        code, fmt::format("'{}' is required, and the word is '{}'", options.require, name(word)));
   }
 }
 
 void add_judge_options(CLI::App& command, VerdictCommand& options) {
   VerdictOptions& verdict = options.judge.verdict;
   StartRanges& starts = options.starts;
-  command.add_option("--starts", verdict.starts, "Starts that every engine runs from, at least 4")
+  command
+      .add_option("--starts", verdict.starts,
+                  "Starts that every engine runs from, at least 4; words from 6 on")
       ->check(CLI::Range(4, 10000))
       ->capture_default_str();
   command
-      .add_option("--limit", verdict.limit, "Gap over spread up to which engines agree, and beyond which not")
-      ->check(CLI::PositiveNumber)
+      .add_option(
+          "--looks", verdict.looks,
+          "Look so many times at most, after as many starts each, and end with the first that settles "
+          "every pair: error is shared among them")
+      ->check(CLI::Range(1, 20))
       ->capture_default_str();
   command
-      .add_option("--confidence", verdict.confidence, "Confidence of all verdicts together, between 0 and 1")
+      .add_option(
+          "--margin", options.margins,
+          "KEY=MARGIN: the difference in a statistic that would not matter, as a share (5%), an amount "
+          "(0.02; 0.004/s for each second) or the larger of both (5%,0.02). May be repeated")
+      ->type_name("KEY=MARGIN")
+      ->allow_extra_args(false);
+  command.add_option("--margins", options.margin_file, "The same as YAML, a line of KEY: MARGIN each")
+      ->type_name("FILE.yaml");
+  command
+      .add_option("--failure-margin", verdict.failures,
+                  "The same for the share of runs that fail, or slide, ...")
+      ->capture_default_str();
+  command
+      .add_option("--confidence", verdict.confidence,
+                  "Confidence of all intervals of all pairs together, between 0 and 1")
       ->capture_default_str();
   command
       .add_option("--offset", starts.position_m,
@@ -138,15 +170,18 @@ void add_judge_options(CLI::App& command, VerdictCommand& options) {
 
 void add_verdict_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
-      "verdict", "Does a behaviour depend on the engine? The gap between engines, in spreads within one");
+      "verdict",
+      "Does a behaviour depend on the engine? Gaps between engines, against margins that are stated");
   command->footer(
       "\nExamples:\n"
       "  crossgait verdict\n"
       "  crossgait verdict --explain\n"
       "  crossgait verdict --engines mujoco,bullet,dart+pyramid,dart+stock\n"
       "  crossgait verdict --gait gallop --terrain rough --starts 24 --json verdict.json\n"
+      "  crossgait verdict --margin distance_m=5% --margin slip_m=0.05 --require agrees\n"
       "  crossgait verdict --policy policy.safetensors --config env.yaml\n"
-      "docs/verdict.md has the rule.");
+      "With --require WORD the exit code is 0 for that word, else 3 for agrees, 4 for differs, 5 for\n"
+      "step-dependent, 6 for unresolved. docs/verdict.md has the rule and the margins.");
   auto options = std::make_shared<VerdictCommand>();
   command
       ->add_option("--engines", options->engines,
@@ -169,9 +204,20 @@ void add_verdict_command(CLI::App& program) {
     config->excludes(command->get_option(other));
   command->add_flag("--explain", options->judge.explain,
                     "Also say what the gap comes from, one modelling factor at a time");
-  options->page.add_to(*command, "Write a page that shows it between the limits, as one HTML file");
+  command
+      ->add_option(
+          "--require", options->require,
+          "End with an exit code of its own for every other word: 3 agrees, 4 differs, 5 step-dependent, 6 "
+          "unresolved")
+      ->check(CLI::IsMember({"agrees", "differs", "step-dependent", "unresolved"}));
+  options->page.add_to(*command, "Write a page that shows every gap against its margin, as one HTML file");
   options->json.add_to(*command);
-  on_run(*command, [options] { run(*options); });
+  on_run(*command, [options] {
+    Margins& margins = options->judge.verdict.margins;
+    if (!options->margin_file.empty()) margins = read_margins(options->margin_file);
+    add_margins(options->margins, margins);
+    run(*options);
+  });
 }
 
 }  // namespace crossgait::apps

@@ -8,7 +8,8 @@ int main() {
   walk.terrain = "rough";
   walk.timing.seconds = 0.5;
   crossgait::JudgeOptions options;
-  options.verdict.starts = 4;
+  options.verdict.starts = 6;
   options.explain = true;
-  std::puts(describe(judge_behaviour({walk, {}, 0}, "mujoco", "bullet", options)).c_str());
+  const crossgait::BehaviourSpec trot{walk, {}, 0};
+  std::puts(describe(judge_engines(trot, {"mujoco", "bullet"}, options)).c_str());
 }

@@ -2,7 +2,7 @@
 
 import crossgait
 
-verdict = crossgait.verdict("trot", terrain="rough", seconds=0.5, starts=4, explain=True)
-print(verdict.verdict)
+verdict = crossgait.verdict("trot", terrain="rough", seconds=0.5, starts=6, explain=True)
+print(verdict.word)
 print(verdict)
-print("to blame:", verdict.causes)
+print("why:", verdict.causes)

@@ -39,17 +39,19 @@ struct StatisticText {
   std::string_view before = {};  ///< key of an earlier row that this one is shown before
 };
 
-/// What a floor of the judge grows with.
-enum class FloorScale : std::uint8_t { kFixed, kLength, kSpeed };
+/// What a margin of the judge, given for the reference robot (gait/scale.h), grows with.
+enum class MarginScale : std::uint8_t { kFixed, kLength, kSpeed };
 
-/// How a verdict judges a statistic; not at all without a name. A floor is a difference that nobody would act
-/// on: the larger of a share of the statistic and a fixed amount, here for the reference robot
-/// (gait/scale.h).
+/// How a verdict judges a statistic; not at all without a name. The margin is a difference that nobody would
+/// act on: the larger of a share of the statistic and an absolute amount, which grows with the length of a
+/// motion where the statistic itself does. Margins are chosen, not measured: no logs of one robot's repeated
+/// runs come with Crossgait.
 struct StatisticJudged {
   std::string_view name;
-  double relative_floor = 0, absolute_floor = 0;
-  std::string_view reason;  ///< for the floor
-  FloorScale scale = FloorScale::kFixed;
+  double relative_margin = 0, absolute_margin = 0;
+  bool per_second = false;  ///< the absolute one is for a second of motion
+  std::string_view reason;  ///< for the margin
+  MarginScale scale = MarginScale::kFixed;
   bool needs_plan = false;       ///< judged only where swing and stance are planned
   std::string_view before = {};  ///< key of an earlier row that this one is judged before
 };

@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -12,7 +13,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-std::string when(const std::optional<FirstDivergence>& first) {
+std::string when(const Attribution& a, const std::optional<FirstDivergence>& first) {
+  if (!a.has_traces) return "-";
   return first ? fmt::format("{} at {:.3f} s", first->quantity, first->time_s) : "nothing";
 }
 
@@ -20,25 +22,32 @@ std::string when(const std::optional<FirstDivergence>& first) {
 std::vector<std::size_t> worth_explaining(const Attribution& a) {
   std::vector<std::size_t> shown;
   for (std::size_t s = 0; s < a.statistics.size(); ++s) {
-    if (std::abs(a.gap[s].estimate) >= a.floor[s]) shown.push_back(s);
+    if (std::abs(a.gap[s].estimate) >= a.margin[s]) shown.push_back(s);
   }
   return shown;
 }
 
 std::string effects_table(const Attribution& a, const std::vector<std::size_t>& shown) {
-  std::vector<std::string> header{"share of the gap, %"};
+  std::vector<std::string> header{"part of the gap"};
   for (const std::size_t s : shown) header.push_back(label(a.statistics[s]));
   header.emplace_back("first to part");
   Table table(header);
-  for (const FactorEffect& e : a.effects) {
-    std::vector<std::string> row{e.factor.name};
-    for (const std::size_t s : shown) {
-      const double gap = std::abs(a.gap[s].estimate) / 100, sign = a.gap[s].estimate < 0 ? -1 : 1;
-      row.push_back(fmt::format("{:+.0f} +- {:.0f}", sign * e.effect[s].estimate / gap,
-                                e.effect[s].half_width() / gap));
+  for (const GroupEffect& group : a.groups) {
+    const auto effects = [&](const std::string& name, const std::vector<Interval>& effect,
+                             const std::string& last) {
+      std::vector<std::string> row{name};
+      for (const std::size_t s : shown)
+        row.push_back(fmt::format("{:+.3g} ± {:.2g}", effect[s].estimate, effect[s].half_width()));
+      row.push_back(last);
+      table.add_row(row);
+    };
+    const bool one = group.factors.size() == 1;
+    const FactorEffect& first = a.effects[group.factors.front()];
+    effects(group.name, group.effect, one ? when(a, first.first_divergence) : "");
+    for (const std::size_t i : group.factors) {
+      const FactorEffect& e = a.effects[i];
+      if (!one) effects(fmt::format("  of which {}", e.factor.name), e.effect, when(a, e.first_divergence));
     }
-    row.push_back(when(e.first_divergence));
-    table.add_row(row);
   }
   return table.str();
 }
@@ -66,10 +75,19 @@ std::string way_table(const Attribution& a) {
 nlohmann::ordered_json to_json(const Attribution& a) {
   ordered_json json{{"behaviour", a.behaviour}, {"from", a.from}, {"to", a.to}, {"starts", a.starts}};
   for (std::size_t s = 0; s < a.statistics.size(); ++s) {
-    ordered_json statistic{{"name", a.statistics[s].name}, {"unit", a.statistics[s].unit},
-                           {"mean_from", a.from_mean[s]},  {"mean_to", a.to_mean[s]},
-                           {"gap", to_json(a.gap[s])},     {"floor", a.floor[s]},
-                           {"leading", a.leading(s)}};
+    ordered_json statistic{{"key", a.statistics[s].key},   {"name", a.statistics[s].name},
+                           {"unit", a.statistics[s].unit}, {"mean_from", a.from_mean[s]},
+                           {"mean_to", a.to_mean[s]},      {"gap", to_json(a.gap[s])},
+                           {"margin", a.margin[s]}};
+    const Cause cause = a.cause(s);
+    constexpr std::array kKinds{"nothing", "leading", "no single cause"};
+    statistic["cause"] = {{"kind", kKinds[static_cast<std::size_t>(cause.kind)]},
+                          {"leading", cause.leading},
+                          {"sentence", cause.sentence}};
+    if (const auto& i = a.interactions[s])
+      statistic["interaction"] = {{"groups", {i->first, i->second}}, {"amount", i->amount}};
+    else
+      statistic["interaction"] = nullptr;
     for (const FactorEffect& e : a.effects) {
       statistic["factors"].push_back({{"name", e.factor.name},
                                       {"effect", to_json(e.effect[s])},
@@ -77,6 +95,8 @@ nlohmann::ordered_json to_json(const Attribution& a) {
                                       {"last", to_json(e.last[s])},
                                       {"step", to_json(e.step[s])}});
     }
+    for (const GroupEffect& g : a.groups)
+      statistic["groups"].push_back({{"name", g.name}, {"effect", to_json(g.effect[s])}});
     json["statistics"].push_back(statistic);
   }
   for (const FactorEffect& e : a.effects) {
@@ -86,6 +106,7 @@ nlohmann::ordered_json to_json(const Attribution& a) {
     json["factors"].push_back({{"name", e.factor.name},
                                {"summary", e.factor.summary},
                                {"needs", e.factor.needs},
+                               {"group", e.factor.group.empty() ? e.factor.name : e.factor.group},
                                {"first_divergence", first}});
   }
   return json;
@@ -97,12 +118,12 @@ std::string describe(const Attribution& a) {
   for (const FactorEffect& e : a.effects)
     text += fmt::format("  {:19} {}\n", e.factor.name, e.factor.summary);
   text += fmt::format("\n{}\n", way_table(a));
-  if (shown.empty()) return text + "No gap is large enough to explain.\n";
+  if (shown.empty()) return text.append("No gap is large enough to explain.\n");
   text += effects_table(a, shown) + "\n";
   for (const std::size_t s : shown) {
-    const std::vector<std::string> names = a.leading(s);
-    text += fmt::format("{}: {}.\n", a.statistics[s].name,
-                        names.empty() ? "no single factor" : fmt::format("{}", fmt::join(names, ", ")));
+    const std::string sentence = a.cause(s).sentence;
+    text +=
+        fmt::format("{}: {}.\n", a.statistics[s].name, sentence.empty() ? "no cause can be told" : sentence);
   }
   return text;
 }

@@ -8,18 +8,19 @@
 #include "gait/scale.h"
 #include "motion/statistic_rows.h"
 #include "motion/time_steps.h"
+#include "physics/core/find_row.h"
 
 namespace crossgait {
 namespace {
 
-// What a floor for the reference robot is worth for this one.
-double scale_of(FloorScale scale, const RobotDescription& robot) {
+// What a margin for the reference robot is worth for this one.
+double scale_of(MarginScale scale, const RobotDescription& robot) {
   switch (scale) {
-    case FloorScale::kLength:
+    case MarginScale::kLength:
       return gait_scale(robot).length;
-    case FloorScale::kSpeed:
+    case MarginScale::kSpeed:
       return gait_scale(robot).time();
-    case FloorScale::kFixed:
+    case MarginScale::kFixed:
       break;
   }
   return 1;
@@ -28,29 +29,34 @@ double scale_of(FloorScale scale, const RobotDescription& robot) {
 // Where nothing is planned, what compares with a plan says nothing.
 bool is_judged(const StatisticJudged& judged, bool planned) { return planned || !judged.needs_plan; }
 
-// The statistics that every behaviour is judged by, and whether it failed; `values_of` in the same order.
+// The statistics that every behaviour is judged by; `values_of` in the same order.
 // @param planned  there is a plan of swing and stance to compare with
 std::vector<Statistic> motion_statistics(const RobotDescription& robot, bool planned) {
   std::vector<Statistic> all;
   for (const StatisticRow* row : judged_statistics()) {
     const StatisticJudged& judged = row->judged;
     if (!is_judged(judged, planned)) continue;
-    all.push_back({std::string(judged.name), std::string(row->unit), judged.relative_floor,
-                   judged.absolute_floor * scale_of(judged.scale, robot)});
+    const Margin margin{judged.relative_margin, judged.absolute_margin * scale_of(judged.scale, robot),
+                        judged.per_second, std::string(judged.reason)};
+    all.push_back({std::string(row->key), std::string(judged.name), std::string(row->unit), margin});
   }
-  all.push_back({"failures", "fraction", 0, 0.05, true});
   return all;
 }
 
-// A robot that went nowhere has no cost of transport; it differs from one that did in distance already. So
-// with the others that may be missing.
-std::vector<double> values_of(const MotionSummary& m, bool planned) {
-  std::vector<double> all;
+BehaviourRun run_of(const MotionSummary& m, bool planned) {
+  BehaviourRun run{{}, m.outcome, m.simulated_seconds};
   for (const StatisticRow* row : judged_statistics()) {
-    if (is_judged(row->judged, planned)) all.push_back(number_of(*row, m).value_or(0));
+    if (is_judged(row->judged, planned)) run.values.push_back(number_of(*row, m));
   }
-  all.push_back(m.failed() ? 1.0 : 0.0);
-  return all;
+  return run;
+}
+
+// How many steps of `dt` fit into a time that may be without end.
+std::int64_t steps_in(double horizon, double dt) {
+  constexpr double kStepRounding = 1e-6;  // of a step
+  const double steps = std::floor(horizon / dt + kStepRounding);
+  return steps < 9e18 ? std::max<std::int64_t>(1, static_cast<std::int64_t>(steps))
+                      : std::numeric_limits<std::int64_t>::max();
 }
 
 std::vector<double> delays_of(const RobotDescription& robot) {
@@ -67,36 +73,77 @@ Start draw_start(const Randomisation& randomisation, std::uint64_t seed) {
   return {placement_of(draw), 0, pushes_of(randomisation, draw, random)};
 }
 
-// @param trace filled with every control step if not null
+// @param horizon  s of motion, at most
+// @param trace    filled with every control step if not null
 MotionSummary walk_once(const WorldSpec& world, const WalkSetup& setup, const Start& start,
-                        const Engine& engine, Trace* trace = nullptr) {
+                        const Engine& engine, double horizon, Trace* trace = nullptr) {
   const std::unique_ptr<PhysicsBackend> instance = engine.make(world);
-  WalkObserver observer;
-  if (trace != nullptr) {
-    observer = [trace](const WalkSample& sample) {
-      trace->emplace_back(sample.world, sample.targets);
-      return true;
-    };
-  }
+  const WalkObserver observer =
+      [trace, left = steps_in(horizon, setup.timing.control_dt)](const WalkSample& sample) mutable {
+        if (trace != nullptr) trace->emplace_back(sample.world, sample.targets);
+        return --left > 0;
+      };
   return run_walk(*instance, setup.make_controller(world), setup.timing, observer, start, setup.terminations);
 }
 
-}  // namespace
-
-void Variation::apply(WorldSpec& world) const {
-  world.physics_dt *= step;
-  world.solver.tolerance *= tolerance;
-  world.solver.iterations = std::max(1, static_cast<int>(std::lround(world.solver.iterations * iterations)));
+// What ends a run that is judged: every outcome after which walking on means nothing, beside those asked for.
+OutcomeSet with_failures(OutcomeSet terminations) {
+  const OutcomeSet failures = OutcomeSet::of_episodes();
+  for (const OutcomeRow& row : outcome_rows()) {
+    if (failures.has(row.outcome)) terminations.add(row.outcome);
+  }
+  return terminations;
 }
 
-const std::vector<Variation>& variations() {
-  using enum Variation::Kind;
-  static const std::vector<Variation> kVariations{{"as asked", kNominal, 1, 1, 1},
-                                                  {"half the time step", kTimeStep, 0.5, 1, 1},
-                                                  {"twice the time step", kTimeStep, 2, 1, 1},
-                                                  {"loose solver", kSolver, 1, 100, 0.5},
-                                                  {"tight solver", kSolver, 1, 0.01, 2}};
-  return kVariations;
+// A policy in an environment whose world is varied.
+class PolicyRuns {
+ public:
+  PolicyRuns(LoadedEnv environment, PolicyFactory policy, std::uint64_t seed)
+      : environment_(std::move(environment)), policy_(std::move(policy)), seed_(seed) {
+    environment_.config.terminations = with_failures(environment_.config.terminations);
+  }
+
+  EpisodeSummary run(const Engine& engine, const Variation& variation, std::size_t k, double horizon,
+                     Trace* trace = nullptr) const {
+    LoadedEnv varied = environment_;  // what is varied is in no file
+    varied.config.physics_dt *= variation.step;
+    varied.config.terrain_seed += k;
+    Variation others = variation;
+    others.step = 1;  // the configuration has it already
+    QuadrupedEnv env(varied, with_change(engine, [&others](WorldSpec& w) { others.apply(w); }));
+    const std::unique_ptr<Policy> own = policy_(env.interface());
+    const EpisodeObserver observer =
+        [trace, left = steps_in(horizon, varied.config.policy_dt)](const QuadrupedEnv& e) mutable {
+          if (trace != nullptr) trace->emplace_back(e.world(), e.targets());
+          return --left > 0;
+        };
+    return run_episode(env, *own, derived_seed(seed_, k), observer);
+  }
+
+ private:
+  LoadedEnv environment_;
+  PolicyFactory policy_;
+  std::uint64_t seed_;
+};
+
+}  // namespace
+
+bool is_failure(Outcome outcome) noexcept {
+  return OutcomeSet::of_episodes().has(outcome) && outcome != Outcome::kLeftTerrain;
+}
+
+std::vector<std::string> keys_of(const Behaviour& behaviour) {
+  std::vector<std::string> keys;
+  for (const Statistic& s : behaviour.statistics) keys.push_back(s.key);
+  return keys;
+}
+
+Behaviour with_margins(Behaviour behaviour, const Margins& margins) {
+  for (const auto& [key, margin] : margins) {
+    const Statistic& known = find_row(behaviour.statistics, key, "verdict", "margin", &Statistic::key);
+    behaviour.statistics[static_cast<std::size_t>(&known - behaviour.statistics.data())].margin = margin;
+  }
+  return behaviour;
 }
 
 bool Behaviour::allows(const Variation& variation) const {
@@ -143,12 +190,16 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
   behaviour.control_dt = setup.timing.control_dt;
   behaviour.delays = delays_of(*world.robot);
   const Randomisation starts = ranges.over({}, *world.robot);
-  behaviour.run = [world, setup, terrain, starts, seed](const Engine& engine, const Variation& variation,
-                                                        std::size_t k) {
+  behaviour.seconds = setup.timing.seconds;
+  behaviour.cut_dt = setup.timing.control_dt;
+  WalkSetup until_failure = setup;
+  until_failure.terminations = with_failures(setup.terminations);
+  behaviour.run = [world, setup = until_failure, terrain, starts, seed](
+                      const Engine& engine, const Variation& variation, std::size_t k, double horizon) {
     WorldSpec varied = world;
     varied.terrain = terrain(k);
     variation.apply(varied);
-    return values_of(walk_once(varied, setup, draw_start(starts, derived_seed(seed, k)), engine), true);
+    return run_of(walk_once(varied, setup, draw_start(starts, derived_seed(seed, k)), engine, horizon), true);
   };
   behaviour.trace = [world, setup, terrain, starts, seed](const Engine& engine, std::size_t k) {
     WorldSpec own = world;
@@ -156,7 +207,7 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
     WalkSetup at_once = setup;
     at_once.timing.settle_seconds = 0;
     Trace trace;
-    walk_once(own, at_once, draw_start(starts, derived_seed(seed, k)), engine, &trace);
+    walk_once(own, at_once, draw_start(starts, derived_seed(seed, k)), engine, kToTheEnd, &trace);
     return trace;
   };
   return behaviour;
@@ -171,23 +222,25 @@ Behaviour policy_behaviour(LoadedEnv environment, PolicyFactory policy, const st
   Behaviour behaviour;
   behaviour.name = fmt::format("policy {} on {}, {:g} s", name, config.terrain, config.episode_seconds);
   behaviour.statistics = motion_statistics(*robot, planned);
-  behaviour.statistics.push_back({"total reward", "-", 0.02, 0.01});
+  const Margin reward{0.02, 0.002, true, "a fiftieth of the reward"};
+  behaviour.statistics.push_back({"total_reward", "total reward", "-", reward});
+  behaviour.seconds = config.episode_seconds;
+  behaviour.cut_dt = config.policy_dt;
   behaviour.physics_dt = config.physics_dt;
   behaviour.control_dt = config.control_dt;
   behaviour.delays = delays_of(*robot);
-  behaviour.run = [environment, policy = std::move(policy), seed, planned](
-                      const Engine& engine, const Variation& variation, std::size_t k) {
-    LoadedEnv varied = environment;  // what is varied is in no file
-    varied.config.physics_dt *= variation.step;
-    varied.config.terrain_seed += k;
-    Variation solver_alone = variation;
-    solver_alone.step = 1;  // the configuration has it already
-    QuadrupedEnv env(varied, with_change(engine, [&solver_alone](WorldSpec& w) { solver_alone.apply(w); }));
-    const std::unique_ptr<Policy> own = policy(env.interface());
-    const EpisodeSummary episode = run_episode(env, *own, derived_seed(seed, k));
-    std::vector<double> values = values_of(episode.motion, planned);
-    values.push_back(episode.total_reward);
-    return values;
+  const PolicyRuns runs(environment, std::move(policy), seed);
+  behaviour.run = [runs, planned](const Engine& engine, const Variation& variation, std::size_t k,
+                                  double horizon) {
+    const EpisodeSummary episode = runs.run(engine, variation, k, horizon);
+    BehaviourRun run = run_of(episode.motion, planned);
+    run.values.emplace_back(episode.total_reward);
+    return run;
+  };
+  behaviour.trace = [runs](const Engine& engine, std::size_t k) {
+    Trace trace;
+    runs.run(engine, nominal_variation(), k, kToTheEnd, &trace);
+    return trace;
   };
   return behaviour;
 }

@@ -3,37 +3,23 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "env/evaluation.h"
 #include "parity/comparison.h"
+#include "parity/margin.h"
+#include "parity/variation.h"
 
 namespace crossgait {
 
 /// One number of a run.
 struct Statistic {
-  std::string name, unit;
-  /// A difference that nobody would act on, whichever is larger: a share of the statistic's size, or a fixed
-  /// amount in its unit.
-  double relative_floor = 0, absolute_floor = 0;
-  bool counts_failures = false;  ///< 1 for a run that failed (MotionSummary::failed), else 0
+  std::string key, name, unit;
+  Margin margin;
 };
-
-/// One way of setting up the same world that a user chooses without meaning anything by it.
-struct Variation {
-  enum class Kind { kNominal, kTimeStep, kSolver };
-  std::string name = "as asked";
-  Kind kind = Kind::kNominal;
-  double step = 1, tolerance = 1, iterations = 1;  ///< factors on the world's
-
-  void apply(WorldSpec& world) const;
-};
-
-/// Nominal; time step halved, doubled; solver tolerance a hundred times looser with half the iterations, and
-/// a hundred times tighter with twice as many.
-const std::vector<Variation>& variations();
 
 /// How far apart the starts of a verdict lie. Each start draws uniformly, the same in every engine.
 struct StartRanges {
@@ -52,15 +38,32 @@ struct StartRanges {
   Randomisation over(Randomisation base, const RobotDescription& robot) const;
 };
 
+/// Whether the robot failed: whatever ends a run but leaving the ground.
+bool is_failure(Outcome outcome) noexcept;
+
+/// What came of a run.
+struct BehaviourRun {
+  std::vector<std::optional<double>> values;  ///< one per statistic; empty where the motion has none
+  Outcome outcome = Outcome::kWalked;
+  double seconds = 0;  ///< of motion: less than asked if the outcome ended it
+};
+
+/// Says that nothing but an outcome ends a run.
+inline constexpr double kToTheEnd = std::numeric_limits<double>::infinity();
+
 /// A behaviour can be run in any engine, from any of infinitely many starts, under any variation. `run` may
 /// be called from several threads at once and depends on nothing but its arguments.
 struct Behaviour {
   std::string name;
   std::vector<Statistic> statistics;
-  /// @returns one value per statistic. @throws ConfigError
-  std::function<std::vector<double>(const Engine& engine, const Variation& variation, std::size_t start)> run;
-  /// The same as a trace, as asked, without the time to settle, so that the first touch is on
-  /// it. Empty for behaviours that record none.
+  double seconds = 0;  ///< of a run that nothing ends
+  double cut_dt = 0;   ///< runs can be cut to whole multiples of this, s
+  /// Runs it once, and no longer than `horizon` s of motion. @throws ConfigError
+  std::function<BehaviourRun(const Engine& engine, const Variation& variation, std::size_t start,
+                             double horizon)>
+      run;
+  /// The same as a trace, as asked, every control step of a walk, every step of a policy; of a walk without
+  /// the time to settle, so that the first touch is on it. Empty for behaviours that record none.
   std::function<Trace(const Engine& engine, std::size_t start)> trace;
   double physics_dt = 0, control_dt = 0;  ///< s, as asked
   std::vector<double> delays;             ///< of the robot's drives, s; none of them 0
@@ -69,10 +72,15 @@ struct Behaviour {
   bool allows(const Variation& variation) const;
 };
 
+/// The keys of its statistics.
+std::vector<std::string> keys_of(const Behaviour& behaviour);
+/// The same, with other margins. @throws ConfigError for a key that is none of its statistics'
+Behaviour with_margins(Behaviour behaviour, const Margins& margins);
+
 /// The ground of start `k`; random terrains differ from start to start.
 using TerrainOfStart = std::function<Terrain(std::size_t start)>;
 
-/// A gait, walked by `run_walk`. @param world whose terrain is replaced by `terrain`'s
+/// A gait, walked by `run_walk` until it fails. @param world whose terrain is replaced by `terrain`'s
 Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const TerrainOfStart& terrain,
                          const StartRanges& ranges = {}, std::uint64_t seed = 0);
 

@@ -13,11 +13,13 @@ namespace {
 
 using Indices = std::vector<std::size_t>;
 
-// How far apart two engines may be: the largest end of any statistic's interval.
+// How far apart two engines may be: the largest end of any statistic's interval, in margins.
 double distance(const Verdict& pair) {
   double most = 0;
-  for (const StatisticVerdict& s : pair.statistics)
-    most = std::max({most, std::abs(s.score.low), std::abs(s.score.high)});
+  for (const StatisticVerdict& s : pair.statistics) {
+    if (s.margin > 0)
+      most = std::max({most, std::abs(s.gap.low) / s.margin, std::abs(s.gap.high) / s.margin});
+  }
   return most;
 }
 
@@ -30,9 +32,9 @@ class Words {
   const Verdict& pair(std::size_t i, std::size_t k) const {
     return pairs_[pair_index(std::min(i, k), std::max(i, k), engines_.size())];
   }
-  bool is(std::size_t i, std::size_t k, VerdictValue what) const { return pair(i, k).value() == what; }
+  bool is(std::size_t i, std::size_t k, Word what) const { return pair(i, k).word == what; }
 
-  bool all_across(const Indices& a, const Indices& b, VerdictValue what) const {
+  bool all_across(const Indices& a, const Indices& b, Word what) const {
     return std::all_of(a.begin(), a.end(), [&](std::size_t i) {
       return std::all_of(b.begin(), b.end(), [&](std::size_t k) { return is(i, k, what); });
     });
@@ -40,7 +42,7 @@ class Words {
   bool all_agree(const Indices& a) const {
     for (std::size_t i = 0; i < a.size(); ++i) {
       for (std::size_t k = i + 1; k < a.size(); ++k) {
-        if (!is(a[i], a[k], VerdictValue::kAgrees)) return false;
+        if (!is(a[i], a[k], Word::kAgrees)) return false;
       }
     }
     return true;
@@ -49,6 +51,20 @@ class Words {
     std::set<std::string> found;
     for (const std::size_t i : a) found.insert(engines_[i].law);
     return found;
+  }
+  /// Opinions among these engines: laws, of which relatives that nobody found to differ are one.
+  std::size_t votes(const Indices& a, bool families) const {
+    std::vector<Indices> opinions;
+    for (const std::size_t i : a) {
+      const auto same = std::find_if(opinions.begin(), opinions.end(),
+                                     [&](const Indices& o) { return is_one_opinion(o, i, families); });
+      if (same == opinions.end()) {
+        opinions.push_back({i});
+      } else {
+        same->push_back(i);
+      }
+    }
+    return opinions.size();
   }
   Indices without(const Indices& a) const {
     Indices rest;
@@ -64,6 +80,14 @@ class Words {
   }
 
  private:
+  bool is_one_opinion(const Indices& opinion, std::size_t i, bool families) const {
+    return std::all_of(opinion.begin(), opinion.end(), [&](std::size_t k) {
+      const bool relatives =
+          families && engines_[i].family == engines_[k].family && !is(i, k, Word::kDiffers);
+      return engines_[i].law == engines_[k].law || relatives;
+    });
+  }
+
   const std::vector<JudgedEngine>& engines_;
   const std::vector<Verdict>& pairs_;
 };
@@ -84,7 +108,7 @@ std::vector<Indices> clusters_of(const Words& words) {
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < clusters.size(); ++i) {
       for (std::size_t k = i + 1; k < clusters.size(); ++k) {
-        if (!words.all_across(clusters[i], clusters[k], VerdictValue::kAgrees)) continue;
+        if (!words.all_across(clusters[i], clusters[k], Word::kAgrees)) continue;
         const double far = farthest(words, clusters[i], clusters[k]);
         if (far >= nearest) continue;
         nearest = far;
@@ -108,7 +132,7 @@ Indices bridges_of(const Words& words, const std::vector<Indices>& clusters) {
     for (std::size_t d = c + 1; d < clusters.size(); ++d) {
       for (const std::size_t i : clusters[c]) {
         for (const std::size_t k : clusters[d]) {
-          if (words.is(i, k, VerdictValue::kAgrees))
+          if (words.is(i, k, Word::kAgrees))
             bridges.push_back(pair_index(std::min(i, k), std::max(i, k), words.engines()));
         }
       }
@@ -134,10 +158,18 @@ std::vector<Indices> candidates(const Words& words, const std::vector<JudgedEngi
   return found;
 }
 
-bool stands_apart(const Words& words, const Indices& set) {
+bool stands_apart(const Words& words, const Indices& set, bool families) {
   const Indices rest = words.without(set);
-  return words.laws(rest).size() >= 2 && words.all_across(set, rest, VerdictValue::kEngineDependent) &&
+  return words.votes(rest, families) >= 2 && words.all_across(set, rest, Word::kDiffers) &&
          words.all_agree(rest) && words.all_agree(set);
+}
+
+Indices find_outlier(const Words& words, const std::vector<JudgedEngine>& engines, bool families) {
+  if (words.votes(words.without({}), families) < 3) return {};
+  for (const Indices& set : candidates(words, engines)) {
+    if (stands_apart(words, set, families)) return set;
+  }
+  return {};
 }
 
 std::vector<std::string> separating(const Words& words, const Indices& set) {
@@ -147,7 +179,7 @@ std::vector<std::string> separating(const Words& words, const Indices& set) {
   for (std::size_t s = 0; s < statistics.size(); ++s) {
     const bool everywhere = std::all_of(set.begin(), set.end(), [&](std::size_t i) {
       return std::all_of(rest.begin(), rest.end(), [&](std::size_t k) {
-        return words.pair(i, k).statistics[s].value == VerdictValue::kEngineDependent;
+        return words.pair(i, k).statistics[s].word == Word::kDiffers;
       });
     });
     if (everywhere) names.push_back(statistics[s].statistic.name);
@@ -156,20 +188,22 @@ std::vector<std::string> separating(const Words& words, const Indices& set) {
 }
 
 std::string no_outlier(const Words& words, const std::vector<Indices>& clusters,
-                       const std::vector<Verdict>& pairs, const std::set<std::string>& laws) {
+                       const std::vector<Verdict>& pairs) {
   if (clusters.size() == 1) return "all agree";
   std::vector<std::string> open;
   for (const Verdict& pair : pairs) {
-    if (pair.value() == VerdictValue::kUnresolved) open.push_back(fmt::format("{} and {}", pair.a, pair.b));
+    if (pair.word == Word::kUnresolved || pair.word == Word::kStepDependent)
+      open.push_back(fmt::format("{} and {} ({})", pair.a, pair.b, name(pair.word)));
   }
-  if (laws.size() < 3) {
+  const std::size_t votes = words.votes(words.without({}), true);
+  if (votes < 3) {
     return fmt::format(
-        "engines of one contact law are one vote, and there are {} ({}): of two nobody can say which is odd",
-        laws.size(), fmt::join(laws, ", "));
+        "engines of one contact law, and laws of one family that do not differ, are one vote, and there are "
+        "{}: of "
+        "two nobody can say which is odd",
+        votes);
   }
-  if (!open.empty()) {
-    return fmt::format("unresolved: {}; more starts would tell", fmt::join(open, ", "));
-  }
+  if (!open.empty()) return fmt::format("not settled: {}", fmt::join(open, ", "));
   std::vector<std::string> sets;
   for (const Indices& cluster : clusters) sets.push_back(fmt::format("{{{}}}", words.names(cluster)));
   return fmt::format("no engine, and no law, stands against others that agree: {}", fmt::join(sets, ", "));
@@ -182,19 +216,16 @@ Consensus find_consensus(const std::vector<JudgedEngine>& engines, const std::ve
   Consensus consensus;
   consensus.clusters = clusters_of(words);
   consensus.bridges = bridges_of(words, consensus.clusters);
-  const std::set<std::string> laws = words.laws(words.without({}));
-  if (laws.size() >= 3) {
-    for (const Indices& set : candidates(words, engines)) {
-      if (!stands_apart(words, set)) continue;
-      const Indices rest = words.without(set);
-      consensus.outlier = set;
-      consensus.statistics = separating(words, set);
-      consensus.reason = fmt::format("engine-dependent from each of {}, which agree ({})", words.names(rest),
-                                     fmt::join(words.laws(rest), ", "));
-      return consensus;
-    }
+  consensus.outlier = find_outlier(words, engines, true);
+  consensus.outlier_by_law = find_outlier(words, engines, false);
+  if (consensus.outlier.empty()) {
+    consensus.reason = no_outlier(words, consensus.clusters, pairs);
+    return consensus;
   }
-  consensus.reason = no_outlier(words, consensus.clusters, pairs, laws);
+  const Indices rest = words.without(consensus.outlier);
+  consensus.statistics = separating(words, consensus.outlier);
+  consensus.reason = fmt::format("differs from each of {}, which agree ({})", words.names(rest),
+                                 fmt::join(words.laws(rest), ", "));
   return consensus;
 }
 

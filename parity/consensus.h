@@ -12,27 +12,30 @@ namespace crossgait {
 
 /// One engine of those that were judged.
 struct JudgedEngine {
-  std::string name, law;  ///< law: Laws::contact_law
+  std::string name, law, family;  ///< Laws::contact_law, Laws::contact_family
 };
 
 /// Sums up the verdicts of all pairs. `pairs` below stand as `reach_verdicts` has them.
 ///
 /// **Clusters.** Two engines may be in one cluster only if they agree, and so may all others of it (complete
 /// linkage): clusters are joined, the two nearest first, as long as every pair across them agrees. How near
-/// two engines are is the largest end of any statistic's interval. "Agrees" is not transitive (a with b and b
-/// with c, but not a with c): b then is in the nearer cluster, and `bridges` names the pairs that agree
-/// across clusters.
+/// two engines are is the largest end of any statistic's interval, in margins. "Agrees" is not transitive (a
+/// with b and b with c, but not a with c): b then is in the nearer cluster, and `bridges` names the pairs
+/// that agree across clusters.
 ///
-/// **The outlier.** A set of engines stands apart if each of it is engine-dependent from each of the others,
-/// while the others agree among each other, and so does the set. Engines of one contact law count as one
-/// vote, since they agree by construction: the set is one engine, or all engines of one law; the others have
-/// to be of two laws or more, and all together of three or more, or nobody could say which of two is odd.
+/// **The outlier.** A set of engines stands apart if each of it differs from each of the others, while the
+/// others agree among each other, and so does the set. The set is one engine, or all engines of one contact
+/// law; the others have to be two votes or more, and all together three or more, or nobody could say which of
+/// two is odd. Engines of one law are one vote, since they agree by construction; so are laws of one family
+/// (Laws::contact_family), unless engines of them are judged to differ.
 /// Where any of these pairs is unresolved no outlier is named.
 struct Consensus {
   std::vector<std::vector<std::size_t>> clusters;  ///< engines, rising; the largest cluster first
   std::vector<std::size_t> bridges;                ///< pairs that agree across clusters
   std::vector<std::size_t> outlier;                ///< engines that stand apart; empty if none is named
-  std::vector<std::string> statistics;  ///< in which the outlier is engine-dependent from all others
+  /// The same if every law had a vote, whatever its family.
+  std::vector<std::size_t> outlier_by_law;
+  std::vector<std::string> statistics;  ///< in which the outlier differs from all others
   std::string reason;                   ///< why an outlier is named, or none
 };
 

@@ -1,98 +1,122 @@
-// Does a behaviour depend on the engine? The gap between two engines, measured in the spread within one.
+// Does a behaviour depend on the engine? Paired differences between engines, against stated margins.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <map>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "parity/behaviour.h"
-#include "parity/jackknife.h"
+#include "parity/paired_differences.h"
 
 namespace crossgait {
 
-enum class VerdictValue { kAgrees, kEngineDependent, kUnresolved };
-/// "agrees", "engine-dependent", "unresolved"
-std::string_view name(VerdictValue value) noexcept;
+enum class Word { kAgrees, kDiffers, kStepDependent, kUnresolved };
+/// "agrees", "differs", "step-dependent", "unresolved"
+std::string_view name(Word word) noexcept;
 
-/// Standard deviations of one statistic within one engine, by what was varied.
-struct WithinSpread {
-  double starts = 0;     ///< over starts (place, heading, push, terrain seed), as asked otherwise
-  double time_step = 0;  ///< over time steps, of the means over starts
-  double solver = 0;     ///< over solver settings, of the means over starts
-  /// Root of the sum of squares.
-  double total() const noexcept;
-};
-
-/// The rule: for every start k both engines run from it, and d_k = b_k - a_k is their difference,
-/// settings as asked. The *gap* is the mean of d_k. The *spread* is the root mean square of the two engines'
-/// WithinSpread::total(): how much the statistic moves for reasons that are not the engine. The *floor* is
-/// the difference that nobody would act on (Statistic). The *score* is
-///
-///     score = gap / sqrt(spread^2 + floor^2)
-///
-/// (added as independent spreads add: the larger counts, and no kink where one overtakes the other)
-/// and has a jackknife interval over starts with confidence 1 - (1 - confidence) / m for m words: one for
-/// each statistic of each pair of engines (Bonferroni, so that all m together are right with at least
-/// `confidence`). With `limit` L (1: as far
-/// apart as one engine is from itself):
-/// - **agrees** if the whole interval lies within (-L, L): the engines are equivalent to within their own
-///   spread (two one-sided tests; Schuirmann 1987), or differ by less than anyone would act on;
-/// - **engine-dependent** if the whole interval lies beyond L or beyond -L;
-/// - **unresolved** otherwise: more starts, or a tighter setup, would tell.
-///
-/// A behaviour agrees if all its statistics do, is engine-dependent if any is, and else unresolved.
-struct StatisticVerdict {
-  Statistic statistic;
-  double mean_a = 0, mean_b = 0;  ///< as asked, over starts
-  Interval gap;                   ///< b - a, same confidence as the score
-  WithinSpread spread_a, spread_b;
-  double spread = 0, floor = 0;
-  Interval score;
-  VerdictValue value = VerdictValue::kUnresolved;
-};
-
+/// How a verdict is reached.
 struct VerdictOptions {
-  std::size_t starts = 12;  ///< at least 4
-  double limit = 1;
-  double confidence = 0.95;
-  std::size_t workers = 1;  ///< threads; results do not depend on them
+  std::size_t starts = 12;   ///< at least 4; words are given from kFewestStarts on
+  std::size_t looks = 1;     ///< planned: after starts / looks starts, twice as many, and so on
+  double confidence = 0.95;  ///< of all intervals of all pairs together
+  double failures = 0.1;     ///< margin of the share of runs that end in an outcome
+  Margins margins = {};      ///< in place of the statistics' own
+  std::size_t workers = 1;   ///< threads; results do not depend on them
 
   /// @throws ConfigError naming the option
   void validate() const;
 };
 
-/// values[variation][start][statistic] of one engine.
-using RunTable = std::vector<std::vector<std::vector<double>>>;
+/// Starts below which every word is withheld: with fewer an interval rests on a spread that is hardly known.
+inline constexpr std::size_t kFewestStarts = 6;
+/// Error of each of the two one-sided tests behind *agrees*, at one look.
+inline constexpr double kEquivalenceTail = 0.05;
+
+/// What the gap is when both engines take half the time step.
+struct StepCheck {
+  Interval half;    ///< the gap at half the step, at the confidence of the gap
+  Interval change;  ///< from the gap as asked to that at half the step, paired
+  /// The gap at a quarter of the step, where the step would change a word, and what the three lead to as the
+  /// step goes to zero, if they fall in with one order of convergence (Roache 1998).
+  std::optional<double> quarter, order, extrapolated;
+};
+
+/// What an engine's own number changes by, from the same starts, when it is set up otherwise.
+struct OwnChange {
+  std::string engine, variation;
+  Interval change;  ///< mean, in the statistic's unit, at 95 %
+};
+
+/// The rule. Both engines run from every start k; d_k = b_k - a_k is their difference. The **gap** is what
+/// lies behind the d_k: their mean, or their median where `shape_of` finds heavy tails or two humps. How far
+/// the starts lie apart has no part in it. Against the statistic's margin the word is
+/// - **agrees** if the 90 % interval of the gap lies within the margin: two one-sided tests at 5 %
+///   (Schuirmann 1987);
+/// - **differs** if the gap is beyond the margin, by tests that hold for all statistics of all pairs together
+///   (Holm 1979); `gap` is the interval that goes with them;
+/// - **step-dependent** if one of these would turn into the other, or lose its sign or half of its size, at
+///   half the time step;
+/// - **unresolved** otherwise, with a reason and the number of starts that would tell.
+struct StatisticVerdict {
+  Statistic statistic;
+  double value_a = 0, value_b = 0;  ///< means over the pairs used (medians with the median), as asked
+  std::size_t pairs = 0;            ///< starts in which both engines have a value
+  Estimand estimand = Estimand::kMean;
+  Interval gap;          ///< b - a, simultaneous
+  Interval equivalence;  ///< the same, of the two one-sided tests
+  double margin = 0;     ///< in the statistic's unit
+  std::optional<StepCheck> step;
+  std::vector<OwnChange> own;
+  Word word = Word::kUnresolved;
+  std::string reason;                        ///< why it is not agrees or differs; or what a limit of it is
+  std::optional<std::size_t> starts_needed;  ///< for a word that is unresolved
+};
+
+/// Where runs fail, both runs of a pair are cut at the earlier failure, so that they are compared over the
+/// same time.
+struct PairCut {
+  std::size_t pairs = 0;              ///< of which one run or both ended early
+  double mean_s = 0, shortest_s = 0;  ///< of all pairs
+  /// Mean length of a run, up to its end or its failure, in each engine, and their paired difference: the
+  /// restricted mean time to failure. At 95 %.
+  double mean_a_s = 0, mean_b_s = 0;
+  Interval difference_s;
+};
+
+using OutcomeCounts = std::array<std::size_t, kOutcomes>;
 
 struct Verdict {
   std::string behaviour, a, b;
-  VerdictOptions options;
-  std::vector<Variation> variations;  ///< that were used, nominal first
-  std::vector<std::string> left_out;  ///< the others, with the reason
-  std::vector<StatisticVerdict> statistics;
-
-  VerdictValue value() const noexcept;
+  OutcomeCounts outcomes_a{}, outcomes_b{};
+  std::optional<PairCut> cut;                ///< empty where every run went to its end
+  std::vector<StatisticVerdict> statistics;  ///< failures and other outcomes last
+  Word word = Word::kUnresolved;
+  std::string reason;
+  std::optional<std::size_t> starts_needed;
 };
 
-/// The rule alone, on runs that were made.
-/// @param a,b    of equal shape, nominal variation first
-/// @param pairs  of engines that are judged together
-std::vector<StatisticVerdict> judge(const std::vector<Statistic>& statistics,
-                                    const std::vector<Variation>& variations, const RunTable& a,
-                                    const RunTable& b, const VerdictOptions& options, std::size_t pairs = 1);
+/// Verdicts of all pairs, and how they were reached.
+struct Verdicts {
+  VerdictOptions options;
+  std::size_t starts = 0, looks_made = 0;  ///< starts that were looked at last
+  std::vector<std::string> engines;
+  std::vector<std::string> variations;  ///< that were run, with what was left out and why
+  std::vector<std::string> left_out;
+  std::vector<Verdict> pairs;  ///< the first engine with each that follows, then the second, and so on
+};
 
-/// Runs `behaviour` in every engine from every start under every variation, once, and judges all pairs: the
-/// first with each that follows, then the second, and so on. Variations that the control step does not allow,
-/// or under which any engine fails more often than as asked, are left out.
+/// Runs `behaviour` in every engine from every start, as asked, with half the time step and under the
+/// settings that the engine declares, and judges all pairs. Where a word would depend on the step, a quarter
+/// of it is run as well. With several looks it ends at the first after which no pair is unresolved.
 /// @param engines   two or more
 /// @param progress  called with the share of runs done, one call at a time, from any thread
 /// @throws ConfigError
-std::vector<Verdict> reach_verdicts(const Behaviour& behaviour, std::span<const Engine> engines,
-                                    const VerdictOptions& options, const Progress& progress = {});
-
-/// The same of two.
-Verdict reach_verdict(const Behaviour& behaviour, const Engine& a, const Engine& b,
-                      const VerdictOptions& options, const Progress& progress = {});
+Verdicts reach_verdicts(const Behaviour& behaviour, std::span<const Engine> engines,
+                        const VerdictOptions& options, const Progress& progress = {});
 
 }  // namespace crossgait

@@ -14,11 +14,20 @@ namespace crossgait {
 nlohmann::ordered_json to_json(const Interval& interval);
 /// "slip, m"; the name alone where there is no unit.
 std::string label(const Statistic& statistic);
+/// "-0.113 m": with its sign and unit.
+std::string signed_amount(double amount, const Statistic& statistic);
 
-/// Keys as documented in docs/command-line.md.
+/// One of `pairs` in docs/schemas/verdict.json.
 nlohmann::ordered_json to_json(const Verdict& verdict);
-/// A table with one line per statistic, and the rule in words.
+/// {"walked": 9, "fell": 15}: of those that came about.
+nlohmann::ordered_json to_json(const OutcomeCounts& outcomes);
+/// "walked 9, fell 15"
+std::string describe(const OutcomeCounts& outcomes);
+/// A table with one line per statistic, the reasons of words that are not definite, and what each engine
+/// changes by itself where the engines do not agree.
 std::string describe(const Verdict& verdict);
+/// How the words were reached, in a few lines.
+std::string describe_rule(const Verdicts& verdicts);
 
 /// A list, empty where the models are the same.
 nlohmann::ordered_json to_json(const std::vector<AuditFinding>& findings);

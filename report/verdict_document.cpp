@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "parity/consensus.h"
 #include "physics/core/error.h"
@@ -26,30 +27,50 @@ ordered_json interval(const Json& from, const char* key) {
 
 ordered_json texts(const Json& from, const char* key) { return from.at(key).get<std::vector<std::string>>(); }
 
+ordered_json pair_of(const Json& from, const char* key, const auto& of_one) {
+  const Json& two = from.at(key);
+  return {of_one(two.at(0)), of_one(two.at(1))};
+}
+
+ordered_json as_number(const Json& value) { return value.get<double>(); }
+ordered_json as_text(const Json& value) { return value.get<std::string>(); }
+
 ordered_json statistic(const Json& s) {
-  return {{"name", text(s, "name")},       {"unit", text(s, "unit")},       {"mean_a", number(s, "mean_a")},
-          {"mean_b", number(s, "mean_b")}, {"gap", interval(s, "gap")},     {"spread", number(s, "spread")},
-          {"floor", number(s, "floor")},   {"score", interval(s, "score")}, {"verdict", text(s, "verdict")}};
+  const Json& step = s.at("step");
+  return {{"name", text(s, "name")},
+          {"unit", text(s, "unit")},
+          {"values", pair_of(s, "values", as_number)},
+          {"estimand", text(s, "estimand")},
+          {"gap", number(s, "gap")},
+          {"low", number(s, "low")},
+          {"high", number(s, "high")},
+          {"margin", number(s, "margin")},
+          {"margin_rule", text(s.at("margin_rule"), "is")},
+          {"word", text(s, "word")},
+          {"reason", text(s, "reason")},
+          {"gap_half", step.is_null() ? ordered_json() : number(step, "gap_half")}};
 }
 
 ordered_json attribution(const Json& a) {
-  ordered_json statistics = ordered_json::array(), factors = ordered_json::array();
+  ordered_json statistics = ordered_json::array(), groups = ordered_json::array();
   for (const Json& s : a.at("statistics")) {
     ordered_json effects = ordered_json::array();
-    for (const Json& f : s.at("factors"))
-      effects.push_back({{"name", text(f, "name")}, {"effect", interval(f, "effect")}});
+    for (const Json& g : s.at("groups"))
+      effects.push_back({{"name", text(g, "name")}, {"effect", interval(g, "effect")}});
     statistics.push_back({{"name", text(s, "name")},
                           {"unit", text(s, "unit")},
                           {"gap", interval(s, "gap")},
-                          {"leading", texts(s, "leading")},
-                          {"factors", std::move(effects)}});
+                          {"leading", texts(s.at("cause"), "leading")},
+                          {"sentence", text(s.at("cause"), "sentence")},
+                          {"groups", std::move(effects)}});
   }
   for (const Json& f : a.at("factors"))
-    factors.push_back({{"name", text(f, "name")}, {"summary", text(f, "summary")}});
+    groups.push_back(
+        {{"name", text(f, "name")}, {"group", text(f, "group")}, {"summary", text(f, "summary")}});
   return {{"from", text(a, "from")},
           {"to", text(a, "to")},
           {"statistics", std::move(statistics)},
-          {"factors", std::move(factors)}};
+          {"factors", std::move(groups)}};
 }
 
 ordered_json finding(const Json& f) {
@@ -60,60 +81,69 @@ ordered_json finding(const Json& f) {
           {"unit", text(f, "unit")}};
 }
 
+// "walked 9, fell 15"
+std::string outcomes(const Json& counts) {
+  std::vector<std::string> parts;
+  for (const auto& [name, count] : counts.items())
+    parts.push_back(fmt::format("{} {}", name, count.get<int>()));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+ordered_json pair_document(const Json& verdict, const Json& pair) {
+  ordered_json statistics = ordered_json::array(), models = ordered_json::array(),
+               ended = ordered_json::array();
+  for (const Json& s : pair.at("statistics")) statistics.push_back(statistic(s));
+  for (const Json& f : pair.at("models")) models.push_back(finding(f));
+  for (const Json& engine : pair.at("engines"))
+    ended.push_back(outcomes(verdict.at("outcomes").at(engine.get<std::string>())));
+  return {{"behaviour", text(verdict, "behaviour")},
+          {"starts", number(verdict, "starts")},
+          {"confidence", number(verdict, "confidence")},
+          {"variations", texts(verdict, "variations")},
+          {"left_out", texts(verdict, "left_out")},
+          {"engines", pair_of(pair, "engines", as_text)},
+          {"word", text(pair, "word")},
+          {"reason", text(pair, "reason")},
+          {"outcomes", std::move(ended)},
+          {"statistics", std::move(statistics)},
+          {"models", std::move(models)},
+          {"attribution",
+           pair.at("attribution").is_null() ? ordered_json() : attribution(pair.at("attribution"))}};
+}
+
 }  // namespace
 
-nlohmann::ordered_json verdict_document(const nlohmann::json& verdict, const std::string& file) {
+VerdictDocument verdict_document(const nlohmann::json& verdict, const std::string& file) {
   try {
-    ordered_json statistics = ordered_json::array(), models = ordered_json::array();
-    for (const Json& s : verdict.at("statistics")) statistics.push_back(statistic(s));
-    // Those of `compare --verdict` have none.
-    for (const Json& f : verdict.value("models", Json::array())) models.push_back(finding(f));
-    return {{"behaviour", text(verdict, "behaviour")},
-            {"a", text(verdict, "a")},
-            {"b", text(verdict, "b")},
-            {"verdict", text(verdict, "verdict")},
-            {"starts", number(verdict, "starts")},
-            {"limit", number(verdict, "limit")},
-            {"confidence", number(verdict, "confidence")},
-            {"variations", texts(verdict, "variations")},
-            {"left_out", texts(verdict, "left_out")},
-            {"statistics", std::move(statistics)},
-            {"models", std::move(models)},
-            {"attribution", verdict.contains("attribution") && !verdict.at("attribution").is_null()
-                                ? attribution(verdict.at("attribution"))
-                                : ordered_json()}};
+    VerdictDocument document;
+    document.sentences.push_back(text(verdict, "summary"));
+    std::vector<JudgedEngine> engines;
+    for (const Json& engine : verdict.at("engines"))
+      engines.push_back({engine.at("name"), engine.at("contact_law"), engine.at("contact_family")});
+    std::vector<std::string> words;
+    for (const Json& pair : verdict.at("pairs")) {
+      document.pairs.push_back(pair_document(verdict, pair));
+      words.push_back(pair.at("word"));
+    }
+    const std::size_t n = engines.size();
+    if (n < 2 || words.size() != n * (n - 1) / 2) {
+      throw ConfigError(file, "pairs", "one of every two engines, which are two or more",
+                        fmt::format("{} of {} engines", words.size(), n));
+    }
+    if (n > 2) {
+      document.words = words_table(verdict.at("behaviour"), engines, words);
+      for (const Json& sentence : verdict.at("sentences")) document.sentences.push_back(sentence);
+    }
+    return document;
   } catch (const Json::exception& problem) {
     throw ConfigError(file, "verdict", "a result as `crossgait verdict --json` writes it", problem.what());
   }
 }
 
-void VerdictsDocument::add_to(ReportPage& page) && {
-  page.tables.push_back(std::move(words));
+void VerdictDocument::add_to(ReportPage& page) && {
+  if (words) page.tables.push_back(std::move(*words));
   std::move(sentences.begin(), sentences.end(), std::back_inserter(page.sentences));
-  std::move(verdicts.begin(), verdicts.end(), std::back_inserter(page.verdicts));
-}
-
-VerdictsDocument verdicts_document(const nlohmann::json& verdicts, const std::string& file) {
-  try {
-    std::vector<JudgedEngine> engines;
-    for (const Json& engine : verdicts.at("engines"))
-      engines.push_back({engine.at("name"), engine.at("contact_law")});
-    std::vector<std::string> words;
-    std::vector<ordered_json> pairs;
-    for (const Json& pair : verdicts.at("pairs")) {
-      pairs.push_back(verdict_document(pair, file));
-      words.push_back(pair.at("verdict"));
-    }
-    const std::size_t n = engines.size();
-    if (n < 2 || pairs.size() != n * (n - 1) / 2) {
-      throw ConfigError(file, "pairs", "one of every two engines, which are two or more",
-                        fmt::format("{} of {} engines", pairs.size(), n));
-    }
-    return {words_table(verdicts.at("behaviour"), engines, words),
-            verdicts.at("sentences").get<std::vector<std::string>>(), std::move(pairs)};
-  } catch (const Json::exception& problem) {
-    throw ConfigError(file, "verdicts", "a result as `crossgait verdict --json` writes it", problem.what());
-  }
+  std::move(pairs.begin(), pairs.end(), std::back_inserter(page.verdicts));
 }
 
 }  // namespace crossgait

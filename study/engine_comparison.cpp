@@ -75,25 +75,47 @@ void explain(EngineComparison& result, const std::vector<std::optional<EngineFam
   std::map<std::string, Attribution> made;
   for (std::size_t p = 0; p < families.size(); ++p) {
     if (!families[p]) continue;
-    if (families.size() > 1 && result.pairs[p].verdict.value() == VerdictValue::kAgrees) continue;
+    if (families.size() > 1 && result.verdicts.pairs[p].word == Word::kAgrees) continue;
     const std::string ends = families[p]->from + " to " + families[p]->to;
     if (!made.contains(ends)) {
       const std::string stage = families.size() > 1 ? "explaining " + ends : "explaining";
       made.emplace(ends, attribute(behaviour, family_for(*families[p], *world.robot),
                                    {how.starts, how.confidence, how.workers}, progress_of(progress, stage)));
     }
-    result.pairs[p].attribution = made.at(ends);
+    result.backgrounds[p].attribution = made.at(ends);
   }
+}
+
+// How many starts a store has been asked for before, as asked and in all engines; 0 if none, or all of them.
+std::size_t starts_held(const RunStore& store, const LoadedBehaviour& loaded,
+                        const std::vector<std::string>& names, std::size_t starts) {
+  std::size_t held = 0;
+  for (std::size_t k = 0; k < starts; ++k) {
+    const bool all = std::all_of(names.begin(), names.end(), [&](const std::string& name) {
+      return store
+          .find(describe_run(loaded.described, find_engine(name).info, nominal_variation(), k, kToTheEnd))
+          .has_value();
+    });
+    held += all ? 1 : 0;
+  }
+  return held == starts ? 0 : held;
 }
 
 }  // namespace
 
 EngineComparison judge_engines(const LoadedBehaviour& loaded, const std::vector<std::string>& engines,
                                const JudgeOptions& options, const StageProgress& progress) {
-  Behaviour behaviour = make_behaviour(loaded);
-  if (!options.stored_runs.empty())
-    behaviour = with_store(std::move(behaviour), loaded, std::make_shared<RunStore>(options.stored_runs));
-  return judge_engines(behaviour, loaded.world(), engines, options, progress);
+  const Behaviour behaviour = make_behaviour(loaded);
+  if (options.stored_runs.empty())
+    return judge_engines(behaviour, loaded.world(), engines, options, progress);
+  options.verdict.validate();
+  find_engines(engines);  // before a file is made
+  const auto store = std::make_shared<RunStore>(options.stored_runs);
+  const std::size_t held = starts_held(*store, loaded, engines, options.verdict.starts);
+  EngineComparison result =
+      judge_engines(with_store(behaviour, loaded, store), loaded.world(), engines, options, progress);
+  result.starts_held = held;
+  return result;
 }
 
 EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& world,
@@ -107,32 +129,31 @@ EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& worl
   EngineComparison result;
   std::vector<std::unique_ptr<PhysicsBackend>> worlds;
   for (const Engine& engine : engines) {
-    result.engines.push_back({engine.name(), std::string(engine.info.laws.contact_law())});
+    const Laws& laws = engine.info.laws;
+    result.engines.push_back({engine.name(), std::string(laws.contact_law()), laws.contact_family});
     worlds.push_back(engine.make(world));
   }
-  std::vector<std::vector<AuditFinding>> models;
   for (std::size_t i = 0; i < worlds.size(); ++i) {
-    for (std::size_t k = i + 1; k < worlds.size(); ++k)
-      models.push_back(audit_models(*worlds[i], *worlds[k]));
+    for (std::size_t k = i + 1; k < worlds.size(); ++k) {
+      result.backgrounds.push_back({audit_models(*worlds[i], *worlds[k]),
+                                    shared_parts(engines[i].info, engines[k].info), std::nullopt});
+    }
   }
-  const std::vector<Verdict> verdicts =
-      reach_verdicts(behaviour, engines, options.verdict, progress_of(progress, "judging"));
-  for (std::size_t p = 0; p < verdicts.size(); ++p)
-    result.pairs.push_back({std::move(models[p]), verdicts[p], std::nullopt});
-  result.consensus = find_consensus(result.engines, verdicts);
+  result.verdicts = reach_verdicts(behaviour, engines, options.verdict, progress_of(progress, "judging"));
+  result.consensus = find_consensus(result.engines, result.verdicts.pairs);
   explain(result, families, behaviour, world, options, progress);
   return result;
 }
 
-PairVerdict judge_behaviour(const LoadedBehaviour& loaded, const std::string& a, const std::string& b,
-                            const JudgeOptions& options, const StageProgress& progress) {
-  return judge_engines(loaded, {a, b}, options, progress).pairs.front();
-}
-
-PairVerdict judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, const std::string& a,
-                            const std::string& b, const JudgeOptions& options,
-                            const StageProgress& progress) {
-  return judge_engines(behaviour, world, {a, b}, options, progress).pairs.front();
+Word word_of(const EngineComparison& comparison) noexcept {
+  const auto any = [&](Word word) {
+    const auto& pairs = comparison.verdicts.pairs;
+    return std::any_of(pairs.begin(), pairs.end(), [word](const Verdict& v) { return v.word == word; });
+  };
+  for (const Word word : {Word::kDiffers, Word::kStepDependent, Word::kUnresolved}) {
+    if (any(word)) return word;
+  }
+  return Word::kAgrees;
 }
 
 }  // namespace crossgait

@@ -17,24 +17,32 @@ namespace crossgait {
 
 struct JudgeOptions {
   VerdictOptions verdict;
-  bool explain = false;     ///< also say what the gap comes from
-  std::string stored_runs;  ///< file of runs to take and to add to (RunStore); empty: none
+  bool explain = false;          ///< also say what the gap comes from
+  std::string stored_runs = "";  ///< file of runs to take and to add to (RunStore); empty: none
 };
 
-struct PairVerdict {
+/// What belongs to a pair's verdict.
+struct PairBackground {
   std::vector<AuditFinding> models;  ///< what the two engines' worlds hold differently
-  Verdict verdict;
+  std::vector<std::string> shared;   ///< what they agree in because it is the same code (shared_parts)
   std::optional<Attribution> attribution;
 };
 
-/// Holds the verdicts of many engines, from one set of runs.
+/// Holds the verdicts of two engines or more, from one set of runs.
 struct EngineComparison {
   std::vector<JudgedEngine> engines;
-  /// Lists every pair, in the order of `reach_verdicts`. Attributions are of pairs that do not agree and lie
-  /// at the ends of a family; pairs at the ends of one family share theirs.
-  std::vector<PairVerdict> pairs;
+  Verdicts verdicts;
+  /// One for each pair. Attributions are of pairs that do not agree and lie at the ends of a family; pairs at
+  /// the ends of one family share theirs.
+  std::vector<PairBackground> backgrounds;
   Consensus consensus;
+  /// Starts that `stored_runs` held already, if not all: whoever has looked at those looks again now.
+  std::size_t starts_held = 0;
 };
+
+/// The word for all engines: *differs* if any pair differs, else *step-dependent*, else *unresolved*, else
+/// *agrees*.
+Word word_of(const EngineComparison& comparison) noexcept;
 
 /// What is being done, for a line of progress, and the share of it that is done.
 using StageProgress = std::function<void(const std::string& stage, double share)>;
@@ -42,21 +50,14 @@ using StageProgress = std::function<void(const std::string& stage, double share)
 /// The part of `progress` that a stage of that name has; nothing if nobody listens.
 Progress progress_of(const StageProgress& progress, const std::string& stage);
 
-/// Audits the two worlds, runs the behaviour in both engines, judges, and explains if asked.
-/// @throws ConfigError before any long run for what is wrong with names, options or the world
-PairVerdict judge_behaviour(const LoadedBehaviour& loaded, const std::string& a, const std::string& b,
-                            const JudgeOptions& options = {}, const StageProgress& progress = {});
-
-/// The same of a behaviour that is no specification's, whose runs nothing stores.
-/// @param world  that it takes place in
-PairVerdict judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, const std::string& a,
-                            const std::string& b, const JudgeOptions& options = {},
-                            const StageProgress& progress = {});
-
-/// The same of two engines or more, none of which is run twice.
-/// @throws ConfigError also for an engine that is named twice, and for `explain` where no pair has a family
+/// Audits all worlds, runs the behaviour in every engine, judges all pairs, and explains if asked; no engine
+/// is run twice.
+/// @throws ConfigError before any long run for what is wrong with names, options or the world; also for an
+/// engine that is named twice, and for `explain` where no pair has a family
 EngineComparison judge_engines(const LoadedBehaviour& loaded, const std::vector<std::string>& engines,
                                const JudgeOptions& options = {}, const StageProgress& progress = {});
+/// The same of a behaviour that is no specification's, whose runs nothing stores.
+/// @param world  that it takes place in
 EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& world,
                                const std::vector<std::string>& names, const JudgeOptions& options = {},
                                const StageProgress& progress = {});
@@ -65,11 +66,12 @@ EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& worl
 /// @throws ConfigError if there is none
 EngineFamily find_family(const Engine& a, const Engine& b);
 
+/// What a colleague can repeat, in one to three sentences: what depends on the engine, what does not, why,
+/// and how sure that is.
+std::string summary(const EngineComparison& comparison);
 /// Keys as in docs/schemas/verdict.json.
-nlohmann::ordered_json to_json(const PairVerdict& pair);
-std::string describe(const PairVerdict& pair);
-/// Keys as in docs/schemas/verdicts.json.
 nlohmann::ordered_json to_json(const EngineComparison& comparison);
+/// The summary first, then tables, then how the words were reached.
 std::string describe(const EngineComparison& comparison);
 
 }  // namespace crossgait

@@ -11,13 +11,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json pair_json(const PairVerdict& pair) {
-  ordered_json json = to_json(pair.verdict);
-  json["models"] = to_json(pair.models);
-  if (pair.attribution) json["attribution"] = to_json(*pair.attribution);
-  return json;
-}
-
 std::vector<std::string> names_of(const EngineComparison& comparison,
                                   const std::vector<std::size_t>& engines) {
   std::vector<std::string> names;
@@ -26,105 +19,160 @@ std::vector<std::string> names_of(const EngineComparison& comparison,
 }
 
 // An engine, or a law of which there are several.
-std::string outlier_name(const EngineComparison& comparison) {
-  const JudgedEngine& first = comparison.engines[comparison.consensus.outlier.front()];
-  return comparison.consensus.outlier.size() == 1 ? first.name : first.law;
+std::string outlier_name(const EngineComparison& comparison, const std::vector<std::size_t>& outlier) {
+  const JudgedEngine& first = comparison.engines[outlier.front()];
+  return outlier.size() == 1 ? first.name : first.law;
+}
+
+ordered_json outlier_json(const EngineComparison& comparison, const std::vector<std::size_t>& outlier) {
+  if (outlier.empty()) return nullptr;
+  return {{"name", outlier_name(comparison, outlier)}, {"engines", names_of(comparison, outlier)}};
+}
+
+// Clusters, and the outlier or why none is named.
+std::vector<std::string> sentences(const EngineComparison& comparison) {
+  const Consensus& consensus = comparison.consensus;
+  std::vector<std::string> found;
+  for (const std::vector<std::size_t>& cluster : consensus.clusters) {
+    const auto names = names_of(comparison, cluster);
+    found.push_back(cluster.size() == 1 ? fmt::format("Alone: {}.", names.front())
+                                        : fmt::format("Agree with one another: {}.", fmt::join(names, ", ")));
+  }
+  for (const std::size_t p : consensus.bridges) {
+    const Verdict& pair = comparison.verdicts.pairs[p];
+    found.push_back(fmt::format("Also agree: {} and {}.", pair.a, pair.b));
+  }
+  if (consensus.outlier.empty()) {
+    found.push_back(fmt::format("No outlier is named: {}.", consensus.reason));
+  } else {
+    const auto& outlier = consensus.outlier;
+    const std::string who = outlier.size() > 1
+                                ? fmt::format("the law {} ({})", outlier_name(comparison, outlier),
+                                              fmt::join(names_of(comparison, outlier), ", "))
+                                : outlier_name(comparison, outlier);
+    found.push_back(fmt::format("The outlier is {}: {}; in {}.", who, consensus.reason,
+                                fmt::join(consensus.statistics, ", ")));
+  }
+  if (consensus.outlier_by_law != consensus.outlier) {
+    found.push_back(consensus.outlier_by_law.empty()
+                        ? "If every law had a vote, whatever its family, none would be named."
+                        : fmt::format("If every law had a vote, whatever its family, it would be {}.",
+                                      outlier_name(comparison, consensus.outlier_by_law)));
+  }
+  return found;
 }
 
 // Statistics of a pair that are not found to agree.
 std::string differences(const Verdict& verdict) {
   std::vector<std::string> found;
   for (const StatisticVerdict& s : verdict.statistics) {
-    if (s.value == VerdictValue::kAgrees) continue;
-    found.push_back(fmt::format("{} {:+.2f}{}", s.statistic.name, s.score.estimate,
-                                s.value == VerdictValue::kUnresolved ? " (unresolved)" : ""));
+    if (s.word == Word::kAgrees) continue;
+    found.push_back(fmt::format("{} {}{}", s.statistic.name, signed_amount(s.gap.estimate, s.statistic),
+                                s.word == Word::kDiffers ? "" : fmt::format(" ({})", name(s.word))));
   }
   return fmt::format("{}", fmt::join(found, ", "));
-}
-
-// Clusters, and the outlier or why none is named.
-std::vector<std::string> sentences(const EngineComparison& comparison) {
-  std::vector<std::string> found;
-  for (const std::vector<std::size_t>& cluster : comparison.consensus.clusters) {
-    const auto names = names_of(comparison, cluster);
-    found.push_back(cluster.size() == 1 ? fmt::format("Alone: {}.", names.front())
-                                        : fmt::format("Agree with one another: {}.", fmt::join(names, ", ")));
-  }
-  for (const std::size_t p : comparison.consensus.bridges)
-    found.push_back(
-        fmt::format("Also agree: {} and {}.", comparison.pairs[p].verdict.a, comparison.pairs[p].verdict.b));
-  if (comparison.consensus.outlier.empty()) {
-    found.push_back(fmt::format("No outlier is named: {}.", comparison.consensus.reason));
-  } else {
-    const bool law = comparison.consensus.outlier.size() > 1;
-    const std::string who =
-        law ? fmt::format("the law {} ({})", outlier_name(comparison),
-                          fmt::join(names_of(comparison, comparison.consensus.outlier), ", "))
-            : outlier_name(comparison);
-    found.push_back(fmt::format("The outlier is {}: {}; in {}.", who, comparison.consensus.reason,
-                                fmt::join(comparison.consensus.statistics, ", ")));
-  }
-  return found;
 }
 
 // The words of all pairs, engine by engine.
 Table words_table(const EngineComparison& comparison) {
   std::vector<std::string> words;
-  for (const PairVerdict& pair : comparison.pairs) words.emplace_back(name(pair.verdict.value()));
-  return crossgait::words_table(comparison.pairs.front().verdict.behaviour, comparison.engines, words);
+  for (const Verdict& pair : comparison.verdicts.pairs) words.emplace_back(name(pair.word));
+  return crossgait::words_table(comparison.verdicts.pairs.front().behaviour, comparison.engines, words);
+}
+
+std::string describe_background(const PairBackground& background) {
+  std::string text = fmt::format("Models: {}. Shared, and so no evidence: {}.\n", describe(background.models),
+                                 fmt::join(background.shared, "; "));
+  if (background.attribution) text += fmt::format("\n{}", describe(*background.attribution));
+  return text;
+}
+
+std::string describe_many(const EngineComparison& comparison) {
+  std::string text = words_table(comparison).str() + "\n";
+  for (std::size_t p = 0; p < comparison.verdicts.pairs.size(); ++p) {
+    const Verdict& v = comparison.verdicts.pairs[p];
+    const auto& models = comparison.backgrounds[p].models;
+    text +=
+        fmt::format("{} against {}: {}{}{}.{}\n", v.b, v.a, name(v.word), v.word == Word::kAgrees ? "" : ": ",
+                    differences(v), models.empty() ? "" : fmt::format(" Models: {}.", describe(models)));
+  }
+  text += fmt::format("\n{}\n", fmt::join(sentences(comparison), "\n"));
+  for (std::size_t p = 0; p < comparison.verdicts.pairs.size(); ++p) {
+    const auto& attribution = comparison.backgrounds[p].attribution;
+    const Verdict& v = comparison.verdicts.pairs[p];
+    if (attribution) text += fmt::format("\n{} against {}:\n{}", v.b, v.a, describe(*attribution));
+  }
+  return text;
+}
+
+ordered_json pair_json(const EngineComparison& comparison, std::size_t pair) {
+  const PairBackground& background = comparison.backgrounds[pair];
+  ordered_json json = to_json(comparison.verdicts.pairs[pair]);
+  json["shared"] = background.shared;
+  json["models"] = to_json(background.models);
+  json["attribution"] = background.attribution ? to_json(*background.attribution) : ordered_json(nullptr);
+  return json;
+}
+
+// Every pair of an engine has its outcomes.
+const OutcomeCounts& outcomes_of(const EngineComparison& comparison, const std::string& engine) {
+  for (const Verdict& pair : comparison.verdicts.pairs) {
+    if (pair.a == engine) return pair.outcomes_a;
+    if (pair.b == engine) return pair.outcomes_b;
+  }
+  throw std::logic_error("an engine without a pair");
 }
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const PairVerdict& pair) { return with_schema("verdict", pair_json(pair)); }
-
-std::string describe(const PairVerdict& pair) {
-  std::string text = fmt::format("{}\nModels: {}.\n", describe(pair.verdict), describe(pair.models));
-  if (pair.attribution) text += fmt::format("\n{}", describe(*pair.attribution));
-  return text;
-}
-
 nlohmann::ordered_json to_json(const EngineComparison& comparison) {
-  const Verdict& first = comparison.pairs.front().verdict;
+  const Verdicts& verdicts = comparison.verdicts;
+  const VerdictOptions& how = verdicts.options;
   const Consensus& consensus = comparison.consensus;
-  ordered_json json{{"behaviour", first.behaviour}, {"engines", ordered_json::array()}};
-  for (const JudgedEngine& engine : comparison.engines)
-    json["engines"].push_back({{"name", engine.name}, {"contact_law", engine.law}});
-  json["clusters"] = ordered_json::array();
+  ordered_json json{{"summary", summary(comparison)},
+                    {"word", name(word_of(comparison))},
+                    {"behaviour", verdicts.pairs.front().behaviour},
+                    {"starts", verdicts.starts},
+                    {"starts_held", comparison.starts_held},
+                    {"looks", {{"planned", how.looks}, {"made", verdicts.looks_made}}},
+                    {"confidence", how.confidence},
+                    {"variations", verdicts.variations},
+                    {"left_out", verdicts.left_out},
+                    {"engines", ordered_json::array()},
+                    {"outcomes", ordered_json::object()},
+                    {"clusters", ordered_json::array()},
+                    {"bridges", ordered_json::array()}};
+  for (const JudgedEngine& engine : comparison.engines) {
+    json["engines"].push_back(
+        {{"name", engine.name}, {"contact_law", engine.law}, {"contact_family", engine.family}});
+    json["outcomes"][engine.name] = to_json(outcomes_of(comparison, engine.name));
+  }
   for (const auto& cluster : consensus.clusters) json["clusters"].push_back(names_of(comparison, cluster));
-  json["bridges"] = ordered_json::array();
   for (const std::size_t p : consensus.bridges)
-    json["bridges"].push_back({{"a", comparison.pairs[p].verdict.a}, {"b", comparison.pairs[p].verdict.b}});
-  json["outlier"] =
-      consensus.outlier.empty() ? ordered_json(nullptr) : ordered_json(outlier_name(comparison));
-  json["outlier_engines"] = names_of(comparison, consensus.outlier);
+    json["bridges"].push_back({verdicts.pairs[p].a, verdicts.pairs[p].b});
+  json["outlier"] = outlier_json(comparison, consensus.outlier);
+  json["outlier_by_law"] = outlier_json(comparison, consensus.outlier_by_law);
   json["outlier_statistics"] = consensus.statistics;
-  json["reason"] = consensus.reason;
+  json["outlier_reason"] = consensus.reason;
   json["sentences"] = sentences(comparison);
   json["pairs"] = ordered_json::array();
-  for (const PairVerdict& pair : comparison.pairs) json["pairs"].push_back(pair_json(pair));
-  return with_schema("verdicts", json);
+  for (std::size_t p = 0; p < verdicts.pairs.size(); ++p) json["pairs"].push_back(pair_json(comparison, p));
+  return with_schema("verdict", json);
 }
 
 std::string describe(const EngineComparison& comparison) {
-  std::string text = words_table(comparison).str() + "\n";
-  for (const PairVerdict& pair : comparison.pairs) {
-    const Verdict& v = pair.verdict;
-    text += fmt::format("{} against {}: {}{}{}.{}\n", v.b, v.a, name(v.value()),
-                        v.value() == VerdictValue::kAgrees ? "" : ": ", differences(v),
-                        pair.models.empty() ? "" : fmt::format(" Models: {}.", describe(pair.models)));
-  }
-  text += fmt::format("\n{}\n", fmt::join(sentences(comparison), "\n"));
-  const Verdict& first = comparison.pairs.front().verdict;
-  text += fmt::format(
-      "\n{} starts. Scores as of two engines (crossgait verdict --engines A,B), at {:g} % confidence for all "
-      "pairs together.\n",
-      first.options.starts, 100 * first.options.confidence);
-  for (const std::string& reason : first.left_out) text += "Left out: " + reason + ".\n";
-  for (const PairVerdict& pair : comparison.pairs) {
-    if (pair.attribution)
-      text +=
-          fmt::format("\n{} against {}:\n{}", pair.verdict.b, pair.verdict.a, describe(*pair.attribution));
+  const bool two = comparison.verdicts.pairs.size() == 1;
+  std::string text = fmt::format("{}\n\n", summary(comparison));
+  text += two ? fmt::format("{}\n{}", describe(comparison.verdicts.pairs.front()),
+                            describe_background(comparison.backgrounds.front()))
+              : describe_many(comparison);
+  text += fmt::format("\n{}", describe_rule(comparison.verdicts));
+  if (comparison.starts_held > 0) {
+    text += fmt::format(
+        "The store held {} of these starts already: if they have been looked at, this is a new plan, with "
+        "its own "
+        "error.\n",
+        comparison.starts_held);
   }
   return text;
 }

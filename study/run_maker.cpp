@@ -18,7 +18,9 @@ nlohmann::json RunMaker::describe(const std::string& engine, const Variation& va
   return describe_run(loaded_.described, find_engine(engine).info, variation, start);
 }
 
-bool RunMaker::allows(const Variation& variation) const { return behaviour().allows(variation); }
+bool RunMaker::allows(const std::string& engine, const Variation& variation) const {
+  return variation.of(find_engine(engine).info) && behaviour().allows(variation);
+}
 
 std::string RunMaker::make(const std::string& engine, const Variation& variation, std::size_t start) const {
   return stored_run(describe(engine, variation, start),

@@ -21,7 +21,7 @@ class RunMaker {
   /// `to_json` of one run in an available engine. @throws ConfigError
   nlohmann::json describe(const std::string& engine, const Variation& variation, std::size_t start) const;
   /// Whether a variation keeps time steps whole (Behaviour::allows). @throws ConfigError as `make_behaviour`
-  bool allows(const Variation& variation) const;
+  bool allows(const std::string& engine, const Variation& variation) const;
   /// Makes the run. @returns its `stored_run`  @throws ConfigError
   std::string make(const std::string& engine, const Variation& variation, std::size_t start) const;
 

@@ -160,14 +160,17 @@ const WorldSpec& LoadedBehaviour::world() const {
   return std::get<LoadedPolicy>(what).model->world;
 }
 
-Json describe_run(Json behaviour, const EngineInfo& engine, const Variation& v, std::size_t start) {
+Json describe_run(Json behaviour, const EngineInfo& engine, const Variation& v, std::size_t start,
+                  double horizon) {
   Json run = std::move(behaviour);
-  run["schema"] = {{"name", "run"}, {"version", 2}};
+  run["schema"] = {{"name", "run"}, {"version", 3}};
   run["crossgait"] = crossgait_version();
   run["engine"] = engine.name;
   run["engine_version"] = engine.version;
-  run["variation"] = {{"step", v.step}, {"tolerance", v.tolerance}, {"iterations", v.iterations}};
+  run["variation"] = {
+      {"step", v.step}, {"iterations", v.iterations}, {"impratio", v.impratio}, {"softness", v.softness}};
   run["start"] = start;
+  run["horizon_s"] = horizon == kToTheEnd ? Json(nullptr) : Json(horizon);
   return run;
 }
 
@@ -175,7 +178,8 @@ Json to_json(const RunSpec& spec) {
   EngineInfo engine;
   engine.name = spec.engine;
   engine.version = spec.engine_version;
-  Json run = describe_run(LoadedBehaviour(spec.behaviour).described, engine, spec.variation, spec.start);
+  Json run = describe_run(LoadedBehaviour(spec.behaviour).described, engine, spec.variation, spec.start,
+                          spec.horizon);
   run["crossgait"] = spec.crossgait;
   return run;
 }
@@ -202,12 +206,9 @@ Behaviour make_behaviour(const LoadedBehaviour& loaded) {
                           loaded.seed);
 }
 
-RunResult run(const Behaviour& behaviour, const Engine& engine, const Variation& variation,
-              std::size_t start) {
-  RunResult result;
-  for (const Statistic& s : behaviour.statistics) result.names.push_back(s.name);
-  result.values = behaviour.run(engine, variation, start);
-  return result;
+RunResult run(const Behaviour& behaviour, const Engine& engine, const Variation& variation, std::size_t start,
+              double horizon) {
+  return {keys_of(behaviour), behaviour.run(engine, variation, start, horizon)};
 }
 
 RunResult run(const RunSpec& spec) {
@@ -217,7 +218,7 @@ RunResult run(const RunSpec& spec) {
   if (engine.info.version != spec.engine_version) {
     throw ConfigError("run", spec.engine, "version " + spec.engine_version, engine.info.version);
   }
-  return run(make_behaviour(spec.behaviour), engine, spec.variation, spec.start);
+  return run(make_behaviour(spec.behaviour), engine, spec.variation, spec.start, spec.horizon);
 }
 
 }  // namespace crossgait

@@ -59,22 +59,23 @@ struct RunSpec {
   std::string engine, engine_version;  ///< EngineInfo::name and EngineInfo::version
   Variation variation;
   std::size_t start = 0;
+  double horizon = kToTheEnd;  ///< s of motion, at most
   std::string crossgait = std::string(crossgait_version());
 };
 
-/// The numbers of a run, by the names of the behaviour's statistics.
+/// What came of a run, by the keys of the behaviour's statistics.
 struct RunResult {
-  std::vector<std::string> names;
-  std::vector<double> values;
+  std::vector<std::string> keys;
+  BehaviourRun run;
 };
 
 /// Everything that the result of a run depends on, and nothing else: keys sorted, no spaces, numbers with as
 /// many digits as bring them back. Files of policies and terrains stand with the SHA-256 of their bytes.
-/// `schema` is run/2.
+/// `schema` is run/3.
 nlohmann::json to_json(const RunSpec& spec);
 /// One run of a behaviour that is described already. @param behaviour  LoadedBehaviour::described
 nlohmann::json describe_run(nlohmann::json behaviour, const EngineInfo& engine, const Variation& variation,
-                            std::size_t start);
+                            std::size_t start, double horizon = kToTheEnd);
 std::string canonical_json(const RunSpec& run);
 /// 64-bit FNV-1a of the canonical JSON, as 16 hexadecimal digits.
 std::string run_hash(const RunSpec& run);
@@ -90,8 +91,8 @@ Behaviour make_behaviour(const LoadedWalk& walk, const WalkSetup& setup, const S
                          std::uint64_t seed);
 
 /// Makes one run of a behaviour. @throws ConfigError
-RunResult run(const Behaviour& behaviour, const Engine& engine, const Variation& variation,
-              std::size_t start);
+RunResult run(const Behaviour& behaviour, const Engine& engine, const Variation& variation, std::size_t start,
+              double horizon = kToTheEnd);
 /// Makes the run. @throws ConfigError, also where Crossgait or the engine is of another version
 RunResult run(const RunSpec& spec);
 

@@ -8,35 +8,46 @@
 #include <optional>
 #include <string>
 
+#include "physics/core/locked_file.h"
 #include "study/run_spec.h"
 
 namespace crossgait {
 
-/// A line of a store, without its end: {"hash", "run", "result": {statistic: value}}.
-/// @param run  `to_json(RunSpec)`  @throws ConfigError if names and values differ in number
+/// A line of a store, without its end: {"hash", "run", "result": {"outcome", "seconds", KEY: value or null}}.
+/// @param run  `to_json(RunSpec)`  @throws ConfigError if keys and values differ in number
 std::string stored_run(const nlohmann::json& run, const RunResult& result);
 
-/// A file that only grows, a `stored_run` on each line; a last line that was cut off is made again. Runs that
-/// a sweep could not make have an "error" for a result, and count as not stored. One process at a time.
+/// A file that only grows, a `stored_run` on each line. Runs that a sweep could not make have an "error" for
+/// a result, and count as not stored. It is one process's at a time, by the lock that sweeps take
+/// (`LockedFile`): others are refused.
+///
+/// Opening it changes nothing in it. With the first run that is added, a last line that is the beginning of a
+/// stored run and no more (its writer was killed, or lost power) is cut off, to be made again; a last line
+/// that is whole and lacks only its end is ended. Anything else that is no stored run is an error, and stays.
 class RunStore {
  public:
-  /// Reads what is there; a file that is not there is made with the first run.
-  /// @throws ConfigError naming file and line for what is no stored run
+  /// Reads what is there; a file that is not there is made.
+  /// @throws ConfigError naming file and line for what is no stored run, and as LockedFile
   explicit RunStore(std::string path);
 
   std::size_t size() const;
   /// @param run  `to_json(RunSpec)` or `describe_run`
   std::optional<RunResult> find(const nlohmann::json& run) const;
-  /// Appends it. May be called from several threads. @throws ConfigError if it cannot be written, and as
-  /// `stored_run`
+  /// Appends it, unless it is there. May be called from several threads. Once it returns, the run is stored,
+  /// whatever becomes of this process. @throws ConfigError if it cannot be written, and as `stored_run`
   void add(const nlohmann::json& run, const RunResult& result);
 
  private:
-  std::string path_;
+  LockedFile file_;
   mutable std::mutex mutex_;
   std::map<std::string, RunResult> runs_;
-  std::size_t whole_bytes_ = 0;  ///< up to the end of the last whole line
+  std::size_t bytes_ = 0;        ///< of the file, as it was read
+  std::size_t torn_bytes_ = 0;   ///< of them, a last line that was cut off
+  bool lacks_line_end_ = false;  ///< of a last line that is whole
 };
+
+/// How many runs a store holds, whoever writes it. @throws ConfigError as RunStore, but for its lock
+std::size_t count_stored_runs(const std::string& path);
 
 /// `behaviour`, made of `loaded`, that looks a run up before it makes it, and stores what it made.
 Behaviour with_store(Behaviour behaviour, const LoadedBehaviour& loaded, std::shared_ptr<RunStore> store);

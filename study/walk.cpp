@@ -42,18 +42,18 @@ Comparison compare_walks(const WorldSpec& world, const WalkSetup& setup,
 
 namespace {
 
-// Of pairs of different laws; no engine is run twice.
-std::vector<Verdict> judge_walks(const LoadedWalk& loaded, const std::vector<std::string>& names,
-                                 const VerdictOptions& options, const StageProgress& progress) {
-  std::vector<Engine> engines;
-  for (const std::string& name : names) engines.push_back(find_engine(name));
-  const auto same_laws = [](const Engine& a, const Engine& b) { return a.info.laws == b.info.laws; };
-  if (std::all_of(engines.begin(), engines.end(), [&](const Engine& e) { return same_laws(e, engines[0]); }))
-    return {};
-  std::vector<Verdict> verdicts = reach_verdicts(make_behaviour({loaded, {}, loaded.config.terrain_seed}),
-                                                 engines, options, progress_of(progress, "judging"));
-  std::erase_if(verdicts, [&](const Verdict& v) { return same_laws(find_engine(v.a), find_engine(v.b)); });
-  return verdicts;
+// Of engines that solve different laws; of the same laws parity is the question.
+std::optional<EngineComparison> judge_walks(const LoadedWalk& loaded, const std::vector<std::string>& names,
+                                            const VerdictOptions& options, const StageProgress& progress) {
+  std::vector<std::string> engines;
+  for (const std::string& name : names) {
+    const auto same_laws = [&name](const std::string& other) {
+      return find_engine(name).info.laws == find_engine(other).info.laws;
+    };
+    if (std::none_of(engines.begin(), engines.end(), same_laws)) engines.push_back(name);
+  }
+  if (engines.size() < 2) return std::nullopt;
+  return judge_engines({loaded, {}, loaded.config.terrain_seed}, engines, {.verdict = options}, progress);
 }
 
 }  // namespace
@@ -67,7 +67,7 @@ WalkComparison compare_walks(const LoadedWalk& loaded, const std::vector<std::st
   result.interrupted = result.comparison.interrupted;
   if (!options.verdict || result.interrupted) return result;
   try {
-    result.verdicts = judge_walks(loaded, engines, options.judge, progress);
+    result.verdict = judge_walks(loaded, engines, options.judge, progress);
   } catch (const Interrupted&) {
     result.interrupted = true;
   }
@@ -79,7 +79,10 @@ nlohmann::ordered_json report(const WalkRun& run) { return with_schema("walk", t
 nlohmann::ordered_json report(const WalkComparison& result) {
   nlohmann::ordered_json json = with_schema("compare", to_json(result.comparison));
   if (result.interrupted) json["interrupted"] = true;
-  for (const Verdict& verdict : result.verdicts) json["verdicts"].push_back(to_json(verdict));
+  if (result.verdict) {
+    json["verdict"] = to_json(*result.verdict);
+    json["verdict"].erase("schema");
+  }
   return json;
 }
 

@@ -1,12 +1,12 @@
 // Walks and comparisons as `crossgait walk` and `crossgait compare` make them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "parity/verdict.h"
 #include "study/engine_comparison.h"
 
 namespace crossgait {
@@ -17,23 +17,23 @@ WalkRun walk(const LoadedWalk& loaded, const std::string& engine, const Progress
 
 struct CompareOptions {
   DivergenceTolerances tolerances;  ///< for engines of different laws
-  bool verdict = false;  ///< also judge every pair of engines of different laws, all from one set of runs
+  bool verdict = false;             ///< also judge the first engine of each set of laws
   VerdictOptions judge{.starts = 6};
 };
 
 struct WalkComparison {
   Comparison comparison;
-  std::vector<Verdict> verdicts;  ///< empty unless asked for
-  bool interrupted = false;       ///< before its end, by a progress that threw Interrupted
+  std::optional<EngineComparison> verdict;  ///< empty unless asked for, or where all solve the same laws
+  bool interrupted = false;                 ///< before its end, by a progress that threw Interrupted
 };
 
 /// The same walk in every engine. An interruption leaves the walks up to the same step, or the walks without
-/// verdicts. @throws ConfigError for fewer than two engines, or one twice
+/// a verdict. @throws ConfigError for fewer than two engines, or one twice
 WalkComparison compare_walks(const LoadedWalk& loaded, const std::vector<std::string>& engines,
                              const CompareOptions& options = {}, const StageProgress& progress = {},
                              const SampleObserver& observer = {});
 
-/// The same of any walk in its world, without verdicts.
+/// The same of any walk in its world, without a verdict.
 Comparison compare_walks(const WorldSpec& world, const WalkSetup& setup,
                          const std::vector<std::string>& engines, const DivergenceTolerances& tolerances = {},
                          const StageProgress& progress = {}, const SampleObserver& observer = {});

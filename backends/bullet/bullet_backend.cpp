@@ -17,11 +17,15 @@ EngineInfo make_info(const ContactFactors& factors, bool own_code) {
   info.name = own_code ? "bullet:own" : factor_table().name_of(factors);
   const bool matched = factors == ContactFactors::matched();
   info.capabilities.soft_contact = !factors.hard_normal;
+  info.capabilities.soft_friction = !factors.hard_friction;
+  info.capabilities.sweeps = factors.sweeps;
   info.capabilities.allocates = factors.narrowphase;  // Bullet's own code
   const std::string way = factors.sweeps ? "/sweeps" : "", points = factors.narrowphase ? "/narrowphase" : "";
   info.laws = {.contact = contact::law_name(factors) + (factors.sweeps ? way : points),
                .loops = "mujoco",
-               .joint_friction = factors.hard_joint_friction ? "hard" + way : "mujoco"};
+               .joint_friction = factors.hard_joint_friction ? "hard" + way : "mujoco",
+               .contact_family = contact::family_name(factors)};
+  if (!own_code) info.own_parts = contact::own_parts();
   if (own_code) {
     info.mode = "hard contact, by Bullet's own code";
   } else if (matched) {

@@ -4,13 +4,23 @@ namespace crossgait::contact {
 
 const std::vector<FactorRow<LawFactors>>& law_factor_rows() {
   using F = LawFactors;
+  // Nobody ships half of a decision: each is a factor, and both together are its group.
+  const std::string friction = "friction law", rigid = "rigid contact";
   static const std::vector<FactorRow<F>> kRows{
       {{"surface", "contact forces act on the robot's surface, not midway", {}}, &F::surface},
-      {{"coulomb", "friction bounded by the normal force, not by MuJoCo's convex cone", {}}, &F::coulomb},
-      {{"hard_friction", "friction stops slip at once, not like a damper", {}}, &F::hard_friction},
-      {{"hard_normal", "penetration stops at once, not like a spring and damper", {}}, &F::hard_normal},
+      {{"coulomb",
+        "friction bounded by the normal force, not by MuJoCo's convex cone",
+        {},
+        nullptr,
+        friction},
+       &F::coulomb},
+      {{"hard_friction", "friction stops slip at once, not like a damper", {}, nullptr, friction},
+       &F::hard_friction},
+      {{"hard_normal", "penetration stops at once, not like a spring and damper", {}, nullptr, rigid},
+       &F::hard_normal},
       // A spring at a point that does not touch would push or pull through the air.
-      {{"speculative", "points just above the ground count", {"hard_normal"}}, &F::speculative},
+      {{"speculative", "points just above the ground count", {"hard_normal"}, nullptr, rigid},
+       &F::speculative},
       {{"hard_joint_friction",
         "dry friction stops a joint at once, not like a damper",
         {},
@@ -31,6 +41,12 @@ std::string law_name(const LawFactors& factors) {
   if (factors.stock) return "dart";
   if (factors.pyramid) return "hard+pyramid";
   return hard ? "hard" : name;
+}
+
+std::string family_name(const LawFactors& factors) { return factors.hard_normal ? "rigid" : "compliant"; }
+
+std::vector<std::string> own_parts() {
+  return {"contact solver", "loop closures", "armature, damping and dry friction of joints"};
 }
 
 }  // namespace crossgait::contact

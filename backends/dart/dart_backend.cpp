@@ -25,11 +25,14 @@ EngineInfo make_info(const DartFactors& factors) {
   info.version = DART_VERSION;
   info.name = name_of(factors);
   info.capabilities.soft_contact = !factors.hard_normal;
+  info.capabilities.soft_friction = !factors.hard_friction;
   info.capabilities.exact_field_query = true;  // the ground is Crossgait's
   info.capabilities.allocates = true;
   info.laws = {.contact = contact::law_name(factors),
                .loops = "mujoco",
-               .joint_friction = factors.hard_joint_friction ? "hard" : "mujoco"};
+               .joint_friction = factors.hard_joint_friction ? "hard" : "mujoco",
+               .contact_family = contact::family_name(factors)};
+  info.own_parts = contact::own_parts();
   if (factors == kMatched) {
     info.mode = "MuJoCo's contact law in DART's dynamics";
   } else if (factors == kHard) {

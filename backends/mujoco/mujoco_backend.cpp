@@ -32,8 +32,10 @@ EngineInfo make_info(bool loop_bias) {
           "soft contact, elliptic cones, Newton",
           {.contact = "mujoco",
            .loops = kHasLoopBias && loop_bias ? "mujoco with velocity bias" : "mujoco",
-           .joint_friction = "mujoco"},
-          {.soft_contact = true, .exact_field_query = true}};
+           .joint_friction = "mujoco",
+           .contact_family = "compliant"},
+          {.soft_contact = true, .soft_friction = true, .exact_field_query = true},
+          {}};
 }
 
 /// The loops' rows as MuJoCo had them before it knew J' v: a_ref = -b v - k d(r) r.

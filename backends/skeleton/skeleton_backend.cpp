@@ -18,9 +18,10 @@ EngineInfo make_info(const std::string& version) {
   info.mode = "hard contact, projected Gauss-Seidel, in plain code";
   // Names of one's own, unless the equations are exactly those of another engine: equal names are held to
   // rounding. The loops are: loops.h.
-  info.laws = {.contact = "skeleton", .loops = "mujoco", .joint_friction = "skeleton"};
+  info.laws = {
+      .contact = "skeleton", .loops = "mujoco", .joint_friction = "skeleton", .contact_family = "rigid"};
   // Contact is hard; the ground is the description's own; no step allocates.
-  info.capabilities = {.soft_contact = false, .exact_field_query = true, .allocates = false};
+  info.capabilities = {.sweeps = true, .exact_field_query = true};
   return info;
 }
 

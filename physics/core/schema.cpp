@@ -27,7 +27,6 @@ constexpr auto kSchemas = std::to_array<std::string_view>({
     "transfer",
     "tune",
     "verdict",
-    "verdicts",
     "walk",
     "workspace",
 });

@@ -44,6 +44,14 @@ void EngineFamily::validate() const {
     }
     known.insert(factor.name);
   }
+  // Groups stand together, so that an order can put one in whole.
+  std::set<std::string> ended;
+  for (std::size_t i = 1; i < factors.size(); ++i) {
+    const std::string &before = factors[i - 1].group, &own = factors[i].group;
+    if (before != own) ended.insert(before);
+    if (!own.empty() && ended.contains(own))
+      throw ConfigError("attribution", factors[i].name, "factors of a group side by side", own);
+  }
 }
 
 EngineFamily family_for(EngineFamily family, const RobotDescription& robot) {

@@ -38,6 +38,9 @@ struct ModelFactor {
   std::vector<std::string> needs;  ///< factors without which it means nothing; they come before it
   /// Whether it can change anything of this robot's motion; null: of any robot's.
   bool (*applies_to)(const RobotDescription&) = nullptr;
+  /// The modelling decision that it is a half of ("rigid contact"); factors of one group stand side by side
+  /// in a family. Empty: a decision of its own, which goes by the factor's name.
+  std::string group = {};
 };
 
 /// Two engines and everything that is different between them.

@@ -27,6 +27,15 @@ bool is_sane(const RobotState& s) noexcept {
 
 }  // namespace
 
+std::vector<std::string> shared_parts(const EngineInfo& a, const EngineInfo& b) {
+  std::vector<std::string> shared{"places, normals and depths of contacts", "shape of the ground",
+                                  "servo law and drives", "order of a time step"};
+  for (const std::string& part : a.own_parts) {
+    if (std::find(b.own_parts.begin(), b.own_parts.end(), part) != b.own_parts.end()) shared.push_back(part);
+  }
+  return shared;
+}
+
 PhysicsBackend::PhysicsBackend(WorldSpec spec) : spec_(std::move(spec)) {
   spec_.validate();
   actuated_ = spec_.robot->actuated_joints();

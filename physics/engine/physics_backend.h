@@ -14,7 +14,9 @@ namespace crossgait {
 
 /// What an engine and mode declares; tests skip on these and on nothing else.
 struct Capabilities {
-  bool soft_contact = false;  ///< honours ContactSpec::softness
+  bool soft_contact = false;   ///< honours ContactSpec::softness
+  bool soft_friction = false;  ///< honours ContactSpec::impratio
+  bool sweeps = false;         ///< SolverSpec::iterations bounds what it finds, not only its effort
   bool exact_field_query =
       false;  ///< terrain_height is exact to rounding (1e-12 m) rather than to the ray test (2e-6 m)
   bool allocates = false;  ///< the engine's own library allocates in a step
@@ -29,6 +31,9 @@ struct Laws {
   std::string contact;         ///< normal force and friction between robot and terrain: "mujoco", "hard"
   std::string loops;           ///< of loop closures: "mujoco" (soft, with its reference acceleration)
   std::string joint_friction;  ///< dry friction in joints: "mujoco" (soft), "hard"; "" for none
+  /// What the law of contact is a relative of: "compliant" (forces from penetration) or "rigid" (impulses
+  /// that end it). Relatives count as one opinion where they agree.
+  std::string contact_family;
 
   /// The law of contact without the way in which it is solved: two engines of one are no two opinions of it.
   std::string_view contact_law() const noexcept {
@@ -45,9 +50,14 @@ struct EngineInfo {
   std::string mode;     ///< contact mode in words
   Laws laws;
   Capabilities capabilities;
+  /// Which of Crossgait's own code it runs on, beside what every engine does: "contact solver".
+  std::vector<std::string> own_parts;
 
   bool operator==(const EngineInfo&) const = default;
 };
+
+/// Lists Crossgait's own code that both run on: what they agree in for that reason is no evidence.
+std::vector<std::string> shared_parts(const EngineInfo& a, const EngineInfo& b);
 
 /// A saved instant. Restoring it, in this or in another world built from the same WorldSpec, continues bit
 /// for bit.

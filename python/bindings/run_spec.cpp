@@ -16,16 +16,8 @@ namespace {
 
 std::vector<std::string> variation_names() {
   std::vector<std::string> names;
-  for (const Variation& variation : variations()) names.push_back(variation.name);
+  for (const Variation& variation : variations()) names.emplace_back(variation.name);
   return names;
-}
-
-const Variation& find_variation(const std::string& name) {
-  const auto& all = variations();
-  const auto it =
-      std::find_if(all.begin(), all.end(), [&name](const Variation& v) { return v.name == name; });
-  if (it == all.end()) throw ConfigError("run", "variation", "a name of crossgait._core._variations()", name);
-  return *it;
 }
 
 }  // namespace
@@ -57,8 +49,11 @@ void bind_run_spec(nb::module_& m) {
           "Hash and canonical JSON of a run. Raises ConfigError.")
       .def(
           "allows",
-          [](const RunMaker& r, const std::string& variation) { return r.allows(find_variation(variation)); },
-          nb::arg("variation"), "Whether it keeps time steps whole. Raises ConfigError.")
+          [](const RunMaker& r, const std::string& engine, const std::string& variation) {
+            return r.allows(engine, find_variation(variation));
+          },
+          nb::arg("engine"), nb::arg("variation"),
+          "Whether it keeps time steps whole, and concerns the engine. Raises ConfigError.")
       .def(
           "make",
           [](const RunMaker& r, const std::string& engine, const std::string& variation, std::size_t start) {

@@ -1,10 +1,14 @@
 // The commands as functions: what they return is what `--json` writes, without the provenance of a command
 // line.
 #include <algorithm>
+#include <map>
+#include <tuple>
 
 #include <fmt/format.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
@@ -134,21 +138,28 @@ Pair compare_in(const Subject& subject, const std::vector<std::string>& engines,
   return nb::make_tuple(to_python(report), traces_of(record));
 }
 
-JudgeOptions judge_options(std::size_t starts, double limit, double confidence, std::size_t workers,
-                           bool explain, const std::string& runs) {
+// `verdict(...)`'s options: starts, looks, confidence, margins as text, workers, explain, runs.
+using HowToJudge = std::tuple<std::size_t, std::size_t, double, std::map<std::string, std::string>,
+                              std::size_t, bool, std::string>;
+
+JudgeOptions judge_options(const HowToJudge& how) {
+  const auto& [starts, looks, confidence, margins, workers, explain, runs] = how;
   JudgeOptions options;
-  options.verdict = {starts, limit, confidence, workers};
+  options.verdict.starts = starts;
+  options.verdict.looks = looks;
+  options.verdict.confidence = confidence;
+  options.verdict.workers = workers;
+  for (const auto& [key, text] : margins) options.verdict.margins[key] = parse_margin(text, "margins", key);
   options.explain = explain;
   options.stored_runs = runs;
   return options;
 }
 
-// Of two engines the document of `crossgait verdict --engines A,B`, of more that of all of them.
+// The document of `crossgait verdict`.
 Report report_of(const EngineComparison& judged, const Json& made) {
-  const bool two = judged.pairs.size() == 1;
-  Json json = two ? to_json(judged.pairs.front()) : to_json(judged);
+  Json json = to_json(judged);
   json["provenance"] = made;
-  return {json, two ? describe(judged.pairs.front()) : describe(judged)};
+  return {json, describe(judged)};
 }
 
 Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines, const JudgeOptions& options,
@@ -234,31 +245,27 @@ void bind_verdicts(nb::module_& m) {
   m.def(
       "_judge_walk",
       [](const Subject& walk, const std::vector<std::string>& engines, const StartRanges& starts_from,
-         std::uint64_t seed, std::size_t starts, double limit, double confidence, std::size_t workers,
-         bool explain, const std::string& runs, const nb::object& progress) {
-        const JudgeOptions options = judge_options(starts, limit, confidence, workers, explain, runs);
+         std::uint64_t seed, const HowToJudge& how, const nb::object& progress) {
+        const JudgeOptions options = judge_options(how);
         if (const auto* config = std::get_if<WalkConfig>(&walk))
           return judge({*config, starts_from, seed}, engines, options, progress);
         return judge(std::get<PythonController>(walk), starts_from, seed, engines, options, progress);
       },
-      nb::arg("walk"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"), nb::arg("starts"),
-      nb::arg("limit"), nb::arg("confidence"), nb::arg("workers"), nb::arg("explain"), nb::arg("runs"),
+      nb::arg("walk"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"), nb::arg("how"),
       kProgress);
   m.def(
       "_judge_policy",
       [](const EnvConfig& environment, const PolicyChoice& policy, const std::vector<std::string>& engines,
-         const StartRanges& starts_from, std::uint64_t seed, std::size_t starts, double limit,
-         double confidence, std::size_t workers, bool explain, const std::string& runs,
+         const StartRanges& starts_from, std::uint64_t seed, const HowToJudge& how,
          const nb::object& progress) {
-        const JudgeOptions options = judge_options(starts, limit, confidence, workers, explain, runs);
+        const JudgeOptions options = judge_options(how);
         if (const auto* text = std::get_if<std::string>(&policy))
           return judge({PolicyConfig{environment, *text}, starts_from, seed}, engines, options, progress);
         return judge(environment, std::get<PythonPolicy>(policy), starts_from, seed, engines, options,
                      progress);
       },
       nb::arg("environment"), nb::arg("policy"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"),
-      nb::arg("starts"), nb::arg("limit"), nb::arg("confidence"), nb::arg("workers"), nb::arg("explain"),
-      nb::arg("runs"), kProgress);
+      nb::arg("how"), kProgress);
 }
 
 Pair rollout(const EnvConfig& config, const std::vector<PolicyChoice>& choices, const EpisodeOptions& options,

@@ -47,7 +47,6 @@ from crossgait.studies import (
     Transfer,
     Tuning,
     Verdict,
-    Verdicts,
     WalkResult,
     bench,
     compare,
@@ -57,7 +56,6 @@ from crossgait.studies import (
     transfer,
     tune,
     verdict,
-    verdicts,
     walk,
 )
 from crossgait.traces import Trace
@@ -90,7 +88,6 @@ __all__ = [
     "Transfer",
     "Tuning",
     "Verdict",
-    "Verdicts",
     "Walk",
     "WalkResult",
     "World",
@@ -113,6 +110,5 @@ __all__ = [
     "transfer",
     "tune",
     "verdict",
-    "verdicts",
     "walk",
 ]

@@ -117,16 +117,18 @@ TEST(StatisticDocuments, EveryKeyIsInTheTableOfStatistics) {
   hold_table("docs/statistics.md", table);
 }
 
-TEST(StatisticDocuments, EveryFloorIsInTheTableOfVerdicts) {
-  std::string table = "| statistic | floor: the larger of | which is |\n|---|---|---|\n";
+TEST(StatisticDocuments, EveryMarginIsInTheTableOfVerdicts) {
+  std::string table = "| key | statistic | margin: the larger of | which is |\n|---|---|---|---|\n";
   for (const StatisticRow* row : judged_statistics()) {
     const StatisticJudged& judged = row->judged;
     const char* scale[] = {"", " by length", " by speed"};
-    std::string floor = judged.relative_floor > 0 ? fmt::format("{:g} %, ", 100 * judged.relative_floor) : "";
-    floor += fmt::format("{:g}", judged.absolute_floor);
-    if (row->unit != "-") floor += fmt::format(" {}", row->unit);
-    table += fmt::format("| {}{} | {}{} | {} |\n", judged.name,
-                         judged.needs_plan ? ", where a gait plans swing and stance" : "", floor,
+    std::string margin =
+        judged.relative_margin > 0 ? fmt::format("{:g} %, ", 100 * judged.relative_margin) : "";
+    margin += fmt::format("{:g}", judged.absolute_margin);
+    if (row->unit != "-") margin += fmt::format(" {}", row->unit);
+    if (judged.per_second) margin += " a second";
+    table += fmt::format("| `{}` | {}{} | {}{} | {} |\n", row->key, judged.name,
+                         judged.needs_plan ? ", where a gait plans swing and stance" : "", margin,
                          scale[static_cast<int>(judged.scale)], judged.reason);
   }
   hold_table("docs/verdict.md", table);

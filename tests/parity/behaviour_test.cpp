@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "backends/registry.h"
 #include "env/env_model.h"
+#include "motion/gait_source.h"
+#include "physics/core/error.h"
+#include "policy/policy.h"
 #include "scenes/scenes.h"
 
 namespace crossgait {
@@ -11,44 +15,43 @@ namespace {
 
 using Kind = Variation::Kind;
 
-TEST(Variations, AreFactorsOnStepToleranceAndIterations) {
+TEST(Variations, AreFactorsOnTheWorld) {
   WorldSpec world;
   world.physics_dt = 1e-3;
   world.solver = {.tolerance = 1e-8, .iterations = 25};
+  world.contact.impratio = 2;
   const auto varied = [&world](const Variation& v) {
     WorldSpec result = world;
     v.apply(result);
     return result;
   };
-  const WorldSpec one = varied({"", Kind::kSolver, 0.5, 100, 0.5});
+  const WorldSpec one = varied({.step = 0.5, .iterations = 0.5, .impratio = 10, .softness = 0.25});
   EXPECT_DOUBLE_EQ(one.physics_dt, 5e-4);
-  EXPECT_DOUBLE_EQ(one.solver.tolerance, 1e-6);
-  EXPECT_EQ(one.solver.iterations, 13);                                     // 12.5, to the nearest
-  EXPECT_EQ(varied({"", Kind::kSolver, 1, 1, 0.01}).solver.iterations, 1);  // and never none
-  const WorldSpec same = varied(variations().front());
+  EXPECT_EQ(one.solver.iterations, 13);                          // 12.5, to the nearest
+  EXPECT_EQ(varied({.iterations = 0.01}).solver.iterations, 1);  // and never none
+  EXPECT_DOUBLE_EQ(one.contact.impratio, 20);
+  EXPECT_DOUBLE_EQ(one.contact.softness.time_constant, 0.25 * world.contact.softness.time_constant);
+  EXPECT_EQ(one.solver.tolerance, world.solver.tolerance);
+  const WorldSpec same = varied(nominal_variation());
   EXPECT_EQ(same.physics_dt, world.physics_dt);
-  EXPECT_EQ(same.solver.tolerance, world.solver.tolerance);
   EXPECT_EQ(same.solver.iterations, world.solver.iterations);
+  EXPECT_EQ(same.contact.impratio, world.contact.impratio);
 }
 
-TEST(Variations, AreTheSettingsThatTheHeaderNames) {
-  struct Expected {
-    Kind kind;
-    double step, tolerance, iterations;
-  };
-  const Expected expected[] = {{Kind::kNominal, 1, 1, 1},
-                               {Kind::kTimeStep, 0.5, 1, 1},
-                               {Kind::kTimeStep, 2, 1, 1},
-                               {Kind::kSolver, 1, 100, 0.5},
-                               {Kind::kSolver, 1, 0.01, 2}};
-  ASSERT_EQ(variations().size(), std::size(expected));
-  for (std::size_t i = 0; i < variations().size(); ++i) {
-    const Variation& v = variations()[i];
-    EXPECT_EQ(v.kind, expected[i].kind) << v.name;
-    EXPECT_EQ(v.step, expected[i].step) << v.name;
-    EXPECT_EQ(v.tolerance, expected[i].tolerance) << v.name;
-    EXPECT_EQ(v.iterations, expected[i].iterations) << v.name;
+TEST(Variations, BeginAsAskedAndConcernTheEnginesThatDeclareThem) {
+  EXPECT_EQ(&variations()[0], &nominal_variation());
+  EXPECT_EQ(nominal_variation().kind, Kind::kNominal);
+  EXPECT_EQ(half_step().step, 0.5);
+  EXPECT_EQ(quarter_step().step, 0.25);
+  EngineInfo rigid, soft;
+  rigid.capabilities.sweeps = true;
+  soft.capabilities.soft_contact = soft.capabilities.soft_friction = true;
+  for (const Variation& v : variations()) {
+    EXPECT_EQ(&find_variation(v.name), &v);
+    EXPECT_EQ(v.of(rigid), v.impratio == 1 && v.softness == 1) << v.name;
+    EXPECT_EQ(v.of(soft), v.iterations == 1) << v.name;
   }
+  EXPECT_THROW((void)find_variation("no such"), ConfigError);
 }
 
 TEST(Variations, HaveToDivideTheControlStep) {
@@ -56,7 +59,7 @@ TEST(Variations, HaveToDivideTheControlStep) {
   behaviour.physics_dt = 1e-3;
   const auto allows = [&behaviour](double control_dt, double step) {
     behaviour.control_dt = control_dt;
-    return behaviour.allows({"", Kind::kTimeStep, step, 1, 1});
+    return behaviour.allows({.step = step});
   };
   EXPECT_TRUE(allows(2e-3, 1));
   EXPECT_TRUE(allows(2e-3, 2));
@@ -117,21 +120,67 @@ TEST(Behaviours, AreNamedAndJudgedByTheSameStatistics) {
   EXPECT_EQ(policy.name, "policy some.yaml on rough, 3 s");
   EXPECT_EQ(policy.physics_dt, 5e-4);
   EXPECT_EQ(policy.control_dt, 4e-3);
-  EXPECT_FALSE(policy.trace);
+  EXPECT_TRUE(policy.trace);
+  EXPECT_EQ(policy.seconds, 3);
+  EXPECT_EQ(policy.cut_dt, 4e-3);
+  EXPECT_EQ(walk.seconds, 2.5);
 
   std::vector<std::string> names;
   for (const Statistic& s : policy.statistics) names.push_back(s.name + ", " + s.unit);
   EXPECT_EQ(names,
-            (std::vector<std::string>{"distance, m", "mean speed, m/s", "RMS roll, deg", "RMS pitch, deg",
+            (std::vector<std::string>{"distance, m", "RMS roll, deg", "RMS pitch, deg",
                                       "slip of loaded feet, m", "cost of transport, -", "duty factor, -",
-                                      "heading error, deg", "swing contact, -", "slip per path, -",
-                                      "failures, fraction", "total reward, -"}));
+                                      "heading error, deg", "swing contact, -", "total reward, -"}));
   ASSERT_EQ(walk.statistics.size() + 1, policy.statistics.size());
   for (std::size_t i = 0; i < walk.statistics.size(); ++i) {
-    EXPECT_EQ(walk.statistics[i].name, policy.statistics[i].name);
-    EXPECT_EQ(walk.statistics[i].counts_failures, walk.statistics[i].name == "failures");
-    EXPECT_GT(walk.statistics[i].absolute_floor, 0);
+    EXPECT_EQ(walk.statistics[i].key, policy.statistics[i].key);
+    EXPECT_GT(walk.statistics[i].margin.absolute, 0);
+    EXPECT_FALSE(walk.statistics[i].margin.reason.empty());
   }
+}
+
+// A run that is cut is the beginning of the whole one.
+TEST(Behaviours, CanBeCut) {
+  WorldSpec world = scenes::world_of(scenes::quadruped());
+  WalkSetup setup;
+  setup.gait = "trot";
+  setup.timing = {.seconds = 0.4, .settle_seconds = 0.1};
+  setup.make_controller = [](const WorldSpec& w) { return make_gait_controller(choose_gait("trot", {}), w); };
+  EnvConfig config;
+  config.episode_seconds = 0.4;
+  config.settle_seconds = 0.1;
+  if (available_engines().empty()) GTEST_SKIP() << "no engine is built in";
+  const Engine engine = find_engine(available_engines().front());
+  const auto flat = [](std::size_t) { return Terrain(); };
+  setup.timing.seconds = 0.2;
+  const BehaviourRun shorter =
+      walk_behaviour(world, setup, flat).run(engine, nominal_variation(), 0, kToTheEnd);
+  setup.timing.seconds = 0.4;
+  const BehaviourRun cut = walk_behaviour(world, setup, flat).run(engine, nominal_variation(), 0, 0.2);
+  EXPECT_EQ(cut.values, shorter.values);
+  EXPECT_NEAR(cut.seconds, 0.2, 1e-9);
+  const Behaviour policy = policy_behaviour(
+      config, [](const PolicyInterface& interface) { return make_policy("zero", interface); }, "zero");
+  EXPECT_NEAR(policy.run(engine, nominal_variation(), 0, 0.2).seconds, 0.2, 1e-9);
+  EXPECT_NEAR(policy.run(engine, nominal_variation(), 0, kToTheEnd).seconds, 0.4, 1e-9);
+  EXPECT_GT(policy.trace(engine, 0).size(), 1U);
+}
+
+// Lying on its back from the start, it is not watched kicking for the rest of the time.
+TEST(Behaviours, EndWithAFailure) {
+  if (available_engines().empty()) GTEST_SKIP() << "no engine is built in";
+  WorldSpec world = scenes::world_of(scenes::quadruped());
+  WalkSetup setup;
+  setup.gait = "trot";
+  setup.timing = {.seconds = 2, .settle_seconds = 0.1};
+  setup.make_controller = [](const WorldSpec& w) { return make_gait_controller(choose_gait("trot", {}), w); };
+  const StartRanges hard_pushes{.push_mps = 3};
+  const Behaviour walk = walk_behaviour(
+      world, setup, [](std::size_t) { return Terrain(); }, hard_pushes);
+  const BehaviourRun run =
+      walk.run(find_engine(available_engines().front()), nominal_variation(), 0, kToTheEnd);
+  EXPECT_TRUE(is_failure(run.outcome)) << name(run.outcome);
+  EXPECT_LT(run.seconds, 2);
 }
 
 }  // namespace

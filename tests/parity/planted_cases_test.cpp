@@ -138,9 +138,9 @@ Behaviour behaviour_of(const WorldSpec& spec, const std::string& name,
   return walk_behaviour(spec, setup, [terrain = spec.terrain](std::size_t) { return terrain; });
 }
 
-std::size_t index_of(const std::vector<Statistic>& statistics, const std::string& name) {
+std::size_t index_of(const std::vector<Statistic>& statistics, const std::string& key) {
   const auto it =
-      std::find_if(statistics.begin(), statistics.end(), [&](const Statistic& s) { return s.name == name; });
+      std::find_if(statistics.begin(), statistics.end(), [&](const Statistic& s) { return s.key == key; });
   return static_cast<std::size_t>(it - statistics.begin());
 }
 
@@ -162,9 +162,11 @@ TEST(PlantedBehaviours, ACarefulCrawlAgrees) {
     spec.contact.friction = 1.2;
     spec.contact.impratio = 100;                  // feet that stick creep a hundredth as fast
     spec.contact.softness.time_constant = 0.005;  // s
-    const Verdict verdict = reach_verdict(behaviour_of(spec, "careful crawl", careful_crawl, 3),
-                                          find_engine(family.from), find_engine(family.to), {.starts = 4});
-    EXPECT_EQ(verdict.value(), VerdictValue::kAgrees) << describe(verdict);
+    const std::vector<Engine> ends{find_engine(family.from), find_engine(family.to)};
+    const Verdict verdict =
+        reach_verdicts(behaviour_of(spec, "careful crawl", careful_crawl, 3), ends, {.starts = 6})
+            .pairs.front();
+    EXPECT_EQ(verdict.word, Word::kAgrees) << describe(verdict);
     std::printf("planted careful crawl:\n%s", describe(verdict).c_str());
   }
 }
@@ -179,11 +181,12 @@ TEST(PlantedBehaviours, AGlideOnSoftFrictionIsTheEnginesAndItsFrictionIsNamed) {
       return make_feet_controller([feet](double) { return feet; }, world);
     };
     const Behaviour glide = behaviour_of(spec, "glide", stand, 1.5, 0.5);
-    const Verdict verdict = reach_verdict(glide, find_engine(ends.from), find_engine(ends.to), {.starts = 4});
-    const std::size_t distance = index_of(glide.statistics, "distance");
-    EXPECT_EQ(verdict.statistics[distance].value, VerdictValue::kEngineDependent) << describe(verdict);
+    const std::vector<Engine> both{find_engine(ends.from), find_engine(ends.to)};
+    const Verdict verdict = reach_verdicts(glide, both, {.starts = 6}).pairs.front();
+    const std::size_t distance = index_of(glide.statistics, "distance_m");
+    EXPECT_EQ(verdict.statistics[distance].word, Word::kDiffers) << describe(verdict);
     const Attribution attribution = attribute(glide, shortened(ends), {.starts = 4});
-    EXPECT_EQ(attribution.leading(distance), std::vector<std::string>{"hard_friction"})
+    EXPECT_EQ(attribution.cause(distance).leading, std::vector<std::string>{"friction law"})
         << describe(attribution);
     std::printf("planted glide:\n%s%s", describe(verdict).c_str(), describe(attribution).c_str());
   }
@@ -205,8 +208,9 @@ TEST(PlantedBehaviours, ASingleHiddenFactorIsNamed) {
       // A gait whose feet slip, for a cause of slip.
       const Behaviour walk = behaviour_of(world_on("flat"), "trot:guide", trot, 0.6);
       const Attribution attribution = attribute(walk, family, {.starts = 4});
-      const std::size_t slip = index_of(walk.statistics, "slip of loaded feet");
-      EXPECT_EQ(attribution.leading(slip), std::vector<std::string>{hidden}) << describe(attribution);
+      const std::size_t slip = index_of(walk.statistics, "slip_m");
+      const std::string decision = hidden == "hard_normal" ? "rigid contact" : "friction law";
+      EXPECT_EQ(attribution.cause(slip).leading, std::vector<std::string>{decision}) << describe(attribution);
       for (const FactorEffect& effect : attribution.effects) {
         EXPECT_EQ(effect.first_divergence.has_value(), effect.factor.name == hidden);
         if (effect.factor.name != hidden) {

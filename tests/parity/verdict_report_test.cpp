@@ -18,75 +18,115 @@ Verdict some_verdict() {
   v.behaviour = "trot on rough";
   v.a = "one";
   v.b = "two";
-  v.options.starts = 7;
-  v.options.limit = 1.5;
-  v.options.confidence = 0.9;
-  v.variations = {variations()[0], variations()[3]};
-  v.left_out = {"twice the time step (reason)"};
+  v.outcomes_a[static_cast<std::size_t>(Outcome::kWalked)] = 7;
+  v.outcomes_b[static_cast<std::size_t>(Outcome::kWalked)] = 5;
+  v.outcomes_b[static_cast<std::size_t>(Outcome::kFell)] = 2;
+  v.cut = PairCut{2, 4.5, 1.25, 5, 4.75, {-0.25, -0.5, 0.125}};
+  v.word = Word::kUnresolved;
+  v.reason = "distance";
+  v.starts_needed = 40;
   StatisticVerdict s;
-  s.statistic = {"distance", "m", 0.02, 0.005};
-  s.mean_a = 0.5;
-  s.mean_b = 0.25;
+  s.statistic = {"distance_m", "distance", "m", {0.02, 0.001, true, "by hand"}};
+  s.value_a = 0.5;
+  s.value_b = 0.25;
+  s.pairs = 7;
   s.gap = {-0.25, -0.3125, -0.1875};
-  s.spread_a = {3, 4, 12};
-  s.spread_b = {2, 3, 6};
-  s.spread = 0.125;
-  s.floor = 0.0625;
-  s.score = {-1.75, -2.5, -1.25};
-  s.value = VerdictValue::kUnresolved;
+  s.equivalence = {-0.25, -0.28125, -0.21875};
+  s.margin = 0.0625;
+  s.step = StepCheck{{-0.375, -0.4375, -0.125}, {-0.125, -0.15625, -0.09375}, -0.4375, 1, -0.5};
+  s.own = {{"one", "half the time step", {0.75, 0.625, 0.875}}};
+  s.reason = "the interval crosses the margin";
+  s.starts_needed = 40;
   v.statistics.push_back(s);
   s = {};
-  s.statistic = {"duty factor", "-", 0, 0.02};
-  s.value = VerdictValue::kAgrees;
+  s.statistic = {"duty_factor", "duty factor", "-", {0, 0.02, false, "by hand"}};
+  s.word = Word::kAgrees;
   v.statistics.push_back(s);
   return v;
 }
 
-TEST(VerdictReport, HasALineForEveryStatisticAndTheRule) {
-  const std::vector<Cells> rows = table_rows(describe(some_verdict()));
-  EXPECT_EQ(
-      rows,
-      (std::vector<Cells>{
-          {"trot on rough", "one", "two", "gap", "+-", "spread", "floor", "score", "from", "to", "verdict"},
-          {"distance, m", "0.5", "0.25", "-0.25", "0.0625", "0.125", "0.0625", "-1.75", "-2.50", "-1.25",
-           "unresolved"},
-          {"duty factor", "0", "0", "+0", "0", "0", "0", "+0.00", "+0.00", "+0.00", "agrees"},
-          {"7 starts; as asked, loose solver."},
-          {"Score = gap / sqrt(spread^2 + floor^2), at 90 % confidence for all lines together: "
-           "agrees within +-1.5,"},
-          {"engine-dependent beyond, unresolved across."},
-          {"Left out: twice the time step (reason)."},
-          {"two against one: unresolved."}}));
+TEST(VerdictReport, HasALineForEveryStatisticAndEveryReason) {
+  EXPECT_EQ(table_rows(describe(some_verdict())),
+            (std::vector<Cells>{
+                {"statistic", "one", "two", "gap", "from", "to", "margin", "at half the step", "word"},
+                {"distance, m", "0.5", "0.25", "-0.25", "-0.312", "-0.188", "0.0625", "-0.375", "unresolved"},
+                {"duty factor", "0", "0", "+0", "+0", "+0", "0", "-", "agrees"},
+                {"Outcomes: one: walked 7; two: walked 5, fell 2."},
+                {"Of 2 pairs one run or both ended early: pairs are compared up to there, 4.50 s on average, "
+                 "1.25 s "
+                 "at least."},
+                {"Runs lasted 5.00 s in one and 4.75 s in two: -0.25 s (-0.50 to +0.12)."},
+                {"distance: unresolved: the interval crosses the margin; 40 starts would tell."},
+                {"With steps of one, a half and a quarter the gap goes to -0.5 m, in order 1.0."},
+                {"by itself", "distance, m"},
+                {"one, half the time step", "+0.75"}}));
 }
 
 TEST(VerdictReport, AsJsonHasEveryNumber) {
   const ordered_json json = to_json(some_verdict());
-  const ordered_json statistic = {
-      {"name", "distance"},
-      {"unit", "m"},
-      {"mean_a", 0.5},
-      {"mean_b", 0.25},
-      {"gap", {{"estimate", -0.25}, {"low", -0.3125}, {"high", -0.1875}}},
-      {"spread_a", {{"starts", 3.0}, {"time_step", 4.0}, {"solver", 12.0}, {"total", 13.0}}},  // 9 + 16 + 144
-      {"spread_b", {{"starts", 2.0}, {"time_step", 3.0}, {"solver", 6.0}, {"total", 7.0}}},
-      {"spread", 0.125},
-      {"floor", 0.0625},
-      {"score", {{"estimate", -1.75}, {"low", -2.5}, {"high", -1.25}}},
-      {"verdict", "unresolved"}};
+  const ordered_json statistic = {{"key", "distance_m"},
+                                  {"name", "distance"},
+                                  {"unit", "m"},
+                                  {"values", {0.5, 0.25}},
+                                  {"starts", 7},
+                                  {"estimand", "mean"},
+                                  {"gap", -0.25},
+                                  {"low", -0.3125},
+                                  {"high", -0.1875},
+                                  {"equivalence", {{"low", -0.28125}, {"high", -0.21875}}},
+                                  {"margin", 0.0625},
+                                  {"margin_rule", {{"is", "2 % or 0.001 m a second"}, {"reason", "by hand"}}},
+                                  {"word", "unresolved"},
+                                  {"reason", "the interval crosses the margin"},
+                                  {"starts_needed", 40},
+                                  {"step",
+                                   {{"gap_half", -0.375},
+                                    {"low", -0.4375},
+                                    {"high", -0.125},
+                                    {"change", {{"estimate", -0.125}, {"low", -0.15625}, {"high", -0.09375}}},
+                                    {"gap_quarter", -0.4375},
+                                    {"order", 1.0},
+                                    {"extrapolated", -0.5}}},
+                                  {"own",
+                                   {{{"engine", "one"},
+                                     {"variation", "half the time step"},
+                                     {"change", 0.75},
+                                     {"low", 0.625},
+                                     {"high", 0.875}}}}};
   ASSERT_EQ(json["statistics"].size(), 2U);
   EXPECT_EQ(json["statistics"][0].dump(1), statistic.dump(1));
-  EXPECT_EQ(json["statistics"][1]["verdict"], "agrees");
+  EXPECT_EQ(json["statistics"][1]["word"], "agrees");
+  EXPECT_EQ(json["statistics"][1]["step"], nullptr);
   ordered_json rest = json;
   rest.erase("statistics");
-  EXPECT_EQ(rest, (ordered_json{{"behaviour", "trot on rough"},
-                                {"a", "one"},
-                                {"b", "two"},
-                                {"verdict", "unresolved"},
-                                {"starts", 7},
-                                {"limit", 1.5},
-                                {"confidence", 0.9},
-                                {"variations", {"as asked", "loose solver"}},
-                                {"left_out", {"twice the time step (reason)"}}}));
+  EXPECT_EQ(rest.dump(1),
+            (ordered_json{{"engines", {"one", "two"}},
+                          {"word", "unresolved"},
+                          {"reason", "distance"},
+                          {"starts_needed", 40},
+                          {"cut",
+                           {{"pairs", 2},
+                            {"mean_s", 4.5},
+                            {"shortest_s", 1.25},
+                            {"time_to_failure",
+                             {{"means_s", {5.0, 4.75}},
+                              {"difference_s", {{"estimate", -0.25}, {"low", -0.5}, {"high", 0.125}}}}}}}})
+                .dump(1));
+  EXPECT_EQ(to_json(some_verdict().outcomes_b).dump(), R"({"fell":2,"walked":5})");
+}
+
+TEST(VerdictReport, SaysTheRule) {
+  Verdicts verdicts;
+  verdicts.starts = 7;
+  verdicts.looks_made = 1;
+  verdicts.options.looks = 2;
+  verdicts.options.confidence = 0.9;
+  verdicts.variations = {"as asked", "half the time step"};
+  verdicts.left_out = {"a fifth of the sweeps: reason"};
+  const std::string text = describe_rule(verdicts);
+  for (const char* part : {"7 starts, look 1 of 2 that were planned", "as asked, half the time step",
+                           "95 % interval", "90 % confidence", "Left out: a fifth of the sweeps: reason."})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 
 TEST(AuditReport, AsJsonIsAList) {
@@ -113,62 +153,73 @@ Attribution some_attribution() {
   a.behaviour = "trot";
   a.from = "one";
   a.to = "two";
-  a.statistics = {{"distance", "m", 0.02, 0.005}, {"duty factor", "-", 0, 0.02}};
+  a.statistics = {{"distance_m", "distance", "m", {}}, {"duty_factor", "duty factor", "-", {}}};
   a.starts = 9;
   a.from_mean = {1.5, 0.625};
   a.to_mean = {1, 0.6125};
   a.gap = {{-0.5, -0.75, -0.25}, {-0.0125, -0.02, 0}};
-  a.floor = {0.025, 0.02};
+  a.margin = {0.025, 0.02};
+  a.interactions.resize(2);
+  a.has_traces = true;
   FactorEffect big, small;
-  big.factor = {"surface", "how the ground gives", {}};
+  big.factor = {"hard", "how the ground gives", {}, nullptr, "rigid contact"};
   big.effect = {{-0.375, -0.5, -0.25}, {0, 0, 0}};
   big.step = {{-0.25, 0, 0}, {-0.0125, 0, 0}};
   big.first = {{-0.125, 0, 0}, {0, 0, 0}};
   big.last = {{-0.0625, 0, 0}, {0, 0, 0}};
   big.first_divergence = FirstDivergence{"load", 0.25, 1e-3};
-  small.factor = {"cone", "the shape of friction", {"surface"}};
-  small.effect = {{0.125, 0, 0.25}, {0, 0, 0}};
+  small.factor = {"cone", "the shape of friction", {"hard"}};
+  small.effect = {{-0.125, -0.25, -0.0625}, {0, 0, 0}};
   small.step = {{-0.25, 0, 0}, {0, 0, 0}};
   small.first = small.last = {{0, 0, 0}, {0, 0, 0}};
   a.effects = {big, small};
+  a.groups = {{"rigid contact", {0}, big.effect}, {"cone", {1}, small.effect}};
   return a;
 }
 
-TEST(AttributionReport, HasFactorsTheWayAndTheShares) {
+TEST(AttributionReport, HasFactorsTheWayAndTheParts) {
   EXPECT_EQ(table_rows(describe(some_attribution())),
             (std::vector<Cells>{{"From one to two, 9 starts:"},
-                                {"surface", "how the ground gives"},
+                                {"hard", "how the ground gives"},
                                 {"cone", "the shape of friction"},
                                 {"one after the other", "distance, m", "duty factor"},
                                 {"one", "1.5", "0.625"},
-                                {"+ surface", "1.25", "0.6125"},
+                                {"+ hard", "1.25", "0.6125"},
                                 {"+ cone", "1", "0.6125"},
                                 {"The last line is two."},
-                                // Of a gap of -.5, positive where a factor makes it wider; not of one below
-                                // its floor.
-                                {"share of the gap, %", "distance, m", "first to part"},
-                                {"surface", "+75 +- 25", "load at 0.250 s"},
-                                {"cone", "-25 +- 25", "nothing"},
-                                {"distance: surface."}}));
+                                // In the unit of the statistic; not of one below its margin.
+                                {"part of the gap", "distance, m", "first to part"},
+                                {"rigid contact", "-0.375 ± 0.12", "load at 0.250 s"},
+                                {"cone", "-0.125 ± 0.094", "nothing"},
+                                {"distance: of -0.5 m: rigid contact -0.375, cone -0.125."}}));
+}
+
+// What was not looked for is not said to be nothing.
+TEST(AttributionReport, SaysNothingOfPartingWhereNothingWasRecorded) {
+  Attribution a = some_attribution();
+  a.has_traces = false;
+  const std::vector<Cells> rows = table_rows(describe(a));
+  EXPECT_EQ(rows[10], (Cells{"cone", "-0.125 ± 0.094", "-"}));
+}
+
+TEST(AttributionReport, ShowsTheHalvesOfADecision) {
+  Attribution a = some_attribution();
+  a.groups = {{"law", {0, 1}, {{-0.5, -0.75, -0.25}, {0, 0, 0}}}};
+  const std::vector<Cells> rows = table_rows(describe(a));
+  ASSERT_EQ(rows.size(), 13U);
+  EXPECT_EQ(rows[9][0], "law");
+  EXPECT_EQ(rows[10], (Cells{"of which hard", "-0.375 ± 0.12", "load at 0.250 s"}));
+  EXPECT_EQ(rows[11], (Cells{"of which cone", "-0.125 ± 0.094", "nothing"}));
 }
 
 TEST(AttributionReport, SaysSoWhereNothingCanBeBlamed) {
   Attribution a = some_attribution();
-  for (FactorEffect& e : a.effects) e.effect[0] = {0.25, -0.5, 1};
-  EXPECT_EQ(table_rows(describe(a)).back(), Cells{"distance: no single factor."});
-  // A gap of just the floor is one that somebody would act on.
-  a.floor[1] = 0.0125;
-  EXPECT_EQ(table_rows(describe(a)).back(), Cells{"duty factor: no single factor."});
+  for (GroupEffect& group : a.groups) group.effect[0] = {-0.25, -0.5, 1};
+  EXPECT_TRUE(a.cause(0).leading.empty());
+  EXPECT_EQ(a.cause(0).kind, Cause::Kind::kNoSingle);
   a.gap[0].estimate = a.gap[1].estimate = 0.001;
   EXPECT_EQ(table_rows(describe(a)).back(), Cells{"No gap is large enough to explain."});
-}
-
-TEST(AttributionReport, SharesOfAGapAreItsSignToo) {
-  Attribution a = some_attribution();
-  a.gap[0] = {0.5, 0.25, 0.75};
-  const std::vector<Cells> rows = table_rows(describe(a));
-  ASSERT_EQ(rows.size(), 12U);
-  EXPECT_EQ(rows[9], (Cells{"surface", "-75 +- 25", "load at 0.250 s"}));
+  EXPECT_EQ(a.cause(0).kind, Cause::Kind::kNothing);
 }
 
 TEST(AttributionReport, AsJsonHasEveryNumber) {
@@ -182,30 +233,35 @@ TEST(AttributionReport, AsJsonHasEveryNumber) {
   const auto alone = [](double estimate) {
     return ordered_json{{"estimate", estimate}, {"low", 0.0}, {"high", 0.0}};
   };
-  const ordered_json expected = {{"name", "distance"},
-                                 {"unit", "m"},
-                                 {"mean_from", 1.5},
-                                 {"mean_to", 1.0},
-                                 {"gap", {{"estimate", -0.5}, {"low", -0.75}, {"high", -0.25}}},
-                                 {"floor", 0.025},
-                                 {"leading", {"surface"}},
-                                 {"factors",
-                                  {{{"name", "surface"},
-                                    {"effect", {{"estimate", -0.375}, {"low", -0.5}, {"high", -0.25}}},
-                                    {"first", alone(-0.125)},
-                                    {"last", alone(-0.0625)},
-                                    {"step", alone(-0.25)}},
-                                   {{"name", "cone"},
-                                    {"effect", {{"estimate", 0.125}, {"low", 0.0}, {"high", 0.25}}},
-                                    {"first", nil},
-                                    {"last", nil},
-                                    {"step", alone(-0.25)}}}}};
+  const ordered_json big = {{"estimate", -0.375}, {"low", -0.5}, {"high", -0.25}},
+                     small = {{"estimate", -0.125}, {"low", -0.25}, {"high", -0.0625}};
+  const ordered_json expected = {
+      {"key", "distance_m"},
+      {"name", "distance"},
+      {"unit", "m"},
+      {"mean_from", 1.5},
+      {"mean_to", 1.0},
+      {"gap", {{"estimate", -0.5}, {"low", -0.75}, {"high", -0.25}}},
+      {"margin", 0.025},
+      {"cause",
+       {{"kind", "leading"},
+        {"leading", {"rigid contact"}},
+        {"sentence", "of -0.5 m: rigid contact -0.375, cone -0.125"}}},
+      {"interaction", nullptr},
+      {"factors",
+       {{{"name", "hard"},
+         {"effect", big},
+         {"first", alone(-0.125)},
+         {"last", alone(-0.0625)},
+         {"step", alone(-0.25)}},
+        {{"name", "cone"}, {"effect", small}, {"first", nil}, {"last", nil}, {"step", alone(-0.25)}}}},
+      {"groups", {{{"name", "rigid contact"}, {"effect", big}}, {{"name", "cone"}, {"effect", small}}}}};
   EXPECT_EQ(json["statistics"][0].dump(1), expected.dump(1));
   EXPECT_EQ(
       json["factors"].dump(),
-      R"([{"name":"surface","summary":"how the ground gives","needs":[],)"
+      R"([{"name":"hard","summary":"how the ground gives","needs":[],"group":"rigid contact",)"
       R"("first_divergence":{"quantity":"load","time_s":0.25,"tolerance":0.001}},)"
-      R"({"name":"cone","summary":"the shape of friction","needs":["surface"],"first_divergence":null}])");
+      R"({"name":"cone","summary":"the shape of friction","needs":["hard"],"group":"cone","first_divergence":null}])");
 }
 
 TEST(Schema, IsPutFirstAndHasToBeKnown) {

@@ -11,51 +11,67 @@ namespace {
 using Json = nlohmann::json;
 
 Json pair_of(const std::string& a, const std::string& b, const std::string& word) {
-  return {{"behaviour", "trot"}, {"a", a},           {"b", b},
-          {"verdict", word},     {"starts", 4},      {"limit", 1},
-          {"confidence", 0.95},  {"variations", {}}, {"left_out", Json::array()},
-          {"statistics", {}},    {"models", {}}};
+  return {{"engines", {a, b}},       {"word", word},          {"reason", ""}, {"statistics", Json::array()},
+          {"models", Json::array()}, {"attribution", nullptr}};
 }
 
 Json three() {
-  Json pairs{pair_of("a", "b", "agrees"), pair_of("a", "c", "unresolved"), pair_of("b", "c", "agrees")};
-  for (Json& pair : pairs) pair["variations"] = pair["statistics"] = pair["models"] = Json::array();
-  return {{"behaviour", "trot"},
-          {"engines",
-           {{{"name", "a"}, {"contact_law", "soft"}},
-            {{"name", "b"}, {"contact_law", "hard"}},
-            {{"name", "c"}, {"contact_law", "hard"}}}},
-          {"sentences", {"No outlier is named: two laws."}},
-          {"pairs", std::move(pairs)}};
+  const auto engine = [](const char* name, const char* law) {
+    return Json{{"name", name}, {"contact_law", law}, {"contact_family", law}};
+  };
+  return {
+      {"summary", "trot: all of it."},
+      {"behaviour", "trot"},
+      {"starts", 6},
+      {"confidence", 0.95},
+      {"variations", Json::array()},
+      {"left_out", Json::array()},
+      {"outcomes", {{"a", {{"walked", 6}}}, {"b", {{"fell", 2}, {"walked", 4}}}, {"c", {{"walked", 6}}}}},
+      {"engines", {engine("a", "soft"), engine("b", "hard"), engine("c", "hard")}},
+      {"sentences", {"No outlier is named: two laws."}},
+      {"pairs", {pair_of("a", "b", "agrees"), pair_of("a", "c", "unresolved"), pair_of("b", "c", "agrees")}}};
 }
 
-TEST(VerdictsDocument, HasTheWordsOfAllPairsEngineByEngine) {
-  const VerdictsDocument many = verdicts_document(three(), "many.json");
-  EXPECT_EQ(many.words.rows(),
+TEST(VerdictDocument, HasTheWordsOfAllPairsEngineByEngine) {
+  const VerdictDocument many = verdict_document(three(), "many.json");
+  ASSERT_TRUE(many.words.has_value());
+  EXPECT_EQ(many.words->rows(),
             (std::vector<std::vector<std::string>>{{"trot", "law", "a", "b", "c"},
                                                    {"a", "soft", ".", "agrees", "unresolved"},
                                                    {"b", "hard", "agrees", ".", "agrees"},
                                                    {"c", "hard", "unresolved", "agrees", "."}}));
-  EXPECT_EQ(many.sentences, std::vector<std::string>{"No outlier is named: two laws."});
-  ASSERT_EQ(many.verdicts.size(), 3U);
-  EXPECT_EQ(many.verdicts[1].at("b"), "c");
+  EXPECT_EQ(many.sentences, (std::vector<std::string>{"trot: all of it.", "No outlier is named: two laws."}));
+  ASSERT_EQ(many.pairs.size(), 3U);
+  EXPECT_EQ(many.pairs[1].at("engines").at(1), "c");
+  EXPECT_EQ(many.pairs[0].at("outcomes").at(1), "fell 2, walked 4");
 }
 
-TEST(VerdictsDocument, RefusesWhatIsNoResult) {
+TEST(VerdictDocument, OfTwoEnginesIsItsSentence) {
+  Json two = three();
+  two["engines"].erase(2);
+  two["pairs"].erase(2);
+  two["pairs"].erase(1);
+  const VerdictDocument document = verdict_document(two, "two.json");
+  EXPECT_FALSE(document.words.has_value());
+  EXPECT_EQ(document.sentences, std::vector<std::string>{"trot: all of it."});
+}
+
+TEST(VerdictDocument, RefusesWhatIsNoResult) {
   const auto refusal = [](Json json) {
-    return config_error([&json] { static_cast<void>(verdicts_document(json, "many.json")); });
+    return config_error([&json] { static_cast<void>(verdict_document(json, "many.json")); });
   };
   Json fewer = three();
   fewer["pairs"].erase(2);
   EXPECT_EQ(refusal(fewer).element(), "pairs");
   EXPECT_EQ(refusal(fewer).found(), "2 of 3 engines");
-  EXPECT_EQ(refusal({{"engines", Json::array()}, {"pairs", Json::array()}}).element(), "pairs");
+  EXPECT_EQ(refusal({{"summary", ""}, {"engines", Json::array()}, {"pairs", Json::array()}}).element(),
+            "pairs");
   Json worded = three();
-  worded["pairs"][0]["verdict"] = 1;
+  worded["pairs"][0]["word"] = 1;
   EXPECT_EQ(refusal(worded).source(), "many.json");
   Json silent = three();
   silent.erase("sentences");
-  EXPECT_EQ(refusal(silent).element(), "verdicts");
+  EXPECT_EQ(refusal(silent).element(), "verdict");
   EXPECT_EQ(refusal(Json::array()).source(), "many.json");
 }
 

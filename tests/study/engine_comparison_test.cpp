@@ -47,6 +47,15 @@ class EngineComparisons : public ScratchFolder {
     if (stored) o.stored_runs = path("runs.jsonl");
     return o;
   }
+  /// In both engines: as asked, half the step, and the settings that each declares.
+  static long runs_a_start() {
+    long count = 0;
+    for (const std::string& name : {a(), b()}) {
+      for (const Variation& v : variations())
+        count += &v != &quarter_step() && v.of(find_engine(name).info) ? 1 : 0;
+    }
+    return count;
+  }
   long lines() const {
     const std::string text = read(path("runs.jsonl"));
     return std::count(text.begin(), text.end(), '\n');
@@ -55,14 +64,16 @@ class EngineComparisons : public ScratchFolder {
 
 TEST_F(EngineComparisons, AreAnAuditAndAVerdict) {
   for (const BehaviourSpec& spec : {short_trot(), short_policy()}) {
-    const PairVerdict whole = judge_behaviour(spec, a(), b(), options());
-    const Engine engine_a = find_engine(a()), engine_b = find_engine(b());
-    const Verdict verdict = reach_verdict(make_behaviour(spec), engine_a, engine_b, options().verdict);
-    EXPECT_EQ(to_json(whole.verdict).dump(), to_json(verdict).dump());
-    const auto world_a = engine_a.make(LoadedBehaviour(spec).world()),
-               world_b = engine_b.make(LoadedBehaviour(spec).world());
-    EXPECT_EQ(to_json(whole.models).dump(), to_json(audit_models(*world_a, *world_b)).dump());
-    EXPECT_FALSE(whole.attribution.has_value());
+    const EngineComparison whole = judge_engines(spec, {a(), b()}, options());
+    const std::vector<Engine> engines{find_engine(a()), find_engine(b())};
+    const Verdicts verdicts = reach_verdicts(make_behaviour(spec), engines, options().verdict);
+    EXPECT_EQ(to_json(whole.verdicts.pairs.front()).dump(), to_json(verdicts.pairs.front()).dump());
+    const auto world_a = engines[0].make(LoadedBehaviour(spec).world()),
+               world_b = engines[1].make(LoadedBehaviour(spec).world());
+    const PairBackground& background = whole.backgrounds.front();
+    EXPECT_EQ(to_json(background.models).dump(), to_json(audit_models(*world_a, *world_b)).dump());
+    EXPECT_EQ(background.shared, shared_parts(engines[0].info, engines[1].info));
+    EXPECT_FALSE(background.attribution.has_value());
   }
 }
 
@@ -73,27 +84,26 @@ TEST_F(EngineComparisons, ExplainWithTheFamilyOfTheTwoEngines) {
   BehaviourSpec spec = short_trot();
   const EngineFamily family = family_for(engine_families().front(), *LoadedBehaviour(spec).world().robot);
   std::get<WalkConfig>(spec.what).timing = {.seconds = 0.1, .settle_seconds = 0.05};
-  const PairVerdict whole = judge_behaviour(spec, family.from, family.to, how);
-  ASSERT_TRUE(whole.attribution.has_value());
+  const EngineComparison whole = judge_engines(spec, {family.from, family.to}, how);
+  ASSERT_TRUE(whole.backgrounds.front().attribution.has_value());
   const Attribution attribution = attribute(make_behaviour(spec), family, {.starts = 4, .workers = 1});
-  EXPECT_EQ(to_json(*whole.attribution).dump(), to_json(attribution).dump());
+  EXPECT_EQ(to_json(*whole.backgrounds.front().attribution).dump(), to_json(attribution).dump());
   // Every set of factors is an engine of its own to the store: the same again takes no run.
   const std::string bytes = read(path("runs.jsonl"));
-  EXPECT_EQ(to_json(judge_behaviour(spec, family.from, family.to, how)).dump(), to_json(whole).dump());
+  EXPECT_EQ(to_json(judge_engines(spec, {family.from, family.to}, how)).dump(), to_json(whole).dump());
   EXPECT_EQ(read(path("runs.jsonl")), bytes);
   how.explain = true;
-  EXPECT_THROW(judge_behaviour(spec, family.to, family.to, how), ConfigError);
+  EXPECT_THROW(judge_engines(spec, {family.to, family.to}, how), ConfigError);
 }
 
 TEST_F(EngineComparisons, FromStoredRunsCostNoRun) {
   for (const BehaviourSpec& spec : {short_trot(), short_policy()}) {
     std::filesystem::remove(path("runs.jsonl"));
-    const std::string plain = to_json(judge_behaviour(spec, a(), b(), options())).dump();
-    const std::string first = to_json(judge_behaviour(spec, a(), b(), options(true, 2))).dump();
-    // Both engines, every variation, four starts.
-    EXPECT_EQ(lines(), static_cast<long>(2 * variations().size() * 4));
+    const std::string plain = to_json(judge_engines(spec, {a(), b()}, options())).dump();
+    const std::string first = to_json(judge_engines(spec, {a(), b()}, options(true, 2))).dump();
+    EXPECT_EQ(lines(), 4 * runs_a_start());
     const std::string bytes = read(path("runs.jsonl"));
-    const std::string second = to_json(judge_behaviour(spec, a(), b(), options(true, 2))).dump();
+    const std::string second = to_json(judge_engines(spec, {a(), b()}, options(true, 2))).dump();
     EXPECT_EQ(read(path("runs.jsonl")), bytes);  // what is made is added, so nothing was
     EXPECT_EQ(second, first);
     const auto without_workers = [](const std::string& text) {
@@ -107,11 +117,12 @@ TEST_F(EngineComparisons, FromStoredRunsCostNoRun) {
 
 TEST_F(EngineComparisons, MoreStartsTakeOnlyTheRunsThatAreNew) {
   JudgeOptions how = options(true);
-  judge_behaviour(short_trot(), a(), b(), how);
+  judge_engines(short_trot(), {a(), b()}, how);
   const std::string bytes = read(path("runs.jsonl"));
   how.verdict.starts = 5;
-  judge_behaviour(short_trot(), a(), b(), how);
-  EXPECT_EQ(lines(), static_cast<long>(2 * variations().size() * 5));
+  const EngineComparison more = judge_engines(short_trot(), {a(), b()}, how);
+  EXPECT_EQ(more.starts_held, 4U) << "said, because whoever has looked at those looks again";
+  EXPECT_EQ(lines(), 5 * runs_a_start());
   EXPECT_EQ(read(path("runs.jsonl")).substr(0, bytes.size()), bytes);
 }
 
@@ -142,7 +153,7 @@ TEST_F(EngineComparisons, AuditThatWorldAndNoOther) {
   config.environment.friction = 0.3;
   config.environment.episode_seconds = 0.02;
   config.environment.settle_seconds = 0;
-  const PairVerdict pair = judge_behaviour({config, {}, 0}, a(), b(), options());
+  const EngineComparison judged = judge_engines(LoadedBehaviour(config, {}, 0), {a(), b()}, options());
   WorldSpec world;
   world.robot = std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped_long")));
   world.terrain = make_terrain("slope:angle=40");
@@ -150,41 +161,98 @@ TEST_F(EngineComparisons, AuditThatWorldAndNoOther) {
   const auto world_a = make_world(a(), world), world_b = make_world(b(), world);
   const std::vector<AuditFinding> expected = audit_models(*world_a, *world_b);
   ASSERT_FALSE(expected.empty()) << "take another world to tell by";
-  EXPECT_EQ(to_json(pair.models).dump(), to_json(expected).dump());
-  EXPECT_TRUE(judge_behaviour(short_trot(), a(), b(), options()).models.empty());
+  EXPECT_EQ(to_json(judged.backgrounds.front().models).dump(), to_json(expected).dump());
+  EXPECT_TRUE(judge_engines(short_trot(), {a(), b()}, options()).backgrounds.front().models.empty());
 }
 
 TEST_F(EngineComparisons, StartWithNoRunWhereSomethingIsWrong) {
   JudgeOptions how = options(true);
   how.verdict.starts = 3;
-  EXPECT_THROW(judge_behaviour(short_trot(), a(), b(), how), ConfigError);
+  EXPECT_THROW(judge_engines(short_trot(), {a(), b()}, how), ConfigError);
   how = options(true);
-  EXPECT_THROW(judge_behaviour(short_trot(), a(), "nonsense", how), ConfigError);
+  EXPECT_THROW(judge_engines(short_trot(), {a(), "nonsense"}, how), ConfigError);
   BehaviourSpec spec = short_policy();
   std::get<PolicyConfig>(spec.what).policy = "nonsense";
-  EXPECT_THROW(judge_behaviour(spec, a(), b(), how), ConfigError);
+  EXPECT_THROW(judge_engines(spec, {a(), b()}, how), ConfigError);
   spec = short_trot();
   std::get<WalkConfig>(spec.what).terrain = "moon";
-  EXPECT_THROW(judge_behaviour(spec, a(), b(), how), ConfigError);
+  EXPECT_THROW(judge_engines(spec, {a(), b()}, how), ConfigError);
   EXPECT_FALSE(std::filesystem::exists(path("runs.jsonl")));
 }
 
-TEST(EngineComparisonReport, IsAVerdictTheModelsAndWhyIfAsked) {
-  PairVerdict j;
-  j.verdict.a = "one";
-  j.verdict.b = "two";
-  j.models = {{"mass", "body trunk", 0.5, 0.25, "kg"}};
-  const std::string verdict = describe(j.verdict) + "\nModels: mass, body trunk: 0.5 against 0.25 kg.\n";
-  EXPECT_EQ(describe(j), verdict);
-  nlohmann::ordered_json json = to_json(j);
+EngineComparison by_hand() {
+  EngineComparison c;
+  c.engines = {{"one", "soft", "compliant"}, {"two", "hard", "rigid"}};
+  c.verdicts.starts = 12;
+  c.verdicts.engines = {"one", "two"};
+  Verdict v;
+  v.behaviour = "trot on flat, 5 s";
+  v.a = "one";
+  v.b = "two";
+  v.outcomes_a[static_cast<std::size_t>(Outcome::kWalked)] = 12;
+  v.outcomes_b = v.outcomes_a;
+  const auto add = [&v](const char* key, const char* name, double gap, double margin, Word word) {
+    StatisticVerdict s;
+    s.statistic = {key, name, "m", {0, margin, false, ""}};
+    s.gap.estimate = gap;
+    s.margin = margin;
+    s.word = word;
+    v.statistics.push_back(s);
+  };
+  add("way_m", "way", 0.01, 0.02, Word::kAgrees);
+  add("slip_m", "slip", -0.113, 0.02, Word::kDiffers);
+  v.word = Word::kDiffers;
+  c.verdicts.pairs = {v};
+  c.backgrounds = {{{{"mass", "body trunk", 0.5, 0.25, "kg"}}, {"servo law"}, std::nullopt}};
+  c.consensus = {{{0}, {1}}, {}, {}, {}, {}, "two votes"};
+  return c;
+}
+
+TEST(EngineComparisonReport, BeginsWithASentenceThatAColleagueCanRepeat) {
+  const EngineComparison c = by_hand();
+  const std::string sentence =
+      "trot on flat, 5 s: one and two differ in slip (-0.113 m, margin 0.02); way agrees. No run of 12 "
+      "failed, which "
+      "excludes failures in more than 22 % of runs.";
+  EXPECT_EQ(summary(c), sentence);
+  EXPECT_EQ(describe(c).substr(0, sentence.size()), sentence);
+  EXPECT_EQ(to_json(c)["summary"], sentence);
+  EngineComparison failing = c;
+  failing.verdicts.pairs[0].outcomes_b = {};
+  failing.verdicts.pairs[0].outcomes_b[static_cast<std::size_t>(Outcome::kSlid)] = 12;
+  EXPECT_NE(summary(failing).find("one: walked 12; two: slid 12."), std::string::npos) << summary(failing);
+  EngineComparison agreeing = c;
+  agreeing.verdicts.pairs[0].word = agreeing.verdicts.pairs[0].statistics[1].word = Word::kAgrees;
+  EXPECT_NE(summary(agreeing).find("agree in all 2 statistics"), std::string::npos) << summary(agreeing);
+  EngineComparison open = c;
+  open.verdicts.pairs[0].word = open.verdicts.pairs[0].statistics[1].word = Word::kUnresolved;
+  open.verdicts.pairs[0].starts_needed = 40;
+  EXPECT_NE(summary(open).find("slip is not resolved (40 starts would tell)"), std::string::npos)
+      << summary(open);
+  EngineComparison step = c;
+  step.verdicts.pairs[0].word = step.verdicts.pairs[0].statistics[1].word = Word::kStepDependent;
+  EXPECT_NE(summary(step).find("depends on the time step, not on the engine"), std::string::npos)
+      << summary(step);
+}
+
+TEST(EngineComparisonReport, HoldsEverythingThatBelongsToIt) {
+  EngineComparison c = by_hand();
+  c.starts_held = 6;
+  const std::string text = describe(c);
+  for (const char* part : {"Models: mass, body trunk: 0.5 against 0.25 kg.",
+                           "Shared, and so no evidence: servo law.", "held 6 of these starts"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  nlohmann::ordered_json json = to_json(c);
   EXPECT_EQ(json["schema"]["name"], "verdict");
-  EXPECT_EQ(json["b"], "two");
-  EXPECT_EQ(json["models"][0]["quantity"], "mass");
-  EXPECT_FALSE(json.contains("attribution"));
-  j.attribution.emplace();
-  j.attribution->from = "one";
-  EXPECT_EQ(describe(j), verdict + "\n" + describe(*j.attribution));
-  EXPECT_EQ(to_json(j)["attribution"]["from"], "one");
+  EXPECT_EQ(json["word"], "differs");
+  EXPECT_EQ(json["outcomes"]["two"]["walked"], 12);
+  EXPECT_EQ(json["pairs"][0]["engines"][1], "two");
+  EXPECT_EQ(json["pairs"][0]["shared"][0], "servo law");
+  EXPECT_EQ(json["pairs"][0]["models"][0]["quantity"], "mass");
+  EXPECT_EQ(json["pairs"][0]["attribution"], nullptr);
+  c.backgrounds[0].attribution.emplace();
+  c.backgrounds[0].attribution->from = "one";
+  EXPECT_EQ(to_json(c)["pairs"][0]["attribution"]["from"], "one");
 }
 
 TEST(JudgeStages, AreToldWithTheirNames) {

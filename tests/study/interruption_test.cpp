@@ -77,17 +77,20 @@ TEST(Interruptions, LeaveTheBestSoFar) {
 TEST(Interruptions, OfAVerdictMakeNoMoreRuns) {
   if (available_engines().size() < 2) GTEST_SKIP() << "one engine alone";
   Behaviour behaviour;
-  behaviour.statistics = {{"nothing", "-", 0, 1}};
+  behaviour.statistics = {{"nothing", "nothing", "-", {0, 1, false, ""}}};
+  behaviour.seconds = 1;
+  behaviour.cut_dt = 2e-3;
   behaviour.physics_dt = 1e-3;
   behaviour.control_dt = 2e-3;
   std::atomic<int> runs = 0;
-  behaviour.run = [&runs](const Engine&, const Variation&, std::size_t) {
+  behaviour.run = [&runs](const Engine&, const Variation&, std::size_t, double) {
     ++runs;
-    return std::vector<double>{0};
+    return BehaviourRun{{0}, Outcome::kWalked, 1};
   };
-  const Engine a = find_engine(available_engines().front()), b = find_engine(available_engines().back());
+  const std::vector<Engine> engines{find_engine(available_engines().front()),
+                                    find_engine(available_engines().back())};
   const VerdictOptions options{.starts = 100, .workers = 2};
-  EXPECT_THROW((void)reach_verdict(behaviour, a, b, options, until(0)), Interrupted);
+  EXPECT_THROW((void)reach_verdicts(behaviour, engines, options, until(0)), Interrupted);
   EXPECT_LE(runs, 2);  // what each worker was at
 }
 

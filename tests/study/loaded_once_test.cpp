@@ -38,11 +38,11 @@ TEST_F(LoadedOnce, AWalkGoesOnWithoutItsFiles) {
   const LoadedWalk loaded = walk();
   const Behaviour behaviour = make_behaviour({loaded, {}, 0});
   const MotionSummary walked = crossgait::walk(loaded, engine).summary;
-  const std::vector<double> run = behaviour.run(find_engine(engine), variations()[1], 2);
+  const auto run = behaviour.run(find_engine(engine), variations()[1], 2, kToTheEnd).values;
   remove_files();
   EXPECT_THROW(static_cast<void>(LoadedWalk(walk())), ConfigError);
   EXPECT_EQ(crossgait::walk(loaded, engine).summary.distance_m, walked.distance_m);
-  EXPECT_EQ(behaviour.run(find_engine(engine), variations()[1], 2), run);
+  EXPECT_EQ(behaviour.run(find_engine(engine), variations()[1], 2, kToTheEnd).values, run);
 }
 
 TEST_F(LoadedOnce, SoDoThePolicyAndItsEpisodes) {
@@ -54,7 +54,7 @@ TEST_F(LoadedOnce, SoDoThePolicyAndItsEpisodes) {
   const LoadedEnv environment = config;
   const LoadedBehaviour loaded(environment, "zero", {}, 0);
   const Behaviour behaviour = make_behaviour(loaded);
-  const std::vector<double> run = behaviour.run(find_engine(engine), variations()[2], 1);
+  const auto run = behaviour.run(find_engine(engine), variations()[2], 1, kToTheEnd).values;
   const auto rolled = [&] {
     return to_json(roll_out(environment, {"zero"}, {.episodes = 2, .workers = 1})).dump();
   };
@@ -62,7 +62,7 @@ TEST_F(LoadedOnce, SoDoThePolicyAndItsEpisodes) {
   make();  // the ground is read when it is first made
   remove_files();
   EXPECT_THROW(static_cast<void>(LoadedEnv(config)), ConfigError);
-  EXPECT_EQ(behaviour.run(find_engine(engine), variations()[2], 1), run);
+  EXPECT_EQ(behaviour.run(find_engine(engine), variations()[2], 1, kToTheEnd).values, run);
   EXPECT_NE(rolled(), "");
   EXPECT_NO_THROW(make());
   EXPECT_EQ(LoadedBehaviour(environment, "zero", {}, 0).world().robot, environment.robot);

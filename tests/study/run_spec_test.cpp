@@ -37,9 +37,9 @@ TEST(RunSpec, HasOneTextThatStays) {
       R"("physics_dt":0.001,)"
       R"("robot":{"description":"","name":"scara_quadruped"},"seconds":0.3,"settle_seconds":0.1,)"
       R"("terminations":["diverged"],"terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"crossgait":"","engine":"mujoco","engine_version":"2.2.2",)"
-      R"("schema":{"name":"run","version":2},"seed":3,"start":1,)"
+      R"("horizon_s":null,"schema":{"name":"run","version":3},"seed":3,"start":1,)"
       R"("starts":{"heading_rad":0.2,"position_m":0.1,"push_mps":0.02,"tilt_rad":0.02},)"
-      R"("variation":{"iterations":1.0,"step":1.0,"tolerance":1.0}})");
+      R"("variation":{"impratio":1.0,"iterations":1.0,"softness":1.0,"step":1.0}})");
   EXPECT_EQ(canonical_json(walk_run()), canonical_json(walk_run()));
   EXPECT_EQ(run_hash(walk_run()), fnv1a_hex(canonical_json(walk_run())));
   EXPECT_EQ(fnv1a_hex("foobar"), "85944171f73967e8");  // of the authors' test vectors
@@ -81,7 +81,9 @@ std::map<std::string, Change> changes_of_any_run() {
       {"start", [](RunSpec& r) { r.start = 2; }},
       {"seed", [](RunSpec& r) { r.behaviour.seed = 4; }},
       {"step", [](RunSpec& r) { r.variation.step = 0.5; }},
-      {"tolerance", [](RunSpec& r) { r.variation.tolerance = 0.5; }},
+      {"impratio", [](RunSpec& r) { r.variation.impratio = 0.5; }},
+      {"softness", [](RunSpec& r) { r.variation.softness = 0.5; }},
+      {"horizon", [](RunSpec& r) { r.horizon = 0.5; }},
       {"iterations", [](RunSpec& r) { r.variation.iterations = 0.5; }},
       {"position", [](RunSpec& r) { r.behaviour.starts.position_m = 0.3; }},
       {"heading", [](RunSpec& r) { r.behaviour.starts.heading_rad = 0.3; }},
@@ -129,7 +131,7 @@ TEST(RunSpec, ChangesWithEveryFieldOfAWalk) {
   expect_all_different(walk_run(), changes);
   RunSpec named = walk_run();
   named.variation.name = "by another name";
-  named.variation.kind = Variation::Kind::kSolver;
+  named.variation.kind = Variation::Kind::kSetting;
   EXPECT_EQ(run_hash(named), run_hash(walk_run()));
 }
 
@@ -208,10 +210,11 @@ TEST_P(Runs, RepeatWhatTheBehaviourDoes) {
       varied.variation = variation;
       varied.start = 2;
       const RunResult result = run(varied);
-      EXPECT_EQ(result.values, behaviour.run(find_engine(GetParam()), variation, 2)) << variation.name;
-      ASSERT_EQ(result.names.size(), behaviour.statistics.size());
-      for (std::size_t i = 0; i < result.names.size(); ++i)
-        EXPECT_EQ(result.names[i], behaviour.statistics[i].name);
+      const BehaviourRun expected = behaviour.run(find_engine(GetParam()), variation, 2, kToTheEnd);
+      EXPECT_EQ(result.run.values, expected.values) << variation.name;
+      EXPECT_EQ(result.run.seconds, expected.seconds) << variation.name;
+      EXPECT_EQ(result.run.outcome, expected.outcome) << variation.name;
+      EXPECT_EQ(result.keys, keys_of(behaviour));
     }
   }
 }
@@ -227,7 +230,9 @@ TEST_P(Runs, AreTheSameWhenManyOfOneBehaviourAreMade) {
       EXPECT_EQ(maker.make(GetParam(), variations()[k], k), stored_run(to_json(varied), run(varied)));
     }
     for (const Variation& variation : variations())
-      EXPECT_EQ(maker.allows(variation), make_behaviour(spec.behaviour).allows(variation)) << variation.name;
+      EXPECT_EQ(maker.allows(GetParam(), variation), variation.of(find_engine(GetParam()).info) &&
+                                                         make_behaviour(spec.behaviour).allows(variation))
+          << variation.name;
   }
 }
 
@@ -242,10 +247,10 @@ TEST_P(Runs, StartAlikeAsWalksAndAsPolicies) {
   episode.behaviour.what = policy;
   const Behaviour walks = make_behaviour(walk.behaviour), episodes = make_behaviour(episode.behaviour);
   const Engine engine = find_engine(GetParam());
-  std::vector<double> last;
+  std::vector<std::optional<double>> last;
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::vector<double> a = walks.run(engine, {}, k);
-    std::vector<double> b = episodes.run(engine, {}, k);
+    const std::vector<std::optional<double>> a = walks.run(engine, {}, k, kToTheEnd).values;
+    std::vector<std::optional<double>> b = episodes.run(engine, {}, k, kToTheEnd).values;
     ASSERT_EQ(b.size(), a.size() + 1);  // and the reward
     b.pop_back();
     EXPECT_EQ(a, b) << "start " << k;
@@ -254,7 +259,7 @@ TEST_P(Runs, StartAlikeAsWalksAndAsPolicies) {
   }
   // The push is part of it.
   walk.behaviour.starts.push_mps = 0;
-  EXPECT_NE(make_behaviour(walk.behaviour).run(engine, {}, 2), last);
+  EXPECT_NE(make_behaviour(walk.behaviour).run(engine, {}, 2, kToTheEnd).values, last);
 }
 
 TEST_P(Runs, RefuseAnotherVersionOfTheEngine) {

@@ -1,11 +1,15 @@
 #include "study/run_store.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <sstream>
 
+#include <unistd.h>
+
 #include "physics/core/error.h"
 #include "physics/core/worker_pool.h"
+#include "tests/physics/core/config_error.h"
 #include "tests/physics/core/scratch_folder.h"
 
 namespace crossgait {
@@ -18,11 +22,15 @@ class StoredRuns : public ScratchFolder {
   Behaviour behaviour() {
     Behaviour b;
     b.name = "made up";
-    b.statistics = {{"distance", "m", 0, 0.1}, {"cost", "-", 0, 0.1}, {"a thing", "-", 0, 0.1}};
-    b.run = [this](const Engine& engine, const Variation& variation, std::size_t start) {
+    for (const char* key : {"distance", "cost", "a thing"}) b.statistics.push_back({key, key, "-", {}});
+    b.run = [this](const Engine& engine, const Variation& variation, std::size_t start, double) {
       ++made_;
       const double k = static_cast<double>(start);
-      return std::vector<double>{0.1 + 0.2 * k, variation.step / 3, engine.name() == "one" ? 1e-300 : -0.0};
+      BehaviourRun run{{0.1 + 0.2 * k, variation.step / 3, engine.name() == "one" ? 1e-300 : -0.0},
+                       Outcome::kFell,
+                       0.1 * (1 + k)};
+      if (start == 4) run.values[1].reset();  // a motion that has no cost
+      return run;
     };
     return b;
   }
@@ -34,15 +42,20 @@ class StoredRuns : public ScratchFolder {
   }
   static BehaviourSpec spec() { return {WalkConfig{}, {}, 0}; }
   static RunSpec run_of(std::size_t start) { return {spec(), "one", "1", {}, start}; }
+  static RunResult result(const std::vector<std::string>& keys, const std::vector<double>& values) {
+    RunResult made{keys, {{}, Outcome::kWalked, 5}};
+    made.run.values.assign(values.begin(), values.end());
+    return made;
+  }
 
   /// Six runs of a store of its own on the same file.
-  std::vector<std::vector<double>> six(std::size_t count = 6) {
+  std::vector<BehaviourRun> six(std::size_t count = 6) {
     const auto store = std::make_shared<RunStore>(file());
     const Behaviour b = with_store(behaviour(), spec(), store);
-    std::vector<std::vector<double>> values;
+    std::vector<BehaviourRun> runs;
     for (std::size_t k = 0; k < count; ++k)
-      values.push_back(b.run(engine(k % 2 == 0 ? "one" : "two"), variations()[k / 3], k));
-    return values;
+      runs.push_back(b.run(engine(k % 2 == 0 ? "one" : "two"), variations()[k / 3], k, kToTheEnd));
+    return runs;
   }
   std::string file() const { return path("runs.jsonl"); }
   std::vector<std::string> lines() const {
@@ -60,11 +73,13 @@ TEST_F(StoredRuns, ThatFailedCountAsNotThere) {
   write("runs.jsonl", R"({"hash":")" + failed +
                           R"(","run":null,"error":"signal SIGSEGV"})"
                           "\n");
-  RunStore store(file());
-  EXPECT_EQ(store.size(), 0U);
-  EXPECT_FALSE(store.find(to_json(run_of(0))));
-  store.add(to_json(run_of(0)), {{"distance"}, {0.1}});
-  EXPECT_EQ(RunStore(file()).find(to_json(run_of(0)))->values, std::vector<double>{0.1});
+  {
+    RunStore store(file());
+    EXPECT_EQ(store.size(), 0U);
+    EXPECT_FALSE(store.find(to_json(run_of(0))));
+    store.add(to_json(run_of(0)), result({"distance"}, {0.1}));
+  }
+  EXPECT_EQ(RunStore(file()).find(to_json(run_of(0)))->run.values[0], 0.1);
   EXPECT_EQ(lines().size(), 2U);
 }
 
@@ -77,10 +92,10 @@ TEST_F(StoredRuns, AreNotMadeAgain) {
   EXPECT_EQ(made_, 6);
   EXPECT_EQ(read(file()), bytes);
   for (std::size_t k = 0; k < 6; ++k) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_EQ(second[k][i], first[k][i]);
-      EXPECT_EQ(std::signbit(second[k][i]), std::signbit(first[k][i]));
-    }
+    EXPECT_EQ(second[k].values, first[k].values);
+    EXPECT_EQ(std::signbit(*second[k].values[2]), std::signbit(*first[k].values[2]));
+    EXPECT_EQ(second[k].outcome, first[k].outcome);
+    EXPECT_EQ(second[k].seconds, first[k].seconds);
   }
   EXPECT_EQ(RunStore(file()).size(), 6U);
 }
@@ -99,30 +114,32 @@ TEST_F(StoredRuns, AreFoundByWhatTheyAre) {
   BehaviourSpec other_spec = spec();
   other_spec.seed = 1;
   const Behaviour other = with_store(behaviour(), other_spec, store);
-  b.run(engine("one"), {}, 0);
-  other.run(engine("one"), {}, 0);
-  b.run(engine("one", "2"), {}, 0);
-  b.run(engine("two"), {}, 0);
-  b.run(engine("one"), variations()[1], 0);
-  b.run(engine("one"), {}, 1);
-  EXPECT_EQ(made_, 6);
-  EXPECT_EQ(store->size(), 6U);
+  b.run(engine("one"), {}, 0, kToTheEnd);
+  other.run(engine("one"), {}, 0, kToTheEnd);
+  b.run(engine("one", "2"), {}, 0, kToTheEnd);
+  b.run(engine("two"), {}, 0, kToTheEnd);
+  b.run(engine("one"), variations()[1], 0, kToTheEnd);
+  b.run(engine("one"), {}, 1, kToTheEnd);
+  b.run(engine("one"), {}, 1, 0.1);
+  EXPECT_EQ(made_, 7);
+  EXPECT_EQ(store->size(), 7U);
   // Other numbers of the same run are other runs' business.
   Behaviour more = behaviour();
-  more.statistics.push_back({"one more", "-", 0, 0.1});
-  more.run = [run = more.run](const Engine& e, const Variation& variation, std::size_t start) {
-    std::vector<double> values = run(e, variation, start);
-    values.push_back(1);
-    return values;
+  more.statistics.push_back({"one more", "one more", "-", {}});
+  more.run = [run = more.run](const Engine& e, const Variation& variation, std::size_t start,
+                              double horizon) {
+    BehaviourRun made = run(e, variation, start, horizon);
+    made.values.emplace_back(1);
+    return made;
   };
-  with_store(more, spec(), store).run(engine("one"), {}, 0);
-  EXPECT_EQ(made_, 7);
+  with_store(more, spec(), store).run(engine("one"), {}, 0, kToTheEnd);
+  EXPECT_EQ(made_, 8);
 }
 
 TEST_F(StoredRuns, HaveOneNumberPerName) {
   RunStore store(file());
-  EXPECT_THROW(store.add(to_json(run_of(0)), {{"distance", "cost"}, {1}}), ConfigError);
-  EXPECT_THROW(store.add(to_json(run_of(0)), {{"distance"}, {1, 2}}), ConfigError);
+  EXPECT_THROW(store.add(to_json(run_of(0)), result({"distance", "cost"}, {1})), ConfigError);
+  EXPECT_THROW(store.add(to_json(run_of(0)), result({"distance"}, {1, 2})), ConfigError);
   EXPECT_EQ(store.size(), 0U);
 }
 
@@ -130,7 +147,7 @@ TEST_F(StoredRuns, ALineThatWasCutOffIsMadeAgain) {
   six();
   const std::string whole = read(file());
   const std::size_t last = whole.rfind('\n', whole.size() - 2) + 1;
-  for (const std::size_t kept : {last + 1, last + 30, whole.size() - 1}) {
+  for (const std::size_t kept : {last + 1, last + 30, whole.size() - 2}) {
     std::filesystem::resize_file(file(), kept);
     made_ = 0;
     EXPECT_EQ(RunStore(file()).size(), 5U);
@@ -143,9 +160,11 @@ TEST_F(StoredRuns, ALineThatWasCutOffIsMadeAgain) {
 TEST_F(StoredRuns, ALineThatIsNoRunIsAnErrorThatNamesIt) {
   six(3);
   const std::vector<std::string> sound = lines();
-  for (const std::string garbage : {"garbage", "{}", "[]", "7", "", R"({"hash": 3, "run": {}, "result": {}})",
-                                    R"({"hash": "00", "run": {}, "result": {"distance": "far"}})",
-                                    R"({"hash": "00", "run": {}, "result": {"distance": null}})"}) {
+  for (const std::string garbage :
+       {"garbage", "{}", "[]", "7", "", R"({"hash": 3, "run": {}, "result": {}})",
+        R"({"hash": "00", "run": {}, "result": {"distance": 1}})",
+        R"({"hash": "00", "run": {}, "result": {"outcome": "flew", "seconds": 1}})",
+        R"({"hash": "00", "run": {}, "result": {"outcome": "fell", "seconds": 1, "d": "far"}})"}) {
     write("runs.jsonl", sound[0] + "\n" + garbage + "\n" + sound[1] + "\n");
     try {
       const RunStore store(file());
@@ -163,7 +182,7 @@ TEST_F(StoredRuns, MayBeAddedByManyThreads) {
     const auto store = std::make_shared<RunStore>(file());
     const Behaviour b = with_store(behaviour(), spec(), store);
     WorkerPool pool(3);
-    pool.run(60, [&](std::size_t i) { b.run(engine("one"), {}, i % 40); });
+    pool.run(60, [&](std::size_t i) { b.run(engine("one"), {}, i % 40, kToTheEnd); });
     EXPECT_EQ(store->size(), 40U);
   }
   const RunStore again(file());
@@ -171,8 +190,8 @@ TEST_F(StoredRuns, MayBeAddedByManyThreads) {
   for (std::size_t k = 0; k < 40; ++k) {
     const auto stored = again.find(to_json(run_of(k)));
     ASSERT_TRUE(stored.has_value()) << k;
-    EXPECT_EQ(stored->names, (std::vector<std::string>{"distance", "cost", "a thing"}));
-    EXPECT_EQ(stored->values[0], 0.1 + 0.2 * static_cast<double>(k));
+    EXPECT_EQ(stored->keys, (std::vector<std::string>{"distance", "cost", "a thing"}));
+    EXPECT_EQ(stored->run.values[0], 0.1 + 0.2 * static_cast<double>(k));
   }
 }
 
@@ -182,6 +201,8 @@ TEST_F(StoredRuns, SayWhatTheyAre) {
   EXPECT_EQ(line["hash"], run_hash(run_of(0)));
   EXPECT_EQ(line["run"], to_json(run_of(0)));
   EXPECT_EQ(line["result"]["distance"], 0.1);
+  EXPECT_EQ(line["result"]["outcome"], "fell");
+  EXPECT_EQ(line["result"]["seconds"], 0.1);
 }
 
 TEST_F(StoredRuns, ThatGoTooDeepAreAnError) {
@@ -208,10 +229,69 @@ TEST_F(StoredRuns, OfTooManyValuesAreAnErrorOfTheirLine) {
 }
 
 TEST_F(StoredRuns, ThatCannotBeWrittenAreAnError) {
-  RunStore store(path("nowhere/runs.jsonl"));
-  EXPECT_EQ(store.size(), 0U);
-  EXPECT_THROW(store.add(to_json(run_of(0)), {{"distance"}, {1}}), ConfigError);
-  EXPECT_EQ(store.size(), 0U);
+  EXPECT_EQ(config_error([&] { RunStore{path("nowhere/runs.jsonl")}; }).found(), "No such file or directory");
+  EXPECT_EQ(config_error([&] { RunStore{folder_.string()}; }).found(), "a folder");
+  EXPECT_EQ(config_error([] { RunStore{"/dev/null"}; }).found(), "a pipe or device");
+}
+
+TEST_F(StoredRuns, AWholeLastLineWithoutItsEndIsKept) {
+  six();
+  const std::string whole = read(file());
+  std::filesystem::resize_file(file(), whole.size() - 1);
+  EXPECT_EQ(RunStore(file()).size(), 6U);
+  EXPECT_EQ(read(file()).size(), whole.size() - 1) << "opening changes nothing";
+  made_ = 0;
+  six();
+  EXPECT_EQ(made_, 0);
+  RunStore(file()).add(to_json(run_of(7)), result({"distance"}, {0.1}));
+  EXPECT_EQ(read(file()), whole + stored_run(to_json(run_of(7)), result({"distance"}, {0.1})) + "\n");
+}
+
+// What is no beginning of a row is somebody's, and not to be cut off.
+TEST_F(StoredRuns, AFileThatIsSomethingElseIsLeftAsItIs) {
+  six(2);
+  std::string returns = read(file());
+  std::replace(returns.begin(), returns.end(), '\n', '\r');
+  const std::string row = lines().front();
+  const std::vector<std::string> others{"my only notes, no newline at the end",
+                                        R"({"hash": "00", "notes": "one line, as json.dump writes it"})",
+                                        R"({"hash":"00","run":{},"notes":[]})",
+                                        R"([{"hash":"00","run":{},"result":{}}])",
+                                        returns,
+                                        row + " and a remark",
+                                        std::string("\x7f"
+                                                    "ELF\0\1\2\xff",
+                                                    8),
+                                        row + "\nnotes",
+                                        row + "\n" + std::string(9, '\0'),
+                                        "{\n"};
+  for (const std::string& other : others) {
+    write("runs.jsonl", other);
+    EXPECT_THROW(RunStore{file()}, ConfigError) << other;
+    EXPECT_EQ(read(file()), other);
+  }
+}
+
+TEST_F(StoredRuns, WhatAnotherProgramWroteIsNotCutOff) {
+  six();
+  std::filesystem::resize_file(file(), read(file()).size() - 30);
+  RunStore store(file());
+  std::ofstream(file(), std::ios::app) << "somebody's";
+  const std::string before = read(file());
+  EXPECT_NE(config_error([&] { store.add(to_json(run_of(9)), result({"distance"}, {1})); })
+                .found()
+                .find("another program writes it"),
+            std::string::npos);
+  EXPECT_EQ(read(file()), before);
+}
+
+TEST_F(StoredRuns, AreOnesAtATime) {
+  const RunStore store(file());
+  const std::string us = "one that process " + std::to_string(::getpid()) + " is writing";
+  EXPECT_EQ(config_error([&] { RunStore{file()}; }).found(), us);
+  std::filesystem::create_symlink(file(), path("link.jsonl"));
+  EXPECT_EQ(config_error([&] { RunStore{path("link.jsonl")}; }).found(), us) << "by another name";
+  EXPECT_EQ(count_stored_runs(file()), 0U) << "whoever only counts is welcome";
 }
 
 }  // namespace

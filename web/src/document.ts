@@ -100,26 +100,30 @@ export interface Interval {
   high: number;
 }
 
+/** One pair of engines of a verdict. */
 export interface Verdict {
   behaviour: string;
-  a: string;
-  b: string;
-  verdict: string;
   starts: number;
-  limit: number;
   confidence: number;
   variations: string[];
   left_out: string[];
+  engines: [string, string];
+  word: string;
+  reason: string;
+  outcomes: [string, string];
   statistics: {
     name: string;
     unit: string;
-    mean_a: number;
-    mean_b: number;
-    gap: Interval;
-    spread: number;
-    floor: number;
-    score: Interval;
-    verdict: string;
+    values: [number, number];
+    estimand: string;
+    gap: number;
+    low: number;
+    high: number;
+    margin: number;
+    margin_rule: string;
+    word: string;
+    reason: string;
+    gap_half: number | null;
   }[];
   models: { quantity: string; element: string; a: number; b: number; unit: string }[];
   attribution: {
@@ -130,9 +134,10 @@ export interface Verdict {
       unit: string;
       gap: Interval;
       leading: string[];
-      factors: { name: string; effect: Interval }[];
+      sentence: string;
+      groups: { name: string; effect: Interval }[];
     }[];
-    factors: { name: string; summary: string }[];
+    factors: { name: string; group: string; summary: string }[];
   } | null;
 }
 

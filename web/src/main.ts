@@ -200,8 +200,8 @@ function header(report: ReportDocument): HTMLElement {
   const facts = motion
     ? `${motion.scene.robot} on ${motion.scene.terrain} \u00b7 ${motion.runs.map((run) => (run.engine ? `${run.name} (${run.engine})` : run.name)).join(", ")}`
     : report.verdicts.length > 1
-      ? `${new Set(report.verdicts.flatMap((v) => [v.a, v.b])).size} engines`
-      : report.verdicts.map((v) => `${v.a} and ${v.b}: ${v.verdict}`).join(", ");
+      ? `${new Set(report.verdicts.flatMap((v) => v.engines)).size} engines`
+      : report.verdicts.map((v) => `${v.engines.join(" and ")}: ${v.word}`).join(", ");
   const keys = h(
     "details",
     { class: "help" },
@@ -266,17 +266,17 @@ function buildReport(report: ReportDocument): object {
   } else {
     page.append(results);
   }
-  // Of many engines first what they come to, then every pair.
-  const many = !motion && report.verdicts.length > 1;
+  // Of a verdict first what it comes to, then every pair.
+  const judged = !motion && report.verdicts.length > 0;
   const found = findings(
     report,
-    many ? "Which engines agree" : motion || report.verdicts.length > 0 ? "Statistics" : "Numbers",
+    judged ? (report.verdicts.length > 1 ? "Which engines agree" : "Verdict") : motion ? "Statistics" : "Numbers",
   );
-  if (found && many) results.append(found);
+  if (found && judged) results.append(found);
   for (const verdict of report.verdicts) results.append(verdictSection(verdict));
   const drawn = charts(report, numbers);
   results.append(...drawn.elements);
-  if (found && !many) results.append(found);
+  if (found && !judged) results.append(found);
   results.append(origin(report));
   listen(stage);
   return { ...handles, charts: drawn.figures };

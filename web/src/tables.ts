@@ -3,7 +3,7 @@ import type { Motion, Provenance, ReportDocument } from "./document";
 import { digits, h } from "./dom";
 
 /** Of verdicts. */
-const WORDS = new Set(["agrees", "engine-dependent", "unresolved"]);
+const WORDS = new Set(["agrees", "differs", "step-dependent", "unresolved"]);
 
 function table(header: string[], rows: string[][]): HTMLElement {
   const cells = (row: string[], tag: "th" | "td") =>

@@ -1,29 +1,29 @@
 // A verdict: every statistic as a dot with its interval between the limits, the words, and what the gap comes from.
-import type { Interval, Verdict } from "./document";
+import type { Verdict } from "./document";
 import { digits, h, svg } from "./dom";
 
 const WIDTH = 260;
 const HEIGHT = 22;
 
-/** Scores over the whole range: linear within the limits, then by powers of ten. */
+type Statistic = Verdict["statistics"][number];
+
+/** Gaps in margins, over the whole range: linear within the margin, then by powers of ten. */
 class Axis {
   private readonly reach: number;
 
-  constructor(private readonly verdict: Verdict) {
-    let reach = 3 * verdict.limit;
-    for (const { score } of verdict.statistics) reach = Math.max(reach, Math.abs(score.low), Math.abs(score.high));
-    this.reach = this.bent(Number.isFinite(reach) ? reach : 1e6);
+  constructor(verdict: Verdict) {
+    let reach = 3;
+    for (const s of verdict.statistics)
+      if (s.margin > 0) reach = Math.max(reach, Math.abs(s.low) / s.margin, Math.abs(s.high) / s.margin);
+    this.reach = Math.asinh(Number.isFinite(reach) ? reach : 1e6);
   }
-  private bent(score: number): number {
-    return Math.asinh(score / this.verdict.limit);
+  x(margins: number): number {
+    return WIDTH / 2 + (Math.asinh(margins) / this.reach) * (WIDTH / 2 - 6);
   }
-  x(score: number): number {
-    return WIDTH / 2 + (this.bent(score) / this.reach) * (WIDTH / 2 - 6);
-  }
-  picture(score: Interval, word: string): SVGElement {
-    const { limit } = this.verdict;
-    const [from, to] = [this.x(-limit), this.x(limit)];
+  picture(s: Statistic): SVGElement {
+    const [from, to] = [this.x(-1), this.x(1)];
     const middle = HEIGHT / 2;
+    const [low, gap, high] = [s.low, s.gap, s.high].map((at) => this.x(s.margin > 0 ? at / s.margin : 0));
     return svg(
       "svg",
       {
@@ -31,20 +31,17 @@ class Axis {
         width: WIDTH,
         height: HEIGHT,
         role: "img",
-        "aria-label": `${digits(score.estimate)}, from ${digits(score.low)} to ${digits(score.high)}`,
+        "aria-label": `${digits(s.gap)}, from ${digits(s.low)} to ${digits(s.high)}; margin ${digits(s.margin)}`,
       },
       svg("rect", { x: from, y: 0, width: to - from, height: HEIGHT, class: "within" }),
       svg("line", { x1: WIDTH / 2, x2: WIDTH / 2, y1: 0, y2: HEIGHT, class: "zero" }),
-      svg("line", { x1: this.x(score.low), x2: this.x(score.high), y1: middle, y2: middle, class: `interval ${word}` }),
-      svg("circle", { cx: this.x(score.estimate), cy: middle, r: 4, class: `dot ${word}` }),
+      svg("line", { x1: low, x2: high, y1: middle, y2: middle, class: `interval ${s.word}` }),
+      svg("circle", { cx: gap, cy: middle, r: 4, class: `dot ${s.word}` }),
     );
   }
-  /** Below the last row: zero and the limits. */
+  /** Below the last row: zero and the margins. */
   scale(): SVGElement {
-    const { limit } = this.verdict;
-    const ticks = [-10 * limit, -limit, 0, limit, 10 * limit].filter(
-      (at) => Math.abs(this.x(at) - WIDTH / 2) <= WIDTH / 2 - 6,
-    );
+    const ticks = [-10, -1, 0, 1, 10].filter((at) => Math.abs(this.x(at) - WIDTH / 2) <= WIDTH / 2 - 6);
     return svg(
       "svg",
       { viewBox: `0 0 ${WIDTH} 14`, width: WIDTH, height: 14, "aria-hidden": "true" },
@@ -58,10 +55,10 @@ class Axis {
 function attribution(verdict: Verdict): HTMLElement | null {
   const a = verdict.attribution;
   if (!a) return null;
-  const names = a.factors.map((f) => f.name);
+  const names = [...new Set(a.factors.map((f) => f.group))];
   const rows = a.statistics.map((s) => {
     const cells = names.map((name) => {
-      const effect = s.factors.find((f) => f.name === name)?.effect;
+      const effect = s.groups.find((g) => g.name === name)?.effect;
       const leads = s.leading.includes(name);
       return h("td", { class: leads ? "leads" : "" }, effect ? digits(effect.estimate) : "\u2013");
     });
@@ -73,10 +70,12 @@ function attribution(verdict: Verdict): HTMLElement | null {
       ...cells,
     );
   });
+  const sentences = a.statistics.filter((s) => s.sentence).map((s) => h("li", {}, `${s.name}: ${s.sentence}.`));
   return h(
     "div",
     {},
-    h("h3", {}, `What the gap comes from: ${a.from} to ${a.to}, one factor at a time`),
+    h("h3", {}, `What the gap comes from: ${a.from} to ${a.to}`),
+    sentences.length > 0 ? h("ul", {}, ...sentences) : null,
     h(
       "div",
       { class: "scroll" },
@@ -90,7 +89,7 @@ function attribution(verdict: Verdict): HTMLElement | null {
     h(
       "p",
       { class: "muted" },
-      "Share of the gap that each factor makes, in the statistic's unit; those that lead are marked.",
+      "Part of the gap that each modelling decision makes, in the statistic's unit; those that lead are marked.",
     ),
     h("dl", {}, ...a.factors.flatMap((f) => [h("dt", {}, f.name), h("dd", {}, f.summary)])),
   );
@@ -98,27 +97,29 @@ function attribution(verdict: Verdict): HTMLElement | null {
 
 export function verdictSection(verdict: Verdict): HTMLElement {
   const axis = new Axis(verdict);
-  const header = ["statistic", verdict.a, verdict.b, "gap", "\u00b1", "spread or floor", "gap over it", "verdict"];
+  const [a, b] = verdict.engines;
+  const header = ["statistic", a, b, "gap", "from", "to", "margin", "gap in margins", "half the step", "word"];
   const rows = verdict.statistics.map((s) =>
     h(
       "tr",
       {},
       h("th", { scope: "row" }, s.unit === "-" ? s.name : `${s.name}, ${s.unit}`),
-      h("td", {}, digits(s.mean_a)),
-      h("td", {}, digits(s.mean_b)),
-      h("td", {}, digits(s.gap.estimate)),
-      h("td", {}, digits((s.gap.high - s.gap.low) / 2)),
-      h("td", {}, digits(Math.max(s.spread, s.floor))),
-      h("td", { class: "picture" }, axis.picture(s.score, s.verdict)),
-      h("td", {}, h("span", { class: `word ${s.verdict}` }, s.verdict)),
+      ...[...s.values, s.gap, s.low, s.high].map((value) => h("td", {}, digits(value))),
+      h("td", { title: s.margin_rule }, digits(s.margin)),
+      h("td", { class: "picture" }, axis.picture(s)),
+      h("td", {}, s.gap_half === null ? "\u2013" : digits(s.gap_half)),
+      h("td", { title: s.reason }, h("span", { class: `word ${s.word}` }, s.word)),
     ),
   );
+  const reasons = verdict.statistics
+    .filter((s) => s.reason)
+    .map((s) => h("li", {}, `${s.name}: ${s.word}: ${s.reason}.`));
   const scale = h(
     "tr",
     { class: "scale" },
-    h("td", { colspan: 6 }),
+    h("td", { colspan: 7 }),
     h("td", { class: "picture" }, axis.scale()),
-    h("td", {}),
+    h("td", { colspan: 2 }),
   );
   const models = verdict.models.map((m) =>
     h(
@@ -130,11 +131,11 @@ export function verdictSection(verdict: Verdict): HTMLElement {
   return h(
     "section",
     { class: "group verdict" },
-    h("h2", {}, `${verdict.a} and ${verdict.b} `, h("span", { class: `word ${verdict.verdict}` }, verdict.verdict)),
+    h("h2", {}, `${a} and ${b} `, h("span", { class: `word ${verdict.word}` }, verdict.word)),
     h(
       "p",
       {},
-      `${verdict.behaviour}, ${verdict.starts} starts. The gap between the engines over the spread within each: up to ${verdict.limit} (shaded) they agree. Intervals hold together with ${100 * verdict.confidence} % confidence.`,
+      `${verdict.behaviour}, ${verdict.starts} starts. Engines agree where the gap lies within its margin (shaded), and differ where it lies beyond, with ${100 * verdict.confidence} % confidence for all together. ${a}: ${verdict.outcomes[0]}; ${b}: ${verdict.outcomes[1]}.`,
     ),
     h(
       "div",
@@ -149,8 +150,9 @@ export function verdictSection(verdict: Verdict): HTMLElement {
     h(
       "p",
       { class: "muted" },
-      `Spread over the starts and over: ${verdict.variations.join(", ")}${verdict.left_out.length > 0 ? `; left out: ${verdict.left_out.join("; ")}` : ""}.`,
+      `Run: ${verdict.variations.join(", ")}${verdict.left_out.length > 0 ? `; left out: ${verdict.left_out.join("; ")}` : ""}.`,
     ),
+    reasons.length > 0 ? h("ul", { class: "muted" }, ...reasons) : null,
     models.length > 0
       ? h("div", {}, h("h3", {}, "The two engines hold different machines"), h("ul", {}, ...models))
       : null,

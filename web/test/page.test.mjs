@@ -341,11 +341,14 @@ test("a rollout shows what it earned, and what its feet span", async () => {
   await page.close();
 });
 
-test("a verdict shows every statistic between the limits", async () => {
+test("a verdict begins with its sentence and shows every gap against its margin", async () => {
   const { page, problems } = await open("verdict.html");
   const result = JSON.parse(readFileSync(join(pages, "verdict.json"), "utf8"));
-  assert.equal(await page.locator("svg .dot").count(), result.statistics.length);
-  for (const [i, { score, verdict: word }] of result.statistics.entries()) {
+  const statistics = result.pairs[0].statistics;
+  assert.match(await page.locator(".results section").first().textContent(), /statistics|differ|resolved/);
+  assert.ok((await page.locator(".results section").first().textContent()).includes(result.summary));
+  assert.equal(await page.locator("svg .dot").count(), statistics.length);
+  for (const [i, { gap, margin, word }] of statistics.entries()) {
     const row = page.locator(".verdict tbody tr").nth(i);
     assert.equal(await row.locator(".word").textContent(), word);
     const [x, from, width] = await row.evaluate((r) => [
@@ -353,7 +356,7 @@ test("a verdict shows every statistic between the limits", async () => {
       r.querySelector(".within").x.baseVal.value,
       r.querySelector(".within").width.baseVal.value,
     ]);
-    assert.equal(x >= from && x <= from + width, Math.abs(score.estimate) <= result.limit, `${word} ${score.estimate}`);
+    assert.equal(x >= from && x <= from + width, Math.abs(gap) <= margin, `${word} ${gap}`);
   }
   assert.deepEqual(problems, []);
   await page.close();
@@ -366,8 +369,8 @@ test("a verdict of many begins with who agrees", async () => {
     await page
       .locator(".results h2")
       .allTextContents()
-      .then((heads) => heads.map((head) => head.replace(/ (agrees|engine-dependent|unresolved)$/, ""))),
-    ["Which engines agree", ...result.pairs.map(({ a, b }) => `${a} and ${b}`), "Where this comes from"],
+      .then((heads) => heads.map((head) => head.replace(/ (agrees|differs|step-dependent|unresolved)$/, ""))),
+    ["Which engines agree", ...result.pairs.map(({ engines }) => engines.join(" and ")), "Where this comes from"],
   );
   const matrix = page.locator(".results section").first();
   assert.equal(await matrix.locator("td .word").count(), 2 * result.pairs.length, "every pair, either way round");

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from crossgait.studies.choices import Policy, Subject
 from crossgait.studies.episodes import course, rollout, transfer, tune
-from crossgait.studies.judging import verdict, verdicts
+from crossgait.studies.judging import verdict
 from crossgait.studies.measuring import bench, conformance
 from crossgait.studies.results import (
     Bench,
@@ -16,7 +16,6 @@ from crossgait.studies.results import (
     Transfer,
     Tuning,
     Verdict,
-    Verdicts,
     WalkResult,
 )
 from crossgait.studies.walks import compare, walk
@@ -33,7 +32,6 @@ __all__ = [
     "Transfer",
     "Tuning",
     "Verdict",
-    "Verdicts",
     "WalkResult",
     "bench",
     "compare",
@@ -43,6 +41,5 @@ __all__ = [
     "transfer",
     "tune",
     "verdict",
-    "verdicts",
     "walk",
 ]

@@ -34,14 +34,14 @@ def default_engine() -> str:
     return available[0]
 
 
-def two_engines(engines: Sequence[str] | None) -> list[str]:
-    """Return the two engines given; by default the first and the first of other laws. Raises ConfigError."""
+def several_engines(engines: Sequence[str] | None) -> list[str]:
+    """Return the engines given; by default the first and the first of other laws. Raises ConfigError for one alone."""
     if engines is None:
         by_name = {engine.name: engine for engine in _core.engines() if engine.available}
         first = default_engine()
         engines = [first, *(n for n, e in by_name.items() if e.laws != by_name[first].laws)][:2]
-    if len(engines) != 2 or engines[0] == engines[1]:
-        raise ConfigError("verdict", "engines", "two different engines", ", ".join(engines))
+    if len(engines) < 2:
+        raise ConfigError("verdict", "engines", "two or more", ", ".join(engines))
     return list(engines)
 
 

@@ -17,7 +17,7 @@ Json = dict[str, Any]
 
 # Okabe and Ito's palette (2008): told apart by the colour-blind, too.
 _PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00")
-_WORDS = {"agrees": "#009E73", "engine-dependent": "#D55E00", "unresolved": "#888888"}
+_WORDS = {"agrees": "#009E73", "differs": "#D55E00", "step-dependent": "#E69F00", "unresolved": "#888888"}
 _LEGS = ("FL", "FR", "RL", "RR")
 
 
@@ -81,57 +81,27 @@ def plot_traces(traces: Sequence[Trace], title: str, study: str) -> Figure:
 
 
 def plot_verdict(document: Json) -> Figure:
-    """Every statistic's score with its interval, between the limits."""
-    d = document
-    rows = d["statistics"]
-    figure, (ax,) = _new(1, 1.5 + 0.35 * len(rows))
-    reach = 3 * d["limit"]
-    for i, row in enumerate(rows):
-        score = row["score"]
-        values = np.clip([score["low"], score["estimate"], score["high"]], -reach, reach)
-        ax.plot(values[[0, 2]], [i, i], color=_WORDS[row["verdict"]], linewidth=2)
-        marker = "o" if abs(score["estimate"]) <= reach else (">" if score["estimate"] > 0 else "<")
-        ax.plot(values[1], i, marker, color=_WORDS[row["verdict"]])
-    for limit in (-d["limit"], d["limit"]):
-        ax.axvline(limit, color="#444444", linewidth=0.8, linestyle="--")
+    """Every statistic's gap with its interval, in margins, by pair; shaded: within the margin."""
+    pairs = document["pairs"]
+    keys = list(dict.fromkeys(s["key"] for pair in pairs for s in pair["statistics"]))
+    figure, (ax,) = _new(1, 1.5 + (0.25 + 0.1 * len(pairs)) * len(keys))
+    for i, pair in enumerate(pairs):
+        place = 0.7 * ((i + 0.5) / len(pairs) - 0.5)
+        for s in pair["statistics"]:
+            low, gap, high = np.array([s["low"], s["gap"], s["high"]]) / (s["margin"] or 1)
+            y, colour = keys.index(s["key"]) + place, _WORDS[s["word"]]
+            ax.plot([low, high], [y, y], color=colour, linewidth=2)
+            ax.plot(gap, y, "o", color=colour, markersize=4)
+    ax.axvspan(-1, 1, color="#eeeeee", zorder=0)
     for word, colour in _WORDS.items():
         ax.plot([], [], "o", color=colour, label=word)
-    ax.legend(frameon=False, loc="upper right", bbox_to_anchor=(1, -0.12), ncols=3)
-    ax.set_yticks(range(len(rows)), [row["name"] for row in rows])
+    ax.legend(frameon=False, loc="upper right", bbox_to_anchor=(1, -0.12), ncols=4)
+    ax.set_yticks(range(len(keys)), keys)
     ax.invert_yaxis()
-    ax.set_xlim(-1.05 * reach, 1.05 * reach)
-    ax.set_xlabel(f"gap over spread, {d['b']} less {d['a']} (arrows: beyond the picture)")
-    ax.set_title(f"{d['behaviour']}: {d['verdict']}")
-    return figure
-
-
-def plot_verdicts(document: Json) -> Figure:
-    """Score of every statistic, by pair, between the limits within which engines agree."""
-    pairs = document["pairs"]
-    names = [s["name"] for s in pairs[0]["statistics"]]
-    figure, (ax,) = _new(1, 1.5 + 0.4 * len(names))
-    for i, pair in enumerate(pairs):
-        scores = [s["score"] for s in pair["statistics"]]
-        middle = np.array([score["estimate"] for score in scores])
-        ends = np.array([[score["low"] for score in scores], [score["high"] for score in scores]])
-        places = np.arange(len(names)) + 0.7 * ((i + 0.5) / len(pairs) - 0.5)
-        label = f"{pair['b']} against {pair['a']}"
-        ax.errorbar(
-            middle,
-            places,
-            xerr=np.abs(ends - middle),
-            fmt="o",
-            markersize=3,
-            label=label,
-            color=_PALETTE[i % len(_PALETTE)],
-        )
-    limit = pairs[0]["limit"]
-    ax.axvspan(-limit, limit, color="#eeeeee", zorder=0)
-    ax.set_yticks(range(len(names)), names)
-    ax.invert_yaxis()
-    ax.set_xscale("symlog", linthresh=limit)
-    ax.set_xlabel("score (grey: agrees)")
-    ax.legend(frameon=False, fontsize="x-small")
+    ax.set_xscale("symlog", linthresh=1)
+    less = ", ".join(f"{b} less {a}" for a, b in (pair["engines"] for pair in pairs[:4]))
+    ax.set_xlabel(f"gap in margins (linear up to 1), {less}{' ...' if len(pairs) > 4 else ''}")
+    ax.set_title(f"{document['behaviour']}: {document['word']}")
     return figure
 
 

@@ -153,60 +153,57 @@ class CompareResult(Result):
 
 @dataclass(frozen=True, repr=False)
 class Verdict(Result):
-    """Whether a behaviour depends on the engine (docs/verdict.md)."""
+    """Whether a behaviour depends on the engine (docs/verdict.md), in two engines or more."""
 
     @property
-    def verdict(self) -> str:
-        """`agrees`, `engine-dependent` or `unresolved`."""
-        word: str = self.document["verdict"]
+    def word(self) -> str:
+        """`agrees`, `differs`, `step-dependent` or `unresolved`: of all pairs together."""
+        word: str = self.document["word"]
         return word
 
-    def statistic(self, name: str) -> Json:
-        """The judgement of one statistic. Raises KeyError."""
-        for row in self.document["statistics"]:
-            if row["name"] == name:
+    @property
+    def summary(self) -> str:
+        """What a colleague can repeat."""
+        summary: str = self.document["summary"]
+        return summary
+
+    @property
+    def outcomes(self) -> dict[str, dict[str, int]]:
+        """How many runs came to which outcome, by engine."""
+        outcomes: dict[str, dict[str, int]] = self.document["outcomes"]
+        return outcomes
+
+    @property
+    def pairs(self) -> list[Json]:
+        """Every two engines: `engines`, `word`, `reason`, `starts_needed`, `statistics` and what goes with them."""
+        pairs: list[Json] = self.document["pairs"]
+        return pairs
+
+    def pair(self, a: str, b: str) -> Json:
+        """One of them, either way round. Raises KeyError."""
+        for pair in self.pairs:
+            if {a, b} == set(pair["engines"]):
+                return pair
+        raise KeyError((a, b))
+
+    def statistic(self, key: str, a: str | None = None, b: str | None = None) -> Json:
+        """Judge one statistic, by its key: of the first pair, or of two engines. Raises KeyError."""
+        pair = self.pairs[0] if a is None or b is None else self.pair(a, b)
+        for row in pair["statistics"]:
+            if row["key"] == key:
                 statistic: Json = row
                 return statistic
-        raise KeyError(name)
+        raise KeyError(key)
 
     @property
-    def causes(self) -> dict[str, list[str]]:
-        """Modelling factors to blame, by statistic; empty unless it was explained."""
-        attribution = self.document.get("attribution", {"statistics": []})
-        return {row["name"]: row["leading"] for row in attribution["statistics"] if row["leading"]}
-
-    def plot(self) -> Figure:
-        """Draw every statistic's score with its interval, between the limits."""
-        from crossgait.studies import plots
-
-        return plots.plot_verdict(self.document)
-
-    def _rows(self) -> list[Json]:
-        rows = []
-        for s in self.document["statistics"]:
-            row = {"name": s["name"], "unit": s["unit"]}
-            row |= {self.document["a"]: s["mean_a"], self.document["b"]: s["mean_b"]}
-            row |= {"gap": s["gap"]["estimate"], "spread": s["spread"], "floor": s["floor"]}
-            score = s["score"]
-            row |= {"score": score["estimate"], "low": score["low"], "high": score["high"], "verdict": s["verdict"]}
-            rows.append(row)
-        return rows
-
-    def _headline(self) -> str:
-        d = self.document
-        return f"{d['behaviour']}: {d['verdict']} between {d['a']} and {d['b']}, {d['starts']} starts"
-
-
-@dataclass(frozen=True, repr=False)
-class Verdicts(Result):
-    """Which engines agree on a behaviour, and whether one stands apart (docs/verdict.md)."""
-
-    _row_name = "pair"
-
-    @property
-    def pairs(self) -> list[Verdict]:
-        """The verdict of every pair."""
-        return [Verdict(pair, "") for pair in self.document["pairs"]]
+    def causes(self) -> dict[str, str]:
+        """What gaps come from, a sentence for each statistic's key; empty unless it was explained."""
+        found: dict[str, str] = {}
+        for pair in self.pairs:
+            for row in (pair["attribution"] or {"statistics": []})["statistics"]:
+                if row["cause"]["sentence"]:
+                    found.setdefault(row["key"], row["cause"]["sentence"])
+        return found
 
     @property
     def clusters(self) -> list[list[str]]:
@@ -217,40 +214,35 @@ class Verdicts(Result):
     @property
     def outlier(self) -> str | None:
         """The engine that stands apart, or the contact law of several; None if none is named (see `reason`)."""
-        outlier: str | None = self.document["outlier"]
-        return outlier
+        outlier = self.document["outlier"]
+        return None if outlier is None else str(outlier["name"])
 
     @property
     def reason(self) -> str:
         """Why an outlier is named, or none."""
-        reason: str = self.document["reason"]
+        reason: str = self.document["outlier_reason"]
         return reason
 
-    def verdict(self, a: str, b: str) -> str:
-        """Of one pair, either way round. Raises KeyError."""
-        for pair in self.document["pairs"]:
-            if {pair["a"], pair["b"]} == {a, b}:
-                word: str = pair["verdict"]
-                return word
-        raise KeyError((a, b))
-
     def plot(self) -> Figure:
-        """Draw every statistic's score, by pair."""
+        """Draw every statistic's gap with its interval, in margins, by pair."""
         from crossgait.studies import plots
 
-        return plots.plot_verdicts(self.document)
+        return plots.plot_verdict(self.document)
 
     def _rows(self) -> list[Json]:
-        return [
-            {"pair": f"{pair['b']} against {pair['a']}", "verdict": pair["verdict"]}
-            | {s["name"]: s["score"]["estimate"] for s in pair["statistics"]}
-            for pair in self.document["pairs"]
-        ]
+        rows = []
+        for pair in self.pairs:
+            a, b = pair["engines"]
+            for s in pair["statistics"]:
+                row = {"key": s["key"], "unit": s["unit"], "a": a, "b": b}
+                row |= {"value_a": s["values"][0], "value_b": s["values"][1]}
+                row |= {name: s[name] for name in ("gap", "low", "high", "margin", "word", "reason", "starts_needed")}
+                row["gap_half"] = s["step"]["gap_half"] if s["step"] else None
+                rows.append(row)
+        return rows
 
     def _headline(self) -> str:
-        sets = " | ".join(", ".join(cluster) for cluster in self.clusters)
-        outlier = f"; the outlier is {self.outlier}" if self.outlier else ""
-        return f"{self.document['behaviour']}: {sets}{outlier}"
+        return f"{self.word}: {self.summary}"
 
 
 @dataclass(frozen=True, repr=False)

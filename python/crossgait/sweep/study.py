@@ -119,8 +119,9 @@ class Study:
                 maker_of(subject)
             except ConfigError as error:
                 raise self._error("grid", error) from error
-            variations = [v for v in self.document["variations"] if _allows(subject, v)]
-            for engine, variation in itertools.product(self.document["engines"], variations):
+            for engine, variation in itertools.product(self.document["engines"], self.document["variations"]):
+                if not _allows(subject, engine, variation):
+                    continue
                 for start in starts:
                     run = run_of(subject, engine, variation, start)
                     runs.setdefault(run.hash, run)
@@ -180,11 +181,11 @@ def _split(text: str) -> tuple[str, str]:
     return name, colon + settings
 
 
-def _allows(subject: Subject, variation: str) -> bool:
+def _allows(subject: Subject, engine: str, variation: str) -> bool:
     if variation == _core._variations()[0]:
         return True
     try:
-        return maker_of(subject).allows(variation)
+        return maker_of(subject).allows(engine, variation)
     except ConfigError:
         return True  # its runs say what is wrong
 

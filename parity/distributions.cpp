@@ -1,7 +1,7 @@
-#include "parity/jackknife.h"
+#include "parity/distributions.h"
 
 #include <cmath>
-#include <vector>
+#include <initializer_list>
 
 namespace crossgait {
 namespace {
@@ -31,12 +31,12 @@ double incomplete_beta(double x, double a, double b) {
   return front * beta_fraction(x, a, b) / a;
 }
 
-// Probability of a value above t >= 0.
+}  // namespace
+
 double student_tail(double t, double degrees) {
+  if (t < 0) return 1 - student_tail(-t, degrees);
   return incomplete_beta(degrees / (degrees + t * t), degrees / 2, 0.5) / 2;
 }
-
-}  // namespace
 
 double student_quantile(double probability, double degrees) {
   if (probability < 0.5) return -student_quantile(1 - probability, degrees);
@@ -50,20 +50,24 @@ double student_quantile(double probability, double degrees) {
   return (low + high) / 2;
 }
 
-Interval jackknife(std::size_t n, const std::function<double(std::size_t left_out)>& estimate,
-                   double confidence) {
-  const double all = estimate(n), count = static_cast<double>(n);
-  std::vector<double> pseudo(n);
-  double mean = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    pseudo[i] = count * all - (count - 1) * estimate(i);
-    mean += pseudo[i] / count;
+double binomial_tail(std::size_t successes, std::size_t trials, double share) {
+  if (successes == 0) return 1;
+  if (successes > trials) return 0;
+  return incomplete_beta(share, static_cast<double>(successes), static_cast<double>(trials - successes) + 1);
+}
+
+double share_lower_limit(std::size_t successes, std::size_t trials, double tail) {
+  if (successes == 0) return 0;
+  double low = 0, high = 1;
+  for (int i = 0; i < 100; ++i) {
+    const double middle = (low + high) / 2;
+    (binomial_tail(successes, trials, middle) < tail ? low : high) = middle;
   }
-  double squares = 0;
-  for (const double value : pseudo) squares += (value - mean) * (value - mean);
-  const double error = std::sqrt(squares / (count * (count - 1)));
-  const double half = student_quantile((1 + confidence) / 2, count - 1) * error;
-  return {all, all - half, all + half};
+  return low;
+}
+
+double share_upper_limit(std::size_t successes, std::size_t trials, double tail) {
+  return 1 - share_lower_limit(trials - successes, trials, tail);
 }
 
 }  // namespace crossgait

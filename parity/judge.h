@@ -1,0 +1,38 @@
+// The rule of a verdict on rows of paired numbers that were measured.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "parity/paired_shares.h"
+#include "parity/verdict.h"
+
+namespace crossgait {
+
+/// Numbers of two engines from the same starts.
+struct PairedValues {
+  std::vector<double> a, b;
+
+  std::vector<double> differences() const;
+};
+
+/// One statistic of one pair of engines, as measured.
+struct StatisticRuns {
+  Statistic statistic;
+  double seconds = 0;  ///< of motion, mean of the pairs
+  PairedValues as_asked;
+  /// The same starts over the time that both engines last at both steps; empty where it was not run.
+  PairedValues at_step, at_half, at_quarter;
+  /// Whether values are 1 or 0, for an outcome that came about or did not.
+  bool is_share = false;
+  std::vector<OwnChange> own;
+};
+
+/// Judges rows of any pairs together, as StatisticVerdict says: one result for each, in their order.
+/// @param options  of which `looks` and `confidence` are used
+std::vector<StatisticVerdict> judge(const std::vector<StatisticRuns>& rows, const VerdictOptions& options);
+
+}  // namespace crossgait

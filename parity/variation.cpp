@@ -1,0 +1,46 @@
+#include "parity/variation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "physics/core/find_row.h"
+
+namespace crossgait {
+namespace {
+
+using enum Variation::Kind;
+
+bool softens_friction(const Capabilities& c) { return c.soft_friction; }
+bool softens_contact(const Capabilities& c) { return c.soft_contact; }
+bool sweeps(const Capabilities& c) { return c.sweeps; }
+
+// Settings that people of the field vary: files of quadrupeds ask MuJoCo for an impratio of 1, 10 or 100;
+// contacts twice as stiff; Bullet's worlds ship with 10 to 100 sweeps.
+const Variation kVariations[] = {
+    {.name = "as asked"},
+    {.name = "half the time step", .kind = kTimeStep, .step = 0.5},
+    {.name = "a quarter of the time step", .kind = kTimeStep, .step = 0.25},
+    {.name = "ten times the impratio", .kind = kSetting, .impratio = 10, .concerns = softens_friction},
+    {.name = "half the softness", .kind = kSetting, .softness = 0.5, .concerns = softens_contact},
+    {.name = "a fifth of the sweeps", .kind = kSetting, .iterations = 0.2, .concerns = sweeps},
+};
+
+}  // namespace
+
+void Variation::apply(WorldSpec& world) const {
+  world.physics_dt *= step;
+  world.solver.iterations = std::max(1, static_cast<int>(std::lround(world.solver.iterations * iterations)));
+  world.contact.impratio *= impratio;
+  world.contact.softness.time_constant *= softness;
+}
+
+std::span<const Variation> variations() { return kVariations; }
+const Variation& nominal_variation() { return kVariations[0]; }
+const Variation& half_step() { return kVariations[1]; }
+const Variation& quarter_step() { return kVariations[2]; }
+
+const Variation& find_variation(std::string_view name) {
+  return find_row(kVariations, name, "run", "variation");
+}
+
+}  // namespace crossgait
