@@ -28,26 +28,20 @@ bool MotionSummary::failed() const noexcept {
          has(Outcome::kCollapsed);
 }
 
-double servo_power(const PhysicsBackend& world, const std::vector<int>& servos) noexcept {
-  double power = 0;
-  for (const int i : servos) {
-    const double qd = world.state().qd[i];
-    const double servo = world.torques()[i] + world.robot().joint(i).damping * qd;
-    power += std::abs(servo * qd);
-  }
-  return power;
-}
-
 MotionStatistics::MotionStatistics(const RobotDescription& robot, const OutcomeLimits& limits)
     : limits_(limits),
       servos_(robot.actuated_joints()),
+      qd_(JointVector::Zero(robot.joint_count())),
       loop_gaps_(std::make_shared<const LoopGaps>(robot)),
       leg_length_(robot.home_height),
-      mass_(robot.total_mass()) {}
+      mass_(robot.total_mass()) {
+  for (const int i : servos_) damping_.push_back(robot.joint(i).damping);
+}
 
 void MotionStatistics::begin(const PhysicsBackend& world, double standing_height) noexcept {
   const RobotState& s = world.state();
   t_ = {};
+  qd_ = s.qd;
   t_.weight = mass_ * world.spec().gravity.norm();
   t_.standing_height = standing_height;
   t_.start = t_.piece_start = s.p_WB;
@@ -58,6 +52,7 @@ void MotionStatistics::begin(const PhysicsBackend& world, double standing_height
 void MotionStatistics::add_physics_step(const PhysicsBackend& world, const ControlTargets& targets) noexcept {
   const double h = world.spec().physics_dt;
   ++t_.physics_steps;
+  add_torques(world, h);
   double other = 0;
   for (const Contact& c : world.contacts()) {
     t_.max_penetration = std::max(t_.max_penetration, -c.distance);
@@ -79,11 +74,27 @@ void MotionStatistics::add_physics_step(const PhysicsBackend& world, const Contr
     }
     if (!feet[leg].touching) continue;
     ++t_.contact_steps[leg];
+    t_.integrals.slip_squares += feet[leg].slip_speed * feet[leg].slip_speed * h;
     t_.slip += feet[leg].slip_speed * h;
     if (scheduled.swing) continue;  // dragged, not stood upon
     t_.stance_slip += feet[leg].slip_speed * h;
     t_.stance_path += speed * h;
   }
+}
+
+void MotionStatistics::add_torques(const PhysicsBackend& world, double h) noexcept {
+  const JointVector &torques = world.torques(), &qd = world.state().qd;
+  double power = 0, squares = 0;
+  for (std::size_t k = 0; k < servos_.size(); ++k) {
+    const int i = servos_[k];
+    const double servo = torques[i] + damping_[k] * qd_[i];  // as it was in this step
+    power += std::abs(servo * (qd_[i] + qd[i]) / 2);
+    squares += torques[i] * torques[i];
+  }
+  t_.integrals.seconds += h;
+  t_.integrals.work += power * h;
+  t_.integrals.torque_squares += squares * h;
+  qd_ = qd;
 }
 
 void MotionStatistics::add_control_step(const PhysicsBackend& world, const ControlTargets& targets,
@@ -92,8 +103,6 @@ void MotionStatistics::add_control_step(const PhysicsBackend& world, const Contr
   t_.time = static_cast<double>(t_.control_steps) * dt;  // not a sum, which would drift
   t_.ik_clamped += targets.ik_clamped;
   t_.limit_factor = std::min(t_.limit_factor, targets.limit_factor);
-  t_.power = servo_power(world, servos_);
-  t_.work += t_.power * dt;
   if (lasts(++t_.steps_since_gap, dt, kGapTime)) {
     t_.max_loop_gap = std::max(t_.max_loop_gap, loop_gaps_->largest(world.state().q));
     t_.steps_since_gap = 0;
@@ -224,7 +233,7 @@ MotionSummary MotionStatistics::summary(const PhysicsBackend& world) const {
   if (t_.planned_sweep > 0) m.slip_per_path = t_.slip / t_.planned_sweep;
   if (t_.max_heading_error) m.heading_error_deg = *t_.max_heading_error * kDegreesPerRadian;
   if (m.path_m > kMoved * leg_length_ && t_.weight > 0)
-    m.cost_of_transport = t_.work / (t_.weight * m.path_m);
+    m.cost_of_transport = t_.integrals.work / (t_.weight * m.path_m);
   m.outcome = worst();
   if (m.outcome != Outcome::kWalked) return m;
   if (slid(m.path_m)) {
