@@ -62,8 +62,9 @@ void WalkOptions::add_to(CLI::App& command) {
       .add_option(
           "--terminations", terminations,
           "Outcomes that end the walk before its time, comma-separated: loop_violated, fell, collapsed, "
-          "left_terrain (divergence always does)")
-      ->delimiter(',');
+          "left_terrain, diverged (which always does)")
+      ->delimiter(',')
+      ->capture_default_str();
   command.add_flag(
       "--no-compensation", plain_servos,
       "Send the wanted joint angles as they are, without making up for the servos' lag and give");

@@ -122,10 +122,13 @@ class MotionStatistics {
  private:
   void add_torques(const PhysicsBackend& world, double h) noexcept;
   void add_attitude(const PhysicsBackend& world) noexcept;
-  void add_path(const PhysicsBackend& world, const ControlTargets& targets, double dt) noexcept;
+  void add_path(const PhysicsBackend& world, double dt) noexcept;
+  void add_command(const PhysicsBackend& world, const ControlTargets& targets, double last_yaw,
+                   double dt) noexcept;
   void find_outcomes(const PhysicsBackend& world, double dt) noexcept;
   bool slid(double path) const noexcept;
-  bool no_progress() const noexcept;
+  Outcome of_path() const noexcept;
+  Outcome of_turn() const noexcept;
 
   OutcomeLimits limits_;
   std::vector<int> servos_;
@@ -176,7 +179,10 @@ class MotionStatistics {
     double stance_path = 0;  ///< of the speed of the base, once for every such foot
 
     // What the velocity command asked for, and what came of it.
+    double course_yaw = 0;  ///< heading that the command is meant in: the last in which a turn was asked for
+    Vector3 last_position = Vector3::Zero();       ///< of the base, before this control step
     double commanded_path = 0, achieved_path = 0;  ///< `achieved_` in the direction of the command
+    double strayed_path = 0;                       ///< to the left of that
     double commanded_turn = 0, achieved_turn = 0;  ///< angles; `achieved_` in the sense of the command
     double commanded_yaw = 0;  ///< where the yaw rate leads, as far as the steps could follow
     double planned_sweep = 0;  ///< way that stance feet were to sweep, of all feet together

@@ -374,7 +374,7 @@ def test_the_best_policy_is_that_of_the_worst_engine(tmp_path: Path, monkeypatch
 
     def made_up(policies: list[str], *_: Any, **__: Any) -> dict[str, Any]:
         now = next(scores)
-        said = {e: {"total_reward": {"mean": s, "deviation": 0.0}, "outcomes": {"walked": 1}} for e, s in now.items()}
+        said = {e: {"total_reward": {"mean": s, "deviation": 0.0}, "outcomes": {"walked": 1}, "ended_early": 0} for e, s in now.items()}
         return dict.fromkeys(policies, said)
 
     monkeypatch.setattr(evaluation, "evaluate", made_up)

@@ -166,7 +166,8 @@ TEST_P(MotionNumbers, AreThoseOfARecordingAtEveryPhysicsStep) {
     const ControllerPtr trot = motions::trot(spec.robot);
     const bool straight = std::string_view(terrain) == "flat";
     const auto [m, r] = run(spec, straight ? trot : said_to_turn(trot), timing);
-    EXPECT_EQ(m.outcome, Outcome::kWalked);
+    // It goes straight on: too little of a turn, where one was asked for.
+    EXPECT_EQ(m.outcome, straight ? Outcome::kWalked : Outcome::kTooSlow);
     EXPECT_EQ(m.physics_steps, r.physics_steps);
     EXPECT_EQ(m.physics_steps, 2700);
     EXPECT_NEAR(m.simulated_seconds, 2.7, kRounding);

@@ -36,7 +36,7 @@ TEST(RunSpec, HasOneTextThatStays) {
       R"("load_share":1.0,"stance_offset":0.0,"stance_width":0.0,"step_height":0.04,"step_length":0.04,"swing":"bezier","swing_shape":0.3},)"
       R"("physics_dt":0.001,)"
       R"("robot":{"description":"","name":"scara_quadruped"},"seconds":0.3,"settle_seconds":0.1,)"
-      R"("terminations":["diverged"],"terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"crossgait":"","engine":"mujoco","engine_version":"2.2.2",)"
+      R"("terminations":["diverged","left_terrain"],"terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"crossgait":"","engine":"mujoco","engine_version":"2.2.2",)"
       R"("schema":{"name":"run","version":2},"seed":3,"start":1,)"
       R"("starts":{"heading_rad":0.2,"position_m":0.1,"push_mps":0.02,"tilt_rad":0.02},)"
       R"("variation":{"iterations":1.0,"step":1.0,"tolerance":1.0}})");
