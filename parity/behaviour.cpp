@@ -83,6 +83,11 @@ MotionSummary walk_once(const WorldSpec& world, const WalkSetup& setup, const St
 
 }  // namespace
 
+std::uint64_t terrain_seed_of_start(std::uint64_t terrain_seed, std::size_t k) noexcept {
+  constexpr std::uint64_t kGrounds = 0x67726f756e64;  // "ground": none of an episode's streams
+  return derived_seed(derived_seed(terrain_seed, k), kGrounds);
+}
+
 void Variation::apply(WorldSpec& world) const {
   world.physics_dt *= step;
   world.solver.tolerance *= tolerance;
@@ -179,7 +184,7 @@ Behaviour policy_behaviour(LoadedEnv environment, PolicyFactory policy, const st
                       const Engine& engine, const Variation& variation, std::size_t k) {
     LoadedEnv varied = environment;  // what is varied is in no file
     varied.config.physics_dt *= variation.step;
-    varied.config.terrain_seed += k;
+    varied.config.terrain_seed = terrain_seed_of_start(varied.config.terrain_seed, k);
     Variation solver_alone = variation;
     solver_alone.step = 1;  // the configuration has it already
     QuadrupedEnv env(varied, with_change(engine, [&solver_alone](WorldSpec& w) { solver_alone.apply(w); }));

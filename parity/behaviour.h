@@ -69,6 +69,10 @@ struct Behaviour {
   bool allows(const Variation& variation) const;
 };
 
+/// Seed of the ground of start `k` where random terrains have this seed: derived as those of starts are, so
+/// that no two seeds share a ground, and by another stream of numbers than the start's.
+std::uint64_t terrain_seed_of_start(std::uint64_t terrain_seed, std::size_t k) noexcept;
+
 /// The ground of start `k`; random terrains differ from start to start.
 using TerrainOfStart = std::function<Terrain(std::size_t start)>;
 

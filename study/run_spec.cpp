@@ -162,7 +162,7 @@ const WorldSpec& LoadedBehaviour::world() const {
 
 Json describe_run(Json behaviour, const EngineInfo& engine, const Variation& v, std::size_t start) {
   Json run = std::move(behaviour);
-  run["schema"] = {{"name", "run"}, {"version", 2}};
+  run["schema"] = {{"name", "run"}, {"version", 3}};
   run["crossgait"] = crossgait_version();
   run["engine"] = engine.name;
   run["engine_version"] = engine.version;
@@ -186,8 +186,8 @@ std::string run_hash(const RunSpec& run) { return fnv1a_hex(canonical_json(run))
 
 Behaviour make_behaviour(const LoadedWalk& walk, const WalkSetup& setup, const StartRanges& starts,
                          std::uint64_t seed) {
-  const auto terrain = [ground = walk.ground, first = walk.config.terrain_seed](std::size_t k) {
-    return ground.make(first + k);
+  const auto terrain = [ground = walk.ground, seed = walk.config.terrain_seed](std::size_t k) {
+    return ground.make(terrain_seed_of_start(seed, k));
   };
   return walk_behaviour(walk.world, setup, terrain, starts, seed);
 }
