@@ -72,7 +72,13 @@ TEST_P(WalkAndEpisode, LeaveTheSameTrace) {
                            [&walked](std::size_t, const TraceSample& sample) { walked.push_back(sample); }));
     const Trace episode = trace_episode(environment_of(config), "zero", 5);
     ASSERT_EQ(walked.size(), episode.size());
-    EXPECT_EQ(walked.size(), static_cast<std::size_t>(config.timing.control_steps()));
+    const auto whole = static_cast<std::size_t>(config.timing.control_steps());
+    // One is over the edge of its small field before its time, and ends there.
+    if (config.terrain.find("size_x=.3") != std::string::npos) {
+      EXPECT_LT(walked.size(), whole);
+    } else {
+      EXPECT_EQ(walked.size(), whole);
+    }
     for (std::size_t i = 0; i < walked.size(); ++i)
       ASSERT_TRUE(identical(walked[i], episode[i])) << "first in step " << i;
   }
