@@ -15,7 +15,7 @@
 namespace crossgait::apps {
 
 void print_notes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) fmt::print(stderr, "crossgait: note: {}\n", note);
+  for (const std::string& note : notes) print_error(fmt::format("crossgait: note: {}\n", note));
 }
 
 RobotDescription load_robot_with_warnings(const std::string& robot) {
@@ -71,7 +71,8 @@ void ProgressLine::update(double share) {
   if (!terminal_ || steady_clock::now() - begin_ < std::chrono::seconds(2)) return;
   const double elapsed = std::chrono::duration<double>(steady_clock::now() - begin_).count();
   const double left = share > 0 ? elapsed * (1 - share) / share : 0;
-  fmt::print(stderr, "\r\033[K{}: {:3.0f} %, {:.0f} s left", label_, 100 * share, left);
+  fmt::print(stderr, "\r\033[K{}: {:3.0f} %, {:.0f} s left", printable_text(label_, std::string::npos),
+             100 * share, left);
   std::fflush(stderr);
   shown_ = true;
 }

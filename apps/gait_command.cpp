@@ -120,7 +120,8 @@ std::string targets_csv(const GaitCommand& options, GaitGenerator& generator, in
   return text;
 }
 
-void print_targets(const GaitCommand& options, const Chosen& of, GaitGenerator& generator, int rows) {
+void print_targets(const GaitCommand& options, const Provenance& provenance, GaitGenerator& generator,
+                   int rows) {
   Table table({options.gait + ", t in s", "phase", "FL x, z mm", "FR x, z mm", "RL x, z mm", "RR x, z mm"});
   ordered_json samples = ordered_json::array();
   for (int i = 0; i <= rows; ++i) {
@@ -142,7 +143,7 @@ void print_targets(const GaitCommand& options, const Chosen& of, GaitGenerator& 
       "\n^ swing, _ stance; positions in the leg frames: x forward, z up from hips or shoulders\n";
   options.json.emit(table.str() + legend,
                     with_schema("gait", {{"gait", options.gait}, {"samples", std::move(samples)}}),
-                    options.json.provenance(of_gait(options.robot, of.gait)));
+                    provenance);
 }
 
 // @param cycle  how long where no time is given, s
@@ -168,13 +169,12 @@ void run(const GaitCommand& options) {
   if (options.parameters) return list_parameters(options, of);
   GaitGenerator generator = make_generator(of);
   const int rows = row_count(options, generator.parameters().cycle_time);
-  if (options.page.asked()) {
-    options.page.write(gait_page(options.gait, make_generator(of), options.dt, rows),
-                       options.json.provenance(of_gait(options.robot, of.gait)));
-  }
-  if (options.csv.empty()) return print_targets(options, of, generator, rows);
+  const Provenance provenance = options.json.provenance(of_gait(options.robot, of.gait));
+  if (options.page.asked())
+    options.page.write(gait_page(options.gait, make_generator(of), options.dt, rows), provenance);
+  if (options.csv.empty()) return print_targets(options, provenance, generator, rows);
   const std::string text = targets_csv(options, generator, rows);
-  options.csv == "-" ? print(text) : write_file_atomically(options.csv, text);
+  options.csv == "-" ? print_data(text) : write_file_atomically(options.csv, text);
 }
 
 }  // namespace

@@ -1,12 +1,14 @@
 // crossgait: one quadruped gait stack over several physics engines, on the command line.
 #include <algorithm>
-#include <cstdio>
+#include <csignal>
 #include <exception>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "apps/child_process.h"
 #include "apps/command.h"
@@ -22,9 +24,28 @@ namespace {
 constexpr int kFailure = 1;
 constexpr int kBadInput = 2;
 
-// Not through fmt: standard error may be closed, and there is nowhere left to say so.
 int report_error(const std::string& what, int code) {
-  std::fputs(("crossgait: " + what + "\n").c_str(), stderr);
+  print_error("crossgait: " + what + "\n");
+  return code;
+}
+
+// Results name what they were made of, in JSON, which is UTF-8; better said now than when the work is done.
+void check_text(const std::vector<std::string>& arguments) {
+  for (const std::string& argument : arguments) {
+    try {
+      static_cast<void>(nlohmann::json(argument).dump());
+    } catch (const nlohmann::json::exception&) {
+      throw ConfigError("command line", "arguments", "text and names of files in UTF-8", argument);
+    }
+  }
+}
+
+/// Prints what CLI11 has to say, of an error or as help. @returns its exit code
+int tell(const CLI::App& program, const CLI::Error& said) {
+  std::ostringstream out, errors;
+  const int code = program.exit(said, out, errors);
+  print(out.str());
+  print_error(errors.str());
   return code;
 }
 
@@ -71,13 +92,13 @@ int run(std::vector<std::string> arguments, std::vector<std::string>& again) {
   try {
     program.parse(std::move(arguments));
   } catch (const CLI::Success& help) {
-    return program.exit(help);
+    return tell(program, help);
   } catch (const CLI::ParseError& error) {
     const std::string hint = suggestion(program), unknown = unknown_command(program);
     if (!unknown.empty())
       return report_error(
           fmt::format("{} {}", unknown, hint.empty() ? "`crossgait --help` lists them." : hint), kBadInput);
-    program.exit(error);
+    tell(program, error);
     return hint.empty() ? kBadInput : report_error(hint, kBadInput);
   }
   return 0;
@@ -86,6 +107,10 @@ int run(std::vector<std::string> arguments, std::vector<std::string>& again) {
 int main_of(const std::vector<std::string>& arguments) {
   try {
     keep_standard_streams();
+    // Writing beyond a limit (`ulimit -f`) is an error like others, after which what is half written is
+    // removed.
+    std::signal(SIGXFSZ, SIG_IGN);
+    check_text(arguments);
     std::vector<std::string> again;
     int code = run(arguments, again);
     if (!again.empty()) {
@@ -96,6 +121,12 @@ int main_of(const std::vector<std::string>& arguments) {
     return code;
   } catch (const ConfigError& error) {
     return report_error(error.what(), kBadInput);
+  } catch (const nlohmann::json::type_error& error) {
+    constexpr int kNoUtf8 = 316;  // of a name that a file holds, which a result would have to say
+    if (error.id != kNoUtf8) return report_error(error.what(), kFailure);
+    return report_error(
+        ConfigError("what was read", "names", "text and names of files in UTF-8", error.what()).what(),
+        kBadInput);
   } catch (const ChildFailed& child) {
     return child.exit_code > 0 ? child.exit_code : kFailure;
   } catch (const EndedEarly& error) {

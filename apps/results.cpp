@@ -2,10 +2,8 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
-#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -29,15 +27,7 @@ using Json = nlohmann::json;
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-// Type names of outputs that are files; others are folders or say how they are written.
-bool names_file(const CLI::Option& option) { return option.get_type_name().starts_with("FILE"); }
-
 std::optional<Recorded> recorded_result;
-
-[[noreturn]] void fail_on_standard_output(int code) {
-  throw std::runtime_error(fmt::format("standard output: {}; the result is not complete there",
-                                       std::generic_category().message(code)));
-}
 
 bool is_file(const std::string& path) {
   std::error_code error;
@@ -129,7 +119,7 @@ void compare_with_recorded(const ordered_json& now) {
   drop_times(before);
   drop_times(after);
   if (before == after) {
-    std::fputs(fmt::format("crossgait: the same result as in {}\n", recorded_result->file).c_str(), stderr);
+    print_error(fmt::format("crossgait: the same result as in {}\n", recorded_result->file));
     return;
   }
   const Json difference = Json::diff(before, after);
@@ -139,24 +129,6 @@ void compare_with_recorded(const ordered_json& now) {
 }
 
 }  // namespace
-
-CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::string& value,
-                               const std::string& help) {
-  return command.add_option(name, value, help)->type_name("FILE")->group(kOutputs);
-}
-
-void check_outputs(const CLI::App& command) {
-  std::set<std::string> seen;
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->get_group() != kOutputs || !names_file(*option)) continue;
-    for (const std::string& path : option->results()) {
-      if (path == "-") continue;
-      if (!seen.insert(path).second)
-        throw ConfigError("command line", option->get_name(), "a file of its own", "\"" + path + "\" again");
-      check_writable(path);
-    }
-  }
-}
 
 ResultInputs of_robot(const std::string& name_or_file) {
   ResultInputs inputs;
@@ -182,6 +154,7 @@ void JsonOption::add_to(CLI::App& command) {
 }
 
 Provenance JsonOption::provenance(const ResultInputs& inputs) const {
+  check_outputs_not_read(*command_);
   Provenance p;
   p.command = command_->get_name();
   p.arguments = arguments_of(*command_, inputs);
@@ -205,7 +178,7 @@ void JsonOption::emit(const std::string& text, ordered_json json, const Provenan
   json["provenance"] = to_json(with_files_read(provenance));
   const std::string bytes = json.dump(2) + "\n";
   if (!path.empty() && !to_stdout()) write_file_atomically(path, bytes);
-  print(to_stdout() ? bytes : text);
+  to_stdout() ? print_data(bytes) : print(text);
   if (recorded_result) {
     flush_standard_output();
     compare_with_recorded(json);
@@ -227,10 +200,6 @@ Recorded read_result(const std::string& file) {
 
 void make_again(Recorded recorded) { recorded_result = std::move(recorded); }
 
-void print(const std::string& text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) fail_on_standard_output(errno);
-}
-
 void keep_standard_streams() {
   // The lowest free number is the one that is closed. Opened the wrong way round, it takes and gives nothing.
   const std::array<int, 3> modes{O_WRONLY, O_RDONLY, O_RDONLY};
@@ -238,11 +207,6 @@ void keep_standard_streams() {
     if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF)
       static_cast<void>(::open("/dev/null", modes[static_cast<std::size_t>(stream)]));
   }
-}
-
-void flush_standard_output() {
-  if (std::fflush(stdout) != 0) fail_on_standard_output(errno);
-  if (std::ferror(stdout) != 0) fail_on_standard_output(EIO);
 }
 
 }  // namespace crossgait::apps

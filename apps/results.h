@@ -23,9 +23,13 @@ CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::
 inline constexpr const char* kOutputs = "Outputs";
 inline constexpr const char* kExecution = "Execution";
 
-/// Before a command does anything: every file that it is to write can be written, and each is another.
-/// @throws ConfigError naming the option
+/// Before a command does anything: every file that it is to write can be written, is another than each
+/// further one by whatever name, and is none that an option names to be read. @throws ConfigError naming the
+/// option
 void check_outputs(const CLI::App& command);
+/// The same for what was read by now, which files that were named may have named themselves.
+/// @throws ConfigError naming the option
+void check_outputs_not_read(const CLI::App& command);
 
 /// What a command is to do, once its options are read and its outputs are known to be writable.
 template <typename Run>
@@ -82,8 +86,13 @@ void make_again(Recorded recorded);
 /// @throws ConfigError if the file is no JSON object, or beyond kResultBudget
 Recorded read_result(const std::string& file);
 
+/// Prints for people: names come from files, so control characters stand as `\xNN`.
 /// @throws std::runtime_error if standard output does not take it
 void print(const std::string& text);
+/// Prints for programs (JSON, CSV, YAML): as it is, but on a terminal as `print`. @throws as `print`
+void print_data(const std::string& bytes);
+/// Prints on standard error, as `print`; says nothing if that is closed.
+void print_error(const std::string& text);
 
 /// At the very beginning: standard streams that are closed are opened such that using them fails, so that no
 /// other file takes their place.

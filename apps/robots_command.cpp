@@ -139,7 +139,7 @@ void show(const RobotsCommand& options) {
   const LoadedRobot loaded = load_robot_with_report(find_robot(options.robot));
   const RobotDescription& robot = loaded.robot;
   if (options.yaml) {
-    print(to_yaml(loaded, std::filesystem::absolute(loaded.report.file).lexically_normal().string()));
+    print_data(to_yaml(loaded, std::filesystem::absolute(loaded.report.file).lexically_normal().string()));
     return;
   }
   const Joint& servo = robot.joint((*robot.legs)[Leg::FL].servos.front());
