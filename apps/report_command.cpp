@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/recorded_command.h"
 #include "parity/stances.h"
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
@@ -111,7 +112,8 @@ std::string title_of(const ReportPage& page) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-void run(const ReportCommand& options, std::vector<std::string>& again) {
+/// @param program  with all commands
+void run(const ReportCommand& options, const CLI::App& program, std::vector<std::string>& again) {
   require_page();
   std::vector<std::string> traces;
   std::vector<Recorded> results;
@@ -130,7 +132,7 @@ void run(const ReportCommand& options, std::vector<std::string>& again) {
   }
   if (kMadeAgain.contains(kind)) {
     // A run is the same to the last bit when it is made again, which is how its motion is known.
-    again = command_of(results.front().result, results.front().file);
+    again = recorded_command(program, results.front());
     if (again.front() != kind)
       throw ConfigError(results.front().file, "provenance.command", kind, again.front());
     again.push_back("--report=" + options.out);
@@ -185,7 +187,7 @@ void add_report_command(CLI::App& program, std::vector<std::string>& again) {
           "Touches of traces, and gaps between them, that the gait diagram leaves out if they are shorter, s")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  on_run(*command, [options, &again] { run(*options, again); });
+  on_run(*command, [options, &program, &again] { run(*options, program, again); });
 }
 
 }  // namespace crossgait::apps

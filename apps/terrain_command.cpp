@@ -148,11 +148,12 @@ void run(const TerrainCommand& options) {
   if (!terrain.scale().empty()) text += fmt::format("\nscale: {}\n", terrain.scale());
   sample_points(options, terrain, text, result);
   sample_ring_of(options, terrain, text, result);
-  if (!options.png.empty()) write_png(*field, options.png);
-  if (!options.csv.empty()) write_csv(*field, options.csv);
   ResultInputs inputs;
   inputs.subject = {{"terrains", {terrain.name()}}, {"seed", options.seed}};
-  options.json.emit(text, with_schema("terrain", result), options.json.provenance(inputs));
+  const Provenance provenance = options.json.provenance(inputs);
+  if (!options.png.empty()) write_png(*field, options.png);
+  if (!options.csv.empty()) write_csv(*field, options.csv);
+  options.json.emit(text, with_schema("terrain", result), provenance);
 }
 
 }  // namespace
