@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import sys
@@ -422,7 +423,8 @@ def test_a_course_may_be_what_decides(tmp_path: Path) -> None:
 
 
 def test_one_run_at_a_time_in_a_folder(tmp_path: Path) -> None:
-    with folder.locked(tmp_path), pytest.raises(ConfigError, match="another that is training"), folder.locked(tmp_path):
+    us = f"one that process {os.getpid()} is writing"
+    with folder.locked(tmp_path), pytest.raises(ConfigError, match=us), folder.locked(tmp_path):
         pass
     with folder.locked(tmp_path):
         pass
