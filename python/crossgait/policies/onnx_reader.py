@@ -294,8 +294,9 @@ class _Reader:
                 [onnx.helper.make_value_info(name, onnx.TypeProto()) for name in proto.output if name],
             )
             model = onnx.helper.make_model(graph, opset_imports=[onnx.helper.make_opsetid("", self.opset)])
-            self.constants.take(model, {name: self.values[name] for name in names}, node.place)
-            outputs = onnx.reference.ReferenceEvaluator(model).run(None, {name: self.values[name] for name in names})
+            given = {name: value for name in names if isinstance(value := self.values[name], np.ndarray)}
+            self.constants.take(model, given, node.place)
+            outputs = onnx.reference.ReferenceEvaluator(model).run(None, given)
         except ConfigError:
             raise
         except Exception as error:  # whatever an operation raises
