@@ -1,6 +1,7 @@
 #include "physics/core/worker_pool.h"
 
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -34,8 +35,9 @@ WorkerPool::~WorkerPool() { stop(); }
 
 void WorkerPool::stop() noexcept {
   if (process_ != ::getpid()) {
-    // There is nobody to stop, and waiting for their end would never end.
-    for (std::jthread& thread : threads_) thread.detach();
+    // There is nobody to stop, waiting for their end would never end, and other threads may have taken the
+    // memory that the handles stand for: they are not touched any more.
+    static_cast<void>(new std::vector<std::jthread>(std::move(threads_)));
     return;
   }
   stop_ = true;
