@@ -30,6 +30,9 @@ struct EnvironmentView {
   const QuadrupedEnv& get() const { return envs->environment(index); }
 };
 
+/// Of the environments that it is one of, for `guarded`: they work all at once.
+inline const void* identity_of(const EnvironmentView& view) noexcept { return view.envs; }
+
 /// A layout as names, units and bounds.
 nanobind::object layout(const Layout& layout);
 
