@@ -166,6 +166,8 @@ Provenance JsonOption::provenance(const ResultInputs& inputs) const {
     p.files = files_now(recorded);
     check_same(recorded, p, recorded_result->file);
   }
+  // A name that JSON cannot say is found out now, not when the work is done.
+  static_cast<void>(to_json(with_files_read(p)));
   return p;
 }
 
