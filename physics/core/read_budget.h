@@ -73,7 +73,8 @@ inline constexpr ReadBudget kPictureBudget{48 * kMebibyte, std::size_t{1} << 24U
 std::string size_in_words(std::size_t bytes);
 
 /// Counts the values and levels of a JSON text without making anything of it; text that is no JSON is the
-/// parser's to refuse. @param line  number of the text's first line in its file
+/// parser's to refuse, but for bytes of zero, behind which no parser looks. @param line  number of the text's
+/// first line in its file
 /// @throws ConfigError naming `source` and the line
 void check_json_budget(std::string_view text, const ReadBudget& budget, const std::string& source,
                        int line = 1);
