@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/robot/actuator.h"
+
 namespace crossgait {
 namespace {
 
@@ -32,7 +34,7 @@ double servo_power(const PhysicsBackend& world, const std::vector<int>& servos) 
   double power = 0;
   for (const int i : servos) {
     const double qd = world.state().qd[i];
-    const double servo = world.torques()[i] + world.robot().joint(i).damping * qd;
+    const double servo = world.torques()[i] - passive_torque(world.robot().joint(i), world.state().q[i], qd);
     power += std::abs(servo * qd);
   }
   return power;
