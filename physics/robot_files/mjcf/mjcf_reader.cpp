@@ -1,17 +1,26 @@
 #include "physics/robot_files/mjcf/mjcf_reader.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "physics/core/error.h"
 #include "physics/robot/rigid_pair.h"
 #include "physics/robot/robot_check.h"
 #include "physics/robot_files/inertia_repair.h"
 #include "physics/robot_files/joint_limits.h"
+#include "physics/robot_files/mjcf/mjcf_actuators.h"
 #include "physics/robot_files/mjcf/mjcf_compile.h"
+#include "physics/robot_files/mjcf/mjcf_contact.h"
+#include "physics/robot_files/mjcf/mjcf_couplings.h"
+#include "physics/robot_files/mjcf/mjcf_drives.h"
+#include "physics/robot_files/mjcf/mjcf_newer.h"
 #include "physics/robot_files/mjcf/mjcf_shapes.h"
 
 namespace crossgait {
@@ -34,7 +43,6 @@ class MjcfTree {
     Body body;
     body.name = at(base).name;
     add_body(base, std::move(body), Pose::Identity());
-    drive_joints();
     connect();
     take_home();
     robot_.name = model_.name;
@@ -63,6 +71,14 @@ class MjcfTree {
            std::any_of(children.begin(), children.end(), [this](int child) { return has_hinge(child); });
   }
 
+  /// Whether a body hangs on the world by a joint that is not free.
+  bool is_welded(int body) const {
+    const auto& joints = of(joints_, body);
+    return !joints.empty() && std::none_of(joints.begin(), joints.end(), [](const MjcfJoint* j) {
+      return j->type == MjcfJointType::kFree;
+    });
+  }
+
   /// The body of the world that joints hang on.
   int find_base() const {
     std::vector<int> found;
@@ -75,6 +91,15 @@ class MjcfTree {
       }
     }
     if (found.empty()) throw ConfigError(path_, "worldbody", "a body with joints", "none");
+    if (found.size() > 1 && std::all_of(found.begin(), found.end(), [&](int i) { return is_welded(i); })) {
+      std::vector<std::string> names;
+      for (const int body : found) names.push_back(fmt::format("'{}'", at(body).name));
+      fail_at(
+          body_element(found[0]), "a base that floats, on which the legs hang",
+          fmt::format("{} chains of joints that hang on the world itself ({}): the base was welded to the "
+                      "world and its mass is lost; convert again with a floating base, or take the URDF",
+                      found.size(), fmt::join(names, ", ")));
+    }
     if (found.size() > 1) {
       fail_at(body_element(found[1]), "one robot: one body of the world on which joints hang",
               fmt::format("a second one beside '{}'", at(found[0]).name));
@@ -95,12 +120,28 @@ class MjcfTree {
     }
   }
 
-  /// The one hinge of a moving body, or null. @throws ConfigError for other joints
+  /// Whether a joint is the play of another one of its body: about the same axis, over hundredths around
+  /// zero.
+  static bool is_play(const MjcfJoint& joint, const MjcfJoint& of) {
+    constexpr double kMostPlay = 0.2, kParallel = 1e-6;  // rad, from stop to stop; 1 - cos
+    return joint.type == MjcfJointType::kHinge && of.type == MjcfJointType::kHinge && joint.limited &&
+           joint.lower <= 0 && joint.upper >= 0 && joint.upper - joint.lower <= kMostPlay &&
+           !(of.limited && of.upper - of.lower <= kMostPlay) &&
+           std::abs(joint.axis.normalized().dot(of.axis.normalized())) > 1 - kParallel &&
+           (joint.p_BJ - of.p_BJ).norm() < 1e-6;
+  }
+
+  /// The one hinge of a moving body, or null; a second one that is its play becomes its backlash.
+  /// @throws ConfigError for other joints
   const MjcfJoint* hinge_of(int body) const {
     const auto& joints = of(joints_, body);
     if (joints.empty()) return nullptr;
+    if (joints.size() == 2 && is_play(*joints[1], *joints[0])) return joints[0];
+    if (joints.size() == 2 && is_play(*joints[0], *joints[1])) return joints[1];
     if (joints.size() > 1) {
-      fail_at(joint_element(*joints[1]), "one joint on a body",
+      fail_at(joint_element(*joints[1]),
+              "one joint on a body, or a second hinge of its axis with a range of "
+              "hundredths of a radian (backlash)",
               fmt::format("a second one on '{}'", at(body).name));
     }
     if (joints[0]->type != MjcfJointType::kHinge) {
@@ -171,27 +212,19 @@ class MjcfTree {
     joint.damping = source.damping;
     joint.armature = source.armature;
     joint.friction = source.friction;
-    if (source.stiffness != 0) warnings_.count("springs of ", " joint(s) are not simulated", place);
+    joint.stiffness = source.stiffness;
+    joint.spring_reference = source.stiffness != 0 ? source.spring_reference : 0;
+    for (const MjcfJoint* play : of(joints_, source.body)) {
+      if (play == &source) continue;
+      joint.backlash = play->upper - play->lower;
+      robot_.reasons[joint.name]["backlash"] = fmt::format("range of the hinge '{}'", play->name);
+      warnings_.count(fmt::format("read as a backlash of {:g} rad the second hinge (its damping of {:g} and "
+                                  "friction of {:g} are not simulated) of ",
+                                  joint.backlash, play->damping, play->friction),
+                      " joint(s)", place);
+    }
     check_joint(joint, path_);
     return joint;
-  }
-
-  /// Gains and torques of the joints' actuators; those of several on one joint add up.
-  void drive_joints() {
-    for (const MjcfActuator& actuator : model_.actuators) {
-      const std::string where = fmt::format("actuator '{}'", actuator.name);
-      if (actuator.kind == MjcfActuatorKind::kOther || actuator.joint < 0) {
-        warnings_.count("ignored ", " actuator(s) that are neither motors nor servos of a joint", where);
-        continue;
-      }
-      const std::string& name = model_.joints[static_cast<std::size_t>(actuator.joint)].name;
-      const auto body = std::find_if(robot_.bodies.begin() + 1, robot_.bodies.end(),
-                                     [&name](const Body& b) { return b.joint.name == name; });
-      if (body == robot_.bodies.end()) continue;  // of what was left out
-      body->joint.kp += actuator.kp;
-      body->joint.kd += actuator.kd;
-      body->joint.effort_limit += actuator.effort;
-    }
   }
 
   void connect() {
@@ -237,9 +270,17 @@ class MjcfTree {
 ParsedRobot read_mjcf(const std::string& path) {
   ReaderWarnings warnings;
   MjcfDocument document(path);
+  const MjcfDefaults defaults(document.root());
+  const MjcfContact contact(document.root(), defaults);
+  std::map<std::string, std::string> coupled = find_couplings(document, defaults);
+  const std::vector<MjcfActuator> actuators = take_actuators(document, defaults, warnings);
   MjcfParts parts = take_parts(document, warnings);
+  const MjcfJointForces forces = take_newer(document, defaults, warnings);
   const MjcfModel model = compile_parts(document, parts, warnings);
   ParsedRobot robot = MjcfTree(path, parts, model, warnings).build();
+  robot.coupled = std::move(coupled);
+  robot.contact = contact.read(document.root());
+  drive_joints(actuators, forces, model, path, robot, warnings);
   robot.warnings = warnings.sentences();
   return robot;
 }
