@@ -11,6 +11,7 @@
 #include "physics/core/text.h"
 #include "physics/robot_files/data_path.h"
 #include "physics/robot_files/robot_report.h"
+#include "study/robot_quantities.h"
 
 namespace crossgait::apps {
 
@@ -20,7 +21,7 @@ void print_notes(const std::vector<std::string>& notes) {
 
 RobotDescription load_robot_with_warnings(const std::string& robot) {
   LoadedRobot loaded = load_robot_with_report(find_robot(robot));
-  if (const std::size_t count = loaded.report.warnings.size(); count > 0) {
+  if (const std::size_t count = robot_warnings(loaded, {}).size(); count > 0) {
     print_notes({fmt::format("{}: {} on what its file holds: crossgait robots {}", loaded.robot.source,
                              counted(count, "warning"), robot)});
   }

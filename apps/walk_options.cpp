@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "study/robot_quantities.h"
 #include "study/run_spec.h"
 
 namespace crossgait::apps {
@@ -81,6 +82,8 @@ LoadedWalk WalkOptions::make() const {
                       error.found());
   }
   const auto robot = std::make_shared<const RobotDescription>(load_robot_with_warnings(config.robot));
+  if (const std::string loop = servo_loop_warning(*robot, config.physics_dt); !loop.empty())
+    print_notes({loop});
   const GaitScale scale = gait_scale(*robot);
   made.gait = choose_gait(gait, settings, make_command(*this), scale);
   print_notes(outside_ranges(made.gait.parameters,

@@ -22,6 +22,8 @@ struct ContactNumbers {
 /// What a file says of contact and of the steps of time, where it says it.
 struct ContactOfFile {
   std::optional<double> timestep, impratio;  ///< s, -
+  std::optional<double> noslip_iterations;
+  std::optional<std::array<double, 3>> gravity;  ///< m/s^2
   std::optional<std::string> cone, integrator;
   /// Of each collision shape with the file's ground, by the shape's name; two rules of one file that meet are
   /// combined as MuJoCo does.

@@ -283,6 +283,10 @@ TEST_F(MjcfServos, ContactIsCombinedAsMuJoCoDoes) {
   EXPECT_EQ(robot.contact.impratio, 100);
   EXPECT_EQ(robot.contact.cone, "elliptic");
   EXPECT_EQ(robot.contact.integrator, "implicitfast");
+  mjcf.sections = R"(<option gravity="0 0 -1.6"/><option noslip_iterations="3"/>)";
+  const ParsedRobot moon = tree(mjcf);
+  EXPECT_EQ(moon.contact.gravity, (Three{0, 0, -1.6}));
+  EXPECT_EQ(moon.contact.noslip_iterations, 3);
 }
 
 /// The compiler that is asked, one plug-in's, until the end of a test.

@@ -81,6 +81,11 @@ void MjcfContact::read_option(const MjcfElement& option) {
     if (option.has(name)) value = mjcf_numbers(option, name, 1, 1)[0];
   };
   number("timestep", options_.timestep), number("impratio", options_.impratio);
+  number("noslip_iterations", options_.noslip_iterations);
+  if (option.has("gravity")) {
+    const std::vector<double> gravity = mjcf_numbers(option, "gravity", 3, 3);
+    options_.gravity = {gravity[0], gravity[1], gravity[2]};
+  }
   if (option.has("cone")) options_.cone = option.attribute("cone");
   if (option.has("integrator")) options_.integrator = option.attribute("integrator");
   for (const MjcfElement& flag : option.children) {
