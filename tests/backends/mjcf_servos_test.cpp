@@ -196,6 +196,24 @@ TEST_F(MjcfServos, ASecondHingeOfHundredthsIsBacklash) {
   }
 }
 
+TEST_F(MjcfServos, AHingeOfHundredthsOnABodyOfItsOwnIsBacklashToo) {
+  MadeMjcf mjcf;
+  mjcf.compiler = compiler_;
+  const auto with = [&](const std::string& joint) {
+    mjcf.shin = R"(<body name="toe"><inertial pos="0 0 -.1" mass=".5" diaginertia=".02 .03 .04"/>
+                   <joint name="play" )" +
+                joint + "/></body>";
+    return tree(mjcf);
+  };
+  const ParsedRobot robot = with(R"(axis="0 1 0" range="-.03 .03")");
+  EXPECT_EQ(body(robot, "FL_shin").joint.backlash, 0.06);
+  EXPECT_EQ(body(robot, "FL_shin").inertia.mass, 1.5);
+  EXPECT_EQ(robot.bodies.size(), 9U);
+  for (const char* other : {R"(axis="1 0 0" range="-.03 .03")", R"(axis="0 1 0" range="-.3 .3")",
+                            R"(axis="0 1 0" range="-.03 .03" pos="0 0 -.1")"})
+    EXPECT_EQ(with(other).bodies.size(), 10U) << other;
+}
+
 TEST_F(MjcfServos, LegsWhoseJointsFollowOthersAreRefused) {
   MadeMjcf mjcf;
   const auto refused = [&](const std::string& sections) {
@@ -226,8 +244,17 @@ TEST_F(MjcfServos, LegsOnTheWorldHadABaseOnce) {
   for (const char* leg : {"a", "b", "c", "d"})
     bodies +=
         fmt::format(R"(<body name="{0}"><joint name="{0}_j" axis="0 1 0"/><geom size=".1"/></body>)", leg);
-  const std::string xml = write("welded.xml", "<mujoco><worldbody>" + bodies + "</worldbody></mujoco>");
-  const ConfigError error = config_error([&] { (void)read_mjcf(xml); });
+  const auto refused = [&](const std::string& text) {
+    const std::string xml = write("welded.xml", "<mujoco><worldbody>" + text + "</worldbody></mujoco>");
+    return config_error([&] { (void)read_mjcf(xml); });
+  };
+  const ConfigError error = refused(bodies);
+  std::string shoulders;
+  for (const char* leg : {"a", "b", "c", "d"})
+    shoulders += fmt::format(
+        R"(<body name="{0}"><body name="{0}_hip"><joint name="{0}_j" axis="0 1 0"/><geom size=".1"/></body></body>)",
+        leg);
+  EXPECT_EQ(refused(shoulders).expected(), error.expected());
   EXPECT_EQ(error.expected(), "a base that floats, on which the legs hang");
   EXPECT_NE(error.found().find("4 chains of joints that hang on the world itself ('a', 'b', 'c', 'd')"),
             std::string::npos)

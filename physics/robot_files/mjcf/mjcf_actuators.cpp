@@ -1,6 +1,7 @@
 #include "physics/robot_files/mjcf/mjcf_actuators.h"
 
 #include <algorithm>
+#include <map>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -205,7 +206,19 @@ void remove_actuators(MjcfElement& root) {
 std::vector<MjcfActuator> take_actuators(MjcfDocument& document, const MjcfDefaults& defaults,
                                          ReaderWarnings& warnings) {
   std::vector<MjcfActuator> actuators;
-  const bool autolimits = autolimits_of(document.root());
+  // What a class makes of an actuator, found once: it may have very many elements.
+  std::map<std::string, ActuatorReader, std::less<>> classes;
+  const auto of_class = [&, autolimits = autolimits_of(document.root())](std::string_view name) {
+    const auto known = classes.find(name);
+    if (known != classes.end()) return known->second;
+    ActuatorReader reader(autolimits);
+    for (const MjcfElement* layer : defaults.sections(name)) {
+      for (const MjcfElement& e : layer->children) {
+        if (is_one_of(kOfJoints, e.tag)) reader.apply(e);
+      }
+    }
+    return classes.emplace(name, reader).first->second;
+  };
   for (const MjcfElement& section : document.root().children) {
     if (section.tag != "actuator") continue;
     for (const MjcfElement& e : section.children) {
@@ -216,12 +229,7 @@ std::vector<MjcfActuator> take_actuators(MjcfDocument& document, const MjcfDefau
       }
       if (!defaults.has(e.attribute("class")))
         fail_at(e, "a class of <default>", fmt::format("'{}'", printable_text(e.attribute("class"), 200)));
-      ActuatorReader reader(autolimits);
-      for (const MjcfElement* layer : defaults.sections(e.attribute("class"))) {
-        for (const MjcfElement& of_class : layer->children) {
-          if (is_one_of(kOfJoints, of_class.tag)) reader.apply(of_class);
-        }
-      }
+      ActuatorReader reader = of_class(e.attribute("class"));
       reader.apply(e);
       count_unknown(e, document.path(), warnings);
       MjcfActuator actuator = reader.result();

@@ -14,7 +14,8 @@ namespace crossgait {
 class MjcfContact {
  public:
   /// Reads `<option>`, the ground (the first plane or height field of the world that collides) and `<pair>`s,
-  /// of a document that has them all. @throws ConfigError naming the element
+  /// of a document that has them all. @param defaults  are asked later, too @throws ConfigError naming the
+  /// element
   MjcfContact(const MjcfElement& root, const MjcfDefaults& defaults);
 
   /// Reads every geom of the bodies that collides, each with the ground by MuJoCo's rule: the geom of higher
@@ -30,11 +31,11 @@ class MjcfContact {
     double priority = 0, solmix = 1;
   };
   void read_option(const MjcfElement& option);
-  Geom read_geom(const MjcfElement& geom, const std::string& class_name) const;
+  Geom read_geom(const MjcfElement& e, const std::string& class_name) const;
   static ContactNumbers combine(const Geom& a, const Geom& b);
   ContactNumbers with_ground(const Geom& geom) const;
 
-  MjcfDefaults defaults_;
+  const MjcfDefaults& defaults_;
   ContactOfFile options_;
   Geom ground_;
   std::vector<MjcfElement> pairs_;

@@ -1,11 +1,11 @@
 #include "physics/robot_files/mjcf/mjcf_defaults.h"
 
-#include <algorithm>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/core/read_budget.h"
 #include "physics/core/text.h"
 
 namespace crossgait {
@@ -33,6 +33,13 @@ MjcfDefaults::MjcfDefaults(const MjcfElement& root) {
   for (const MjcfElement& section : root.children) {
     if (section.tag == "default") add(section, "", "");
   }
+  for (auto& [name, known] : classes_) {
+    for (const MjcfElement& section : known.sections) {
+      for (const MjcfElement& e : section.children) {
+        for (const auto& [attribute, value] : e.attributes) known.says[{e.tag, attribute}] = &e;
+      }
+    }
+  }
 }
 
 void MjcfDefaults::add(const MjcfElement& section, const std::string& name, const std::string& outer) {
@@ -49,33 +56,36 @@ void MjcfDefaults::add(const MjcfElement& section, const std::string& name, cons
   if (name.empty() && !alias.empty()) classes_[alias];
 }
 
-std::vector<const MjcfElement*> MjcfDefaults::sections(std::string_view name) const {
-  std::vector<const MjcfElement*> inner_first;
+template <typename Visit>
+void MjcfDefaults::for_each_outwards(std::string_view name, const Visit& visit) const {
   std::string_view next = name;
-  // As deep as there are classes: a file may call one its own outer one.
-  for (std::size_t level = 0; level <= classes_.size(); ++level) {
+  for (int level = 0; level <= kMjcfBudget.depth; ++level) {
     const auto found = classes_.find(next);
-    if (found == classes_.end()) break;
-    for (auto section = found->second.sections.rbegin(); section != found->second.sections.rend(); ++section)
-      inner_first.push_back(&*section);
-    if (next.empty()) break;
+    if (found == classes_.end() || visit(found->second) || next.empty()) return;
     next = found->second.outer;
   }
+}
+
+std::vector<const MjcfElement*> MjcfDefaults::sections(std::string_view name) const {
+  std::vector<const MjcfElement*> inner_first;
+  for_each_outwards(name, [&](const Class& known) {
+    for (auto section = known.sections.rbegin(); section != known.sections.rend(); ++section)
+      inner_first.push_back(&*section);
+    return false;
+  });
   return {inner_first.rbegin(), inner_first.rend()};
 }
 
 const MjcfElement* MjcfDefaults::find(const MjcfElement& element, std::string_view class_name,
                                       std::string_view attribute) const {
   if (element.has(attribute)) return &element;
-  const std::vector<const MjcfElement*> outer_first = sections(class_name);
-  for (auto section = outer_first.rbegin(); section != outer_first.rend(); ++section) {
-    const auto& children = (*section)->children;
-    const auto says = std::find_if(children.rbegin(), children.rend(), [&](const MjcfElement& e) {
-      return e.tag == element.tag && e.has(attribute);
-    });
-    if (says != children.rend()) return &*says;
-  }
-  return nullptr;
+  const MjcfElement* result = nullptr;
+  for_each_outwards(class_name, [&](const Class& known) {
+    const auto says = known.says.find({element.tag, attribute});
+    if (says != known.says.end()) result = says->second;
+    return result != nullptr;
+  });
+  return result;
 }
 
 }  // namespace crossgait

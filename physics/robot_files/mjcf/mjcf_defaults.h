@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "physics/robot_files/mjcf/mjcf_document.h"
@@ -20,6 +21,9 @@ std::vector<double> mjcf_numbers(const MjcfElement& element, std::string_view na
 class MjcfDefaults {
  public:
   explicit MjcfDefaults(const MjcfElement& root);
+  MjcfDefaults(const MjcfDefaults&) = delete;  // it points into itself
+  MjcfDefaults& operator=(const MjcfDefaults&) = delete;
+  ~MjcfDefaults() = default;
 
   bool has(std::string_view name) const { return classes_.contains(name); }
   /// Lists the sections that apply to a class, outermost first. @param name  "": that of all elements
@@ -33,7 +37,13 @@ class MjcfDefaults {
   struct Class {
     std::string outer;  ///< name of the class around it; of the main one: its own
     std::vector<MjcfElement> sections;
+    /// Who says an attribute last, by tag and attribute: files may have a class of very many elements.
+    std::map<std::pair<std::string_view, std::string_view>, const MjcfElement*> says;
   };
+  /// The class of a name and those around it, no more than an XML may be deep: a file may call one its own
+  /// outer one. @param visit  is called with each, until it returns true
+  template <typename Visit>
+  void for_each_outwards(std::string_view name, const Visit& visit) const;
   void add(const MjcfElement& section, const std::string& name, const std::string& outer);
 
   std::map<std::string, Class, std::less<>> classes_;  ///< the main one by the name ""

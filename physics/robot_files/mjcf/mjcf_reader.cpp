@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,6 +26,13 @@
 
 namespace crossgait {
 namespace {
+
+constexpr double kMostPlay = 0.2;                      // rad, from stop to stop
+constexpr double kParallel = 1e-6, kSamePoint = 1e-6;  // 1 - cos; m
+
+bool is_range_of_play(double lower, double upper) {
+  return lower <= 0 && upper >= 0 && upper - lower <= kMostPlay;
+}
 
 class MjcfTree {
  public:
@@ -71,12 +79,19 @@ class MjcfTree {
            std::any_of(children.begin(), children.end(), [this](int child) { return has_hinge(child); });
   }
 
-  /// Whether a body hangs on the world by a joint that is not free.
-  bool is_welded(int body) const {
-    const auto& joints = of(joints_, body);
-    return !joints.empty() && std::none_of(joints.begin(), joints.end(), [](const MjcfJoint* j) {
-      return j->type == MjcfJointType::kFree;
+  /// Whether bodies are chains whose base was welded to the world: each hangs on it by a joint that is not
+  /// free, or there are as many without any as a quadruped has legs.
+  bool are_welded(const std::vector<int>& bodies) const {
+    const auto all = [&](const auto& predicate) {
+      return std::all_of(bodies.begin(), bodies.end(), [&](int i) { return predicate(of(joints_, i)); });
+    };
+    using Joints = std::vector<const MjcfJoint*>;
+    const bool none_free = all([](const Joints& joints) {
+      return std::none_of(joints.begin(), joints.end(),
+                          [](const MjcfJoint* j) { return j->type == MjcfJointType::kFree; });
     });
+    return none_free && (bodies.size() >= static_cast<std::size_t>(kLegCount) ||
+                         all([](const Joints& joints) { return !joints.empty(); }));
   }
 
   /// The body of the world that joints hang on.
@@ -91,7 +106,7 @@ class MjcfTree {
       }
     }
     if (found.empty()) throw ConfigError(path_, "worldbody", "a body with joints", "none");
-    if (found.size() > 1 && std::all_of(found.begin(), found.end(), [&](int i) { return is_welded(i); })) {
+    if (found.size() > 1 && are_welded(found)) {
       std::vector<std::string> names;
       for (const int body : found) names.push_back(fmt::format("'{}'", at(body).name));
       fail_at(
@@ -123,12 +138,11 @@ class MjcfTree {
   /// Whether a joint is the play of another one of its body: about the same axis, over hundredths around
   /// zero.
   static bool is_play(const MjcfJoint& joint, const MjcfJoint& of) {
-    constexpr double kMostPlay = 0.2, kParallel = 1e-6;  // rad, from stop to stop; 1 - cos
     return joint.type == MjcfJointType::kHinge && of.type == MjcfJointType::kHinge && joint.limited &&
-           joint.lower <= 0 && joint.upper >= 0 && joint.upper - joint.lower <= kMostPlay &&
-           !(of.limited && of.upper - of.lower <= kMostPlay) &&
+           is_range_of_play(joint.lower, joint.upper) &&
+           !(of.limited && is_range_of_play(of.lower, of.upper)) &&
            std::abs(joint.axis.normalized().dot(of.axis.normalized())) > 1 - kParallel &&
-           (joint.p_BJ - of.p_BJ).norm() < 1e-6;
+           (joint.p_BJ - of.p_BJ).norm() < kSamePoint;
   }
 
   /// The one hinge of a moving body, or null; a second one that is its play becomes its backlash.
@@ -265,6 +279,34 @@ class MjcfTree {
   ParsedRobot robot_;
 };
 
+/// Makes backlash of joints that are the play of the one that they hang on: about the same line, over
+/// hundredths around zero, and driven by nothing. What they move becomes part of what moves them.
+ParsedRobot merge_play(ParsedRobot robot, ReaderWarnings& warnings) {
+  std::set<std::string> play;
+  for (std::size_t i = 1; i < robot.bodies.size(); ++i) {
+    const Body& body = robot.bodies[i];
+    if (body.parent < 1) continue;
+    Joint& driven = robot.bodies[static_cast<std::size_t>(body.parent)].joint;
+    const Joint& joint = body.joint;
+    const Vector3 offset = body.X_PB.translation();
+    const bool one_line = std::abs((body.X_PB.linear() * joint.axis).dot(driven.axis)) > 1 - kParallel &&
+                          (offset - offset.dot(driven.axis) * driven.axis).norm() < kSamePoint;
+    const bool is_driven = joint.kp > 0 || joint.kd > 0 || joint.effort_limit > 0;
+    if (!one_line || is_driven || !is_range_of_play(joint.lower, joint.upper) ||
+        is_range_of_play(driven.lower, driven.upper))
+      continue;
+    play.insert(joint.name);
+    driven.backlash += joint.upper - joint.lower;
+    robot.reasons[driven.name]["backlash"] = fmt::format("range of the hinge '{}'", joint.name);
+    warnings.count(
+        fmt::format("read as a backlash of {:g} rad a hinge (its damping of {:g} and friction of {:g} are "
+                    "not simulated) on the bodies of ",
+                    joint.upper - joint.lower, joint.damping, joint.friction),
+        " joint(s)", fmt::format("joint '{}'", driven.name));
+  }
+  return play.empty() ? robot : lock_joints(std::move(robot), play);
+}
+
 }  // namespace
 
 ParsedRobot read_mjcf(const std::string& path) {
@@ -281,6 +323,7 @@ ParsedRobot read_mjcf(const std::string& path) {
   robot.coupled = std::move(coupled);
   robot.contact = contact.read(document.root());
   drive_joints(actuators, forces, model, path, robot, warnings);
+  robot = merge_play(std::move(robot), warnings);
   robot.warnings = warnings.sentences();
   return robot;
 }
