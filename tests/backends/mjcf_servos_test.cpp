@@ -85,6 +85,10 @@ TEST_F(MjcfServos, ClassesAreOneSetOfSettingsForAllKinds) {
                 .kp,
             200);
   EXPECT_EQ(hip(R"(<motor joint="FL_hip"/>)", "", defaults).kp, 0);
+  // Gains of another kind are none of its.
+  EXPECT_EQ(hip(R"(<velocity joint="FL_hip"/>)", "", defaults).kd, 1);
+  EXPECT_EQ(hip(R"(<position joint="FL_hip" kp="5"/>)", "", R"(<velocity kv="3"/>)").kd, 0);
+  EXPECT_EQ(hip(R"(<velocity joint="FL_hip"/>)", "", R"(<velocity kv="3"/>)").kd, 3);
   EXPECT_EQ(
       hip("", R"(class="strong")", R"(<default class="strong"><joint actuatorfrcrange="-7 7"/></default>)")
           .effort_limit,
@@ -99,11 +103,25 @@ TEST_F(MjcfServos, DampingIsTheSameInEverySpelling) {
   EXPECT_TRUE(warned("took -4 for 0 as the damping"));
 }
 
-// A leg that hangs straight down from the hip's axis: thigh and shin of 1 kg each, .1 and .3 m below it, of
-// .03 kg m^2 about y.
+// M is what the hip moves with everything else free, at the file's zero: the inverse of the diagonal of the
+// inverse inertia.
 TEST_F(MjcfServos, ADampingRatioIsThatOfTheInertiaAtTheFilesZero) {
-  const double M = 2 * 0.03 + 0.1 * 0.1 + 0.3 * 0.3 + 0.05, critical = 2 * std::sqrt(60 * M);
-  constexpr double kRounding = 1e-12;
+  MadeMjcf made;
+  made.compiler = compiler_;
+  RobotDescription robot;
+  robot.bodies = tree(made).bodies;
+  // `hip` gives all hips the armature of the file, or FL's alone that of an actuator.
+  const auto moved = [&robot](const std::string& with_armature) {
+    Eigen::Index fl = 0;
+    for (std::size_t i = 1; i < robot.bodies.size(); ++i) {
+      Joint& joint = robot.bodies[i].joint;
+      joint.armature = joint.name.ends_with(with_armature) ? 0.05 : 0;
+      if (joint.name == "FL_hip") fl = static_cast<Eigen::Index>(i) - 1;
+    }
+    return 1 / joint_inverse_weights(robot, false)[fl];
+  };
+  const double critical = 2 * std::sqrt(60 * moved("_hip"));
+  constexpr double kRounding = 1e-11;  // of two inverses of a matrix of 14 rows
   const char* const armature = R"(armature=".05")";
   EXPECT_NEAR(hip(R"(<position joint="FL_hip" kp="60" dampratio="1"/>)", armature).kd, critical, kRounding);
   EXPECT_NEAR(
@@ -113,7 +131,7 @@ TEST_F(MjcfServos, ADampingRatioIsThatOfTheInertiaAtTheFilesZero) {
   EXPECT_NEAR(hip(R"(<position joint="FL_hip" kp="15" gear="2" dampratio="1"/>)", armature).kd, critical,
               kRounding);
   EXPECT_NEAR(hip(R"(<position joint="FL_hip" kp="60" dampratio="1" armature=".0125" gear="2"/>)").kd,
-              2 * std::sqrt(240 * M), kRounding);
+              2 * std::sqrt(240 * moved("FL_hip")), kRounding);
 }
 
 TEST_F(MjcfServos, FiltersAreLags) {

@@ -33,6 +33,7 @@ enum class Limited { kAuto, kTrue, kFalse };
 /// An actuator as MuJoCo's compiler has it while it goes through the classes and the element: one set of
 /// settings, which the elements of all kinds change one after the other.
 struct Settings {
+  std::string kind = "general";  ///< of the last element
   std::string gain_type = "fixed", bias_type = "none", dynamics = "none";
   std::array<double, 3> gain{1, 0, 0}, bias{};
   double time_constant = 1;
@@ -48,13 +49,21 @@ class ActuatorReader {
 
   void apply(const MjcfElement& e) {
     read_common(e);
+    // Gains go from one element to the next of its kind, and from and to <general>; dynamics not even so.
+    const bool other = settings_.kind != e.tag && e.tag != "general";
+    if (other && settings_.kind != "general") {
+      settings_.gain_type = "fixed", settings_.bias_type = "none";
+      settings_.gain = {1, 0, 0}, settings_.bias = {};
+    }
+    if (other) settings_.dynamics = "none";
+    settings_.kind = e.tag;
     if (e.tag == "motor") {
       settings_.gain_type = "fixed", settings_.bias_type = settings_.dynamics = "none";
       settings_.gain = {1, 0, 0}, settings_.bias = {};
     } else if (e.tag == "position" || e.tag == "intvelocity") {
       apply_position(e);
     } else if (e.tag == "velocity" || e.tag == "damper") {
-      double kv = 1;
+      double kv = settings_.gain[0];
       read(e, "kv", kv);
       const bool damper = e.tag == "damper";  // its control is a damping
       settings_.gain_type = damper ? "affine" : "fixed", settings_.dynamics = "none";
@@ -124,10 +133,9 @@ class ActuatorReader {
     read(e, "delay", s.delay), read(e, "armature", s.armature);
     read(e, "damping", s.damping, true);
     if (e.has("inheritrange") && e.has("ctrlrange")) fail_at(e, "either ctrlrange or inheritrange", "both");
-    // The last word counts.
-    if (e.has("ctrlrange")) s.inherit = 0;
+    // An inherited range is one of position actuators, and what else says a range does not take it away.
+    if (e.has("ctrlrange") && (e.tag == "position" || e.tag == "intvelocity")) s.inherit = 0;
     read(e, "inheritrange", s.inherit);
-    if (e.has("inheritrange") && s.inherit > 0) s.control.reset();
   }
 
   /// As mjs_setToPosition of MuJoCo does: what the element does not say stays as its classes have it.

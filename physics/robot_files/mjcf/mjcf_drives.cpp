@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -75,14 +76,20 @@ class Driver {
     joint.damping += g2 * actuator.damping;
   }
 
-  /// Of every joint, at the angles at which the file has the bodies.
+  /// What every joint moves, everything else free, at the angles at which the file has the bodies: the
+  /// inverse of the diagonal of the inverse inertia (MuJoCo's dof_invweight0).
   Eigen::VectorXd reflected_inertias() const {
     RobotDescription robot;
     robot.bodies = robot_.bodies;
     RobotState state;
     state.q = JointVector::Zero(robot.joint_count());
     for (int i = 0; i < robot.joint_count(); ++i) state.q[i] = joint_of_file(robot.joint(i)).reference;
-    return mass_matrix(robot, state).diagonal().tail(robot.joint_count());
+    const bool floats = std::any_of(model_.joints.begin(), model_.joints.end(), [](const MjcfJoint& joint) {
+      return joint.type == MjcfJointType::kFree;
+    });
+    const Eigen::Index size = robot.joint_count() + (floats ? 6 : 0);
+    const Eigen::LLT<Eigen::MatrixXd> M(mass_matrix(robot, state).bottomRightCorner(size, size));
+    return M.solve(Eigen::MatrixXd::Identity(size, size)).diagonal().tail(robot.joint_count()).cwiseInverse();
   }
 
   const MjcfJoint& joint_of_file(const Joint& joint) const {

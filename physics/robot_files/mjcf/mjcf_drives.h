@@ -20,9 +20,8 @@ using MjcfJointForces = std::map<std::string, MjcfRange>;
 /// those of several on one joint add up.
 ///  - The torque limit is the least of |gear| x forcerange, |gear| x gain x ctrlrange (of motors alone: a
 ///    servo's control is an angle) and the joint's own, each where it is limited.
-///  - A damping ratio z is kd = 2 z sqrt(kp M), M the joint's inertia with armature at the angles at which
-///  the
-///    file has the bodies (MuJoCo manual, "Position actuators").
+///  - A damping ratio z is kd = 2 z sqrt(kp M), M the inertia that the joint moves, armature included and all
+///    else free, at the angles at which the file has the bodies (as MuJoCo 4.0.0 compiles it).
 /// @throws ConfigError for an actuator of a joint that the file does not have
 void drive_joints(const std::vector<MjcfActuator>& actuators, const MjcfJointForces& forces,
                   const MjcfModel& model, const std::string& path, ParsedRobot& robot,
