@@ -98,8 +98,10 @@ Motion motion_of(const ReportCommand& options, const std::vector<std::string>& t
                 {},
                 {},
                 options.shortest_contact};
-  for (const std::string& file : traces)
-    motion.runs.push_back({std::filesystem::path(file).stem().string(), "", TraceTable(file)});
+  for (const std::string& file : traces) {
+    motion.runs.push_back(
+        recorded_run(std::filesystem::path(file).stem().string(), TraceTable(file), *motion.robot));
+  }
   return motion;
 }
 

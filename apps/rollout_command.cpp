@@ -60,8 +60,7 @@ void run(const RolloutCommand& options) {
   // Made anew, and that of an interrupted rollout too, if its first episode is among those that are done.
   if (!options.trace.empty() && !rollout.policies.empty()) {
     TraceWriter trace(environment.robot, options.trace);
-    watch_episode(environment, options.policies.front(), options.runs.seed,
-                  [&trace](const QuadrupedEnv& env) { trace.add(trace_sample(env)); });
+    record_episode(environment, options.policies.front(), options.runs.seed, trace);
     trace.finish();
   }
   if (options.page.asked() && !rollout.policies.empty())

@@ -75,9 +75,9 @@ std::vector<std::string> walk_and_trace(const VideoCommand& options, const Trace
     files.push_back(folder.file(engine));
     TraceWriter trace(loaded.world.robot, files.back());
     ProgressLine progress(fmt::format("{} in {}", loaded.config.gait.name(), engine));
-    const WalkRun run = walk(
-        loaded, engine, [&](double share) { progress.update(share); },
-        [&trace](std::size_t, const TraceSample& sample) { trace.add(sample); });
+    const auto world = find_engine(engine).make(loaded.world);
+    const WalkRun run = record_walk(
+        *world, loaded.config.setup(), [&](double share) { progress.update(share); }, &trace);
     trace.finish();
     if (run.interrupted) throw EndedEarly("there is no film");
   }

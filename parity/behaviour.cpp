@@ -67,18 +67,9 @@ Start draw_start(const Randomisation& randomisation, std::uint64_t seed) {
   return {placement_of(draw), 0, pushes_of(randomisation, draw, random)};
 }
 
-// @param trace filled with every control step if not null
 MotionSummary walk_once(const WorldSpec& world, const WalkSetup& setup, const Start& start,
-                        const Engine& engine, Trace* trace = nullptr) {
-  const std::unique_ptr<PhysicsBackend> instance = engine.make(world);
-  WalkObserver observer;
-  if (trace != nullptr) {
-    observer = [trace](const WalkSample& sample) {
-      trace->emplace_back(sample.world, sample.targets);
-      return true;
-    };
-  }
-  return run_walk(*instance, setup.make_controller(world), setup.timing, observer, start, setup.terminations);
+                        const Engine& engine, TraceSink* sink = nullptr) {
+  return record_walk(*engine.make(world), setup, {}, sink, start).summary;
 }
 
 }  // namespace
@@ -155,9 +146,9 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
     own.terrain = terrain(k);
     WalkSetup at_once = setup;
     at_once.timing.settle_seconds = 0;
-    Trace trace;
-    walk_once(own, at_once, draw_start(starts, derived_seed(seed, k)), engine, &trace);
-    return trace;
+    TraceRecorder recorder;
+    walk_once(own, at_once, draw_start(starts, derived_seed(seed, k)), engine, &recorder);
+    return recorder.take();
   };
   return behaviour;
 }

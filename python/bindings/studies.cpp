@@ -51,44 +51,48 @@ Json provenance(const nlohmann::json& subject, const std::vector<std::string>& e
   return to_json(made);
 }
 
-/// Traces of several runs as tables of numbers.
-class Recorder {
+/// Keeps a run as a table of numbers: rows of the columns of a trace.
+class TraceNumbers final : public TraceSink {
  public:
-  Recorder(std::size_t runs, std::shared_ptr<const RobotDescription> robot)
-      : robot_(std::move(robot)), tables_(runs) {}
+  explicit TraceNumbers(std::shared_ptr<const RobotDescription> robot) : robot_(std::move(robot)) {}
 
-  void add(std::size_t run, const TraceSample& sample) {
+  void add(const TraceSample& sample) override {
     if (!columns_) columns_.emplace(*robot_, sample);
-    columns_->append(sample, tables_[run]);
+    columns_->append(sample, numbers_);
   }
-  nb::object take() const {
-    nb::list tables;
-    for (const std::vector<double>& numbers : tables_) {
-      const std::size_t width = columns_ ? columns_->names().size() : 1;
-      const NewArray<double> table(numbers.size() / width, width);
-      std::copy(numbers.begin(), numbers.end(), table.data);
-      tables.append(table.array);
-    }
-    return nb::make_tuple(columns_ ? columns_->names() : std::vector<std::string>(), tables);
+  std::vector<std::string> names() const { return columns_ ? columns_->names() : std::vector<std::string>(); }
+  nb::object table() const {
+    const std::size_t width = columns_ ? columns_->names().size() : 1;
+    const NewArray<double> table(numbers_.size() / width, width);
+    std::copy(numbers_.begin(), numbers_.end(), table.data);
+    return table.array;
   }
 
  private:
   std::shared_ptr<const RobotDescription> robot_;
   std::optional<TraceColumns> columns_;
-  std::vector<std::vector<double>> tables_;
+  std::vector<double> numbers_;
 };
 
-std::shared_ptr<Recorder> recorder(bool trace, std::size_t runs, const LoadedWalk& loaded) {
-  return trace ? std::make_shared<Recorder>(runs, loaded.world.robot) : nullptr;
+/// One for each run, or none. A job whose caller is gone may go on filling them.
+using Traces = std::shared_ptr<std::vector<TraceNumbers>>;
+
+Traces traces(bool asked, std::size_t runs, const LoadedWalk& loaded) {
+  return std::make_shared<std::vector<TraceNumbers>>(asked ? runs : 0, TraceNumbers(loaded.world.robot));
 }
 
-SampleObserver observer(const std::shared_ptr<Recorder>& recorder) {
-  if (!recorder) return {};
-  return [recorder](std::size_t run, const TraceSample& sample) { recorder->add(run, sample); };
+TraceSinks sinks_of(const Traces& traces) {
+  TraceSinks sinks;
+  for (TraceNumbers& trace : *traces) sinks.push_back(&trace);
+  return sinks;
 }
 
-nb::object traces_of(const std::shared_ptr<Recorder>& recorder) {
-  return recorder ? recorder->take() : nb::none();
+// Names of the columns, and a table for each run; None if there is no trace.
+nb::object to_python(const Traces& traces) {
+  if (traces->empty()) return nb::none();
+  nb::list tables;
+  for (const TraceNumbers& trace : *traces) tables.append(trace.table());
+  return nb::make_tuple(traces->front().names(), tables);
 }
 
 // What a walk is made of, for whoever wants to make it again. Of a function in Python only its world can be
@@ -101,37 +105,37 @@ nlohmann::json subject_json(const Subject& subject, const LoadedWalk& loaded) {
 
 Pair walk_in(const Subject& subject, const std::string& engine, bool trace, const nb::object& progress) {
   const LoadedWalk loaded = config_of(subject);
-  const auto record = recorder(trace, 1, loaded);
+  const Traces kept = traces(trace, 1, loaded);
   const Report report = run_job(
-      [subject, loaded, engine, record](const StageProgress& told) -> Report {
+      [=](const StageProgress& told) -> Report {
         const auto world = find_engine(engine).make(loaded.world);
-        const WalkRun run =
-            record_walk(*world, setup_of(subject), progress_of(told, "walking"), observer(record));
+        const WalkRun run = record_walk(*world, setup_of(subject), progress_of(told, "walking"),
+                                        kept->empty() ? nullptr : &kept->front());
         if (run.interrupted) throw Interrupted();
         Json json = crossgait::report(run);
         json["provenance"] = provenance(subject_json(subject, loaded), {engine});
         return {json, describe(run)};
       },
       progress);
-  return nb::make_tuple(to_python(report), traces_of(record));
+  return nb::make_tuple(to_python(report), to_python(kept));
 }
 
 Pair compare_in(const Subject& subject, const std::vector<std::string>& engines, bool trace,
                 const DivergenceTolerances& tolerances, const nb::object& progress) {
   const LoadedWalk loaded = config_of(subject);
-  const auto record = recorder(trace, engines.size(), loaded);
+  const Traces kept = traces(trace, engines.size(), loaded);
   const Report report = run_job(
       [=](const StageProgress& told) -> Report {
         WalkComparison result;
         result.comparison =
-            compare_walks(loaded.world, setup_of(subject), engines, tolerances, told, observer(record));
+            compare_walks(loaded.world, setup_of(subject), engines, tolerances, told, sinks_of(kept));
         if (result.comparison.interrupted) throw Interrupted();
         Json json = crossgait::report(result);
         json["provenance"] = provenance(subject_json(subject, loaded), engines);
         return {json, describe(result.comparison)};
       },
       progress);
-  return nb::make_tuple(to_python(report), traces_of(record));
+  return nb::make_tuple(to_python(report), to_python(kept));
 }
 
 JudgeOptions judge_options(std::size_t starts, double limit, double confidence, std::size_t workers,
