@@ -140,7 +140,7 @@ void run(const CompareCommand& options) {
 
 }  // namespace
 
-void add_compare_command(CLI::App& program) {
+void add_compare_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command =
       program.add_subcommand("compare", "The same walk in several engines, side by side: the parity report");
   command->footer(
@@ -176,7 +176,7 @@ void add_compare_command(CLI::App& program) {
                     "Also judge whether the difference is the engine's (30 more runs per engine; see "
                     "`crossgait verdict`)");
   options->compare.judge.workers = EpisodeOptions::default_workers();
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

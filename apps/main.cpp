@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -36,37 +37,15 @@ constexpr const char* kFooter =
     "input,\n130 interrupted.\n"
     "`crossgait COMMAND --help` explains each command.";
 
-void add_commands(CLI::App& program, std::vector<std::string>& again) {
-  add_walk_command(program);
-  add_compare_command(program);
-  add_view_command(program);
-  add_bench_command(program);
-  add_verdict_command(program);
-  add_engines_command(program);
-  add_conformance_command(program);
-  add_robots_command(program);
-  add_terrain_command(program);
-  add_ik_command(program);
-  add_gait_command(program);
-  add_workspace_command(program);
-  add_report_command(program, again);
-  add_video_command(program);
-  add_env_command(program);
-  add_rollout_command(program);
-  add_transfer_command(program);
-  add_course_command(program);
-  add_tune_command(program);
-  add_rerun_command(program, again);
-}
-
-/// Does what the arguments say. @param again  the arguments of a command that is to be run after it, if any
-/// @returns the exit code
-int run(std::vector<std::string> arguments, std::vector<std::string>& again) {
+/// Does what the arguments say. @returns the exit code
+int run(std::vector<std::string> arguments, Invocation& invocation) {
   CLI::App program(kDescription, "crossgait");
   program.footer(kFooter);
   program.set_version_flag("--version", std::string(crossgait_version()));
   program.require_subcommand(1);
-  add_commands(program, again);
+#define CROSSGAIT_ADD_COMMAND(NAME) add_##NAME##_command(program, invocation);
+  CROSSGAIT_COMMANDS(CROSSGAIT_ADD_COMMAND)
+#undef CROSSGAIT_ADD_COMMAND
   std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
   try {
     program.parse(std::move(arguments));
@@ -86,11 +65,11 @@ int run(std::vector<std::string> arguments, std::vector<std::string>& again) {
 int main_of(const std::vector<std::string>& arguments) {
   try {
     keep_standard_streams();
-    std::vector<std::string> again;
-    int code = run(arguments, again);
-    if (!again.empty()) {
-      std::vector<std::string> no_more;
-      code = run(again, no_more);
+    Invocation first;
+    int code = run(arguments, first);
+    if (!first.next.empty()) {
+      Invocation second{{}, std::move(first.recorded)};
+      code = run(first.next, second);
     }
     flush_standard_output();
     return code;

@@ -113,7 +113,7 @@ std::string title_of(const ReportPage& page) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-void run(const ReportCommand& options, std::vector<std::string>& again) {
+void run(const ReportCommand& options, Invocation& invocation) {
   require_page();
   std::vector<std::string> traces;
   std::vector<Recorded> results;
@@ -127,16 +127,16 @@ void run(const ReportCommand& options, std::vector<std::string>& again) {
   const std::string kind = results.size() == 1 && traces.empty() ? schema_of(results.front()) : "";
   if (kind == "bench") {
     // A measurement cannot be made again: it is shown as it was measured.
-    again = {"bench", "--from=" + results.front().file, "--report=" + options.out};
+    invocation.next = {"bench", "--from=" + results.front().file, "--report=" + options.out};
     return;
   }
   if (kMadeAgain.contains(kind)) {
     // A run is the same to the last bit when it is made again, which is how its motion is known.
-    again = command_of(results.front().result, results.front().file);
+    std::vector<std::string> again = command_of(results.front().result, results.front().file);
     if (again.front() != kind)
       throw ConfigError(results.front().file, "provenance.command", kind, again.front());
     again.push_back("--report=" + options.out);
-    make_again(std::move(results.front()));
+    invocation = {std::move(again), std::move(results.front())};
     return;
   }
   ReportPage page;
@@ -151,7 +151,7 @@ void run(const ReportCommand& options, std::vector<std::string>& again) {
 
 }  // namespace
 
-void add_report_command(CLI::App& program, std::vector<std::string>& again) {
+void add_report_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand(
       "report", "A page that replays walks in 3D, with plots, or shows a verdict: one HTML file");
   command->footer(
@@ -187,7 +187,7 @@ void add_report_command(CLI::App& program, std::vector<std::string>& again) {
           "Touches of traces, and gaps between them, that the gait diagram leaves out if they are shorter, s")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  on_run(*command, [options, &again] { run(*options, again); });
+  on_run(*command, [options, &invocation] { run(*options, invocation); });
 }
 
 }  // namespace crossgait::apps

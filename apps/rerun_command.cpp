@@ -5,7 +5,7 @@
 #include "physics/core/error.h"
 
 namespace crossgait::apps {
-void add_rerun_command(CLI::App& program, std::vector<std::string>& again) {
+void add_rerun_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command =
       program.add_subcommand("rerun", "Make a stored result again, and say whether it is the same");
   command->footer(
@@ -22,13 +22,13 @@ void add_rerun_command(CLI::App& program, std::vector<std::string>& again) {
   auto file = std::make_shared<std::string>();
   command->add_option("result", *file, "What a command's --json wrote")->type_name("FILE.json")->required();
   command->allow_extras();
-  command->callback([command, file, &again] {
+  command->callback([command, file, &invocation] {
     Recorded recorded = read_result(*file);
-    again = command_of(recorded.result, *file);
+    std::vector<std::string> again = command_of(recorded.result, *file);
     if (again.front() == command->get_name())
       throw ConfigError(*file, "provenance.command", "another command", again.front());
     for (const std::string& word : command->remaining()) again.push_back(word);
-    make_again(std::move(recorded));
+    invocation = {std::move(again), std::move(recorded)};
   });
 }
 

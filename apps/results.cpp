@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
-#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string_view>
@@ -31,8 +30,6 @@ using nlohmann::ordered_json;
 
 // Type names of outputs that are files; others are folders or say how they are written.
 bool names_file(const CLI::Option& option) { return option.get_type_name().starts_with("FILE"); }
-
-std::optional<Recorded> recorded_result;
 
 [[noreturn]] void fail_on_standard_output(int code) {
   throw std::runtime_error(fmt::format("standard output: {}; the result is not complete there",
@@ -124,18 +121,17 @@ void drop_times(Json& value) {
   }
 }
 
-void compare_with_recorded(const ordered_json& now) {
-  Json before = recorded_result->result, after = Json::parse(now.dump());
+void compare_with_recorded(const Recorded& recorded, const ordered_json& now) {
+  Json before = recorded.result, after = Json::parse(now.dump());
   drop_times(before);
   drop_times(after);
   if (before == after) {
-    std::fputs(fmt::format("crossgait: the same result as in {}\n", recorded_result->file).c_str(), stderr);
+    std::fputs(fmt::format("crossgait: the same result as in {}\n", recorded.file).c_str(), stderr);
     return;
   }
   const Json difference = Json::diff(before, after);
-  throw std::runtime_error(fmt::format("another result than in {}: {} differ, the first is {}",
-                                       recorded_result->file, difference.size(),
-                                       difference.front().at("path").get<std::string>()));
+  throw std::runtime_error(fmt::format("another result than in {}: {} differ, the first is {}", recorded.file,
+                                       difference.size(), difference.front().at("path").get<std::string>()));
 }
 
 }  // namespace
@@ -158,25 +154,25 @@ void check_outputs(const CLI::App& command) {
   }
 }
 
-ResultInputs of_robot(const std::string& name_or_file) {
+ResultInputs of_robot(const RobotDescription& robot) {
   ResultInputs inputs;
-  inputs.subject["robot"] = identity_of_robot(name_or_file);
+  inputs.subject["robot"] = identity_of_robot(robot);
   return inputs;
 }
 
-ResultInputs of_gait(const std::string& robot, const GaitChoice& gait) {
+ResultInputs of_gait(std::shared_ptr<const RobotDescription> robot, const GaitChoice& gait) {
   WalkConfig walk;
-  walk.robot = robot;
   walk.gait = gait;
-  const Json behaviour = LoadedBehaviour(walk, {}, 0).described.at("behaviour");
+  const Json behaviour = LoadedBehaviour({walk, std::move(robot)}, {}, 0).described.at("behaviour");
   ResultInputs inputs;
   inputs.subject["robot"] = behaviour.at("robot");
   inputs.subject["behaviour"] = {{"gait", behaviour.at("gait")}, {"parameters", behaviour.at("parameters")}};
   return inputs;
 }
 
-void JsonOption::add_to(CLI::App& command) {
+void JsonOption::add_to(CLI::App& command, const Invocation& invocation) {
   command_ = &command;
+  invocation_ = &invocation;
   add_output_option(command, "--json", path, "Write the result as JSON to FILE, or to standard output with -")
       ->type_name("FILE|-");
 }
@@ -187,11 +183,11 @@ Provenance JsonOption::provenance(const ResultInputs& inputs) const {
   p.arguments = arguments_of(*command_, inputs);
   for (const std::string& engine : inputs.engines) p.engines.push_back(find_engine(engine).info);
   p.subject = inputs.subject;
-  if (recorded_result) {
+  if (const std::optional<Recorded>& recorded = invocation_->recorded) {
     // Before anything is made: what it was made of has to be there still.
-    const Json& recorded = recorded_result->result.at("provenance");
-    p.files = files_now(recorded);
-    check_same(recorded, p, recorded_result->file);
+    const Json& before = recorded->result.at("provenance");
+    p.files = files_now(before);
+    check_same(before, p, recorded->file);
   }
   return p;
 }
@@ -206,9 +202,9 @@ void JsonOption::emit(const std::string& text, ordered_json json, const Provenan
   const std::string bytes = json.dump(2) + "\n";
   if (!path.empty() && !to_stdout()) write_file_atomically(path, bytes);
   print(to_stdout() ? bytes : text);
-  if (recorded_result) {
+  if (const std::optional<Recorded>& recorded = invocation_->recorded) {
     flush_standard_output();
-    compare_with_recorded(json);
+    compare_with_recorded(*recorded, json);
   }
 }
 
@@ -224,8 +220,6 @@ Recorded read_result(const std::string& file) {
     throw ConfigError(file, "file", "a result as `--json` writes it", "no JSON object");
   return {file, std::move(result)};
 }
-
-void make_again(Recorded recorded) { recorded_result = std::move(recorded); }
 
 void print(const std::string& text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) fail_on_standard_output(errno);

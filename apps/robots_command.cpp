@@ -165,7 +165,7 @@ void show(const RobotsCommand& options) {
       "{}\n",
       robot.total_mass(), counted(robot.loops.size(), "loop"), robot.home_height, h, time, robot.source);
   options.json.emit(bodies.str() + "\n" + legs.str() + total + remarks(loaded.report),
-                    with_schema("robots", result), options.json.provenance(of_robot(options.robot)));
+                    with_schema("robots", result), options.json.provenance(of_robot(robot)));
 }
 
 /// Walks it. @throws std::runtime_error if something is wrong
@@ -177,13 +177,13 @@ void check(const RobotsCommand& options) {
   result["warnings"] = loaded.report.warnings;
   std::string text = describe(trial);
   for (const std::string& warning : loaded.report.warnings) text += fmt::format("warning: {}\n", warning);
-  options.json.emit(text, with_schema("robots", result), options.json.provenance(of_robot(options.robot)));
+  options.json.emit(text, with_schema("robots", result), options.json.provenance(of_robot(loaded.robot)));
   if (!trial.passed()) throw std::runtime_error("it does not walk as it should: see above");
 }
 
 }  // namespace
 
-void add_robots_command(CLI::App& program) {
+void add_robots_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand("robots", "List the bundled robots, or show one");
   command->footer(
       "\nOf a URDF or MJCF alone legs, frame, feet, home pose, servos and the scale of gaits are inferred, "
@@ -201,7 +201,7 @@ void add_robots_command(CLI::App& program) {
   command->add_flag("--check", options->check, "Walk it two seconds in every engine and say what is wrong")
       ->needs("--robot");
   command->add_flag("--yaml", options->yaml, "Print the whole robot.yaml instead")->needs("--robot");
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] {
     if (options->robot.empty()) return list_robots(options->json);
     options->check ? check(*options) : show(*options);

@@ -136,7 +136,7 @@ void add_judge_options(CLI::App& command, VerdictCommand& options) {
 
 }  // namespace
 
-void add_verdict_command(CLI::App& program) {
+void add_verdict_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand(
       "verdict", "Does a behaviour depend on the engine? The gap between engines, in spreads within one");
   command->footer(
@@ -170,7 +170,7 @@ void add_verdict_command(CLI::App& program) {
   command->add_flag("--explain", options->judge.explain,
                     "Also say what the gap comes from, one modelling factor at a time");
   options->page.add_to(*command, "Write a page that shows it between the limits, as one HTML file");
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

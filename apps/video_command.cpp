@@ -102,14 +102,14 @@ void run(const VideoCommand& options) {
   command.push_back(fmt::format("--elevation={}", options.elevation));
   command.emplace_back("--");
   command.insert(command.end(), traces.begin(), traces.end());
-  const auto drawn = run_child(command, {}, ChildErrors::kShown);
+  const auto drawn = run_child(command, ChildErrors::kShown);
   if (!drawn || drawn->exit_code != 0) throw ChildFailed{drawn ? drawn->exit_code : -1};
   print(drawn->out);
 }
 
 }  // namespace
 
-void add_video_command(CLI::App& program) {
+void add_video_command(CLI::App& program, Invocation& /*invocation*/) {
   CLI::App* command = program.add_subcommand("video", "A walk, or traces, as a film: one panel an engine");
   command->footer(
       "\nDrawn by Crossgait's Python package (crossgait[video]), which python3 or CROSSGAIT_PYTHON has to "

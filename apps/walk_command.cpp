@@ -44,7 +44,7 @@ void run(const WalkCommand& options) {
 
 }  // namespace
 
-void add_walk_command(CLI::App& program) {
+void add_walk_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand("walk", "Walk in one engine: a summary and, if asked, a trace");
   command->footer(
       "\nExamples:\n"
@@ -58,7 +58,7 @@ void add_walk_command(CLI::App& program) {
   add_output_option(*command, "--trace", options->trace,
                     "Write state, targets and contacts of every control step as CSV");
   options->page.add_to(*command);
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 
