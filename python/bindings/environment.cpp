@@ -18,7 +18,8 @@ namespace crossgait::python {
 
 nb::object layout(const Layout& layout) {
   nb::list entries;
-  for (const LayoutEntry& e : layout.entries) entries.append(nb::make_tuple(e.name, e.unit, e.min, e.max));
+  for (const LayoutEntry& e : layout.entries)
+    entries.append(nb::make_tuple(e.name, e.unit, e.min, e.max, e.low(), e.high()));
   return entries;
 }
 
@@ -28,7 +29,8 @@ Environment make_environment(const EnvConfig& config, const std::string& engine)
   const nb::gil_scoped_release release;
   auto model = EnvModel::make(config);
   auto env = std::make_unique<QuadrupedEnv>(model, find_engine(engine.empty() ? config.engine : engine));
-  return {std::move(model), std::move(env)};
+  const Layout& observation = model->interface.observation;
+  return {model, std::move(env), ObservationBounds(observation)};
 }
 
 nb::object reset(Environment& self, std::uint64_t seed) {
@@ -65,12 +67,6 @@ nb::object parameters_of(const QuadrupedEnv& env) {
   return parameters;
 }
 
-using Bounds = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-
-void set_observation_bounds(Environment& self, const Bounds& low, const Bounds& high) {
-  self.bounds.set(self.env->observation_layout(), {low.data(), low.size()}, {high.data(), high.size()});
-}
-
 // What there is to see of an environment, whoever steps it.
 template <typename T>
 void bind_reading(nb::class_<T>& c) {
@@ -80,11 +76,13 @@ void bind_reading(nb::class_<T>& c) {
           "layout_hash", [](const T& e) { return e.get().model().layout; }, "What a policy is trained for.")
       .def_prop_ro(
           "observation_layout", [](const T& e) { return layout(e.get().observation_layout()); },
-          nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float]]"),
-          "(name, unit, min, max) of every number; infinite where nothing bounds it.")
+          nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float, float, float]]"),
+          "(name, unit, min, max, low, high) of every number: min and max are infinite where nothing bounds "
+          "it, "
+          "low and high never. Numbers of an observation beyond low and high are `out_of_bounds` of `info`.")
       .def_prop_ro(
           "action_layout", [](const T& e) { return layout(e.get().action_layout()); },
-          nb::sig("def action_layout(self) -> list[tuple[str, str, float, float]]"))
+          nb::sig("def action_layout(self) -> list[tuple[str, str, float, float, float, float]]"))
       .def_prop_ro(
           "parameters", [](const T& e) { return parameters_of(e.get()); },
           nb::sig("def parameters(self) -> dict[str, float] | None"),
@@ -155,8 +153,6 @@ void bind_environment(nb::module_& m) {
            "bounds; not finite counts as zero. The observation is an array of its own. Raises ConfigError.")
       .def_prop_ro("info", &info_of, nb::sig("def info(self) -> dict[str, typing.Any]"),
                    "What is known of the last step; of the start after `reset`.")
-      .def("set_observation_bounds", &set_observation_bounds, nb::arg("low"), nb::arg("high"),
-           "Names of numbers beyond them are `out_of_bounds` of `info` from the next step on.")
       .def(
           "set_command",
           [](Environment& e, double vx, double vy, double yaw_rate) {

@@ -15,8 +15,8 @@ namespace crossgait::python {
 struct Environment {
   std::shared_ptr<const EnvModel> model;
   std::unique_ptr<QuadrupedEnv> env;
-  std::vector<double> action = {};  ///< of float32
-  ObservationBounds bounds = {};
+  ObservationBounds bounds;
+  std::vector<double> action = {};        ///< of float32
   std::vector<std::size_t> outside = {};  ///< of the last observation
 
   const QuadrupedEnv& get() const { return *env; }
@@ -30,7 +30,7 @@ struct EnvironmentView {
   const QuadrupedEnv& get() const { return envs->environment(index); }
 };
 
-/// A layout as names, units and bounds.
+/// Makes a list of (name, unit, min, max, low, high) of a layout.
 nanobind::object layout(const Layout& layout);
 
 }  // namespace crossgait::python

@@ -15,8 +15,8 @@ namespace {
 struct VectorEnvironment {
   std::unique_ptr<VectorEnv> envs;
   AutoReset auto_reset;
+  ObservationBounds bounds;
   std::vector<double> actions = {};  // of float32
-  ObservationBounds bounds = {};
   // Of the last step: numbers out of bounds, and what it did where it ended an episode that has begun anew.
   std::vector<std::vector<std::size_t>> outside = {}, final_outside = {};
   std::vector<StepInfo> final_infos = {};
@@ -47,7 +47,9 @@ VectorEnvironment make(const EnvConfig& config, std::size_t environments, const 
   const VectorEnvOptions options{environments, workers, auto_reset_of(auto_reset)};
   const nb::gil_scoped_release release;
   const Engine made_in = find_engine(engine.empty() ? config.engine : engine);
-  VectorEnvironment made{std::make_unique<VectorEnv>(config, made_in, options), options.auto_reset};
+  auto envs = std::make_unique<VectorEnv>(config, made_in, options);
+  const Layout& observation = envs->environment(0).observation_layout();
+  VectorEnvironment made{std::move(envs), options.auto_reset, ObservationBounds(observation)};
   made.outside.resize(environments);
   made.final_outside.resize(environments);
   made.ended.resize(environments);
@@ -115,13 +117,6 @@ nb::object final_info_of(const VectorEnvironment& self, std::size_t i) {
   return info(self.final_infos[i], self.weights(), self.bounds.names(self.final_outside[i]));
 }
 
-using Bounds = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-
-void set_observation_bounds(VectorEnvironment& self, const Bounds& low, const Bounds& high) {
-  self.bounds.set(self.envs->environment(0).observation_layout(), {low.data(), low.size()},
-                  {high.data(), high.size()});
-}
-
 EnvironmentView environment_of(VectorEnvironment& self, std::size_t i) {
   static_cast<void>(self.envs->environment(i));  // throws std::out_of_range
   return {self.envs.get(), i};
@@ -145,11 +140,11 @@ void bind_vector_environment(nb::module_& m) {
       .def_prop_ro(
           "observation_layout",
           [](const VectorEnvironment& v) { return layout(v.envs->environment(0).observation_layout()); },
-          nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float]]"))
+          nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float, float, float]]"))
       .def_prop_ro(
           "action_layout",
           [](const VectorEnvironment& v) { return layout(v.envs->environment(0).action_layout()); },
-          nb::sig("def action_layout(self) -> list[tuple[str, str, float, float]]"))
+          nb::sig("def action_layout(self) -> list[tuple[str, str, float, float, float, float]]"))
       .def("reset", &reset, nb::arg("seed"),
            nb::sig("def reset(self, seed: int) -> numpy.typing.NDArray[numpy.float64]"),
            "Begins an episode everywhere; observations are a new array, one row per environment.")
@@ -163,8 +158,6 @@ void bind_vector_environment(nb::module_& m) {
            "arrays, the caller's to keep. With same_step rows of `final_observations` are set where an "
            "episode ended in "
            "this step, and mean nothing elsewhere; with next_step it is None. Raises ConfigError.")
-      .def("set_observation_bounds", &set_observation_bounds, nb::arg("low"), nb::arg("high"),
-           "Names of numbers beyond them are `out_of_bounds` of infos from the next step on.")
       .def("environment", &environment_of, nb::arg("index"), nb::keep_alive<0, 1>(),
            "One of them, to look at. Raises IndexError.")
       .def("infos", &infos_of, nb::sig("def infos(self) -> dict[str, typing.Any]"),

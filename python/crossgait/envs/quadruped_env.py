@@ -68,7 +68,6 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         made = make_config(self.action, config, {"engine": engine, "terrain": terrain} | keys)
         self.core = _core.Environment(made)
         self.layout = EnvironmentLayout.of(self.core)
-        self.core.set_observation_bounds(*self.layout.observation.finite_bounds())
         self._dtype = observation_dtype(dtype)
         self._single = self._dtype == np.float32
         self.observation_space = observation_space(self.layout, self._dtype)

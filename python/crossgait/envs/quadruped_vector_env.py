@@ -101,7 +101,6 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
             workers = min(num_envs, len(os.sched_getaffinity(0)))
         self.core = _core.VectorEnvironment(made, num_envs, workers=workers, auto_reset=_AUTO_RESET[mode])
         self.layout = EnvironmentLayout.of(self.core.environment(0))
-        self.core.set_observation_bounds(*self.layout.observation.finite_bounds())
         self.num_envs = num_envs
         self._dtype = observation_dtype(dtype)
         self.single_observation_space = observation_space(self.layout, self._dtype)
