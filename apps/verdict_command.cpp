@@ -71,7 +71,7 @@ ReportPage page_of(const EngineComparison& judged) {
   ReportPage page;
   page.title = judged.pairs.front().verdict.behaviour;
   if (judged.pairs.size() == 1) {
-    page.verdicts.push_back(verdict_document(to_json(judged.pairs.front()), "verdict"));
+    page.verdicts.push_back(verdict_document(to_json(judged), "verdict"));
   } else {
     verdicts_document(to_json(judged), "verdict").add_to(page);
   }
@@ -92,12 +92,7 @@ void run(const VerdictCommand& options) {
     throw EndedEarly(what_is_kept(options.judge.stored_runs));
   }
   if (options.page.asked()) options.page.write(page_of(*judged), provenance);
-  if (judged->pairs.size() == 1) {
-    const PairVerdict& two = judged->pairs.front();
-    options.json.emit(describe(two), to_json(two), provenance);
-  } else {
-    options.json.emit(describe(*judged), to_json(*judged), provenance);
-  }
+  options.json.emit(describe(*judged), to_json(*judged), provenance);
 }
 
 void add_judge_options(CLI::App& command, VerdictCommand& options) {

@@ -10,5 +10,5 @@ int main() {
   crossgait::JudgeOptions options;
   options.verdict.starts = 4;
   options.explain = true;
-  std::puts(describe(judge_behaviour({walk, {}, 0}, "mujoco", "bullet", options)).c_str());
+  std::puts(describe(judge_engines({walk, {}, 0}, {"mujoco", "bullet"}, options)).c_str());
 }

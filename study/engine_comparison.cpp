@@ -124,15 +124,4 @@ EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& worl
   return result;
 }
 
-PairVerdict judge_behaviour(const LoadedBehaviour& loaded, const std::string& a, const std::string& b,
-                            const JudgeOptions& options, const StageProgress& progress) {
-  return judge_engines(loaded, {a, b}, options, progress).pairs.front();
-}
-
-PairVerdict judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, const std::string& a,
-                            const std::string& b, const JudgeOptions& options,
-                            const StageProgress& progress) {
-  return judge_engines(behaviour, world, {a, b}, options, progress).pairs.front();
-}
-
 }  // namespace crossgait

@@ -42,21 +42,14 @@ using StageProgress = std::function<void(const std::string& stage, double share)
 /// The part of `progress` that a stage of that name has; nothing if nobody listens.
 Progress progress_of(const StageProgress& progress, const std::string& stage);
 
-/// Audits the two worlds, runs the behaviour in both engines, judges, and explains if asked.
-/// @throws ConfigError before any long run for what is wrong with names, options or the world
-PairVerdict judge_behaviour(const LoadedBehaviour& loaded, const std::string& a, const std::string& b,
-                            const JudgeOptions& options = {}, const StageProgress& progress = {});
-
-/// The same of a behaviour that is no specification's, whose runs nothing stores.
-/// @param world  that it takes place in
-PairVerdict judge_behaviour(const Behaviour& behaviour, const WorldSpec& world, const std::string& a,
-                            const std::string& b, const JudgeOptions& options = {},
-                            const StageProgress& progress = {});
-
-/// The same of two engines or more, none of which is run twice.
-/// @throws ConfigError also for an engine that is named twice, and for `explain` where no pair has a family
+/// Audits the worlds of two engines or more, runs the behaviour in each of them once, judges every pair, and
+/// explains if asked.
+/// @throws ConfigError before any long run for what is wrong with names, options or the world, for an engine
+/// that is named twice, and for `explain` where no pair has a family
 EngineComparison judge_engines(const LoadedBehaviour& loaded, const std::vector<std::string>& engines,
                                const JudgeOptions& options = {}, const StageProgress& progress = {});
+/// The same of a behaviour that is no specification's, whose runs nothing stores.
+/// @param world  that it takes place in
 EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& world,
                                const std::vector<std::string>& names, const JudgeOptions& options = {},
                                const StageProgress& progress = {});
@@ -68,7 +61,7 @@ EngineFamily find_family(const Engine& a, const Engine& b);
 /// Keys as in docs/schemas/verdict.json.
 nlohmann::ordered_json to_json(const PairVerdict& pair);
 std::string describe(const PairVerdict& pair);
-/// Keys as in docs/schemas/verdicts.json.
+/// Keys as in docs/schemas/verdicts.json; of two engines those of their pair.
 nlohmann::ordered_json to_json(const EngineComparison& comparison);
 std::string describe(const EngineComparison& comparison);
 

@@ -85,6 +85,7 @@ std::string describe(const PairVerdict& pair) {
 }
 
 nlohmann::ordered_json to_json(const EngineComparison& comparison) {
+  if (comparison.pairs.size() == 1) return to_json(comparison.pairs.front());
   const Verdict& first = comparison.pairs.front().verdict;
   const Consensus& consensus = comparison.consensus;
   ordered_json json{{"behaviour", first.behaviour}, {"engines", ordered_json::array()}};
@@ -107,6 +108,7 @@ nlohmann::ordered_json to_json(const EngineComparison& comparison) {
 }
 
 std::string describe(const EngineComparison& comparison) {
+  if (comparison.pairs.size() == 1) return describe(comparison.pairs.front());
   std::string text = words_table(comparison).str() + "\n";
   for (const PairVerdict& pair : comparison.pairs) {
     const Verdict& v = pair.verdict;

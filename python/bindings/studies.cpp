@@ -147,12 +147,10 @@ JudgeOptions judge_options(std::size_t starts, double limit, double confidence, 
   return options;
 }
 
-// Of two engines the document of `crossgait verdict --engines A,B`, of more that of all of them.
 Report report_of(const EngineComparison& judged, const Json& made) {
-  const bool two = judged.pairs.size() == 1;
-  Json json = two ? to_json(judged.pairs.front()) : to_json(judged);
+  Json json = to_json(judged);
   json["provenance"] = made;
-  return {json, two ? describe(judged.pairs.front()) : describe(judged)};
+  return {json, describe(judged)};
 }
 
 Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines, const JudgeOptions& options,

@@ -25,6 +25,11 @@ BehaviourSpec short_policy() {
   return {config, {}, 0};
 }
 
+PairVerdict judge_pair(const LoadedBehaviour& behaviour, const std::string& a, const std::string& b,
+                       const JudgeOptions& options) {
+  return judge_engines(behaviour, {a, b}, options).pairs.front();
+}
+
 class EngineComparisons : public ScratchFolder {
  protected:
   void SetUp() override {
@@ -55,7 +60,7 @@ class EngineComparisons : public ScratchFolder {
 
 TEST_F(EngineComparisons, AreAnAuditAndAVerdict) {
   for (const BehaviourSpec& spec : {short_trot(), short_policy()}) {
-    const PairVerdict whole = judge_behaviour(spec, a(), b(), options());
+    const PairVerdict whole = judge_pair(spec, a(), b(), options());
     const Engine engine_a = find_engine(a()), engine_b = find_engine(b());
     const Verdict verdict = reach_verdict(make_behaviour(spec), engine_a, engine_b, options().verdict);
     EXPECT_EQ(to_json(whole.verdict).dump(), to_json(verdict).dump());
@@ -73,27 +78,27 @@ TEST_F(EngineComparisons, ExplainWithTheFamilyOfTheTwoEngines) {
   BehaviourSpec spec = short_trot();
   const EngineFamily family = family_for(engine_families().front(), *LoadedBehaviour(spec).world().robot);
   std::get<WalkConfig>(spec.what).timing = {.seconds = 0.1, .settle_seconds = 0.05};
-  const PairVerdict whole = judge_behaviour(spec, family.from, family.to, how);
+  const PairVerdict whole = judge_pair(spec, family.from, family.to, how);
   ASSERT_TRUE(whole.attribution.has_value());
   const Attribution attribution = attribute(make_behaviour(spec), family, {.starts = 4, .workers = 1});
   EXPECT_EQ(to_json(*whole.attribution).dump(), to_json(attribution).dump());
   // Every set of factors is an engine of its own to the store: the same again takes no run.
   const std::string bytes = read(path("runs.jsonl"));
-  EXPECT_EQ(to_json(judge_behaviour(spec, family.from, family.to, how)).dump(), to_json(whole).dump());
+  EXPECT_EQ(to_json(judge_pair(spec, family.from, family.to, how)).dump(), to_json(whole).dump());
   EXPECT_EQ(read(path("runs.jsonl")), bytes);
   how.explain = true;
-  EXPECT_THROW(judge_behaviour(spec, family.to, family.to, how), ConfigError);
+  EXPECT_THROW(judge_pair(spec, family.to, family.to, how), ConfigError);
 }
 
 TEST_F(EngineComparisons, FromStoredRunsCostNoRun) {
   for (const BehaviourSpec& spec : {short_trot(), short_policy()}) {
     std::filesystem::remove(path("runs.jsonl"));
-    const std::string plain = to_json(judge_behaviour(spec, a(), b(), options())).dump();
-    const std::string first = to_json(judge_behaviour(spec, a(), b(), options(true, 2))).dump();
+    const std::string plain = to_json(judge_pair(spec, a(), b(), options())).dump();
+    const std::string first = to_json(judge_pair(spec, a(), b(), options(true, 2))).dump();
     // Both engines, every variation, four starts.
     EXPECT_EQ(lines(), static_cast<long>(2 * variations().size() * 4));
     const std::string bytes = read(path("runs.jsonl"));
-    const std::string second = to_json(judge_behaviour(spec, a(), b(), options(true, 2))).dump();
+    const std::string second = to_json(judge_pair(spec, a(), b(), options(true, 2))).dump();
     EXPECT_EQ(read(path("runs.jsonl")), bytes);  // what is made is added, so nothing was
     EXPECT_EQ(second, first);
     const auto without_workers = [](const std::string& text) {
@@ -107,10 +112,10 @@ TEST_F(EngineComparisons, FromStoredRunsCostNoRun) {
 
 TEST_F(EngineComparisons, MoreStartsTakeOnlyTheRunsThatAreNew) {
   JudgeOptions how = options(true);
-  judge_behaviour(short_trot(), a(), b(), how);
+  judge_pair(short_trot(), a(), b(), how);
   const std::string bytes = read(path("runs.jsonl"));
   how.verdict.starts = 5;
-  judge_behaviour(short_trot(), a(), b(), how);
+  judge_pair(short_trot(), a(), b(), how);
   EXPECT_EQ(lines(), static_cast<long>(2 * variations().size() * 5));
   EXPECT_EQ(read(path("runs.jsonl")).substr(0, bytes.size()), bytes);
 }
@@ -142,7 +147,7 @@ TEST_F(EngineComparisons, AuditThatWorldAndNoOther) {
   config.environment.friction = 0.3;
   config.environment.episode_seconds = 0.02;
   config.environment.settle_seconds = 0;
-  const PairVerdict pair = judge_behaviour({config, {}, 0}, a(), b(), options());
+  const PairVerdict pair = judge_pair({config, {}, 0}, a(), b(), options());
   WorldSpec world;
   world.robot = std::make_shared<const RobotDescription>(load_robot(find_robot("scara_quadruped_long")));
   world.terrain = make_terrain("slope:angle=40");
@@ -151,21 +156,21 @@ TEST_F(EngineComparisons, AuditThatWorldAndNoOther) {
   const std::vector<AuditFinding> expected = audit_models(*world_a, *world_b);
   ASSERT_FALSE(expected.empty()) << "take another world to tell by";
   EXPECT_EQ(to_json(pair.models).dump(), to_json(expected).dump());
-  EXPECT_TRUE(judge_behaviour(short_trot(), a(), b(), options()).models.empty());
+  EXPECT_TRUE(judge_pair(short_trot(), a(), b(), options()).models.empty());
 }
 
 TEST_F(EngineComparisons, StartWithNoRunWhereSomethingIsWrong) {
   JudgeOptions how = options(true);
   how.verdict.starts = 3;
-  EXPECT_THROW(judge_behaviour(short_trot(), a(), b(), how), ConfigError);
+  EXPECT_THROW(judge_pair(short_trot(), a(), b(), how), ConfigError);
   how = options(true);
-  EXPECT_THROW(judge_behaviour(short_trot(), a(), "nonsense", how), ConfigError);
+  EXPECT_THROW(judge_pair(short_trot(), a(), "nonsense", how), ConfigError);
   BehaviourSpec spec = short_policy();
   std::get<PolicyConfig>(spec.what).policy = "nonsense";
-  EXPECT_THROW(judge_behaviour(spec, a(), b(), how), ConfigError);
+  EXPECT_THROW(judge_pair(spec, a(), b(), how), ConfigError);
   spec = short_trot();
   std::get<WalkConfig>(spec.what).terrain = "moon";
-  EXPECT_THROW(judge_behaviour(spec, a(), b(), how), ConfigError);
+  EXPECT_THROW(judge_pair(spec, a(), b(), how), ConfigError);
   EXPECT_FALSE(std::filesystem::exists(path("runs.jsonl")));
 }
 
