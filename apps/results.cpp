@@ -18,14 +18,12 @@
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
 #include "physics/core/text.h"
-#include "physics/robot_files/data_path.h"
 #include "study/run_spec.h"
 
 namespace crossgait::apps {
 namespace {
 
 using Json = nlohmann::json;
-namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 // Type names of outputs that are files; others are folders or say how they are written.
@@ -67,35 +65,6 @@ std::vector<std::string> arguments_of(const CLI::App& command, const ResultInput
     }
   }
   return arguments;
-}
-
-constexpr std::string_view kModels = "<models>/";
-
-// What comes with Crossgait lies elsewhere on another machine.
-std::string shown_path(const std::string& path) {
-  const fs::path normal = fs::path(path).lexically_normal();
-  const fs::path inside = normal.lexically_relative(fs::path(models_dir()).lexically_normal());
-  const bool is_inside = !inside.empty() && *inside.begin() != "..";
-  return is_inside ? std::string(kModels) + inside.string() : normal.string();
-}
-
-std::string path_of_shown(const std::string& shown) {
-  if (!shown.starts_with(kModels)) return shown;
-  return (fs::path(models_dir()) / shown.substr(kModels.size())).string();
-}
-
-// What readers opened, as far as it makes the result.
-std::map<std::string, std::string> files_read() {
-  std::map<std::string, std::string> files;
-  const FilesRead* const read = FilesRead::current();
-  if (read == nullptr) return files;
-  for (const FileRead& file : read->list()) {
-    const auto [it, is_new] = files.emplace(shown_path(file.path), file.sha256);
-    if (!is_new && it->second != file.sha256)
-      throw ConfigError(file.path, "file", "the same bytes whenever it is read",
-                        "others: it was changed meanwhile");
-  }
-  return files;
 }
 
 // What is in the files now that a recorded result was made of; nothing of one that is not there.
@@ -190,11 +159,6 @@ Provenance JsonOption::provenance(const ResultInputs& inputs) const {
     check_same(before, p, recorded->file);
   }
   return p;
-}
-
-Provenance with_files_read(Provenance provenance) {
-  provenance.files = files_read();
-  return provenance;
 }
 
 void JsonOption::emit(const std::string& text, ordered_json json, const Provenance& provenance) const {

@@ -48,9 +48,6 @@ struct ResultInputs {
   std::map<std::string, std::vector<std::string>> chosen;
 };
 
-/// Adds the files that the command has read by now. @throws ConfigError for one that changed meanwhile
-Provenance with_files_read(Provenance provenance);
-
 /// Returns the inputs of a result that is of a robot alone.
 ResultInputs of_robot(const RobotDescription& robot);
 

@@ -31,9 +31,16 @@ def without_the_run(document: Any) -> Any:
     return [without_the_run(item) for item in document] if isinstance(document, list) else document
 
 
+def files_of(document: Any) -> Any:
+    """The files that a result was made of, with their hashes."""
+    files = document["provenance"]["files"]
+    assert "<models>/robots/scara_quadruped/robot.yaml" in files
+    return files
+
+
 def test_walk_is_the_command(engine: str) -> None:
     walked = crossgait.walk("trot", engine=engine, seconds=1, terrain="rough", seed=3, command=(0.2, 0, 0.1))
-    told = command(
+    written = command(
         "walk",
         "--engine",
         engine,
@@ -46,19 +53,22 @@ def test_walk_is_the_command(engine: str) -> None:
         "--command",
         ".2,0,.1",
     )
-    assert without_the_run(walked.to_dict()) == without_the_run(told)
+    assert without_the_run(walked.to_dict()) == without_the_run(written)
+    assert files_of(walked.to_dict()) == files_of(written)
 
 
 def test_gait_parameters_are_those_of_set() -> None:
     walked = crossgait.walk("walk", seconds=1, parameters={"step_height": 0.03, "swing": "bezier"})
-    told = command("walk", "--gait", "walk", "--seconds", "1", "--set", "step_height=.03", "--set", "swing=bezier")
-    assert without_the_run(walked.to_dict()) == without_the_run(told)
+    written = command("walk", "--gait", "walk", "--seconds", "1", "--set", "step_height=.03", "--set", "swing=bezier")
+    assert without_the_run(walked.to_dict()) == without_the_run(written)
     assert Walk("walk", parameters={"step_height": 0.03}).parameters["step_height"] == 0.03
 
 
 def test_compare_is_the_command() -> None:
     result = crossgait.compare("trot", seconds=1)
-    assert without_the_run(result.to_dict()) == without_the_run(command("compare", "--seconds", "1"))
+    written = command("compare", "--seconds", "1")
+    assert without_the_run(result.to_dict()) == without_the_run(written)
+    assert files_of(result.to_dict()) == files_of(written)
     assert list(result.to_frame().index) == crossgait.available_engines() == result.engines
 
 
@@ -67,8 +77,9 @@ def test_verdict_is_the_command() -> None:
     if len({tuple(e.laws.items()) for e in crossgait.engines() if e.available}) < 2:
         pytest.skip("needs engines of two laws")
     verdict = crossgait.verdict("trot", seconds=0.5, starts=4, explain=True)
-    told = command("verdict", "--seconds", ".5", "--starts", "4", "--explain")
-    assert without_the_run(verdict.to_dict()) == without_the_run(told)
+    written = command("verdict", "--seconds", ".5", "--starts", "4", "--explain")
+    assert without_the_run(verdict.to_dict()) == without_the_run(written)
+    assert files_of(verdict.to_dict()) == files_of(written)
     assert verdict.verdict in ("agrees", "engine-dependent", "unresolved")
     assert verdict.statistic("distance")["unit"] == "m"
     assert set(verdict.causes) <= {s["name"] for s in verdict.document["statistics"]}
@@ -79,11 +90,11 @@ def test_rollout_is_the_command(tmp_path: Path) -> None:
     config = EnvironmentConfig.parse('{"policy_dt": 0.02, "episode_seconds": 1, "terrain": "rough"}')
     (tmp_path / "env.yaml").write_text(config.to_yaml())
     result = crossgait.rollout(["random", "zero"], config, episodes=2, seed=7)
-    told = command(
+    written = command(
         *("rollout", "--policy", "random,zero", "--config", str(tmp_path / "env.yaml")),
         *("--episodes", "2", "--seed", "7"),
     )
-    assert without_the_run(result.to_dict()) == without_the_run(told)
+    assert without_the_run(result.to_dict()) == without_the_run(written)
     assert len(result.to_frame()) == 4
 
 
@@ -100,8 +111,8 @@ def test_verdicts_of_many_are_the_command() -> None:
     if len(engines) < 3:
         pytest.skip("needs three engines")
     judged = crossgait.verdicts("trot", engines, starts=4, seconds=0.3)
-    told = command("verdict", "--engines", ",".join(engines), "--starts", "4", "--seconds", ".3")
-    assert without_the_run(judged.to_dict()) == without_the_run(told)
+    written = command("verdict", "--engines", ",".join(engines), "--starts", "4", "--seconds", ".3")
+    assert without_the_run(judged.to_dict()) == without_the_run(written)
     assert [(pair.document["a"], pair.document["b"]) for pair in judged.pairs] == [
         (engines[0], engines[1]),
         (engines[0], engines[2]),
@@ -157,14 +168,14 @@ def test_a_gait_is_tuned_for_a_course(tmp_path: Path) -> None:
     scores = crossgait.course("zero", tuning.environment, course=str(course), engines=engines, episodes=1)
     assert tuning.document["history"][-1] == min(scores.score(engine) for engine in engines)
     options = ["--course", str(course), "--adapt", "cycle_time", "--iterations", "1", "--population", "4"]
-    told = command("tune", *options, "--terrains", "1", "--unseen", "0", "--engines", ",".join(engines))
-    assert told["parameters"] == tuning.document["parameters"]
+    written = command("tune", *options, "--terrains", "1", "--unseen", "0", "--engines", ",".join(engines))
+    assert written["parameters"] == tuning.document["parameters"]
 
 
 def test_conformance_is_the_command(engine: str) -> None:
     card = crossgait.conformance(engine, only=["free_fall", "hard_friction"])
-    told = command("conformance", "--engine", engine, "--only", "free_fall,hard_friction")
-    assert without_the_run(card.to_dict()) == without_the_run(told)
+    written = command("conformance", "--engine", engine, "--only", "free_fall,hard_friction")
+    assert without_the_run(card.to_dict()) == without_the_run(written)
     assert card.passed
     assert card.to_frame().loc["free_fall"]["holds"].all()
     assert len(card.plot().axes[0].get_yticklabels()) >= 3
@@ -349,17 +360,17 @@ def test_options_belong_to_gaits_by_name() -> None:
 
 
 def test_progress_is_told_and_ends_what_it_raises_in() -> None:
-    told: list[tuple[str, float]] = []
+    reported: list[tuple[str, float]] = []
 
     def stop(stage: str, share: float) -> None:
-        told.append((stage, share))
+        reported.append((stage, share))
         if share > 0:
             raise StopIteration("enough")
 
     with pytest.raises(StopIteration, match="enough"):
         crossgait.walk("trot", seconds=60, progress=stop)
-    assert told[-1][0] == "walking"
-    assert 0 < told[-1][1] < 1
+    assert reported[-1][0] == "walking"
+    assert 0 < reported[-1][1] < 1
     crossgait.walk("trot", seconds=0.1)  # and the next one works
 
 

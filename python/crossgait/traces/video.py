@@ -17,7 +17,8 @@ from crossgait.progress import ProgressBar, shown
 from crossgait.traces.scene import the_robot
 from crossgait.traces.table import TraceTable
 from crossgait.viewing import film
-from crossgait.viewing.rendering import Frame, Renderer
+from crossgait.viewing.mujoco_scene import Frame
+from crossgait.viewing.rendering import Renderer
 
 try:
     from PIL import Image, ImageDraw
