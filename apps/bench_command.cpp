@@ -13,6 +13,7 @@
 #include "benchmarks/regression.h"
 #include "physics/core/error.h"
 #include "physics/core/table.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait::apps {
 namespace {
@@ -38,7 +39,7 @@ Provenance provenance_of(const BenchCommand& options) {
   if (!options.from.empty()) return options.json.provenance();  // it says itself what it was measured with
   const std::vector<std::string> engines =
       options.bench.engines.empty() ? available_engines() : options.bench.engines;
-  ResultInputs inputs = of_robot("scara_quadruped");
+  ResultInputs inputs = of_robot(load_robot(find_robot("scara_quadruped")));
   inputs.engines = engines;
   inputs.chosen["--engines"] = engines;
   return options.json.provenance(inputs);
@@ -71,7 +72,7 @@ void run(const BenchCommand& options) {
 
 }  // namespace
 
-void add_bench_command(CLI::App& program) {
+void add_bench_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command =
       program.add_subcommand("bench", "Speed and accuracy of the engines on the same motions");
   command->footer(
@@ -112,7 +113,7 @@ void add_bench_command(CLI::App& program) {
   command->add_option("--worse-than", options->worse_than, "Factor beyond which a figure counts as worse")
       ->capture_default_str();
   options->page.add_to(*command, "Write a page with charts of its sections and its tables, as one HTML file");
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

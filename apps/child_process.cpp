@@ -60,12 +60,8 @@ class SpawnActions {
 
 }  // namespace
 
-std::optional<ChildResult> run_child(const std::vector<std::string>& command, const std::string& input,
-                                     ChildErrors errors) {
+std::optional<ChildResult> run_child(const std::vector<std::string>& command, ChildErrors errors) {
   const File in = nameless_file(), out = nameless_file(), complaints = nameless_file();
-  if (std::fwrite(input.data(), 1, input.size(), in.get()) != input.size() || std::fflush(in.get()) != 0)
-    fail("temporary file", errno);
-  std::rewind(in.get());
   SpawnActions actions;
   actions.connect(in.get(), STDIN_FILENO);
   actions.connect(out.get(), STDOUT_FILENO);

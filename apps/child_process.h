@@ -19,10 +19,10 @@ struct ChildFailed {
 
 enum class ChildErrors { kKept, kShown };  ///< shown: on this program's own standard error, as they come
 
-/// @param command  the program, looked for as a shell does, and its arguments
-/// @param input    what it reads
+/// Runs a program to its end; it reads nothing. @param command  the program, looked for as a shell does, and
+/// its arguments
 /// @returns nothing if there is no such program  @throws std::system_error if it cannot be run
-std::optional<ChildResult> run_child(const std::vector<std::string>& command, const std::string& input = {},
+std::optional<ChildResult> run_child(const std::vector<std::string>& command,
                                      ChildErrors errors = ChildErrors::kKept);
 
 }  // namespace crossgait::apps

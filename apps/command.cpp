@@ -11,16 +11,17 @@
 #include "physics/core/text.h"
 #include "physics/robot_files/data_path.h"
 #include "physics/robot_files/robot_report.h"
+#include "study/robot_quantities.h"
 
 namespace crossgait::apps {
 
 void print_notes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) fmt::print(stderr, "crossgait: note: {}\n", note);
+  for (const std::string& note : notes) print_error(fmt::format("crossgait: note: {}\n", note));
 }
 
 RobotDescription load_robot_with_warnings(const std::string& robot) {
   LoadedRobot loaded = load_robot_with_report(find_robot(robot));
-  if (const std::size_t count = loaded.report.warnings.size(); count > 0) {
+  if (const std::size_t count = robot_warnings(loaded, {}).size(); count > 0) {
     print_notes({fmt::format("{}: {} on what its file holds: crossgait robots {}", loaded.robot.source,
                              counted(count, "warning"), robot)});
   }
@@ -71,7 +72,8 @@ void ProgressLine::update(double share) {
   if (!terminal_ || steady_clock::now() - begin_ < std::chrono::seconds(2)) return;
   const double elapsed = std::chrono::duration<double>(steady_clock::now() - begin_).count();
   const double left = share > 0 ? elapsed * (1 - share) / share : 0;
-  fmt::print(stderr, "\r\033[K{}: {:3.0f} %, {:.0f} s left", label_, 100 * share, left);
+  fmt::print(stderr, "\r\033[K{}: {:3.0f} %, {:.0f} s left", printable_text(label_, std::string::npos),
+             100 * share, left);
   std::fflush(stderr);
   shown_ = true;
 }

@@ -16,29 +16,33 @@
 
 namespace crossgait::apps {
 
-/// Every command adds itself to the program: its options, its help and what it does.
-void add_walk_command(CLI::App& program);
-void add_view_command(CLI::App& program);
-void add_compare_command(CLI::App& program);
-void add_bench_command(CLI::App& program);
-void add_verdict_command(CLI::App& program);
-void add_engines_command(CLI::App& program);
-void add_conformance_command(CLI::App& program);
-void add_robots_command(CLI::App& program);
-void add_terrain_command(CLI::App& program);
-void add_ik_command(CLI::App& program);
-void add_gait_command(CLI::App& program);
-void add_workspace_command(CLI::App& program);
-/// @param again  set to the command line that is to be run next, by a callback
-void add_report_command(CLI::App& program, std::vector<std::string>& again);
-void add_video_command(CLI::App& program);
-void add_env_command(CLI::App& program);
-void add_rollout_command(CLI::App& program);
-void add_transfer_command(CLI::App& program);
-void add_course_command(CLI::App& program);
-void add_tune_command(CLI::App& program);
-/// @param again  set to the command line that is to be run next, by a callback
-void add_rerun_command(CLI::App& program, std::vector<std::string>& again);
+/// Lists every command, in the order of `crossgait --help`; add_NAME_command is in apps/NAME_command.cpp.
+#define CROSSGAIT_COMMANDS(COMMAND) \
+  COMMAND(walk)                     \
+  COMMAND(compare)                  \
+  COMMAND(view)                     \
+  COMMAND(bench)                    \
+  COMMAND(verdict)                  \
+  COMMAND(engines)                  \
+  COMMAND(conformance)              \
+  COMMAND(robots)                   \
+  COMMAND(terrain)                  \
+  COMMAND(ik)                       \
+  COMMAND(gait)                     \
+  COMMAND(workspace)                \
+  COMMAND(report)                   \
+  COMMAND(video)                    \
+  COMMAND(env)                      \
+  COMMAND(rollout)                  \
+  COMMAND(transfer)                 \
+  COMMAND(course)                   \
+  COMMAND(tune)                     \
+  COMMAND(rerun)
+
+/// Each adds itself to the program: its options, its help and what it does.
+#define CROSSGAIT_DECLARE_COMMAND(NAME) void add_##NAME##_command(CLI::App& program, Invocation& invocation);
+CROSSGAIT_COMMANDS(CROSSGAIT_DECLARE_COMMAND)
+#undef CROSSGAIT_DECLARE_COMMAND
 
 /// Ends the program with an exit code of its own, and a line on standard error.
 struct RequirementMissed : std::runtime_error {

@@ -37,34 +37,28 @@ std::string trace_path(const std::string& path, std::string engine) {
   return (p.parent_path() / (p.stem().string() + "." + engine + p.extension().string())).string();
 }
 
-// One trace per engine, and the steps of all for a page, where they are asked for.
-class Recorders {
- public:
-  Recorders(const CompareCommand& options, const WorldSpec& world, const std::vector<std::string>& engines) {
-    if (options.page.asked()) page_.emplace(world, engines.size());
-    if (options.trace.empty()) return;
-    for (const std::string& engine : engines)
-      writers_.push_back(std::make_unique<TraceWriter>(world.robot, trace_path(options.trace, engine)));
+// What is asked for of every engine's walk: one trace each, and its steps for a page.
+std::vector<RunRecording> recordings_of(const CompareCommand& options, const WorldSpec& world,
+                                        const std::vector<std::string>& engines) {
+  std::vector<RunRecording> recordings;
+  for (const std::string& engine : engines) {
+    recordings.emplace_back(world.robot, options.trace.empty() ? "" : trace_path(options.trace, engine),
+                            options.page.asked());
   }
-  SampleObserver observer() {
-    if (writers_.empty() && !page_) return {};
-    return [this](std::size_t run, const TraceSample& sample) {
-      if (!writers_.empty()) writers_[run]->add(sample);
-      if (page_) page_->add(run, sample);
-    };
-  }
-  void finish_traces() {
-    for (const auto& writer : writers_) writer->finish();
-  }
-  std::optional<PageRecorder>& page() { return page_; }
+  return recordings;
+}
 
- private:
-  std::vector<std::unique_ptr<TraceWriter>> writers_;
-  std::optional<PageRecorder> page_;
-};
+TraceSinks sinks_of(std::vector<RunRecording>& recordings) {
+  TraceSinks sinks;
+  for (RunRecording& recording : recordings) {
+    if (TraceSink* const sink = recording.sink()) sinks.push_back(sink);
+  }
+  return sinks;  // of all, or of none
+}
 
-ReportPage page_of(const WalkComparison& result, PageRecorder& recorder) {
-  ReportPage page = recorder.page(result.comparison.runs, result.comparison.pairs);
+ReportPage page_of(const WalkComparison& result, const WorldSpec& world,
+                   std::vector<RunRecording>& recordings) {
+  ReportPage page = page_of_walks(world, result.comparison.runs, result.comparison.pairs, recordings);
   page.sentences = describe_pairs(result.comparison);
   if (result.verdict) verdict_document(to_json(*result.verdict), "verdict").add_to(page);
   return page;
@@ -121,12 +115,12 @@ void run(const CompareCommand& options) {
   const Provenance provenance =
       options.json.provenance({WalkOptions::subject(loaded), engines, {{"--engines", engines}}});
   options.page.check(config);
-  Recorders recorders(options, loaded.world, engines);
+  std::vector<RunRecording> recordings = recordings_of(options, loaded.world, engines);
   Stages stages;
   const WalkComparison result =
-      compare_walks(loaded, engines, options.compare, stages.progress(), recorders.observer());
-  recorders.finish_traces();
-  if (recorders.page()) options.page.write(page_of(result, *recorders.page()), provenance);
+      compare_walks(loaded, engines, options.compare, stages.progress(), sinks_of(recordings));
+  for (RunRecording& recording : recordings) recording.finish_trace();
+  if (options.page.asked()) options.page.write(page_of(result, loaded.world, recordings), provenance);
   options.json.emit(
       describe(result.comparison) + (options.compare.verdict ? describe_verdict(result) : kHint),
       report(result), provenance);
@@ -141,7 +135,7 @@ void run(const CompareCommand& options) {
 
 }  // namespace
 
-void add_compare_command(CLI::App& program) {
+void add_compare_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command =
       program.add_subcommand("compare", "The same walk in several engines, side by side: the parity report");
   command->footer(
@@ -177,7 +171,7 @@ void add_compare_command(CLI::App& program) {
       "--verdict", options->compare.verdict,
       "Also judge from six starts whether the difference is the engine's (see `crossgait verdict`)");
   options->compare.judge.workers = EpisodeOptions::default_workers();
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

@@ -40,7 +40,7 @@ void run(const ConformanceCommand& options) {
 
 }  // namespace
 
-void add_conformance_command(CLI::App& program) {
+void add_conformance_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command =
       program.add_subcommand("conformance", "Check an engine: analytic truth, contacts, determinism, parity");
   command->footer(
@@ -60,7 +60,7 @@ void add_conformance_command(CLI::App& program) {
       ->add_flag("--list", options->list, "Check nothing: print what the checks are, as a table in Markdown")
       ->excludes(engine)
       ->excludes(only);
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

@@ -50,7 +50,7 @@ void run(const CourseCommand& options) {
 
 }  // namespace
 
-void add_course_command(CLI::App& program) {
+void add_course_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand(
       "course", "A gait or policy on a course of hard ground: how much of the way it makes");
   command->footer(
@@ -76,7 +76,7 @@ void add_course_command(CLI::App& program) {
   command->add_option("--sections", options->sections, "Comma-separated; all by default")->delimiter(',');
   add_episode_options(*command, options->runs);
   options->env.add_to(*command, EnvScope::kMethodAlone);
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

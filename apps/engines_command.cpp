@@ -69,14 +69,14 @@ void run(const JsonOption& json) {
 
 }  // namespace
 
-void add_engines_command(CLI::App& program) {
+void add_engines_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command =
       program.add_subcommand("engines", "List the physics engines, where they are, and why one is missing");
   command->footer(
       "\nEngines are plug-ins, libcrossgait_engine_<name>.so. Those in the folders that the environment\n"
       "variable CROSSGAIT_ENGINE_PATH lists, separated by colons, come before the ones of the installation.");
   auto json = std::make_shared<JsonOption>();
-  json->add_to(*command);
+  json->add_to(*command, invocation);
   on_run(*command, [json] { run(*json); });
 }
 

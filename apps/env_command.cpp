@@ -109,7 +109,7 @@ void run(const EnvCommand& options) {
 
 }  // namespace
 
-void add_env_command(CLI::App& program) {
+void add_env_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand(
       "env", "The reinforcement-learning environment: every action and observation by name");
   command->footer(
@@ -130,7 +130,7 @@ void add_env_command(CLI::App& program) {
       ->excludes(describe_flag)
       ->excludes(list_flag);
   options->env.add_to(*command);
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

@@ -5,6 +5,7 @@
 #include "backends/registry.h"
 #include "gait/scale.h"
 #include "policy/bundled_policies.h"
+#include "study/robot_quantities.h"
 #include "study/run_spec.h"
 
 namespace crossgait::apps {
@@ -93,14 +94,21 @@ void EnvOptions::require_gait(const EnvConfig& c) const {
 
 std::vector<std::string> notes_on(const LoadedEnv& environment) {
   const EnvConfig& config = environment.config;
-  if (config.action == ActionKind::kJoints) return {};
+  std::vector<std::string> notes;
+  RobotDescription robot = *environment.robot;
+  config.servos.apply(robot, config.source);
+  if (std::string loop = servo_loop_warning(robot, config.physics_dt); !loop.empty())
+    notes.push_back(std::move(loop));
+  if (config.action == ActionKind::kJoints) return notes;
   const GaitScale scale = gait_scale(*environment.robot);
   GaitParameters usual = scaled(find_gait(config.gait), scale).preferred;
   const GaitParameters initial = config.parameters.over(usual);
   // Like nothing: of what adapts there is a note also where it is the gait's own.
   for (const std::string& name : config.adapt)
     usual.*find_parameter(name).member = std::numeric_limits<double>::quiet_NaN();
-  return outside_ranges(initial, usual, scaled(config.adaptation, scale));
+  for (std::string& note : outside_ranges(initial, usual, scaled(config.adaptation, scale)))
+    notes.push_back(std::move(note));
+  return notes;
 }
 
 nlohmann::json policy_subject(const LoadedEnv& environment, const std::vector<std::string>& policies,

@@ -33,15 +33,16 @@ struct GaitCommand {
 
 /// The gait as this robot would walk it.
 struct Chosen {
+  std::shared_ptr<const RobotDescription> robot;
   GaitScale scale;
   LegArray<Vector3> p_BL;
   GaitChoice gait, usual;  ///< with and without --set
 };
 
 Chosen choose(const GaitCommand& options) {
-  const RobotDescription robot = load_robot_with_warnings(options.robot);
-  const GaitScale scale = gait_scale(robot);
-  return {scale, leg_origins(robot), choose_gait(options.gait, options.settings, {}, scale),
+  const auto robot = std::make_shared<const RobotDescription>(load_robot_with_warnings(options.robot));
+  const GaitScale scale = gait_scale(*robot);
+  return {robot, scale, leg_origins(*robot), choose_gait(options.gait, options.settings, {}, scale),
           choose_gait(options.gait, {}, {}, scale)};
 }
 
@@ -120,7 +121,8 @@ std::string targets_csv(const GaitCommand& options, GaitGenerator& generator, in
   return text;
 }
 
-void print_targets(const GaitCommand& options, const Chosen& of, GaitGenerator& generator, int rows) {
+void print_targets(const GaitCommand& options, const Provenance& provenance, GaitGenerator& generator,
+                   int rows) {
   Table table({options.gait + ", t in s", "phase", "FL x, z mm", "FR x, z mm", "RL x, z mm", "RR x, z mm"});
   ordered_json samples = ordered_json::array();
   for (int i = 0; i <= rows; ++i) {
@@ -142,7 +144,7 @@ void print_targets(const GaitCommand& options, const Chosen& of, GaitGenerator& 
       "\n^ swing, _ stance; positions in the leg frames: x forward, z up from hips or shoulders\n";
   options.json.emit(table.str() + legend,
                     with_schema("gait", {{"gait", options.gait}, {"samples", std::move(samples)}}),
-                    options.json.provenance(of_gait(options.robot, of.gait)));
+                    provenance);
 }
 
 // @param cycle  how long where no time is given, s
@@ -168,18 +170,17 @@ void run(const GaitCommand& options) {
   if (options.parameters) return list_parameters(options, of);
   GaitGenerator generator = make_generator(of);
   const int rows = row_count(options, generator.parameters().cycle_time);
-  if (options.page.asked()) {
-    options.page.write(gait_page(options.gait, make_generator(of), options.dt, rows),
-                       options.json.provenance(of_gait(options.robot, of.gait)));
-  }
-  if (options.csv.empty()) return print_targets(options, of, generator, rows);
+  const Provenance provenance = options.json.provenance(of_gait(of.robot, of.gait));
+  if (options.page.asked())
+    options.page.write(gait_page(options.gait, make_generator(of), options.dt, rows), provenance);
+  if (options.csv.empty()) return print_targets(options, provenance, generator, rows);
   const std::string text = targets_csv(options, generator, rows);
-  options.csv == "-" ? print(text) : write_file_atomically(options.csv, text);
+  options.csv == "-" ? print_data(text) : write_file_atomically(options.csv, text);
 }
 
 }  // namespace
 
-void add_gait_command(CLI::App& program) {
+void add_gait_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command =
       program.add_subcommand("gait", "The gaits, their parameters, and foot targets over time");
   command->footer(
@@ -204,7 +205,7 @@ void add_gait_command(CLI::App& program) {
       ->excludes(list)
       ->excludes(parameters);
   add_robot_option(*command, options->robot);
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

@@ -73,12 +73,12 @@ void run(const IkCommand& options) {
                                         {{"joint_limit", margins.joint_limit},
                                          {"serial", margins.serial},
                                          {"parallel", margins.parallel}}}}),
-                    options.json.provenance(of_robot(options.robot)));
+                    options.json.provenance(of_robot(robot)));
 }
 
 }  // namespace
 
-void add_ik_command(CLI::App& program) {
+void add_ik_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand("ik", "Joint angles of one leg that put its foot on a target");
   command->footer(
       "\nThe leg frame's origin is midway between the shoulders of a five-bar, on the hip axis of a serial "
@@ -92,7 +92,7 @@ void add_ik_command(CLI::App& program) {
       ->required();
   options->leg.add_to(*command);
   add_robot_option(*command, options->robot);
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

@@ -1,12 +1,15 @@
 // crossgait: one quadruped gait stack over several physics engines, on the command line.
 #include <algorithm>
-#include <cstdio>
+#include <csignal>
 #include <exception>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "apps/child_process.h"
 #include "apps/command.h"
@@ -22,9 +25,28 @@ namespace {
 constexpr int kFailure = 1;
 constexpr int kBadInput = 2;
 
-// Not through fmt: standard error may be closed, and there is nowhere left to say so.
 int report_error(const std::string& what, int code) {
-  std::fputs(("crossgait: " + what + "\n").c_str(), stderr);
+  print_error("crossgait: " + what + "\n");
+  return code;
+}
+
+// Results name what they were made of, in JSON, which is UTF-8; better said now than when the work is done.
+void check_text(const std::vector<std::string>& arguments) {
+  for (const std::string& argument : arguments) {
+    try {
+      static_cast<void>(nlohmann::json(argument).dump());
+    } catch (const nlohmann::json::exception&) {
+      throw ConfigError("command line", "arguments", "text and names of files in UTF-8", argument);
+    }
+  }
+}
+
+/// Prints what CLI11 has to say, of an error or as help. @returns its exit code
+int tell(const CLI::App& program, const CLI::Error& said) {
+  std::ostringstream out, errors;
+  const int code = program.exit(said, out, errors);
+  print(out.str());
+  print_error(errors.str());
   return code;
 }
 
@@ -36,48 +58,26 @@ constexpr const char* kFooter =
     "input,\n130 interrupted.\n"
     "`crossgait COMMAND --help` explains each command.";
 
-void add_commands(CLI::App& program, std::vector<std::string>& again) {
-  add_walk_command(program);
-  add_compare_command(program);
-  add_view_command(program);
-  add_bench_command(program);
-  add_verdict_command(program);
-  add_engines_command(program);
-  add_conformance_command(program);
-  add_robots_command(program);
-  add_terrain_command(program);
-  add_ik_command(program);
-  add_gait_command(program);
-  add_workspace_command(program);
-  add_report_command(program, again);
-  add_video_command(program);
-  add_env_command(program);
-  add_rollout_command(program);
-  add_transfer_command(program);
-  add_course_command(program);
-  add_tune_command(program);
-  add_rerun_command(program, again);
-}
-
-/// Does what the arguments say. @param again  the arguments of a command that is to be run after it, if any
-/// @returns the exit code
-int run(std::vector<std::string> arguments, std::vector<std::string>& again) {
+/// Does what the arguments say. @returns the exit code
+int run(std::vector<std::string> arguments, Invocation& invocation) {
   CLI::App program(kDescription, "crossgait");
   program.footer(kFooter);
   program.set_version_flag("--version", std::string(crossgait_version()));
   program.require_subcommand(1);
-  add_commands(program, again);
+#define CROSSGAIT_ADD_COMMAND(NAME) add_##NAME##_command(program, invocation);
+  CROSSGAIT_COMMANDS(CROSSGAIT_ADD_COMMAND)
+#undef CROSSGAIT_ADD_COMMAND
   std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
   try {
     program.parse(std::move(arguments));
   } catch (const CLI::Success& help) {
-    return program.exit(help);
+    return tell(program, help);
   } catch (const CLI::ParseError& error) {
     const std::string hint = suggestion(program), unknown = unknown_command(program);
     if (!unknown.empty())
       return report_error(
           fmt::format("{} {}", unknown, hint.empty() ? "`crossgait --help` lists them." : hint), kBadInput);
-    program.exit(error);
+    tell(program, error);
     return hint.empty() ? kBadInput : report_error(hint, kBadInput);
   }
   return 0;
@@ -86,11 +86,15 @@ int run(std::vector<std::string> arguments, std::vector<std::string>& again) {
 int main_of(const std::vector<std::string>& arguments) {
   try {
     keep_standard_streams();
-    std::vector<std::string> again;
-    int code = run(arguments, again);
-    if (!again.empty()) {
-      std::vector<std::string> no_more;
-      code = run(again, no_more);
+    // Writing beyond a limit (`ulimit -f`) is an error like others, after which what is half written is
+    // removed.
+    std::signal(SIGXFSZ, SIG_IGN);
+    check_text(arguments);
+    Invocation first;
+    int code = run(arguments, first);
+    if (!first.next.empty()) {
+      Invocation second{{}, std::move(first.recorded)};
+      code = run(first.next, second);
     }
     flush_standard_output();
     return code;
@@ -98,6 +102,12 @@ int main_of(const std::vector<std::string>& arguments) {
     return report_error(error.what(), kBadInput);
   } catch (const RequirementMissed& missed) {
     return report_error(missed.what(), missed.exit_code);
+  } catch (const nlohmann::json::type_error& error) {
+    constexpr int kNoUtf8 = 316;  // of a name that a file holds, which a result would have to say
+    if (error.id != kNoUtf8) return report_error(error.what(), kFailure);
+    return report_error(
+        ConfigError("what was read", "names", "text and names of files in UTF-8", error.what()).what(),
+        kBadInput);
   } catch (const ChildFailed& child) {
     return child.exit_code > 0 ? child.exit_code : kFailure;
   } catch (const EndedEarly& error) {

@@ -1,5 +1,7 @@
 #include "apps/page_option.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -39,20 +41,30 @@ void PageOption::write(ReportPage page, const Provenance& provenance) const {
   write_file_atomically(path_, report_html(page));
 }
 
-PageRecorder::PageRecorder(const WorldSpec& world, std::size_t runs)
-    : robot_(world.robot), terrain_(world.terrain) {
-  for (std::size_t i = 0; i < runs; ++i) recorders_.emplace_back(robot_);
+RunRecording::RunRecording(std::shared_ptr<const RobotDescription> robot, const std::string& trace,
+                           bool page) {
+  if (!trace.empty()) file_ = std::make_unique<TraceWriter>(std::move(robot), trace);
+  if (page) samples_.emplace(kMaxPageSteps);
 }
 
-ReportPage PageRecorder::page(const std::vector<WalkRun>& walked, const std::vector<PairDifference>& pairs) {
+void RunRecording::add(const TraceSample& sample) {
+  if (file_) file_->add(sample);
+  if (samples_) samples_->add(sample);
+}
+
+void RunRecording::finish_trace() {
+  if (file_) file_->finish();
+}
+
+ReportPage page_of_walks(const WorldSpec& world, const std::vector<WalkRun>& walked,
+                         const std::vector<PairDifference>& pairs, std::vector<RunRecording>& recordings) {
   ReportPage page;
   const WalkRun& first = walked.front();
   page.title = fmt::format("{} on {}, {:g} s", first.gait, first.terrain, first.summary.simulated_seconds);
-  Motion motion{robot_, terrain_, {}, pairs};
+  Motion motion{world.robot, world.terrain, {}, pairs};
   for (std::size_t i = 0; i < walked.size(); ++i) {
     const EngineInfo& engine = walked[i].engine;
-    motion.runs.push_back(
-        {engine.name, engine.library + " " + engine.version, recorders_[i].take(engine.name)});
+    motion.runs.push_back({engine.name, engine.library + " " + engine.version, recordings[i].take_samples()});
   }
   page.tables.push_back(statistics_table(page.title, walked));
   page.motion = std::move(motion);

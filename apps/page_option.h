@@ -2,11 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/command.h"
 #include "env/env_config.h"
+#include "motion/trace.h"
 #include "parity/comparison.h"
 #include "report/page.h"
 #include "study/walk_config.h"
@@ -32,20 +34,28 @@ class PageOption {
   std::string path_;
 };
 
-/// Keeps the steps of every run for a page.
-class PageRecorder {
+/// Takes the steps of one walk for `--trace` and `--report`.
+class RunRecording final : public TraceSink {
  public:
-  /// @param runs  how many there are
-  PageRecorder(const WorldSpec& world, std::size_t runs);
-  void add(std::size_t run, const TraceSample& sample) { recorders_[run].add(sample); }
+  /// @param trace  the file of `--trace`; empty: none  @param page  a page is to show the walk
+  /// @throws ConfigError if the file cannot be written
+  RunRecording(std::shared_ptr<const RobotDescription> robot, const std::string& trace, bool page);
 
-  /// @param walked  the runs, in the same order; the recorder is empty then
-  ReportPage page(const std::vector<WalkRun>& walked, const std::vector<PairDifference>& pairs);
+  void add(const TraceSample& sample) override;
+  /// Returns null where nothing is asked for.
+  TraceSink* sink() { return file_ || samples_ ? this : nullptr; }
+  /// Once the walk is over. @throws ConfigError if the file cannot be written
+  void finish_trace();
+  /// Returns what a page shows, which is gone then.
+  Trace take_samples() { return samples_->take(); }
 
  private:
-  std::shared_ptr<const RobotDescription> robot_;
-  Terrain terrain_;
-  std::vector<RunRecorder> recorders_;
+  std::unique_ptr<TraceWriter> file_;
+  std::optional<TraceRecorder> samples_;
 };
+
+/// The page of walks in one world. @param recordings  of the walks, in their order
+ReportPage page_of_walks(const WorldSpec& world, const std::vector<WalkRun>& walked,
+                         const std::vector<PairDifference>& pairs, std::vector<RunRecording>& recordings);
 
 }  // namespace crossgait::apps

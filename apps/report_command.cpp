@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/recorded_command.h"
 #include "parity/stances.h"
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
@@ -95,8 +96,10 @@ Motion motion_of(const ReportCommand& options, const std::vector<std::string>& t
                 {},
                 {},
                 options.shortest_contact};
-  for (const std::string& file : traces)
-    motion.runs.push_back({std::filesystem::path(file).stem().string(), "", TraceTable(file)});
+  for (const std::string& file : traces) {
+    motion.runs.push_back(
+        recorded_run(std::filesystem::path(file).stem().string(), TraceTable(file), *motion.robot));
+  }
   return motion;
 }
 
@@ -108,7 +111,8 @@ std::string title_of(const ReportPage& page) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-void run(const ReportCommand& options, std::vector<std::string>& again) {
+/// @param program  with all commands
+void run(const ReportCommand& options, const CLI::App& program, Invocation& invocation) {
   require_page();
   std::vector<std::string> traces;
   std::vector<Recorded> results;
@@ -122,16 +126,16 @@ void run(const ReportCommand& options, std::vector<std::string>& again) {
   const std::string kind = results.size() == 1 && traces.empty() ? schema_of(results.front()) : "";
   if (kind == "bench") {
     // A measurement cannot be made again: it is shown as it was measured.
-    again = {"bench", "--from=" + results.front().file, "--report=" + options.out};
+    invocation.next = {"bench", "--from=" + results.front().file, "--report=" + options.out};
     return;
   }
   if (kMadeAgain.contains(kind)) {
     // A run is the same to the last bit when it is made again, which is how its motion is known.
-    again = command_of(results.front().result, results.front().file);
+    std::vector<std::string> again = recorded_command(program, results.front());
     if (again.front() != kind)
       throw ConfigError(results.front().file, "provenance.command", kind, again.front());
     again.push_back("--report=" + options.out);
-    make_again(std::move(results.front()));
+    invocation = {std::move(again), std::move(results.front())};
     return;
   }
   ReportPage page;
@@ -146,7 +150,7 @@ void run(const ReportCommand& options, std::vector<std::string>& again) {
 
 }  // namespace
 
-void add_report_command(CLI::App& program, std::vector<std::string>& again) {
+void add_report_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand(
       "report", "A page that replays walks in 3D, with plots, or shows a verdict: one HTML file");
   command->footer(
@@ -182,7 +186,7 @@ void add_report_command(CLI::App& program, std::vector<std::string>& again) {
           "Touches of traces, and gaps between them, that the gait diagram leaves out if they are shorter, s")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  on_run(*command, [options, &again] { run(*options, again); });
+  on_run(*command, [options, &program, &invocation] { run(*options, program, invocation); });
 }
 
 }  // namespace crossgait::apps

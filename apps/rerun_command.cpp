@@ -1,11 +1,14 @@
 // crossgait rerun: a stored result once more.
+#include <filesystem>
+
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/recorded_command.h"
 #include "physics/core/error.h"
 
 namespace crossgait::apps {
-void add_rerun_command(CLI::App& program, std::vector<std::string>& again) {
+void add_rerun_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command =
       program.add_subcommand("rerun", "Make a stored result again, and say whether it is the same");
   command->footer(
@@ -22,13 +25,16 @@ void add_rerun_command(CLI::App& program, std::vector<std::string>& again) {
   auto file = std::make_shared<std::string>();
   command->add_option("result", *file, "What a command's --json wrote")->type_name("FILE.json")->required();
   command->allow_extras();
-  command->callback([command, file, &again] {
+  command->callback([command, file, &program, &invocation] {
     Recorded recorded = read_result(*file);
-    again = command_of(recorded.result, *file);
-    if (again.front() == command->get_name())
-      throw ConfigError(*file, "provenance.command", "another command", again.front());
-    for (const std::string& word : command->remaining()) again.push_back(word);
-    make_again(std::move(recorded));
+    std::vector<std::string> again = recorded_command(program, recorded);
+    for (const std::string& word : command->remaining()) {
+      std::error_code error;
+      if (std::filesystem::equivalent(word.substr(word.find('=') + 1), *file, error))
+        throw ConfigError("command line", word, "a file that is not read", *file);
+      again.push_back(word);
+    }
+    invocation = {std::move(again), std::move(recorded)};
   });
 }
 

@@ -2,10 +2,7 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
-#include <optional>
-#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -19,25 +16,13 @@
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
 #include "physics/core/text.h"
-#include "physics/robot_files/data_path.h"
 #include "study/run_spec.h"
 
 namespace crossgait::apps {
 namespace {
 
 using Json = nlohmann::json;
-namespace fs = std::filesystem;
 using nlohmann::ordered_json;
-
-// Type names of outputs that are files; others are folders or say how they are written.
-bool names_file(const CLI::Option& option) { return option.get_type_name().starts_with("FILE"); }
-
-std::optional<Recorded> recorded_result;
-
-[[noreturn]] void fail_on_standard_output(int code) {
-  throw std::runtime_error(fmt::format("standard output: {}; the result is not complete there",
-                                       std::generic_category().message(code)));
-}
 
 bool is_file(const std::string& path) {
   std::error_code error;
@@ -72,35 +57,6 @@ std::vector<std::string> arguments_of(const CLI::App& command, const ResultInput
   return arguments;
 }
 
-constexpr std::string_view kModels = "<models>/";
-
-// What comes with Crossgait lies elsewhere on another machine.
-std::string shown_path(const std::string& path) {
-  const fs::path normal = fs::path(path).lexically_normal();
-  const fs::path inside = normal.lexically_relative(fs::path(models_dir()).lexically_normal());
-  const bool is_inside = !inside.empty() && *inside.begin() != "..";
-  return is_inside ? std::string(kModels) + inside.string() : normal.string();
-}
-
-std::string path_of_shown(const std::string& shown) {
-  if (!shown.starts_with(kModels)) return shown;
-  return (fs::path(models_dir()) / shown.substr(kModels.size())).string();
-}
-
-// What readers opened, as far as it makes the result.
-std::map<std::string, std::string> files_read() {
-  std::map<std::string, std::string> files;
-  const FilesRead* const read = FilesRead::current();
-  if (read == nullptr) return files;
-  for (const FileRead& file : read->list()) {
-    const auto [it, is_new] = files.emplace(shown_path(file.path), file.sha256);
-    if (!is_new && it->second != file.sha256)
-      throw ConfigError(file.path, "file", "the same bytes whenever it is read",
-                        "others: it was changed meanwhile");
-  }
-  return files;
-}
-
 // What is in the files now that a recorded result was made of; nothing of one that is not there.
 std::map<std::string, std::string> files_now(const Json& recorded) {
   const FilesRead apart(FilesRead::Scope::kApart);
@@ -124,91 +80,70 @@ void drop_times(Json& value) {
   }
 }
 
-void compare_with_recorded(const ordered_json& now) {
-  Json before = recorded_result->result, after = Json::parse(now.dump());
+void compare_with_recorded(const Recorded& recorded, const ordered_json& now) {
+  Json before = recorded.result, after = Json::parse(now.dump());
   drop_times(before);
   drop_times(after);
   if (before == after) {
-    std::fputs(fmt::format("crossgait: the same result as in {}\n", recorded_result->file).c_str(), stderr);
+    print_error(fmt::format("crossgait: the same result as in {}\n", recorded.file));
     return;
   }
   const Json difference = Json::diff(before, after);
-  throw std::runtime_error(fmt::format("another result than in {}: {} differ, the first is {}",
-                                       recorded_result->file, difference.size(),
-                                       difference.front().at("path").get<std::string>()));
+  throw std::runtime_error(fmt::format("another result than in {}: {} differ, the first is {}", recorded.file,
+                                       difference.size(), difference.front().at("path").get<std::string>()));
 }
 
 }  // namespace
 
-CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::string& value,
-                               const std::string& help) {
-  return command.add_option(name, value, help)->type_name("FILE")->group(kOutputs);
-}
-
-void check_outputs(const CLI::App& command) {
-  std::set<std::string> seen;
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->get_group() != kOutputs || !names_file(*option)) continue;
-    for (const std::string& path : option->results()) {
-      if (path == "-") continue;
-      if (!seen.insert(path).second)
-        throw ConfigError("command line", option->get_name(), "a file of its own", "\"" + path + "\" again");
-      check_writable(path);
-    }
-  }
-}
-
-ResultInputs of_robot(const std::string& name_or_file) {
+ResultInputs of_robot(const RobotDescription& robot) {
   ResultInputs inputs;
-  inputs.subject["robot"] = identity_of_robot(name_or_file);
+  inputs.subject["robot"] = identity_of_robot(robot);
   return inputs;
 }
 
-ResultInputs of_gait(const std::string& robot, const GaitChoice& gait) {
+ResultInputs of_gait(std::shared_ptr<const RobotDescription> robot, const GaitChoice& gait) {
   WalkConfig walk;
-  walk.robot = robot;
   walk.gait = gait;
-  const Json behaviour = LoadedBehaviour(walk, {}, 0).described.at("behaviour");
+  const Json behaviour = LoadedBehaviour({walk, std::move(robot)}, {}, 0).described.at("behaviour");
   ResultInputs inputs;
   inputs.subject["robot"] = behaviour.at("robot");
   inputs.subject["behaviour"] = {{"gait", behaviour.at("gait")}, {"parameters", behaviour.at("parameters")}};
   return inputs;
 }
 
-void JsonOption::add_to(CLI::App& command) {
+void JsonOption::add_to(CLI::App& command, const Invocation& invocation) {
   command_ = &command;
+  invocation_ = &invocation;
   add_output_option(command, "--json", path, "Write the result as JSON to FILE, or to standard output with -")
       ->type_name("FILE|-");
 }
 
 Provenance JsonOption::provenance(const ResultInputs& inputs) const {
+  check_outputs_not_read(*command_);
   Provenance p;
   p.command = command_->get_name();
   p.arguments = arguments_of(*command_, inputs);
   for (const std::string& engine : inputs.engines) p.engines.push_back(find_engine(engine).info);
   p.subject = inputs.subject;
-  if (recorded_result) {
+  if (const std::optional<Recorded>& recorded = invocation_->recorded) {
     // Before anything is made: what it was made of has to be there still.
-    const Json& recorded = recorded_result->result.at("provenance");
-    p.files = files_now(recorded);
-    check_same(recorded, p, recorded_result->file);
+    const Json& before = recorded->result.at("provenance");
+    p.files = files_now(before);
+    check_same(before, p, recorded->file);
   }
+  // A name that JSON cannot say is found out now, not when the work is done.
+  static_cast<void>(to_json(with_files_read(p)));
   return p;
-}
-
-Provenance with_files_read(Provenance provenance) {
-  provenance.files = files_read();
-  return provenance;
 }
 
 void JsonOption::emit(const std::string& text, ordered_json json, const Provenance& provenance) const {
   json["provenance"] = to_json(with_files_read(provenance));
   const std::string bytes = json.dump(2) + "\n";
   if (!path.empty() && !to_stdout()) write_file_atomically(path, bytes);
-  print(to_stdout() ? bytes : text);
-  if (recorded_result) {
+  to_stdout() ? print_data(bytes) : print(text);
+  if (const std::optional<Recorded>& recorded = invocation_->recorded) {
     flush_standard_output();
-    compare_with_recorded(json);
+    compare_with_recorded(*recorded, json);
   }
 }
 
@@ -225,12 +160,6 @@ Recorded read_result(const std::string& file) {
   return {file, std::move(result)};
 }
 
-void make_again(Recorded recorded) { recorded_result = std::move(recorded); }
-
-void print(const std::string& text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) fail_on_standard_output(errno);
-}
-
 void keep_standard_streams() {
   // The lowest free number is the one that is closed. Opened the wrong way round, it takes and gives nothing.
   const std::array<int, 3> modes{O_WRONLY, O_RDONLY, O_RDONLY};
@@ -238,11 +167,6 @@ void keep_standard_streams() {
     if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF)
       static_cast<void>(::open("/dev/null", modes[static_cast<std::size_t>(stream)]));
   }
-}
-
-void flush_standard_output() {
-  if (std::fflush(stdout) != 0) fail_on_standard_output(errno);
-  if (std::ferror(stdout) != 0) fail_on_standard_output(EIO);
 }
 
 }  // namespace crossgait::apps

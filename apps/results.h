@@ -2,6 +2,8 @@
 #pragma once
 
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@
 
 #include "motion/gait_source.h"
 #include "physics/core/files_read.h"
+#include "physics/robot/robot.h"
 #include "study/provenance.h"
 
 namespace crossgait::apps {
@@ -23,9 +26,13 @@ CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::
 inline constexpr const char* kOutputs = "Outputs";
 inline constexpr const char* kExecution = "Execution";
 
-/// Before a command does anything: every file that it is to write can be written, and each is another.
-/// @throws ConfigError naming the option
+/// Before a command does anything: every file that it is to write can be written, is another than each
+/// further one by whatever name, and is none that an option names to be read. @throws ConfigError naming the
+/// option
 void check_outputs(const CLI::App& command);
+/// The same for what was read by now, which files that were named may have named themselves.
+/// @throws ConfigError naming the option
+void check_outputs_not_read(const CLI::App& command);
 
 /// What a command is to do, once its options are read and its outputs are known to be writable.
 template <typename Run>
@@ -45,20 +52,32 @@ struct ResultInputs {
   std::map<std::string, std::vector<std::string>> chosen;
 };
 
-/// Adds the files that the command has read by now. @throws ConfigError for one that changed meanwhile
-Provenance with_files_read(Provenance provenance);
-
-/// Returns the inputs of a result that is of a robot alone. @throws ConfigError
-ResultInputs of_robot(const std::string& name_or_file);
+/// Returns the inputs of a result that is of a robot alone.
+ResultInputs of_robot(const RobotDescription& robot);
 
 /// Returns the inputs of a result of a robot and a gait with all its parameters. @throws ConfigError
-ResultInputs of_gait(const std::string& robot, const GaitChoice& gait);
+ResultInputs of_gait(std::shared_ptr<const RobotDescription> robot, const GaitChoice& gait);
+
+/// A result that a command wrote.
+struct Recorded {
+  std::string file;
+  nlohmann::json result;
+};
+/// @throws ConfigError if the file is no JSON object, or beyond kResultBudget
+Recorded read_result(const std::string& file);
+
+/// One command line that the program runs, and what becomes of it.
+struct Invocation {
+  std::vector<std::string> next;     ///< the command line to be run after this one, by a callback; or empty
+  std::optional<Recorded> recorded;  ///< the result that this one makes again, or `next` is to
+};
 
 /// `--json FILE|-`. With "-" the JSON is all that is written to standard output.
 struct JsonOption {
   std::string path;
 
-  void add_to(CLI::App& command);
+  /// @param invocation  that the command is a part of; stays the caller's
+  void add_to(CLI::App& command, const Invocation& invocation);
   bool to_stdout() const { return path == "-"; }
   /// To be called before anything long, and before files change. @throws ConfigError if the result that is to
   /// be made again (`crossgait rerun`) was made of something else, or an engine is not there
@@ -71,19 +90,16 @@ struct JsonOption {
 
  private:
   const CLI::App* command_ = nullptr;
+  const Invocation* invocation_ = nullptr;
 };
 
-/// The result that is being made again. Its provenance has to be that of what is made.
-struct Recorded {
-  std::string file;
-  nlohmann::json result;
-};
-void make_again(Recorded recorded);
-/// @throws ConfigError if the file is no JSON object, or beyond kResultBudget
-Recorded read_result(const std::string& file);
-
+/// Prints for people: names come from files, so control characters stand as `\xNN`.
 /// @throws std::runtime_error if standard output does not take it
 void print(const std::string& text);
+/// Prints for programs (JSON, CSV, YAML): as it is, but on a terminal as `print`. @throws as `print`
+void print_data(const std::string& bytes);
+/// Prints on standard error, as `print`; says nothing if that is closed.
+void print_error(const std::string& text);
 
 /// At the very beginning: standard streams that are closed are opened such that using them fails, so that no
 /// other file takes their place.

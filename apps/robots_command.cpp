@@ -15,6 +15,7 @@
 #include "physics/robot_files/data_path.h"
 #include "physics/robot_files/robot_formats.h"
 #include "physics/robot_files/robot_report.h"
+#include "study/robot_quantities.h"
 #include "study/trial_walk.h"
 
 namespace crossgait::apps {
@@ -25,6 +26,7 @@ using nlohmann::ordered_json;
 struct RobotsCommand {
   std::string robot;
   bool yaml = false, check = false;
+  std::string servos = "file";
   JsonOption json;
 };
 
@@ -125,21 +127,26 @@ ordered_json home_of(const RobotDescription& robot) {
   return home;
 }
 
+LoadedRobot load(const RobotsCommand& options) {
+  return load_robot_with_report(find_robot(options.robot),
+                                options.servos == "rule" ? ServoSource::kRule : ServoSource::kFile);
+}
+
 /// What was inferred and what is doubtful, as lines.
-std::string remarks(const RobotReport& report) {
+std::string remarks(const RobotReport& report, const std::vector<std::string>& warnings) {
   std::string text;
   if (!report.inferred.empty()) text += "\nInferred, and why (a robot.yaml overrides any of it):\n";
   for (const Inference& i : report.inferred)
     text += fmt::format("  {}: {}\n      {}\n", i.what, i.value, i.reason);
-  for (const std::string& warning : report.warnings) text += fmt::format("\nwarning: {}", warning);
-  return report.warnings.empty() ? text : text + "\n";
+  for (const std::string& warning : warnings) text += fmt::format("\nwarning: {}", warning);
+  return warnings.empty() ? text : text + "\n";
 }
 
 void show(const RobotsCommand& options) {
-  const LoadedRobot loaded = load_robot_with_report(find_robot(options.robot));
+  const LoadedRobot loaded = load(options);
   const RobotDescription& robot = loaded.robot;
   if (options.yaml) {
-    print(to_yaml(loaded, std::filesystem::absolute(loaded.report.file).lexically_normal().string()));
+    print_data(to_yaml(loaded, std::filesystem::absolute(loaded.report.file).lexically_normal().string()));
     return;
   }
   const Joint& servo = robot.joint((*robot.legs)[Leg::FL].servos.front());
@@ -157,33 +164,64 @@ void show(const RobotsCommand& options) {
   result["inferred"] = ordered_json::array();
   for (const Inference& i : loaded.report.inferred)
     result["inferred"].push_back({{"what", i.what}, {"value", i.value}, {"reason", i.reason}});
-  result["warnings"] = loaded.report.warnings;
+  const WorldSpec world;
+  const std::vector<RobotQuantity> quantities = robot_quantities(loaded, world);
+  const std::vector<std::string> warnings = robot_warnings(loaded, world);
+  result["quantities"] = to_json(quantities);
+  result["warnings"] = warnings;
   result["body_list"] = body_list(robot, bodies);
   const std::string total = fmt::format(
       "\n{:.4f} kg in all, {}, base {:.4f} m above ground at home; gaits scale with {:.4g} m and {:.3g} s; "
       "from "
       "{}\n",
       robot.total_mass(), counted(robot.loops.size(), "loop"), robot.home_height, h, time, robot.source);
-  options.json.emit(bodies.str() + "\n" + legs.str() + total + remarks(loaded.report),
-                    with_schema("robots", result), options.json.provenance(of_robot(options.robot)));
+  options.json.emit(bodies.str() + "\n" + legs.str() + total + "\n" + describe(quantities) +
+                        remarks(loaded.report, warnings),
+                    with_schema("robots", result), options.json.provenance(of_robot(robot)));
+}
+
+/// Whether it walks with the servos of the rule where it does not with those of its file. Empty if that says
+/// nothing of the gains.
+std::string blame_gains(const RobotsCommand& options, const LoadedRobot& loaded, const Trial& trial) {
+  if (trial.passed() || options.servos == "rule") return "";
+  const LoadedRobot by_rule = load_robot_with_report(find_robot(options.robot), ServoSource::kRule);
+  const Joint& file = loaded.robot.joint((*loaded.robot.legs)[Leg::FL].servos.back());
+  const Joint& rule = by_rule.robot.joint((*by_rule.robot.legs)[Leg::FL].servos.back());
+  if (file.kp == rule.kp && file.kd == rule.kd) return "";
+  const Trial other = try_robot(std::make_shared<const RobotDescription>(by_rule.robot), available_engines());
+  const std::string gains =
+      fmt::format("kp {:.3g} N m/rad and kd {:.3g} N m s/rad of '{}', by rule {:.3g} and {:.3g}", file.kp,
+                  file.kd, file.name, rule.kp, rule.kd);
+  return other.passed()
+             ? fmt::format(
+                   "The gains are the cause: {}; with the rule's it walks well (--servos rule, or "
+                   "`servo: rule` in a robot.yaml).",
+                   gains)
+             : fmt::format(
+                   "The gains are not the cause, or not alone: {}; with the rule's something is wrong, "
+                   "too (--servos rule).",
+                   gains);
 }
 
 /// Walks it. @throws std::runtime_error if something is wrong
 void check(const RobotsCommand& options) {
-  const LoadedRobot loaded = load_robot_with_report(find_robot(options.robot));
+  const LoadedRobot loaded = load(options);
   const Trial trial = try_robot(std::make_shared<const RobotDescription>(loaded.robot), available_engines());
+  const std::string cause = blame_gains(options, loaded, trial);
+  const std::vector<std::string> warnings = robot_warnings(loaded, {});
   ordered_json result{{"name", loaded.robot.name}, {"file", loaded.robot.source}};
   result.update(to_json(trial));
-  result["warnings"] = loaded.report.warnings;
-  std::string text = describe(trial);
-  for (const std::string& warning : loaded.report.warnings) text += fmt::format("warning: {}\n", warning);
-  options.json.emit(text, with_schema("robots", result), options.json.provenance(of_robot(options.robot)));
+  if (!cause.empty()) result["cause"] = cause;
+  result["warnings"] = warnings;
+  std::string text = describe(trial) + (cause.empty() ? "" : cause + "\n");
+  for (const std::string& warning : warnings) text += fmt::format("warning: {}\n", warning);
+  options.json.emit(text, with_schema("robots", result), options.json.provenance(of_robot(loaded.robot)));
   if (!trial.passed()) throw std::runtime_error("it does not walk as it should: see above");
 }
 
 }  // namespace
 
-void add_robots_command(CLI::App& program) {
+void add_robots_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand("robots", "List the bundled robots, or show one");
   command->footer(
       "\nOf a URDF or MJCF alone legs, frame, feet, home pose, servos and the scale of gaits are inferred, "
@@ -201,7 +239,15 @@ void add_robots_command(CLI::App& program) {
   command->add_flag("--check", options->check, "Walk it two seconds in every engine and say what is wrong")
       ->needs("--robot");
   command->add_flag("--yaml", options->yaml, "Print the whole robot.yaml instead")->needs("--robot");
-  options->json.add_to(*command);
+  command
+      ->add_option(
+          "--servos", options->servos,
+          "Gains: those of the robot's files, or those of the rule for robots of its mass and height "
+          "(docs/robots.md)")
+      ->check(CLI::IsMember({"file", "rule"}))
+      ->capture_default_str()
+      ->needs("--robot");
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] {
     if (options->robot.empty()) return list_robots(options->json);
     options->check ? check(*options) : show(*options);

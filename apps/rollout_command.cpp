@@ -60,8 +60,7 @@ void run(const RolloutCommand& options) {
   // Made anew, and that of an interrupted rollout too, if its first episode is among those that are done.
   if (!options.trace.empty() && !rollout.policies.empty()) {
     TraceWriter trace(environment.robot, options.trace);
-    watch_episode(environment, options.policies.front(), options.runs.seed,
-                  [&trace](const QuadrupedEnv& env) { trace.add(trace_sample(env)); });
+    record_episode(environment, options.policies.front(), options.runs.seed, trace);
     trace.finish();
   }
   if (options.page.asked() && !rollout.policies.empty())
@@ -72,7 +71,7 @@ void run(const RolloutCommand& options) {
 
 }  // namespace
 
-void add_rollout_command(CLI::App& program) {
+void add_rollout_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand(
       "rollout", "Whole episodes of a policy in one engine: return, reward terms, falls");
   command->footer(
@@ -94,7 +93,7 @@ void add_rollout_command(CLI::App& program) {
       "Write state, targets, contacts and parameters of the first policy's first episode as CSV");
   options->page.add_to(*command, "Write a page that replays every policy's first episode, as one HTML file");
   options->env.add_to(*command);
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

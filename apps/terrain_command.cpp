@@ -148,16 +148,17 @@ void run(const TerrainCommand& options) {
   if (!terrain.scale().empty()) text += fmt::format("\nscale: {}\n", terrain.scale());
   sample_points(options, terrain, text, result);
   sample_ring_of(options, terrain, text, result);
-  if (!options.png.empty()) write_png(*field, options.png);
-  if (!options.csv.empty()) write_csv(*field, options.csv);
   ResultInputs inputs;
   inputs.subject = {{"terrains", {terrain.name()}}, {"seed", options.seed}};
-  options.json.emit(text, with_schema("terrain", result), options.json.provenance(inputs));
+  const Provenance provenance = options.json.provenance(inputs);
+  if (!options.png.empty()) write_png(*field, options.png);
+  if (!options.csv.empty()) write_csv(*field, options.csv);
+  options.json.emit(text, with_schema("terrain", result), provenance);
 }
 
 }  // namespace
 
-void add_terrain_command(CLI::App& program) {
+void add_terrain_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand("terrain", "Make, look at and sample the ground");
   command->footer(
       "\nFiles take settings behind a colon: size_x, size_y (extent in m; without them a sample every 0.025 "
@@ -182,7 +183,7 @@ void add_terrain_command(CLI::App& program) {
       ->type_name("X,Y,YAW");
   add_output_option(*command, "--png", options->png, "Write the height field as a 16-bit grey picture");
   add_output_option(*command, "--csv", options->csv, "Write the height field as rows of metres");
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

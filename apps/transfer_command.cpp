@@ -60,7 +60,7 @@ void run(const TransferCommand& options) {
 
 }  // namespace
 
-void add_transfer_command(CLI::App& program) {
+void add_transfer_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command =
       program.add_subcommand("transfer", "One policy in every engine on every ground: does it carry over?");
   command->footer(
@@ -82,7 +82,7 @@ void add_transfer_command(CLI::App& program) {
   add_episode_options(*command, options->runs);
   options->page.add_to(*command, "Write a page that replays an episode in every engine, as one HTML file");
   options->env.add_to(*command, EnvScope::kManyWorlds);
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

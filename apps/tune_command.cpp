@@ -74,7 +74,7 @@ void run(const TuneCommand& options) {
 
 }  // namespace
 
-void add_tune_command(CLI::App& program) {
+void add_tune_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand(
       "tune",
       "Search gait parameters for speed or a course of hard ground, and try them in the other engines");
@@ -126,7 +126,7 @@ void add_tune_command(CLI::App& program) {
       ->type_name("FILE.yaml");
   options->page.add_to(*command, "Write a page that replays the gait before and after, as one HTML file");
   options->env.add_to(*command);
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

@@ -168,7 +168,7 @@ void add_judge_options(CLI::App& command, VerdictCommand& options) {
 
 }  // namespace
 
-void add_verdict_command(CLI::App& program) {
+void add_verdict_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand(
       "verdict",
       "Does a behaviour depend on the engine? Gaps between engines, against margins that are stated");
@@ -211,7 +211,7 @@ void add_verdict_command(CLI::App& program) {
           "unresolved")
       ->check(CLI::IsMember({"agrees", "differs", "step-dependent", "unresolved"}));
   options->page.add_to(*command, "Write a page that shows every gap against its margin, as one HTML file");
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] {
     Margins& margins = options->judge.verdict.margins;
     if (!options->margin_file.empty()) margins = read_margins(options->margin_file);

@@ -75,9 +75,9 @@ std::vector<std::string> walk_and_trace(const VideoCommand& options, const Trace
     files.push_back(folder.file(engine));
     TraceWriter trace(loaded.world.robot, files.back());
     ProgressLine progress(fmt::format("{} in {}", loaded.config.gait.name(), engine));
-    const WalkRun run = walk(
-        loaded, engine, [&](double share) { progress.update(share); },
-        [&trace](std::size_t, const TraceSample& sample) { trace.add(sample); });
+    const auto world = find_engine(engine).make(loaded.world);
+    const WalkRun run = record_walk(
+        *world, loaded.config.setup(), [&](double share) { progress.update(share); }, &trace);
     trace.finish();
     if (run.interrupted) throw EndedEarly("there is no film");
   }
@@ -102,14 +102,14 @@ void run(const VideoCommand& options) {
   command.push_back(fmt::format("--elevation={}", options.elevation));
   command.emplace_back("--");
   command.insert(command.end(), traces.begin(), traces.end());
-  const auto drawn = run_child(command, {}, ChildErrors::kShown);
+  const auto drawn = run_child(command, ChildErrors::kShown);
   if (!drawn || drawn->exit_code != 0) throw ChildFailed{drawn ? drawn->exit_code : -1};
   print(drawn->out);
 }
 
 }  // namespace
 
-void add_video_command(CLI::App& program) {
+void add_video_command(CLI::App& program, Invocation& /*invocation*/) {
   CLI::App* command = program.add_subcommand("video", "A walk, or traces, as a film: one panel an engine");
   command->footer(
       "\nDrawn by Crossgait's Python package (crossgait[video]), which python3 or CROSSGAIT_PYTHON has to "

@@ -96,7 +96,7 @@ void run(const ViewOptions& options) {
 
 }  // namespace
 
-void add_view_command(CLI::App& program) {
+void add_view_command(CLI::App& program, Invocation& /*invocation*/) {
   CLI::App* command = program.add_subcommand("view", "Drive a robot live, in the browser");
   command->footer(
       "\nSimulates at real time and serves a page on the loopback interface, at an address with a random "

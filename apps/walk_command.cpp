@@ -28,30 +28,23 @@ void run(const WalkCommand& options) {
   const Provenance provenance = options.json.provenance(
       {WalkOptions::subject(loaded), {options.engine}, {{"--engine", {options.engine}}}});
   options.page.check(config);
-  std::optional<TraceWriter> trace;
-  if (!options.trace.empty()) trace.emplace(loaded.world.robot, options.trace);
-  std::optional<PageRecorder> recorder;
-  if (options.page.asked()) recorder.emplace(loaded.world, 1);
-  const SampleObserver observer = [&](std::size_t, const TraceSample& sample) {
-    if (trace) trace->add(sample);
-    if (recorder) recorder->add(0, sample);
-  };
+  std::vector<RunRecording> recordings;
+  recordings.emplace_back(loaded.world.robot, options.trace, options.page.asked());
 
   ProgressLine progress(fmt::format("{} in {}", config.gait.name(), options.engine));
-  const WalkRun run = walk(
-      loaded, options.engine, [&](double share) { progress.update(share); },
-      trace || recorder ? observer : SampleObserver());
-  if (trace) trace->finish();
-  if (recorder) {
-    options.page.write(recorder->page({run}, {}), provenance);
-  }
+  const auto world = find_engine(options.engine).make(loaded.world);
+  const WalkRun run = record_walk(
+      *world, config.setup(), [&](double share) { progress.update(share); }, recordings.front().sink());
+  recordings.front().finish_trace();
+  if (options.page.asked())
+    options.page.write(page_of_walks(loaded.world, {run}, {}, recordings), provenance);
   options.json.emit(describe(run), report(run), provenance);
   if (run.interrupted) throw EndedEarly(how_far(run.summary.simulated_seconds, config.timing.seconds));
 }
 
 }  // namespace
 
-void add_walk_command(CLI::App& program) {
+void add_walk_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand("walk", "Walk in one engine: a summary and, if asked, a trace");
   command->footer(
       "\nExamples:\n"
@@ -65,7 +58,7 @@ void add_walk_command(CLI::App& program) {
   add_output_option(*command, "--trace", options->trace,
                     "Write state, targets and contacts of every control step as CSV");
   options->page.add_to(*command);
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "study/robot_quantities.h"
 #include "study/run_spec.h"
 
 namespace crossgait::apps {
@@ -62,8 +63,9 @@ void WalkOptions::add_to(CLI::App& command) {
       .add_option(
           "--terminations", terminations,
           "Outcomes that end the walk before its time, comma-separated: loop_violated, fell, collapsed, "
-          "left_terrain (divergence always does)")
-      ->delimiter(',');
+          "left_terrain, diverged (which always does)")
+      ->delimiter(',')
+      ->capture_default_str();
   command.add_flag(
       "--no-compensation", plain_servos,
       "Send the wanted joint angles as they are, without making up for the servos' lag and give");
@@ -81,6 +83,8 @@ LoadedWalk WalkOptions::make() const {
                       error.found());
   }
   const auto robot = std::make_shared<const RobotDescription>(load_robot_with_warnings(config.robot));
+  if (const std::string loop = servo_loop_warning(*robot, config.physics_dt); !loop.empty())
+    print_notes({loop});
   const GaitScale scale = gait_scale(*robot);
   made.gait = choose_gait(gait, settings, make_command(*this), scale);
   print_notes(outside_ranges(made.gait.parameters,

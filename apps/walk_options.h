@@ -14,7 +14,7 @@ struct WalkOptions {
   std::vector<std::string> settings;  // NAME=VALUE of gait parameters
   std::optional<double> speed;
   std::string velocity;
-  std::vector<std::string> terminations;  // outcomes
+  std::vector<std::string> terminations{"left_terrain"};  // outcomes, beside divergence
   bool plain_servos = false, open_loop = false;
 
   void add_to(CLI::App& command);

@@ -36,7 +36,8 @@ struct WorkspaceCommand {
 };
 
 struct Report {
-  std::string robot, gait;
+  std::shared_ptr<const RobotDescription> robot;
+  std::string gait;
   GaitChoice choice;
   Leg which;
   LegKinematics leg;
@@ -75,22 +76,18 @@ LegMargins smallest_margins(const LegKinematics& leg, const std::vector<Vector3>
 
 Report look(const WorkspaceCommand& options) {
   const Leg which = options.leg.which();
-  const RobotDescription robot = load_robot(find_robot(options.robot));
-  const LegArray<LegKinematics> legs = make_leg_kinematics(robot);
+  const auto robot = std::make_shared<const RobotDescription>(load_robot(find_robot(options.robot)));
+  const LegArray<LegKinematics> legs = make_leg_kinematics(*robot);
   const LegKinematics& leg = legs[which];
   const LegBranch branch = options.leg.branch(leg);
-  const GaitScale scale = gait_scale(robot);
+  const GaitScale scale = gait_scale(*robot);
   const Gait gait = scaled(find_gait(options.gait), scale);
   const GaitChoice choice = choose_gait(options.gait, options.settings, {}, scale);
   const GaitParameters& parameters = choice.parameters;
   print_notes(outside_ranges(parameters, gait.preferred, scaled(AdaptationRanges(), scale)));
 
-  Report report{.robot = robot.name,
-                .gait = options.gait,
-                .choice = choice,
-                .which = which,
-                .leg = leg,
-                .branch = branch};
+  Report report{
+      .robot = robot, .gait = options.gait, .choice = choice, .which = which, .leg = leg, .branch = branch};
   report.reach = reach_bounds(leg);
   report.reachable_fraction = sample_workspace(leg, branch, report.reach, kGrid).reachable_fraction();
   report.standing = foot_position(parameters, which, {}, {{0, 0}, 0, parameters.swing});
@@ -133,7 +130,7 @@ std::string verdict(const Report& report) {
 }
 
 std::string describe(const Report& r) {
-  Table places({fmt::format("{} of {}, {}, mm", name(r.which), r.robot, branch_text(r.leg, r.branch)),
+  Table places({fmt::format("{} of {}, {}, mm", name(r.which), r.robot->name, branch_text(r.leg, r.branch)),
                 "x from", "to", "y from", "to", "z from", "to"});
   const auto add_box = [&places](const std::string& label, const TargetBox& box) {
     std::vector<std::string> cells{label};
@@ -187,7 +184,7 @@ ordered_json to_json(const Report& r) {
                       {"target_m", numbers(r.cycle.first->target)}};
   }
   const bool stands = r.standing_sample.status == IkStatus::kOk;
-  return {{"robot", r.robot},
+  return {{"robot", r.robot->name},
           {"leg", name(r.which)},
           {"kind", name(r.leg.kind())},
           {"branch", branch_text(r.leg, r.branch)},
@@ -253,7 +250,8 @@ Chart slice(const Report& r, std::size_t axis) {
 
 ReportPage page_of(const Report& r) {
   ReportPage page;
-  page.title = fmt::format("Workspace of {} of {}, {}", name(r.which), r.robot, branch_text(r.leg, r.branch));
+  page.title =
+      fmt::format("Workspace of {} of {}, {}", name(r.which), r.robot->name, branch_text(r.leg, r.branch));
   page.charts.push_back({"Planes through the standing foot", {slice(r, 0), slice(r, 1)}});
   page.texts.push_back(describe(r));
   return page;
@@ -262,14 +260,14 @@ ReportPage page_of(const Report& r) {
 void run(const WorkspaceCommand& options) {
   options.page.check();
   const Report report = look(options);
-  const Provenance provenance = options.json.provenance(of_gait(options.robot, report.choice));
+  const Provenance provenance = options.json.provenance(of_gait(report.robot, report.choice));
   if (options.page.asked()) options.page.write(page_of(report), provenance);
   options.json.emit(describe(report), with_schema("workspace", to_json(report)), provenance);
 }
 
 }  // namespace
 
-void add_workspace_command(CLI::App& program) {
+void add_workspace_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command =
       program.add_subcommand("workspace", "What one leg reaches, and whether a gait stays inside");
   command->footer(
@@ -287,7 +285,7 @@ void add_workspace_command(CLI::App& program) {
       ->type_name("NAME=VALUE");
   options->page.add_to(*command, "Write a page that shows what is within reach, as one HTML file");
   add_robot_option(*command, options->robot);
-  options->json.add_to(*command);
+  options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
 

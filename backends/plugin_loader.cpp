@@ -1,9 +1,12 @@
 #include "backends/plugin_loader.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 #include <system_error>
 
@@ -75,6 +78,31 @@ std::string refusal(const EnginePlugin* plugin) {
   return "";
 }
 
+/// Why a file must not even be opened as a library: the system's loader maps what the file's header names,
+/// and touching what is not there ends the process. Empty if nothing is wrong; what else may be, the loader
+/// says.
+std::string refusal_unopened(const std::string& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return "it is no regular file";
+  const std::uintmax_t size = fs::file_size(file, error);
+  std::ifstream stream(file, std::ios::binary);
+  const auto read = [&stream](auto& value) {
+    return static_cast<bool>(stream.read(reinterpret_cast<char*>(&value), sizeof value));
+  };
+  ElfW(Ehdr) header{};
+  if (error || !read(header) || std::memcmp(&header.e_ident[0], ELFMAG, SELFMAG) != 0 ||
+      header.e_phentsize != sizeof(ElfW(Phdr)))
+    return "";
+  stream.seekg(static_cast<std::streamoff>(header.e_phoff));
+  for (unsigned int i = 0; i < header.e_phnum; ++i) {
+    ElfW(Phdr) part{};
+    const bool is_there = read(part);
+    if (!is_there || part.p_offset > size || part.p_filesz > size - part.p_offset)
+      return fmt::format("it is cut off: it has {} bytes, and names more", size);
+  }
+  return "";
+}
+
 bool is_folder(const fs::path& path) {
   std::error_code error;
   return fs::is_directory(path, error);
@@ -109,6 +137,8 @@ LoadedPlugin load_plugin(const std::string& file) {
   // A name without a slash would be searched for elsewhere.
   LoadedPlugin result{fs::canonical(file, error).string(), nullptr, ""};
   if (error) return {file, nullptr, error.message()};
+  result.reason = refusal_unopened(result.file);
+  if (!result.reason.empty()) return result;
   void* library = dlopen(result.file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
     result.reason = last_error(result.file);
@@ -125,6 +155,8 @@ LoadedPlugin load_plugin(const std::string& file) {
     if (result.reason.empty()) result.plugin = plugin;
   } catch (const std::exception& failure) {
     result.reason = failure.what();
+  } catch (...) {
+    result.reason = "it threw what is no exception of the standard library";
   }
   return result;
 }

@@ -16,8 +16,9 @@ struct LoadedPlugin {
 };
 
 /// Opens one file with symbols of its own: two engines, or two versions of one, may carry the same symbols.
-/// Refuses what is no plug-in, was built for another interface, or found another library than its headers'.
-/// Opening a file runs its code.
+/// Refuses what is no regular file, is cut off, is no plug-in, was built for another interface, throws, or
+/// found another library than its headers'. Opening a file runs its code in this process: what that code does
+/// to it, by giving an address at which nothing is or by never returning, nobody can refuse.
 LoadedPlugin load_plugin(const std::string& file);
 
 /// Folders in which plug-ins are looked for:

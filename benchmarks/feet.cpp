@@ -41,10 +41,12 @@ void stand(PhysicsBackend& world, double seconds, FootCard& card) {
   const double h = world.spec().physics_dt;
   world.reset();
   step(world, home, static_cast<int>(std::lround(kStanding / h)));
-  const LegArray<Vector3> before = foot_positions(world);
-  const long steps = std::lround(seconds / h);
+  // What still settles in the first half is no creep, however long one stands afterwards.
+  LegArray<Vector3> before = foot_positions(world);
+  const long steps = std::lround(seconds / h), half = steps / 2;
   double force = 0, depth = 0, touching = 0;
   for (long i = 0; i < steps; ++i) {
+    if (i == half) before = foot_positions(world);
     step(world, home);
     for (const Contact& c : world.contacts()) force += c.force.z();
     for (const FootContact& foot : world.foot_contacts()) {
@@ -54,7 +56,8 @@ void stand(PhysicsBackend& world, double seconds, FootCard& card) {
   }
   const LegArray<Vector3> after = foot_positions(world);
   for (const Leg leg : kLegs) {
-    card.creep_mps = std::max(card.creep_mps, (after[leg] - before[leg]).head<2>().norm() / seconds);
+    card.creep_mps = std::max(card.creep_mps, (after[leg] - before[leg]).head<2>().norm() /
+                                                  (static_cast<double>(steps - half) * h));
   }
   card.stand_seconds = seconds;
   card.penetration_m = depth / touching;

@@ -20,7 +20,7 @@ struct FootCard {
   std::string engine, terrain;
   // Standing in the home pose.
   double stand_seconds = 0;
-  double creep_mps = 0;      ///< of the foot that crept farthest, mean speed along the ground
+  double creep_mps = 0;  ///< of the foot that crept farthest, mean speed along the ground in the second half
   double penetration_m = 0;  ///< mean of the feet that touch
   double force_error = 0;    ///< mean vertical force over the weight, - 1
   // Trotting.

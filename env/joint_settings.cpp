@@ -58,7 +58,8 @@ void ServoSettings::apply(RobotDescription& robot, std::string_view source) cons
     check_names(numbers[i], servos, source, fmt::format("servos.{}", kJointNumbers[i].name));
     for (Body& body : robot.bodies) {
       if (!body.joint.actuated) continue;
-      if (const auto value = numbers[i].find(body.joint.name)) body.joint.*kJointNumbers[i].member = *value;
+      if (const auto value = numbers[i].find(body.joint.name))
+        set_number(kJointNumbers[i], *value, body.joint);
     }
   }
   for (std::size_t i = 1; i < robot.bodies.size(); ++i) check_joint(robot.bodies[i].joint, source);

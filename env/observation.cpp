@@ -23,17 +23,34 @@ constexpr std::array<std::string_view, kRingSize> kRing{"front", "front_right", 
 using Context = ObservationContext;
 using Source = ObservationSource;
 
-void add(Layout& layout, std::string name, std::string_view unit, double bound = kInfinite) {
+/// A unit, and what numbers of it reach where nothing bounds them: an engine counts as diverged at 340 m/s,
+/// 1e4 rad/s and 1e6 m.
+struct Unit {
+  std::string_view name;
+  double reach;
+};
+constexpr Unit kMetres{"m", 1e3};  // of the way since the world's origin, and heights
+constexpr Unit kMetresPerSecond{"m/s", 100};
+constexpr Unit kRadians{"rad", 100};  // joints without stops may turn over
+constexpr Unit kRadiansPerSecond{"rad/s", 1e3};
+
+void add(Layout& layout, std::string name, std::string_view unit, double bound) {
   layout.entries.push_back({std::move(name), std::string(unit), -bound, bound});
 }
-void add_vector(Layout& layout, std::string_view name, std::string_view unit, double bound = kInfinite) {
+void add(Layout& layout, std::string name, const Unit& unit) {
+  layout.entries.push_back({std::move(name), std::string(unit.name), -kInfinite, kInfinite, unit.reach});
+}
+void add_vector(Layout& layout, std::string_view name, std::string_view unit, double bound) {
   for (const std::string_view axis : kAxes) add(layout, fmt::format("{}.{}", name, axis), unit, bound);
 }
-void add_joints(const Context& context, Layout& layout, std::string_view quantity, std::string_view unit) {
+void add_vector(Layout& layout, std::string_view name, const Unit& unit) {
+  for (const std::string_view axis : kAxes) add(layout, fmt::format("{}.{}", name, axis), unit);
+}
+void add_joints(const Context& context, Layout& layout, std::string_view quantity, const Unit& unit) {
   for (const std::string& joint : context.actuated_joints)
     add(layout, fmt::format("{}.{}", quantity, joint), unit);
 }
-void add_feet(Layout& layout, std::string_view quantity, std::string_view unit) {
+void add_feet(Layout& layout, std::string_view quantity, const Unit& unit) {
   for (const Leg leg : kLegs) add_vector(layout, fmt::format("{}.{}", quantity, name(leg)), unit);
 }
 
@@ -49,7 +66,7 @@ std::string delta_unit(const ParameterRow& row) {
 }
 
 // A thousandth of a radian tells one home from another, and is beyond what machines round apart.
-std::string from_home(const std::string& unit, double home) {
+std::string from_home(std::string_view unit, double home) {
   return fmt::format("{} from {:.3f}", unit, std::round(1e3 * home) / 1e3 + 0.0);  // no "-0.000"
 }
 
@@ -92,14 +109,14 @@ void write_engine_terrain(const Source& s, double*& out) {
 }
 
 void describe_ring(Layout& layout, std::string_view block) {
-  for (const std::string_view place : kRing) add(layout, fmt::format("{}.{}", block, place), "m");
+  for (const std::string_view place : kRing) add(layout, fmt::format("{}.{}", block, place), kMetres);
 }
 
 constexpr bool kNeedsGait = true;
 
 constexpr std::array kBlocks{
     ObservationBlock{"base_position", "of the base's origin in W", true,
-                     [](const Context&, Layout& l) { add_vector(l, "p_WB", "m"); },
+                     [](const Context&, Layout& l) { add_vector(l, "p_WB", kMetres); },
                      [](const Source& s, double*& out) { put(out, state(s).p_WB); }},
     ObservationBlock{"base_orientation", "quaternion of the base in W", true,
                      [](const Context&, Layout& l) {
@@ -111,24 +128,24 @@ constexpr std::array kBlocks{
                        put(out, state(s).q_WB.vec());
                      }},
     ObservationBlock{"base_linear_velocity", "of the base's origin in W", true,
-                     [](const Context&, Layout& l) { add_vector(l, "v_WB", "m/s"); },
+                     [](const Context&, Layout& l) { add_vector(l, "v_WB", kMetresPerSecond); },
                      [](const Source& s, double*& out) { put(out, state(s).v_WB); }},
     ObservationBlock{"base_angular_velocity", "of the base in W", true,
-                     [](const Context&, Layout& l) { add_vector(l, "w_WB", "rad/s"); },
+                     [](const Context&, Layout& l) { add_vector(l, "w_WB", kRadiansPerSecond); },
                      [](const Source& s, double*& out) { put(out, state(s).w_WB); }},
     ObservationBlock{"joint_positions", "of the servos", true,
-                     [](const Context& c, Layout& l) { add_joints(c, l, "q", "rad"); },
+                     [](const Context& c, Layout& l) { add_joints(c, l, "q", kRadians); },
                      [](const Source& s, double*& out) { put(out, state(s).q, s.servos); }},
     ObservationBlock{"joint_velocities", "of the servos", true,
-                     [](const Context& c, Layout& l) { add_joints(c, l, "qd", "rad/s"); },
+                     [](const Context& c, Layout& l) { add_joints(c, l, "qd", kRadiansPerSecond); },
                      [](const Source& s, double*& out) { put(out, state(s).qd, s.servos); }},
     ObservationBlock{"foot_positions", "of the feet's centres in W", true,
-                     [](const Context&, Layout& l) { add_feet(l, "p_WF", "m"); },
+                     [](const Context&, Layout& l) { add_feet(l, "p_WF", kMetres); },
                      [](const Source& s, double*& out) {
                        for (const Vector3& p : s.feet.p_WF) put(out, p);
                      }},
     ObservationBlock{"foot_velocities", "of the feet's centres in W", true,
-                     [](const Context&, Layout& l) { add_feet(l, "v_WF", "m/s"); },
+                     [](const Context&, Layout& l) { add_feet(l, "v_WF", kMetresPerSecond); },
                      [](const Source& s, double*& out) {
                        for (const Vector3& v : s.feet.v_WF) put(out, v);
                      }},
@@ -166,9 +183,9 @@ constexpr std::array kBlocks{
                      write_engine_terrain},
     ObservationBlock{"command", "velocity asked of the body", false,
                      [](const Context&, Layout& l) {
-                       add(l, "command.vx", "m/s");
-                       add(l, "command.vy", "m/s");
-                       add(l, "command.yaw_rate", "rad/s");
+                       add(l, "command.vx", kMetresPerSecond);
+                       add(l, "command.vy", kMetresPerSecond);
+                       add(l, "command.yaw_rate", kRadiansPerSecond);
                      },
                      [](const Source& s, double*& out) {
                        put(out, s.command.vx);
@@ -189,13 +206,13 @@ constexpr std::array kBlocks{
                      [](const Context&, Layout& l) { add_vector(l, "gravity_B", "-", 1); },
                      [](const Source& s, double*& out) { put(out, in_base(s, Vector3(0, 0, -1))); }},
     ObservationBlock{"base_linear_velocity_local", "of the base's origin, in the base's frame", false,
-                     [](const Context&, Layout& l) { add_vector(l, "v_B", "m/s"); },
+                     [](const Context&, Layout& l) { add_vector(l, "v_B", kMetresPerSecond); },
                      [](const Source& s, double*& out) { put(out, in_base(s, state(s).v_WB)); }},
     ObservationBlock{"base_angular_velocity_local", "of the base in its own frame, as a gyroscope's", false,
-                     [](const Context&, Layout& l) { add_vector(l, "w_B", "rad/s"); },
+                     [](const Context&, Layout& l) { add_vector(l, "w_B", kRadiansPerSecond); },
                      [](const Source& s, double*& out) { put(out, in_base(s, state(s).w_WB)); }},
     ObservationBlock{"height", "of the base's origin over the ground below it", false,
-                     [](const Context&, Layout& l) { add(l, "height", "m"); },
+                     [](const Context&, Layout& l) { add(l, "height", kMetres); },
                      [](const Source& s, double*& out) { put(out, state(s).p_WB.z() - ground_below(s)); }},
     ObservationBlock{"last_action", "the action before, clipped", false,
                      [](const Context& c, Layout& l) {
@@ -208,7 +225,9 @@ constexpr std::array kBlocks{
     ObservationBlock{"joint_offsets", "of the servos from home", false,
                      [](const Context& c, Layout& l) {
                        for (std::size_t i = 0; i < c.home.size(); ++i)
-                         add(l, fmt::format("dq.{}", c.actuated_joints[i]), from_home("rad", c.home[i]));
+                         l.entries.push_back({fmt::format("dq.{}", c.actuated_joints[i]),
+                                              from_home(kRadians.name, c.home[i]), -kInfinite, kInfinite,
+                                              kRadians.reach});
                      },
                      [](const Source& s, double*& out) {
                        for (std::size_t i = 0; i < s.home.size(); ++i)

@@ -18,6 +18,7 @@ LayoutEntry seen_as(LayoutEntry entry, double scale, const ObservationTerm& term
   const double a = scale * (entry.min - term.noise), b = scale * (entry.max + term.noise);
   entry.min = std::clamp(std::min(a, b), -term.clip, term.clip);
   entry.max = std::clamp(std::max(a, b), -term.clip, term.clip);
+  entry.reach *= std::abs(scale);
   return entry;
 }
 

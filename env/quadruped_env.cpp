@@ -148,23 +148,26 @@ StepResult QuadrupedEnv::step(std::span<const double> action, std::span<double> 
     return e.result;
   }
   const RobotState before = world_->state();
+  const MotionIntegrals integrals_before = e.loop.statistics().integrals();
   take_action(action);
   e.info.ik_clamped = e.control_steps = 0;
   e.loop.advance(*world_, watched_, model_->policy_steps);
-  finish_step(before);
+  finish_step(before, integrals_before);
   observe(observation);
   return e.result;
 }
 
-void QuadrupedEnv::finish_step(const RobotState& before) {
+void QuadrupedEnv::finish_step(const RobotState& before, const MotionIntegrals& integrals_before) {
   Episode& e = episode_;
   ++e.steps;
   e.info.time = e.steps * config().policy_dt;
   e.info.limit_factor = e.loop.targets().limit_factor;
   measure();
+  const MotionIntegrals during = e.loop.statistics().integrals() - integrals_before;
+  e.info.power = during.seconds > 0 ? during.work / during.seconds : 0;
   e.result.terminated = e.loop.ended();
   e.result.truncated = !e.result.terminated && e.steps >= model_->max_steps;
-  e.result.reward = evaluate(before);
+  e.result.reward = evaluate(before, during);
 }
 
 void QuadrupedEnv::measure() {
@@ -185,11 +188,10 @@ void QuadrupedEnv::measure() {
   const Vector3 moved = in_heading(state.p_WB - statistics.start(), statistics.start_yaw());
   e.info.distance = moved.x();
   e.info.lateral = moved.y();
-  e.info.power = servo_power(*world_, model_->joints.servos);
   e.info.outcome = statistics.worst();
 }
 
-double QuadrupedEnv::evaluate(const RobotState& before) {
+double QuadrupedEnv::evaluate(const RobotState& before, const MotionIntegrals& during) {
   Episode& e = episode_;
   const RobotState& after = world_->state();
   const MotionStatistics& statistics = e.loop.statistics();
@@ -198,7 +200,6 @@ double QuadrupedEnv::evaluate(const RobotState& before) {
       .dt = config().policy_dt,
       .before = before,
       .after = after,
-      .torques = world_->torques(),
       .v_start = in_heading(after.v_WB, statistics.start_yaw()),
       .v_heading = in_heading(after.v_WB, statistics.start_yaw() + e.info.roll_pitch_yaw.z()),
       .roll_pitch_yaw = e.info.roll_pitch_yaw,
@@ -213,7 +214,7 @@ double QuadrupedEnv::evaluate(const RobotState& before) {
       .last_parameters = e.last_parameters,
       .servos = model_->joints.servos,
       .weight = statistics.weight(),
-      .power = e.info.power,
+      .during = during,
       .size = model_->size,
       .terminated = e.result.terminated,
   };

@@ -31,7 +31,7 @@ struct StepInfo {
   double distance = 0,
          lateral = 0;  ///< of the base since the episode began, along and left of its heading then, m
   Vector3 roll_pitch_yaw = Vector3::Zero();  ///< rad, yaw since the episode began
-  double power = 0;                          ///< of the servos (servo_power), W
+  double power = 0;                          ///< of the servos, mean over the last step, W
   double limit_factor = 1;                   ///< share of the velocity command that the steps follow
   int ik_clamped = 0;                        ///< leg solutions of this step that were not exact
   int invalid_actions = 0;             ///< entries of the action that were not finite and counted as zero
@@ -130,9 +130,9 @@ class QuadrupedEnv {
   WorldSpec draw_world();
   Start draw_start() const;
   void take_action(std::span<const double> action) noexcept;
-  void finish_step(const RobotState& before);
+  void finish_step(const RobotState& before, const MotionIntegrals& integrals_before);
   void measure();
-  double evaluate(const RobotState& before);
+  double evaluate(const RobotState& before, const MotionIntegrals& during);
   ObservationSource seen() const noexcept;
   void observe_substep();
   void observe(std::span<double> observation);

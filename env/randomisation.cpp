@@ -136,6 +136,7 @@ WorldSpec randomised_world(const WorldSpec& nominal, const Randomisation& random
     body.joint.damping *= draw[kJointDamping];
     body.joint.friction *= draw[kJointFriction];
     body.joint.effort_limit *= draw[kEffortLimit];
+    body.joint.effort_negative *= draw[kEffortLimit];
   }
   world.robot = std::move(robot);
   return world;

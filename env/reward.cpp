@@ -35,10 +35,16 @@ double joint_acceleration(const Record& r) {
   return sum;
 }
 
-double foot_slip(const Record& r) {
-  double sum = 0;
-  for (const FootContact& foot : r.contacts) sum += foot.touching ? square(foot.slip_speed) : 0;
-  return sum;
+// Mean over the physics steps of this step; zero where there was none (it diverged in the first).
+double mean(double MotionIntegrals::*integral, const Record& r) {
+  return r.during.seconds > 0 ? r.during.*integral / r.during.seconds : 0;
+}
+
+// Work over weight times way, as the statistic of that name: the speed is the mean of the step as well.
+double cost_of_transport(const Record& r) {
+  if (r.during.seconds <= 0) return 0;
+  const double way = (r.after.p_WB - r.before.p_WB).head<2>().norm();
+  return r.during.work / (r.weight * std::max(way, kLeastSpeed * r.during.seconds));
 }
 
 constexpr std::array kTerms{
@@ -101,21 +107,17 @@ constexpr std::array kTerms{
                  for (const double a : r.action) sum += square(a);
                  return sum;
                }},
-    RewardTerm{"foot_slip", "m^2/s^2", "sum of squared slip speeds of the feet that touch", 0, foot_slip},
+    RewardTerm{"foot_slip", "m^2/s^2",
+               "sum of squared slip speeds of the feet that touch, mean over the step", 0,
+               [](const Record& r) { return mean(&MotionIntegrals::slip_squares, r); }},
     RewardTerm{"joint_torques_l2", "N^2 m^2",
-               "sum of squared torques of the servo joints, passive damping included", 0,
-               [](const Record& r) {
-                 double sum = 0;
-                 for (const int i : r.servos) sum += square(r.torques[i]);
-                 return sum;
-               }},
-    RewardTerm{"power", "W", "sum of |servo torque x joint velocity|", 0,
-               [](const Record& r) { return r.power; }},
-    RewardTerm{"cost_of_transport", "-", "that power over weight times horizontal speed (at least 0.02 m/s)",
-               0,
-               [](const Record& r) {
-                 return r.power / (r.weight * std::max(r.after.v_WB.head<2>().norm(), kLeastSpeed));
-               }},
+               "sum of squared torques of the servo joints, passive damping included, mean over the step", 0,
+               [](const Record& r) { return mean(&MotionIntegrals::torque_squares, r); }},
+    RewardTerm{"power", "W", "sum of |servo torque x joint velocity|, mean over the step", 0,
+               [](const Record& r) { return mean(&MotionIntegrals::work, r); }},
+    RewardTerm{"cost_of_transport", "-",
+               "work of the servos over weight times way over the ground (at least 0.02 m/s), of the step", 0,
+               cost_of_transport},
 };
 static_assert(kTerms.size() == kRewardTerms, "kRewardTerms (reward.h) is the number of these rows");
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gait/velocity_command.h"
+#include "motion/motion_statistics.h"
 #include "physics/core/math.h"
 #include "physics/robot/state.h"
 
@@ -20,20 +21,19 @@ struct StepRecord {
   double dt;  ///< of the policy step, s
   const RobotState& before;
   const RobotState& after;
-  const JointVector& torques;  ///< of all joints in the last physics step (servo minus damping), N m
-  Vector3 v_start;             ///< velocity of the base in the frame it faced when the episode began, m/s
-  Vector3 v_heading;           ///< the same in the frame it faces now (yaw alone), m/s
-  Vector3 roll_pitch_yaw;      ///< after the step, yaw since the episode began, rad
-  double height;               ///< of the base's origin over the ground below it, m
-  double standing_height;      ///< the same when the episode began, m
-  VelocityCommand command;     ///< asked of the body
+  Vector3 v_start;          ///< velocity of the base in the frame it faced when the episode began, m/s
+  Vector3 v_heading;        ///< the same in the frame it faces now (yaw alone), m/s
+  Vector3 roll_pitch_yaw;   ///< after the step, yaw since the episode began, rad
+  double height;            ///< of the base's origin over the ground below it, m
+  double standing_height;   ///< the same when the episode began, m
+  VelocityCommand command;  ///< asked of the body
   const LegArray<FootContact>& contacts;
   LegArray<bool> swing;                                 ///< the gait has the leg in the air
   std::span<const double> action, last_action;          ///< clipped to [-1, 1]; zeros before the first step
   std::span<const double> parameters, last_parameters;  ///< that adapt, in their units
   std::span<const int> servos;                          ///< indices of the actuated joints
   double weight;                                        ///< of the robot, N
-  double power;     ///< of the servos at the end of the step (servo_power), W
+  MotionIntegrals during;                               ///< integrals over the physics steps of this step
   double size = 1;  ///< of the robot, in reference sizes: widths of speeds go with its root (gait/scale.h)
   bool terminated;  ///< the episode ended by an outcome: a fall, divergence, ... (EnvConfig::terminations)
 };

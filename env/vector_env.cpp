@@ -1,6 +1,7 @@
 #include "env/vector_env.h"
 
 #include <algorithm>
+#include <string>
 
 #include "physics/core/check_size.h"
 
@@ -14,15 +15,29 @@ std::size_t at_least_one(std::string_view what, std::size_t count) {
   return count;
 }
 
+std::size_t known_count(std::size_t environments) {
+  if (environments > kMaxEnvironments) {
+    throw ConfigError(kVectorEnv, "environments", "at most " + std::to_string(kMaxEnvironments),
+                      std::to_string(environments));
+  }
+  return at_least_one("environments", environments);
+}
+
 }  // namespace
 
 VectorEnv::VectorEnv(const EnvConfig& config, const Engine& engine, const VectorEnvOptions& options)
     : auto_reset_(options.auto_reset),
-      environments_(at_least_one("environments", options.environments)),
+      environments_(known_count(options.environments)),
       slots_(options.environments),
       pool_(at_least_one("workers", options.workers)) {
   const auto model = EnvModel::make(config);
-  pool_.run(size(), [&](std::size_t i) { environments_[i] = std::make_unique<QuadrupedEnv>(model, engine); });
+  constexpr std::size_t kAtOnce = 64;  // between which `progress` is told: some tens of milliseconds
+  for (std::size_t begin = 0; begin < size(); begin += kAtOnce) {
+    if (options.progress) options.progress(static_cast<double>(begin) / static_cast<double>(size()));
+    pool_.run(std::min(kAtOnce, size() - begin), [&](std::size_t i) {
+      environments_[begin + i] = std::make_unique<QuadrupedEnv>(model, engine);
+    });
+  }
 }
 
 void VectorEnv::begin_episode(std::size_t i, std::span<double> observation) {

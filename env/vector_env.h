@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "env/quadruped_env.h"
+#include "physics/core/progress.h"
 #include "physics/core/worker_pool.h"
 
 namespace crossgait {
@@ -22,7 +23,11 @@ struct VectorEnvOptions {
   std::size_t environments = 1;
   std::size_t workers = 1;  ///< threads, the caller's included
   AutoReset auto_reset = AutoReset::kNextStep;
+  Progress progress = {};  ///< of making them; called by the caller's thread
 };
+
+/// How many environments there may be at once.
+inline constexpr std::size_t kMaxEnvironments = 100'000;
 
 /// The caller's arrays, row-major with one row per environment. A caller may keep them between steps.
 struct VectorStep {
@@ -41,7 +46,8 @@ struct VectorStep {
 /// environment i draws from derived_seed(seed, i), its k-th episode from derived_seed of that and k.
 class VectorEnv {
  public:
-  /// @throws ConfigError for a bad configuration, no environments or no workers
+  /// @throws ConfigError for a bad configuration, no workers, no environments or more than kMaxEnvironments;
+  /// and what `progress` throws
   VectorEnv(const EnvConfig& config, const Engine& engine, const VectorEnvOptions& options);
 
   std::size_t size() const noexcept { return environments_.size(); }

@@ -3,12 +3,13 @@
 
 #include "crossgait/backends/registry.h"
 #include "crossgait/parity/report.h"
-#include "crossgait/study/walk.h"
+#include "crossgait/study/loaded_walk.h"
 
 int main() {
   crossgait::WalkConfig config;
   config.terrain = "rough";
   config.timing.seconds = 2;
-  const crossgait::WalkRun run = crossgait::walk(config, crossgait::available_engines().front());
-  std::puts(crossgait::describe(run).c_str());
+  const crossgait::Engine engine = crossgait::find_engine(crossgait::available_engines().front());
+  const auto world = engine.make(crossgait::LoadedWalk(config).world);
+  std::puts(crossgait::describe(crossgait::record_walk(*world, config.setup())).c_str());
 }

@@ -25,6 +25,6 @@ def make():
 
 crawl = crossgait.Controller(make, crossgait.Walk(seconds=1.2), targets="feet", name="crawl")
 print(crossgait.compare(crawl))
-verdict = crossgait.verdict(crawl, starts=4, explain=True)
+verdict = crossgait.verdict(crawl, starts=6, explain=True)
 print(verdict)
 print("to blame:", verdict.causes)

@@ -25,5 +25,5 @@ crossgait.Policy.from_sb3(model, environment).save("policy.safetensors")  # with
 
 print(crossgait.rollout(["policy.safetensors", "zero"], environment, episodes=2))
 print(crossgait.transfer("policy.safetensors", environment, terrains=["flat", "rough"], episodes=1))
-print(crossgait.verdict("policy.safetensors", environment=environment, starts=4).to_frame().round(2))
+print(crossgait.verdict("policy.safetensors", environment=environment, starts=6))
 print("the same from the shell: crossgait verdict --policy policy.safetensors --config env.yaml")

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/robot/actuator.h"
+
 namespace crossgait {
 namespace {
 
@@ -28,19 +30,11 @@ bool MotionSummary::failed() const noexcept {
          has(Outcome::kCollapsed);
 }
 
-double servo_power(const PhysicsBackend& world, const std::vector<int>& servos) noexcept {
-  double power = 0;
-  for (const int i : servos) {
-    const double qd = world.state().qd[i];
-    const double servo = world.torques()[i] + world.robot().joint(i).damping * qd;
-    power += std::abs(servo * qd);
-  }
-  return power;
-}
-
 MotionStatistics::MotionStatistics(const RobotDescription& robot, const OutcomeLimits& limits)
     : limits_(limits),
       servos_(robot.actuated_joints()),
+      q_(JointVector::Zero(robot.joint_count())),
+      qd_(JointVector::Zero(robot.joint_count())),
       loop_gaps_(std::make_shared<const LoopGaps>(robot)),
       leg_length_(robot.home_height),
       mass_(robot.total_mass()) {}
@@ -48,16 +42,19 @@ MotionStatistics::MotionStatistics(const RobotDescription& robot, const OutcomeL
 void MotionStatistics::begin(const PhysicsBackend& world, double standing_height) noexcept {
   const RobotState& s = world.state();
   t_ = {};
+  q_ = s.q;
+  qd_ = s.qd;
   t_.weight = mass_ * world.spec().gravity.norm();
   t_.standing_height = standing_height;
-  t_.start = t_.piece_start = s.p_WB;
-  t_.start_yaw = crossgait::roll_pitch_yaw(s.q_WB).z();
+  t_.start = t_.piece_start = t_.last_position = s.p_WB;
+  t_.start_yaw = t_.course_yaw = crossgait::roll_pitch_yaw(s.q_WB).z();
   t_.height = t_.begin_height = s.p_WB.z() - world.spec().terrain.height(s.p_WB.x(), s.p_WB.y());
 }
 
 void MotionStatistics::add_physics_step(const PhysicsBackend& world, const ControlTargets& targets) noexcept {
   const double h = world.spec().physics_dt;
   ++t_.physics_steps;
+  add_torques(world, h);
   double other = 0;
   for (const Contact& c : world.contacts()) {
     t_.max_penetration = std::max(t_.max_penetration, -c.distance);
@@ -79,11 +76,28 @@ void MotionStatistics::add_physics_step(const PhysicsBackend& world, const Contr
     }
     if (!feet[leg].touching) continue;
     ++t_.contact_steps[leg];
+    t_.integrals.slip_squares += feet[leg].slip_speed * feet[leg].slip_speed * h;
     t_.slip += feet[leg].slip_speed * h;
     if (scheduled.swing) continue;  // dragged, not stood upon
     t_.stance_slip += feet[leg].slip_speed * h;
     t_.stance_path += speed * h;
   }
+}
+
+void MotionStatistics::add_torques(const PhysicsBackend& world, double h) noexcept {
+  const JointVector &torques = world.torques(), &qd = world.state().qd;
+  double power = 0, squares = 0;
+  for (const int i : servos_) {
+    // As it was in this step: torques are of the state before it.
+    const double servo = torques[i] - passive_torque(world.robot().joint(i), q_[i], qd_[i]);
+    power += std::abs(servo * (qd_[i] + qd[i]) / 2);
+    squares += torques[i] * torques[i];
+  }
+  t_.integrals.seconds += h;
+  t_.integrals.work += power * h;
+  t_.integrals.torque_squares += squares * h;
+  q_ = world.state().q;
+  qd_ = qd;
 }
 
 void MotionStatistics::add_control_step(const PhysicsBackend& world, const ControlTargets& targets,
@@ -92,14 +106,14 @@ void MotionStatistics::add_control_step(const PhysicsBackend& world, const Contr
   t_.time = static_cast<double>(t_.control_steps) * dt;  // not a sum, which would drift
   t_.ik_clamped += targets.ik_clamped;
   t_.limit_factor = std::min(t_.limit_factor, targets.limit_factor);
-  t_.power = servo_power(world, servos_);
-  t_.work += t_.power * dt;
   if (lasts(++t_.steps_since_gap, dt, kGapTime)) {
     t_.max_loop_gap = std::max(t_.max_loop_gap, loop_gaps_->largest(world.state().q));
     t_.steps_since_gap = 0;
   }
+  const double last_yaw = t_.roll_pitch_yaw.z();
   add_attitude(world);
-  add_path(world, targets, dt);
+  add_path(world, dt);
+  add_command(world, targets, last_yaw, dt);
   find_outcomes(world, dt);
 }
 
@@ -110,8 +124,7 @@ void MotionStatistics::add_attitude(const PhysicsBackend& world) noexcept {
   t_.roll_pitch_yaw.z() = wrap(t_.roll_pitch_yaw.z() - t_.start_yaw);
 }
 
-void MotionStatistics::add_path(const PhysicsBackend& world, const ControlTargets& targets,
-                                double dt) noexcept {
+void MotionStatistics::add_path(const PhysicsBackend& world, double dt) noexcept {
   const RobotState& s = world.state();
   t_.height = s.p_WB.z() - world.spec().terrain.height(s.p_WB.x(), s.p_WB.y());
   if (lasts(++t_.steps_in_piece, dt, kPieceTime)) {
@@ -119,17 +132,28 @@ void MotionStatistics::add_path(const PhysicsBackend& world, const ControlTarget
     t_.piece_start = s.p_WB;
     t_.steps_in_piece = 0;
   }
+}
+
+void MotionStatistics::add_command(const PhysicsBackend& world, const ControlTargets& targets,
+                                   double last_yaw, double dt) noexcept {
+  const Vector3 moved = world.state().p_WB - t_.last_position;
+  t_.last_position = world.state().p_WB;
   if (!targets.velocity) return;
   const VelocityCommand& asked = *targets.velocity;
-  const double yaw = t_.start_yaw + t_.roll_pitch_yaw.z(), c = std::cos(yaw), sn = std::sin(yaw);
+  // A turn may fall short of what was asked for: then the robot goes where it faces. Without one it is to
+  // keep the heading that it has.
+  if (asked.yaw_rate != 0) t_.course_yaw = t_.start_yaw + t_.roll_pitch_yaw.z();
+  const double c = std::cos(t_.course_yaw), sn = std::sin(t_.course_yaw);
   const double speed = std::hypot(asked.vx, asked.vy);
   t_.commanded_path += speed * dt;
   t_.commanded_turn += std::abs(asked.yaw_rate) * dt;
   if (speed > 0) {
-    const double forward = c * s.v_WB.x() + sn * s.v_WB.y(), left = c * s.v_WB.y() - sn * s.v_WB.x();
-    t_.achieved_path += (forward * asked.vx + left * asked.vy) / speed * dt;
+    const double forward = c * moved.x() + sn * moved.y(), left = c * moved.y() - sn * moved.x();
+    t_.achieved_path += (forward * asked.vx + left * asked.vy) / speed;
+    t_.strayed_path += (left * asked.vx - forward * asked.vy) / speed;
   }
-  t_.achieved_turn += std::copysign(1.0, asked.yaw_rate) * s.w_WB.z() * dt;
+  if (asked.yaw_rate != 0)
+    t_.achieved_turn += std::copysign(1.0, asked.yaw_rate) * wrap(t_.roll_pitch_yaw.z() - last_yaw);
   t_.commanded_yaw += asked.yaw_rate * targets.limit_factor * dt;
   t_.max_heading_error =
       std::max(t_.max_heading_error.value_or(0), std::abs(wrap(t_.roll_pitch_yaw.z() - t_.commanded_yaw)));
@@ -173,11 +197,24 @@ bool MotionStatistics::slid(double path) const noexcept {
   return path > limits_.slip_path * leg_length_ && t_.stance_slip > limits_.slip * t_.stance_path;
 }
 
-bool MotionStatistics::no_progress() const noexcept {
-  if (t_.commanded_path > limits_.commanded_path * leg_length_)
-    return t_.achieved_path < limits_.progress * t_.commanded_path;
-  return t_.commanded_turn > limits_.commanded_turn &&
-         t_.achieved_turn < limits_.progress * t_.commanded_turn;
+Outcome MotionStatistics::of_path() const noexcept {
+  if (t_.commanded_path <= limits_.commanded_path * leg_length_) return Outcome::kWalked;
+  const double way = std::hypot(t_.achieved_path, t_.strayed_path);
+  const double slow = limits_.no_progress_speed * std::sqrt(t_.weight / mass_ * leg_length_);
+  if (way < limits_.no_progress * t_.commanded_path && way < slow * t_.time) return Outcome::kNoProgress;
+  const double off = std::atan2(std::abs(t_.strayed_path), t_.achieved_path) * kDegreesPerRadian;
+  if (off > 180 - limits_.strayed_deg) return Outcome::kBackward;
+  if (off > limits_.strayed_deg) return Outcome::kStrayed;
+  return t_.achieved_path < limits_.too_slow * t_.commanded_path ? Outcome::kTooSlow : Outcome::kWalked;
+}
+
+Outcome MotionStatistics::of_turn() const noexcept {
+  if (t_.commanded_turn <= limits_.commanded_turn) return Outcome::kWalked;
+  const bool alone = t_.commanded_path <= limits_.commanded_path * leg_length_;
+  const double share = t_.achieved_turn / t_.commanded_turn;
+  if (alone && std::abs(share) < limits_.no_progress) return Outcome::kNoProgress;
+  if (alone && share < 0) return Outcome::kBackward;
+  return share < limits_.too_slow ? Outcome::kTooSlow : Outcome::kWalked;
 }
 
 std::optional<double> MotionStatistics::loaded_fraction(const LegArray<Swing>& legs) noexcept {
@@ -224,14 +261,10 @@ MotionSummary MotionStatistics::summary(const PhysicsBackend& world) const {
   if (t_.planned_sweep > 0) m.slip_per_path = t_.slip / t_.planned_sweep;
   if (t_.max_heading_error) m.heading_error_deg = *t_.max_heading_error * kDegreesPerRadian;
   if (m.path_m > kMoved * leg_length_ && t_.weight > 0)
-    m.cost_of_transport = t_.work / (t_.weight * m.path_m);
+    m.cost_of_transport = t_.integrals.work / (t_.weight * m.path_m);
   m.outcome = worst();
   if (m.outcome != Outcome::kWalked) return m;
-  if (slid(m.path_m)) {
-    m.outcome = Outcome::kSlid;
-  } else if (no_progress()) {
-    m.outcome = Outcome::kNoProgress;
-  }
+  m.outcome = slid(m.path_m) ? Outcome::kSlid : std::min(of_path(), of_turn());
   return m;
 }
 

@@ -51,9 +51,8 @@ struct MotionSummary {
   /// Largest difference of the heading from where the command's yaw rate leads, deg; empty where nothing says
   /// what was asked for.
   std::optional<double> heading_error_deg;
-  /// Mechanical work of the servos, the integral of |servo torque x joint velocity| (what joints lose to
-  /// passive damping is in the torque that overcomes it), over weight times `path_m`; empty if the base moved
-  /// less than a tenth of a leg length. Source: Tucker, The energetic cost of moving about, 1975.
+  /// Mechanical work of the servos (`MotionIntegrals::work`) over weight times `path_m`; empty if the base
+  /// moved less than a tenth of a leg length. Source: Tucker, The energetic cost of moving about, 1975.
   std::optional<double> cost_of_transport;
 
   double wall_seconds = 0;  ///< of the whole motion, settling included; set by whoever ran it
@@ -63,11 +62,28 @@ struct MotionSummary {
   bool failed() const noexcept;
 };
 
-/// Sum of |servo torque x joint velocity| of the actuated joints, W. @param servos  their indices
-double servo_power(const PhysicsBackend& world, const std::vector<int>& servos) noexcept;
+/// What jumps within a control step, summed up at every physics step: torques jump when targets do, feet
+/// touch down and lift off. One sample of it at the end of a control step says as much about that instant as
+/// about the motion. Differences of two of these over `seconds` are the means between them.
+struct MotionIntegrals {
+  double seconds = 0;
+  /// Mechanical work of the servos, J: |servo torque x mean joint velocity| of every physics step, over its
+  /// time. A torque is constant over a step, and its velocity the mean of the step's both ends: so the work
+  /// of all forces is the change of kinetic energy, exactly. The servo's torque, not the joint's: what joints
+  /// lose to passive damping is in the torque that overcomes it. Power that a joint feeds back counts as
+  /// well.
+  double work = 0;
+  double torque_squares = 0;  ///< of squared torques of the servo joints (servo minus damping), N^2 m^2 s
+  double slip_squares = 0;    ///< of squared slip speeds of feet that touch, m^2/s
 
-/// Collects a MotionSummary: contacts at every physics step, loops every 10 ms, all else at every control
-/// step. A value: copying one copies what it has seen. Adding to it allocates nothing.
+  friend MotionIntegrals operator-(const MotionIntegrals& a, const MotionIntegrals& b) noexcept {
+    return {a.seconds - b.seconds, a.work - b.work, a.torque_squares - b.torque_squares,
+            a.slip_squares - b.slip_squares};
+  }
+};
+
+/// Collects a MotionSummary: contacts, torques and work at every physics step, loops every 10 ms, all else at
+/// every control step. A value: copying one copies what it has seen. Adding to it allocates nothing.
 class MotionStatistics {
  public:
   /// Knows the robot; sees nothing yet.
@@ -98,20 +114,25 @@ class MotionStatistics {
   const Vector3& start() const noexcept { return t_.start; }
   /// Returns the height of the base over the ground below it after the last control step, m.
   double height() const noexcept { return t_.height; }
-  /// Servo power at the end of the last control step, W.
-  double power() const noexcept { return t_.power; }
+  /// Returns the integrals since the motion began.
+  const MotionIntegrals& integrals() const noexcept { return t_.integrals; }
 
   MotionSummary summary(const PhysicsBackend& world) const;
 
  private:
+  void add_torques(const PhysicsBackend& world, double h) noexcept;
   void add_attitude(const PhysicsBackend& world) noexcept;
-  void add_path(const PhysicsBackend& world, const ControlTargets& targets, double dt) noexcept;
+  void add_path(const PhysicsBackend& world, double dt) noexcept;
+  void add_command(const PhysicsBackend& world, const ControlTargets& targets, double last_yaw,
+                   double dt) noexcept;
   void find_outcomes(const PhysicsBackend& world, double dt) noexcept;
   bool slid(double path) const noexcept;
-  bool no_progress() const noexcept;
+  Outcome of_path() const noexcept;
+  Outcome of_turn() const noexcept;
 
   OutcomeLimits limits_;
   std::vector<int> servos_;
+  JointVector q_, qd_;                         // of joints, before the next physics step
   std::shared_ptr<const LoopGaps> loop_gaps_;  // the same for all copies
   double leg_length_, mass_;
 
@@ -133,7 +154,6 @@ class MotionStatistics {
     // As of the last control step.
     Vector3 roll_pitch_yaw = Vector3::Zero();  ///< yaw since the beginning
     double height = 0;                         ///< of the base over the ground below it
-    double power = 0;                          ///< of the servos
     double body_load = 0;                      ///< normal force on all but the feet, smoothed
 
     double time = 0;
@@ -147,9 +167,10 @@ class MotionStatistics {
     std::int64_t steps_in_piece = 0;        ///< control steps of the present piece
 
     double roll_squares = 0, pitch_squares = 0;  ///< sums over control steps
-    double work = 0;                             ///< of the servos, integral of the power
     std::int64_t ik_clamped = 0;
     double limit_factor = 1, max_penetration = 0, max_loop_gap = 0;
+
+    MotionIntegrals integrals;
 
     // Integrals over time, of all feet together.
     double slip = 0;         ///< of speed of sliding, loaded feet
@@ -157,7 +178,10 @@ class MotionStatistics {
     double stance_path = 0;  ///< of the speed of the base, once for every such foot
 
     // What the velocity command asked for, and what came of it.
+    double course_yaw = 0;  ///< heading that the command is meant in: the last in which a turn was asked for
+    Vector3 last_position = Vector3::Zero();       ///< of the base, before this control step
     double commanded_path = 0, achieved_path = 0;  ///< `achieved_` in the direction of the command
+    double strayed_path = 0;                       ///< to the left of that
     double commanded_turn = 0, achieved_turn = 0;  ///< angles; `achieved_` in the sense of the command
     double commanded_yaw = 0;  ///< where the yaw rate leads, as far as the steps could follow
     double planned_sweep = 0;  ///< way that stance feet were to sweep, of all feet together

@@ -19,11 +19,16 @@ enum class Outcome : std::uint8_t {
   kCollapsed,     ///< down: a body other than a foot carried the weight, or the base hung low, for a while
   kLeftTerrain,   ///< the base left the height field
   kSlid,          ///< moved, but by sliding feet rather than by steps
-  kNoProgress,    ///< made next to nothing of the way or the turn that was asked for
+  kNoProgress,    ///< made next to nothing of the way or the turn that was asked for, in any direction
+  kBackward,      ///< went, or turned, the other way
+  kStrayed,       ///< went more across the command's direction than along it
+  kTooSlow,       ///< went the right way, but less than half of it, or turned less than half
   kWalked,        ///< none of the above
 };
 /// As many as there are in the enumeration, of which this is the last.
 inline constexpr std::size_t kOutcomes = static_cast<std::size_t>(Outcome::kWalked) + 1;
+
+struct OutcomeLimits;
 
 /// One row of the table of outcomes.
 struct OutcomeRow {
@@ -31,6 +36,8 @@ struct OutcomeRow {
   std::string_view name;   ///< in JSON and YAML: "loop_violated"
   std::string_view words;  ///< in tables: "loop violated"
   bool at_once;            ///< known the moment it happens, and may end a motion; the others at its end alone
+  std::string (*holds)(const OutcomeLimits& limits);  ///< says when, in the documents
+  std::string_view reason;                            ///< of the limits, in the documents
 };
 
 /// The table, in the order of the enumeration.
@@ -58,8 +65,11 @@ struct OutcomeSet {
   /// outcome that is known at the end alone
   static OutcomeSet of_names(const std::vector<std::string>& names);
 
-  /// What ends a walk: divergence alone, so that a fall is on its trace.
-  static OutcomeSet of_walks() noexcept { return OutcomeSet().add(Outcome::kDiverged); }
+  /// What ends a walk: the end of its terrain, beyond which it would be of a fall into nothing, and
+  /// divergence. Not a fall, so that it is on the trace.
+  static OutcomeSet of_walks() noexcept {
+    return OutcomeSet().add(Outcome::kDiverged).add(Outcome::kLeftTerrain);
+  }
   /// What ends an episode: everything after which walking on means nothing.
   static OutcomeSet of_episodes() noexcept;
 };
@@ -77,10 +87,16 @@ struct OutcomeLimits {
   /// Slid: the way that loaded stance feet slid, over the way that the base made meanwhile, beyond this (a
   /// glide is 1, a trot .03 to .08, the worst gallop .5) ...
   double slip = 0.75;
-  double slip_path = 1;   ///< ... if the base went further than this, leg lengths
-  double progress = 0.2;  ///< no progress: less than this share of the way (or turn) that was asked for ...
-  double commanded_path = 1;    ///< ... if that was longer than this, leg lengths ...
-  double commanded_turn = 0.5;  ///< ... or, short of that, a turn beyond this, rad
+  double slip_path = 1;         ///< ... if the base went further than this, leg lengths
+  double commanded_path = 1;    ///< a way is judged if more than this was asked for, leg lengths
+  double commanded_turn = 0.5;  ///< a turn, if more than this was, rad
+  double no_progress = 0.1;     ///< no progress: less than this share of it, in any direction ...
+  /// ... and slower than this share of sqrt(g leg length), the speed whose Froude number is one.
+  double no_progress_speed = 0.05;
+  /// Strayed: the way made is this far off the command's direction, degrees; backward: this near to its
+  /// opposite.
+  double strayed_deg = 45;
+  double too_slow = 0.5;  ///< too slow: less than this share of the way, along the command, or of the turn
 
   /// @throws ConfigError naming `source` and the limit
   void validate(std::string_view source) const;

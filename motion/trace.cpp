@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "physics/core/error.h"
+
 namespace crossgait {
 TraceSample::TraceSample(const PhysicsBackend& world, const ControlTargets& control)
     : state(world.state()),
@@ -59,6 +61,14 @@ void TraceColumns::append(const TraceSample& sample, std::vector<double>& number
     if (parameters_) numbers.push_back(sample.parameters.value_or(GaitParameters{}).*row.member);
   }
 }
+
+void TraceRecorder::add(const TraceSample& sample) {
+  if (samples_.size() == most_)
+    throw ConfigError("trace", "walk", fmt::format("at most {} control steps", most_), "more");
+  samples_.push_back(sample);
+}
+
+Trace TraceRecorder::take() { return std::exchange(samples_, {}); }
 
 TraceWriter::TraceWriter(std::shared_ptr<const RobotDescription> robot, const std::string& path)
     : robot_(std::move(robot)), file_(path) {}

@@ -1,6 +1,8 @@
-// What a walk looked like over time, and its CSV file.
+// What a walk looked like over time, what takes its steps as they come, and its CSV file.
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -49,13 +51,46 @@ class TraceColumns {
   std::vector<std::string> names_;
 };
 
+/// Takes the control steps of one run as they come. Whoever makes a run makes the samples.
+class TraceSink {
+ public:
+  virtual ~TraceSink() = default;
+  /// @throws ConfigError where it cannot keep one more
+  virtual void add(const TraceSample& sample) = 0;
+
+ protected:
+  TraceSink() = default;
+  TraceSink(const TraceSink&) = default;
+  TraceSink& operator=(const TraceSink&) = default;
+  TraceSink(TraceSink&&) = default;
+  TraceSink& operator=(TraceSink&&) = default;
+};
+
+/// What takes the steps of several runs: one for each, in their order, or none. They stay the caller's.
+using TraceSinks = std::vector<TraceSink*>;
+
+/// Keeps the samples of a run in memory.
+class TraceRecorder final : public TraceSink {
+ public:
+  /// @param most  control steps that it keeps
+  explicit TraceRecorder(std::size_t most = std::numeric_limits<std::size_t>::max()) : most_(most) {}
+  void add(const TraceSample& sample) override;
+  const Trace& samples() const noexcept { return samples_; }
+  /// Returns what was kept, which is gone then.
+  Trace take();
+
+ private:
+  std::size_t most_;
+  Trace samples_;
+};
+
 /// Writes a trace as it comes, sample by sample, with 17 significant digits, so that reading it back loses
 /// nothing. The file appears whole with `finish`, or not at all.
-class TraceWriter {
+class TraceWriter final : public TraceSink {
  public:
   /// @throws ConfigError if the file cannot be written; so do the others
   TraceWriter(std::shared_ptr<const RobotDescription> robot, const std::string& path);
-  void add(const TraceSample& sample);
+  void add(const TraceSample& sample) override;
   void finish();
 
  private:

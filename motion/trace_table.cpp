@@ -1,7 +1,6 @@
 #include "motion/trace_table.h"
 
 #include <algorithm>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -50,14 +49,6 @@ TraceTable::TraceTable(const std::string& path) : path_(path) {
     throw ConfigError(path, "rows", "a header and at least one row, as `crossgait walk --trace` writes them",
                       "an empty trace");
   }
-}
-
-TraceTable::TraceTable(std::string source, std::vector<std::string> names,
-                       std::vector<std::vector<double>> columns)
-    : path_(std::move(source)), names_(std::move(names)), values_(std::move(columns)) {
-  for (std::size_t i = 0; i < names_.size(); ++i) index_.emplace(names_[i], i);
-  if (names_.empty() || rows() == 0)
-    throw ConfigError(path_, "rows", "at least one control step", "an empty trace");
 }
 
 void TraceTable::read_header(std::string_view line) {

@@ -14,9 +14,6 @@ class TraceTable {
   /// cell that is not a finite number, a row with too few or too many, a name that comes twice, no column
   /// "time", or times that do not ascend
   explicit TraceTable(const std::string& path);
-  /// The same of what was never a file. @param source  what `path` says
-  /// @param columns  as `names`, all of one length  @throws ConfigError as above
-  TraceTable(std::string source, std::vector<std::string> names, std::vector<std::vector<double>> columns);
 
   const std::string& path() const { return path_; }
   std::size_t rows() const { return time().size(); }

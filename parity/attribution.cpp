@@ -309,7 +309,10 @@ Cause Attribution::cause(std::size_t s) const {
   const auto largest = std::find_if(order.begin(), order.end(), helps);
   cause.kind = largest == order.end() ? Cause::Kind::kNoSingle : Cause::Kind::kLeading;
   cause.sentence = fmt::format("{}: {}", of, fmt::join(parts, ", "));
-  if (largest == order.end()) return cause;
+  if (largest == order.end()) {
+    cause.sentence += ", none of which can be told from zero";
+    return cause;
+  }
   const Interval& most = (*largest)->effect[s];
   for (const GroupEffect* group : order) {
     const Interval& own = group->effect[s];

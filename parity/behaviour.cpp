@@ -74,13 +74,13 @@ Start draw_start(const Randomisation& randomisation, std::uint64_t seed) {
 }
 
 // @param horizon  s of motion, at most
-// @param trace    filled with every control step if not null
+// @param sink     takes every control step if not null
 MotionSummary walk_once(const WorldSpec& world, const WalkSetup& setup, const Start& start,
-                        const Engine& engine, double horizon, Trace* trace = nullptr) {
+                        const Engine& engine, double horizon, TraceSink* sink = nullptr) {
   const std::unique_ptr<PhysicsBackend> instance = engine.make(world);
   const WalkObserver observer =
-      [trace, left = steps_in(horizon, setup.timing.control_dt)](const WalkSample& sample) mutable {
-        if (trace != nullptr) trace->emplace_back(sample.world, sample.targets);
+      [sink, left = steps_in(horizon, setup.timing.control_dt)](const WalkSample& sample) mutable {
+        if (sink != nullptr) sink->add({sample.world, sample.targets});
         return --left > 0;
       };
   return run_walk(*instance, setup.make_controller(world), setup.timing, observer, start, setup.terminations);
@@ -104,17 +104,17 @@ class PolicyRuns {
   }
 
   EpisodeSummary run(const Engine& engine, const Variation& variation, std::size_t k, double horizon,
-                     Trace* trace = nullptr) const {
+                     TraceSink* sink = nullptr) const {
     LoadedEnv varied = environment_;  // what is varied is in no file
     varied.config.physics_dt *= variation.step;
-    varied.config.terrain_seed += k;
+    varied.config.terrain_seed = terrain_seed_of_start(varied.config.terrain_seed, k);
     Variation others = variation;
     others.step = 1;  // the configuration has it already
     QuadrupedEnv env(varied, with_change(engine, [&others](WorldSpec& w) { others.apply(w); }));
     const std::unique_ptr<Policy> own = policy_(env.interface());
     const EpisodeObserver observer =
-        [trace, left = steps_in(horizon, varied.config.policy_dt)](const QuadrupedEnv& e) mutable {
-          if (trace != nullptr) trace->emplace_back(e.world(), e.targets());
+        [sink, left = steps_in(horizon, varied.config.policy_dt)](const QuadrupedEnv& e) mutable {
+          if (sink != nullptr) sink->add({e.world(), e.targets()});
           return --left > 0;
         };
     return run_episode(env, *own, derived_seed(seed_, k), observer);
@@ -127,6 +127,11 @@ class PolicyRuns {
 };
 
 }  // namespace
+
+std::uint64_t terrain_seed_of_start(std::uint64_t terrain_seed, std::size_t k) noexcept {
+  constexpr std::uint64_t kGrounds = 0x67726f756e64;  // "ground": none of an episode's streams
+  return derived_seed(derived_seed(terrain_seed, k), kGrounds);
+}
 
 bool is_failure(Outcome outcome) noexcept {
   return OutcomeSet::of_episodes().has(outcome) && outcome != Outcome::kLeftTerrain;
@@ -206,9 +211,9 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
     own.terrain = terrain(k);
     WalkSetup at_once = setup;
     at_once.timing.settle_seconds = 0;
-    Trace trace;
-    walk_once(own, at_once, draw_start(starts, derived_seed(seed, k)), engine, kToTheEnd, &trace);
-    return trace;
+    TraceRecorder recorder;
+    walk_once(own, at_once, draw_start(starts, derived_seed(seed, k)), engine, kToTheEnd, &recorder);
+    return recorder.take();
   };
   return behaviour;
 }
@@ -238,9 +243,9 @@ Behaviour policy_behaviour(LoadedEnv environment, PolicyFactory policy, const st
     return run;
   };
   behaviour.trace = [runs](const Engine& engine, std::size_t k) {
-    Trace trace;
-    runs.run(engine, nominal_variation(), k, kToTheEnd, &trace);
-    return trace;
+    TraceRecorder recorder;
+    runs.run(engine, nominal_variation(), k, kToTheEnd, &recorder);
+    return recorder.take();
   };
   return behaviour;
 }

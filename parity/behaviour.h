@@ -77,6 +77,10 @@ std::vector<std::string> keys_of(const Behaviour& behaviour);
 /// The same, with other margins. @throws ConfigError for a key that is none of its statistics'
 Behaviour with_margins(Behaviour behaviour, const Margins& margins);
 
+/// Seed of the ground of start `k` where random terrains have this seed: derived as those of starts are, so
+/// that no two seeds share a ground, and by another stream of numbers than the start's.
+std::uint64_t terrain_seed_of_start(std::uint64_t terrain_seed, std::size_t k) noexcept;
+
 /// The ground of start `k`; random terrains differ from start to start.
 using TerrainOfStart = std::function<Terrain(std::size_t start)>;
 

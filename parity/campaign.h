@@ -1,11 +1,11 @@
 // The runs that a verdict rests on: asked for one by one, made together, each once.
 #pragma once
 
-#include <compare>
 #include <cstddef>
 #include <map>
 #include <set>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "parity/behaviour.h"
@@ -25,7 +25,10 @@ class Campaign {
   /// cut (0: it goes to its end).
   struct Key {
     std::size_t engine = 0, variation = 0, start = 0, cuts = 0;
-    auto operator<=>(const Key&) const = default;
+    bool operator<(const Key& other) const {
+      return std::tie(engine, variation, start, cuts) <
+             std::tie(other.engine, other.variation, other.start, other.cuts);
+    }
   };
 
   /// Finds a run; one that ends before it would be cut is the run to its end. Null if it is not made yet.

@@ -11,14 +11,14 @@ struct Runner {
   std::optional<TraceSample> sample;  ///< of the step that all are in; none once its walk is over
 };
 
-void advance(std::vector<Runner>& runners, const SampleObserver& observer) {
+void advance(std::vector<Runner>& runners, const TraceSinks& sinks) {
   for (std::size_t i = 0; i < runners.size(); ++i) {
     Runner& r = runners[i];
     r.sample.reset();
     if (!r.walk.advance()) continue;
     const WalkSample now = r.walk.sample();
     r.sample.emplace(now.world, now.targets);
-    if (observer) observer(i, *r.sample);
+    if (!sinks.empty()) sinks.at(i)->add(*r.sample);
   }
 }
 
@@ -53,7 +53,7 @@ std::vector<PairDifference> pairs_of(const std::vector<Runner>& runners,
 
 Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& worlds, const WalkSetup& setup,
                            const DivergenceTolerances& tolerances, const Progress& progress,
-                           const SampleObserver& observer) {
+                           const TraceSinks& sinks) {
   std::vector<Runner> runners;
   runners.reserve(worlds.size());
   for (const auto& world : worlds) {
@@ -67,7 +67,7 @@ Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& w
   const int steps = setup.timing.control_steps();
   try {
     for (int done = 1; done <= steps; ++done) {
-      advance(runners, observer);
+      advance(runners, sinks);
       compare(runners, result.pairs);
       constexpr int kStepsPerReport = 100;
       if (progress && done % kStepsPerReport == 0) progress(static_cast<double>(done) / steps);
@@ -82,14 +82,14 @@ Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& w
   return result;
 }
 
-WalkRun record_walk(PhysicsBackend& world, const WalkSetup& setup, const Progress& progress,
-                    const SampleObserver& observer) {
+WalkRun record_walk(PhysicsBackend& world, const WalkSetup& setup, const Progress& progress, TraceSink* sink,
+                    const Start& start) {
   WalkRun run{world.info(), world.spec().terrain.name(), setup.gait, {}, false};
-  Walk walk(world, setup.make_controller(world.spec()), setup.timing, {}, setup.terminations);
+  Walk walk(world, setup.make_controller(world.spec()), setup.timing, start, setup.terminations);
   const int steps = setup.timing.control_steps();
   try {
     for (int done = 1; walk.advance(); ++done) {
-      if (observer) observer(0, TraceSample(world, walk.sample().targets));
+      if (sink != nullptr) sink->add(TraceSample(world, walk.sample().targets));
       constexpr int kStepsPerReport = 100;
       if (progress && done % kStepsPerReport == 0) progress(static_cast<double>(done) / steps);
     }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "motion/trace.h"
 #include "motion/walk.h"
 #include "parity/divergence.h"
 #include "physics/core/progress.h"
@@ -35,19 +36,18 @@ struct WalkSetup {
   OutcomeSet terminations = OutcomeSet::of_walks();  ///< outcomes that end the walk before its time
 };
 
-/// Sees every control step of every run, which nothing keeps. @param run its number among the engines
-using SampleObserver = std::function<void(std::size_t run, const TraceSample& sample)>;
-
 /// Walks once on `world`. If `progress` throws Interrupted, what was walked until then is returned.
+/// @param sink  takes every control step, if there is one
 WalkRun record_walk(PhysicsBackend& world, const WalkSetup& setup, const Progress& progress = {},
-                    const SampleObserver& observer = {});
+                    TraceSink* sink = nullptr, const Start& start = {});
 
 /// All walks in step, compared as they go: memory does not grow with their length. Interrupted as
 /// `record_walk`.
 /// @param tolerances for pairs of which one is an independent opinion; two engines of the same laws
 ///                   are held to `DivergenceTolerances::exact()`
+/// @param sinks  take every control step of each walk
 Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& worlds, const WalkSetup& setup,
                            const DivergenceTolerances& tolerances = {}, const Progress& progress = {},
-                           const SampleObserver& observer = {});
+                           const TraceSinks& sinks = {});
 
 }  // namespace crossgait

@@ -17,7 +17,8 @@ using Indices = std::vector<std::size_t>;
 double distance(const Verdict& pair) {
   double most = 0;
   for (const StatisticVerdict& s : pair.statistics) {
-    if (s.margin > 0)
+    // Shares of runs that were seen in no engine lie equally far apart in all pairs.
+    if (s.margin > 0 && s.statistic.unit != "fraction")
       most = std::max({most, std::abs(s.gap.low) / s.margin, std::abs(s.gap.high) / s.margin});
   }
   return most;
@@ -82,8 +83,8 @@ class Words {
  private:
   bool is_one_opinion(const Indices& opinion, std::size_t i, bool families) const {
     return std::all_of(opinion.begin(), opinion.end(), [&](std::size_t k) {
-      const bool relatives =
-          families && engines_[i].family == engines_[k].family && !is(i, k, Word::kDiffers);
+      const bool relatives = families && !engines_[i].family.empty() &&
+                             engines_[i].family == engines_[k].family && !is(i, k, Word::kDiffers);
       return engines_[i].law == engines_[k].law || relatives;
     });
   }

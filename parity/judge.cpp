@@ -7,45 +7,25 @@
 #include <fmt/format.h>
 
 #include "parity/distributions.h"
+#include "parity/row_test.h"
+#include "parity/step_check.h"
 
 namespace crossgait {
 namespace {
-
-using Test = std::variant<PairedDifferences, PairedShares>;
-
-PairedShares shares_of(const PairedValues& values) {
-  std::size_t only_a = 0, only_b = 0;
-  for (std::size_t k = 0; k < values.a.size(); ++k) {
-    only_a += values.a[k] > values.b[k] ? 1 : 0;
-    only_b += values.b[k] > values.a[k] ? 1 : 0;
-  }
-  return {values.a.size(), only_a, only_b};
-}
-
-Test test_of(const PairedValues& values, bool is_share, Estimand estimand) {
-  if (is_share) return shares_of(values);
-  return PairedDifferences(values.differences(), estimand);
-}
-
-Interval interval(const Test& test, double confidence) {
-  return std::visit([=](const auto& t) { return t.interval(confidence); }, test);
-}
-double p_beyond(const Test& test, double margin) {
-  return std::visit([=](const auto& t) { return t.p_beyond(margin); }, test);
-}
-double p_within(const Test& test, double margin) {
-  return std::visit([=](const auto& t) { return t.p_within(margin); }, test);
-}
 
 // One row on its way to a word.
 struct Row {
   const StatisticRuns* runs;
   StatisticVerdict verdict;
-  std::optional<Test> test;  // empty with too few starts
-  double p = 1;              // against "within the margin"
-  double level = 0;          // error of its simultaneous interval
-  bool rejected = false;     // by Holm's tests
+  std::optional<RowTest> test;  // empty with too few starts
+  double p = 1;                 // against "within the margin"
+  double level = 0;             // error that Holm's tests leave for it
+  bool rejected = false;        // by them
 };
+
+double middle_of(const std::vector<double>& values, Estimand estimand) {
+  return estimand == Estimand::kMean ? mean_of(values) : median_of(values);
+}
 
 Row begin(const StatisticRuns& runs) {
   Row row;
@@ -55,21 +35,18 @@ Row begin(const StatisticRuns& runs) {
   v.own = runs.own;
   v.pairs = runs.as_asked.a.size();
   if (v.pairs == 0) return row;
-  const double size = (std::abs(mean_of(runs.as_asked.a)) + std::abs(mean_of(runs.as_asked.b))) / 2;
-  v.margin = runs.statistic.margin.at(size, runs.seconds);
+  v.margin = margin_of(runs.statistic, runs.as_asked, Estimand::kMean, runs.seconds);
   const Shape shape = runs.is_share ? Shape::kRegular : shape_of(runs.as_asked.differences(), v.margin);
   if (shape != Shape::kRegular) {
     v.estimand = Estimand::kMedian;
-    v.reason = fmt::format("{}: the median is judged", name(shape));
+    v.margin = margin_of(runs.statistic, runs.as_asked, v.estimand, runs.seconds);
+    add_reason(v, fmt::format("{}: the median is judged", name(shape)));
   }
-  const auto middle = [&](const std::vector<double>& values) {
-    return v.estimand == Estimand::kMean ? mean_of(values) : median_of(values);
-  };
-  v.value_a = middle(runs.as_asked.a);
-  v.value_b = middle(runs.as_asked.b);
+  v.value_a = middle_of(runs.as_asked.a, v.estimand);
+  v.value_b = middle_of(runs.as_asked.b, v.estimand);
   if (v.pairs < 2) return row;
-  row.test = test_of(runs.as_asked, runs.is_share, v.estimand);
-  if (v.pairs >= kFewestStarts) row.p = p_beyond(*row.test, v.margin);
+  row.test = row_test(runs.as_asked, runs.is_share, v.estimand);
+  if (v.pairs >= kFewestStarts && !runs.is_cut_short) row.p = p_beyond(*row.test, v.margin);
   return row;
 }
 
@@ -91,96 +68,43 @@ void test_together(std::vector<Row>& rows, double error) {
   }
 }
 
-void add_reason(StatisticVerdict& v, const std::string& reason) {
-  v.reason += v.reason.empty() ? reason : fmt::format("; {}", reason);
+// Whether the whole sample lies within the margin: a median does not feel starts that lie far apart.
+bool mean_within(const StatisticRuns& runs, double margin, double tail) {
+  return PairedDifferences(runs.as_asked.differences()).p_within(margin) <= tail;
 }
 
-// Nobody failed: nothing differs, and what could have been missed is stated.
-bool never_came_about(const Row& row) {
-  const auto none = [](const std::vector<double>& values) {
-    return std::all_of(values.begin(), values.end(), [](double v) { return v == 0; });
-  };
-  return row.runs->is_share && none(row.runs->as_asked.a) && none(row.runs->as_asked.b);
-}
-
-void find_word(Row& row, double tail) {
+// @param error  of the simultaneous interval of one row
+void find_word(Row& row, double tail, double error) {
   StatisticVerdict& v = row.verdict;
   if (row.test) {
-    v.gap = interval(*row.test, 1 - row.level);
+    v.gap = interval(*row.test, 1 - error);
     v.equivalence = interval(*row.test, 1 - 2 * tail);
   }
+  const bool is_median = v.estimand == Estimand::kMedian;
   if (v.pairs < kFewestStarts) {
     add_reason(v, v.pairs == 0
                       ? "no start has a value in both engines"
                       : fmt::format("fewer than {} starts have a value in both engines", kFewestStarts));
-    v.starts_needed = v.pairs == 0 ? std::nullopt : std::optional(kFewestStarts);
+    if (v.pairs > 0) v.starts_needed = kFewestStarts;
+  } else if (row.runs->is_cut_short) {
+    add_reason(
+        v, fmt::format("runs fail within {:.2f} s: what they did before says nothing", row.runs->seconds));
   } else if (row.rejected) {
     v.word = Word::kDiffers;
-  } else if (p_within(*row.test, v.margin) <= tail) {
+  } else if (is_alike(row.runs->is_share, row.runs->as_asked)) {
     v.word = Word::kAgrees;
-  } else if (never_came_about(row)) {
-    v.word = Word::kAgrees;
-    add_reason(v, fmt::format("none seen: a share above {:.0f} % is excluded",
+    add_reason(v, fmt::format("{}: a difference above {:.0f} % is excluded",
+                              v.value_a == 0 && v.value_b == 0 ? "none seen" : "the same in every start",
                               100 * share_upper_limit(0, v.pairs, tail)));
+  } else if (p_within(*row.test, v.margin) <= tail || (v.margin == 0 && v.gap.low == 0 && v.gap.high == 0)) {
+    v.word = is_median && !mean_within(*row.runs, v.margin, tail) ? Word::kUnresolved : Word::kAgrees;
+    if (v.word == Word::kUnresolved) add_reason(v, "it lies within the margin, and single starts far beyond");
   } else {
     add_reason(v, "the interval crosses the margin");
+    if (is_median) return;  // how many starts a median needs, its spread does not say
     v.starts_needed =
         std::visit([&](const auto& t) { return t.enough(v.margin, tail, row.level / 2); }, *row.test);
   }
-}
-
-std::vector<double> changes(const PairedValues& from, const PairedValues& to) {
-  std::vector<double> result = to.differences();
-  const std::vector<double> before = from.differences();
-  for (std::size_t k = 0; k < result.size(); ++k) result[k] -= before[k];
-  return result;
-}
-
-// What three steps lead to, where the gap falls in with one order.
-void extrapolate(const Row& row, double from, double half, StepCheck& step) {
-  const PairedValues& quarter = row.runs->at_quarter;
-  if (quarter.a.size() < 2) return;
-  const Test test = test_of(quarter, row.runs->is_share, row.verdict.estimand);
-  step.quarter = interval(test, 0.95).estimate;
-  const double first = half - from, second = *step.quarter - half;
-  if (first * second <= 0 || std::abs(second) >= std::abs(first)) return;  // not on its way to a limit
-  const double ratio = first / second;                                     // 2^order
-  step.order = std::log2(ratio);
-  step.extrapolated = *step.quarter + second / (ratio - 1);
-}
-
-// What half the step changes of the word, never into *agrees*.
-void check_step(Row& row, double tail) {
-  const StatisticRuns& runs = *row.runs;
-  StatisticVerdict& v = row.verdict;
-  if (runs.at_half.a.size() < kFewestStarts || v.pairs < kFewestStarts) return;
-  const Test as_asked = test_of(runs.at_step, runs.is_share, v.estimand),
-             half = test_of(runs.at_half, runs.is_share, v.estimand);
-  const Interval from = interval(as_asked, 1 - row.level);
-  StepCheck step{interval(half, 1 - row.level),
-                 PairedDifferences(changes(runs.at_step, runs.at_half), v.estimand).interval(1 - row.level),
-                 {},
-                 {},
-                 {}};
-  extrapolate(row, from.estimate, step.half.estimate, step);
-  const bool half_within = p_within(half, v.margin) <= tail,
-             half_beyond = p_beyond(half, v.margin) <= row.level;
-  const double g = from.estimate, h = step.half.estimate;
-  const bool resolved = !step.change.contains(0), turned = g * h <= 0 || std::abs(h) <= std::abs(g) / 2;
-  const bool outside = v.word == Word::kDiffers || (v.word == Word::kUnresolved && std::abs(g) > v.margin);
-  if (v.word == Word::kAgrees && half_beyond) {
-    v.word = Word::kStepDependent;
-    add_reason(v, "differs at half the time step");
-  } else if (v.word == Word::kAgrees && !half_within && !never_came_about(row)) {
-    v.word = Word::kUnresolved;
-    add_reason(v, "within the margin as asked, unresolved at half the time step");
-  } else if (outside && ((resolved && turned) || (v.word == Word::kDiffers && half_within))) {
-    v.word = Word::kStepDependent;
-    add_reason(v, half_within ? "within the margin at half the time step"
-                              : "half the time step takes half of it or more");
-    v.starts_needed.reset();
-  }
-  v.step = step;
 }
 
 }  // namespace
@@ -196,11 +120,12 @@ std::vector<StatisticVerdict> judge(const std::vector<StatisticRuns>& runs, cons
   const double tail = kEquivalenceTail / looks;
   std::vector<Row> rows;
   for (const StatisticRuns& row : runs) rows.push_back(begin(row));
-  test_together(rows, (1 - options.confidence) / looks);
+  const double error = (1 - options.confidence) / looks;
+  test_together(rows, error);
   std::vector<StatisticVerdict> verdicts;
   for (Row& row : rows) {
-    find_word(row, tail);
-    check_step(row, tail);
+    find_word(row, tail, error / static_cast<double>(rows.size()));
+    check_step(*row.runs, {tail, error / static_cast<double>(rows.size()), row.level}, row.verdict);
     verdicts.push_back(std::move(row.verdict));
   }
   return verdicts;

@@ -22,7 +22,10 @@ struct PairedValues {
 /// One statistic of one pair of engines, as measured.
 struct StatisticRuns {
   Statistic statistic;
-  double seconds = 0;  ///< of motion, mean of the pairs
+  double seconds = 0;       ///< of motion, mean of the pairs
+  double step_seconds = 0;  ///< the same of `at_step` and `at_half`
+  /// Whether runs failed so early that what they did before says nothing.
+  bool is_cut_short = false;
   PairedValues as_asked;
   /// The same starts over the time that both engines last at both steps; empty where it was not run.
   PairedValues at_step, at_half, at_quarter;

@@ -28,11 +28,12 @@ const std::vector<std::string>& audited_quantities();
 /// dry friction of the joints; heights of the ground at the corners and in the middle of the cells (heights,
 /// diagonal). Measured in one step each: free fall (gravity); torques of each joint pushed off its target,
 /// against its stop and turning (servo stiffness, effort limit, joint damping, servo damping); depth of feet
-/// pressed into the ground (foot radius); force ratio of sliding feet (friction); depth and number of the
-/// contact points of every body pressed into the ground from eight sides (collision shape, contact points);
-/// motion of the swinging robot in the air (loops and what else there may be; with loops or dry friction in
-/// joints only between engines of one law of them). Between engines of one contact law also the force on
-/// pressed feet (contact law).
+/// pressed into the ground (foot radius); force ratio of feet that slide on after the step and have the
+/// same ratio at four times the speed, in both worlds (friction; not measured of a foot for which 1 to 64 m/s
+/// are too slow for that); depth and number of the contact points of every body pressed into the ground from
+/// eight sides (collision shape, contact points); motion of the swinging robot in the air (loops and what
+/// else there may be; with loops or dry friction in joints only between engines of one law of them). Between
+/// engines of one contact law also the force on pressed feet (contact law).
 ///
 /// @returns differences beyond 1e-6 of the larger value or rounding (ray tests: 1e-5 m; friction, where
 /// solvers stop early: 1e-3); at most one per quantity, its largest

@@ -32,6 +32,8 @@ struct PressedFoot {
   double depth = 0;           ///< of the foot in the ground, m; 0 if it does not touch
   double normal_force = 0;    ///< N
   double friction_ratio = 0;  ///< tangential over normal force
+  double slip_after =
+      0;  ///< smallest speed along the ground of its points after the step, m/s: 0 where it sticks
 };
 /// The robot at home, its feet up to 1 mm deep in the ground, sliding forward. @param speed m/s
 RobotState pressed(const PhysicsBackend& world, double speed);

@@ -73,7 +73,20 @@ class Look {
       const auto depends = [](const StatisticVerdict& s) { return s.word == Word::kStepDependent; };
       if (std::any_of(all.begin(), all.end(), depends)) open.insert(pairs[p]);
     }
-    return open.empty() ? verdicts : judge_with(open, progress);
+    if (open.empty()) return verdicts;
+    // It says where the gap goes, and changes no word.
+    const std::vector<Verdict> finer = judge_with(open, progress);
+    for (std::size_t p = 0; p < verdicts.size(); ++p) {
+      for (std::size_t s = 0; s < verdicts[p].statistics.size(); ++s) {
+        std::optional<StepCheck>& step = verdicts[p].statistics[s].step;
+        const std::optional<StepCheck>& three = finer[p].statistics[s].step;
+        if (!step || !three) continue;
+        step->quarter = three->quarter;
+        step->order = three->order;
+        step->extrapolated = three->extrapolated;
+      }
+    }
+    return verdicts;
   }
 
  private:
@@ -144,28 +157,33 @@ void VerdictOptions::validate() const {
     if (!ok) throw ConfigError("verdict", element, expected, fmt::format("{:g}", found));
   };
   require(starts >= 4 && starts <= 10000, "starts", "4 to 10000", static_cast<double>(starts));
-  require(looks >= 1 && looks <= 20 && starts / looks >= 4, "looks", "1 to 20, each of 4 starts or more",
-          static_cast<double>(looks));
+  require(looks >= 1 && looks <= 20 && (looks == 1 || starts / looks >= kFewestStarts), "looks",
+          "1 to 20, each of 6 starts or more", static_cast<double>(looks));
   require(confidence > 0 && confidence < 1, "confidence", "a number between 0 and 1", confidence);
   require(failures > 0 && failures < 1, "failures", "a share between 0 and 1", failures);
   require(workers >= 1, "workers", "1 or more", static_cast<double>(workers));
 }
 
-Verdicts reach_verdicts(const Behaviour& asked, std::span<const Engine> engines,
+Verdicts reach_verdicts(const Behaviour& behaviour, std::span<const Engine> engines,
                         const VerdictOptions& options, const Progress& progress) {
   options.validate();
   if (engines.size() < 2)
     throw ConfigError("verdict", "engines", "two or more", fmt::format("{}", engines.size()));
-  const Behaviour behaviour = with_margins(asked, options.margins);
+  const Behaviour judged = with_margins(behaviour, options.margins);
   Verdicts result;
   result.options = options;
   for (const Engine& engine : engines) result.engines.push_back(engine.name());
-  list_variations(behaviour, engines, result);
-  VerdictRuns runs(behaviour, engines, options);
+  list_variations(judged, engines, result);
+  VerdictRuns runs(judged, engines, options);
   while (result.looks_made < options.looks) {
     ++result.looks_made;
     result.starts = (options.starts * result.looks_made + options.looks - 1) / options.looks;
-    result.pairs = Look(behaviour, engines, options, runs, result.starts).judge_all(progress);
+    std::vector<Verdict> pairs = Look(judged, engines, options, runs, result.starts).judge_all(progress);
+    // A word that was reached at a planned look is final.
+    for (std::size_t p = 0; p < result.pairs.size(); ++p) {
+      if (result.pairs[p].word != Word::kUnresolved) pairs[p] = std::move(result.pairs[p]);
+    }
+    result.pairs = std::move(pairs);
     const auto open = [](const Verdict& v) { return v.word == Word::kUnresolved; };
     if (std::none_of(result.pairs.begin(), result.pairs.end(), open)) break;
   }

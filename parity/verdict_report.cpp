@@ -163,7 +163,7 @@ std::string describe(const Verdict& verdict) {
   for (const StatisticVerdict& v : verdict.statistics) {
     if (v.reason.empty()) continue;
     text += fmt::format("{}: {}: {}{}.\n", v.statistic.name, name(v.word), v.reason,
-                        v.starts_needed ? fmt::format("; {} starts would tell", *v.starts_needed) : "");
+                        v.starts_needed ? fmt::format("; about {} starts would tell", *v.starts_needed) : "");
     if (v.step && v.step->extrapolated) {
       text += fmt::format("  With steps of one, a half and a quarter the gap goes to {}, in order {:.1f}.\n",
                           signed_amount(*v.step->extrapolated, v.statistic), *v.step->order);
@@ -175,11 +175,12 @@ std::string describe(const Verdict& verdict) {
 std::string describe_rule(const Verdicts& verdicts) {
   const VerdictOptions& how = verdicts.options;
   std::string text = fmt::format(
-      "{} starts{}; also run: {}.\nagrees: the {:g} % interval lies within the margin. differs: the gap is "
-      "beyond "
-      "it, at {:g} % confidence for all lines of\nall pairs together (from, to). step-dependent: not at half "
-      "the "
-      "time step. docs/verdict.md has the rule and the margins.\n",
+      "{} starts{}; also run: {}.\nagrees: the {:g} % interval lies within the margin (of outcomes also "
+      "where no "
+      "start differs). differs: the gap is\nbeyond it, at {:g} % confidence for all lines of all pairs "
+      "together "
+      "(from, to). step-dependent: not at half the time\nstep. docs/verdict.md has the rule and the "
+      "margins.\n",
       verdicts.starts,
       how.looks > 1 ? fmt::format(", look {} of {} that were planned", verdicts.looks_made, how.looks) : "",
       fmt::join(verdicts.variations, ", "), 100 * (1 - 2 * kEquivalenceTail / static_cast<double>(how.looks)),

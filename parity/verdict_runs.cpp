@@ -58,7 +58,7 @@ void VerdictRuns::add(const EnginePair& pair, std::size_t starts, bool quarter, 
   const auto number = [&](std::size_t variation, const Places& together, std::size_t k, PairedValues& to) {
     if (const Both runs = at(variation, together, k)) append(number_of(*runs.a), number_of(*runs.b), to);
   };
-  std::vector<double> seconds;
+  std::vector<double> seconds, step_seconds;
   for (std::size_t k = 0; k < starts; ++k) {
     number(nominal, {nominal}, k, row.as_asked);
     if (const Both runs = at(nominal, {nominal}, k))
@@ -70,10 +70,15 @@ void VerdictRuns::add(const EnginePair& pair, std::size_t starts, bool quarter, 
     for (std::size_t i = 0; i < together.size(); ++i) number(together[i], together, k, steps[i]);
     if (steps[0].a.empty() || steps[1].a.empty() || (has_quarter && steps[2].a.empty())) continue;
     append(steps[0].a[0], steps[0].b[0], row.at_step);
+    if (const Both runs = at(nominal, together, k))
+      step_seconds.push_back((runs.a->seconds + runs.b->seconds) / 2);
     append(steps[1].a[0], steps[1].b[0], row.at_half);
     if (has_quarter) append(steps[2].a[0], steps[2].b[0], row.at_quarter);
   }
   row.seconds = mean_of(seconds);
+  row.step_seconds = mean_of(step_seconds);
+  constexpr double kLeastSeconds = 0.5;  // of a walk that fails: less is its fall alone
+  row.is_cut_short = is_cut && row.seconds < std::min(kLeastSeconds, (1 - 1e-9) * behaviour_.seconds);
 }
 
 template <typename NumberOf>

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "parity/campaign.h"
@@ -14,7 +15,7 @@ namespace crossgait {
 /// Two engines by their places.
 struct EnginePair {
   std::size_t a = 0, b = 0;
-  auto operator<=>(const EnginePair&) const = default;
+  bool operator<(const EnginePair& other) const { return std::tie(a, b) < std::tie(other.a, other.b); }
 };
 
 /// What is needed of the runs of some engines. Everything is incomplete until the campaign is (Campaign).

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -13,6 +14,9 @@ namespace {
 /// What versions 1, 2, ... say that a layout's numbers mean.
 constexpr std::array<std::string_view, kLayoutVersion> kVersions{
     "leg frames with z down", "the guide's ranges of parameters", "ranges of gaits that step"};
+
+/// A share of a bound.
+constexpr double kBoundRounding = 1e-9;
 
 // With an end, so that "ab" "c" and "a" "bc" differ.
 void add(Fnv1a& hash, std::string_view text) { hash.add(text).add(std::string_view("\0", 1)); }
@@ -26,6 +30,10 @@ void add(Fnv1a& hash, const Layout& layout) {
 }
 
 }  // namespace
+
+double LayoutEntry::low() const { return std::isfinite(min) ? min - kBoundRounding * std::abs(min) : -reach; }
+
+double LayoutEntry::high() const { return std::isfinite(max) ? max + kBoundRounding * std::abs(max) : reach; }
 
 std::string layout_version_in_words() {
   return fmt::format("{} ({})", kLayoutVersion, kVersions[kLayoutVersion - 1]);

@@ -33,10 +33,15 @@ inline constexpr std::string_view kDeltaPrefix = "delta.", kResidualPrefix = "re
 
 /// One number of a vector.
 struct LayoutEntry {
-  std::string name;  ///< unique in its layout, e.g. "delta.step_height", "p_WB.x", "contact.FL"
-  std::string unit;  ///< "m", "rad/s", "-"
-  double min, max;   ///< what it stays within; infinite where nothing bounds it
+  std::string name;    ///< unique in its layout, e.g. "delta.step_height", "p_WB.x", "contact.FL"
+  std::string unit;    ///< "m", "rad/s", "-"
+  double min, max;     ///< what it stays within; infinite where nothing bounds it
+  double reach = 1e6;  ///< far beyond what a robot that walks or falls reaches, either way
 
+  /// Bounds that are finite, as tools of reinforcement learning expect: `min` and `max`, wider by the
+  /// rounding of unit vectors and normalised parameters, or the reach where they are infinite.
+  double low() const;
+  double high() const;
   bool operator==(const LayoutEntry&) const = default;
 };
 

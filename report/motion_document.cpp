@@ -27,13 +27,16 @@ void append(std::vector<double>& numbers, const Pose& X) {
   numbers.insert(numbers.end(), q.coeffs().data(), q.coeffs().data() + 4);  // x, y, z, w
 }
 
-ordered_json stances_of(const TraceTable& trace, std::string_view group, double shortest) {
+/// Begin and end of the times in which `stands(sample, leg)`, by leg.
+template <typename Stands>
+ordered_json stances_of(const RecordedRun& run, double shortest, const Stands& stands) {
+  const std::vector<double> time = run.times();
+  std::vector<double> contact(time.size());
   ordered_json legs = ordered_json::array();
   for (const Leg leg : kLegs) {
-    const std::string column = fmt::format("{}.{}", group, name(leg));
-    if (!trace.has(column)) return nullptr;
+    for (std::size_t i = 0; i < contact.size(); ++i) contact[i] = stands(run.samples[i], leg) ? 1 : 0;
     ordered_json times = ordered_json::array();
-    for (const Stance& s : stances(trace.time(), trace.column(column), shortest)) {
+    for (const Stance& s : stances(time, contact, shortest)) {
       times.push_back(s.begin);
       times.push_back(s.end);
     }
@@ -42,15 +45,25 @@ ordered_json stances_of(const TraceTable& trace, std::string_view group, double 
   return legs;
 }
 
+ordered_json contacts_of(const RecordedRun& run, double shortest) {
+  return stances_of(run, shortest, [](const TraceSample& s, Leg leg) { return s.contact[leg]; });
+}
+
+ordered_json planned_contacts_of(const RecordedRun& run) {
+  if (!run.samples.front().contact_schedule) return nullptr;
+  return stances_of(run, 0, [](const TraceSample& s, Leg leg) {
+    return !(s.contact_schedule && (*s.contact_schedule)[leg].swing);
+  });
+}
+
 /// Fills in where the feet are.
 ordered_json run_document(const RecordedRun& run, const Motion& motion, RunFrames& frames,
                           PageNumbers& numbers) {
   const RobotDescription& robot = *motion.robot;
-  const SampleReader& reader = frames.reader;
   std::vector<double> times, poses, feet, forces;
   std::vector<Pose> bodies;
   for (const std::size_t row : frames.rows) {
-    const TraceSample sample = reader.at(row);
+    const TraceSample& sample = run.samples[row];
     LegArray<Vector3>& p_WF = frames.p_WF.emplace_back();
     times.push_back(sample.state.time);
     forward_kinematics(robot, sample.state, bodies);
@@ -58,7 +71,7 @@ ordered_json run_document(const RecordedRun& run, const Motion& motion, RunFrame
     for (const Leg leg : kLegs) {
       p_WF[leg] = foot_position(robot, leg, bodies);
       append(feet, p_WF[leg]);
-      append(forces, reader.has_forces() ? sample.force[leg] : Vector3(0, 0, sample.load[leg]));
+      append(forces, run.force_directions ? sample.force[leg] : Vector3(0, 0, sample.load[leg]));
     }
   }
   return {{"name", run.name},
@@ -67,38 +80,38 @@ ordered_json run_document(const RecordedRun& run, const Motion& motion, RunFrame
           {"poses", numbers.add(poses)},
           {"feet", numbers.add(feet)},
           {"forces", numbers.add(forces)},
-          {"force_directions", reader.has_forces()},
-          {"contact", stances_of(run.trace, "contact", motion.shortest_contact)},
-          {"planned", stances_of(run.trace, "planned", 0)}};
+          {"force_directions", run.force_directions},
+          {"contact", contacts_of(run, motion.shortest_contact)},
+          {"planned", planned_contacts_of(run)}};
 }
 
 PathBounds way_of(const std::vector<RecordedRun>& runs) {
   PathBounds path;
   for (std::size_t i = 0; i < 2; ++i) {
-    const char* column = i == 0 ? "p_WB.x" : "p_WB.y";
-    path.min[i] = path.max[i] = runs.front().trace.column(column).front();
+    const auto axis = static_cast<Eigen::Index>(i);
+    path.min[i] = path.max[i] = runs.front().samples.front().state.p_WB[axis];
     for (const RecordedRun& run : runs) {
-      const auto [low, high] =
-          std::minmax_element(run.trace.column(column).begin(), run.trace.column(column).end());
-      path.min[i] = std::min(path.min[i], *low);
-      path.max[i] = std::max(path.max[i], *high);
+      for (const TraceSample& sample : run.samples) {
+        path.min[i] = std::min(path.min[i], sample.state.p_WB[axis]);
+        path.max[i] = std::max(path.max[i], sample.state.p_WB[axis]);
+      }
     }
   }
   return path;
 }
 
 /// Rows that two traces share: as many as the shorter has, if they are at the same times; else none.
-std::size_t common_rows(const TraceTable& a, const TraceTable& b) {
-  const std::size_t rows = std::min(a.rows(), b.rows());
+std::size_t common_rows(const Trace& a, const Trace& b) {
+  const std::size_t rows = std::min(a.size(), b.size());
   for (std::size_t i = 0; i < rows; ++i) {
     // Far less than a control step, far more than the rounding of a sum of them.
-    if (std::abs(a.time()[i] - b.time()[i]) > 1e-9) return 0;
+    if (std::abs(a[i].state.time - b[i].state.time) > 1e-9) return 0;
   }
   return rows;
 }
 
 /// How far two runs lie apart, at most, between a frame and the one before.
-PairPanels pair_panels(const SampleReader& a, const SampleReader& b, std::size_t rows,
+PairPanels pair_panels(const Trace& a, const Trace& b, std::size_t rows,
                        const std::vector<std::size_t>& frames, PairDifference& whole) {
   PairPanels panels;
   std::size_t row = 0;
@@ -106,9 +119,8 @@ PairPanels pair_panels(const SampleReader& a, const SampleReader& b, std::size_t
     if (frame >= rows) break;
     PairDifference here;
     for (; row <= frame; ++row) {
-      const TraceSample x = a.at(row), y = b.at(row);
-      compare_samples(x, y, here);
-      compare_samples(x, y, whole);
+      compare_samples(a[row], b[row], here);
+      compare_samples(a[row], b[row], whole);
     }
     panels.position_m.push_back(here.max_position_difference_m);
     panels.joint_rad.push_back(here.max_joint_difference_rad);
@@ -139,8 +151,11 @@ nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& number
   const RobotDescription& robot = *motion.robot;
   if (!robot.legs) throw ConfigError(robot.source, "legs", "a robot with four legs", "none");
   std::vector<RunFrames> frames;
-  for (const RecordedRun& run : motion.runs)
-    frames.push_back({SampleReader(run.trace, robot), frame_rows(run.trace.time()), {}});
+  for (const RecordedRun& run : motion.runs) {
+    if (run.samples.empty())
+      throw ConfigError(run.name, "rows", "at least one control step", "an empty trace");
+    frames.push_back({frame_rows(run.times()), {}});
+  }
   ordered_json notes = ordered_json::array(), runs = ordered_json::array(), pairs = ordered_json::array();
   for (std::size_t i = 0; i < motion.runs.size(); ++i)
     runs.push_back(run_document(motion.runs[i], motion, frames[i], numbers));
@@ -151,14 +166,15 @@ nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& number
     for (std::size_t k = i + 1; k < frames.size(); ++k, ++pair) {
       const std::string& a = motion.runs[i].name;
       const std::string& b = motion.runs[k].name;
-      const std::size_t rows = common_rows(motion.runs[i].trace, motion.runs[k].trace);
+      const std::size_t rows = common_rows(motion.runs[i].samples, motion.runs[k].samples);
       if (rows == 0) {
         notes.push_back(
             fmt::format("{} and {} have rows at different times: their differences are not shown", a, b));
         continue;
       }
       PairDifference found;
-      panels.add_pair(i, k, pair_panels(frames[i].reader, frames[k].reader, rows, frames[i].rows, found));
+      panels.add_pair(
+          i, k, pair_panels(motion.runs[i].samples, motion.runs[k].samples, rows, frames[i].rows, found));
       const PairDifference& known = motion.pairs.empty() ? found : motion.pairs[pair];
       pairs.push_back(
           {{"a", i}, {"b", k}, {"first_divergence", divergence_document(known.first_divergence)}});

@@ -19,7 +19,7 @@ struct Motion {
   std::shared_ptr<const RobotDescription> robot;
   Terrain terrain;
   std::vector<RecordedRun> runs;  ///< at least one
-  /// What is known of every two runs, in order (as `Comparison::pairs`); empty: found in the traces.
+  /// What is known of every two runs, in order (as `Comparison::pairs`); empty: found in the samples.
   std::vector<PairDifference> pairs;
   double shortest_contact = kShortestContact;  ///< that is a stance, and shortest gap between two, s
 };
@@ -28,7 +28,7 @@ struct Motion {
 inline constexpr double kFrameTime = 0.01;
 inline constexpr std::size_t kMaxFrames = 20'000;  ///< of a run
 
-/// Rows of a trace that are frames: those at least a frame time behind the last one, and the last row.
+/// Numbers of samples that are frames: those at least a frame time behind the last one, and the last one.
 std::vector<std::size_t> frame_rows(const std::vector<double>& time);
 
 /// Keys: `scene` (scene.h), `runs`, `pairs`, `panels` and `constants` (panels.h), `shortest_contact` and
@@ -37,7 +37,7 @@ std::vector<std::size_t> frame_rows(const std::vector<double>& time);
 /// x, y, z, w), `feet` (centres in W, m: frame, leg, x y z), `forces` (on feet in W, N, alike),
 /// `force_directions` (false: only the magnitudes are known, as z), `contact` and `planned` (by leg, pairs
 /// begin, end of stances in s). Of a pair: indices `a` and `b` of runs, `first_divergence` or null.
-/// @throws ConfigError for a trace that is not of the robot, or a robot without legs
+/// @throws ConfigError for a run without a sample, or a robot without legs
 nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& numbers);
 
 }  // namespace crossgait

@@ -16,7 +16,6 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr double kToMillimetres = 1e3;
-constexpr std::string_view kParameter = "param.";
 
 ordered_json difference_panel(const char* title, const char* unit) {
   return {{"group", "differences"},
@@ -33,15 +32,39 @@ std::string in_words(std::string_view name) {
 }
 
 /// Of any run, in the order in which they come.
-std::vector<std::string> parameter_columns(const std::vector<RecordedRun>& runs) {
-  std::vector<std::string> columns;
+std::vector<std::string> parameters_of(const std::vector<RecordedRun>& runs) {
+  std::vector<std::string> names;
+  const auto add = [&names](std::string_view name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
+  };
   for (const RecordedRun& run : runs) {
-    for (const std::string& column : run.trace.names()) {
-      const bool known = std::find(columns.begin(), columns.end(), column) != columns.end();
-      if (column.starts_with(kParameter) && !known) columns.push_back(column);
+    if (run.samples.front().parameters) {
+      for (const ParameterRow& row : gait_parameters()) add(row.name);
+    }
+    for (const RecordedRun::Column& column : run.columns) {
+      if (column.name.starts_with(kParameterColumn))
+        add(std::string_view(column.name).substr(kParameterColumn.size()));
     }
   }
-  return columns;
+  return names;
+}
+
+/// As a file says, or as the gait had it.
+std::optional<double> parameter_of(const RecordedRun& run, std::size_t row, std::string_view parameter) {
+  if (const auto* values = run.column(fmt::format("{}{}", kParameterColumn, parameter)))
+    return (*values)[row];
+  const std::optional<GaitParameters>& gait = run.samples[row].parameters;
+  if (!gait) return std::nullopt;
+  for (const ParameterRow& known : gait_parameters()) {
+    if (known.name == parameter) return (*gait).*known.member;
+  }
+  return std::nullopt;
+}
+
+/// None of a vector that a run does not know.
+std::optional<double> element(const JointVector& values, std::size_t i) {
+  if (values.size() == 0) return std::nullopt;
+  return values[static_cast<Eigen::Index>(i)];
 }
 
 /// "-" of one that is none of the gait's.
@@ -77,15 +100,14 @@ void PanelMaker::add(const char* group, const std::string& title, const std::str
   panels_.push_back(std::move(panel));
 }
 
-std::vector<PanelMaker::Series> PanelMaker::columns(const std::string& column, double scale,
-                                                    const std::string& label, bool dashed) const {
+std::vector<PanelMaker::Series> PanelMaker::series_of(const Value& value, double scale,
+                                                      const std::string& label, bool dashed) const {
   std::vector<Series> all;
   for (std::size_t run = 0; run < frames_.size(); ++run) {
-    const TraceTable& trace = motion_.runs[run].trace;
-    if (!trace.has(column)) continue;
+    if (!value(motion_.runs[run], 0)) continue;
     Series& series = all.emplace_back(Series{run, label, dashed, {}});
     for (const std::size_t row : frames_[run].rows)
-      series.values.push_back(scale * trace.column(column)[row]);
+      series.values.push_back(scale * value(motion_.runs[run], row).value());
   }
   return all;
 }
@@ -96,7 +118,7 @@ void PanelMaker::add_base() {
     for (std::vector<Series>* series : {&roll, &pitch, &forward, &left})
       series->push_back({run, "", false, {}});
     for (const std::size_t row : frames_[run].rows) {
-      const RobotState state = frames_[run].reader.at(row).state;
+      const RobotState& state = motion_.runs[run].samples[row].state;
       const Vector3 rpy = roll_pitch_yaw(state.q_WB);
       const double c = std::cos(rpy.z()), s = std::sin(rpy.z());
       roll.back().values.push_back(kDegreesPerRadian * rpy.x());
@@ -107,10 +129,14 @@ void PanelMaker::add_base() {
   }
   add("base", "Roll", "deg", roll);
   add("base", "Pitch", "deg", pitch);
-  add("base", "Height of the base", "mm", columns("p_WB.z", kToMillimetres));
+  const auto height = [](const RecordedRun& run, std::size_t row) { return run.samples[row].state.p_WB.z(); };
+  const auto yaw_rate = [](const RecordedRun& run, std::size_t row) {
+    return run.samples[row].state.w_WB.z();
+  };
+  add("base", "Height of the base", "mm", series_of(height, kToMillimetres));
   add("base", "Speed along the heading", "m/s", forward);
   add("base", "Speed to the left", "m/s", left);
-  add("base", "Yaw rate", "deg/s", columns("w_WB.z", kDegreesPerRadian));
+  add("base", "Yaw rate", "deg/s", series_of(yaw_rate, kDegreesPerRadian));
 }
 
 void PanelMaker::add_feet() {
@@ -128,32 +154,49 @@ void PanelMaker::add_feet() {
   }
   for (const Leg leg : kLegs) {
     add("feet", "Foot above the ground", "mm", clearance[leg], name(leg));
-    add("feet", "Force on the foot", "N", columns(fmt::format("load.{}", name(leg)), 1), name(leg));
+    const auto load = [leg](const RecordedRun& run, std::size_t row) { return run.samples[row].load[leg]; };
+    add("feet", "Force on the foot", "N", series_of(load, 1), name(leg));
   }
 }
 
 void PanelMaker::add_joints() {
   const RobotDescription& robot = *motion_.robot;
+  const std::vector<int> actuated = robot.actuated_joints();
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
     for (std::size_t k = 0; k < model.servos.size(); ++k) {
-      const std::string role = in_words(model.roles()[k].name), joint = robot.joint(model.servos[k]).name;
-      std::vector<Series> angle = columns("q." + joint, kDegreesPerRadian);
-      for (Series& target : columns("target." + joint, kDegreesPerRadian, "target", true))
+      const auto joint = static_cast<std::size_t>(model.servos[k]);
+      const auto servo = static_cast<std::size_t>(
+          std::find(actuated.begin(), actuated.end(), model.servos[k]) - actuated.begin());
+      const auto angle_of = [joint](const RecordedRun& run, std::size_t row) {
+        return element(run.samples[row].state.q, joint);
+      };
+      const auto target_of = [servo](const RecordedRun& run, std::size_t row) {
+        return element(run.samples[row].targets.q, servo);
+      };
+      std::vector<Series> angle = series_of(angle_of, kDegreesPerRadian);
+      for (Series& target : series_of(target_of, kDegreesPerRadian, "target", true))
         angle.push_back(std::move(target));
-      add("joints", "Angle of " + role, "deg", angle, name(leg));
+      add("joints", "Angle of " + in_words(model.roles()[k].name), "deg", angle, name(leg));
     }
     for (std::size_t k = 0; k < model.servos.size(); ++k) {
-      const std::string role = in_words(model.roles()[k].name), joint = robot.joint(model.servos[k]).name;
-      add("joints", "Torque of " + role, "N m", columns("torque." + joint, 1), name(leg));
+      const auto torque_of = [joint = static_cast<std::size_t>(model.servos[k])](const RecordedRun& run,
+                                                                                 std::size_t row) {
+        return element(run.samples[row].torques, joint);
+      };
+      add("joints", "Torque of " + in_words(model.roles()[k].name), "N m", series_of(torque_of, 1),
+          name(leg));
     }
   }
 }
 
 void PanelMaker::add_parameters() {
-  for (const std::string& column : parameter_columns(motion_.runs)) {
-    const std::string parameter = column.substr(kParameter.size()), unit = unit_of(parameter);
-    std::vector<Series> series = columns(column, 1);
+  for (const std::string& parameter : parameters_of(motion_.runs)) {
+    const std::string unit = unit_of(parameter);
+    const auto value = [&parameter](const RecordedRun& run, std::size_t row) {
+      return parameter_of(run, row, parameter);
+    };
+    std::vector<Series> series = series_of(value, 1);
     const double first = series.front().values.front();
     const auto constant = [first](const Series& s) {
       return s.values == std::vector<double>(s.values.size(), first);
@@ -167,8 +210,14 @@ void PanelMaker::add_parameters() {
 }
 
 void PanelMaker::add_rewards() {
-  for (const RewardTerm& term : reward_terms())
-    add("rewards", in_words(term.name), "", columns(fmt::format("{}{}", kRewardColumn, term.name), 1));
+  for (const RewardTerm& term : reward_terms()) {
+    const auto earned = [column = fmt::format("{}{}", kRewardColumn, term.name)](
+                            const RecordedRun& run, std::size_t row) -> std::optional<double> {
+      const std::vector<double>* values = run.column(column);
+      return values != nullptr ? std::optional((*values)[row]) : std::nullopt;
+    };
+    add("rewards", in_words(term.name), "", series_of(earned, 1));
+  }
 }
 
 void PanelMaker::add_pair(std::size_t a, std::size_t b, const PairPanels& differences) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,9 +45,11 @@ class PanelMaker {
   };
   void add(const char* group, const std::string& title, const std::string& unit,
            const std::vector<Series>& series, std::string_view leg = {});
-  /// The same column of every run that has it, times `scale`.
-  std::vector<Series> columns(const std::string& column, double scale, const std::string& label = {},
-                              bool dashed = false) const;
+  /// A number of a run's sample `row`; none where the run does not know it.
+  using Value = std::function<std::optional<double>(const RecordedRun& run, std::size_t row)>;
+  /// One series of every run that knows the value, times `scale`.
+  std::vector<Series> series_of(const Value& value, double scale, const std::string& label = {},
+                                bool dashed = false) const;
   void add_base();
   void add_feet();
   void add_joints();

@@ -1,5 +1,6 @@
 #include "report/recorded_run.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -8,83 +9,138 @@
 #include "physics/core/error.h"
 
 namespace crossgait {
+namespace {
 
-void RunRecorder::begin(const TraceSample& first) {
-  columns_.emplace(*robot_, first);
-  names_ = columns_->names();
-  for (const Leg leg : kLegs) {
-    for (const char axis : {'x', 'y', 'z'}) names_.push_back(fmt::format("force.{}.{}", name(leg), axis));
-  }
-  for (int i = 0; i < robot_->joint_count(); ++i) names_.push_back("torque." + robot_->joint(i).name);
-  names_.insert(names_.end(), more_.begin(), more_.end());
-  values_.resize(names_.size());
-}
+/// The columns of a file by what they mean.
+class ColumnReader {
+ public:
+  ColumnReader(const TraceTable& table, const RobotDescription& robot);
 
-void RunRecorder::add(const TraceSample& sample, std::span<const double> more) {
-  if (!columns_) begin(sample);
-  if (values_.front().size() == kMaxPageSteps)
-    throw ConfigError("report", "walk", fmt::format("at most {} control steps", kMaxPageSteps), "more");
-  row_.clear();
-  columns_->append(sample, row_);
-  for (const Leg leg : kLegs) row_.insert(row_.end(), sample.force[leg].data(), sample.force[leg].data() + 3);
-  row_.insert(row_.end(), sample.torques.data(), sample.torques.data() + sample.torques.size());
-  row_.insert(row_.end(), more.begin(), more.end());
-  for (std::size_t i = 0; i < row_.size(); ++i) values_[i].push_back(row_[i]);
-}
+  TraceSample sample(std::size_t row) const;
+  bool has_forces() const { return !forces_.empty(); }
 
-TraceTable RunRecorder::take(const std::string& source) {
-  return {source, std::move(names_), std::move(values_)};
-}
+ private:
+  using Column = const std::vector<double>*;
+  std::vector<Column> axes(const std::string& prefix, std::string_view names) const;
+  std::vector<Column> of_joints(const std::string& prefix, const std::vector<int>& joints) const;
+  std::vector<Column> of_legs(const std::string& prefix) const;
 
-std::vector<SampleReader::Column> SampleReader::columns(const std::string& prefix,
-                                                        std::string_view axes) const {
+  const TraceTable& table_;
+  const RobotDescription& robot_;
+  std::vector<Column> position_, orientation_, velocity_, turning_, angles_, targets_, torques_, loads_,
+      contacts_, planned_, forces_;
+};
+
+std::vector<ColumnReader::Column> ColumnReader::axes(const std::string& prefix,
+                                                     std::string_view names) const {
   std::vector<Column> found;
-  for (const char axis : axes) found.push_back(&trace_.column(fmt::format("{}.{}", prefix, axis)));
+  for (const char axis : names) found.push_back(&table_.column(fmt::format("{}.{}", prefix, axis)));
   return found;
 }
 
-SampleReader::SampleReader(const TraceTable& trace, const RobotDescription& robot) : trace_(trace) {
-  position_ = columns("p_WB", "xyz");
-  orientation_ = columns("q_WB", "wxyz");
-  velocity_ = columns("v_WB", "xyz");
-  turning_ = columns("w_WB", "xyz");
-  for (int i = 0; i < robot.joint_count(); ++i) angles_.push_back(&trace.column("q." + robot.joint(i).name));
+std::vector<ColumnReader::Column> ColumnReader::of_joints(const std::string& prefix,
+                                                          const std::vector<int>& joints) const {
+  std::vector<Column> found;
+  for (const int i : joints) found.push_back(&table_.column(prefix + robot_.joint(i).name));
+  return found;
+}
+
+std::vector<ColumnReader::Column> ColumnReader::of_legs(const std::string& prefix) const {
+  std::vector<Column> found;
+  for (const Leg leg : kLegs) found.push_back(&table_.column(prefix + std::string(name(leg))));
+  return found;
+}
+
+ColumnReader::ColumnReader(const TraceTable& table, const RobotDescription& robot)
+    : table_(table), robot_(robot) {
+  position_ = axes("p_WB", "xyz");
+  orientation_ = axes("q_WB", "wxyz");
+  velocity_ = axes("v_WB", "xyz");
+  turning_ = axes("w_WB", "xyz");
+  std::vector<int> joints;
+  for (int i = 0; i < robot.joint_count(); ++i) joints.push_back(i);
+  angles_ = of_joints("q.", joints);
+  loads_ = of_legs("load.");
+  contacts_ = of_legs("contact.");
+  // A group of columns that a file may lack: all of it, or none.
+  const auto has = [&table](std::string_view prefix) {
+    return std::any_of(table.names().begin(), table.names().end(),
+                       [prefix](const std::string& column) { return column.starts_with(prefix); });
+  };
+  if (has("target.")) targets_ = of_joints("target.", robot.actuated_joints());
+  if (has("torque.")) torques_ = of_joints("torque.", joints);
+  if (has("planned.")) planned_ = of_legs("planned.");
+  if (!has("force.")) return;
   for (const Leg leg : kLegs) {
-    loads_.push_back(&trace.column(fmt::format("load.{}", name(leg))));
-    contacts_.push_back(&trace.column(fmt::format("contact.{}", name(leg))));
-    const std::string force = fmt::format("force.{}", name(leg));
-    if (!trace.has(force + ".x")) continue;
-    for (const Column column : columns(force, "xyz")) forces_.push_back(column);
-  }
-  for (std::size_t row = 0; row < trace.rows(); ++row) {
-    const double norm = at(row).state.q_WB.norm();
-    if (!(std::abs(norm - 1) < 1e-3)) {  // what more than three digits of a file would round to
-      throw ConfigError(trace.path(), fmt::format("q_WB at {} s", trace.time()[row]), "a unit quaternion",
-                        fmt::format("one of length {:g}", norm));
-    }
+    for (const Column column : axes(fmt::format("force.{}", name(leg)), "xyz")) forces_.push_back(column);
   }
 }
 
-TraceSample SampleReader::at(std::size_t row) const {
+TraceSample ColumnReader::sample(std::size_t row) const {
   const auto vector = [row](const std::vector<Column>& c, std::size_t first = 0) {
     return Vector3((*c[first])[row], (*c[first + 1])[row], (*c[first + 2])[row]);
   };
+  const auto joints = [row](const std::vector<Column>& c) {
+    JointVector values(static_cast<Eigen::Index>(c.size()));
+    for (std::size_t i = 0; i < c.size(); ++i) values[static_cast<Eigen::Index>(i)] = (*c[i])[row];
+    return values;
+  };
   TraceSample sample;
   RobotState& state = sample.state;
-  state.time = trace_.time()[row];
+  state.time = table_.time()[row];
   state.p_WB = vector(position_);
   state.q_WB = Quaternion((*orientation_[0])[row], (*orientation_[1])[row], (*orientation_[2])[row],
                           (*orientation_[3])[row]);
   state.v_WB = vector(velocity_);
   state.w_WB = vector(turning_);
-  state.q.resize(static_cast<Eigen::Index>(angles_.size()));
-  for (std::size_t i = 0; i < angles_.size(); ++i) state.q[static_cast<Eigen::Index>(i)] = (*angles_[i])[row];
+  state.q = joints(angles_);
+  sample.targets.q = joints(targets_);
+  sample.torques = joints(torques_);
+  if (!planned_.empty()) sample.contact_schedule.emplace();
   for (const Leg leg : kLegs) {
-    sample.load[leg] = (*loads_[index(leg)])[row];
-    sample.contact[leg] = (*contacts_[index(leg)])[row] != 0;
-    if (has_forces()) sample.force[leg] = vector(forces_, 3 * index(leg));
+    const std::size_t i = index(leg);
+    sample.load[leg] = (*loads_[i])[row];
+    sample.contact[leg] = (*contacts_[i])[row] != 0;
+    if (!planned_.empty()) (*sample.contact_schedule)[leg].swing = (*planned_[i])[row] == 0;
+    if (has_forces()) sample.force[leg] = vector(forces_, 3 * i);
   }
   return sample;
+}
+
+}  // namespace
+
+const std::vector<double>* RecordedRun::column(std::string_view its_name) const noexcept {
+  for (const Column& one : columns) {
+    if (one.name == its_name) return &one.values;
+  }
+  return nullptr;
+}
+
+std::vector<double> RecordedRun::times() const {
+  std::vector<double> all;
+  all.reserve(samples.size());
+  for (const TraceSample& sample : samples) all.push_back(sample.state.time);
+  return all;
+}
+
+RecordedRun recorded_run(std::string name, const TraceTable& table, const RobotDescription& robot) {
+  const ColumnReader reader(table, robot);
+  RecordedRun run{std::move(name), "", {}};
+  run.force_directions = reader.has_forces();
+  run.samples.reserve(table.rows());
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    run.samples.push_back(reader.sample(row));
+    const double norm = run.samples.back().state.q_WB.norm();
+    if (!(std::abs(norm - 1) < 1e-3)) {  // what more than three digits of a file would round to
+      throw ConfigError(table.path(), fmt::format("q_WB at {} s", table.time()[row]), "a unit quaternion",
+                        fmt::format("one of length {:g}", norm));
+    }
+  }
+  for (const std::string& column : table.names()) {
+    if (column.starts_with(kParameterColumn) || column.starts_with(kRewardColumn))
+      run.columns.push_back({column, table.column(column)});
+  }
+  return run;
 }
 
 }  // namespace crossgait

@@ -1,8 +1,6 @@
-// One run to be replayed: its trace, whichever engine or file it came from.
+// One run to be replayed, whichever engine or file it came from.
 #pragma once
 
-#include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,64 +10,43 @@
 
 namespace crossgait {
 
-struct RecordedRun {
-  std::string name;    ///< of the engine, or the file's
-  std::string engine;  ///< "MuJoCo 2.2.2"; empty where that is not known
-  TraceTable trace;
-};
-
 /// Most control steps of a run that is kept for a page: 200 s at 2 ms, of which a page shows every second
 /// frame.
 inline constexpr std::size_t kMaxPageSteps = 100'000;
 
 /// In front of the name of a reward term: a column of what a policy step earned by it.
 inline constexpr std::string_view kRewardColumn = "reward.";
+/// In front of the name of a gait parameter.
+inline constexpr std::string_view kParameterColumn = "param.";
 
-/// Keeps the steps of a walk: the columns of TraceColumns, `force.<leg>.{x,y,z}` (on the foot, in W, N) and
-/// `torque.<joint>` (of the last physics step, N m), and what the caller adds.
-class RunRecorder {
- public:
-  /// @param more  names of further columns
-  explicit RunRecorder(std::shared_ptr<const RobotDescription> robot, std::vector<std::string> more = {})
-      : robot_(std::move(robot)), more_(std::move(more)) {}
-  /// @param more  a number for each of the further columns  @throws ConfigError beyond kMaxPageSteps
-  void add(const TraceSample& sample, std::span<const double> more = {});
-  bool empty() const { return values_.empty(); }
-  /// What was kept, which is gone then. @throws ConfigError if that is nothing
-  TraceTable take(const std::string& source);
+struct RecordedRun {
+  /// Something else that is known of every sample.
+  struct Column {
+    std::string name;
+    std::vector<double> values;  ///< a number for each sample
+  };
 
- private:
-  void begin(const TraceSample& first);
+  std::string name;                  ///< of the engine, or the file's
+  std::string engine;                ///< "MuJoCo 2.2.2"; empty where that is not known
+  Trace samples;                     ///< every control step
+  std::vector<Column> columns = {};  ///< rewards, and the parameters that a file names
+  bool force_directions = true;      ///< false: of the forces on feet only the size is known, as `load`
 
-  std::shared_ptr<const RobotDescription> robot_;
-  std::optional<TraceColumns> columns_;
-  std::vector<std::string> more_, names_;
-  std::vector<std::vector<double>> values_;
-  std::vector<double> row_;
+  /// Returns null if there is none of that name.
+  const std::vector<double>* column(std::string_view its_name) const noexcept;
+  /// Returns the time of every sample, s.
+  std::vector<double> times() const;
 };
 
-/// The rows of a trace as samples: state, loads, and forces where there are columns of them.
-class SampleReader {
- public:
-  /// Both stay the caller's. @throws ConfigError for a column that is missing: the trace is of another robot,
-  /// or an orientation that is none
-  SampleReader(const TraceTable& trace, const RobotDescription& robot);
-
-  TraceSample at(std::size_t row) const;
-  bool has_forces() const { return !forces_.empty(); }
-
- private:
-  using Column = const std::vector<double>*;
-  std::vector<Column> columns(const std::string& prefix, std::string_view axes) const;
-
-  const TraceTable& trace_;
-  std::vector<Column> position_, orientation_, velocity_, turning_, angles_, loads_, contacts_, forces_;
-};
+/// Makes samples of the rows of a file: torques, targets, planned contacts and directions of forces where
+/// there are columns of them; the velocities of joints are in none. @param name  RecordedRun::name
+/// @throws ConfigError for a column that is missing: the trace is of another robot; or for an orientation
+/// that is none
+RecordedRun recorded_run(std::string name, const TraceTable& table, const RobotDescription& robot);
 
 /// What a page shows of a run.
 struct RunFrames {
-  SampleReader reader;
-  std::vector<std::size_t> rows;        ///< of the trace, one per frame
+  std::vector<std::size_t> rows;        ///< numbers of samples, one per frame
   std::vector<LegArray<Vector3>> p_WF;  ///< centres of the feet at each frame, m
 };
 

@@ -14,12 +14,12 @@ struct CountedTerms {
     for (std::size_t i = 0; i < config.reward.size(); ++i) {
       if (config.reward[i] == 0) continue;
       indices.push_back(i);
-      columns.push_back(fmt::format("{}{}", kRewardColumn, reward_terms()[i].name));
+      columns.push_back({fmt::format("{}{}", kRewardColumn, reward_terms()[i].name), {}});
     }
   }
 
   std::vector<std::size_t> indices;
-  std::vector<std::string> columns;
+  std::vector<RecordedRun::Column> columns;  // of these, without a step
 };
 
 }  // namespace
@@ -28,25 +28,22 @@ Motion watch_episodes(const std::vector<WatchedEpisode>& episodes, std::uint64_t
   Motion motion;
   for (const WatchedEpisode& episode : episodes) {
     const CountedTerms terms(episode.environment.config);
-    std::optional<RunRecorder> recorder;
-    std::string engine;
-    std::vector<double> earned;
+    TraceRecorder recorder(kMaxPageSteps);
+    RecordedRun run{episode.name, "", {}, terms.columns};
     watch_episode(episode.environment, episode.policy, seed, [&](const QuadrupedEnv& env) {
-      if (!recorder) {
+      if (run.engine.empty())
+        run.engine = fmt::format("{} {}", env.engine().info.library, env.engine().info.version);
+      if (motion.robot == nullptr) {
         // Of the world that the episode drew.
-        const WorldSpec& world = env.world().spec();
-        recorder.emplace(world.robot, terms.columns);
-        engine = fmt::format("{} {}", env.engine().info.library, env.engine().info.version);
-        if (motion.robot == nullptr) {
-          motion.robot = world.robot;
-          motion.terrain = world.terrain;
-        }
+        motion.robot = env.world().spec().robot;
+        motion.terrain = env.world().spec().terrain;
       }
-      earned.clear();
-      for (const std::size_t i : terms.indices) earned.push_back(env.info().reward_terms[i]);
-      recorder->add(trace_sample(env), earned);
+      for (std::size_t i = 0; i < terms.indices.size(); ++i)
+        run.columns[i].values.push_back(env.info().reward_terms[terms.indices[i]]);
+      recorder.add(TraceSample(env.world(), env.targets()));
     });
-    if (recorder) motion.runs.push_back({episode.name, engine, recorder->take(episode.name)});
+    run.samples = recorder.take();
+    if (!run.samples.empty()) motion.runs.push_back(std::move(run));
   }
   return motion;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,55 @@
 #include "study/run_store.h"
 
 namespace crossgait {
+namespace {
+
+using Names = std::set<std::string>;
+
+// The factors of a family that an engine by this name has; empty if it is none of the family.
+std::optional<Names> factors_of(const EngineFamily& family, const std::string& engine) {
+  for (unsigned mask = 0; mask < 1U << family.factors.size(); ++mask) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < family.factors.size(); ++i) {
+      if ((mask >> i & 1U) != 0) names.push_back(family.factors[i].name);
+    }
+    const Names set(names.begin(), names.end());
+    const bool has_meaning =
+        std::all_of(family.factors.begin(), family.factors.end(), [&](const ModelFactor& f) {
+          return !set.contains(f.name) || std::all_of(f.needs.begin(), f.needs.end(),
+                                                      [&](const std::string& n) { return set.contains(n); });
+        });
+    if (has_meaning && family.with(names).name() == engine) return set;
+  }
+  return std::nullopt;
+}
+
+// The part of a family between two engines of it, the one of which has all factors of the other.
+std::optional<EngineFamily> family_part(const EngineFamily& family, const std::string& a,
+                                        const std::string& b) {
+  const std::optional<Names> from = factors_of(family, a), to = factors_of(family, b);
+  if (!from || !to || from == to) return std::nullopt;
+  if (!std::includes(to->begin(), to->end(), from->begin(), from->end()))
+    return std::includes(from->begin(), from->end(), to->begin(), to->end()) ? family_part(family, b, a)
+                                                                             : std::nullopt;
+  EngineFamily part{a, b, {}, {}};
+  for (ModelFactor factor : family.factors) {
+    if (!to->contains(factor.name) || from->contains(factor.name)) continue;
+    std::erase_if(factor.needs, [&](const std::string& need) { return from->contains(need); });
+    part.factors.push_back(std::move(factor));
+  }
+  part.with = [with = family.with, always = *from,
+               order = family.factors](const std::vector<std::string>& names) {
+    std::vector<std::string> all;
+    for (const ModelFactor& factor : order) {
+      const bool asked = std::find(names.begin(), names.end(), factor.name) != names.end();
+      if (asked || always.contains(factor.name)) all.push_back(factor.name);
+    }
+    return with(all);
+  };
+  return part;
+}
+
+}  // namespace
 
 EngineFamily find_family(const Engine& a, const Engine& b) {
   const EngineFamily* found = nullptr;
@@ -24,8 +74,13 @@ EngineFamily find_family(const Engine& a, const Engine& b) {
     if (found == nullptr || is_end(a) || is_end(b)) found = &family;
   }
   if (found != nullptr) return *found;
-  throw ConfigError("verdict", "explain", "two engines with known differences (mujoco and bullet)",
-                    fmt::format("{} and {}", a.name(), b.name()));
+  for (const EngineFamily& family : engine_families()) {
+    if (const auto part = family_part(family, a.name(), b.name())) return *part;
+  }
+  throw ConfigError(
+      "verdict", "explain",
+      "two engines with known differences: mujoco and bullet, or one with some factors of the other",
+      fmt::format("{} and {}", a.name(), b.name()));
 }
 
 Progress progress_of(const StageProgress& progress, const std::string& stage) {

@@ -18,7 +18,7 @@ namespace crossgait {
 struct JudgeOptions {
   VerdictOptions verdict;
   bool explain = false;          ///< also say what the gap comes from
-  std::string stored_runs = "";  ///< file of runs to take and to add to (RunStore); empty: none
+  std::string stored_runs = {};  ///< file of runs to take and to add to (RunStore); empty: none
 };
 
 /// What belongs to a pair's verdict.
@@ -63,6 +63,8 @@ EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& worl
                                const StageProgress& progress = {});
 
 /// The family whose ends are `a` and `b`, either way round; an engine of the same laws may stand for an end.
+/// Else the part of one between two engines of which one has some of the other's factors ("bullet:matched"
+/// and "bullet:matched+coulomb").
 /// @throws ConfigError if there is none
 EngineFamily find_family(const Engine& a, const Engine& b);
 

@@ -87,6 +87,15 @@ std::string describe_background(const PairBackground& background) {
   return text;
 }
 
+// Every pair of an engine has its outcomes.
+const OutcomeCounts& outcomes_of(const EngineComparison& comparison, const std::string& engine) {
+  for (const Verdict& pair : comparison.verdicts.pairs) {
+    if (pair.a == engine) return pair.outcomes_a;
+    if (pair.b == engine) return pair.outcomes_b;
+  }
+  throw std::logic_error("an engine without a pair");
+}
+
 std::string describe_many(const EngineComparison& comparison) {
   std::string text = words_table(comparison).str() + "\n";
   for (std::size_t p = 0; p < comparison.verdicts.pairs.size(); ++p) {
@@ -96,7 +105,11 @@ std::string describe_many(const EngineComparison& comparison) {
         fmt::format("{} against {}: {}{}{}.{}\n", v.b, v.a, name(v.word), v.word == Word::kAgrees ? "" : ": ",
                     differences(v), models.empty() ? "" : fmt::format(" Models: {}.", describe(models)));
   }
-  text += fmt::format("\n{}\n", fmt::join(sentences(comparison), "\n"));
+  text += "\nOutcomes:";
+  for (const JudgedEngine& engine : comparison.engines)
+    text += fmt::format(" {}: {};", engine.name, describe(outcomes_of(comparison, engine.name)));
+  text.back() = '.';
+  text += fmt::format("\n\n{}\n", fmt::join(sentences(comparison), "\n"));
   for (std::size_t p = 0; p < comparison.verdicts.pairs.size(); ++p) {
     const auto& attribution = comparison.backgrounds[p].attribution;
     const Verdict& v = comparison.verdicts.pairs[p];
@@ -112,15 +125,6 @@ ordered_json pair_json(const EngineComparison& comparison, std::size_t pair) {
   json["models"] = to_json(background.models);
   json["attribution"] = background.attribution ? to_json(*background.attribution) : ordered_json(nullptr);
   return json;
-}
-
-// Every pair of an engine has its outcomes.
-const OutcomeCounts& outcomes_of(const EngineComparison& comparison, const std::string& engine) {
-  for (const Verdict& pair : comparison.verdicts.pairs) {
-    if (pair.a == engine) return pair.outcomes_a;
-    if (pair.b == engine) return pair.outcomes_b;
-  }
-  throw std::logic_error("an engine without a pair");
 }
 
 }  // namespace

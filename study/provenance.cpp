@@ -1,12 +1,18 @@
 #include "study/provenance.h"
 
+#include <filesystem>
+#include <string_view>
+
 #include "physics/core/error.h"
+#include "physics/core/files_read.h"
 #include "physics/core/hash.h"
+#include "physics/robot_files/data_path.h"
 
 namespace crossgait {
 namespace {
 
 using Json = nlohmann::json;
+namespace fs = std::filesystem;
 
 Json without_hash(const Provenance& p) {
   Json result{{"crossgait", p.crossgait}, {"command", p.command}, {"arguments", p.arguments}};
@@ -17,6 +23,16 @@ Json without_hash(const Provenance& p) {
     result["engines"].push_back({{"name", e.name}, {"library", e.library}, {"version", e.version}});
   if (p.subject.is_object()) result.update(p.subject);
   return result;
+}
+
+constexpr std::string_view kModels = "<models>/";
+
+// What comes with Crossgait lies elsewhere on another machine.
+std::string shown_path(const std::string& path) {
+  const fs::path normal = fs::path(path).lexically_normal();
+  const fs::path inside = normal.lexically_relative(fs::path(models_dir()).lexically_normal());
+  const bool is_inside = !inside.empty() && *inside.begin() != "..";
+  return is_inside ? std::string(kModels) + inside.string() : normal.string();
 }
 
 // The innermost place in which two values differ, and what stands there.
@@ -44,6 +60,24 @@ Difference first_difference(const Json& recorded, const Json& now, const std::st
 }
 
 }  // namespace
+
+Provenance with_files_read(Provenance provenance) {
+  provenance.files.clear();
+  const FilesRead* const read = FilesRead::current();
+  if (read == nullptr) return provenance;
+  for (const FileRead& file : read->list()) {
+    const auto [it, is_new] = provenance.files.emplace(shown_path(file.path), file.sha256);
+    if (!is_new && it->second != file.sha256)
+      throw ConfigError(file.path, "file", "the same bytes whenever it is read",
+                        "others: it was changed meanwhile");
+  }
+  return provenance;
+}
+
+std::string path_of_shown(const std::string& shown) {
+  if (!shown.starts_with(kModels)) return shown;
+  return (fs::path(models_dir()) / shown.substr(kModels.size())).string();
+}
 
 nlohmann::ordered_json to_json(const Provenance& p) {
   const Json all = without_hash(p);

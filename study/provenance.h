@@ -16,10 +16,18 @@ struct Provenance {
   std::string crossgait = std::string(crossgait_version());
   std::string command;                       ///< of the program, such as "walk"
   std::vector<std::string> arguments;        ///< of that command, but for where results go
-  std::map<std::string, std::string> files;  ///< SHA-256 of every file that was read, by its path
+  std::map<std::string, std::string> files;  ///< SHA-256 of every file that was read, by its path as shown
   std::vector<EngineInfo> engines;
   nlohmann::json subject;  ///< what was looked at: `to_json(BehaviourSpec)`, `identity_of_robot`; or null
 };
+
+/// Adds the files that this thread has read by now, since the innermost FilesRead began: without one none.
+/// @throws ConfigError for one that changed meanwhile
+Provenance with_files_read(Provenance provenance);
+
+/// Returns the path of a file that a provenance names on this machine: what comes with Crossgait lies
+/// elsewhere on another, and is named "<models>/...".
+std::string path_of_shown(const std::string& shown);
 
 /// Keys as in docs/schemas/README.md; `hash` is that of all others.
 nlohmann::ordered_json to_json(const Provenance& provenance);

@@ -57,17 +57,10 @@ void watch_episode(const LoadedEnv& environment, const std::string& policy, std:
   });
 }
 
-TraceSample trace_sample(const QuadrupedEnv& env) {
-  TraceSample sample(env.world(), env.targets());
-  sample.parameters = env.info().parameters;
-  return sample;
-}
-
-Trace trace_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed) {
-  Trace trace;
+void record_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
+                    TraceSink& sink) {
   watch_episode(environment, policy, seed,
-                [&trace](const QuadrupedEnv& env) { trace.push_back(trace_sample(env)); });
-  return trace;
+                [&sink](const QuadrupedEnv& env) { sink.add(TraceSample(env.world(), env.targets())); });
 }
 
 Transfer transfer_policy(const LoadedEnv& environment, const NamedPolicy& policy,

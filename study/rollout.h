@@ -54,10 +54,9 @@ Rollout roll_out(const LoadedEnv& environment, const std::vector<std::string>& p
 /// The first episode of a policy once more. @param observer  sees the environment after every policy step
 void watch_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
                    const std::function<void(const QuadrupedEnv&)>& observer);
-/// State, targets, contacts and parameters of an environment.
-TraceSample trace_sample(const QuadrupedEnv& env);
-/// The same episode as a trace.
-Trace trace_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed);
+/// The same episode as a trace: `sink` takes what it is after every policy step.
+void record_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
+                    TraceSink& sink);
 
 /// One policy, and none, in one engine on one ground.
 struct TransferCell {

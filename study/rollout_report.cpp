@@ -77,6 +77,7 @@ nlohmann::ordered_json to_json(const Evaluation& e) {
   for (const OutcomeRow& row : outcome_rows()) outcomes[std::string(row.name)] = e.count(row.outcome);
   ordered_json json{{"episodes", e.episodes},
                     {"outcomes", outcomes},
+                    {"ended_early", e.ended_early()},
                     {"falls", e.count(Outcome::kFell)},
                     {"left_terrain", e.count(Outcome::kLeftTerrain)},
                     {"diverged", e.count(Outcome::kDiverged)},

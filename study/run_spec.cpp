@@ -10,7 +10,6 @@
 #include "physics/core/files_read.h"
 #include "physics/core/hash.h"
 #include "physics/robot/robot_identity.h"
-#include "physics/robot_files/data_path.h"
 #include "study/rollout.h"
 
 namespace crossgait {
@@ -67,14 +66,10 @@ Json to_json(const std::vector<SpeedBand>& bands) {
   return result;
 }
 
-Json identity_of(const RobotDescription& robot) {
-  return {{"name", robot.name}, {"description", identity_hash(robot)}};
-}
-
 Json to_json(const LoadedWalk& walk) {
   const WalkConfig& c = walk.config;
   return {{"kind", "walk"},
-          {"robot", identity_of(*walk.world.robot)},
+          {"robot", identity_of_robot(*walk.world.robot)},
           {"terrain", terrain_json(c.terrain)},
           {"terrain_seed", c.terrain_seed},
           {"friction", c.friction},
@@ -99,7 +94,7 @@ Json to_json(const LoadedPolicy& c) {
   config.robot.clear();
   config.terrain.clear();
   return {{"kind", "policy"},
-          {"robot", identity_of(*c.model->robot)},
+          {"robot", identity_of_robot(*c.model->robot)},
           {"terrain", terrain_json(c.model->config.terrain)},
           {"environment", to_yaml(config)},
           {"policy", policy_json(c.policy, c.model->interface)}};
@@ -134,8 +129,8 @@ std::variant<LoadedWalk, LoadedPolicy> loaded_of(const std::variant<WalkConfig, 
 
 }  // namespace
 
-Json identity_of_robot(const std::string& name_or_file) {
-  return identity_of(load_robot(find_robot(name_or_file)));
+Json identity_of_robot(const RobotDescription& robot) {
+  return {{"name", robot.name}, {"description", identity_hash(robot)}};
 }
 
 LoadedBehaviour::LoadedBehaviour(const BehaviourSpec& spec)
@@ -190,8 +185,8 @@ std::string run_hash(const RunSpec& run) { return fnv1a_hex(canonical_json(run))
 
 Behaviour make_behaviour(const LoadedWalk& walk, const WalkSetup& setup, const StartRanges& starts,
                          std::uint64_t seed) {
-  const auto terrain = [ground = walk.ground, first = walk.config.terrain_seed](std::size_t k) {
-    return ground.make(first + k);
+  const auto terrain = [ground = walk.ground, seed = walk.config.terrain_seed](std::size_t k) {
+    return ground.make(terrain_seed_of_start(seed, k));
   };
   return walk_behaviour(walk.world, setup, terrain, starts, seed);
 }

@@ -80,8 +80,8 @@ std::string canonical_json(const RunSpec& run);
 /// 64-bit FNV-1a of the canonical JSON, as 16 hexadecimal digits.
 std::string run_hash(const RunSpec& run);
 
-/// The robot by its name and `identity_hash`. @throws ConfigError
-nlohmann::json identity_of_robot(const std::string& name_or_file);
+/// Returns the robot's name and `identity_hash`.
+nlohmann::json identity_of_robot(const RobotDescription& robot);
 
 /// What is judged and run. @throws ConfigError for what cannot be made
 Behaviour make_behaviour(const LoadedBehaviour& loaded);

@@ -12,6 +12,7 @@
 #include "motion/statistic_rows.h"
 #include "motion/walk.h"
 #include "physics/core/table.h"
+#include "physics/robot/actuator.h"
 
 namespace crossgait {
 namespace {
@@ -61,8 +62,11 @@ std::vector<std::string> complaints_of(const TrialWalk& walk) {
 }
 
 bool saturated(const RobotDescription& robot, const std::vector<int>& servos, const PhysicsBackend& world) {
-  return std::any_of(servos.begin(), servos.end(),
-                     [&](int i) { return std::abs(world.torques()[i]) >= robot.joint(i).effort_limit; });
+  return std::any_of(servos.begin(), servos.end(), [&](int i) {
+    const Joint& joint = robot.joint(i);
+    const double torque = world.torques()[i];
+    return torque >= joint.effort_limit || -torque >= negative_effort(joint);
+  });
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ std::string gaps(std::vector<const StatisticVerdict*> statistics) {
   return listed(parts);
 }
 
-std::string failures(const Verdict& verdict, std::size_t starts) {
+std::string failures(const Verdict& verdict, std::size_t starts, std::size_t looks) {
   if (describe(verdict.outcomes_a) != describe(verdict.outcomes_b)) {
     return fmt::format("{}: {}; {}: {}.", verdict.a, describe(verdict.outcomes_a), verdict.b,
                        describe(verdict.outcomes_b));
@@ -63,7 +63,7 @@ std::string failures(const Verdict& verdict, std::size_t starts) {
   };
   if (failed(verdict.outcomes_a) > 0) return fmt::format("Both: {}.", describe(verdict.outcomes_a));
   return fmt::format("No run of {} failed, which excludes failures in more than {:.0f} % of runs.", starts,
-                     100 * share_upper_limit(0, starts, kEquivalenceTail));
+                     100 * share_upper_limit(0, starts, kEquivalenceTail / static_cast<double>(looks)));
 }
 
 // Why the largest gap is there.
@@ -97,10 +97,9 @@ std::string pair_sentence(const Verdict& v) {
       return fmt::format("{} and {} agree in all {} statistics.", v.a, v.b, agree.size());
     case Word::kDiffers: {
       std::string rest;
-      if (!agree.empty())
-        rest = fmt::format("; {} agree{}", listed(names(agree)), agree.size() == 1 ? "s" : "");
-      if (!step.empty()) rest += fmt::format("; {} depends on the time step", listed(names(step)));
-      if (!open.empty()) rest += fmt::format("; {} unresolved", listed(names(open)));
+      if (!agree.empty()) rest = fmt::format("; within the margin: {}", listed(names(agree)));
+      if (!step.empty()) rest += fmt::format("; step-dependent: {}", listed(names(step)));
+      if (!open.empty()) rest += fmt::format("; unresolved: {}", listed(names(open)));
       return fmt::format("{} and {} differ in {}{}.", v.a, v.b, gaps(differ), rest);
     }
     case Word::kStepDependent:
@@ -110,8 +109,7 @@ std::string pair_sentence(const Verdict& v) {
       break;
   }
   return fmt::format("Whether {} and {} agree in {} is not resolved{}.", v.a, v.b, listed(names(open)),
-                     v.starts_needed ? fmt::format(" ({} starts would tell)", *v.starts_needed)
-                                     : " by any number of starts up to 10000");
+                     v.starts_needed ? fmt::format(" (about {} starts would tell)", *v.starts_needed) : "");
 }
 
 std::vector<std::string> engine_names(const EngineComparison& comparison,
@@ -137,7 +135,7 @@ std::string summary(const EngineComparison& comparison) {
   const std::string behaviour = pairs.front().behaviour;
   if (pairs.size() == 1) {
     return fmt::format("{}: {} {}{}", behaviour, pair_sentence(pairs.front()),
-                       failures(pairs.front(), comparison.verdicts.starts),
+                       failures(pairs.front(), comparison.verdicts.starts, comparison.verdicts.options.looks),
                        cause(pairs.front(), comparison.backgrounds.front()));
   }
   std::string text = fmt::format("{}: {}", behaviour, groups(comparison));

@@ -25,19 +25,13 @@ void check_engines(const std::vector<std::string>& engines) {
 
 }  // namespace
 
-WalkRun walk(const LoadedWalk& loaded, const std::string& engine, const Progress& progress,
-             const SampleObserver& observer) {
-  const auto world = find_engine(engine).make(loaded.world);
-  return record_walk(*world, loaded.config.setup(), progress, observer);
-}
-
 Comparison compare_walks(const WorldSpec& world, const WalkSetup& setup,
                          const std::vector<std::string>& engines, const DivergenceTolerances& tolerances,
-                         const StageProgress& progress, const SampleObserver& observer) {
+                         const StageProgress& progress, const TraceSinks& sinks) {
   check_engines(engines);
   std::vector<std::unique_ptr<PhysicsBackend>> worlds;
   for (const std::string& engine : engines) worlds.push_back(find_engine(engine).make(world));
-  return compare_engines(worlds, setup, tolerances, progress_of(progress, "comparing"), observer);
+  return compare_engines(worlds, setup, tolerances, progress_of(progress, "comparing"), sinks);
 }
 
 namespace {
@@ -60,10 +54,10 @@ std::optional<EngineComparison> judge_walks(const LoadedWalk& loaded, const std:
 
 WalkComparison compare_walks(const LoadedWalk& loaded, const std::vector<std::string>& engines,
                              const CompareOptions& options, const StageProgress& progress,
-                             const SampleObserver& observer) {
+                             const TraceSinks& sinks) {
   WalkComparison result;
   result.comparison =
-      compare_walks(loaded.world, loaded.config.setup(), engines, options.tolerances, progress, observer);
+      compare_walks(loaded.world, loaded.config.setup(), engines, options.tolerances, progress, sinks);
   result.interrupted = result.comparison.interrupted;
   if (!options.verdict || result.interrupted) return result;
   try {

@@ -11,10 +11,6 @@
 
 namespace crossgait {
 
-/// One walk in one engine; `record_walk` says what an interruption leaves. @throws ConfigError
-WalkRun walk(const LoadedWalk& loaded, const std::string& engine, const Progress& progress = {},
-             const SampleObserver& observer = {});
-
 struct CompareOptions {
   DivergenceTolerances tolerances;  ///< for engines of different laws
   bool verdict = false;             ///< also judge the first engine of each set of laws
@@ -31,12 +27,12 @@ struct WalkComparison {
 /// a verdict. @throws ConfigError for fewer than two engines, or one twice
 WalkComparison compare_walks(const LoadedWalk& loaded, const std::vector<std::string>& engines,
                              const CompareOptions& options = {}, const StageProgress& progress = {},
-                             const SampleObserver& observer = {});
+                             const TraceSinks& sinks = {});
 
 /// The same of any walk in its world, without a verdict.
 Comparison compare_walks(const WorldSpec& world, const WalkSetup& setup,
                          const std::vector<std::string>& engines, const DivergenceTolerances& tolerances = {},
-                         const StageProgress& progress = {}, const SampleObserver& observer = {});
+                         const StageProgress& progress = {}, const TraceSinks& sinks = {});
 
 /// With their schemas: docs/schemas/walk.json and compare.json.
 nlohmann::ordered_json report(const WalkRun& run);

@@ -6,7 +6,7 @@ namespace crossgait {
 namespace {
 
 ClosedLoop::Options loop_options(double control_dt) {
-  return {.control_dt = control_dt, .terminations = OutcomeSet::of_walks().add(Outcome::kLeftTerrain)};
+  return {.control_dt = control_dt, .terminations = OutcomeSet::of_walks()};
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ std::shared_ptr<const EnvModel> model_of(LoadedEnv environment) {
   config.randomisation = {};
   config.command = VelocityCommand{};
   config.episode_seconds = kLongestView;
-  config.terminations = OutcomeSet::of_walks().add(Outcome::kLeftTerrain);
+  config.terminations = OutcomeSet::of_walks();
   return EnvModel::make(environment);
 }
 

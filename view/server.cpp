@@ -9,6 +9,7 @@
 #include <httplib.h>
 
 #include "physics/core/error.h"
+#include "view/connections.h"
 #include "view/request_check.h"
 
 namespace crossgait {
@@ -19,10 +20,6 @@ using Handled = httplib::Server::HandlerResponse;
 
 /// How long a stream without news says nothing: then a comment, so that the end of a connection is noticed.
 constexpr auto kPatience = 500ms;
-/// A client that takes nothing for so long is let go, s.
-constexpr int kWriteSeconds = 2;
-/// A client that connects and says nothing for so long is let go, s.
-constexpr int kFirstByteSeconds = 2;
 /// Threads for requests that are no streams.
 constexpr std::size_t kShortRequests = 8;
 
@@ -62,7 +59,8 @@ void require_view_server() {}
 
 class ViewServer::Implementation {
  public:
-  Implementation(LiveView& view, const ViewServerOptions& options) : view_(view), options_(options) {
+  Implementation(LiveView& view, const ViewServerOptions& options)
+      : view_(view), options_(options), server_({.threads = options.viewers + kShortRequests}) {
     configure();
     route();
     constexpr const char* kLoopback = "127.0.0.1";
@@ -82,7 +80,7 @@ class ViewServer::Implementation {
   }
   ~Implementation() {
     ending_ = true;
-    server_.stop();
+    server_.end();
     thread_.join();
   }
   Implementation(const Implementation&) = delete;
@@ -93,15 +91,9 @@ class ViewServer::Implementation {
 
  private:
   void configure() {
-    const std::size_t threads = options_.viewers + kShortRequests;
-    server_.new_task_queue = [threads] { return new httplib::ThreadPool(threads); };
     server_.set_socket_options(prepare_socket);
     server_.set_tcp_nodelay(true);
     server_.set_payload_max_length(kMaxCommandBytes);
-    server_.set_write_timeout(kWriteSeconds);
-    server_.set_keep_alive_timeout(kFirstByteSeconds);
-    // One request per connection: what is refused unread cannot be taken for the next one.
-    server_.set_keep_alive_max_count(1);
     server_.set_default_headers({{"Cache-Control", "no-store"},
                                  {"Content-Security-Policy", "frame-ancestors 'none'"},
                                  {"Cross-Origin-Resource-Policy", "same-origin"},
@@ -198,7 +190,7 @@ class ViewServer::Implementation {
 
   LiveView& view_;
   const ViewServerOptions options_;
-  httplib::Server server_;
+  BoundedServer server_;  // one request per connection: what is refused unread is not taken for the next one
   int port_ = 0;
   std::atomic<int> viewers_{0};
   std::atomic<bool> ending_{false}, listened_{false};

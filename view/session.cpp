@@ -137,21 +137,20 @@ void ViewSession::advance(int steps) {
 void ViewSession::record(bool on) {
   finish_recording();
   if (!on) return;
-  recorders_.assign(instances_.size(), RunRecorder(world().robot));
+  recorders_.assign(instances_.size(), TraceRecorder());
   recorded_times_.clear();
   for (const auto& instance : instances_) recorded_times_.push_back(instance->world().state().time);
 }
 
 void ViewSession::finish_recording() {
   if (recorders_.empty()) return;
-  std::vector<RunRecorder> recorders = std::exchange(recorders_, {});
+  std::vector<TraceRecorder> recorders = std::exchange(recorders_, {});
   const std::size_t steps = std::exchange(recorded_steps_, 0);
   Motion motion{world().robot, world().terrain, {}, {}};
   for (std::size_t instance = 0; instance < instances_.size(); ++instance) {
-    if (recorders[instance].empty()) continue;
+    if (recorders[instance].samples().empty()) continue;
     const EngineInfo& engine = instances_[instance]->world().info();
-    motion.runs.push_back(
-        {engine.name, engine.library + " " + engine.version, recorders[instance].take(engine.name)});
+    motion.runs.push_back({engine.name, engine.library + " " + engine.version, recorders[instance].take()});
   }
   if (motion.runs.empty()) return;
   ReportPage page;

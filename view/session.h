@@ -98,8 +98,8 @@ class ViewSession {
   std::vector<std::unique_ptr<RobotInstance>> instances_;
   int scene_revision_ = 1, recordings_ = 0;
   bool paused_ = false;
-  std::vector<RunRecorder> recorders_;  // one per instance while there is a recording
-  std::vector<double> recorded_times_;  // of the last step of each that was recorded, s
+  std::vector<TraceRecorder> recorders_;  // one per instance while there is a recording
+  std::vector<double> recorded_times_;    // of the last step of each that was recorded, s
   std::size_t recorded_steps_ = 0;
   std::shared_ptr<const ReportPage> recording_;
 };

@@ -55,6 +55,7 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
                                         const btContactSolverInfo& info, btIDebugDraw* drawer) override;
   btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
                                          const btContactSolverInfo& info) override;
+  void bound_push_out(btMultiBodySolverConstraint& row) const noexcept;
   void refer_to_joint_stage(btMultiBodySolverConstraint& row) noexcept;
   void make_friction_motors();
   void report_native_contacts() noexcept;

@@ -1,11 +1,13 @@
 // bullet:own, by the code of Bullet's library as it ships: hard contact (position error reduction erp2 = 0.2,
 // no softness), friction bounded by the normal impulse of the sweep, motors for the dry friction of joints.
-// The one change: rows respond through the joint stage (armature, closed loops) instead of the bare tree.
+// Two changes: rows respond through the joint stage (armature, closed loops) instead of the bare tree, and
+// penetrations are undone no faster than hard contact allows (HardContact::most_push_out).
 #include <algorithm>
 #include <cmath>
 
 #include "backends/bullet/constraint_solver.h"
 #include "backends/bullet/convert.h"
+#include "backends/contact/law_factors.h"
 
 namespace crossgait::bullet {
 namespace {
@@ -52,6 +54,7 @@ btScalar ConstraintSolver::solveGroupCacheFriendlySetup(btCollisionObject** bodi
     refer_to_joint_stage(m_multiBodyNonContactConstraints[i]);
   }
   for (int i = 0; i < m_multiBodyNormalContactConstraints.size(); ++i) {
+    bound_push_out(m_multiBodyNormalContactConstraints[i]);
     refer_to_joint_stage(m_multiBodyNormalContactConstraints[i]);
   }
   for (int i = 0; i < m_multiBodyFrictionContactConstraints.size(); ++i) {
@@ -61,6 +64,15 @@ btScalar ConstraintSolver::solveGroupCacheFriendlySetup(btCollisionObject** bodi
     scale_alike(m_multiBodyFrictionContactConstraints[i], m_multiBodyFrictionContactConstraints[i + 1]);
   }
   return result;
+}
+
+// Takes from a row what its penetration would push out beyond the speed that hard contact allows.
+void ConstraintSolver::bound_push_out(btMultiBodySolverConstraint& row) const noexcept {
+  const auto* p = static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
+  const double depth = -static_cast<double>(p->getDistance());
+  const double excess =
+      contact::kHardContact.error_reduction * depth / spec_.physics_dt - contact::kHardContact.most_push_out;
+  if (excess > 0) row.m_rhs -= excess * row.m_jacDiagABInv;
 }
 
 // Bullet iterates  dlambda = rhs - lambda cfm - (J dv) / (d + C)  with d = J M0^-1 J'. Replaces M0^-1 J' by

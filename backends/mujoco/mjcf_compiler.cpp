@@ -35,7 +35,6 @@ class Reader {
     for (int i = 0; i < m_.nbody; ++i) model.bodies.push_back(body(i));
     for (int i = 0; i < m_.njnt; ++i) model.joints.push_back(joint(i));
     for (int i = 0; i < m_.ngeom; ++i) model.geoms.push_back(geom(i));
-    for (int i = 0; i < actuator_count(m_); ++i) model.actuators.push_back(actuator(i));
     for (int i = 0; i < m_.neq; ++i) {
       if (m_.eq_type[i] == mjEQ_CONNECT && is_active(m_, i)) model.connects.push_back(connect(i));
     }
@@ -76,6 +75,7 @@ class Reader {
     joint.upper = m_.jnt_range[2 * i + 1];
     joint.reference = m_.qpos0[q];
     joint.stiffness = m_.jnt_stiffness[i];
+    joint.spring_reference = m_.qpos_spring[q];
     joint.damping = m_.dof_damping[v];
     joint.friction = m_.dof_frictionloss[v];
     joint.armature = m_.dof_armature[v];
@@ -129,37 +129,6 @@ class Reader {
       rgba = m_.mat_rgba + 4 * static_cast<std::ptrdiff_t>(m_.geom_matid[i]);
     }
     return Eigen::Map<const Eigen::Vector4f>(rgba).cast<double>();
-  }
-
-  static double largest(const mjtNum* range) { return std::max(std::abs(range[0]), std::abs(range[1])); }
-
-  /// force = gain control + bias, of which the bias may hang on the joint's angle and speed (MuJoCo manual,
-  /// "Actuation model"). Through a gear g, a force f is a torque g f, and an angle q a length g q.
-  MjcfActuator actuator(int i) const {
-    MjcfActuator actuator;
-    actuator.name = name_of(mjOBJ_ACTUATOR, i);
-    const bool is_plain = m_.actuator_dyntype[i] == mjDYN_NONE && m_.actuator_gaintype[i] == mjGAIN_FIXED;
-    const int transmission = m_.actuator_trntype[i];
-    if (transmission == mjTRN_JOINT || transmission == mjTRN_JOINTINPARENT)
-      actuator.joint = m_.actuator_trnid[2 * i];
-    const double gear = m_.actuator_gear[6 * first_force(m_, i)];
-    const double gain = m_.actuator_gainprm[static_cast<std::ptrdiff_t>(i) * mjNGAIN];
-    const mjtNum* bias = m_.actuator_biasprm + static_cast<std::ptrdiff_t>(i) * mjNBIAS;
-    if (is_plain && m_.actuator_biastype[i] == mjBIAS_NONE) {
-      actuator.kind = MjcfActuatorKind::kMotor;
-      const int control = first_control(m_, i);
-      if (m_.actuator_ctrllimited[control] != 0)
-        actuator.effort = std::abs(gear * gain) * largest(m_.actuator_ctrlrange + 2 * control);
-    } else if (is_plain && m_.actuator_biastype[i] == mjBIAS_AFFINE && bias[1] <= 0 && bias[2] <= 0) {
-      actuator.kind = MjcfActuatorKind::kServo;
-      actuator.kp = -bias[1] * gear * gear;
-      actuator.kd = -bias[2] * gear * gear;
-    }
-    if (m_.actuator_forcelimited[i] != 0) {
-      const double force = std::abs(gear) * largest(m_.actuator_forcerange + 2 * i);
-      actuator.effort = actuator.effort > 0 ? std::min(force, actuator.effort) : force;
-    }
-    return actuator;
   }
 
   MjcfConnect connect(int i) const {

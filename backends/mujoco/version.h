@@ -125,17 +125,6 @@ inline void copy_inertia(const mjModel* m, const mjData* d, mjtNum* matrix) {
 #endif
 }
 
-/// Where an actuator's things are. There may be several controls and forces to one.
-#if mjVERSION_HEADER < 3011000
-inline int actuator_count(const mjModel& m) { return static_cast<int>(m.nu); }
-inline int first_control(const mjModel& /*m*/, int actuator) { return actuator; }
-inline int first_force(const mjModel& /*m*/, int actuator) { return actuator; }
-#else
-inline int actuator_count(const mjModel& m) { return static_cast<int>(m.nactuator); }
-inline int first_control(const mjModel& m, int actuator) { return m.actuator_ctrladr[actuator]; }
-inline int first_force(const mjModel& m, int actuator) { return m.actuator_outadr[actuator]; }
-#endif
-
 /// Whether a constraint of a model as it was compiled holds.
 inline bool is_active(const mjModel& m, int equality) {
 #if mjVERSION_HEADER < 300

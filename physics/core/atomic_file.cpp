@@ -2,31 +2,106 @@
 
 #include <atomic>
 #include <cerrno>
+#include <climits>
 #include <cstdio>
+#include <filesystem>
 #include <system_error>
 #include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "physics/core/error.h"
 
 namespace crossgait {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// "map.png.crossgait-1234-0.tmp": not longer than names may be, and another in every process and thread.
+std::string temporary_name(const std::string& name) {
+  static std::atomic<unsigned> counter{0};
+  const std::string own = fmt::format(".crossgait-{}-{}.tmp", ::getpid(), counter++);
+  return name.substr(0, NAME_MAX - own.size()) + own;
+}
+
+/// Takes `ending` and digits before it off the end of `name`. @returns whether they were there
+bool take_number(std::string_view& name, std::string_view ending) {
+  if (!name.ends_with(ending)) return false;
+  name.remove_suffix(ending.size());
+  const std::size_t number = name.find_last_not_of("0123456789") + 1;
+  const bool is_there = number < name.size();
+  name = name.substr(0, number);
+  return is_there;
+}
+
+bool is_temporary(std::string_view name) {
+  return take_number(name, ".tmp") && take_number(name, "-") && name.ends_with(".crossgait-");
+}
+
+/// Removes temporaries whose writers are gone: those hold the lock as long as they live. Where a file system
+/// has no locks, nothing is removed.
+void remove_left_over(const fs::path& folder) {
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    if (!is_temporary(entry->path().filename().native())) continue;
+    const int file = ::open(entry->path().c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (file < 0) continue;
+    struct stat status {};
+    if (::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && ::flock(file, LOCK_EX | LOCK_NB) == 0)
+      ::unlink(entry->path().c_str());
+    ::close(file);
+  }
+}
+
+}  // namespace
+
+std::string place_of_output(const std::string& path) {
+  constexpr int kMostLinks = 40;  // as the kernel follows
+  fs::path place = path;
+  std::error_code error;
+  for (int i = 0; i < kMostLinks; ++i) {
+    if (!fs::is_symlink(place, error)) return place.string();
+    place = place.parent_path() / fs::read_symlink(place, error);  // an absolute one replaces the folder
+  }
+  throw ConfigError(path, "output file", "links that lead to a place", "a circle of links");
+}
 
 AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
+  if (path_.empty()) throw ConfigError("output file", "name", "one that is not empty", "\"\"");
   struct stat existing {};
   special_ = ::stat(path_.c_str(), &existing) == 0 && !S_ISREG(existing.st_mode);
-  // Unique among processes and threads, so that two writers of one file do not meet in the temporary.
-  static std::atomic<unsigned> counter{0};
-  target_ = special_ ? path_ : fmt::format("{}.{}-{}.tmp", path_, ::getpid(), counter++);
-  const int flags = special_ ? O_WRONLY : O_WRONLY | O_CREAT | O_EXCL;
-  constexpr mode_t kMode = 0666;  // less the umask, like any other file
-  file_ = ::open(target_.c_str(), flags | O_CLOEXEC, kMode);
-  if (file_ < 0) {
-    target_.clear();
-    fail(errno);
+  // What /dev/stdout and a shell's >(...) lead to may have no name.
+  place_ = special_ ? path_ : place_of_output(path_);
+  if (special_) {
+    target_ = place_;
+    file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
+    if (file_ < 0) fail(errno);
+  } else {
+    open_temporary();
+  }
+}
+
+void AtomicFile::open_temporary() {
+  const fs::path place = place_;
+  remove_left_over(place.has_parent_path() ? place.parent_path() : fs::path("."));
+  while (true) {
+    target_ = (place.parent_path() / temporary_name(place.filename().string())).string();
+    constexpr mode_t kMode = 0666;  // less the umask, like any other file
+    file_ = ::open(target_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+    if (file_ < 0) {
+      target_.clear();
+      fail(errno);
+    }
+    // Says that its writer lives. Whoever removes what is left over may have had the lock first.
+    ::flock(file_, LOCK_EX);
+    struct stat status {};
+    if (::fstat(file_, &status) != 0) fail(errno);
+    if (status.st_nlink > 0) return;
+    ::close(file_);
   }
 }
 
@@ -66,8 +141,9 @@ void AtomicFile::flush() {
 void AtomicFile::commit() {
   flush();
   if (!special_ && ::fsync(file_) != 0) fail(errno);
-  if (::close(std::exchange(file_, -1)) != 0) fail(errno);
-  if (!special_ && std::rename(target_.c_str(), path_.c_str()) != 0) fail(errno);
+  // Under the lock, which ends when it is closed. What could fail then has been found by fsync.
+  if (!special_ && std::rename(target_.c_str(), place_.c_str()) != 0) fail(errno);
+  if (::close(std::exchange(file_, -1)) != 0 && special_) fail(errno);
 }
 
 void write_file_atomically(const std::string& path, std::string_view bytes) {

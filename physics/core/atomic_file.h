@@ -6,12 +6,20 @@
 
 namespace crossgait {
 
+/// Follows a symbolic link, and the links that it leads to, to the place where a file written to `path` is
+/// put; `path` itself if it is none. @throws ConfigError if they lead round in a circle
+std::string place_of_output(const std::string& path);
+
 /// A file that is written piece by piece into a temporary in the same folder, and renamed to `path` when it
-/// is whole: readers, and a program killed half-way, see the old file or the new one. Where `path` exists and
-/// is no regular file (a pipe, /dev/null), it is written to directly.
+/// is whole: readers, and a program killed half-way, see the old file or the new one. A symbolic link stays;
+/// what it leads to is replaced. Where `path` exists and is no regular file (a pipe, /dev/null), it is
+/// written to directly.
+///
+/// A program that was killed leaves its temporary, NAME.crossgait-PID-NUMBER.tmp. The next that is made in
+/// the folder removes those whose lock (`flock`) nobody holds.
 class AtomicFile {
  public:
-  /// @throws ConfigError if the folder does not exist or is not writable
+  /// @throws ConfigError if the path is empty, or the folder does not exist or is not writable
   explicit AtomicFile(std::string path);
   /// Removes what was not committed.
   ~AtomicFile();
@@ -24,10 +32,11 @@ class AtomicFile {
   void commit();
 
  private:
+  void open_temporary();
   void flush();
   [[noreturn]] void fail(int code);
 
-  std::string path_, target_, buffer_;
+  std::string path_, place_, target_, buffer_;  // as asked for, behind links, what is open, not yet written
   int file_ = -1;
   bool special_ = false;
 };

@@ -11,11 +11,12 @@ namespace {
 constexpr std::size_t kMostQuoted = 500, kMostPath = 4096, kMostExpected = 8192;
 
 /// Bytes of the character of UTF-8 that `text` begins with; 0 if it begins with none, or with a control
-/// character.
+/// character (of C0 or C1, or delete): some terminals take U+009B for the beginning of a command.
 std::size_t printable(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text.front());
   if (lead < 0x80) return (lead < 0x20 && lead != '\n' && lead != '\t') || lead == 0x7f ? 0 : 1;
   if (lead < 0xC2 || lead > 0xF4) return 0;
+  if (lead == 0xC2 && text.size() > 1 && static_cast<unsigned char>(text[1]) < 0xA0) return 0;
   const std::size_t length = lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
   const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
   const std::string_view rest = text.substr(1, length - 1);

@@ -78,6 +78,14 @@ TagEnd end_of_tag(std::string_view text, std::size_t at) {
   return {at, attributes};
 }
 
+/// Parsers take a byte of zero for the end, and would pass over what stands behind it.
+void check_is_text(std::string_view text, const std::string& source, int line) {
+  const std::size_t at = text.find('\0');
+  if (at == std::string_view::npos) return;
+  line += static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+  throw ConfigError(source, fmt::format("line {}", line), "text", "a byte of zero");
+}
+
 }  // namespace
 
 std::string size_in_words(std::size_t bytes) {
@@ -91,6 +99,7 @@ void check_json_budget(std::string_view text, const ReadBudget& budget, const st
     throw ConfigError(source, fmt::format("line {}", line),
                       fmt::format("at most {}", size_in_words(budget.bytes)), size_in_words(text.size()));
   }
+  check_is_text(text, source, line);
   Count count(text, budget, source, "values", line);
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -111,6 +120,7 @@ void check_json_budget(std::string_view text, const ReadBudget& budget, const st
 }
 
 void check_xml_budget(std::string_view text, const ReadBudget& budget, const std::string& source) {
+  check_is_text(text, source, 1);
   Count count(text, budget, source, "elements");
   for (std::size_t at = text.find('<'); at < text.size(); at = text.find('<', at)) {
     const std::string_view rest = text.substr(at);

@@ -40,6 +40,9 @@ inline constexpr ReadBudget kMeshBudget{32 * kMebibyte, 2'000'000, 1};
 /// for every use of it.
 inline constexpr std::size_t kMaxRobotMeshBytes = 2 * kMeshBudget.bytes;
 inline constexpr std::size_t kMaxRobotMeshVertices = 1'000'000;
+/// Meshes of a robot that differ in a vertex or in their scale, to each of which a shape is fitted: a hull of
+/// 200 corners takes up to a millisecond.
+inline constexpr std::size_t kMaxFittedMeshes = 1000;
 /// Results of `crossgait bench`: 1,100 values in 35 kB. Here and below the number of values is also that of
 /// the keys of one object, which JSON in order of insertion compares one by one with every new key.
 inline constexpr ReadBudget kJsonBudget{kMebibyte, 10'000, 32};
@@ -70,7 +73,8 @@ inline constexpr ReadBudget kPictureBudget{48 * kMebibyte, std::size_t{1} << 24U
 std::string size_in_words(std::size_t bytes);
 
 /// Counts the values and levels of a JSON text without making anything of it; text that is no JSON is the
-/// parser's to refuse. @param line  number of the text's first line in its file
+/// parser's to refuse, but for bytes of zero, behind which no parser looks. @param line  number of the text's
+/// first line in its file
 /// @throws ConfigError naming `source` and the line
 void check_json_budget(std::string_view text, const ReadBudget& budget, const std::string& source,
                        int line = 1);

@@ -1,5 +1,11 @@
 #include "physics/core/worker_pool.h"
 
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
 namespace crossgait {
 namespace {
 
@@ -16,7 +22,7 @@ void wait_while(const std::atomic<std::size_t>& value, std::size_t old) noexcept
 
 }  // namespace
 
-WorkerPool::WorkerPool(std::size_t workers) {
+WorkerPool::WorkerPool(std::size_t workers) : process_(::getpid()) {
   try {
     for (std::size_t i = 1; i < workers; ++i) threads_.emplace_back([this] { serve(); });
   } catch (...) {
@@ -28,6 +34,12 @@ WorkerPool::WorkerPool(std::size_t workers) {
 WorkerPool::~WorkerPool() { stop(); }
 
 void WorkerPool::stop() noexcept {
+  if (process_ != ::getpid()) {
+    // There is nobody to stop, waiting for their end would never end, and other threads may have taken the
+    // memory that the handles stand for: they are not touched any more.
+    static_cast<void>(new std::vector<std::jthread>(std::move(threads_)));
+    return;
+  }
   stop_ = true;
   round_.fetch_add(1, std::memory_order_release);
   round_.notify_all();
@@ -57,6 +69,13 @@ void WorkerPool::work() noexcept {
 }
 
 void WorkerPool::run(std::size_t count, Call call, const void* function) {
+  if (!threads_.empty() && process_ != ::getpid()) {
+    throw std::logic_error(
+        fmt::format("worker threads: they are those of process {}, and this one is a fork of it, which has "
+                    "none of them: make "
+                    "what works in threads anew in each process, or start processes by spawn instead of fork",
+                    process_));
+  }
   call_ = call;
   function_ = function;
   count_ = count;

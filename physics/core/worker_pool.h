@@ -12,7 +12,8 @@
 namespace crossgait {
 
 /// Calls a function for every index of a range, on all workers at once. Which worker gets which index is left
-/// to chance, so results must not depend on it. The caller's thread is one of the workers.
+/// to chance, so results must not depend on it. The caller's thread is one of the workers. A fork of the
+/// process has none of the threads: there, a pool of several workers refuses to work.
 class WorkerPool {
  public:
   /// @param workers  at least 1; 1 starts no thread
@@ -28,6 +29,7 @@ class WorkerPool {
 
   /// Calls function(0) ... function(count - 1) and returns when all are done. Allocates nothing. Throws what
   /// the call of lowest index threw, after all others are done.
+  /// @throws std::logic_error, calling nothing, in a fork of the process that made the pool
   template <typename Function>
   void run(std::size_t count, const Function& function) {
     run(
@@ -46,6 +48,7 @@ class WorkerPool {
   const void* function_ = nullptr;
   std::size_t count_ = 0;
   bool stop_ = false;
+  long process_ = 0;  // that has the threads
 
   std::atomic<std::size_t> round_{0};  // begins with every change
   std::atomic<std::size_t> busy_{0};   // threads that have not finished the round

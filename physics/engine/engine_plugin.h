@@ -98,7 +98,6 @@ consteval Text make_stamp() {
   text.add_type<MjcfBody>("MjcfBody");
   text.add_type<MjcfJoint>("MjcfJoint");
   text.add_type<MjcfGeom>("MjcfGeom");
-  text.add_type<MjcfActuator>("MjcfActuator");
   text.add_type<MjcfConnect>("MjcfConnect");
   text.add_type<MjcfModel>("MjcfModel");
   return text;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/robot/actuator.h"
 
 namespace crossgait {
 namespace {
@@ -87,7 +88,8 @@ void PhysicsBackend::reset(const RobotState& state) {
 
 void PhysicsBackend::compute_torques(const JointTargets& targets) noexcept {
   const RobotDescription& robot = *spec_.robot;
-  for (int i = 0; i < robot.joint_count(); ++i) torques_[i] = -robot.joint(i).damping * state_.qd[i];
+  for (int i = 0; i < robot.joint_count(); ++i)
+    torques_[i] = passive_torque(robot.joint(i), state_.q[i], state_.qd[i]);
   drives_.add_torques(targets, state_, torques_);
 }
 

@@ -98,7 +98,7 @@ class PhysicsBackend {
 
   /// Advances `substeps` physics steps holding `targets`; torques are recomputed every physics step:
   /// tau = clamp(kp (q* - q) - kd qd, +-effort_limit) on servos (with what their drives fall short of:
-  /// drives.h), then - damping qd on every joint.
+  /// drives.h), then - damping qd - stiffness (q - spring_reference) on every joint.
   /// Targets are clamped to the joints' limits. Targets of the wrong size or not finite change nothing and
   /// return kInvalidTargets. After kDiverged the state keeps its last good value and every further step
   /// returns kDiverged until reset or restore.

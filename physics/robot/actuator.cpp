@@ -5,11 +5,11 @@
 namespace crossgait {
 namespace {
 
-// The largest torque in a direction in which the joint turns at `speed`, rad/s.
-double available(const Joint& joint, double speed) noexcept {
-  if (joint.no_load_speed <= 0) return joint.effort_limit;
+// What is left of a torque limit in a direction in which the joint turns at `speed`, rad/s.
+double available(const Joint& joint, double limit, double speed) noexcept {
+  if (joint.no_load_speed <= 0) return limit;
   const double share = (joint.no_load_speed - speed) / (joint.no_load_speed - joint.corner_speed);
-  return joint.effort_limit * std::clamp(share, 0.0, 1.0);
+  return limit * std::clamp(share, 0.0, 1.0);
 }
 
 double through_play(const Joint& joint, double error, double qd) noexcept {
@@ -25,7 +25,8 @@ double servo_torque(const Joint& joint, double target, double measured, double q
   const double error = target - measured;
   const double wanted =
       joint.backlash > 0 ? through_play(joint, error, qd) : joint.kp * error - joint.kd * qd;
-  return std::clamp(wanted, -available(joint, -qd), available(joint, qd));
+  return std::clamp(wanted, -available(joint, negative_effort(joint), -qd),
+                    available(joint, joint.effort_limit, qd));
 }
 
 }  // namespace crossgait

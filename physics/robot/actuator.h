@@ -1,6 +1,8 @@
 // The servo law shared by every engine.
 #pragma once
 
+#include <algorithm>
+
 #include "physics/robot/robot.h"
 
 namespace crossgait {
@@ -14,8 +16,24 @@ namespace crossgait {
 /// Gutman, Controlling mechanical systems with backlash - a survey, 2002). effort(v) is Joint::effort_limit
 /// up to Joint::corner_speed in the torque's direction and falls linearly to nothing at Joint::no_load_speed;
 /// a drive brakes with all its torque. Without backlash and no_load_speed, which is the default,
-/// tau = clamp(kp (target - measured) - kd qd, +-effort_limit).
+/// tau = clamp(kp (target - measured) - kd qd, +-effort_limit). A joint may have another limit in the
+/// direction of negative torque (Joint::effort_negative).
 /// @param measured  the joint's angle as the servo knows it, rad
 double servo_torque(const Joint& joint, double target, double measured, double qd) noexcept;
+
+/// Clips a target to its servo's range, then to the joint's limits, rad. The two need not overlap.
+inline double clip_target(const Joint& joint, double target) noexcept {
+  return std::clamp(std::clamp(target, joint.target_lower, joint.target_upper), joint.lower, joint.upper);
+}
+
+/// The torque of what a joint has beside a servo, N m: -damping qd - stiffness (q - spring_reference).
+inline double passive_torque(const Joint& joint, double q, double qd) noexcept {
+  return -joint.damping * qd - joint.stiffness * (q - joint.spring_reference);
+}
+
+/// The largest torque in the direction of negative torque, N m.
+inline double negative_effort(const Joint& joint) noexcept {
+  return joint.effort_negative > 0 ? joint.effort_negative : joint.effort_limit;
+}
 
 }  // namespace crossgait

@@ -36,10 +36,12 @@ Drives::Drives(const RobotDescription& robot, double physics_dt) {
   std::size_t longest = 0;
   for (const int i : robot.actuated_joints()) {
     const Joint& joint = robot.joint(i);
-    servos_.push_back({i, delay_steps(joint, physics_dt, robot.source), joint});
+    const double left = joint.lag > 0 ? std::exp(-physics_dt / joint.lag) : 0;
+    servos_.push_back({i, delay_steps(joint, physics_dt, robot.source), left, joint});
     longest = std::max(longest, servos_.back().delay);
   }
-  line_.assign(longest + 1, JointVector::Zero(static_cast<Eigen::Index>(servos_.size())));
+  held_ = JointVector::Zero(static_cast<Eigen::Index>(servos_.size()));
+  line_.assign(longest + 1, held_);
 }
 
 void Drives::add_torques(const JointTargets& targets, const RobotState& state,
@@ -51,10 +53,14 @@ void Drives::add_torques(const JointTargets& targets, const RobotState& state,
     const Servo& servo = servos_[k];
     const Joint& joint = servo.joint;
     const double asked = line_[(now + rows - servo.delay) % rows][static_cast<Eigen::Index>(k)];
-    const double target = std::clamp(asked, joint.lower, joint.upper);
+    const double target = clip_target(joint, asked);
+    double& held = held_[static_cast<Eigen::Index>(k)];
+    if (steps_ == 0) held = target;
     double measured = state.q[servo.index];
     if (joint.sensor_noise > 0) measured += error_of(joint.sensor_noise, steps_, servo.index);
-    torques[servo.index] += servo_torque(joint, target, measured, state.qd[servo.index]);
+    torques[servo.index] +=
+        servo_torque(joint, servo.left > 0 ? held : target, measured, state.qd[servo.index]);
+    held = target + servo.left * (held - target);
   }
   ++steps_;
 }
@@ -62,6 +68,7 @@ void Drives::add_torques(const JointTargets& targets, const RobotState& state,
 void Drives::save(std::vector<double>& out) const {
   out.push_back(static_cast<double>(steps_));
   for (const JointVector& row : line_) out.insert(out.end(), row.begin(), row.end());
+  out.insert(out.end(), held_.begin(), held_.end());
 }
 
 void Drives::restore(const std::vector<double>& saved) {
@@ -71,6 +78,7 @@ void Drives::restore(const std::vector<double>& saved) {
     std::copy_n(next, row.size(), row.begin());
     next += row.size();
   }
+  std::copy_n(next, held_.size(), held_.begin());
 }
 
 }  // namespace crossgait

@@ -9,7 +9,10 @@
 
 namespace crossgait {
 
-/// Targets on their way (Joint::delay) and errors of measurement (Joint::sensor_noise) over the servo law.
+/// Targets on their way (Joint::delay, Joint::lag) and errors of measurement (Joint::sensor_noise) over the
+/// servo law. Targets are clipped (Joint::lower, Joint::target_lower), delayed, and then followed: what a
+/// servo holds comes nearer to its target by the factor exp(-dt / lag) a step (MuJoCo's `filterexact`, which
+/// acts from the next step on).
 /// A value: a copy goes on from there.
 class Drives {
  public:
@@ -32,11 +35,13 @@ class Drives {
   struct Servo {
     int index;          // of its joint
     std::size_t delay;  // physics steps
+    double left;        // of the way to a target after one step, for its lag
     Joint joint;
   };
 
   std::vector<Servo> servos_;
   std::vector<JointVector> line_;  // targets of the last steps, this one's included
+  JointVector held_;               // what servos with a lag hold now
   std::uint64_t steps_ = 0;        // since the restart
 };
 

@@ -35,15 +35,24 @@ inline constexpr std::array kJointNumbers{
     JointNumber{"kd", "N m s/rad", &Joint::kd, JointNumberOf::kServo, kLargestGain},
     JointNumber{"effort", "N m", &Joint::effort_limit, JointNumberOf::kServo, kLargestGain, true,
                 "effort limit (N m) of a servo"},
+    JointNumber{"effort_negative", "N m", &Joint::effort_negative, JointNumberOf::kServo, kLargestGain},
     JointNumber{"damping", "N m s/rad", &Joint::damping, JointNumberOf::kJoint, kLargestGain},
+    JointNumber{"stiffness", "N m/rad", &Joint::stiffness, JointNumberOf::kJoint, kLargestGain},
     JointNumber{"armature", "kg m^2", &Joint::armature, JointNumberOf::kJoint, kLargestInertia},
     JointNumber{"friction", "N m", &Joint::friction, JointNumberOf::kJoint, kLargestGain},
     JointNumber{"corner_speed", "rad/s", &Joint::corner_speed, JointNumberOf::kDrive, kLargestGain},
     JointNumber{"no_load_speed", "rad/s", &Joint::no_load_speed, JointNumberOf::kDrive, kLargestGain},
     JointNumber{"backlash", "rad", &Joint::backlash, JointNumberOf::kDrive, kLargestAngle},
     JointNumber{"delay", "s", &Joint::delay, JointNumberOf::kDrive, kLongestDelay},
+    JointNumber{"lag", "s", &Joint::lag, JointNumberOf::kDrive, kLongestDelay},
     JointNumber{"sensor_noise", "rad", &Joint::sensor_noise, JointNumberOf::kDrive, kLargestAngle},
 };
+
+/// Sets a number of a joint. A torque limit is that of both directions unless the other one is set after it.
+inline void set_number(const JointNumber& number, double value, Joint& joint) {
+  joint.*number.member = value;
+  if (number.member == &Joint::effort_limit) joint.effort_negative = 0;
+}
 
 /// Lists the names of the rows of some kinds.
 inline std::vector<std::string_view> joint_number_names(std::initializer_list<JointNumberOf> kinds) {

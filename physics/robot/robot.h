@@ -70,18 +70,24 @@ struct Joint {
       -3.14159265358979323846;  ///< rad; limits bound commanded targets, engines do not enforce them
   double upper = 3.14159265358979323846;  ///< rad
   double damping = 0;                     ///< viscous, N m s/rad; explicit on every engine
+  double stiffness = 0;                   ///< of a spring beside the servo, N m/rad; explicit on every engine
+  double spring_reference = 0;            ///< angle at which that spring is at rest, rad
   double friction = 0;                    ///< dry (Coulomb), N m; a law of the engine's (docs/conventions.md)
   double armature = 0;                    ///< rotor inertia reflected to the joint, kg m^2
   bool actuated = false;
-  double kp = 0;            ///< servo stiffness, N m/rad
-  double kd = 0;            ///< servo damping, N m s/rad, inside the effort clamp
-  double effort_limit = 0;  ///< N m; 0: not given, which only a joint that is not actuated may have
+  double kp = 0;               ///< servo stiffness, N m/rad
+  double kd = 0;               ///< servo damping, N m s/rad, inside the effort clamp
+  double effort_limit = 0;     ///< N m; 0: not given, which only a joint that is not actuated may have
+  double effort_negative = 0;  ///< the same in the direction of negative torque, N m; 0: as effort_limit
+  double target_lower = -1e6;  ///< targets are clipped to these, and to the limits above, rad: the range
+  double target_upper = 1e6;   ///< of a servo's control; far beyond any limit unless a file says one
 
   // What a real drive falls short of by (actuator.h, drives.h). All off by default.
   double corner_speed = 0;   ///< up to which there is all the effort, rad/s
   double no_load_speed = 0;  ///< at which there is none left, rad/s; 0: there is at any speed
   double backlash = 0;       ///< play between motor and joint, from stop to stop, rad
   double delay = 0;          ///< from a target to its torque, s; whole physics steps
+  double lag = 0;            ///< time constant with which what the servo holds follows the target, s
   double sensor_noise = 0;   ///< of the angle that the servo measures, uniform in +- this, rad
 };
 

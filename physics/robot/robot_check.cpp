@@ -192,6 +192,11 @@ void check_joint(const Joint& joint, std::string_view source) {
                  fmt::format("{} and {}", joint.lower, joint.upper));
   report.at_most(joint.lower, "limits (rad)", kLargestAngle);
   report.at_most(joint.upper, "limits (rad)", kLargestAngle);
+  report.require(joint.target_lower <= joint.target_upper, "target_lower <= target_upper (rad)",
+                 fmt::format("{} and {}", joint.target_lower, joint.target_upper));
+  report.at_most(joint.target_lower, "range of targets (rad)", kLargestAngle);
+  report.at_most(joint.target_upper, "range of targets (rad)", kLargestAngle);
+  report.at_most(joint.spring_reference, "spring_reference (rad)", kLargestAngle);
   const auto check = [&](const JointNumber& number) {
     const std::string what =
         number.words.empty() ? fmt::format("{} ({})", number.name, number.unit) : std::string(number.words);

@@ -39,8 +39,8 @@ consteval std::size_t count() {
   }
 }
 
-// What of a joint is no row of kJointNumbers: name, axis, lower, upper, actuated.
-static_assert(count<Joint>() == kJointNumbers.size() + 5,
+// What of a joint is no row of kJointNumbers: name, axis, actuated, and the angles, which have a sign.
+static_assert(count<Joint>() == kJointNumbers.size() + 8,
               "a new member of Joint is a row of kJointNumbers, or visited by name below");
 
 }  // namespace members
@@ -71,6 +71,8 @@ template <MaybeConst<Joint> T, typename Visit>
 void for_each_member(T& joint, Visit&& visit) {
   visit("name", joint.name), visit("axis", joint.axis), visit("actuated", joint.actuated);
   visit("lower", joint.lower), visit("upper", joint.upper);
+  visit("target_lower", joint.target_lower), visit("target_upper", joint.target_upper);
+  visit("spring_reference", joint.spring_reference);
   for (const JointNumber& number : kJointNumbers) visit(number.name, joint.*number.member);
 }
 

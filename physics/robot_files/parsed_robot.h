@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "physics/robot/robot.h"
+#include "physics/robot_files/contact_of_file.h"
 
 namespace crossgait {
 
@@ -39,6 +40,11 @@ struct ParsedRobot {
   std::vector<LinkLoop> loops;
   std::map<std::string, double> home;  ///< angles by joint, rad; empty if not given
   std::string home_name;               ///< of the pose, for people
+  /// Where a joint's numbers come from, by joint and number, where the number itself does not say it.
+  std::map<std::string, std::map<std::string, std::string>> reasons;
+  /// Joints that something else moves, and what, by joint: "follows 'a' (...)".
+  std::map<std::string, std::string> coupled;
+  ContactOfFile contact;
 };
 
 /// Fixes joints at zero angle: what they move becomes part of what they hang on. @param joints  their names

@@ -11,8 +11,9 @@
 
 namespace crossgait {
 
-RobotBuilder::RobotBuilder(const std::string& file, const std::string& source, std::optional<YamlValue> yaml)
-    : yaml_(std::move(yaml)), parsed_(read_robot_file(file)) {
+RobotBuilder::RobotBuilder(const std::string& file, const std::string& source, std::optional<YamlValue> yaml,
+                           ServoSource servos)
+    : yaml_(std::move(yaml)), servos_(servos), parsed_(read_robot_file(file)) {
   const auto name = find("name");
   robot_.name = name                   ? name->text()
                 : parsed_.name.empty() ? std::filesystem::path(file).stem().string()
@@ -20,6 +21,9 @@ RobotBuilder::RobotBuilder(const std::string& file, const std::string& source, s
   robot_.source = source;
   report_.file = file;
   report_.warnings = parsed_.warnings;
+  for (const Body& body : parsed_.bodies) report_.joints_of_file[body.joint.name] = body.joint;
+  report_.reasons = parsed_.reasons;
+  report_.contact = parsed_.contact;
 }
 
 LoadedRobot RobotBuilder::load() {
@@ -31,7 +35,7 @@ LoadedRobot RobotBuilder::load() {
   name_servos();
   check_before_home();
   read_heights_and_home();
-  read_servos(yaml_, unknown_effort_, robot_, report_.inferred);
+  read_servos(yaml_, unknown_effort_, servos_, robot_, report_);
   robot_.validate();
   return {std::move(robot_), std::move(report_)};
 }

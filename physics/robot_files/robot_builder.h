@@ -21,7 +21,9 @@ class RobotBuilder {
  public:
   /// @param file    of one of the formats (robot_formats.h)
   /// @param source  what messages name: the robot.yaml, or the file
-  RobotBuilder(const std::string& file, const std::string& source, std::optional<YamlValue> yaml);
+  /// @param servos  where the gains come from
+  RobotBuilder(const std::string& file, const std::string& source, std::optional<YamlValue> yaml,
+               ServoSource servos);
 
   /// Makes the robot, once. @throws ConfigError naming file and element
   LoadedRobot load();
@@ -74,6 +76,7 @@ class RobotBuilder {
   double home_depth() const;
 
   std::optional<YamlValue> yaml_;
+  ServoSource servos_;
   ParsedRobot parsed_;
   std::vector<int> body_index_;  ///< from the file's order of bodies to the robot's
   std::set<int> unknown_effort_;

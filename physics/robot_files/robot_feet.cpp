@@ -1,5 +1,6 @@
 // The feet of a robot: stated, or found where its legs end.
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -53,6 +54,13 @@ void RobotBuilder::read_foot(const YamlValue& value, Leg leg) {
 }
 
 Body& RobotBuilder::set_foot(Leg leg, int body_index, const Vector3& p_BF, double radius) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const CollisionShape& shape : robot_.bodies[static_cast<std::size_t>(body_index)].shapes) {
+    const double distance = (shape.X_BG.translation() - p_BF).norm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    report_.feet_of_file[leg] = shape.name;
+  }
   LegModel& model = (*robot_.legs)[leg];
   model.foot_body = body_index;
   model.p_BF = p_BF;

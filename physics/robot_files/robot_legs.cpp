@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "physics/core/error.h"
 #include "physics/robot_files/robot_builder.h"
 
 namespace crossgait {
@@ -129,6 +130,13 @@ void RobotBuilder::order_bodies(LegArray<LegModel> models, const LegArray<std::v
 
 void RobotBuilder::name_servos() {
   for (const LegModel& leg : *robot_.legs) {
+    for (const int i : leg.joints()) {
+      const auto coupled = parsed_.coupled.find(joint(i).name);
+      if (coupled == parsed_.coupled.end()) continue;
+      throw ConfigError(report_.file, fmt::format("joint '{}' of a leg", joint(i).name),
+                        "a joint that moves by itself: couplings of joints are not simulated",
+                        fmt::format("one that {}", coupled->second));
+    }
     for (const int i : leg.servos) joint(i).actuated = true;
   }
 }

@@ -1,4 +1,6 @@
 // Which files a robot is made of: a robot.yaml and the file that it names, or a file with or without one.
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -36,24 +38,39 @@ YamlValue named_file(const YamlValue& root) {
   return named ? *named : root.at(robot_formats().front().key);
 }
 
-LoadedRobot load_yaml(const YamlValue& root) {
+/// Whether a YAML is an environment's and no robot's: it names no robot's file, and has a key of its own.
+bool is_environment(const YamlValue& root) {
+  constexpr std::array kKeys{"robot", "action",    "observation", "reward",     "preset",         "engine",
+                             "gait",  "policy_dt", "command",     "control_dt", "episode_seconds"};
+  const auto has = [&](std::string_view key) { return root.find(key).has_value(); };
+  return root.is_mapping() &&
+         std::ranges::none_of(robot_formats(), [&](const RobotFormat& format) { return has(format.key); }) &&
+         std::ranges::any_of(kKeys, has);
+}
+
+LoadedRobot load_yaml(const YamlValue& root, ServoSource servos) {
+  if (is_environment(root))
+    root.fail(fmt::format("a robot, which names its file by `{}`", robot_formats().front().key),
+              "an environment");
   std::vector<std::string_view> keys{"name"};
   for (const RobotFormat& format : robot_formats()) keys.push_back(format.key);
   keys.insert(keys.end(), {"frame", "locked", "armature", "servo", "drive", "joints", "loop_softness",
                            "friction_softness", "legs", "loops", "home", "standing_height", "stance_offset"});
   root.allow_keys(keys);
   const fs::path file = fs::path(root.source()).parent_path() / named_file(root).text();
-  return RobotBuilder(file.string(), root.source(), root).load();
+  return RobotBuilder(file.string(), root.source(), root, servos).load();
 }
 
-/// The robot.yaml of a robot's file: of the same stem, or `robot.yaml` beside it, which has to name this
-/// file. One that names a file of another format says nothing of this one.
+/// Finds the robot.yaml of a robot's file: of the same stem, or `robot.yaml` beside it, which has to name
+/// this file. One that names a file of another format says nothing of this one, nor does an environment's.
 std::optional<YamlValue> yaml_beside(const std::string& path) {
   fs::path yaml(path);
   yaml.replace_extension(".yaml");
-  if (!fs::exists(yaml)) yaml.replace_filename("robot.yaml");
+  if (!fs::exists(yaml) || is_environment(YamlValue::load(yaml.string())))
+    yaml.replace_filename("robot.yaml");
   if (!fs::exists(yaml)) return std::nullopt;
   YamlValue root = YamlValue::load(yaml.string());
+  if (is_environment(root)) return std::nullopt;
   const YamlValue file = named_file(root);
   if (&robot_format_of_any(file.text()) != &robot_format_of_any(path)) return std::nullopt;
   std::error_code missing;  // of the file that the YAML names: then it is another one
@@ -68,16 +85,17 @@ std::optional<YamlValue> yaml_beside(const std::string& path) {
 
 }  // namespace
 
-LoadedRobot load_robot_with_report(const std::string& path) {
+LoadedRobot load_robot_with_report(const std::string& path, ServoSource servos) {
   const fs::path file(path);
-  if (file.extension() == ".yaml" || file.extension() == ".yml") return load_yaml(YamlValue::load(path));
+  if (file.extension() == ".yaml" || file.extension() == ".yml")
+    return load_yaml(YamlValue::load(path), servos);
   if (robot_format_of(path) == nullptr) {
     throw ConfigError(path, "file name", fmt::format("a {} file", robot_files_in_words()),
                       fmt::format("'{}'", file.filename().string()));
   }
   if (!fs::exists(path)) throw ConfigError(path, "file", "a readable file", "none");
-  if (const auto yaml = yaml_beside(path)) return load_yaml(*yaml);
-  return RobotBuilder(path, path, std::nullopt).load();
+  if (const auto yaml = yaml_beside(path)) return load_yaml(*yaml, servos);
+  return RobotBuilder(path, path, std::nullopt, servos).load();
 }
 
 RobotDescription load_robot(const std::string& path) { return load_robot_with_report(path).robot; }

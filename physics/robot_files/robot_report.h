@@ -1,11 +1,13 @@
 // A robot and what its files did not say.
 #pragma once
 
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "physics/robot/robot.h"
+#include "physics/robot_files/contact_of_file.h"
 #include "physics/robot_files/inference/robot_inference.h"
 
 namespace crossgait {
@@ -16,6 +18,13 @@ struct RobotReport {
   std::string file;                    ///< of one of the formats (robot_formats.h)
   std::set<std::string> locked;        ///< joints held at zero
   Matrix3 R_BA = Matrix3::Identity();  ///< columns: forward, left and up in the file's base frame
+  /// Joints with the numbers of the robot's file alone, by name; 0 is not given.
+  std::map<std::string, Joint> joints_of_file;
+  /// Why a joint has a number that it has, by joint and number (joint_numbers.h); of those that are not there
+  /// the file says it.
+  std::map<std::string, std::map<std::string, std::string>> reasons;
+  ContactOfFile contact;
+  std::map<Leg, std::string> feet_of_file;  ///< the shape of the file nearest to a foot, where there is one
 };
 
 struct LoadedRobot {
@@ -23,8 +32,14 @@ struct LoadedRobot {
   RobotReport report;
 };
 
+/// Where the gains of servos come from.
+enum class ServoSource {
+  kFile,  ///< the robot's files; the rule for what they do not say
+  kRule,  ///< the rule (servo_rule), whatever they say. Torque limits stay theirs
+};
+
 /// As `load_robot`, with what was inferred and why.
-LoadedRobot load_robot_with_report(const std::string& path);
+LoadedRobot load_robot_with_report(const std::string& path, ServoSource servos = ServoSource::kFile);
 
 /// The whole robot.yaml: with it beside the robot's file nothing is inferred, and the robot is the same but
 /// for rounding in the 17th digit. @param file  what the key of its format says

@@ -55,7 +55,8 @@ std::string yaml_numbers(std::string_view key, JointNumberOf of, const Joint& jo
   std::vector<std::string> values;
   std::vector<std::string_view> units;
   for (const JointNumber& number : kJointNumbers) {
-    if (number.of != of || (of == JointNumberOf::kDrive && joint.*number.member == 0)) continue;
+    const bool is_off_at_zero = of == JointNumberOf::kDrive || number.member == &Joint::effort_negative;
+    if (number.of != of || (is_off_at_zero && joint.*number.member == 0)) continue;
     values.push_back(fmt::format("{}: {}", number.name, joint.*number.member));
     units.push_back(number.unit);
   }
@@ -71,7 +72,10 @@ std::vector<std::string> yaml_exceptions(const Joint& joint, const Joint& usual)
     if (!of_any_joint && !joint.actuated) continue;
     // Of what any joint has, armature alone stands above for all of them; the others are zero unless said.
     const bool stands_above = !of_any_joint || number.member == &Joint::armature;
-    if (joint.*number.member != (stands_above ? usual.*number.member : 0))
+    // A torque limit that is written says both directions.
+    const bool goes_with_effort = number.member == &Joint::effort_negative && joint.effort_negative != 0 &&
+                                  joint.effort_limit != usual.effort_limit;
+    if (goes_with_effort || joint.*number.member != (stands_above ? usual.*number.member : 0))
       values.push_back(fmt::format("{}: {}", number.name, joint.*number.member));
   }
   return values;

@@ -10,6 +10,7 @@
 #include "parity/report.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/busy.h"
 #include "python/bindings/json.h"
 #include "python/bindings/robot.h"
 #include "python/bindings/step_info.h"
@@ -18,7 +19,8 @@ namespace crossgait::python {
 
 nb::object layout(const Layout& layout) {
   nb::list entries;
-  for (const LayoutEntry& e : layout.entries) entries.append(nb::make_tuple(e.name, e.unit, e.min, e.max));
+  for (const LayoutEntry& e : layout.entries)
+    entries.append(nb::make_tuple(e.name, e.unit, e.min, e.max, e.low(), e.high()));
   return entries;
 }
 
@@ -28,13 +30,14 @@ Environment make_environment(const EnvConfig& config, const std::string& engine)
   const nb::gil_scoped_release release;
   auto model = EnvModel::make(config);
   auto env = std::make_unique<QuadrupedEnv>(model, find_engine(engine.empty() ? config.engine : engine));
-  return {std::move(model), std::move(env)};
+  const Layout& observation = model->interface.observation;
+  return {model, std::move(env), ObservationBounds(observation)};
 }
 
 nb::object reset(Environment& self, std::uint64_t seed) {
   const NewArray<double> observation(self.env->observation_size());
   {
-    const nb::gil_scoped_release release;
+    const Working working(&self);
     self.env->reset(seed, {observation.data, self.env->observation_size()});
     self.bounds.find({observation.data, self.env->observation_size()}, self.outside);
   }
@@ -46,7 +49,7 @@ nb::tuple step(Environment& self, const AnyArray& action) {
   const NewArray<double> observation(self.env->observation_size());
   StepResult result;
   {
-    const nb::gil_scoped_release release;
+    const Working working(&self);
     result = self.env->step(numbers, {observation.data, self.env->observation_size()});
     self.bounds.find({observation.data, self.env->observation_size()}, self.outside);
   }
@@ -65,66 +68,53 @@ nb::object parameters_of(const QuadrupedEnv& env) {
   return parameters;
 }
 
-using Bounds = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-
-void set_observation_bounds(Environment& self, const Bounds& low, const Bounds& high) {
-  self.bounds.set(self.env->observation_layout(), {low.data(), low.size()}, {high.data(), high.size()});
-}
-
 // What there is to see of an environment, whoever steps it.
 template <typename T>
 void bind_reading(nb::class_<T>& c) {
-  c.def_prop_ro("config", [](const T& e) { return e.get().config(); })
-      .def_prop_ro("engine", [](const T& e) { return e.get().engine().name(); })
+  c.def_prop_ro("config", guarded([](const T& e) { return e.get().config(); }))
+      .def_prop_ro("engine", guarded([](const T& e) { return e.get().engine().name(); }))
+      .def_prop_ro("layout_hash", guarded([](const T& e) { return e.get().model().layout; }),
+                   "What a policy is trained for.")
       .def_prop_ro(
-          "layout_hash", [](const T& e) { return e.get().model().layout; }, "What a policy is trained for.")
-      .def_prop_ro(
-          "observation_layout", [](const T& e) { return layout(e.get().observation_layout()); },
-          nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float]]"),
-          "(name, unit, min, max) of every number; infinite where nothing bounds it.")
-      .def_prop_ro(
-          "action_layout", [](const T& e) { return layout(e.get().action_layout()); },
-          nb::sig("def action_layout(self) -> list[tuple[str, str, float, float]]"))
-      .def_prop_ro(
-          "parameters", [](const T& e) { return parameters_of(e.get()); },
-          nb::sig("def parameters(self) -> dict[str, float] | None"),
-          "Parameters of the gait as adapted so far; None where actions command joints.")
-      .def_prop_ro(
-          "state", [](const T& e) { return RobotState(e.get().world().state()); },
-          "State of the robot, as the engine has it.")
-      .def_prop_ro(
-          "robot",
-          [](const T& e) {
-            return Robot{e.get().config().robot, e.get().model().world.robot, {}};
-          },
-          "Nominal, with the environment's servos.")
-      .def_prop_ro(
-          "terrain", [](const T& e) { return e.get().world().spec().terrain; }, "Terrain of this episode.")
-      .def_prop_ro("foot_contacts",
-                   [](const T& e) {
+          "observation_layout", guarded([](const T& e) { return layout(e.get().observation_layout()); }),
+          nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float, float, float]]"),
+          "(name, unit, min, max, low, high) of every number: min and max are infinite where nothing "
+          "bounds it, low and high never. Numbers of an observation beyond low and high are "
+          "`out_of_bounds` of `info`.")
+      .def_prop_ro("action_layout", guarded([](const T& e) { return layout(e.get().action_layout()); }),
+                   nb::sig("def action_layout(self) -> list[tuple[str, str, float, float, float, float]]"))
+      .def_prop_ro("parameters", guarded([](const T& e) { return parameters_of(e.get()); }),
+                   nb::sig("def parameters(self) -> dict[str, float] | None"),
+                   "Parameters of the gait as adapted so far; None where actions command joints.")
+      .def_prop_ro("state", guarded([](const T& e) { return RobotState(e.get().world().state()); }),
+                   "State of the robot, as the engine has it.")
+      .def_prop_ro("robot", guarded([](const T& e) {
+                     return Robot{e.get().config().robot, e.get().model().world.robot, {}};
+                   }),
+                   "Nominal, with the environment's servos.")
+      .def_prop_ro("terrain", guarded([](const T& e) { return e.get().world().spec().terrain; }),
+                   "Terrain of this episode.")
+      .def_prop_ro("foot_contacts", guarded([](const T& e) {
                      const LegArray<FootContact>& feet = e.get().info().contacts;
                      return std::vector<FootContact>(feet.begin(), feet.end());
-                   })
-      .def(
-          "summary", [](const T& e) { return to_python(to_json(e.get().summary())); },
-          nb::sig("def summary(self) -> dict[str, typing.Any]"),
-          "The episode so far, with the keys of `crossgait walk --json`.");
+                   }))
+      .def("summary", guarded([](const T& e) { return to_python(to_json(e.get().summary())); }),
+           nb::sig("def summary(self) -> dict[str, typing.Any]"),
+           "The episode so far, with the keys of `crossgait walk --json`.");
 }
 
 void bind_view(nb::module_& m) {
   nb::class_<EnvironmentView> view(m, "EnvironmentView",
                                    "One of the environments of a VectorEnvironment, which alone steps it.");
   bind_reading(view);
-  view.def_prop_ro(
-          "episode_seed", [](const EnvironmentView& v) { return v.envs->episode_seed(v.index); },
-          "What `Environment.reset` takes to repeat its episode.")
-      .def(
-          "set_command",
-          [](EnvironmentView& v, double vx, double vy, double yaw_rate) {
-            v.envs->set_command(v.index, {vx, vy, yaw_rate});
-          },
-          nb::arg("vx"), nb::arg("vy") = 0, nb::arg("yaw_rate") = 0,
-          "Asks for another velocity until its episode ends, m/s and rad/s.");
+  view.def_prop_ro("episode_seed",
+                   guarded([](const EnvironmentView& v) { return v.envs->episode_seed(v.index); }),
+                   "What `Environment.reset` takes to repeat its episode.")
+      .def("set_command", guarded([](EnvironmentView& v, double vx, double vy, double yaw_rate) {
+             v.envs->set_command(v.index, {vx, vy, yaw_rate});
+           }),
+           nb::arg("vx"), nb::arg("vy") = 0, nb::arg("yaw_rate") = 0,
+           "Asks for another velocity until its episode ends, m/s and rad/s.");
 }
 
 }  // namespace
@@ -138,39 +128,35 @@ void bind_environment(nb::module_& m) {
   bind_view(m);
   nb::class_<Environment> environment(
       m, "Environment",
-      "The reinforcement-learning environment itself; crossgait.envs has it as Gymnasium's. Not for "
-      "two threads at once.");
+      "The reinforcement-learning environment itself; crossgait.envs has it as Gymnasium's. For one "
+      "thread at a time: while one steps it, another's call raises RuntimeError.");
   bind_reading(environment);
   environment
       .def(nb::new_(&make_environment), nb::arg("config"), nb::arg("engine") = "",
            "`engine` \"\" is the one that the configuration names. Raises ConfigError.")
-      .def("reset", &reset, nb::arg("seed"),
+      .def("reset", guarded(&reset), nb::arg("seed"),
            nb::sig("def reset(self, seed: int) -> numpy.typing.NDArray[numpy.float64]"),
            "Begins an episode and returns its first observation, in an array of its own.")
-      .def("step", &step, nb::arg("action"),
+      .def("step", guarded(&step), nb::arg("action"),
            nb::sig("def step(self, action: numpy.typing.NDArray[typing.Any]) -> "
                    "tuple[numpy.typing.NDArray[numpy.float64], float, bool, bool]"),
            "One policy step: (observation, reward, terminated, truncated). Entries of the action are clipped "
            "to their "
            "bounds; not finite counts as zero. The observation is an array of its own. Raises ConfigError.")
-      .def_prop_ro("info", &info_of, nb::sig("def info(self) -> dict[str, typing.Any]"),
+      .def_prop_ro("info", guarded(&info_of), nb::sig("def info(self) -> dict[str, typing.Any]"),
                    "What is known of the last step; of the start after `reset`.")
-      .def("set_observation_bounds", &set_observation_bounds, nb::arg("low"), nb::arg("high"),
-           "Names of numbers beyond them are `out_of_bounds` of `info` from the next step on.")
-      .def(
-          "set_command",
-          [](Environment& e, double vx, double vy, double yaw_rate) {
-            e.env->set_command({vx, vy, yaw_rate});
-          },
-          nb::arg("vx"), nb::arg("vy") = 0, nb::arg("yaw_rate") = 0,
-          "Asks for another velocity from the next step on, m/s and rad/s.")
-      .def(
-          "save",
-          [](const Environment& e) { return std::const_pointer_cast<QuadrupedEnv::Saved>(e.env->save()); },
-          "Everything that the rest of the episode depends on. Raises ConfigError before the first reset.")
-      .def(
-          "restore", [](Environment& e, const QuadrupedEnv::Saved& saved) { e.env->restore(saved); },
-          nb::arg("saved"), "Raises ConfigError if it is of another configuration or engine.");
+      .def("set_command", guarded([](Environment& e, double vx, double vy, double yaw_rate) {
+             e.env->set_command({vx, vy, yaw_rate});
+           }),
+           nb::arg("vx"), nb::arg("vy") = 0, nb::arg("yaw_rate") = 0,
+           "Asks for another velocity from the next step on, m/s and rad/s.")
+      .def("save", guarded([](const Environment& e) {
+             return std::const_pointer_cast<QuadrupedEnv::Saved>(e.env->save());
+           }),
+           "Everything that the rest of the episode depends on. Raises ConfigError before the first reset.")
+      .def("restore",
+           guarded([](Environment& e, const QuadrupedEnv::Saved& saved) { e.env->restore(saved); }),
+           nb::arg("saved"), "Raises ConfigError if it is of another configuration or engine.");
 }
 
 }  // namespace crossgait::python

@@ -15,8 +15,8 @@ namespace crossgait::python {
 struct Environment {
   std::shared_ptr<const EnvModel> model;
   std::unique_ptr<QuadrupedEnv> env;
-  std::vector<double> action = {};  ///< of float32
-  ObservationBounds bounds = {};
+  ObservationBounds bounds;
+  std::vector<double> action = {};        ///< of float32
   std::vector<std::size_t> outside = {};  ///< of the last observation
 
   const QuadrupedEnv& get() const { return *env; }
@@ -30,7 +30,10 @@ struct EnvironmentView {
   const QuadrupedEnv& get() const { return envs->environment(index); }
 };
 
-/// A layout as names, units and bounds.
+/// Of the environments that it is one of, for `guarded`: they work all at once.
+inline const void* identity_of(const EnvironmentView& view) noexcept { return view.envs; }
+
+/// Makes a list of (name, unit, min, max, low, high) of a layout.
 nanobind::object layout(const Layout& layout);
 
 }  // namespace crossgait::python

@@ -10,6 +10,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include "physics/core/files_read.h"
 #include "study/engine_comparison.h"
 
 namespace crossgait::python {
@@ -33,8 +34,12 @@ template <typename Make>
 auto run_job(Make make, const nb::object& progress) {
   using Value = std::invoke_result_t<Make, const StageProgress&>;
   const auto value = std::make_shared<std::optional<Value>>();
-  Job::run([value, make = std::move(make)](const StageProgress& told) { value->emplace(make(told)); },
-           progress);
+  Job::run(
+      [value, make = std::move(make)](const StageProgress& told) {
+        const FilesRead files;  // which `with_files_read` asks for
+        value->emplace(make(told));
+      },
+      progress);
   return std::move(**value);
 }
 

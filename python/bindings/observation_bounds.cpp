@@ -1,17 +1,14 @@
 #include "python/bindings/observation_bounds.h"
 
-#include "physics/core/check_size.h"
-
 namespace crossgait::python {
 
 namespace nb = nanobind;
 
-void ObservationBounds::set(const Layout& layout, std::span<const double> low, std::span<const double> high) {
-  check_size("environment", "observation bounds", low.size(), layout.size());
-  check_size("environment", "observation bounds", high.size(), layout.size());
-  low_.assign(low.begin(), low.end());
-  high_.assign(high.begin(), high.end());
-  names_ = layout.names();
+ObservationBounds::ObservationBounds(const Layout& layout) : names_(layout.names()) {
+  for (const LayoutEntry& entry : layout.entries) {
+    low_.push_back(entry.low());
+    high_.push_back(entry.high());
+  }
 }
 
 void ObservationBounds::find(std::span<const double> observation, std::vector<std::size_t>& outside) const {

@@ -1,4 +1,4 @@
-// Which numbers of an observation lie outside the bounds that Python gave them.
+// Which numbers of an observation lie outside the bounds of its layout.
 #pragma once
 
 #include <span>
@@ -12,9 +12,8 @@ namespace crossgait::python {
 
 class ObservationBounds {
  public:
-  /// Nothing lies outside before. @throws ConfigError unless there are as many of each as `layout` has
-  /// entries
-  void set(const Layout& layout, std::span<const double> low, std::span<const double> high);
+  /// LayoutEntry::low and LayoutEntry::high.
+  explicit ObservationBounds(const Layout& layout);
   /// Indices of those outside, replacing `outside`.
   void find(std::span<const double> observation, std::vector<std::size_t>& outside) const;
   /// Their names, a tuple of str.

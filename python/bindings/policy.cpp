@@ -116,11 +116,11 @@ void bind_interface(nb::module_& m) {
            nb::arg("config"), "Makes the interface of an environment. Raises ConfigError.")
       .def_prop_ro(
           "observation_layout", [](const PolicyInterface& i) { return layout(i.observation); },
-          nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float]]"),
-          "(name, unit, min, max) of every number.")
+          nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float, float, float]]"),
+          "(name, unit, min, max, low, high) of every number.")
       .def_prop_ro(
           "action_layout", [](const PolicyInterface& i) { return layout(i.action); },
-          nb::sig("def action_layout(self) -> list[tuple[str, str, float, float]]"))
+          nb::sig("def action_layout(self) -> list[tuple[str, str, float, float, float, float]]"))
       .def_prop_ro("layout_hash",
                    [](const PolicyInterface& i) { return layout_hash(i.observation, i.action); })
       .def_ro("policy_dt", &PolicyInterface::policy_dt, "s between two actions.")

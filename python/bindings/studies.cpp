@@ -1,272 +1,24 @@
-// The commands as functions: what they return is what `--json` writes, without the provenance of a command
-// line.
-#include <algorithm>
-#include <map>
-#include <tuple>
-
-#include <fmt/format.h>
-#include <nanobind/stl/map.h>
+// Episodes and measurements as functions: what they return is what `--json` writes, without the provenance of
+// a command line.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
-#include "backends/registry.h"
 #include "benchmarks/bench.h"
 #include "conformance/card.h"
-#include "parity/report.h"
-#include "python/bindings/arrays.h"
 #include "python/bindings/behaviour.h"
 #include "python/bindings/bindings.h"
 #include "python/bindings/job.h"
-#include "python/bindings/json.h"
 #include "python/bindings/python_policy.h"
+#include "python/bindings/study_report.h"
 #include "python/bindings/walk_config.h"
 #include "study/course.h"
-#include "study/engine_comparison.h"
-#include "study/provenance.h"
 #include "study/rollout.h"
 #include "study/tune.h"
-#include "study/walk.h"
 
 namespace crossgait::python {
 namespace {
-
-using Json = nlohmann::ordered_json;
-using Pair = nb::typed<nb::tuple, nb::any, nb::any>;
-
-// A function of a stage and a share, or None.
-const auto kProgress = nb::arg("progress").none();
-
-/// A result as JSON and as the table that a command prints.
-struct Report {
-  Json json;
-  std::string text;
-};
-
-Pair to_python(const Report& report) { return nb::make_tuple(python::to_python(report.json), report.text); }
-
-Json provenance(const nlohmann::json& subject, const std::vector<std::string>& engines) {
-  Provenance made;
-  made.command = "python";
-  made.subject = subject;
-  for (const std::string& name : engines) made.engines.push_back(find_engine(name).info);
-  return to_json(made);
-}
-
-/// Traces of several runs as tables of numbers.
-class Recorder {
- public:
-  Recorder(std::size_t runs, std::shared_ptr<const RobotDescription> robot)
-      : robot_(std::move(robot)), tables_(runs) {}
-
-  void add(std::size_t run, const TraceSample& sample) {
-    if (!columns_) columns_.emplace(*robot_, sample);
-    columns_->append(sample, tables_[run]);
-  }
-  nb::object take() const {
-    nb::list tables;
-    for (const std::vector<double>& numbers : tables_) {
-      const std::size_t width = columns_ ? columns_->names().size() : 1;
-      const NewArray<double> table(numbers.size() / width, width);
-      std::copy(numbers.begin(), numbers.end(), table.data);
-      tables.append(table.array);
-    }
-    return nb::make_tuple(columns_ ? columns_->names() : std::vector<std::string>(), tables);
-  }
-
- private:
-  std::shared_ptr<const RobotDescription> robot_;
-  std::optional<TraceColumns> columns_;
-  std::vector<std::vector<double>> tables_;
-};
-
-std::shared_ptr<Recorder> recorder(bool trace, std::size_t runs, const LoadedWalk& loaded) {
-  return trace ? std::make_shared<Recorder>(runs, loaded.world.robot) : nullptr;
-}
-
-SampleObserver observer(const std::shared_ptr<Recorder>& recorder) {
-  if (!recorder) return {};
-  return [recorder](std::size_t run, const TraceSample& sample) { recorder->add(run, sample); };
-}
-
-nb::object traces_of(const std::shared_ptr<Recorder>& recorder) {
-  return recorder ? recorder->take() : nb::none();
-}
-
-// What a walk is made of, for whoever wants to make it again. Of a function in Python only its world can be
-// said.
-nlohmann::json subject_json(const Subject& subject, const LoadedWalk& loaded) {
-  if (std::holds_alternative<WalkConfig>(subject))
-    return {{"behaviour", LoadedBehaviour(loaded, {}, 0).described.at("behaviour")}};
-  return {{"python", std::get<PythonController>(subject).name}};
-}
-
-Pair walk_in(const Subject& subject, const std::string& engine, bool trace, const nb::object& progress) {
-  const LoadedWalk loaded = config_of(subject);
-  const auto record = recorder(trace, 1, loaded);
-  const Report report = run_job(
-      [subject, loaded, engine, record](const StageProgress& told) -> Report {
-        const auto world = find_engine(engine).make(loaded.world);
-        const WalkRun run =
-            record_walk(*world, setup_of(subject), progress_of(told, "walking"), observer(record));
-        if (run.interrupted) throw Interrupted();
-        Json json = crossgait::report(run);
-        json["provenance"] = provenance(subject_json(subject, loaded), {engine});
-        return {json, describe(run)};
-      },
-      progress);
-  return nb::make_tuple(to_python(report), traces_of(record));
-}
-
-Pair compare_in(const Subject& subject, const std::vector<std::string>& engines, bool trace,
-                const DivergenceTolerances& tolerances, const nb::object& progress) {
-  const LoadedWalk loaded = config_of(subject);
-  const auto record = recorder(trace, engines.size(), loaded);
-  const Report report = run_job(
-      [=](const StageProgress& told) -> Report {
-        WalkComparison result;
-        result.comparison =
-            compare_walks(loaded.world, setup_of(subject), engines, tolerances, told, observer(record));
-        if (result.comparison.interrupted) throw Interrupted();
-        Json json = crossgait::report(result);
-        json["provenance"] = provenance(subject_json(subject, loaded), engines);
-        return {json, describe(result.comparison)};
-      },
-      progress);
-  return nb::make_tuple(to_python(report), traces_of(record));
-}
-
-// `verdict(...)`'s options: starts, looks, confidence, margins as text, workers, explain, runs.
-using HowToJudge = std::tuple<std::size_t, std::size_t, double, std::map<std::string, std::string>,
-                              std::size_t, bool, std::string>;
-
-JudgeOptions judge_options(const HowToJudge& how) {
-  const auto& [starts, looks, confidence, margins, workers, explain, runs] = how;
-  JudgeOptions options;
-  options.verdict.starts = starts;
-  options.verdict.looks = looks;
-  options.verdict.confidence = confidence;
-  options.verdict.workers = workers;
-  for (const auto& [key, text] : margins) options.verdict.margins[key] = parse_margin(text, "margins", key);
-  options.explain = explain;
-  options.stored_runs = runs;
-  return options;
-}
-
-// The document of `crossgait verdict`.
-Report report_of(const EngineComparison& judged, const Json& made) {
-  Json json = to_json(judged);
-  json["provenance"] = made;
-  return {json, describe(judged)};
-}
-
-Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines, const JudgeOptions& options,
-           const nb::object& progress) {
-  return to_python(run_job(
-      [=](const StageProgress& told) -> Report {
-        const LoadedBehaviour loaded = spec;
-        return report_of(judge_engines(loaded, engines, options, told),
-                         provenance(loaded.described, engines));
-      },
-      progress));
-}
-
-void refuse_stored_runs(const JudgeOptions& options) {
-  if (!options.stored_runs.empty())
-    throw ConfigError("verdict", "runs",
-                      "none: what a function in Python does has no identity to be found by",
-                      options.stored_runs);
-}
-
-Pair judge(const PythonController& behaviour, const StartRanges& starts_from, std::uint64_t seed,
-           const std::vector<std::string>& engines, const JudgeOptions& options, const nb::object& progress) {
-  refuse_stored_runs(options);
-  return to_python(run_job(
-      [=](const StageProgress& told) -> Report {
-        const LoadedWalk loaded = behaviour.walk;
-        return report_of(judge_engines(make_behaviour(loaded, behaviour.setup(), starts_from, seed),
-                                       loaded.world, engines, options, told),
-                         provenance(subject_json(behaviour, loaded), engines));
-      },
-      progress));
-}
-
-// `work(policies, progress)`, and what a policy in Python raised, if one did.
-template <typename Work>
-Report with_policies(const std::vector<PolicyChoice>& choices, const StageProgress& told, const Work& work) {
-  const auto failure = std::make_shared<FirstFailure>();
-  std::vector<NamedPolicy> policies;
-  for (const PolicyChoice& choice : choices) policies.push_back(named(choice, failure));
-  try {
-    Report report = work(policies, until(failure, told));
-    failure->rethrow();
-    return report;
-  } catch (const Interrupted&) {
-    failure->rethrow();
-    throw;
-  }
-}
-
-Pair judge(const EnvConfig& environment, const PythonPolicy& policy, const StartRanges& starts_from,
-           std::uint64_t seed, const std::vector<std::string>& engines, const JudgeOptions& options,
-           const nb::object& progress) {
-  refuse_stored_runs(options);
-  return to_python(run_job(
-      [=](const StageProgress& told) {
-        return with_policies(
-            {policy}, told, [&](const auto& policies, const StageProgress& listening) -> Report {
-              const LoadedEnv loaded = environment;
-              const Behaviour behaviour =
-                  policy_behaviour(loaded, policies.front().make, policies.front().name, starts_from, seed);
-              return report_of(
-                  judge_engines(behaviour, EnvModel::make(loaded)->world, engines, options, listening),
-                  provenance({{"python", policy.name}}, engines));
-            });
-      },
-      progress));
-}
-
-void bind_verdicts(nb::module_& m) {
-  nb::class_<StartRanges>(m, "StartRanges", "How far apart the starts of a verdict lie.")
-      .def(
-          "__init__",
-          [](StartRanges* self, std::optional<double> position_m, double heading_rad,
-             std::optional<double> push_mps) {
-            new (self) StartRanges{position_m, heading_rad, StartRanges().tilt_rad, push_mps};
-          },
-          nb::kw_only(), nb::arg("position_m") = nb::none(),
-          nb::arg("heading_rad") = StartRanges().heading_rad, nb::arg("push_mps") = nb::none())
-      .def_ro("position_m", &StartRanges::position_m, "Each way along x and y; None: by the robot's size.")
-      .def_ro("heading_rad", &StartRanges::heading_rad, "Each way.")
-      .def_ro("push_mps", &StartRanges::push_mps,
-              "The speed that one push would give to the robot; None: by its size.");
-  m.def(
-      "_judge_walk",
-      [](const Subject& walk, const std::vector<std::string>& engines, const StartRanges& starts_from,
-         std::uint64_t seed, const HowToJudge& how, const nb::object& progress) {
-        const JudgeOptions options = judge_options(how);
-        if (const auto* config = std::get_if<WalkConfig>(&walk))
-          return judge({*config, starts_from, seed}, engines, options, progress);
-        return judge(std::get<PythonController>(walk), starts_from, seed, engines, options, progress);
-      },
-      nb::arg("walk"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"), nb::arg("how"),
-      kProgress);
-  m.def(
-      "_judge_policy",
-      [](const EnvConfig& environment, const PolicyChoice& policy, const std::vector<std::string>& engines,
-         const StartRanges& starts_from, std::uint64_t seed, const HowToJudge& how,
-         const nb::object& progress) {
-        const JudgeOptions options = judge_options(how);
-        if (const auto* text = std::get_if<std::string>(&policy))
-          return judge({PolicyConfig{environment, *text}, starts_from, seed}, engines, options, progress);
-        return judge(environment, std::get<PythonPolicy>(policy), starts_from, seed, engines, options,
-                     progress);
-      },
-      nb::arg("environment"), nb::arg("policy"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"),
-      nb::arg("how"), kProgress);
-}
 
 Pair rollout(const EnvConfig& config, const std::vector<PolicyChoice>& choices, const EpisodeOptions& options,
              const nb::object& progress) {
@@ -360,19 +112,7 @@ void bind_studies(nb::module_& m) {
   bind_python_policy(m);
   // Jobs whose callers were interrupted may still call into the interpreter.
   nb::module_::import_("atexit").attr("register")(nb::cpp_function(&Job::wait_for_leftovers));
-  m.def("_walk", &walk_in, nb::arg("walk"), nb::arg("engine"), nb::arg("trace"), kProgress);
-  m.def(
-      "_compare",
-      [](const Subject& walk, const std::vector<std::string>& engines, bool trace, double position,
-         double joint, double attitude, const nb::object& progress) {
-        DivergenceTolerances tolerances;
-        tolerances.position = position;
-        tolerances.joint = joint;
-        tolerances.attitude = attitude;
-        return compare_in(walk, engines, trace, tolerances, progress);
-      },
-      nb::arg("walk"), nb::arg("engines"), nb::arg("trace"), nb::arg("position"), nb::arg("joint"),
-      nb::arg("attitude"), kProgress);
+  bind_walk_studies(m);
   bind_verdicts(m);
   m.def(
       "_rollout",

@@ -5,6 +5,7 @@
 #include "physics/core/error.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/busy.h"
 #include "python/bindings/environment.h"
 #include "python/bindings/step_info.h"
 
@@ -15,8 +16,8 @@ namespace {
 struct VectorEnvironment {
   std::unique_ptr<VectorEnv> envs;
   AutoReset auto_reset;
+  ObservationBounds bounds;
   std::vector<double> actions = {};  // of float32
-  ObservationBounds bounds = {};
   // Of the last step: numbers out of bounds, and what it did where it ended an episode that has begun anew.
   std::vector<std::vector<std::size_t>> outside = {}, final_outside = {};
   std::vector<StepInfo> final_infos = {};
@@ -36,6 +37,8 @@ struct VectorEnvironment {
   const RewardTerms& weights() const { return envs->environment(0).config().reward; }
 };
 
+const void* identity_of(const VectorEnvironment& v) noexcept { return v.envs.get(); }
+
 AutoReset auto_reset_of(const std::string& name) {
   if (name == "next_step") return AutoReset::kNextStep;
   if (name == "same_step") return AutoReset::kSameStep;
@@ -44,10 +47,16 @@ AutoReset auto_reset_of(const std::string& name) {
 
 VectorEnvironment make(const EnvConfig& config, std::size_t environments, const std::string& engine,
                        std::size_t workers, const std::string& auto_reset) {
-  const VectorEnvOptions options{environments, workers, auto_reset_of(auto_reset)};
+  const auto listen_to_signals = [](double) {
+    const nb::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+  };
+  const VectorEnvOptions options{environments, workers, auto_reset_of(auto_reset), listen_to_signals};
   const nb::gil_scoped_release release;
   const Engine made_in = find_engine(engine.empty() ? config.engine : engine);
-  VectorEnvironment made{std::make_unique<VectorEnv>(config, made_in, options), options.auto_reset};
+  auto envs = std::make_unique<VectorEnv>(config, made_in, options);
+  const Layout& observation = envs->environment(0).observation_layout();
+  VectorEnvironment made{std::move(envs), options.auto_reset, ObservationBounds(observation)};
   made.outside.resize(environments);
   made.final_outside.resize(environments);
   made.ended.resize(environments);
@@ -59,7 +68,7 @@ nb::object reset(VectorEnvironment& self, std::uint64_t seed) {
   const std::size_t size = self.envs->size() * self.envs->observation_size();
   const NewArray<double> observations(self.envs->size(), self.envs->observation_size());
   {
-    const nb::gil_scoped_release release;
+    const Working working(identity_of(self));
     self.envs->reset(seed, {observations.data, size});
     self.find_outside(observations.data, self.outside);
     std::fill(self.ended.begin(), self.ended.end(), 0);
@@ -79,7 +88,7 @@ nb::tuple step(VectorEnvironment& self, const AnyArray& actions) {
     return std::span(reinterpret_cast<std::uint8_t*>(array.data), count);
   };
   {
-    const nb::gil_scoped_release release;
+    const Working working(identity_of(self));
     self.envs->step(numbers, {{observations.data, count * width},
                               {rewards.data, count},
                               flags(terminated),
@@ -115,13 +124,6 @@ nb::object final_info_of(const VectorEnvironment& self, std::size_t i) {
   return info(self.final_infos[i], self.weights(), self.bounds.names(self.final_outside[i]));
 }
 
-using Bounds = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-
-void set_observation_bounds(VectorEnvironment& self, const Bounds& low, const Bounds& high) {
-  self.bounds.set(self.envs->environment(0).observation_layout(), {low.data(), low.size()},
-                  {high.data(), high.size()});
-}
-
 EnvironmentView environment_of(VectorEnvironment& self, std::size_t i) {
   static_cast<void>(self.envs->environment(i));  // throws std::out_of_range
   return {self.envs.get(), i};
@@ -133,27 +135,31 @@ void bind_vector_environment(nb::module_& m) {
   nb::class_<VectorEnvironment>(
       m, "VectorEnvironment",
       "Many environments of one configuration, stepped on several threads. Results are the "
-      "same, bit for bit, for any number of workers.")
+      "same, bit for bit, for any number of workers. For one thread at a time: while one steps them, "
+      "another's "
+      "call raises RuntimeError.")
       .def(nb::new_(&make), nb::arg("config"), nb::arg("environments"), nb::kw_only(), nb::arg("engine") = "",
            nb::arg("workers") = 1, nb::arg("auto_reset") = "next_step",
            "`auto_reset` is next_step or same_step, as Gymnasium's AutoresetMode. Raises ConfigError.")
-      .def_prop_ro("size", [](const VectorEnvironment& v) { return v.envs->size(); })
-      .def_prop_ro("workers", [](const VectorEnvironment& v) { return v.envs->workers(); })
-      .def_prop_ro("config", [](const VectorEnvironment& v) { return v.envs->environment(0).config(); })
+      .def_prop_ro("size", guarded([](const VectorEnvironment& v) { return v.envs->size(); }))
+      .def_prop_ro("workers", guarded([](const VectorEnvironment& v) { return v.envs->workers(); }))
+      .def_prop_ro("config",
+                   guarded([](const VectorEnvironment& v) { return v.envs->environment(0).config(); }))
       .def_prop_ro("engine",
-                   [](const VectorEnvironment& v) { return v.envs->environment(0).engine().name(); })
+                   guarded([](const VectorEnvironment& v) { return v.envs->environment(0).engine().name(); }))
       .def_prop_ro(
-          "observation_layout",
-          [](const VectorEnvironment& v) { return layout(v.envs->environment(0).observation_layout()); },
-          nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float]]"))
-      .def_prop_ro(
-          "action_layout",
-          [](const VectorEnvironment& v) { return layout(v.envs->environment(0).action_layout()); },
-          nb::sig("def action_layout(self) -> list[tuple[str, str, float, float]]"))
-      .def("reset", &reset, nb::arg("seed"),
+          "observation_layout", guarded([](const VectorEnvironment& v) {
+            return layout(v.envs->environment(0).observation_layout());
+          }),
+          nb::sig("def observation_layout(self) -> list[tuple[str, str, float, float, float, float]]"))
+      .def_prop_ro("action_layout", guarded([](const VectorEnvironment& v) {
+                     return layout(v.envs->environment(0).action_layout());
+                   }),
+                   nb::sig("def action_layout(self) -> list[tuple[str, str, float, float, float, float]]"))
+      .def("reset", guarded(&reset), nb::arg("seed"),
            nb::sig("def reset(self, seed: int) -> numpy.typing.NDArray[numpy.float64]"),
            "Begins an episode everywhere; observations are a new array, one row per environment.")
-      .def("step", &step, nb::arg("actions"),
+      .def("step", guarded(&step), nb::arg("actions"),
            nb::sig("def step(self, actions: numpy.typing.NDArray[typing.Any]) -> "
                    "tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], "
                    "numpy.typing.NDArray[numpy.bool_], numpy.typing.NDArray[numpy.bool_], "
@@ -163,27 +169,24 @@ void bind_vector_environment(nb::module_& m) {
            "arrays, the caller's to keep. With same_step rows of `final_observations` are set where an "
            "episode ended in "
            "this step, and mean nothing elsewhere; with next_step it is None. Raises ConfigError.")
-      .def("set_observation_bounds", &set_observation_bounds, nb::arg("low"), nb::arg("high"),
-           "Names of numbers beyond them are `out_of_bounds` of infos from the next step on.")
-      .def("environment", &environment_of, nb::arg("index"), nb::keep_alive<0, 1>(),
+      .def("environment", guarded(&environment_of), nb::arg("index"), nb::keep_alive<0, 1>(),
            "One of them, to look at. Raises IndexError.")
-      .def("infos", &infos_of, nb::sig("def infos(self) -> dict[str, typing.Any]"),
+      .def("infos", guarded(&infos_of), nb::sig("def infos(self) -> dict[str, typing.Any]"),
            "What is known of the last step, as Gymnasium's vector environments have it: an array for every "
            "key, and a mask "
            "for its name with an underscore.")
-      .def("final_infos", &final_infos_of, nb::sig("def final_infos(self) -> dict[str, typing.Any]"),
+      .def("final_infos", guarded(&final_infos_of), nb::sig("def final_infos(self) -> dict[str, typing.Any]"),
            "With same_step, of the episodes that the last step ended.")
-      .def("info", &info_of, nb::arg("index"), nb::sig("def info(self, index: int) -> dict[str, typing.Any]"),
+      .def("info", guarded(&info_of), nb::arg("index"),
+           nb::sig("def info(self, index: int) -> dict[str, typing.Any]"),
            "What is known of one environment's last step.")
-      .def("final_info", &final_info_of, nb::arg("index"),
+      .def("final_info", guarded(&final_info_of), nb::arg("index"),
            nb::sig("def final_info(self, index: int) -> dict[str, typing.Any] | None"),
            "With same_step, of one environment's episode if the last step ended it.")
-      .def_prop_ro(
-          "diverged", [](const VectorEnvironment& v) { return v.envs->diverged(); },
-          "Episodes that ended because the engine diverged.")
-      .def_prop_ro(
-          "episodes", [](const VectorEnvironment& v) { return v.envs->episodes(); },
-          "Episodes begun so far.");
+      .def_prop_ro("diverged", guarded([](const VectorEnvironment& v) { return v.envs->diverged(); }),
+                   "Episodes that ended because the engine diverged.")
+      .def_prop_ro("episodes", guarded([](const VectorEnvironment& v) { return v.envs->episodes(); }),
+                   "Episodes begun so far.");
 }
 
 }  // namespace crossgait::python

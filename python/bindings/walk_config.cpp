@@ -102,13 +102,11 @@ void bind_walk_config(nb::module_& m) {
           nb::arg("terrain") = "flat", nb::arg("seed") = 0, nb::arg("friction") = 0.6,
           nb::arg("seconds") = 5.0, nb::arg("physics_dt") = 1e-3, nb::arg("control_dt") = 2e-3,
           nb::arg("settle") = 0.5, nb::arg("compensation") = true, nb::arg("heading_hold") = true,
-          nb::arg("terminations") = std::vector<std::string>(),
+          nb::arg("terminations") = std::vector<std::string>{"left_terrain"},
           "`gait` by name, or auto with a `command` (forward m/s, left m/s, yaw rate rad/s); `parameters` "
           "change the "
           "gait's own, by name (`swing` is bezier or matched); `seed` is of a random terrain; `terminations` "
-          "are "
-          "outcomes that "
-          "end the walk. Raises ConfigError.")
+          "are outcomes that end the walk, beside divergence. Raises ConfigError.")
       .def_ro("robot", &WalkConfig::robot)
       .def_ro("terrain", &WalkConfig::terrain)
       .def_prop_ro("gait", [](const WalkConfig& c) { return c.gait.name(); })

@@ -10,6 +10,7 @@
 #include "physics/robot/multibody.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/busy.h"
 #include "python/bindings/robot.h"
 
 namespace crossgait::python {
@@ -53,7 +54,7 @@ const char* step(PhysicsBackend& world, const nb::object& targets, int substeps)
   const JointTargets joints{joint_vector(targets, "targets")};
   StepStatus status = StepStatus::kOk;
   {
-    const nb::gil_scoped_release release;
+    const Working working(&world);
     status = world.step(joints, substeps);
   }
   if (status == StepStatus::kInvalidTargets)
@@ -140,69 +141,63 @@ void bind_world(nb::module_& m) {
   bind_contacts(m);
   m.def("body_poses", &body_poses, nb::arg("robot"), nb::arg("state"),
         "Poses of all bodies in W as 4 x 4 matrices, by the robot's kinematics.");
-  nb::class_<PhysicsBackend>(m, "World", "A robot on a terrain in one engine. Not for two threads at once.")
+  nb::class_<PhysicsBackend>(m, "World",
+                             "A robot on a terrain in one engine. For one thread at a time: while one steps "
+                             "it, another's call raises "
+                             "RuntimeError.")
       .def(nb::new_(&make_world), nb::arg("robot"), nb::arg("terrain") = Terrain(), nb::arg("engine") = "",
            nb::kw_only(), nb::arg("friction") = 0.6, nb::arg("physics_dt") = 1e-3,
            nb::arg("gravity") = nb::make_tuple(0.0, 0.0, -9.81), nb::arg("fixed_base") = false,
            "The robot in its home pose. `engine` \"\" is the first that is available; `friction` the Coulomb "
            "coefficient "
            "between robot and ground; times in s, gravity in m/s^2. Raises ConfigError.")
-      .def_prop_ro("engine", [](const PhysicsBackend& w) { return w.info().name; })
-      .def_prop_ro(
-          "physics_dt", [](const PhysicsBackend& w) { return w.spec().physics_dt; }, "s.")
-      .def(
-          "reset", [](PhysicsBackend& w) { w.reset(); }, "Into the home pose, over the world's origin.")
-      .def(
-          "reset", [](PhysicsBackend& w, const RobotState& state) { w.reset(state); }, nb::arg("state"),
-          "Into this state. Raises ConfigError.")
-      .def("step", &step, nb::arg("targets"), nb::arg("substeps") = 1,
+      .def_prop_ro("engine", guarded([](const PhysicsBackend& w) { return w.info().name; }))
+      .def_prop_ro("physics_dt", guarded([](const PhysicsBackend& w) { return w.spec().physics_dt; }), "s.")
+      .def("reset", guarded([](PhysicsBackend& w) { w.reset(); }),
+           "Into the home pose, over the world's origin.")
+      .def("reset", guarded([](PhysicsBackend& w, const RobotState& state) { w.reset(state); }),
+           nb::arg("state"), "Into this state. Raises ConfigError.")
+      .def("step", guarded(&step), nb::arg("targets"), nb::arg("substeps") = 1,
            "Advances by physics steps, servos holding `targets` (rad, in the order of `Robot.servos`). "
            "Returns \"ok\", or "
            "\"diverged\", after which the state keeps its last good value until reset or restore. Raises "
            "ConfigError for "
            "targets of the wrong number or that are not finite, and changes nothing then.")
-      .def_prop_ro("state", [](const PhysicsBackend& w) { return RobotState(w.state()); })
-      .def_prop_ro(
-          "torques", [](const PhysicsBackend& w) { return Eigen::VectorXd(w.torques()); },
-          "Torques of every joint in the last physics step, N m.")
-      .def_prop_ro(
-          "contacts",
-          [](const PhysicsBackend& w) {
-            return std::vector<Contact>(w.contacts().begin(), w.contacts().end());
-          },
-          "Contact points of the last physics step.")
-      .def_prop_ro(
-          "foot_contacts",
-          [](const PhysicsBackend& w) {
-            const LegArray<FootContact> feet = w.foot_contacts();
-            return std::vector<FootContact>(feet.begin(), feet.end());
-          },
-          "Contacts of the feet FL, FR, RL, RR.")
-      .def(
-          "body_pose",
-          [](const PhysicsBackend& w, int body) {
-            if (body < 0 || body > w.robot().joint_count())
-              throw nb::index_error(("body " + std::to_string(body)).c_str());
-            return Eigen::Matrix4d(w.body_pose(body).matrix());
-          },
-          nb::arg("body"), "Pose in W as the engine has it, 4 x 4.")
-      .def("mass_matrix", &PhysicsBackend::mass_matrix,
+      .def_prop_ro("state", guarded([](const PhysicsBackend& w) { return RobotState(w.state()); }))
+      .def_prop_ro("torques", guarded([](const PhysicsBackend& w) { return Eigen::VectorXd(w.torques()); }),
+                   "Torques of every joint in the last physics step, N m.")
+      .def_prop_ro("contacts", guarded([](const PhysicsBackend& w) {
+                     return std::vector<Contact>(w.contacts().begin(), w.contacts().end());
+                   }),
+                   "Contact points of the last physics step.")
+      .def_prop_ro("foot_contacts", guarded([](const PhysicsBackend& w) {
+                     const LegArray<FootContact> feet = w.foot_contacts();
+                     return std::vector<FootContact>(feet.begin(), feet.end());
+                   }),
+                   "Contacts of the feet FL, FR, RL, RR.")
+      .def("body_pose", guarded([](const PhysicsBackend& w, int body) {
+             if (body < 0 || body > w.robot().joint_count())
+               throw nb::index_error(("body " + std::to_string(body)).c_str());
+             return Eigen::Matrix4d(w.body_pose(body).matrix());
+           }),
+           nb::arg("body"), "Pose in W as the engine has it, 4 x 4.")
+      .def("mass_matrix", guarded(&PhysicsBackend::mass_matrix),
            "Joint-space inertia with armature; rows and columns v_WB, w_WB, qd (the joints alone with a "
            "fixed base).")
-      .def("terrain_height", &PhysicsBackend::terrain_height, nb::arg("x"), nb::arg("y"),
+      .def("terrain_height", guarded(&PhysicsBackend::terrain_height), nb::arg("x"), nb::arg("y"),
            "Height of the engine's own ground under a point, m; NaN where there is none.")
-      .def(
-          "push",
-          [](PhysicsBackend& w, const nb::object& impulse) { w.apply_push(vector3(impulse, "push")); },
-          nb::arg("impulse"),
-          "An impulse (N s, in W) at the base's centre of mass, spread over the next physics step.")
-      .def("save", &PhysicsBackend::save)
-      .def("restore", &PhysicsBackend::restore, nb::arg("snapshot"),
+      .def("push", guarded([](PhysicsBackend& w, const nb::object& impulse) {
+             w.apply_push(vector3(impulse, "push"));
+           }),
+           nb::arg("impulse"),
+           "An impulse (N s, in W) at the base's centre of mass, spread over the next physics step.")
+      .def("save", guarded(&PhysicsBackend::save))
+      .def("restore", guarded(&PhysicsBackend::restore), nb::arg("snapshot"),
            "Raises ConfigError if it is of another engine or robot.")
-      .def("__repr__", [](const PhysicsBackend& w) {
-        return "<crossgait.World of '" + w.robot().name + "' in " + w.info().name + " at " +
-               std::to_string(w.state().time) + " s>";
-      });
+      .def("__repr__", guarded([](const PhysicsBackend& w) {
+             return "<crossgait.World of '" + w.robot().name + "' in " + w.info().name + " at " +
+                    std::to_string(w.state().time) + " s>";
+           }));
 }
 
 }  // namespace crossgait::python

@@ -135,7 +135,7 @@ def test_spaces_are_the_layouts() -> None:
     assert space.shape == (len(env.layout.observation),) == (48,)
     assert space.dtype == np.float64
     assert env.action_space == gymnasium.spaces.Box(-2, 2, (12,), np.float32)
-    low, high = env.layout.observation.finite_bounds()
+    low, high = env.layout.observation.box
     np.testing.assert_array_equal(space.low, low)
     np.testing.assert_array_equal(space.high, high)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from crossgait import EnvironmentConfig, _core
-from crossgait.layout import OTHER_BOUND, UNIT_BOUNDS, EnvironmentLayout, Layout, unit_bound
+from crossgait.layout import EnvironmentLayout
 
 
 def layout_of(text: str) -> EnvironmentLayout:
@@ -31,34 +31,34 @@ def test_a_name_that_is_not_there_says_which_are_like_it() -> None:
 
 
 def test_bounds_are_read_only() -> None:
-    with pytest.raises(ValueError, match="read-only"):
-        layout_of("{}").observation.low[0] = 0
+    observation = layout_of("{}").observation
+    for numbers in (observation.low, observation.high, *observation.box):
+        with pytest.raises(ValueError, match="read-only"):
+            numbers[0] = 0
 
 
 @pytest.mark.parametrize(
-    ("unit", "bound"),
+    ("name", "low", "high"),
     [
-        *UNIT_BOUNDS.items(),
-        ("-", OTHER_BOUND),
-        ("rad from 0.900", UNIT_BOUNDS["rad"]),
-        ("rad/s x 0.05", 0.05 * UNIT_BOUNDS["rad/s"]),
-        ("rad from -1.400 x -2", 2 * UNIT_BOUNDS["rad"]),
-        ("m/s x 2e-07", 2e-7 * UNIT_BOUNDS["m/s"]),
+        ("p_WB.x", -1e3, 1e3),
+        ("v_WB.x", -100, 100),
+        ("q.FL_tilt", -100, 100),
+        ("w_WB.z", -1e3, 1e3),
+        ("qd.FL_tilt", -50, 50),  # 0.05 times 1000 rad/s
+        ("dq.FL_tilt", -200, 200),  # -2 times 100 rad
+        ("q_WB.w", -1 - 1e-9, 1 + 1e-9),  # its own, wider by rounding
+        ("contact.FL", 0, 1 + 1e-9),  # but zero stays zero
+        ("command.vx", -5 - 5e-9, 5 + 5e-9),  # clipped
     ],
 )
-def test_units_have_bounds(unit: str, bound: float) -> None:
-    assert unit_bound(unit) == pytest.approx(bound, rel=1e-15)
-
-
-def test_own_bounds_come_before_those_of_the_unit() -> None:
-    low, high = Layout.of(
-        [("a", "m", -np.inf, np.inf), ("b", "-", 0, 1), ("c", "m", -np.inf, 2), ("d", "rad x .1", -5, 5)]
-    ).finite_bounds()
-    # Wider by rounding, but zero stays zero.
-    assert low == pytest.approx([-1e3, 0, -1e3, -5], rel=2e-9)
-    assert high == pytest.approx([1e3, 1, 2, 5], rel=2e-9)
-    assert low[1] == 0
-    assert high[1] > 1
+def test_boxes_are_finite(name: str, low: float, high: float) -> None:
+    blocks = ["base_position", "base_linear_velocity", "base_angular_velocity", "joint_positions", "base_orientation"]
+    blocks += ["foot_contacts", "{block: joint_velocities, scale: 0.05}", "{block: joint_offsets, scale: -2}"]
+    blocks += ["{block: command, clip: 5}"]
+    observation = layout_of(f"observation: [{', '.join(blocks)}]").observation
+    i = observation.index(name)
+    assert observation.box[0][i] == pytest.approx(low, rel=1e-15)
+    assert observation.box[1][i] == pytest.approx(high, rel=1e-15)
 
 
 @pytest.mark.parametrize("action", ["gait", "joints"])
@@ -68,7 +68,7 @@ def test_every_block_has_finite_bounds(action: str) -> None:
     if action == "gait":
         blocks += ["parameters", "phase"]
     text = f"{{action: {action}, observation: [{', '.join(blocks)}]}}"
-    low, high = layout_of(text).observation.finite_bounds()
+    low, high = layout_of(text).observation.box
     assert np.isfinite(low).all()
     assert np.isfinite(high).all()
     assert (low < high).all()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -24,6 +25,8 @@ from policy_models import (  # noqa: E402
     random_network,
     random_normalisation,
 )
+
+from crossgait.policies.onnx_budget import MOST_BYTES, MOST_NODES, MOST_NUMBERS  # noqa: E402
 
 FLOAT, HALF, DOUBLE = onnx.TensorProto.FLOAT, onnx.TensorProto.FLOAT16, onnx.TensorProto.DOUBLE
 
@@ -558,9 +561,74 @@ def test_inputs_and_outputs_of_another_size(tmp_path, options, words):
 
 def test_files_that_are_no_onnx(tmp_path):
     (tmp_path / "p.onnx").write_bytes(b"nothing of the kind")
-    for path in (tmp_path / "p.onnx", tmp_path / "absent.onnx"):
-        with pytest.raises(crossgait.ConfigError, match="an ONNX model"):
+    os.mkfifo(tmp_path / "pipe.onnx")
+    with (tmp_path / "large.onnx").open("wb") as large:
+        large.truncate(MOST_BYTES + 1)
+    for path, expected in (
+        (tmp_path / "p.onnx", "an ONNX model"),
+        (tmp_path / "absent.onnx", "a readable file, found No such file"),
+        (tmp_path / "pipe.onnx", "a readable file, found a pipe"),
+        ("/dev/zero", "a readable file, found a pipe or device"),
+        (tmp_path / "large.onnx", f"at most {MOST_BYTES} bytes"),
+    ):
+        with pytest.raises(crossgait.ConfigError, match=expected):
             Policy.from_onnx(path, JOINTS)
+
+
+@pytest.mark.parametrize(
+    ("op", "constants", "attributes"),
+    [
+        ("ConstantOfShape", [np.array([20000, 20000])], {}),
+        ("Expand", [single([1]), np.array([20000, 20000])], {}),
+        ("Tile", [single(range(10)), np.array([1000000])], {}),
+        ("Range", [np.array(0), np.array(10**9), np.array(1)], {}),
+        ("Add", [np.zeros((3000, 1), np.float32), np.zeros((1, 3000), np.float32)], {}),
+    ],
+)
+def test_constants_are_counted_before_they_are_computed(tmp_path, op, constants, attributes):
+    """A file of some kilobytes may say how to make gigabytes."""
+    file = OnnxFile()
+    names = [file.constant(f"c{i}", value) for i, value in enumerate(constants)]
+    large = file.node(op, names, "large", **attributes)
+    if constants[0].dtype == np.int64:
+        large = file.node("Cast", [large], "numbers", to=FLOAT)
+    file.node("Add", [dense(file, output="y"), file.node("ReduceSum", [large], "sum", keepdims=0)], "action")
+    file.write(tmp_path / "p.onnx", opset=17)
+    with pytest.raises(crossgait.ConfigError, match=f"at most {MOST_NUMBERS} numbers in all constants"):
+        Policy.from_onnx(tmp_path / "p.onnx", JOINTS)
+
+
+def test_functions_are_counted_before_they_are_unfolded(tmp_path):
+    """Each of twenty functions calls the one before it twice."""
+    file = OnnxFile()
+    dense(file)
+    file.write(tmp_path / "p.onnx", opset=17)
+    model = onnx.load(tmp_path / "p.onnx")
+    opsets = [onnx.helper.make_opsetid("", 17), onnx.helper.make_opsetid("own", 1)]
+    for i in range(20):
+        called = [
+            onnx.helper.make_node("Identity" if i == 0 else f"f{i - 1}", [a], [b], domain="" if i == 0 else "own")
+            for a, b in (("x", "y"), ("y", "z"))
+        ]
+        model.functions.append(onnx.helper.make_function("own", f"f{i}", ["x"], ["z"], called, opsets))
+    model.opset_import.append(opsets[1])
+    last = model.graph.node[-1]
+    last.output[0] = "before"
+    model.graph.node.append(onnx.helper.make_node("f19", ["before"], ["action"], domain="own"))
+    onnx.save(model, tmp_path / "p.onnx")
+    with pytest.raises(crossgait.ConfigError, match=f"at most {MOST_NODES} nodes, with functions unfolded"):
+        Policy.from_onnx(tmp_path / "p.onnx", JOINTS)
+
+
+def test_an_initialiser_of_no_known_type(tmp_path):
+    file = OnnxFile()
+    dense(file)
+    file.write(tmp_path / "p.onnx")
+    model = onnx.load(tmp_path / "p.onnx")
+    model.graph.initializer[0].data_type = 99
+    onnx.save(model, tmp_path / "p.onnx")
+    with pytest.raises(crossgait.ConfigError):
+        Policy.from_onnx(tmp_path / "p.onnx", JOINTS)
 
 
 def test_a_network_that_is_read_wrongly_is_refused(tmp_path, monkeypatch):

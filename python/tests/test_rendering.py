@@ -15,7 +15,8 @@ import crossgait
 import crossgait.envs
 from crossgait import Robot, Terrain, World
 from crossgait.sb3 import CrossgaitVecEnv
-from crossgait.viewing.rendering import SQUARE, Renderer
+from crossgait.viewing.mujoco_scene import SQUARE
+from crossgait.viewing.rendering import Renderer
 
 GAIT, JOINTS = "Crossgait/AdaptiveGait-v0", "Crossgait/JointControl-v0"
 SMALL = {"width": 80, "height": 60}  # frames are drawn by the processor where tests run
@@ -85,7 +86,7 @@ def test_heights_are_coloured_where_they_are() -> None:
 
 
 def test_a_terrain_has_lines_every_square() -> None:
-    from crossgait.viewing.rendering import _is_line
+    from crossgait.viewing.mujoco_scene import _is_line
 
     lines = _is_line(2.0, 4001)  # half a millimetre a pixel
     middles = np.flatnonzero(np.diff(lines.astype(int)) == 1)[1:] + np.flatnonzero(np.diff(lines.astype(int)) == -1)[1:]
@@ -115,7 +116,7 @@ def test_collision_shapes_are_drawn_where_there_is_nothing_else(tmp_path: Path) 
 
 
 def test_a_mesh_that_cannot_be_read_is_told(tmp_path: Path) -> None:
-    from crossgait.viewing import rendering
+    from crossgait.viewing import mujoco_scene
 
     class Unreadable:
         """The bundled robot with a Collada mesh for its trunk."""
@@ -129,30 +130,30 @@ def test_a_mesh_that_cannot_be_read_is_told(tmp_path: Path) -> None:
             ]
 
     (tmp_path / "trunk.dae").write_text("<COLLADA/>")
-    spec = rendering.mujoco.MjSpec()
+    spec = mujoco_scene.mujoco.MjSpec()
     with pytest.warns(UserWarning, match=r"trunk\.dae cannot be drawn .* collision shapes stand in"):
-        rendering._add_robot(spec, Unreadable())  # type: ignore[arg-type]
+        mujoco_scene._add_robot(spec, Unreadable())  # type: ignore[arg-type]
     trunk = spec.compile().body("body 0")
     assert trunk.geomnum[0] == sum(shape["body"] == 0 for shape in Unreadable().collisions)
 
 
 def test_meshes_and_hulls_are_drawn(tmp_path: Path) -> None:
-    from crossgait.viewing import rendering
+    from crossgait.viewing import mujoco_scene
 
     file = tmp_path / "wedge.obj"
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
     file.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
-    spec = rendering.mujoco.MjSpec()
+    spec = mujoco_scene.mujoco.MjSpec()
     body = spec.worldbody.add_body(name="body")
     pose = np.eye(4)
     pose[:3, 3] = [5, 6, 7]
-    mesh = rendering._add_mesh(spec, "mesh", str(file), (0.1, 0.2, 0.3))
-    hull = rendering._add_hull(spec, "hull", corners)
+    mesh = mujoco_scene._add_mesh(spec, "mesh", str(file), (0.1, 0.2, 0.3))
+    hull = mujoco_scene._add_hull(spec, "hull", corners)
     for name, kind in ((mesh, "mesh"), (hull, "hull")):
-        rendering._add_shape(body, {"type": kind, "pose": pose, "size": np.zeros(3)}, name, None)
+        mujoco_scene._add_shape(body, {"type": kind, "pose": pose, "size": np.zeros(3)}, name, None)
     model = spec.compile()
-    data = rendering.mujoco.MjData(model)
-    rendering.mujoco.mj_kinematics(model, data)
+    data = mujoco_scene.mujoco.MjData(model)
+    mujoco_scene.mujoco.mj_kinematics(model, data)
     for geom, scale in ((0, (0.1, 0.2, 0.3)), (1, (1, 1, 1))):
         start = model.mesh_vertadr[model.geom_dataid[geom]]
         count = model.mesh_vertnum[model.geom_dataid[geom]]

@@ -106,12 +106,13 @@ def test_files_are_found_from_the_studys_folder(tmp_path: Path, monkeypatch: pyt
     assert other.hash != run.hash
 
 
-def test_variations_that_no_time_step_allows_are_left_out(tmp_path: Path) -> None:
-    text = "engines: [ENGINE]\nvariations: all\nwalks: [{physics_dt: 0.002, control_dt: 0.002}]\n".replace(
-        "ENGINE", ENGINES[0]
-    )
+def test_variations_that_do_not_concern_an_engine_are_left_out(tmp_path: Path, engine: str) -> None:
+    text = f"engines: [{engine}]\nvariations: all\nwalks: [{{physics_dt: 0.002, control_dt: 0.002}}]\n"
     names = [run.variation for run in study(tmp_path, text).runs()]
-    assert names == [name for name in _core._variations() if name != "twice the time step"]
+    assert names[:3] == _core._variations()[:3] == ["as asked", "half the time step", "a quarter of the time step"]
+    sweeps = any(e.name == engine and "sweeps" in e.laws["contact"] for e in _core.engines())
+    assert ("a fifth of the sweeps" in names) == sweeps
+    assert ("ten times the impratio" in names) == (engine in ("mujoco", "bullet:matched", "dart:matched"))
 
 
 @pytest.mark.parametrize(
@@ -168,3 +169,22 @@ def test_numbers_are_those_of_yaml_1_2(tmp_path: Path) -> None:
     text = SHORT.format(engine=ENGINES[0]).replace("0.2\n", "2e-1\n")
     hashes = [run.hash for run in study(tmp_path, text).runs()]
     assert hashes == [run.hash for run in study(tmp_path, SHORT.format(engine=ENGINES[0])).runs()]
+
+
+def test_a_grid_is_counted_before_it_is_made(tmp_path: Path) -> None:
+    counted = study(
+        tmp_path, "starts: 3\nseeds: [0, 1]\nwalks: [{gait: [trot, walk], parameters: {step_height: [0.02, 0.03]}}]"
+    )
+    assert counted.count() == len(counted.runs())
+    wide = ", ".join(f"{0.02 + 1e-6 * i}" for i in range(1000))
+    for text in (
+        "starts: 1000000000000\nwalks: [{}]",
+        "starts: 1000\nseeds: [0, 1]\nwalks: [{seconds: 2000}, {seconds: 1000}]",
+        f"walks: [{{parameters: {{step_height: [{wide}], step_length: [{wide}], body_height: [{wide}]}}}}]",
+        f"policies: [{{set: {{friction: [{wide}], physics_dt: [{wide}], seconds: [{wide}]}}}}]",
+    ):
+        if "starts: 1000\n" in text:
+            assert study(tmp_path, text).count() == 4000 * len(crossgait.available_engines())
+            continue
+        with pytest.raises(ConfigError, match="at most 1000000 runs"):
+            study(tmp_path, text)

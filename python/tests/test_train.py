@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import sys
@@ -374,7 +375,10 @@ def test_the_best_policy_is_that_of_the_worst_engine(tmp_path: Path, monkeypatch
 
     def made_up(policies: list[str], *_: Any, **__: Any) -> dict[str, Any]:
         now = next(scores)
-        said = {e: {"total_reward": {"mean": s, "deviation": 0.0}, "outcomes": {"walked": 1}} for e, s in now.items()}
+        said = {
+            e: {"total_reward": {"mean": s, "deviation": 0.0}, "outcomes": {"walked": 1}, "ended_early": 0}
+            for e, s in now.items()
+        }
         return dict.fromkeys(policies, said)
 
     monkeypatch.setattr(evaluation, "evaluate", made_up)
@@ -422,7 +426,8 @@ def test_a_course_may_be_what_decides(tmp_path: Path) -> None:
 
 
 def test_one_run_at_a_time_in_a_folder(tmp_path: Path) -> None:
-    with folder.locked(tmp_path), pytest.raises(ConfigError, match="another that is training"), folder.locked(tmp_path):
+    us = f"one that process {os.getpid()} is writing"
+    with folder.locked(tmp_path), pytest.raises(ConfigError, match=us), folder.locked(tmp_path):
         pass
     with folder.locked(tmp_path):
         pass

@@ -29,8 +29,7 @@ class Method:
 def shown(told):
     """What cards say of episodes."""
     mean = {key: told[key]["mean"] for key in ("mean_speed_mps", "cost_of_transport", "swing_contact_ratio", "slip_per_path") if told.get(key)}
-    ended = sum(n for name, n in told["outcomes"].items() if name not in ("walked", "slid", "no_progress"))
-    return mean | {"episodes": told["episodes"], "ended_early": ended}
+    return mean | {"episodes": told["episodes"], "ended_early": told["ended_early"]}
 
 
 def falls_bound(ended, episodes):

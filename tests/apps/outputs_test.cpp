@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "backends/registry.h"
+#include "physics/robot_files/data_path.h"
 #include "tests/apps/run_program.h"
 
 namespace crossgait {
@@ -79,6 +80,110 @@ TEST(Outputs, AreTriedBeforeTheWork) {
   expect_bad_input("bench --report nowhere/at/all.html", {"nowhere/at"});
   expect_bad_input("walk" + kEndless + "--trace outputs_same --json outputs_same", {"outputs_same", "own"});
   EXPECT_FALSE(fs::exists("outputs_same"));
+}
+
+TEST(Outputs, AreEachAFileByWhateverName) {
+  write_file("outputs_there.csv", "mine");
+  fs::remove("outputs_link.csv");
+  fs::remove("outputs_hard.csv");
+  fs::create_symlink("outputs_there.csv", "outputs_link.csv");
+  fs::create_hard_link("outputs_there.csv", "outputs_hard.csv");
+  const std::string walk = "walk" + kEndless + "--trace outputs_there.csv --json ";
+  for (const char* same :
+       {"./outputs_there.csv", "../scratch/outputs_there.csv", "outputs_link.csv", "outputs_hard.csv"})
+    expect_bad_input(walk + same, {same, "of its own"});
+  expect_bad_input("walk" + kEndless + "--trace outputs_new.csv --json ./outputs_new.csv", {"of its own"});
+  expect_bad_input("walk" + kEndless + "--trace ''", {"--trace", "the name of a file"});
+  EXPECT_EQ(read_file("outputs_there.csv"), "mine");
+  for (const char* file : {"outputs_there.csv", "outputs_link.csv", "outputs_hard.csv"}) fs::remove(file);
+}
+
+TEST(Outputs, AreNoneOfTheInputs) {
+  const std::string robot = find_robot("scara_quadruped");
+  fs::create_directory("outputs_robot");
+  for (const char* name : {"robot.yaml", "robot.urdf"})
+    fs::copy_file(fs::path(robot).parent_path() / name, fs::path("outputs_robot") / name,
+                  fs::copy_options::overwrite_existing);
+  const std::string yaml = read_file("outputs_robot/robot.yaml"),
+                    urdf = read_file("outputs_robot/robot.urdf");
+  const std::string walk = "walk" + kEndless + "--robot outputs_robot/robot.yaml ";
+  expect_bad_input(walk + "--trace outputs_robot/robot.yaml",
+                   {"--trace", "a file that is not read", "--robot"});
+  expect_bad_input(walk + "--json outputs_robot/robot.urdf", {"--json", "a file that is not read"});
+  EXPECT_EQ(read_file("outputs_robot/robot.yaml"), yaml);
+  EXPECT_EQ(read_file("outputs_robot/robot.urdf"), urdf);
+  write_file("outputs_map.csv", "0,0\n0,.001\n");
+  expect_bad_input("terrain outputs_map.csv:size_x=2 --csv outputs_map.csv",
+                   {"--csv", "a file that is not read"});
+  EXPECT_EQ(read_file("outputs_map.csv"), "0,0\n0,.001\n");
+  ASSERT_EQ(run_program("gait --json outputs_gait.json").exit_code, 0);
+  const std::string gait = read_file("outputs_gait.json");
+  expect_bad_input("report outputs_gait.json --out outputs_gait.json", {"--out", "a file that is not read"});
+  expect_bad_input("rerun outputs_gait.json --json ./outputs_gait.json", {"a file that is not read"});
+  EXPECT_EQ(read_file("outputs_gait.json"), gait);
+  fs::remove_all("outputs_robot");
+  fs::remove("outputs_map.csv");
+  fs::remove("outputs_gait.json");
+}
+
+TEST(Outputs, AFileThatBecomesTooLargeIsAnErrorThatLeavesNothing) {
+  const ProgramResult result =
+      run_program("gait --csv outputs_large.csv --seconds 100 --dt .001", "ulimit -f 100; ");
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  EXPECT_NE(result.err.find("outputs_large.csv: output file"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("File too large"), std::string::npos) << result.err;
+  for (const auto& entry : fs::directory_iterator("."))
+    EXPECT_FALSE(entry.path().filename().string().starts_with("outputs_large")) << entry.path();
+}
+
+// Results are JSON, which is UTF-8: said before the work, not when it is done.
+TEST(Outputs, NamesThatAreNoUtf8AreRefusedBeforeTheWork) {
+  for (const char* option : {"--robot r", "--terrain m", "--json o"})
+    expect_bad_input("walk" + kEndless + option + "\xff.csv", {"command line", "UTF-8", "\\xff.csv"});
+}
+
+TEST(Outputs, FilesThatNameFilesInNoUtf8AreBadInput) {
+  const fs::path robot = find_robot("scara_quadruped");
+  std::string yaml = read_file(robot.string());
+  const std::string urdf = "urdf: robot.urdf";
+  ASSERT_NE(yaml.find(urdf), std::string::npos);
+  write_file("outputs_\xff.urdf", read_file((robot.parent_path() / "robot.urdf").string()));
+  write_file("outputs_names.yaml", yaml.replace(yaml.find(urdf), urdf.size(), "urdf: \"outputs_\xff.urdf\""));
+  expect_bad_input("walk" + kEndless + "--robot outputs_names.yaml", {"UTF-8"});
+  fs::remove("outputs_\xff.urdf");
+  fs::remove("outputs_names.yaml");
+}
+
+// Names in files are anybody's, and some of their bytes are commands to a terminal.
+TEST(Outputs, ShowNoControlCharacters) {
+  const std::string robot = find_robot("serial_quadruped");
+  fs::create_directory("outputs_names");
+  const auto changed = [](std::string text, const std::string& from, const std::string& to) {
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+      text.replace(at, from.size(), to);
+    return text;
+  };
+  const std::string urdf = read_file((fs::path(robot).parent_path() / "robot.urdf").string());
+  const std::string name = std::string("tr\xc2\x9b") + "31m\x7f" + "unk";  // U+009B and delete
+  write_file("outputs_names/robot.urdf", changed(urdf, "\"trunk\"", "\"" + name + "\""));
+  const ProgramResult shown = run_program("robots outputs_names/robot.urdf");
+  EXPECT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_NE(shown.out.find("tr\\xc2\\x9b31m\\x7funk"), std::string::npos) << shown.out;
+  for (const std::string& text : {shown.out, shown.err})
+    EXPECT_EQ(std::count_if(text.begin(), text.end(),
+                            [](char c) { return (c >= 0 && c < 32 && c != '\n') || c == 127; }),
+              0);
+  const json result = run_json("robots outputs_names/robot.urdf");
+  EXPECT_NE(result.dump().find(name), std::string::npos) << "data stays as it is";
+  fs::remove_all("outputs_names");
+  ASSERT_EQ(run_program("walk --seconds .1 --json outputs_esc.json").exit_code, 0);
+  json walk = json::parse(read_file("outputs_esc.json"));
+  walk["gait"] = "\u001b]0;mine\u0007";
+  walk["provenance"]["arguments"] = {"--\u001b[31m"};
+  write_file("outputs_esc.json", walk.dump());
+  for (const char* command : {"rerun outputs_esc.json", "report outputs_esc.json --out outputs_esc.html"})
+    EXPECT_EQ(run_program(command).err.find('\x1b'), std::string::npos) << command;
+  fs::remove("outputs_esc.json");
 }
 
 TEST(Interrupted, AWalkKeepsItsTraceAndItsResult) {

@@ -230,7 +230,9 @@ TEST(Program, AnMjcfIsARobotLikeAnyOther) {
   const std::string file = CROSSGAIT_SOURCE_DIR "/tests/backends/mjcf/serial_quadruped.xml";
   const json robot = run_json("robots " + file), same = run_json("robots serial_quadruped");
   EXPECT_EQ(robot["file"], file);
-  EXPECT_EQ(robot["warnings"].size(), 3U);
+  // Three things that are left out, and contact, which is the world's.
+  EXPECT_EQ(robot["warnings"].size(), 4U);
+  EXPECT_FALSE(robot["quantities"].empty());
   for (const char* key : {"joints", "legs", "home_rad", "servo", "gait_scale"})
     EXPECT_EQ(robot[key], same[key]) << key;
   EXPECT_EQ(robot["body_list"][0]["visuals"], 1);

@@ -48,6 +48,11 @@ TEST_F(ReadOnce, ByComparisonsAndVerdicts) {
                      path("episodes.jsonl") + " --report " + path("page.html"));
 }
 
+TEST_F(ReadOnce, ByWhatLooksAtTheRobotAlone) {
+  for (const char* command : {"gait", "ik --target 0,0,-0.07", "workspace", "robots"})
+    expect_one_reading(command);
+}
+
 TEST_F(ReadOnce, ByWhatRunsEpisodes) {
   expect_one_reading("rollout --policy zero,random --episode-seconds .1 --episodes 2 --trace " +
                      path("t.csv") + " --report " + path("page.html"));

@@ -185,12 +185,66 @@ TEST_F(Provenances, SayWhereAResultCameOutOtherwise) {
   EXPECT_NE(again.err.find("distance_m"), std::string::npos) << again.err;
 }
 
+// A result is a file, and may come from anybody: what it says to run makes a result and does nothing else.
+TEST(RerunBadInput, WritesNowhereAndStartsNothing) {
+  write_file("rerun_precious", "precious");
+  const auto made_by = [](const std::string& command, const json& arguments) {
+    write_file("rerun_evil.json", json{{"schema", {{"name", command}}},
+                                       {"provenance", {{"command", command}, {"arguments", arguments}}}}
+                                      .dump());
+  };
+  const std::vector<std::pair<std::string, json>> evil{
+      {"gait", {"--csv=rerun_precious"}},
+      {"gait", {"--csv", "rerun_precious"}},
+      {"gait", {"--report=rerun_precious"}},
+      {"gait", {"--json=rerun_precious"}},
+      {"walk", {"--trace=rerun_precious"}},
+      {"terrain", {"rough", "--png=rerun_precious"}},
+      {"terrain", {"rough", "--csv=rerun_precious"}},
+      {"verdict", {"--runs=rerun_precious"}},
+      {"tune", {"--out=rerun_precious"}},
+      {"rollout", {"--workers=1000"}},
+      {"report", {"x.json", "--out=rerun_precious"}},
+      {"view", {"--port=0"}},
+      {"video", {"rerun_precious"}},
+      {"conformance", {"--nothing"}},
+      {"gait", {"-csv=rerun_precious"}},
+      {"nothing", json::array()},
+      {"rerun", {"rerun_evil.json"}},
+  };
+  for (const auto& [command, arguments] : evil) {
+    made_by(command, arguments);
+    expect_bad_input("rerun rerun_evil.json", {"rerun_evil.json", "provenance."});
+    EXPECT_EQ(read_file("rerun_precious"), "precious") << command << arguments;
+  }
+  made_by("gait", {"--csv=rerun_precious"});
+  expect_bad_input("report rerun_evil.json --out rerun_page.html",
+                   {"rerun_evil.json", "provenance.arguments"});
+  EXPECT_EQ(read_file("rerun_precious"), "precious");
+  EXPECT_FALSE(fs::exists("rerun_page.html"));
+  fs::remove("rerun_evil.json");
+  fs::remove("rerun_precious");
+}
+
+// What is refused because it is not the same has written nothing yet.
+TEST(RerunBadInput, IsRefusedBeforeAnythingIsWritten) {
+  for (const std::string command : {"terrain rough", "gait"}) {
+    ASSERT_EQ(run_program(command + " --json rerun_other.json").exit_code, 0);
+    json other = json::parse(read_file("rerun_other.json"));
+    other["provenance"]["crossgait"] = "0.0.1";
+    write_file("rerun_other.json", other.dump());
+    expect_bad_input("rerun rerun_other.json --csv rerun_new.csv", {"provenance.crossgait"});
+    EXPECT_FALSE(fs::exists("rerun_new.csv")) << command;
+  }
+  fs::remove("rerun_other.json");
+}
+
 TEST(RerunBadInput, NamesTheFile) {
   expect_bad_input("rerun", {"result"});
   expect_bad_input("rerun rerun_nowhere.json", {"rerun_nowhere.json"});
   write_file("rerun_of_rerun.json",
              R"({"provenance": {"command": "rerun", "arguments": ["rerun_of_rerun.json"]}})");
-  expect_bad_input("rerun rerun_of_rerun.json", {"rerun_of_rerun.json", "another command"});
+  expect_bad_input("rerun rerun_of_rerun.json", {"rerun_of_rerun.json", "a command that makes results"});
   fs::remove("rerun_of_rerun.json");
 }
 

@@ -17,10 +17,10 @@
 
 namespace crossgait {
 
-ProgramResult run_program(const std::string& arguments) {
+ProgramResult run_program(const std::string& arguments, const std::string& before) {
   ProgramResult result;
   const std::string errors = "stderr." + std::to_string(getpid());
-  const std::string command = std::string(CROSSGAIT_PROGRAM) + " " + arguments + " 2>" + errors;
+  const std::string command = before + std::string(CROSSGAIT_PROGRAM) + " " + arguments + " 2>" + errors;
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return result;
   char buffer[4096];

@@ -15,7 +15,8 @@ struct ProgramResult {
 };
 
 /// @param arguments as typed behind `crossgait`, through the shell
-ProgramResult run_program(const std::string& arguments);
+/// @param before    what the shell does first, such as "ulimit -f 100; "
+ProgramResult run_program(const std::string& arguments, const std::string& before = {});
 
 /// The same, watched: `signal`, if any, is sent `after` seconds of the processor's work behind the moment in
 /// which the program begins to listen for it; twenty times that if it does not work.

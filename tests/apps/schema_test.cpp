@@ -131,8 +131,8 @@ std::vector<Case> cases() {
     all.push_back({"verdict", "verdict --seconds .1 --starts 4 --policy zero " + two});
   }
   if (engines.size() > 2) {
-    all.push_back({"verdicts", "verdict --seconds .1 --starts 4 --engines " + engines[0] + "," + engines[1] +
-                                   "," + engines[2]});
+    all.push_back({"verdict", "verdict --seconds .1 --starts 4 --engines " + engines[0] + "," + engines[1] +
+                                  "," + engines[2]});
   }
   return all;
 }

@@ -171,7 +171,7 @@ TEST(VerdictCommand, RefusesWhatItCannotJudge) {
         std::string("--starts 2"), std::string("--confidence 1"), std::string("--looks 0"),
         std::string("--margin distance_m"), std::string("--margin distance_m=far"),
         std::string("--margin no_such=5%"), std::string("--margins nowhere.yaml"),
-        std::string("--require engine-dependent"), std::string("--config env.yaml"),
+        std::string("--require maybe"), std::string("--config env.yaml"),
         std::string("--policy zero --config env.yaml --terrain rough"), std::string("--policy nonsense"),
         std::string("--policy zero --no-compensation"), std::string("--runs nowhere/at/all.jsonl")}) {
     EXPECT_EQ(run_program("verdict --seconds .1 " + arguments).exit_code, 2) << arguments;

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include <dlfcn.h>
+#include <sys/stat.h>
 
 #include "backends/plugin_loader.h"
 #include "backends/registry.h"
@@ -86,6 +87,30 @@ TEST_F(Plugin, IsRefusedIfItOffersNothing) {
 TEST_F(Plugin, IsRefusedIfItGivesNothing) { EXPECT_CONTAINS(refusal("null"), "gives nothing"); }
 
 TEST_F(Plugin, IsRefusedWithItsOwnWordsIfItThrows) { EXPECT_EQ(refusal("throw"), "no licence"); }
+
+TEST_F(Plugin, IsRefusedIfItThrowsAnything) {
+  EXPECT_CONTAINS(refusal("throw a number"), "no exception of the standard library");
+}
+
+// The system's loader maps what the header names, and touching what is not there ends the process.
+TEST_F(Plugin, IsRefusedIfItIsCutOff) {
+  const std::uintmax_t whole = fs::file_size(built("test_1"));
+  for (const std::uintmax_t kept : {std::uintmax_t{70}, whole / 10, whole / 2}) {
+    const std::string file = copy("test_1", "cut");
+    fs::resize_file(file, kept);
+    const LoadedPlugin loaded = load_plugin(file);
+    EXPECT_EQ(loaded.plugin, nullptr);
+    EXPECT_EQ(loaded.reason, "it is cut off: it has " + std::to_string(kept) + " bytes, and names more");
+  }
+}
+
+TEST_F(Plugin, IsRefusedIfItIsNoFile) {
+  ASSERT_EQ(::mkfifo(path("libcrossgait_engine_pipe.so").c_str(), 0600), 0);
+  fs::create_directory(path("libcrossgait_engine_folder.so"));
+  fs::create_symlink("/dev/zero", path("libcrossgait_engine_device.so"));
+  for (const std::string& file : plugin_files({folder_.string()}))
+    EXPECT_EQ(load_plugin(file).reason, "it is no regular file") << file;
+}
 
 TEST_F(Plugin, IsRefusedWithoutItsFunction) {
   EXPECT_CONTAINS(load_plugin(built("no_function")).reason, "no function crossgait_engine_plugin");

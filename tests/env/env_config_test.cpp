@@ -129,8 +129,9 @@ TEST(EnvConfig, KeysOfOneKindOfActionAreErrorsWithTheOther) {
             "env.yaml: line 2, joints.gain: expected one of the keys order, home, scale, limit, delay, "
             "found unknown key 'gain'");
   EXPECT_EQ(complaint("servos: {ki: 2}\n"),
-            "env.yaml: line 1, servos.ki: expected one of the keys kp, kd, effort, damping, armature, "
-            "friction, corner_speed, no_load_speed, backlash, delay, sensor_noise, found unknown key 'ki'");
+            "env.yaml: line 1, servos.ki: expected one of the keys kp, kd, effort, effort_negative, "
+            "damping, stiffness, armature, friction, corner_speed, no_load_speed, backlash, delay, lag, "
+            "sensor_noise, found unknown key 'ki'");
   EXPECT_EQ(complaint("observation: [{block: gravity, gain: 2}]\n"),
             "env.yaml: line 1, observation[0].gain: expected one of the keys block, scale, clip, noise, "
             "delay, history, found unknown key 'gain'");

@@ -164,12 +164,13 @@ TEST(Observer, NamesUnitsAndBoundsSayWhatIsSeen) {
                              "gravity"});
   const Layout layout = EnvModel::make(config)->interface.observation;
   ASSERT_EQ(layout.size(), 8U + 12U + 3U);
-  EXPECT_EQ(layout.entries[0], (LayoutEntry{"q_WB.w@0.002", "- x -2", -2.5, 2.5}));
+  EXPECT_EQ(layout.entries[0], (LayoutEntry{"q_WB.w@0.002", "- x -2", -2.5, 2.5, 2e6}));
   EXPECT_EQ(layout.entries[4].name, "q_WB.w@0.008");
   EXPECT_EQ(layout.entries[8].name, "qd.FL_tilt");
   EXPECT_EQ(layout.entries[8].unit, "rad/s x 0.05");
   EXPECT_EQ(layout.entries[8].min, -3);
   EXPECT_EQ(layout.entries[8].max, 3);
+  EXPECT_EQ(layout.entries[8].reach, 50) << "0.05 of 1000 rad/s";
   EXPECT_EQ(layout.entries[20], (LayoutEntry{"gravity_B.x", "-", -1, 1}));
 }
 

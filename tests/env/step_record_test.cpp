@@ -20,7 +20,7 @@ EnvConfig turned_on_rough_ground() {
   config.terrain = "rough:amplitude=.006";
   config.randomisation[Randomised::kStartYaw] = {kYaw - 0.1, kYaw + 0.1};
   config.randomisation[Randomised::kStartX] = {0.2, 0.4};
-  config.policy_dt = kPolicyDt;
+  config.policy_dt = config.control_dt = kPolicyDt;  // so that one set of targets makes a policy step again
   config.episode_seconds = 2;
   config.settle_seconds = 0.2;
   config.command = kCommand;
@@ -40,7 +40,28 @@ struct Seen {
   std::vector<double> action, last_action;
   GaitParameters parameters, last_parameters;
   bool terminated;
+  double work = 0, torque_squares = 0, slip_squares = 0;  // integrals over the step's physics steps
 };
+
+/// Makes the step again in a world that was saved before it, physics step by physics step.
+void make_again(PhysicsBackend& world, const Snapshot& before, const ControlTargets& targets, Seen& seen) {
+  world.restore(before);
+  const double h = world.spec().physics_dt;
+  seen.work = seen.torque_squares = seen.slip_squares = 0;
+  for (int i = 0; i < std::lround(kPolicyDt / h); ++i) {
+    const JointVector qd = world.state().qd;
+    ASSERT_EQ(world.step(targets.joints), StepStatus::kOk);
+    for (const int j : world.robot().actuated_joints()) {
+      const double servo = world.torques()[j] + world.robot().joint(j).damping * qd[j];
+      seen.work += std::abs(servo * (qd[j] + world.state().qd[j]) / 2) * h;
+      seen.torque_squares += std::pow(world.torques()[j], 2) * h;
+    }
+    for (const FootContact& foot : world.foot_contacts()) {
+      if (foot.touching) seen.slip_squares += std::pow(foot.slip_speed, 2) * h;
+    }
+  }
+  EXPECT_TRUE(scenes::identical(world.state(), seen.after));
+}
 
 double squares(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
@@ -62,18 +83,14 @@ std::map<std::string, double> expected_terms(const QuadrupedEnv& env, const Seen
   const RobotDescription& robot = world.robot();
   const Vector3 start(std::cos(seen.start_yaw), std::sin(seen.start_yaw), 0), now = heading_of(after);
   const Vector3& v = after.v_WB;
-  double pattern = 0, slip = 0;
+  double pattern = 0;
   const LegArray<FootContact> feet = world.foot_contacts();
   for (const Leg leg : kLegs) {
     pattern += feet[leg].touching != env.gait()->is_swing(leg) ? 0.2 : -0.5;
-    if (feet[leg].touching) slip += std::pow(feet[leg].slip_speed, 2);
   }
-  double acceleration = 0, torque = 0, power = 0;
-  for (const int i : robot.actuated_joints()) {
+  double acceleration = 0;
+  for (const int i : robot.actuated_joints())
     acceleration += std::pow((after.qd[i] - before.qd[i]) / kPolicyDt, 2);
-    torque += std::pow(world.torques()[i], 2);
-    power += std::abs((world.torques()[i] + robot.joint(i).damping * after.qd[i]) * after.qd[i]);
-  }
   double adaptation = 0;
   for (const ParameterRow& row : env.gait()->adapted())
     adaptation += std::pow(seen.parameters.*row.member - seen.last_parameters.*row.member, 2);
@@ -103,10 +120,11 @@ std::map<std::string, double> expected_terms(const QuadrupedEnv& env, const Seen
       {"termination", seen.terminated ? 1 : 0},
       {"action_rate_l2", squares(seen.action, seen.last_action)},
       {"action_l2", squares(seen.action, std::vector<double>(seen.action.size(), 0))},
-      {"foot_slip", slip},
-      {"joint_torques_l2", torque},
-      {"power", power},
-      {"cost_of_transport", power / (weight * std::max(std::hypot(v.x(), v.y()), 0.02))},
+      {"foot_slip", seen.slip_squares / kPolicyDt},
+      {"joint_torques_l2", seen.torque_squares / kPolicyDt},
+      {"power", seen.work / kPolicyDt},
+      {"cost_of_transport",
+       seen.work / (weight * std::max((after.p_WB - before.p_WB).head<2>().norm(), 0.02 * kPolicyDt))},
   };
 }
 
@@ -125,17 +143,21 @@ class StepRecords : public EngineTest {
     std::map<std::string, double> sums;
     Random random(3);
     result = {};
+    const auto other = env.engine().make(env.world().spec());
     while (!result.done()) {
+      const Snapshot snapshot = env.world().save();
       seen.before = env.world().state();
       seen.last_action = seen.action;
       seen.last_parameters = seen.parameters;
       seen.action = scenes::random_action(random, env.action_size());
       result = env.step(seen.action, observation);
       seen.after = env.world().state();
+      if (env.config().control_dt == kPolicyDt) make_again(*other, snapshot, env.targets(), seen);
       seen.parameters = *env.info().parameters;
       seen.terminated = result.terminated;
       double reward = 0;
-      for (const auto& [name, value] : expected_terms(env, seen)) {
+      for (const auto& [name, unweighted] : expected_terms(env, seen)) {
+        const double value = env.config().reward[find_reward_term(name)] * unweighted;
         const double found = env.info().reward_terms[find_reward_term(name)];
         // The same few operations in another order; accelerations of 1e3 rad/s^2 are differences of speeds.
         EXPECT_NEAR(found, value, 1e-11 * (1 + std::abs(value))) << name << " at " << env.info().time << " s";
@@ -166,6 +188,9 @@ TEST_P(StepRecords, HoldWhatHappened) {
 TEST_P(StepRecords, SayOfTheLastStepThatItFailed) {
   EnvConfig config = turned_on_rough_ground();
   config.tilt_limit_deg = 3;  // a trot pitches by 5 degrees
+  config.control_dt = 2e-3;   // of which no step is made again: without what is summed up within it
+  for (const char* name : {"foot_slip", "joint_torques_l2", "power", "cost_of_transport"})
+    config.reward[find_reward_term(name)] = 0;
   QuadrupedEnv env(config, find_engine(GetParam()));
   StepResult result;
   const std::map<std::string, double> sums = compare(env, result);

@@ -31,11 +31,12 @@ TEST(Outcomes, TheTableIsInTheOrderOfTheEnumeration) {
   }
 }
 
-TEST(Outcomes, WalksEndByDivergenceAloneAndEpisodesByAllThatIsKnownAtOnce) {
+TEST(Outcomes, WalksEndWithTheirTerrainAndEpisodesByAllThatIsKnownAtOnce) {
   for (const OutcomeRow& row : outcome_rows()) {
-    EXPECT_EQ(OutcomeSet::of_walks().has(row.outcome), row.outcome == Outcome::kDiverged) << row.name;
-    const bool at_once = row.outcome != Outcome::kSlid && row.outcome != Outcome::kNoProgress &&
-                         row.outcome != Outcome::kWalked;
+    EXPECT_EQ(OutcomeSet::of_walks().has(row.outcome),
+              row.outcome == Outcome::kDiverged || row.outcome == Outcome::kLeftTerrain)
+        << row.name;
+    const bool at_once = row.outcome < Outcome::kSlid;
     EXPECT_EQ(row.at_once, at_once) << row.name;
     EXPECT_EQ(OutcomeSet::of_episodes().has(row.outcome), at_once) << row.name;
   }
@@ -54,9 +55,12 @@ TEST(OutcomeLimits, AreCheckedByName) {
       {"loop_gap", &L::loop_gap},
       {"slip", &L::slip},
       {"slip_path", &L::slip_path},
-      {"progress", &L::progress},
       {"commanded_path", &L::commanded_path},
-      {"commanded_turn", &L::commanded_turn}};
+      {"commanded_turn", &L::commanded_turn},
+      {"no_progress", &L::no_progress},
+      {"no_progress_speed", &L::no_progress_speed},
+      {"strayed_deg", &L::strayed_deg},
+      {"too_slow", &L::too_slow}};
   for (const auto& [element, member] : limits) {
     for (const double bad : {0.0, -1.0, kNaN, 1e9}) {
       OutcomeLimits wrong;
@@ -70,8 +74,9 @@ TEST(OutcomeLimits, AreCheckedByName) {
       }
     }
   }
-  const std::vector<std::pair<double L::*, double>> most{
-      {&L::tilt_deg, 180}, {&L::low_height, 1}, {&L::nonfoot_contact_load, 1}, {&L::progress, 1}};
+  const std::vector<std::pair<double L::*, double>> most{{&L::tilt_deg, 180},           {&L::low_height, 1},
+                                                         {&L::nonfoot_contact_load, 1}, {&L::no_progress, 1},
+                                                         {&L::strayed_deg, 90},         {&L::too_slow, 1}};
   for (const auto& [member, value] : most) {
     OutcomeLimits edge;
     edge.*member = value;
@@ -142,6 +147,93 @@ TEST_F(MadeUpMotion, CountsItsTimeInSteps) {
   statistics_.begin(*world_, kStanding);
   hold(kStanding, 10'000);
   EXPECT_EQ(statistics_.summary(*world_).simulated_seconds, 10'000 * kDt);
+}
+
+/// Motions along straight lines, of a robot that faces `yaw` at the start, asked for 0.5 m/s in a direction.
+class AskedMotion : public MadeUpMotion {
+ protected:
+  struct Made {
+    double off = 0;      // of its way from the command's direction, rad
+    double speed = 0.5;  // m/s
+    double turning = 0;  // rad/s
+    double asked = 0.5;  // m/s
+    double asked_turning = 0;
+  };
+
+  /// The outcome of 4 s.
+  Outcome of(const Made& made, double yaw = 0.7, double side = 0) {
+    constexpr double kSlow = 0.01, kSeconds = 4;  // s
+    RobotState state = world_->home_state();
+    const auto put = [&](double heading) {
+      state.q_WB = from_roll_pitch_yaw(0, 0, heading);
+      world_->reset(state);
+    };
+    put(yaw);
+    statistics_.begin(*world_, kStanding);
+    ControlTargets targets;
+    targets.velocity =
+        VelocityCommand{made.asked * std::cos(side), made.asked * std::sin(side), made.asked_turning};
+    const double direction = yaw + side + made.off;
+    for (int i = 1; i <= kSeconds / kSlow; ++i) {
+      // Where it turns as it is asked to, the way turns with it; else it goes straight on, whatever it faces.
+      const double along = direction + (made.asked_turning != 0 ? made.turning * (i - 0.5) * kSlow : 0);
+      state.p_WB += made.speed * kSlow * Vector3(std::cos(along), std::sin(along), 0);
+      put(yaw + made.turning * i * kSlow);
+      statistics_.add_control_step(*world_, targets, kSlow);
+    }
+    return statistics_.summary(*world_).outcome;
+  }
+};
+
+TEST_F(AskedMotion, IsJudgedAlongItsCommand) {
+  const double degree = M_PI / 180;
+  const std::vector<std::pair<Made, Outcome>> cases{
+      {{}, Outcome::kWalked},
+      {{.speed = 1.5}, Outcome::kWalked},
+      {{.speed = 0.51 * 0.5}, Outcome::kWalked},
+      {{.speed = 0.49 * 0.5}, Outcome::kTooSlow},
+      {{.speed = 0.11 * 0.5}, Outcome::kTooSlow},
+      {{.speed = 0.05 * 0.5}, Outcome::kNoProgress},
+      {{.off = 90 * degree, .speed = 0.05 * 0.5}, Outcome::kNoProgress},
+      {{.off = M_PI, .speed = 0.05 * 0.5}, Outcome::kNoProgress},
+      {{.speed = 0.75, .asked = 8}, Outcome::kTooSlow},  // less than a tenth of it, but not next to nothing
+      {{.off = 44 * degree}, Outcome::kWalked},
+      {{.off = 46 * degree}, Outcome::kStrayed},
+      {{.off = 90 * degree}, Outcome::kStrayed},
+      {{.off = 134 * degree}, Outcome::kStrayed},
+      {{.off = 136 * degree}, Outcome::kBackward},
+      {{.off = M_PI}, Outcome::kBackward},
+      // Facing elsewhere is no matter while it goes where it should, and no excuse where it does not.
+      {{.turning = 0.5}, Outcome::kWalked},
+      {{.off = 90 * degree, .turning = 0.4}, Outcome::kStrayed},
+      // Where a turn is asked for, the way is the one that the robot faces.
+      {{.turning = 0.4, .asked_turning = 0.4}, Outcome::kWalked},
+      {{.turning = 0.21, .asked_turning = 0.4}, Outcome::kWalked},
+      {{.turning = 0.19, .asked_turning = 0.4}, Outcome::kTooSlow},
+      {{.turning = -0.4, .asked_turning = 0.4}, Outcome::kTooSlow},
+      {{.off = 90 * degree, .turning = -0.4, .asked_turning = 0.4}, Outcome::kStrayed},
+      {{.turning = -0.1, .asked_turning = 0.1}, Outcome::kWalked},  // .4 rad are too few to judge
+      // A turn alone.
+      {{.speed = 0, .turning = 0.4, .asked = 0, .asked_turning = 0.4}, Outcome::kWalked},
+      {{.speed = 0, .turning = 0.19, .asked = 0, .asked_turning = 0.4}, Outcome::kTooSlow},
+      {{.speed = 0, .turning = 0.03, .asked = 0, .asked_turning = 0.4}, Outcome::kNoProgress},
+      {{.speed = 0, .turning = -0.03, .asked = 0, .asked_turning = 0.4}, Outcome::kNoProgress},
+      {{.speed = 0, .turning = -0.05, .asked = 0, .asked_turning = 0.4}, Outcome::kBackward},
+      // Less than a leg length, or nothing, was asked for.
+      {{.off = M_PI, .asked = 0.01}, Outcome::kWalked},
+      {{.off = M_PI, .asked = 0}, Outcome::kWalked},
+  };
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const auto& [made, outcome] = cases[i];
+    for (const double yaw : {0.0, 0.7, 3.1}) {
+      for (const double side : {0.0, 1.9, -2.5}) EXPECT_EQ(name(of(made, yaw, side)), name(outcome)) << i;
+    }
+    Made mirrored = made;
+    mirrored.off *= -1;
+    mirrored.turning *= -1;
+    mirrored.asked_turning *= -1;
+    EXPECT_EQ(name(of(mirrored)), name(outcome)) << i << ", mirrored";
+  }
 }
 
 TEST(MotionSummary, FailsByFallingDownOrComingApartAndNotByStayingBehind) {

@@ -97,9 +97,10 @@ TEST(StatisticDocuments, SharedDefinitionsOfSchemasFollowTheTable) {
   hold("docs/schemas/definitions/motion.json", json.dump(1) + "\n");
 }
 
-/// Expects a document to have `table` between the two marks.
-void hold_table(const std::string& path, const std::string& table) {
-  const std::string begin = "<!-- motion/statistic_rows.cpp -->\n", end = "<!-- end -->";
+/// Expects a document to have `table` between the two marks, of which the first names where it comes from.
+void hold_table(const std::string& path, const std::string& table,
+                const std::string& source = "motion/statistic_rows.cpp") {
+  const std::string begin = "<!-- " + source + " -->\n", end = "<!-- end -->";
   const std::string text = text_at(path);
   const std::size_t from = text.find(begin), to = text.find(end, from);
   ASSERT_NE(from, std::string::npos) << path;
@@ -117,6 +118,20 @@ TEST(StatisticDocuments, EveryKeyIsInTheTableOfStatistics) {
   hold_table("docs/statistics.md", table);
 }
 
+TEST(StatisticDocuments, EveryOutcomeIsInTheTableOfOutcomes) {
+  std::string table = "| outcome | holds when | because | ends, unless told otherwise |\n|---|---|---|---|\n";
+  for (const OutcomeRow& row : outcome_rows()) {
+    const bool walks = OutcomeSet::of_walks().has(row.outcome),
+               episodes = OutcomeSet::of_episodes().has(row.outcome);
+    table += fmt::format("| `{}` | {} | {} | {} |\n", row.name, row.holds(OutcomeLimits()), row.reason,
+                         walks      ? "walks and episodes"
+                         : episodes ? "episodes"
+                                    : "");
+    EXPECT_TRUE(episodes || !walks) << row.name;
+  }
+  hold_table("docs/statistics.md", table, "motion/outcome.cpp");
+}
+
 TEST(StatisticDocuments, EveryMarginIsInTheTableOfVerdicts) {
   std::string table = "| key | statistic | margin: the larger of | which is |\n|---|---|---|---|\n";
   for (const StatisticRow* row : judged_statistics()) {
@@ -131,7 +146,7 @@ TEST(StatisticDocuments, EveryMarginIsInTheTableOfVerdicts) {
                          judged.needs_plan ? ", where a gait plans swing and stance" : "", margin,
                          scale[static_cast<int>(judged.scale)], judged.reason);
   }
-  hold_table("docs/verdict.md", table);
+  hold_table("docs/verdict-rule.md", table);
 }
 
 TEST(StatisticRows, StandBeforeEarlierRowsAlone) {

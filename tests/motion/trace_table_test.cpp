@@ -148,6 +148,19 @@ TEST_F(TraceFiles, LoseNothing) {
   EXPECT_EQ(table.column("param.cycle_time"), (Column{1.0 / 7, GaitParameters{}.cycle_time}));
 }
 
+TEST(TracesInMemory, AreWhatWasAddedAndNoMoreThanAsked) {
+  TraceRecorder recorder(2);
+  recorder.add(numbered(1));
+  recorder.add(numbered(2));
+  EXPECT_NE(std::string(config_error([&] { recorder.add(numbered(3)); }).what()).find("at most 2"),
+            std::string::npos);
+  EXPECT_EQ(recorder.samples().size(), 2U);
+  const Trace taken = recorder.take();
+  ASSERT_EQ(taken.size(), 2U);
+  EXPECT_EQ(taken.back().state.time, 2);
+  EXPECT_TRUE(recorder.samples().empty());
+}
+
 TEST_F(TraceFiles, HaveNoColumnsForWhatIsNotKnown) {
   TraceWriter writer(two_joints(), path("plain.csv"));
   writer.add(numbered(1));

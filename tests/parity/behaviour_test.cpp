@@ -1,6 +1,8 @@
 // What a verdict varies, where runs start and what they are judged by.
 #include "parity/behaviour.h"
 
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "backends/registry.h"
@@ -94,6 +96,16 @@ TEST(StartRanges, AreEachWayAndLeaveWhatIsOn) {
   EXPECT_EQ(own[kPushImpulse], (Range{5, 6}));
   EXPECT_EQ(own[kPushInterval], (Range{7, 8}));
   EXPECT_FALSE((StartRanges{.push_mps = 0}.over({}, robot).is_on(kPushImpulse)));
+}
+
+TEST(Behaviours, NoTwoSeedsShareAGroundOrItsStream) {
+  std::set<std::uint64_t> seen;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    for (std::size_t k = 0; k < 100; ++k) {
+      EXPECT_TRUE(seen.insert(terrain_seed_of_start(seed, k)).second) << seed << ", " << k;
+      EXPECT_TRUE(seen.insert(derived_seed(seed, k)).second) << seed << ", " << k;  // of the start
+    }
+  }
 }
 
 TEST(Behaviours, AreNamedAndJudgedByTheSameStatistics) {

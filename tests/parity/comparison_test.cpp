@@ -42,17 +42,18 @@ void expect_same_bits(double a, double b) {
 
 TEST(WalksInStep, AreTheWalksAloneAndComparedLikeTheirTraces) {
   const WalkSetup setup = trot(0.6);
-  std::vector<Trace> alone(available_engines().size()), together = alone;
+  std::vector<Trace> alone, together;
   std::vector<WalkRun> runs;
-  const auto single = worlds(rough());
-  for (std::size_t i = 0; i < single.size(); ++i) {
-    runs.push_back(record_walk(*single[i], setup, {}, [&alone, i](std::size_t, const TraceSample& sample) {
-      alone[i].push_back(sample);
-    }));
+  for (const auto& world : worlds(rough())) {
+    TraceRecorder recorder;
+    runs.push_back(record_walk(*world, setup, {}, &recorder));
+    alone.push_back(recorder.take());
   }
-  const Comparison comparison =
-      compare_engines(worlds(rough()), setup, {}, {},
-                      [&](std::size_t run, const TraceSample& sample) { together[run].push_back(sample); });
+  std::vector<TraceRecorder> recorders(alone.size());
+  TraceSinks sinks;
+  for (TraceRecorder& recorder : recorders) sinks.push_back(&recorder);
+  const Comparison comparison = compare_engines(worlds(rough()), setup, {}, {}, sinks);
+  for (TraceRecorder& recorder : recorders) together.push_back(recorder.take());
   ASSERT_EQ(comparison.runs.size(), alone.size());
   for (std::size_t i = 0; i < alone.size(); ++i) {
     EXPECT_EQ(differences(comparison.runs[i].summary, runs[i].summary), "");

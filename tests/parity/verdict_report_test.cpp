@@ -56,7 +56,7 @@ TEST(VerdictReport, HasALineForEveryStatisticAndEveryReason) {
                  "1.25 s "
                  "at least."},
                 {"Runs lasted 5.00 s in one and 4.75 s in two: -0.25 s (-0.50 to +0.12)."},
-                {"distance: unresolved: the interval crosses the margin; 40 starts would tell."},
+                {"distance: unresolved: the interval crosses the margin; about 40 starts would tell."},
                 {"With steps of one, a half and a quarter the gap goes to -0.5 m, in order 1.0."},
                 {"by itself", "distance, m"},
                 {"one, half the time step", "+0.75"}}));

@@ -120,7 +120,7 @@ INSTANTIATE_TEST_SUITE_P(
                    "test: header: expected valid JSON, found [json.exception.parse_error"),
         bad_header("TwoObjects", "{}{}", "test: header: expected valid JSON"),
         bad_header("ZeroByte", std::string("{}\0}", 4),
-                   "test: header: expected valid JSON, found a zero byte"),
+                   "test: header: line 1: expected text, found a byte of zero"),
         bad_header("DeepLists", "{\"a\":" + std::string(1'000'000, '['),
                    "test: header: line 1: expected at most 8 levels"),
         bad_header("DeepValue", "{\"a\":" + std::string(100'000, '[') + std::string(100'000, ']') + "}",

@@ -39,18 +39,14 @@ class PanelsOfEngine : public EngineTest {
     config_.gait = choose_gait("trot", {}, VelocityCommand{0.1, 0.05, 1.5}, gait_scale(*robot_));
     for (const double seconds : {0.6, 0.4}) {
       config_.timing.seconds = seconds;
-      walked_.push_back(walk_in(GetParam(), config_, robot_));
+      walked_.push_back(walk_in(GetParam(), config_));
     }
-    document_ = motion_document({robot_,
-                                 LoadedWalk(config_).world.terrain,
-                                 {{"long", "", walked_[0].trace}, {"short", "", walked_[1].trace}},
-                                 {}},
-                                numbers_);
+    document_ = motion_document({robot_, LoadedWalk(config_).world.terrain, walked_, {}}, numbers_);
   }
 
   const std::shared_ptr<const RobotDescription> robot_ = scenes::quadruped();
   WalkConfig config_ = short_rough_walk();
-  std::vector<Walked> walked_;
+  std::vector<RecordedRun> walked_;
   PageNumbers numbers_;
   ordered_json document_;
 };
@@ -64,7 +60,7 @@ TEST_P(PanelsOfEngine, HoldEveryRunFrameByFrame) {
     for (const ordered_json& series : panel.at("series")) {
       const std::size_t run = series.at("run");
       ++series_of.at(run);
-      EXPECT_EQ(floats(numbers_, series.at("values")).size(), frame_rows(walked_.at(run).trace.time()).size())
+      EXPECT_EQ(floats(numbers_, series.at("values")).size(), frame_rows(walked_.at(run).times()).size())
           << panel.at("title") << ", run " << run;
     }
     EXPECT_GT(series_of[0], 0U) << panel.at("title");
@@ -79,25 +75,15 @@ TEST_P(PanelsOfEngine, ParametersThatNeverChangeAreNamedInstead) {
   const ordered_json& constants = document_.at("constants");
   ASSERT_EQ(constants.size(), gait_parameters().size());
   for (std::size_t i = 0; i < constants.size(); ++i) {
-    const std::string column = std::string("param.") + std::string(gait_parameters()[i].name);
-    EXPECT_EQ(constants.at(i).at("value"), walked_[0].trace.column(column).front()) << column;
-    EXPECT_EQ(constants.at(i).at("unit"), gait_parameters()[i].unit) << column;
+    const ParameterRow& row = gait_parameters()[i];
+    EXPECT_EQ(constants.at(i).at("value"), *walked_[0].samples.front().parameters.*row.member) << row.name;
+    EXPECT_EQ(constants.at(i).at("unit"), row.unit) << row.name;
   }
 }
 
 TEST_P(PanelsOfEngine, ParametersThatChangeOrDifferHaveAPanel) {
-  const auto with = [this](const std::string& column, std::size_t run, double step) {
-    const TraceTable& trace = walked_[run].trace;
-    std::vector<std::string> names = trace.names();
-    std::vector<std::vector<double>> columns;
-    for (const std::string& name : names) columns.push_back(trace.column(name));
-    if (!trace.has(column)) names.push_back(column), columns.emplace_back(trace.rows(), 1);
-    const auto place = std::find(names.begin(), names.end(), column) - names.begin();
-    columns[static_cast<std::size_t>(place)].back() += step;
-    return TraceTable(trace.path(), names, columns);
-  };
-  const auto panels = [this](const TraceTable& a, const TraceTable& b) {
-    const ordered_json document = motion_document({robot_, {}, {{"a", "", a}, {"b", "", b}}, {}}, numbers_);
+  const auto panels = [this](const RecordedRun& a, const RecordedRun& b) {
+    const ordered_json document = motion_document({robot_, {}, {a, b}, {}}, numbers_);
     std::vector<std::string> titles;
     for (const ordered_json& panel : document.at("panels")) {
       if (panel.at("group") == "parameters") titles.push_back(panel.at("title"));
@@ -105,10 +91,15 @@ TEST_P(PanelsOfEngine, ParametersThatChangeOrDifferHaveAPanel) {
     return titles;
   };
   using Titles = std::vector<std::string>;
-  EXPECT_EQ(panels(with("param.step_height", 0, 1e-3), walked_[1].trace), Titles{"step height"});
+  RecordedRun higher = walked_[0];
+  higher.samples.back().parameters->step_height += 1e-3;
+  EXPECT_EQ(panels(higher, walked_[1]), Titles{"step height"});
   // Of nobody's gait, as other programs may write it.
-  EXPECT_EQ(panels(walked_[0].trace, with("param.boldness", 1, 1)), Titles{"boldness"});
-  EXPECT_EQ(panels(walked_[0].trace, with("param.boldness", 1, 0)), Titles{});
+  RecordedRun bold = walked_[1];
+  bold.columns.push_back({"param.boldness", std::vector<double>(bold.samples.size(), 1)});
+  EXPECT_EQ(panels(walked_[0], bold), Titles{});
+  bold.columns.back().values.back() += 1;
+  EXPECT_EQ(panels(walked_[0], bold), Titles{"boldness"});
 }
 
 TEST_P(PanelsOfEngine, OfTheBaseAreWhatItsStatesSay) {
@@ -119,7 +110,7 @@ TEST_P(PanelsOfEngine, OfTheBaseAreWhatItsStatesSay) {
     ASSERT_NE(panel, panels.end()) << title;
     for (std::size_t run = 0; run < walked_.size(); ++run) {
       const std::vector<double> shown = floats(numbers_, panel->at("series").at(run).at("values"));
-      const std::vector<std::size_t> rows = frame_rows(walked_[run].trace.time());
+      const std::vector<std::size_t> rows = frame_rows(walked_[run].times());
       ASSERT_EQ(shown.size(), rows.size()) << title;
       for (std::size_t frame = 0; frame < rows.size(); ++frame) {
         const double truth = value(walked_[run].samples[rows[frame]].state);

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <bit>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "backends/registry.h"
 #include "physics/robot/robot.h"
 #include "report/motion_document.h"
 #include "study/walk.h"
@@ -21,20 +21,11 @@ inline std::vector<double> floats(const PageNumbers& numbers, const nlohmann::or
   return values;
 }
 
-struct Walked {
-  std::vector<TraceSample> samples;
-  TraceTable trace;
-};
-
-inline Walked walk_in(const std::string& engine, const WalkConfig& config,
-                      const std::shared_ptr<const RobotDescription>& robot) {
-  RunRecorder recorder(robot);
-  std::vector<TraceSample> samples;
-  walk(config, engine, {}, [&](std::size_t, const TraceSample& sample) {
-    recorder.add(sample);
-    samples.push_back(sample);
-  });
-  return {samples, recorder.take(engine)};
+inline RecordedRun walk_in(const std::string& engine, const WalkConfig& config) {
+  const LoadedWalk walk(config);
+  TraceRecorder recorder;
+  record_walk(*find_engine(engine).make(walk.world), config.setup(), {}, &recorder);
+  return {engine, "", recorder.take()};
 }
 
 inline WalkConfig short_rough_walk() {

@@ -57,7 +57,9 @@ TEST_P(Studies, RolloutsDoNotHangOnThreads) {
 TEST_P(Studies, TheTraceOfAPolicyIsItsFirstEpisode) {
   const EnvConfig config = short_episodes(GetParam());
   const Rollout rollout = roll_out(config, {"random"}, {.episodes = 1, .workers = 1, .seed = 3});
-  const Trace trace = trace_episode(config, "random", 3);
+  TraceRecorder recorder;
+  record_episode(config, "random", 3, recorder);
+  const Trace trace = recorder.take();
   EXPECT_EQ(trace.size(), 200U);
   EXPECT_EQ(trace.back().state.p_WB, rollout.policies[0].episodes[0].motion.final_position_m);
   EXPECT_EQ(trace.back().parameters->step_length, rollout.policies[0].episodes[0].parameters->step_length);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -36,7 +37,7 @@ TEST(RunSpec, HasOneTextThatStays) {
       R"("load_share":1.0,"stance_offset":0.0,"stance_width":0.0,"step_height":0.04,"step_length":0.04,"swing":"bezier","swing_shape":0.3},)"
       R"("physics_dt":0.001,)"
       R"("robot":{"description":"","name":"scara_quadruped"},"seconds":0.3,"settle_seconds":0.1,)"
-      R"("terminations":["diverged"],"terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"crossgait":"","engine":"mujoco","engine_version":"2.2.2",)"
+      R"("terminations":["diverged","left_terrain"],"terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"crossgait":"","engine":"mujoco","engine_version":"2.2.2",)"
       R"("horizon_s":null,"schema":{"name":"run","version":3},"seed":3,"start":1,)"
       R"("starts":{"heading_rad":0.2,"position_m":0.1,"push_mps":0.02,"tilt_rad":0.02},)"
       R"("variation":{"impratio":1.0,"iterations":1.0,"softness":1.0,"step":1.0}})");
@@ -260,6 +261,26 @@ TEST_P(Runs, StartAlikeAsWalksAndAsPolicies) {
   // The push is part of it.
   walk.behaviour.starts.push_mps = 0;
   EXPECT_NE(make_behaviour(walk.behaviour).run(engine, {}, 2, kToTheEnd).values, last);
+}
+
+TEST_P(Runs, OfNeighbouringSeedsStandOnGroundsOfTheirOwn) {
+  // Nothing but the ground differs from start to start, and from seed to seed.
+  std::set<std::vector<std::optional<double>>> seen;
+  RunSpec walk = in_this_engine(walk_run());
+  walk.behaviour.starts = {.position_m = 0, .heading_rad = 0, .tilt_rad = 0, .push_mps = 0};
+  PolicyConfig policy;
+  policy.environment = walk_of(walk).environment();
+  for (const std::uint64_t seed : {0, 1, 2}) {
+    walk_of(walk).terrain_seed = policy.environment.terrain_seed = seed;
+    RunSpec episode = walk;
+    episode.behaviour.what = policy;
+    const Behaviour walks = make_behaviour(walk.behaviour), episodes = make_behaviour(episode.behaviour);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Engine engine = find_engine(GetParam());
+      EXPECT_TRUE(seen.insert(walks.run(engine, {}, k, kToTheEnd).values).second) << seed << ", " << k;
+      EXPECT_TRUE(seen.insert(episodes.run(engine, {}, k, kToTheEnd).values).second) << seed << ", " << k;
+    }
+  }
 }
 
 TEST_P(Runs, RefuseAnotherVersionOfTheEngine) {

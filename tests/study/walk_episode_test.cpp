@@ -47,13 +47,17 @@ class WalkAndEpisode : public EngineTest {
     environment.adapt = {"step_length"};  // a cycle time may be shorter than those that adapt
     return environment;
   }
+  static MotionSummary walk(const WalkConfig& config, TraceSink* sink = nullptr) {
+    const auto world = find_engine(GetParam()).make(LoadedWalk(config).world);
+    return record_walk(*world, config.setup(), {}, sink).summary;
+  }
 };
 CROSSGAIT_FOR_EVERY_BACKEND(WalkAndEpisode);
 
 TEST_P(WalkAndEpisode, HaveTheSameNumbersToTheLastBit) {
   for (const WalkConfig& config : walks()) {
     SCOPED_TRACE(config.gait.name() + " of " + config.robot + " on " + config.terrain);
-    const MotionSummary walked = walk(config, GetParam()).summary;
+    const MotionSummary walked = walk(config);
     const auto env = env_factory(environment_of(config))();
     const auto zero = find_policy("zero").make(env->interface());
     const EpisodeSummary episode = run_episode(*env, *zero, 5);
@@ -67,12 +71,18 @@ TEST_P(WalkAndEpisode, HaveTheSameNumbersToTheLastBit) {
 TEST_P(WalkAndEpisode, LeaveTheSameTrace) {
   for (const WalkConfig& config : walks()) {
     SCOPED_TRACE(config.gait.name() + " of " + config.robot + " on " + config.terrain);
-    Trace walked;
-    static_cast<void>(walk(config, GetParam(), {},
-                           [&walked](std::size_t, const TraceSample& sample) { walked.push_back(sample); }));
-    const Trace episode = trace_episode(environment_of(config), "zero", 5);
+    TraceRecorder walking, policy;
+    walk(config, &walking);
+    record_episode(environment_of(config), "zero", 5, policy);
+    const Trace &walked = walking.samples(), &episode = policy.samples();
     ASSERT_EQ(walked.size(), episode.size());
-    EXPECT_EQ(walked.size(), static_cast<std::size_t>(config.timing.control_steps()));
+    const auto whole = static_cast<std::size_t>(config.timing.control_steps());
+    // One is over the edge of its small field before its time, and ends there.
+    if (config.terrain.find("size_x=.3") != std::string::npos) {
+      EXPECT_LT(walked.size(), whole);
+    } else {
+      EXPECT_EQ(walked.size(), whole);
+    }
     for (std::size_t i = 0; i < walked.size(); ++i)
       ASSERT_TRUE(identical(walked[i], episode[i])) << "first in step " << i;
   }
@@ -84,7 +94,7 @@ TEST_P(WalkAndEpisode, LongerPolicyStepsChangeNothingOfThem) {
   environment.policy_dt = 0.02;
   const auto env = env_factory(environment)();
   const auto zero = find_policy("zero").make(env->interface());
-  EXPECT_EQ(differences(walk(config, GetParam()).summary, run_episode(*env, *zero, 1).motion), "");
+  EXPECT_EQ(differences(walk(config), run_episode(*env, *zero, 1).motion), "");
 }
 
 TEST(WalkConfig, IsNoEnvironmentWhereAnEnvironmentCannotDoIt) {

@@ -8,9 +8,11 @@
 #include <system_error>
 
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "physics/core/error.h"
+#include "tests/physics/core/config_error.h"
 #include "tests/support/engine_test.h"
 #include "tests/support/environments.h"
 
@@ -299,6 +301,45 @@ TEST(WorkerPool, CallsEveryIndexOnceAndReportsTheFirstError) {
   }
   EXPECT_EQ(done, 100);
   pool.run(1, [](std::size_t) {});  // and goes on
+}
+
+TEST_P(Vectors, TooManyAreAnErrorAndMakingThemCanBeEnded) {
+  EXPECT_EQ(config_error([&] { make_env(EnvConfig(), {.environments = kMaxEnvironments + 1}); }).element(),
+            "environments");
+  int told = 0;
+  const auto end_at_the_second = [&told](double share) {
+    EXPECT_EQ(share, told == 0 ? 0 : 0.5);
+    if (++told == 2) throw Interrupted();
+  };
+  const VectorEnvOptions options{.environments = 128, .workers = 2, .progress = end_at_the_second};
+  EXPECT_THROW(make_env(EnvConfig(), options), Interrupted);
+  EXPECT_EQ(told, 2);
+}
+
+// A fork has none of the threads: it is told so, instead of waiting for them, when it works and when it ends.
+TEST(WorkerPool, RefusesToWorkInAFork) {
+  auto pool = std::make_unique<WorkerPool>(2);
+  std::atomic<int> calls = 0;
+  const auto count = [&](std::size_t) { ++calls; };
+  pool->run(4, count);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    int code = 1;
+    try {
+      pool->run(4, count);
+    } catch (const std::logic_error& error) {
+      code = std::string(error.what()).find("fork") != std::string::npos && calls == 4 ? 0 : 2;
+    }
+    WorkerPool own(2);  // whose threads lie where those of the other did
+    pool.reset();
+    own.run(4, count);
+    ::_exit(code == 0 && calls != 8 ? 3 : code);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  pool->run(4, count);
+  EXPECT_EQ(calls, 8);
 }
 
 TEST_P(Vectors, ACommandIsOneEnvironmentsOwn) {

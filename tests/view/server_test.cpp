@@ -1,6 +1,14 @@
 // Who may ask the server for what, and what it does about clients that are too many, too slow or too large.
 #include "view/server.h"
 
+#include <chrono>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "backends/registry.h"
@@ -167,6 +175,45 @@ TEST_F(ViewServerTest, WhoNeverReadsHoldsNothingUp) {
   EXPECT_NE(answer.find("data: "), std::string::npos);
 }
 
+/// Sends a little more of a request again and again, as long as it lives.
+class SlowSender {
+ public:
+  SlowSender(const RawConnection& to, std::string piece)
+      : thread_([&to, piece = std::move(piece)](const std::stop_token& ended) {
+          for (; !ended.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(50)))
+            to.send(piece);
+        }) {}
+
+ private:
+  std::jthread thread_;
+};
+
+// Who sends a request line by line, or a body byte by byte, has no more time than who says nothing.
+TEST_F(ViewServerTest, WhoSendsSlowlyIsLetGo) {
+  const RawConnection heads(port_), body(port_);
+  heads.send("GET / HTTP/1.1\r\n");
+  body.send("POST " + at("/command") + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
+            "\r\nContent-Type: application/json\r\nContent-Length: 1000000000\r\n\r\n");
+  const SlowSender header(heads, "X: a\r\n"), byte(body, "{");
+  EXPECT_TRUE(heads.ends());
+  EXPECT_TRUE(body.ends());
+}
+
+TEST_F(ViewServerTest, AnswersThoughManySayNothing) {
+  std::vector<std::unique_ptr<RawConnection>> silent;
+  for (int i = 0; i < 300; ++i) silent.push_back(std::make_unique<RawConnection>(port_));
+  EXPECT_EQ(get(at("/")).status, 200);  // reading gives up after a minute
+}
+
+TEST_F(ViewServerTest, SendsEverythingWhole) {
+  const RawAnswer part = get(at("/"), "Range: bytes=0-1\r\n");
+  EXPECT_EQ(part.status, 200);
+  EXPECT_EQ(part.body, "<p>page</p>");
+  std::string ranges = "Range: bytes=0-";
+  for (int i = 0; i < 1000; ++i) ranges += ",0-";
+  EXPECT_EQ(get(at("/"), ranges + "\r\n").body, "<p>page</p>");
+}
+
 TEST_F(ViewServerTest, APortBelongsToOneServer) {
   EXPECT_EQ(config_error([this] {
               const ViewServer second(*view_, {.port = port_, .page = "", .token = kToken});
@@ -182,6 +229,14 @@ TEST_F(ViewServerTest, EndsWhileClientsAreThere) {
   // What was on its way may have been read already: the end is what counts.
   EXPECT_TRUE(watching.ends());
   EXPECT_TRUE(silent.ends());
+}
+
+TEST_F(ViewServerTest, EndsThoughAClientSendsOn) {
+  const RawConnection slow(port_);
+  slow.send("GET / HTTP/1.1\r\n");
+  const SlowSender header(slow, "X: a\r\n");
+  server_.reset();
+  EXPECT_TRUE(slow.ends());
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ export interface Verdict {
   variations: string[];
   left_out: string[];
   engines: [string, string];
-  word: string;
+  word: "agrees" | "differs" | "step-dependent" | "unresolved";
   reason: string;
   outcomes: [string, string];
   statistics: {
@@ -121,7 +121,7 @@ export interface Verdict {
     high: number;
     margin: number;
     margin_rule: string;
-    word: string;
+    word: "agrees" | "differs" | "step-dependent" | "unresolved";
     reason: string;
     gap_half: number | null;
   }[];

@@ -2,7 +2,7 @@
 import type { Verdict } from "./document";
 import { digits, h, svg } from "./dom";
 
-const WIDTH = 260;
+const WIDTH = 230;
 const HEIGHT = 22;
 
 type Statistic = Verdict["statistics"][number];

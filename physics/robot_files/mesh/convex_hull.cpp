@@ -39,6 +39,7 @@ class HullBuilder {
     Vector3 normal;
     double offset = 0;
     std::vector<std::size_t> outside;  ///< points that no earlier face has
+    double highest = 0;                ///< of them
     double height(const Vector3& p) const { return normal.dot(p) - offset; }
   };
 
@@ -93,7 +94,8 @@ class HullBuilder {
   }
 
   void add_face(std::size_t i, std::size_t j, std::size_t k) {
-    Face face{{i, j, k}, (points_[j] - points_[i]).cross(points_[k] - points_[i]).stableNormalized(), 0, {}};
+    Face face{
+        {i, j, k}, (points_[j] - points_[i]).cross(points_[k] - points_[i]).stableNormalized(), 0, {}, 0};
     face.offset = face.normal.dot(points_[i]);
     faces_.push_back(std::move(face));
   }
@@ -111,25 +113,23 @@ class HullBuilder {
           nearest = &faces_[f];
         }
       }
-      if (nearest != nullptr) nearest->outside.push_back(i);
-    }
-  }
-
-  template <typename Visit>
-  void for_all_outside(Visit visit) const {
-    for (const Face& face : faces_) {
-      for (const std::size_t i : face.outside) visit(i, face.height(points_[i]));
+      if (nearest == nullptr) continue;
+      nearest->outside.push_back(i);
+      nearest->highest = std::max(nearest->highest, most);
     }
   }
 
   /// Adds the farthest point. @returns false if there is none
   bool grow() {
     double most = 0;
-    for_all_outside([&](std::size_t /*i*/, double height) { most = std::max(most, height); });
+    for (const Face& face : faces_) most = std::max(most, face.highest);
     std::size_t apex = points_.size();
-    for_all_outside([&](std::size_t i, double height) {
-      if (height >= most - flat_) apex = earlier(i, apex);
-    });
+    for (const Face& face : faces_) {
+      if (face.highest < most - flat_) continue;  // which spares looking at most points
+      for (const std::size_t i : face.outside) {
+        if (face.height(points_[i]) >= most - flat_) apex = earlier(i, apex);
+      }
+    }
     if (apex == points_.size()) return false;
     // Faces whose plane holds the apex go, too: they become part of larger ones.
     const auto seen = [&](const Face& face) { return face.height(points_[apex]) > -flat_; };

@@ -11,7 +11,8 @@
 
 namespace crossgait {
 
-/// Reads mesh files, each once and all within their budget, and makes shapes of them (mesh_shape.h).
+/// Reads mesh files, each once and all within their budget, and makes shapes of them (mesh_shape.h), one fit
+/// for all uses of the same vertices.
 class RobotMeshes {
  public:
   /// @param path  of the robot's file, for messages
@@ -27,10 +28,14 @@ class RobotMeshes {
   std::map<std::string, std::vector<Vector3>>& mesh_vertices() { return mesh_vertices_; }
 
  private:
+  /// The shape that stands for vertices, in their frame.
+  const CollisionShape& fitted_to(const std::vector<Vector3>& vertices, const std::string& where);
+
   const std::string& path_;
   ReaderWarnings& warnings_;
   std::map<std::string, std::vector<Vector3>> files_;  ///< vertices by mesh file, in its own frame and units
   std::size_t bytes_ = 0, vertices_ = 0;               ///< of all of them, for their budget
+  std::map<std::string, CollisionShape> fitted_;       ///< by the SHA-256 of the vertices
   std::map<std::string, std::vector<Vector3>> mesh_vertices_;
 };
 

@@ -42,6 +42,7 @@ struct MjcfJoint {
   double lower = 0, upper = 0;                                    ///< rad
   double reference = 0;                                           ///< angle at which the body is at X_PB, rad
   double stiffness = 0, damping = 0, friction = 0, armature = 0;  ///< SI; friction is dry, N m
+  double spring_reference = 0;                                    ///< rad
   int q = 0;                                                      ///< its place in MjcfKey::q
 };
 
@@ -58,17 +59,6 @@ struct MjcfGeom {
   std::optional<Eigen::Vector4d> rgba;  ///< its own or its material's; empty if neither is stated
   std::string mesh;                     ///< of a kMesh, and its vertices in the geom's frame, m
   std::vector<Vector3> vertices;
-};
-
-enum class MjcfActuatorKind { kMotor, kServo, kOther };
-
-/// What moves a joint. Its gear is in the numbers.
-struct MjcfActuator {
-  std::string name;
-  int joint = -1;  ///< -1: it moves something else
-  MjcfActuatorKind kind = MjcfActuatorKind::kOther;
-  double kp = 0, kd = 0;  ///< of a servo: N m/rad, N m s/rad
-  double effort = 0;      ///< largest torque, N m; 0: unlimited
 };
 
 /// A point of one body held to a point of another.
@@ -88,7 +78,6 @@ struct MjcfModel {
   std::vector<MjcfBody> bodies;  ///< parents before their children
   std::vector<MjcfJoint> joints;
   std::vector<MjcfGeom> geoms;
-  std::vector<MjcfActuator> actuators;
   std::vector<MjcfConnect> connects;  ///< active ones
   std::vector<MjcfKey> keys;
 };

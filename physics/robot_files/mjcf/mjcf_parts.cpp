@@ -30,7 +30,6 @@ constexpr std::array<std::string_view, 6> kIgnoredSections{"sensor",     "tendon
 constexpr std::array<std::string_view, 3> kIgnoredInBodies{"site", "camera", "light"};
 constexpr std::array<std::string_view, 5> kMultiplying{"composite", "replicate", "attach", "flexcomp",
                                                        "plugin"};
-constexpr std::array<std::string_view, 4> kActuators{"motor", "position", "velocity", "general"};
 
 /// Numbers of an attribute, or what stands for a missing one. @throws ConfigError if there are not N
 template <int N>
@@ -79,7 +78,6 @@ class Taker {
         for_each_mjcf_element(section, [](MjcfElement& e) { e.remove("texture"); });
       if (section.tag == "asset") trim_assets(section);
       if (section.tag == "worldbody") trim_world(section);
-      if (section.tag == "actuator") trim_actuators(section);
       if (section.tag == "equality") trim_equality(section);
       if (section.tag == "keyframe") trim_keys(section);
     }
@@ -178,12 +176,6 @@ class Taker {
         return is_one_of(child.tag, kIgnoredInBodies) || child.has("hfield") ||
                (is_world && child.tag == "geom");
       });
-    });
-  }
-
-  void trim_actuators(MjcfElement& actuators) {
-    keep(actuators, [](const MjcfElement& e) {
-      return is_one_of(e.tag, kActuators) && (e.has("joint") || e.has("jointinparent"));
     });
   }
 

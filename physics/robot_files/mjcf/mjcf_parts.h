@@ -34,7 +34,7 @@ struct MjcfParts {
 };
 
 /// Leaves in the document what makes a robot: compiler settings, defaults, meshes, materials' colours, bodies
-/// with their joints and geoms, actuators of joints, connect constraints and keyframes. What else could
+/// with their joints and geoms, connect constraints and keyframes. What else could
 /// change how it moves is counted as a warning; what is the world's business (options, sizes, visual
 /// settings) is not.
 ///  - Bodies, joints and geoms without a name get one.

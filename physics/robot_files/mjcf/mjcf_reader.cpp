@@ -1,21 +1,38 @@
 #include "physics/robot_files/mjcf/mjcf_reader.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "physics/core/error.h"
 #include "physics/robot/rigid_pair.h"
 #include "physics/robot/robot_check.h"
 #include "physics/robot_files/inertia_repair.h"
 #include "physics/robot_files/joint_limits.h"
+#include "physics/robot_files/mjcf/mjcf_actuators.h"
 #include "physics/robot_files/mjcf/mjcf_compile.h"
+#include "physics/robot_files/mjcf/mjcf_contact.h"
+#include "physics/robot_files/mjcf/mjcf_couplings.h"
+#include "physics/robot_files/mjcf/mjcf_drives.h"
+#include "physics/robot_files/mjcf/mjcf_newer.h"
 #include "physics/robot_files/mjcf/mjcf_shapes.h"
 
 namespace crossgait {
 namespace {
+
+constexpr double kMostPlay = 0.2;                      // rad, from stop to stop
+constexpr double kParallel = 1e-6, kSamePoint = 1e-6;  // 1 - cos; m
+
+bool is_range_of_play(double lower, double upper) {
+  return lower <= 0 && upper >= 0 && upper - lower <= kMostPlay;
+}
 
 class MjcfTree {
  public:
@@ -34,7 +51,6 @@ class MjcfTree {
     Body body;
     body.name = at(base).name;
     add_body(base, std::move(body), Pose::Identity());
-    drive_joints();
     connect();
     take_home();
     robot_.name = model_.name;
@@ -63,6 +79,21 @@ class MjcfTree {
            std::any_of(children.begin(), children.end(), [this](int child) { return has_hinge(child); });
   }
 
+  /// Whether bodies are chains whose base was welded to the world: each hangs on it by a joint that is not
+  /// free, or there are as many without any as a quadruped has legs.
+  bool are_welded(const std::vector<int>& bodies) const {
+    const auto all = [&](const auto& predicate) {
+      return std::all_of(bodies.begin(), bodies.end(), [&](int i) { return predicate(of(joints_, i)); });
+    };
+    using Joints = std::vector<const MjcfJoint*>;
+    const bool none_free = all([](const Joints& joints) {
+      return std::none_of(joints.begin(), joints.end(),
+                          [](const MjcfJoint* j) { return j->type == MjcfJointType::kFree; });
+    });
+    return none_free && (bodies.size() >= static_cast<std::size_t>(kLegCount) ||
+                         all([](const Joints& joints) { return !joints.empty(); }));
+  }
+
   /// The body of the world that joints hang on.
   int find_base() const {
     std::vector<int> found;
@@ -75,6 +106,15 @@ class MjcfTree {
       }
     }
     if (found.empty()) throw ConfigError(path_, "worldbody", "a body with joints", "none");
+    if (found.size() > 1 && are_welded(found)) {
+      std::vector<std::string> names;
+      for (const int body : found) names.push_back(fmt::format("'{}'", at(body).name));
+      fail_at(
+          body_element(found[0]), "a base that floats, on which the legs hang",
+          fmt::format("{} chains of joints that hang on the world itself ({}): the base was welded to the "
+                      "world and its mass is lost; convert again with a floating base, or take the URDF",
+                      found.size(), fmt::join(names, ", ")));
+    }
     if (found.size() > 1) {
       fail_at(body_element(found[1]), "one robot: one body of the world on which joints hang",
               fmt::format("a second one beside '{}'", at(found[0]).name));
@@ -95,12 +135,27 @@ class MjcfTree {
     }
   }
 
-  /// The one hinge of a moving body, or null. @throws ConfigError for other joints
+  /// Whether a joint is the play of another one of its body: about the same axis, over hundredths around
+  /// zero.
+  static bool is_play(const MjcfJoint& joint, const MjcfJoint& of) {
+    return joint.type == MjcfJointType::kHinge && of.type == MjcfJointType::kHinge && joint.limited &&
+           is_range_of_play(joint.lower, joint.upper) &&
+           !(of.limited && is_range_of_play(of.lower, of.upper)) &&
+           std::abs(joint.axis.normalized().dot(of.axis.normalized())) > 1 - kParallel &&
+           (joint.p_BJ - of.p_BJ).norm() < kSamePoint;
+  }
+
+  /// The one hinge of a moving body, or null; a second one that is its play becomes its backlash.
+  /// @throws ConfigError for other joints
   const MjcfJoint* hinge_of(int body) const {
     const auto& joints = of(joints_, body);
     if (joints.empty()) return nullptr;
+    if (joints.size() == 2 && is_play(*joints[1], *joints[0])) return joints[0];
+    if (joints.size() == 2 && is_play(*joints[0], *joints[1])) return joints[1];
     if (joints.size() > 1) {
-      fail_at(joint_element(*joints[1]), "one joint on a body",
+      fail_at(joint_element(*joints[1]),
+              "one joint on a body, or a second hinge of its axis with a range of "
+              "hundredths of a radian (backlash)",
               fmt::format("a second one on '{}'", at(body).name));
     }
     if (joints[0]->type != MjcfJointType::kHinge) {
@@ -171,27 +226,19 @@ class MjcfTree {
     joint.damping = source.damping;
     joint.armature = source.armature;
     joint.friction = source.friction;
-    if (source.stiffness != 0) warnings_.count("springs of ", " joint(s) are not simulated", place);
+    joint.stiffness = source.stiffness;
+    joint.spring_reference = source.stiffness != 0 ? source.spring_reference : 0;
+    for (const MjcfJoint* play : of(joints_, source.body)) {
+      if (play == &source) continue;
+      joint.backlash = play->upper - play->lower;
+      robot_.reasons[joint.name]["backlash"] = fmt::format("range of the hinge '{}'", play->name);
+      warnings_.count(fmt::format("read as a backlash of {:g} rad the second hinge (its damping of {:g} and "
+                                  "friction of {:g} are not simulated) of ",
+                                  joint.backlash, play->damping, play->friction),
+                      " joint(s)", place);
+    }
     check_joint(joint, path_);
     return joint;
-  }
-
-  /// Gains and torques of the joints' actuators; those of several on one joint add up.
-  void drive_joints() {
-    for (const MjcfActuator& actuator : model_.actuators) {
-      const std::string where = fmt::format("actuator '{}'", actuator.name);
-      if (actuator.kind == MjcfActuatorKind::kOther || actuator.joint < 0) {
-        warnings_.count("ignored ", " actuator(s) that are neither motors nor servos of a joint", where);
-        continue;
-      }
-      const std::string& name = model_.joints[static_cast<std::size_t>(actuator.joint)].name;
-      const auto body = std::find_if(robot_.bodies.begin() + 1, robot_.bodies.end(),
-                                     [&name](const Body& b) { return b.joint.name == name; });
-      if (body == robot_.bodies.end()) continue;  // of what was left out
-      body->joint.kp += actuator.kp;
-      body->joint.kd += actuator.kd;
-      body->joint.effort_limit += actuator.effort;
-    }
   }
 
   void connect() {
@@ -232,14 +279,51 @@ class MjcfTree {
   ParsedRobot robot_;
 };
 
+/// Makes backlash of joints that are the play of the one that they hang on: about the same line, over
+/// hundredths around zero, and driven by nothing. What they move becomes part of what moves them.
+ParsedRobot merge_play(ParsedRobot robot, ReaderWarnings& warnings) {
+  std::set<std::string> play;
+  for (std::size_t i = 1; i < robot.bodies.size(); ++i) {
+    const Body& body = robot.bodies[i];
+    if (body.parent < 1) continue;
+    Joint& driven = robot.bodies[static_cast<std::size_t>(body.parent)].joint;
+    const Joint& joint = body.joint;
+    const Vector3 offset = body.X_PB.translation();
+    const bool one_line = std::abs((body.X_PB.linear() * joint.axis).dot(driven.axis)) > 1 - kParallel &&
+                          (offset - offset.dot(driven.axis) * driven.axis).norm() < kSamePoint;
+    const bool is_driven = joint.kp > 0 || joint.kd > 0 || joint.effort_limit > 0;
+    if (!one_line || is_driven || !is_range_of_play(joint.lower, joint.upper) ||
+        is_range_of_play(driven.lower, driven.upper))
+      continue;
+    play.insert(joint.name);
+    driven.backlash += joint.upper - joint.lower;
+    robot.reasons[driven.name]["backlash"] = fmt::format("range of the hinge '{}'", joint.name);
+    warnings.count(
+        fmt::format("read as a backlash of {:g} rad a hinge (its damping of {:g} and friction of {:g} are "
+                    "not simulated) on the bodies of ",
+                    joint.upper - joint.lower, joint.damping, joint.friction),
+        " joint(s)", fmt::format("joint '{}'", driven.name));
+  }
+  return play.empty() ? robot : lock_joints(std::move(robot), play);
+}
+
 }  // namespace
 
 ParsedRobot read_mjcf(const std::string& path) {
   ReaderWarnings warnings;
   MjcfDocument document(path);
+  const MjcfDefaults defaults(document.root());
+  const MjcfContact contact(document.root(), defaults);
+  std::map<std::string, std::string> coupled = find_couplings(document, defaults);
+  const std::vector<MjcfActuator> actuators = take_actuators(document, defaults, warnings);
   MjcfParts parts = take_parts(document, warnings);
+  const MjcfJointForces forces = take_newer(document, defaults, warnings);
   const MjcfModel model = compile_parts(document, parts, warnings);
   ParsedRobot robot = MjcfTree(path, parts, model, warnings).build();
+  robot.coupled = std::move(coupled);
+  robot.contact = contact.read(document.root());
+  drive_joints(actuators, forces, model, path, robot, warnings);
+  robot = merge_play(std::move(robot), warnings);
   robot.warnings = warnings.sentences();
   return robot;
 }

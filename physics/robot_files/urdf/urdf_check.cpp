@@ -65,10 +65,13 @@ class UrdfCheck {
       check_type(joint);
       TiXmlElement& copied = add_copy(joint, copy);
       add_edge(joint);
+      add_coupling(joint);
       if (attribute_of(joint, "type") == "floating") floating_.emplace_back(&joint, &copied);
     });
     free_base(find_root(), copy);
   }
+
+  const std::map<std::string, std::string>& coupled() const { return coupled_; }
 
  private:
   template <typename Function>
@@ -118,6 +121,13 @@ class UrdfCheck {
     }
   }
 
+  void add_coupling(const TiXmlElement& joint) {
+    const TiXmlElement* mimic = joint.FirstChildElement("mimic");
+    if (mimic == nullptr) return;
+    coupled_[name_of(joint)] = fmt::format("mimics '{}' (line {})",
+                                           printable_text(attribute_of(*mimic, "joint"), 200), mimic->Row());
+  }
+
   std::string find_root() const {
     std::vector<std::string> roots;
     std::map<std::string, std::string> from;  // links that a way to the root came past, by where it began
@@ -165,6 +175,7 @@ class UrdfCheck {
   std::map<std::string, TiXmlElement*> links_;  ///< their copies
   std::map<std::string, std::string> parents_;
   std::vector<std::pair<const TiXmlElement*, TiXmlElement*>> floating_;  ///< joints and their copies
+  std::map<std::string, std::string> coupled_;
 };
 
 }  // namespace
@@ -179,11 +190,12 @@ CheckedUrdf check_urdf(const std::string& text, const std::string& source, Reade
     fail_as_xacro(source, fmt::format("line {}", xacro->Row()), fmt::format("<{}>", xacro->Value()));
   }
   TiXmlDocument checked;
-  UrdfCheck(*robot, source, warnings).run(*checked.InsertEndChild(TiXmlElement("robot"))->ToElement());
+  UrdfCheck check(*robot, source, warnings);
+  check.run(*checked.InsertEndChild(TiXmlElement("robot"))->ToElement());
   TiXmlPrinter printer;
   printer.SetStreamPrinting();
   checked.Accept(&printer);
-  return {printer.Str(), read_urdf_visuals(*robot, source, warnings)};
+  return {printer.Str(), read_urdf_visuals(*robot, source, warnings), check.coupled()};
 }
 
 }  // namespace crossgait

@@ -113,7 +113,7 @@ class ElementCopy {
   void ignore(const TiXmlElement& unknown) {
     const std::string& tag = unknown.ValueStr();
     const bool mimic = tag == "mimic" && &top_ == unknown.Parent();
-    count("ignored ", fmt::format(" <{}>{}", tag, mimic ? " (such a joint moves by itself)" : ""), unknown);
+    count("ignored ", fmt::format(" <{}>{}", tag, mimic ? " (couplings are not simulated)" : ""), unknown);
   }
 
   void copy_attributes(const TiXmlElement& from, const ElementRule& rule, const std::string& path,

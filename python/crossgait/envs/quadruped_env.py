@@ -68,7 +68,6 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         made = make_config(self.action, config, {"engine": engine, "terrain": terrain} | keys)
         self.core = _core.Environment(made)
         self.layout = EnvironmentLayout.of(self.core)
-        self.core.set_observation_bounds(*self.layout.observation.finite_bounds())
         self._dtype = observation_dtype(dtype)
         self._single = self._dtype == np.float32
         self.observation_space = observation_space(self.layout, self._dtype)
@@ -77,6 +76,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         self.render_mode = known_render_mode(render_mode, self.metadata["render_modes"])
         self._frame_size = (width, height)
         self._episode_seed: int | None = None
+        self._closed = False
 
     @property
     def config(self) -> _core.EnvironmentConfig:
@@ -101,6 +101,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode. Raises ConfigError for any option: there are none."""
+        self._check_open()
         super().reset(seed=seed)
         refuse_options(options)
         self._episode_seed = episode_seed(seed, self.np_random)
@@ -111,12 +112,17 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
 
     def step(self, action: npt.ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One policy step. Entries of the action are clipped to their bounds; not finite counts as zero."""
+        self._check_open()
         if not isinstance(action, np.ndarray):
             action = np.asarray(action, dtype=np.float64)
         observation, reward, terminated, truncated = self.core.step(action)
         if self.render_mode == "human":
             self.render()
         return self._seen(observation), reward, terminated, truncated, self.core.info
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise gymnasium.error.ClosedEnvironmentError("this environment was closed: make another")
 
     def _seen(self, observation: npt.NDArray[np.float64]) -> Observation:
         return observation.astype(np.float32) if self._single else observation
@@ -133,7 +139,8 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         return renderer.frame(self.core)
 
     def close(self) -> None:
-        """Close window and renderer."""
+        """Close window and renderer; `reset` and `step` raise ClosedEnvironmentError afterwards."""
+        self._closed = True
         self._close_renderer()
 
 

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
+import gymnasium
 import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
@@ -101,7 +102,6 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
             workers = min(num_envs, len(os.sched_getaffinity(0)))
         self.core = _core.VectorEnvironment(made, num_envs, workers=workers, auto_reset=_AUTO_RESET[mode])
         self.layout = EnvironmentLayout.of(self.core.environment(0))
-        self.core.set_observation_bounds(*self.layout.observation.finite_bounds())
         self.num_envs = num_envs
         self._dtype = observation_dtype(dtype)
         self.single_observation_space = observation_space(self.layout, self._dtype)
@@ -138,13 +138,18 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         """Begin an episode everywhere. Raises ConfigError for any option: there are none."""
         if isinstance(seed, Sequence | np.ndarray):
             raise ConfigError("reset", "seed", "one integer, from which every environment's follows", repr(seed))
+        self._check_open()
         super().reset(seed=seed)
         refuse_options(options)
         observations = self.core.reset(episode_seed(seed, self.np_random))
         return self._seen(observations), self.core.infos()
 
     def step(self, actions: npt.ArrayLike) -> tuple[Observation, npt.NDArray[np.float64], Flags, Flags, dict[str, Any]]:
-        """One policy step everywhere. With SAME_STEP, `final_obs` and `final_info` are those of ended episodes."""
+        """One policy step everywhere. With SAME_STEP, `final_obs` and `final_info` are those of ended episodes.
+
+        Raises ClosedEnvironmentError after `close`.
+        """
+        self._check_open()
         if not isinstance(actions, np.ndarray):
             actions = np.asarray(actions, dtype=np.float64)
         observations, rewards, terminated, truncated, final = self.core.step(actions)
@@ -154,6 +159,10 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
             if ended.any():
                 infos |= self._final(ended, self._seen(final))
         return self._seen(observations), rewards, terminated, truncated, infos
+
+    def _check_open(self) -> None:
+        if self.closed:
+            raise gymnasium.error.ClosedEnvironmentError("this environment was closed: make another")
 
     def _final(self, ended: Flags, observations: Observation) -> dict[str, Any]:
         final = np.full(self.num_envs, None, dtype=object)

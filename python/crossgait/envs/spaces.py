@@ -22,7 +22,7 @@ def observation_dtype(dtype: npt.DTypeLike) -> np.dtype[Any]:
 
 def observation_space(layout: EnvironmentLayout, dtype: np.dtype[Any]) -> spaces.Box:
     """Finite bounds: crossgait.layout says which."""
-    low, high = layout.observation.finite_bounds()
+    low, high = layout.observation.box
     return spaces.Box(low.astype(dtype), high.astype(dtype), dtype=dtype.type)
 
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from crossgait._core import MlpNetwork, PolicyInterface, check_interface
 from crossgait.errors import ConfigError
 from crossgait.layout import Layout
-from crossgait.policies import expression, onnx_session
+from crossgait.policies import expression, onnx_budget, onnx_session
 from crossgait.policies.expression import Affine, FloatArray
 from crossgait.policies.network import check_width, to_network
 from crossgait.policies.place import Place
@@ -79,10 +79,12 @@ def read(
     """
     source = os.fspath(path)
     try:
-        model = onnx.load(source)
+        model = onnx_budget.load(source)
         onnx.checker.check_model(model)
         if model.functions:
             model = onnx.inliner.inline_local_functions(model)
+    except ConfigError:
+        raise
     except Exception as error:  # onnx raises many kinds, among them those of protobuf
         first_line = str(error).strip().splitlines()[:1]
         Place(source, "file").fail("an ONNX model", first_line[0] if first_line else type(error).__name__)
@@ -195,8 +197,12 @@ class _Reader:
         self.opset = max((o.version for o in model.opset_import if o.domain in ("", "ai.onnx")), default=1)
         self.half = False
         self.values: dict[str, Value] = {}
+        self.constants = onnx_budget.Constants()
         for initialiser in self.graph.initializer:
-            self.values[initialiser.name] = onnx.numpy_helper.to_array(initialiser)
+            try:
+                self.values[initialiser.name] = onnx.numpy_helper.to_array(initialiser)
+            except (KeyError, TypeError, ValueError) as error:
+                Place(source, f"initialiser {initialiser.name!r}").fail("numbers", f"{type(error).__name__}: {error}")
         if self.graph.sparse_initializer:
             Place(source, f"initialiser {self.graph.sparse_initializer[0].values.name!r}").fail(
                 "a dense one", "a sparse one"
@@ -288,7 +294,11 @@ class _Reader:
                 [onnx.helper.make_value_info(name, onnx.TypeProto()) for name in proto.output if name],
             )
             model = onnx.helper.make_model(graph, opset_imports=[onnx.helper.make_opsetid("", self.opset)])
-            outputs = onnx.reference.ReferenceEvaluator(model).run(None, {name: self.values[name] for name in names})
+            given = {name: value for name in names if isinstance(value := self.values[name], np.ndarray)}
+            self.constants.take(model, given, node.place)
+            outputs = onnx.reference.ReferenceEvaluator(model).run(None, given)
+        except ConfigError:
+            raise
         except Exception as error:  # whatever an operation raises
             node.place.fail(
                 "constants that can be computed", str(error).strip().splitlines()[0] or type(error).__name__

@@ -59,7 +59,9 @@ def verdict(
         options: as `walk`.
 
     """
-    stated = {key: margin if isinstance(margin, str) else repr(float(margin)) for key, margin in (margins or {}).items()}
+    stated = {
+        key: margin if isinstance(margin, str) else repr(float(margin)) for key, margin in (margins or {}).items()
+    }
     how = (starts, looks, confidence, stated, worker_count(workers), explain, os.fspath(runs))
     names = several_engines(engines)
     ranges = start_ranges if start_ranges is not None else StartRanges()

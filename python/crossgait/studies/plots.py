@@ -198,7 +198,7 @@ def plot_conformance(rows: Sequence[Json]) -> Figure:
     rows = [row for row in rows if row.get("high") and row["value"] is not None]
     figure, (ax,) = _new(1, max(3.5, 0.18 * len(rows)))
     over = [max(abs(row["value"]) / row["high"], 1e-6) for row in rows]
-    colours = [_WORDS["agrees"] if row["holds"] else _WORDS["engine-dependent"] for row in rows]
+    colours = [_WORDS["agrees"] if row["holds"] else _WORDS["differs"] for row in rows]
     ax.scatter(over, range(len(rows)), color=colours, s=12)
     ax.axvline(1, color="black", linewidth=0.8)
     ax.set_yticks(range(len(rows)), [f"{row['check']}: {row['what']}" for row in rows], fontsize=6)

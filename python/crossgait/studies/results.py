@@ -155,6 +155,8 @@ class CompareResult(Result):
 class Verdict(Result):
     """Whether a behaviour depends on the engine (docs/verdict.md), in two engines or more."""
 
+    _row_name = "key"
+
     @property
     def word(self) -> str:
         """`agrees`, `differs`, `step-dependent` or `unresolved`: of all pairs together."""

@@ -10,7 +10,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from crossgait.commands import INTERRUPTED, exit_code
+from crossgait.commands import INTERRUPTED, exit_code, say
+from crossgait.files import written_whole
 from crossgait.sweep.cluster import RayCluster
 from crossgait.sweep.executors import Executor
 from crossgait.sweep.pool import ProcessPool
@@ -116,7 +117,7 @@ def _dry_run(study: Study) -> None:
     runs = study.runs()
     print(f"{len(runs)} runs")
     for run in runs[:SHOWN_RUNS]:
-        print(f"  {run}")
+        say(f"  {run}")
     if len(runs) > SHOWN_RUNS:
         print(f"  and {len(runs) - SHOWN_RUNS} more")
 
@@ -126,7 +127,8 @@ def _write_json(target: str, summary: Summary, rows: Path) -> None:
     if target == "-":
         sys.stdout.write(text)
     else:
-        Path(target).write_text(text)
+        with written_whole(target) as beside:
+            beside.write_text(text)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -155,13 +157,13 @@ def _run(options: argparse.Namespace) -> int:
         _write_json(options.json, summary, rows)
     if summary.interrupted:
         kept = summary.runs - summary.missing
-        print(f"interrupted: {kept} of {summary.runs} runs are in {rows}; the same command goes on from here",
-              file=sys.stderr)  # fmt: skip
+        there = f"{kept} of {summary.runs} runs are in {rows}"
+        say(f"interrupted: {there}; the same command goes on from here", error=True)
         return INTERRUPTED
     if options.sorted:
         write_sorted(rows, (run.hash for run in runs), options.sorted)
     if options.json != "-":
-        print(_describe(summary, rows))
+        say(_describe(summary, rows))
     return 0
 
 

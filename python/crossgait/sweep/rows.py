@@ -1,9 +1,10 @@
-"""Rows on disk: a file that only grows, of one writer, in the core's format of stored runs (docs/study.md)."""
+"""Rows on disk: a file that only grows, of one writer, in the core's format of stored runs (docs/study.md).
+
+Lock, torn last lines and what counts as a row are as in the core's `RunStore`: either goes on where the other ended.
+"""
 
 from __future__ import annotations
 
-import errno
-import fcntl
 import json
 import os
 import time
@@ -13,6 +14,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from crossgait.errors import ConfigError
+from crossgait.files import lock, written_whole
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,17 +22,34 @@ if TYPE_CHECKING:
 SYNC_SECONDS = 2.0  #: what a power cut may cost at most
 
 
+_BEGIN = b'{"hash":"'  #: of every row
+
+
+def _is_torn(line: bytes) -> bool:
+    """Whether a last line without end is what the writer of a row leaves that is stopped on its way.
+
+    That is the beginning of a row, and no whole value behind which something else stands.
+    """
+    if line[: len(_BEGIN)] != _BEGIN[: len(line)]:
+        return False
+    try:
+        json.JSONDecoder().raw_decode(line.decode(errors="replace"))
+    except ValueError:
+        return True
+    return False
+
+
 def _whole_lines(path: Path) -> Iterator[tuple[bytes, dict[str, Any]]]:
-    """Lines with what they say; a last line that was cut off is none. Raises ConfigError."""
+    """Lines with what they say; a last one may lack its end, and is none if it was cut off. Raises ConfigError."""
     with path.open("rb") as file:
         for number, line in enumerate(file, 1):
-            if not line.endswith(b"\n"):
+            if not line.endswith(b"\n") and _is_torn(line):
                 return
             try:
                 row = json.loads(line)
                 if not isinstance(row["hash"], str) or not ("error" in row or isinstance(row["result"], dict)):
                     raise ValueError("no hash with a result or an error")
-            except (ValueError, KeyError, TypeError) as error:
+            except (ValueError, KeyError, TypeError, RecursionError) as error:
                 found = f"no {error}" if isinstance(error, KeyError) else str(error)
                 raise ConfigError(str(path), f"line {number}", "a stored run", found) from error
             yield line, row
@@ -40,33 +59,28 @@ class RowFile:
     """The file of one sweep, while it is being written. `with` it: another writer is refused meanwhile."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        """Open it, and cut off a torn last line. Raises ConfigError."""
+        """Open it, which changes nothing that is there. Raises ConfigError."""
         self.path = Path(path)
         self.failed: dict[str, bool] = {}  #: hashes that are there, and whether the run failed
         self._dirty = False
         self._synced = time.monotonic()
+        if self.path.exists() and not self.path.is_file():
+            raise ConfigError(str(path), "file", "a regular file", "a folder, pipe or device")
         try:
             self._file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
         except OSError as error:
             raise ConfigError(str(path), "file", "one that can be written", str(error.strerror)) from error
         try:
-            self._lock()
-            self._size = 0
+            lock(self._file, self.path, "file", "one writer at a time")
+            whole, self._lacks_end = 0, False
             for line, row in _whole_lines(self.path):
-                self._size += len(line)
+                whole += len(line)
+                self._lacks_end = not line.endswith(b"\n")
                 self.failed[row["hash"]] = "error" in row
-            os.ftruncate(self._file, self._size)
+            self._torn = range(whole, os.fstat(self._file).st_size)  #: bytes of a line that was cut off
         except BaseException:
             os.close(self._file)
             raise
-
-    def _lock(self) -> None:
-        try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
-                raise ConfigError(str(self.path), "file", "a file system with locks", str(error.strerror)) from error
-            raise ConfigError(str(self.path), "file", "one sweep at a time", "another that is writing") from error
 
     def __enter__(self) -> RowFile:
         return self
@@ -80,21 +94,33 @@ class RowFile:
             os.close(self._file)  # and with it the lock
 
     def add(self, row: str) -> None:
-        """Append a row, whole or not at all. Raises ConfigError where there is no room."""
+        """Append a row, whole or not at all; once it returns, the row outlives this process. Raises ConfigError."""
         said = json.loads(row)
-        data = memoryview((row + "\n").encode())
+        if self._torn:
+            self._cut(self._torn.start, self._torn.stop)
+            self._torn = range(0)
+        data = memoryview((("\n" if self._lacks_end else "") + row + "\n").encode())
+        before, written = os.fstat(self._file).st_size, 0
         try:
-            written = 0
             while written < len(data):
                 written += os.write(self._file, data[written:])
         except OSError as error:
-            os.ftruncate(self._file, self._size)
+            # Only what is ours: whoever does not ask for the lock may have written behind it.
+            if written and os.fstat(self._file).st_size == before + written:
+                self._cut(before, before + written)
             raise ConfigError(str(self.path), "file", "room for a row", str(error.strerror)) from error
-        self._size += len(data)
+        self._lacks_end = False
         self.failed[said["hash"]] = "error" in said
         self._dirty = True
         if time.monotonic() - self._synced > SYNC_SECONDS:
             self.sync()
+
+    def _cut(self, size: int, expected: int) -> None:
+        """Leave the first `size` bytes of `expected`."""
+        if (found := os.fstat(self._file).st_size) != expected:
+            expected_size, other = f"{expected} bytes, as it was read", f"{found}: another program writes it"
+            raise ConfigError(str(self.path), "file", expected_size, other)
+        os.ftruncate(self._file, size)
 
     def sync(self) -> None:
         """See that the rows outlive a power cut."""
@@ -112,15 +138,18 @@ def write_sorted(path: str | os.PathLike[str], hashes: Iterable[str], target: st
     Returns:
         how many there were.
 
+    Raises:
+        ConfigError: if the target is the file itself, which may hold other rows too.
+
     """
-    rows = {row["hash"]: line for line, row in _whole_lines(Path(path))}
+    if os.path.exists(target) and os.path.samefile(path, target):
+        raise ConfigError(os.fspath(target), "--sorted", "another file than that of the rows", "the same")
+    rows = {row["hash"]: line.rstrip(b"\n") + b"\n" for line, row in _whole_lines(Path(path))}
     there = [rows[name] for name in hashes if name in rows]
-    new = Path(f"{os.fspath(target)}.new")
-    with new.open("wb") as file:
+    with written_whole(target) as beside, beside.open("wb") as file:
         file.writelines(there)
         file.flush()
         os.fsync(file.fileno())
-    new.replace(target)
     return len(there)
 
 

@@ -1,17 +1,20 @@
-"""YAML as the core reads it: keys once, and numbers as in YAML 1.2 (1e-3 is one)."""
+"""YAML as the core reads it: within a budget, keys once, and numbers as in YAML 1.2 (1e-3 is one)."""
 
 from __future__ import annotations
 
 import os
 import re
 from collections.abc import Hashable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from crossgait.errors import ConfigError
+from crossgait.files import read_bytes
 
 if TYPE_CHECKING:
     from yaml.nodes import MappingNode
+
+#: What a file may hold at most. Bytes and levels are the core's; values are fewer, for what PyYAML takes for each.
+MOST_BYTES, MOST_VALUES, MOST_LEVELS = 1 << 20, 20_000, 32
 
 
 def _yaml() -> Any:
@@ -46,8 +49,8 @@ def read_yaml(path: str | os.PathLike[str]) -> Any:
     """What a file holds. Raises ConfigError."""
     source = os.fspath(path)
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_bytes(path, MOST_BYTES).decode()
+    except UnicodeDecodeError as error:
         raise ConfigError(source, "file", "a readable text file", str(error)) from error
     return parse_yaml(text, source)
 
@@ -55,11 +58,40 @@ def read_yaml(path: str | os.PathLike[str]) -> Any:
 def parse_yaml(text: str, source: str) -> Any:
     """What `text` says; `source` stands for the file in messages. Raises ConfigError."""
     try:
+        _check_budget(text, source)
         return _yaml().load(text, _loader())
     except _yaml().YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         where = f"line {mark.line + 1}" if mark is not None else "file"
         raise ConfigError(source, where, "YAML", getattr(error, "problem", None) or str(error)) from error
+
+
+def _check_budget(text: str, source: str) -> None:
+    """Count levels and values before anything is made of them; an alias counts as what it stands for."""
+    yaml = _yaml()
+    values = 0
+    begun: list[tuple[str | None, int]] = []  # name, and count at its beginning, of every node that is not ended
+    sizes: dict[str | None, int] = {}
+    for event in yaml.parse(text, yaml.SafeLoader):
+        line = f"line {event.start_mark.line + 1}"
+        if isinstance(event, yaml.AliasEvent):
+            # What names itself, or nothing before it, has no size.
+            if event.anchor not in sizes:
+                raise ConfigError(source, line, "an alias of what stands before it", f"*{event.anchor}")
+            values += sizes[event.anchor]
+        elif isinstance(event, yaml.CollectionEndEvent):
+            name, before = begun.pop()
+            sizes[name] = values - before
+        elif isinstance(event, yaml.NodeEvent):
+            values += 1
+            if isinstance(event, yaml.CollectionStartEvent):
+                begun.append((event.anchor, values - 1))
+            else:
+                sizes[event.anchor] = 1
+        if len(begun) > MOST_LEVELS:
+            raise ConfigError(source, line, f"at most {MOST_LEVELS} levels", "more")
+        if values > MOST_VALUES:
+            raise ConfigError(source, line, f"at most {MOST_VALUES} values", "more")
 
 
 def write_yaml(document: Any) -> str:

@@ -19,6 +19,8 @@ from crossgait.sweep.strict_yaml import read_yaml, write_yaml
 
 Json = dict[str, Any]
 
+MOST_RUNS = 1_000_000  #: of a study: some 15 s of reading, and what a file of rows goes on from in half a minute
+
 
 class _Kind(NamedTuple):
     """What a key may hold; a list of such is an axis of the grid."""
@@ -81,7 +83,20 @@ class Study:
     def load(path: str | os.PathLike[str]) -> Study:
         """Read a file. Raises ConfigError naming file, key, what was expected and what was found."""
         source = os.fspath(path)
-        return Study(source, _with_defaults(source, read_yaml(path)))
+        study = Study(source, _with_defaults(source, read_yaml(path)))
+        if (count := study.count()) > MOST_RUNS:
+            raise ConfigError(source, "study", f"at most {MOST_RUNS} runs; several files make more", f"{count}")
+        return study
+
+    def count(self) -> int:
+        """How many runs the grid has, those that are said twice or are left out included. Raises ConfigError."""
+        asked = self.document["starts"]
+        subjects = 0
+        for name, kinds in (("walks", _WALK), ("policies", _POLICY)):
+            for i, block in enumerate(self.document[name]):
+                subjects += math.prod(_count(self.source, *axis) for axis in _axes(block, kinds, f"{name}[{i}]"))
+        each = (len(self.document[key]) for key in ("seeds", "engines", "variations"))
+        return subjects * math.prod(each) * (asked if isinstance(asked, int) else len(asked))
 
     def to_yaml(self) -> str:
         """The whole study, with every default."""
@@ -132,10 +147,8 @@ class Study:
 
     def _grid(self, block: Json, kinds: dict[str, _Kind | None], where: str) -> Iterator[Json]:
         axes = [
-            _settings(self.source, value, _SETTING if key == "parameters" else _ANYTHING, f"{where}.{key}")
-            if (kind := kinds[key]) is None
-            else _choices(self.source, value, kind, f"{where}.{key}")
-            for key, value in block.items()
+            _settings(self.source, value, kind, at) if nested else _choices(self.source, value, kind, at)
+            for value, kind, nested, at in _axes(block, kinds, where)
         ]
         for values in itertools.product(*axes):
             yield dict(zip(block, values, strict=True))
@@ -190,6 +203,21 @@ def _allows(subject: Subject, engine: str, variation: str) -> bool:
         return True  # its runs say what is wrong
 
 
+def _axes(block: Json, kinds: dict[str, _Kind | None], where: str) -> Iterator[tuple[Any, _Kind, bool, str]]:
+    """Of a block: value, kind, whether it maps settings that are axes themselves, and where it stands."""
+    for key, value in block.items():
+        kind = kinds[key]
+        settings = _SETTING if key == "parameters" else _ANYTHING
+        yield value, kind or settings, kind is None, f"{where}.{key}"
+
+
+def _count(source: str, value: Any, kind: _Kind, nested: bool, where: str) -> int:
+    """How many values an axis has, without making them. Raises ConfigError."""
+    if not nested:
+        return len(_choices(source, value, kind, where))
+    return sum(math.prod(map(len, axes)) for _, axes in _settings_axes(source, value, kind, where))
+
+
 def _choices(source: str, value: Any, kind: _Kind, where: str) -> list[Any]:
     if kind.holds(value):
         return [value]
@@ -201,9 +229,8 @@ def _choices(source: str, value: Any, kind: _Kind, where: str) -> list[Any]:
     raise ConfigError(source, where, f"{kind.expected}, or a list of such", _shown(value))
 
 
-def _settings(source: str, value: Any, kind: _Kind, where: str) -> list[Json]:
+def _settings_axes(source: str, value: Any, kind: _Kind, where: str) -> Iterator[tuple[Json, list[list[Any]]]]:
     """Of mappings, whose values may be axes too. A value that is a list itself stands in one of its own."""
-    grid: list[Json] = []
     for i, mapping in enumerate(value if isinstance(value, list) else [value]):
         here = f"{where}[{i}]" if isinstance(value, list) else where
         _check_mapping(source, mapping, here)
@@ -211,6 +238,12 @@ def _settings(source: str, value: Any, kind: _Kind, where: str) -> list[Json]:
         for key, item in mapping.items():
             nested = kind is _ANYTHING and isinstance(item, list) and item
             axes.append(item if nested else _choices(source, item, kind, f"{here}.{key}"))
+        yield mapping, axes
+
+
+def _settings(source: str, value: Any, kind: _Kind, where: str) -> list[Json]:
+    grid: list[Json] = []
+    for mapping, axes in _settings_axes(source, value, kind, where):
         grid += [dict(zip(mapping, values, strict=True)) for values in itertools.product(*axes)]
     if not grid:
         raise ConfigError(source, where, "settings, or a list of such", _shown(value))

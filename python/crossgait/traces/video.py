@@ -11,13 +11,15 @@ from typing import Any
 import numpy as np
 
 from crossgait import _core
+from crossgait.commands import say
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 from crossgait.progress import ProgressBar, shown
 from crossgait.traces.scene import the_robot
 from crossgait.traces.table import TraceTable
 from crossgait.viewing import film
-from crossgait.viewing.rendering import Frame, Renderer
+from crossgait.viewing.mujoco_scene import Frame
+from crossgait.viewing.rendering import Renderer
 
 try:
     from PIL import Image, ImageDraw
@@ -159,12 +161,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             progress=None,
         )
     except (ConfigError, OSError) as error:
-        print(f"crossgait: {error}", file=sys.stderr)
+        say(f"crossgait: {error}", error=True)
         return 2
     except RuntimeError as error:
-        print(f"crossgait: {error}", file=sys.stderr)
+        say(f"crossgait: {error}", error=True)
         return 1
-    print(f"{options.out}: {os.path.getsize(options.out) / 1e6:.1f} MB")
+    say(f"{options.out}: {os.path.getsize(options.out) / 1e6:.1f} MB")
     return 0
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from crossgait.commands import INTERRUPTED, exit_code
+from crossgait.commands import INTERRUPTED, exit_code, say
 from crossgait.errors import ConfigError
 from crossgait.train.plan import Plan, presets
 
@@ -92,7 +92,7 @@ def _run(options: argparse.Namespace) -> int:
         try:
             trained = _trained(plan, folder, options)
         except KeyboardInterrupt:
-            print(f"interrupted: python -m crossgait.train --resume --out {folder} goes on", file=sys.stderr)
+            say(f"interrupted: python -m crossgait.train --resume --out {folder} goes on", error=True)
             return INTERRUPTED
         print(card.write(plan, folder, trained), end="")
     return 0

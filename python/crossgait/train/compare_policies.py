@@ -12,7 +12,7 @@ from typing import Any
 
 from crossgait import _core
 from crossgait._core import EnvironmentConfig
-from crossgait.commands import exit_code
+from crossgait.commands import exit_code, say
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 from crossgait.policies.environment import ENVIRONMENT, environment_of
@@ -143,7 +143,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.json:
         with written_whole(options.json) as beside:
             beside.write_text(text)
-    print(table(document))
+    say(table(document))
     return 0
 
 

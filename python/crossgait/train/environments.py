@@ -46,6 +46,7 @@ class TrainingEnvs(NotCopyable, VecEnv):
         super().__init__(count, first.observation_space, first.action_space)
 
     def _enter(self, stage: Stage) -> None:
+        self._is_closed = False
         self._stage = stage
         name, workers, dealt = _IDS[stage.environment.action], self._plan["workers"], self._plan.shared_out(stage)
         self._parts = [
@@ -65,8 +66,8 @@ class TrainingEnvs(NotCopyable, VecEnv):
         return self._core_seconds + sum(part.core_seconds for part in self._parts)
 
     def begin(self, stage: Stage, seed: int) -> None:
-        """Say what the next `reset` begins: another stage builds other worlds."""
-        if stage.index != self._stage.index:
+        """Say what the next `reset` begins: another stage builds other worlds, and so does one after `close`."""
+        if self._is_closed or stage.index != self._stage.index:
             self._core_seconds = self.core_seconds
             self.close()
             self._enter(stage)
@@ -110,6 +111,7 @@ class TrainingEnvs(NotCopyable, VecEnv):
 
     def close(self) -> None:
         """Close every part."""
+        self._is_closed = True
         for part in self._parts:
             part.close()
 

@@ -85,7 +85,8 @@ def of_plan(
 def _over_sections(cells: Sequence[Json]) -> Json:
     """Means of the sections' means, which count alike, with the deviation from section to section."""
     runs = [cell["all"] for cell in cells]
-    said: Json = {"episodes": sum(run["episodes"] for run in runs), "outcomes": Counter[str]()}
+    said: Json = {key: sum(run[key] for run in runs) for key in ("episodes", "ended_early")}
+    said["outcomes"] = Counter[str]()
     for run in runs:
         said["outcomes"].update(run["outcomes"])
     for name in SHOWN:
@@ -102,7 +103,7 @@ def score(by_engine: dict[str, Json], statistic: str) -> float:
 
 def failures(said: Json) -> int:
     """Episodes that an outcome cut short."""
-    return sum(int(n) for name, n in said["outcomes"].items() if name not in ("walked", "slid", "no_progress"))
+    return int(said["ended_early"])
 
 
 def row(by_engine: dict[str, Json], statistic: str) -> Json:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import platform
@@ -17,7 +16,7 @@ from typing import Any
 
 from crossgait import _core
 from crossgait.errors import ConfigError
-from crossgait.files import written_whole
+from crossgait.files import lock, written_whole
 from crossgait.train.plan import Plan
 
 CONFIG, COMMANDS, ENVIRONMENT = "config.yaml", "commands.jsonl", "environment.yaml"
@@ -33,10 +32,7 @@ def locked(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise ConfigError(str(folder), "folder", "one that can be written", str(error.strerror)) from error
     try:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            raise ConfigError(str(folder), "folder", "one run at a time", "another that is training") from error
+        lock(file, folder, "folder", "one run at a time")
         yield
     finally:
         os.close(file)  # and with it the lock

@@ -89,6 +89,7 @@ EnginePlugin the_plugin() {
 const EnginePlugin* crossgait_engine_plugin() {
   if (fault() == "null") return nullptr;
   if (fault() == "throw") throw std::runtime_error("no licence");
+  if (fault() == "throw a number") throw 3;
   static const EnginePlugin kPlugin = the_plugin();
   return &kPlugin;
 }

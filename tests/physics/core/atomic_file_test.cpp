@@ -1,6 +1,7 @@
 #include "physics/core/atomic_file.h"
 
 #include <array>
+#include <climits>
 #include <csignal>
 #include <filesystem>
 #include <string>
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "tests/physics/core/config_error.h"
@@ -89,6 +91,66 @@ TEST_F(AtomicFile, WritesIntoPipesInsteadOfReplacingThem) {
   ::close(reader);
   EXPECT_STREQ(bytes.data(), "through");
   EXPECT_TRUE(std::filesystem::is_fifo(path("pipe")));
+}
+
+TEST_F(AtomicFile, WritesIntoPipesWithoutAName) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  write_file_atomically("/proc/self/fd/" + std::to_string(ends[1]), "through");
+  std::array<char, 20> bytes{};
+  EXPECT_EQ(::read(ends[0], bytes.data(), bytes.size()), 7);
+  EXPECT_STREQ(bytes.data(), "through");
+  for (const int end : ends) ::close(end);
+}
+
+TEST_F(AtomicFile, WritesWhatALinkLeadsTo) {
+  std::filesystem::create_directory(path("folder"));
+  write("folder/file", "old");
+  std::filesystem::create_symlink("folder/file", path("link"));
+  std::filesystem::create_symlink(path("link"), path("link to link"));
+  std::filesystem::create_symlink("folder/new", path("link to nothing"));
+  write_file_atomically(path("link to link"), "new");
+  EXPECT_EQ(read(path("folder/file")), "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(path("link to link")));
+  EXPECT_TRUE(std::filesystem::is_symlink(path("link")));
+  write_file_atomically(path("link to nothing"), "first");
+  EXPECT_EQ(read(path("folder/new")), "first");
+  std::filesystem::create_symlink("circle", path("circle"));
+  EXPECT_EQ(config_error([&] { write_file_atomically(path("circle"), ""); }).found(), "a circle of links");
+}
+
+TEST_F(AtomicFile, HasTheLongestNameThatThereIs) {
+  for (const std::size_t length : {std::size_t{240}, std::size_t{241}, std::size_t{NAME_MAX}}) {
+    const std::string file = path(std::string(length, 'n'));
+    write_file_atomically(file, "x");
+    EXPECT_EQ(read(file), "x") << length;
+  }
+  EXPECT_EQ(config_error([&] { write_file_atomically(path(std::string(NAME_MAX + 1, 'n')), "x"); }).found(),
+            "File name too long");
+  EXPECT_EQ(config_error([] { write_file_atomically("", "x"); }).element(), "name");
+}
+
+TEST_F(AtomicFile, RemovesWhatAKilledWriterLeft) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    crossgait::AtomicFile file(path("file"));
+    file.write(std::string(200000, 'x'));
+    ::_exit(0);  // as if killed: nothing is cleaned up
+  }
+  ::waitpid(child, nullptr, 0);
+  ASSERT_EQ(entries(), 1);
+  const std::string left = std::filesystem::directory_iterator(folder_)->path().string();
+  EXPECT_TRUE(left.ends_with(".tmp")) << left;
+  const std::vector<std::string> others{"file.12-3.tmp", "x.crossgait-.tmp", "x.crossgait-1-2.tmp.old",
+                                        "crossgait"};
+  for (const std::string& other : others) write(other, "somebody's");
+  crossgait::AtomicFile live(path("another"));
+  write_file_atomically(path("file"), "new");
+  EXPECT_FALSE(std::filesystem::exists(left));
+  for (const std::string& other : others) EXPECT_EQ(read(path(other)), "somebody's") << other;
+  live.write("whole");
+  live.commit();
+  EXPECT_EQ(read(path("another")), "whole") << "who still writes keeps its temporary";
 }
 
 TEST_F(AtomicFile, WritersOfOneFileDoNotMix) {

@@ -87,6 +87,16 @@ TEST(XmlBudget, CountsAttributesOfAnElement) {
 }
 
 // What TinyXML takes for text, a comment or an attribute closes nothing.
+TEST(Budgets, TakeNoByteOfZeroForTheEnd) {
+  using namespace std::string_view_literals;
+  const ReadBudget budget{1000, 10, 5};
+  const ConfigError json = config_error([&] { check_json_budget("{}\n\0[[[[[[[["sv, budget, "f", 7); });
+  const ConfigError xml = config_error([&] { check_xml_budget("<a/>\n\0<b/>"sv, budget, "f"); });
+  EXPECT_EQ(json.element(), "line 8");
+  EXPECT_EQ(xml.element(), "line 2");
+  for (const ConfigError& error : {json, xml}) EXPECT_EQ(error.found(), "a byte of zero");
+}
+
 TEST(XmlBudget, IsNotFooled) {
   for (const std::string fake :
        {"<!-- </a> -->", "<![CDATA[</a>]]>", "<?XML v='></a>'?>", "<b x='/'>", "<b x='</a>'/>"}) {

@@ -5,10 +5,16 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "physics/core/read_budget.h"
 #include "physics/robot_files/mesh/convex_hull.h"
+#include "physics/robot_files/mesh/robot_meshes.h"
+#include "tests/physics/core/config_error.h"
 
 namespace crossgait {
 namespace {
@@ -198,6 +204,48 @@ TEST(MeshShape, IsTheSameForTheSameVertices) {
   const CollisionShape a = fitted(points), b = fitted(points);
   EXPECT_EQ(a.vertices, b.vertices);
   EXPECT_FALSE(a.vertices.empty());
+}
+
+// A file may be named thousands of times: what is fitted to it is fitted once, and is what each would get.
+TEST(RobotMeshesFits, AreOneForAllUsesOfTheSameVertices) {
+  const auto points = turned({{-0.02, 0.05}, {0, 0.055}, {0.02, 0.03}}, 40);
+  ReaderWarnings warnings;
+  const std::string path = "robot.urdf";
+  RobotMeshes meshes(path, warnings);
+  const std::size_t uses = kMaxRobotMeshVertices / points.size();
+  ASSERT_GT(uses, kMaxFittedMeshes);
+  for (std::size_t i = 0; i < uses; ++i) {
+    CollisionShape shape;
+    shape.X_BG = Eigen::Translation3d(0.1, 0.2, 0.001 * static_cast<double>(i)) *
+                 Quaternion(Eigen::AngleAxisd(0.01 * static_cast<double>(i), Vector3::UnitX()));
+    CollisionShape alone = shape;
+    meshes.set_vertices(points, "here", shape);
+    if (i % 1000 != 0) continue;
+    fit_mesh(points, alone);
+    EXPECT_EQ(shape.type, alone.type);
+    EXPECT_EQ(shape.vertices, alone.vertices);
+    EXPECT_EQ(shape.X_BG.matrix(), alone.X_BG.matrix()) << "to the last bit";
+  }
+}
+
+TEST(RobotMeshesFits, AreBounded) {
+  ReaderWarnings warnings;
+  const std::string path = "robot.urdf";
+  RobotMeshes meshes(path, warnings);
+  const auto points = turned({{-0.02, 0.05}, {0.02, 0.03}}, 4);
+  for (std::size_t i = 0; i <= kMaxFittedMeshes; ++i) {
+    std::vector<Vector3> scaled = points;
+    for (Vector3& point : scaled) point *= 1 + 1e-3 * static_cast<double>(i);
+    CollisionShape shape;
+    if (i < kMaxFittedMeshes) {
+      meshes.set_vertices(std::move(scaled), "here", shape);
+      continue;
+    }
+    const ConfigError error =
+        config_error([&] { meshes.set_vertices(std::move(scaled), "link 'a'", shape); });
+    EXPECT_EQ(error.element(), "link 'a'");
+    EXPECT_EQ(error.expected(), "at most 1000 collision meshes that differ");
+  }
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 // A robot from its URDF alone: what is inferred, and what is refused.
 #include "physics/robot_files/inference/robot_inference.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include "physics/robot/multibody.h"
@@ -187,7 +189,7 @@ TEST_F(Inferred, ServosFollowFromMassAndHeight) {
   EXPECT_EQ(hip.effort_limit, 20) << "as the file says";
   const Joint& knee = robot.joint((*robot.legs)[Leg::FL].joint("knee"));
   EXPECT_NEAR(knee.effort_limit, 0.8 * m * g * h, 1e-9) << "1000 N m is no torque of such a machine";
-  EXPECT_NE(find(report, "effort")->value.find("4 joints from 'FL_knee'"), std::string::npos);
+  EXPECT_NE(find(report, "effort")->value.find("4 joint(s) from 'FL_knee'"), std::string::npos);
 }
 
 TEST_F(Inferred, AFootWithoutASphereIsAtTheEndOfItsShape) {
@@ -280,6 +282,59 @@ TEST_F(Inferred, YamlOverridesOneThingAndLeavesTheRestInferred) {
   EXPECT_NEAR(robot.joint(0).armature, 0.005 * 20 * 0.3 * 0.3, 1e-12);
   EXPECT_EQ(find(report, "servo"), nullptr);
   EXPECT_NE(find(report, "home"), nullptr);
+}
+
+TEST_F(Inferred, TheRuleTakesThePlaceOfTheFilesGainsWhereItIsAsked) {
+  const SerialUrdf urdf;
+  const ServoRule rule = [&] {
+    const RobotDescription robot = load(urdf).robot;
+    return servo_rule(robot.total_mass(), robot.standing_height, robot.standing_height / kStandingShare);
+  }();
+  write("robot.yaml", "urdf: made.urdf\nservo: {kp: 7, kd: 1, effort: 9}\n");
+  const std::string file = path("made.urdf");
+  const auto hip = [](const LoadedRobot& loaded) { return loaded.robot.joint(1); };
+  EXPECT_EQ(hip(load_robot_with_report(file)).kp, 7);
+  EXPECT_EQ(hip(load_robot_with_report(file, ServoSource::kRule)).kp, rule.kp);
+  EXPECT_EQ(hip(load_robot_with_report(file, ServoSource::kRule)).kd, rule.kd);
+  write("robot.yaml", "urdf: made.urdf\nservo: rule\n");
+  EXPECT_EQ(hip(load_robot_with_report(file)).kp, rule.kp);
+  EXPECT_EQ(hip(load_robot_with_report(file)).effort_limit, 20);  // the URDF's
+}
+
+TEST_F(Inferred, ATorqueLimitThatNoServoHasIsReplacedAndSaid) {
+  SerialUrdf urdf;
+  urdf.knee_limits = R"(lower="-2.6" upper="-0.5" effort="1000" velocity="1")";
+  const auto [robot, report] = load(urdf);
+  const double used = robot.joint((*robot.legs)[Leg::FL].joint("knee")).effort_limit;
+  EXPECT_LT(used, 1000);
+  const std::string expected = fmt::format(
+      "the file's torque limit of 1e+03 N m of 4 joint(s) from 'FL_knee' is that of no servo of this "
+      "robot: {:.3g} N m is used (.8 m g h)",
+      used);
+  EXPECT_NE(std::find(report.warnings.begin(), report.warnings.end(), expected), report.warnings.end())
+      << fmt::format("{}", fmt::join(report.warnings, "\n"));
+}
+
+TEST_F(Inferred, AnEnvironmentBesideARobotIsNotItsRobotYaml) {
+  const std::string file = write("made.urdf", SerialUrdf().text());
+  write("made.yaml", "robot: made.urdf\naction: joints\n");
+  EXPECT_EQ(load_robot(file).source, file);
+  // One of its own is looked for all the same.
+  write("robot.yaml", "urdf: made.urdf\nname: other\n");
+  EXPECT_EQ(load_robot(file).name, "other");
+  EXPECT_EQ(config_error([&] { (void)load_robot(path("made.yaml")); }).found(), "an environment");
+  // What is neither is still the robot's.
+  write("made.yaml", "wings: 2\n");
+  EXPECT_THROW((void)load_robot(file), ConfigError);
+}
+
+TEST_F(Inferred, LegsThatMimicAreRefused) {
+  std::string text = SerialUrdf().text();
+  const std::string limit = R"(<limit lower="-2.6" upper="-0.5" effort="30" velocity="1"/>)";
+  text.insert(text.find(limit), R"(<mimic joint="FL_pitch" multiplier="-2"/>)");
+  const ConfigError error = refusal(text);
+  EXPECT_EQ(error.element(), "joint 'FL_knee' of a leg");
+  EXPECT_NE(error.found().find("mimics 'FL_pitch'"), std::string::npos) << error.what();
 }
 
 struct Refusal {

@@ -315,7 +315,7 @@ const BadInput kBadYamls[] = {
     {"ExceptionOfNoJoint", "servo:", "joints: {FL_lean: {kp: 2}}\nservo:", "joints.FL_lean",
      "a moving joint of the robot's file", "'FL_lean'"},
     {"GainOfAPassiveJoint", "servo:", "joints: {FL_elbow_left: {kp: 2}}\nservo:", "joints.FL_elbow_left.kp",
-     "one of the keys damping, armature, friction", "unknown key 'kp'"},
+     "one of the keys damping, stiffness, armature, friction", "unknown key 'kp'"},
 };
 INSTANTIATE_TEST_SUITE_P(RobotLoader, BadRobotYaml, ::testing::ValuesIn(kBadYamls), kLoaderCase);
 

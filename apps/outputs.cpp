@@ -1,0 +1,141 @@
+// Where results go: whether they can, what is written there, and what a terminal is shown of it.
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "apps/results.h"
+#include "physics/core/atomic_file.h"
+#include "physics/core/error.h"
+#include "physics/core/files_read.h"
+
+namespace crossgait::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file that an option names, and which file that is.
+struct NamedFile {
+  std::string option, path;
+  fs::path place;  ///< whole, without links
+};
+
+// Type names of outputs that are files; others are folders or say how they are written.
+bool names_file(const CLI::Option& option) { return option.get_type_name().starts_with("FILE"); }
+
+NamedFile named_file(const std::string& option, const std::string& path) {
+  std::error_code error;
+  const fs::path place = fs::weakly_canonical(fs::absolute(place_of_output(path)), error);
+  return {option, path, error ? fs::path(path) : place};
+}
+
+bool is_same(const NamedFile& a, const NamedFile& b) {
+  std::error_code error;
+  return a.place == b.place || fs::equivalent(a.place, b.place, error);
+}
+
+// Devices and pipes take what several write.
+bool is_replaced(const std::string& path) {
+  std::error_code error;
+  return !fs::exists(path, error) || fs::is_regular_file(path, error);
+}
+
+std::vector<NamedFile> outputs_of(const CLI::App& command) {
+  std::vector<NamedFile> outputs;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group() != kOutputs || !names_file(*option)) continue;
+    for (const std::string& path : option->results()) {
+      if (path == "-") continue;
+      if (path.empty()) throw ConfigError("command line", option->get_name(), "the name of a file", "\"\"");
+      if (is_replaced(path)) outputs.push_back(named_file(option->get_name(), path));
+    }
+  }
+  return outputs;
+}
+
+// Every value that is the name of a file, whatever its option means; settings may stand behind a colon.
+std::vector<NamedFile> inputs_of(const CLI::App& command) {
+  std::vector<NamedFile> inputs;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group() == kOutputs) continue;
+    for (const std::string& value : option->results()) {
+      for (const std::string& path : {value, value.substr(0, value.find(':'))}) {
+        std::error_code error;
+        if (fs::is_regular_file(path, error)) inputs.push_back(named_file(option->get_name(), path));
+      }
+    }
+  }
+  return inputs;
+}
+
+void check_apart(const std::vector<NamedFile>& outputs, const NamedFile& input) {
+  for (const NamedFile& output : outputs) {
+    if (!is_same(output, input)) continue;
+    throw ConfigError("command line", output.option, "a file that is not read",
+                      fmt::format("\"{}\", which is {} of {}", output.path, input.path, input.option));
+  }
+}
+
+[[noreturn]] void fail_on_standard_output(int code) {
+  throw std::runtime_error(fmt::format("standard output: {}; the result is not complete there",
+                                       std::generic_category().message(code)));
+}
+
+void write_to_standard_output(const std::string& bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size()) fail_on_standard_output(errno);
+}
+
+}  // namespace
+
+CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::string& value,
+                               const std::string& help) {
+  return command.add_option(name, value, help)->type_name("FILE")->group(kOutputs);
+}
+
+void check_outputs(const CLI::App& command) {
+  const std::vector<NamedFile> outputs = outputs_of(command);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!is_same(outputs[i], outputs[k])) continue;
+      throw ConfigError("command line", outputs[i].option, "a file of its own",
+                        fmt::format("\"{}\" again, of {}", outputs[i].path, outputs[k].option));
+    }
+  }
+  for (const NamedFile& input : inputs_of(command)) check_apart(outputs, input);
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group() != kOutputs || !names_file(*option)) continue;
+    for (const std::string& path : option->results()) {
+      if (path != "-") check_writable(path);
+    }
+  }
+}
+
+void check_outputs_not_read(const CLI::App& command) {
+  const FilesRead* const read = FilesRead::current();
+  if (read == nullptr) return;
+  const std::vector<NamedFile> outputs = outputs_of(command);
+  if (outputs.empty()) return;
+  for (const FileRead& file : read->list()) check_apart(outputs, named_file("what is read", file.path));
+}
+
+void print(const std::string& text) { write_to_standard_output(printable_text(text, std::string::npos)); }
+
+void print_data(const std::string& bytes) {
+  ::isatty(STDOUT_FILENO) == 1 ? print(bytes) : write_to_standard_output(bytes);
+}
+
+void print_error(const std::string& text) {
+  // Standard error may be closed, and there is nowhere left to say so.
+  std::fputs(printable_text(text, std::string::npos).c_str(), stderr);
+}
+
+void flush_standard_output() {
+  if (std::fflush(stdout) != 0) fail_on_standard_output(errno);
+  if (std::ferror(stdout) != 0) fail_on_standard_output(EIO);
+}
+
+}  // namespace crossgait::apps

@@ -1,0 +1,67 @@
+// Objects that one thread at a time may use, though the interpreter's lock is released while they work.
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include <nanobind/nanobind.h>
+
+#include "physics/engine/physics_backend.h"
+
+namespace crossgait::python {
+
+namespace nb = nanobind;
+
+/// What tells an object from others: its address. Views of an object have an overload that gives that one's.
+template <typename T>
+const void* identity_of(const T& object) noexcept {
+  return &object;
+}
+
+/// Raises RuntimeError if another thread works at the object. The interpreter's lock is held.
+void check_idle(const void* object);
+
+/// Marks an object as worked at and releases the interpreter's lock, until its end.
+class Working {
+ public:
+  /// @throws std::runtime_error as `check_idle`
+  explicit Working(const void* object);
+  ~Working();
+  Working(const Working&) = delete;
+  Working& operator=(const Working&) = delete;
+
+ private:
+  const void* object_;
+  std::optional<nb::gil_scoped_release> release_;
+};
+
+/// The function, for a binding, with `check_idle` of its first argument before it.
+template <typename Result, typename Self, typename... Arguments>
+auto guarded(Result (*function)(Self&, Arguments...)) {
+  return [function](Self& self, Arguments... arguments) -> Result {
+    check_idle(identity_of(self));
+    return function(self, std::forward<Arguments>(arguments)...);
+  };
+}
+/// The same of a lambda that captures nothing.
+template <typename Lambda>
+auto guarded(Lambda lambda) {
+  return guarded(+lambda);
+}
+/// The same of member functions.
+template <typename Result, typename Self, typename... Arguments>
+auto guarded(Result (Self::*function)(Arguments...)) {
+  return [function](Self& self, Arguments... arguments) -> Result {
+    check_idle(identity_of(self));
+    return (self.*function)(std::forward<Arguments>(arguments)...);
+  };
+}
+template <typename Result, typename Self, typename... Arguments>
+auto guarded(Result (Self::*function)(Arguments...) const) {
+  return [function](const Self& self, Arguments... arguments) -> Result {
+    check_idle(identity_of(self));
+    return (self.*function)(std::forward<Arguments>(arguments)...);
+  };
+}
+
+}  // namespace crossgait::python

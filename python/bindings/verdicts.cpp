@@ -1,0 +1,137 @@
+// `crossgait verdict` as a function, of walks and of policies.
+#include <map>
+#include <tuple>
+
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include "env/env_model.h"
+#include "physics/core/error.h"
+#include "python/bindings/job.h"
+#include "python/bindings/study_report.h"
+#include "study/engine_comparison.h"
+
+namespace crossgait::python {
+namespace {
+
+// `verdict(...)`'s options: starts, looks, confidence, margins as text, workers, explain, runs.
+using HowToJudge = std::tuple<std::size_t, std::size_t, double, std::map<std::string, std::string>,
+                              std::size_t, bool, std::string>;
+
+JudgeOptions judge_options(const HowToJudge& how) {
+  const auto& [starts, looks, confidence, margins, workers, explain, runs] = how;
+  JudgeOptions options;
+  options.verdict.starts = starts;
+  options.verdict.looks = looks;
+  options.verdict.confidence = confidence;
+  options.verdict.workers = workers;
+  for (const auto& [key, text] : margins) options.verdict.margins[key] = parse_margin(text, "margins", key);
+  options.explain = explain;
+  options.stored_runs = runs;
+  return options;
+}
+
+// The document of `crossgait verdict`.
+Report report_of(const EngineComparison& judged, const Json& made) {
+  Json json = to_json(judged);
+  json["provenance"] = made;
+  return {json, describe(judged)};
+}
+
+Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines, const JudgeOptions& options,
+           const nb::object& progress) {
+  return to_python(run_job(
+      [=](const StageProgress& told) -> Report {
+        const LoadedBehaviour loaded = spec;
+        return report_of(judge_engines(loaded, engines, options, told),
+                         provenance(loaded.described, engines));
+      },
+      progress));
+}
+
+void refuse_stored_runs(const JudgeOptions& options) {
+  if (!options.stored_runs.empty())
+    throw ConfigError("verdict", "runs",
+                      "none: what a function in Python does has no identity to be found by",
+                      options.stored_runs);
+}
+
+Pair judge(const PythonController& behaviour, const StartRanges& starts_from, std::uint64_t seed,
+           const std::vector<std::string>& engines, const JudgeOptions& options, const nb::object& progress) {
+  refuse_stored_runs(options);
+  return to_python(run_job(
+      [=](const StageProgress& told) -> Report {
+        const LoadedWalk loaded = behaviour.walk;
+        return report_of(judge_engines(make_behaviour(loaded, behaviour.setup(), starts_from, seed),
+                                       loaded.world, engines, options, told),
+                         provenance(subject_json(behaviour, loaded), engines));
+      },
+      progress));
+}
+
+Pair judge(const EnvConfig& environment, const PythonPolicy& policy, const StartRanges& starts_from,
+           std::uint64_t seed, const std::vector<std::string>& engines, const JudgeOptions& options,
+           const nb::object& progress) {
+  refuse_stored_runs(options);
+  return to_python(run_job(
+      [=](const StageProgress& told) {
+        return with_policies(
+            {policy}, told, [&](const auto& policies, const StageProgress& listening) -> Report {
+              const LoadedEnv loaded = environment;
+              const Behaviour behaviour =
+                  policy_behaviour(loaded, policies.front().make, policies.front().name, starts_from, seed);
+              return report_of(
+                  judge_engines(behaviour, EnvModel::make(loaded)->world, engines, options, listening),
+                  provenance({{"python", policy.name}}, engines));
+            });
+      },
+      progress));
+}
+
+}  // namespace
+
+void bind_verdicts(nb::module_& m) {
+  nb::class_<StartRanges>(m, "StartRanges", "How far apart the starts of a verdict lie.")
+      .def(
+          "__init__",
+          [](StartRanges* self, std::optional<double> position_m, double heading_rad,
+             std::optional<double> push_mps) {
+            new (self) StartRanges{position_m, heading_rad, StartRanges().tilt_rad, push_mps};
+          },
+          nb::kw_only(), nb::arg("position_m") = nb::none(),
+          nb::arg("heading_rad") = StartRanges().heading_rad, nb::arg("push_mps") = nb::none())
+      .def_ro("position_m", &StartRanges::position_m, "Each way along x and y; None: by the robot's size.")
+      .def_ro("heading_rad", &StartRanges::heading_rad, "Each way.")
+      .def_ro("push_mps", &StartRanges::push_mps,
+              "The speed that one push would give to the robot; None: by its size.");
+  m.def(
+      "_judge_walk",
+      [](const Subject& walk, const std::vector<std::string>& engines, const StartRanges& starts_from,
+         std::uint64_t seed, const HowToJudge& how, const nb::object& progress) {
+        const JudgeOptions options = judge_options(how);
+        if (const auto* config = std::get_if<WalkConfig>(&walk))
+          return judge({*config, starts_from, seed}, engines, options, progress);
+        return judge(std::get<PythonController>(walk), starts_from, seed, engines, options, progress);
+      },
+      nb::arg("walk"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"), nb::arg("how"),
+      kProgress);
+  m.def(
+      "_judge_policy",
+      [](const EnvConfig& environment, const PolicyChoice& policy, const std::vector<std::string>& engines,
+         const StartRanges& starts_from, std::uint64_t seed, const HowToJudge& how,
+         const nb::object& progress) {
+        const JudgeOptions options = judge_options(how);
+        if (const auto* text = std::get_if<std::string>(&policy))
+          return judge({PolicyConfig{environment, *text}, starts_from, seed}, engines, options, progress);
+        return judge(environment, std::get<PythonPolicy>(policy), starts_from, seed, engines, options,
+                     progress);
+      },
+      nb::arg("environment"), nb::arg("policy"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"),
+      nb::arg("how"), kProgress);
+}
+
+}  // namespace crossgait::python

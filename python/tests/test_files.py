@@ -1,0 +1,65 @@
+"""Files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from crossgait.files import written_whole
+
+KILLED = """
+import os, signal, sys
+from crossgait.files import written_whole
+with written_whole(sys.argv[1]) as beside:
+    beside.write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_what_goes_wrong_leaves_the_old_file(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("old")
+    with pytest.raises(UnicodeEncodeError), written_whole(file) as beside:
+        beside.write_text("new \ud800")  # which cannot be written
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+    assert file.read_text() == "old"
+
+
+def test_what_a_link_leads_to_is_written(tmp_path: Path) -> None:
+    link = tmp_path / "link"
+    (tmp_path / "folder").mkdir()
+    link.symlink_to(Path("folder") / "file")
+    with written_whole(link) as beside:
+        beside.write_text("new")
+    assert link.is_symlink()
+    assert (tmp_path / "folder" / "file").read_text() == "new"
+
+
+def test_a_device_is_written_to() -> None:
+    with written_whole("/dev/null") as beside:
+        assert beside == Path("/dev/null")
+
+
+def test_what_a_killed_writer_left_is_removed(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    ended = subprocess.run([sys.executable, "-c", KILLED, str(file)], check=False)
+    assert ended.returncode == -signal.SIGKILL
+    (left,) = tmp_path.iterdir()
+    for name in (".crossgait-mine", ".crossgait-.tmp", "crossgait-abcdefgh.tmp"):
+        (tmp_path / name).mkdir()
+    before = set(tmp_path.iterdir()) - {left}
+    os.utime(left, (time.time() - 10,) * 2)
+    with written_whole(tmp_path / "another") as live:
+        live.write_text("whole")
+        for folder in tmp_path.glob(".crossgait-*.tmp"):
+            os.utime(folder, (time.time() - 10,) * 2)
+        with written_whole(file) as beside:
+            beside.write_text("new")
+    assert set(tmp_path.iterdir()) == before | {file, tmp_path / "another"}
+    assert (tmp_path / "another").read_text() == "whole"  # who still writes keeps its folder

@@ -1,0 +1,62 @@
+"""YAML within a budget: counted before anything is made of it."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+
+import pytest
+
+from crossgait.errors import ConfigError
+
+pytest.importorskip("yaml")
+from crossgait.sweep.strict_yaml import MOST_BYTES, MOST_LEVELS, MOST_VALUES, parse_yaml, read_yaml
+
+
+def bomb(levels: int) -> str:
+    """Lists of nine of the one before."""
+    lists = ["a0: &a0 [x,x,x,x,x,x,x,x,x]"]
+    lists += [f"a{i}: &a{i} [{','.join([f'*a{i - 1}'] * 9)}]" for i in range(1, levels)]
+    return "\n".join(lists) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (bomb(9), f"at most {MOST_VALUES} values"),
+        ("[" * 100_000, f"at most {MOST_LEVELS} levels"),
+        ("- " * 100_000, f"at most {MOST_LEVELS} levels"),
+        ("{a: " * 1000, f"at most {MOST_LEVELS} levels"),
+        ("[" + "a," * MOST_VALUES + "]", f"at most {MOST_VALUES} values"),
+        ("a: &a [*a]", "an alias of what stands before it"),
+        ("a: *b", "an alias of what stands before it"),
+    ],
+)
+def test_what_is_beyond_the_budget_is_an_error(text: str, expected: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        parse_yaml(text, "file.yaml")
+    assert caught.value.expected == expected
+
+
+def test_what_is_within_it_is_read() -> None:
+    assert len(parse_yaml("[" + "a," * (MOST_VALUES - 1) + "]", "")) == MOST_VALUES - 1
+    assert parse_yaml(bomb(2), "")["a1"] == [["x"] * 9] * 9
+    assert parse_yaml("a: &a {b: 1e-3}\nc: {<<: *a, d: 2}\n", "")["c"] == {"b": 1e-3, "d": 2}
+    assert parse_yaml("[" * MOST_LEVELS + "]" * MOST_LEVELS, "") is not None
+
+
+def test_only_regular_files_of_their_size_are_read(tmp_path: Path) -> None:
+    pipe, large = tmp_path / "pipe.yaml", tmp_path / "large.yaml"
+    os.mkfifo(pipe)
+    large.write_text("#" * (MOST_BYTES + 1))
+    begin = time.monotonic()
+    for path, found in ((pipe, "a pipe or device"), ("/dev/zero", "a pipe or device"), (tmp_path, "Is a directory")):
+        with pytest.raises(ConfigError) as caught:
+            read_yaml(path)
+        assert caught.value.found == found
+    with pytest.raises(ConfigError, match=f"at most {MOST_BYTES} bytes"):
+        read_yaml(large)
+    assert time.monotonic() - begin < 60  # not for ever
+    with pytest.raises(ConfigError, match="No such file"):
+        read_yaml(tmp_path / "none.yaml")

@@ -1,0 +1,104 @@
+// What a robot's file says beside what is used.
+#include "study/robot_quantities.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "physics/robot/joint_numbers.h"
+#include "physics/robot_files/data_path.h"
+
+namespace crossgait {
+namespace {
+
+LoadedRobot serial() { return load_robot_with_report(find_robot("serial_quadruped")); }
+
+const RobotQuantity& find(const std::vector<RobotQuantity>& rows, const std::string& of,
+                          const std::string& name) {
+  const auto row = std::find_if(rows.begin(), rows.end(),
+                                [&](const RobotQuantity& q) { return q.of == of && q.name == name; });
+  if (row == rows.end()) throw std::runtime_error(of + " has no " + name);
+  return *row;
+}
+
+bool any_holds(const std::vector<std::string>& warnings, const std::string& text) {
+  return std::any_of(warnings.begin(), warnings.end(),
+                     [&](const std::string& w) { return w.find(text) != std::string::npos; });
+}
+
+TEST(RobotQuantities, EveryNumberOfAServoIsARowWithWhatIsUsed) {
+  const LoadedRobot loaded = serial();
+  const std::vector<RobotQuantity> rows = robot_quantities(loaded, {});
+  for (int i = 0; i < loaded.robot.joint_count(); ++i) {
+    const Joint& joint = loaded.robot.joint(i);
+    for (const JointNumber& number : kJointNumbers) {
+      if (number.of != JointNumberOf::kServo || number.member == &Joint::effort_negative) continue;
+      const RobotQuantity& row = find(rows, joint.name, std::string(number.name));
+      EXPECT_EQ(std::get<double>(row.used), joint.*number.member) << joint.name << " " << number.name;
+      EXPECT_FALSE(row.why.empty());
+    }
+    // Of this URDF torque limits are its own, gains the rule's.
+    const std::string& name = joint.name;
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(find(rows, name, "kp").file));
+    EXPECT_EQ(find(rows, name, "kp").why, "3 m g h");
+    EXPECT_EQ(std::get<double>(find(rows, name, "effort").file), joint.effort_limit);
+    EXPECT_EQ(find(rows, name, "effort").why, "the file");
+  }
+}
+
+TEST(RobotQuantities, ContactThatTheFileSaysAndNothingSimulatesIsWarnedOfWithBothNumbers) {
+  LoadedRobot loaded = serial();
+  EXPECT_FALSE(any_holds(robot_warnings(loaded, {}), "not simulated are"));
+  const LegModel& model = (*loaded.robot.legs)[Leg::FL];
+  for (const Leg leg : kLegs) {
+    const auto& body = loaded.robot.bodies[static_cast<std::size_t>((*loaded.robot.legs)[leg].foot_body)];
+    ContactNumbers& numbers = loaded.report.contact.shapes[body.shapes.back().name];
+    numbers.friction[0] = 0.8;
+    numbers.stated.insert("friction");
+  }
+  ASSERT_GE(model.foot_body, 0);
+  loaded.report.contact.impratio = 100;
+  loaded.report.contact.cone = "elliptic";
+  const std::vector<RobotQuantity> rows = robot_quantities(loaded, {});
+  EXPECT_EQ(std::get<double>(find(rows, "foot FL", "friction").file), 0.8);
+  EXPECT_EQ(std::get<double>(find(rows, "foot FL", "friction").used), WorldSpec().contact.friction);
+  EXPECT_EQ(std::get<std::string>(find(rows, "world", "cone").file), "elliptic");
+  const std::vector<std::string> warnings = robot_warnings(loaded, {});
+  EXPECT_TRUE(any_holds(warnings, "friction 0.8 of the file's feet (0.6 is used)"));
+  EXPECT_TRUE(any_holds(warnings, "impratio 100 of the file (1 is used)"));
+  EXPECT_FALSE(any_holds(warnings, "cone"));
+}
+
+TEST(RobotQuantities, StepsThatAreTooLongForTheServosAreWarnedOf) {
+  LoadedRobot loaded = serial();
+  EXPECT_EQ(servo_loop_warning(loaded.robot, 1e-3), "");
+  for (Body& body : loaded.robot.bodies) body.joint.kd = 50;
+  EXPECT_NE(servo_loop_warning(loaded.robot, 5e-3).find("kd 50 + damping"), std::string::npos);
+  // The file's step counts where it is longer.
+  loaded.report.contact.timestep = 5e-3;
+  EXPECT_TRUE(any_holds(robot_warnings(loaded, {}), "in steps of 0.005 s is"));
+}
+
+TEST(RobotQuantities, JsonHasNumbersListsWordsAndNulls) {
+  const std::vector<RobotQuantity> rows{
+      {"a", "kp", "N m/rad", {}, 2.0, "why"},
+      {"a", "limits", "rad", std::vector<double>{-1, 1}, std::vector<double>{-1, 1}, "why"},
+      {"world", "cone", "", std::string("pyramidal"), std::string("elliptic"), "why"}};
+  EXPECT_EQ(to_json(rows).dump(),
+            R"([{"of":"a","name":"kp","unit":"N m/rad","file":null,"used":2.0,"why":"why"},)"
+            R"({"of":"a","name":"limits","unit":"rad","file":[-1.0,1.0],"used":[-1.0,1.0],"why":"why"},)"
+            R"({"of":"world","name":"cone","unit":"","file":"pyramidal","used":"elliptic","why":"why"}])");
+}
+
+TEST(RobotQuantities, WhatIsAlikeIsOneRowOfTheTable) {
+  std::vector<RobotQuantity> rows;
+  for (const char* joint : {"a", "b", "c"}) rows.push_back({joint, "kp", "N m/rad", {}, 2.0, "why"});
+  rows.push_back({"d", "kp", "N m/rad", 3.0, 3.0, "the file"});
+  const std::string table = describe(rows);
+  EXPECT_NE(table.find("a and 2 more"), std::string::npos) << table;
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 4) << table;
+}
+
+}  // namespace
+}  // namespace crossgait
