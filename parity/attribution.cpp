@@ -9,17 +9,13 @@
 #include <fmt/ranges.h>
 
 #include "parity/campaign.h"
+#include "parity/verdict_report.h"
 #include "physics/core/error.h"
 
 namespace crossgait {
 namespace {
 
 using Mask = unsigned;  // of factors
-
-// Which modelling decision a factor is of.
-const std::string& group_of(const ModelFactor& factor) {
-  return factor.group.empty() ? factor.name : factor.group;
-}
 
 // Which factors each needs and is needed by, and which are of one group, as sets.
 class Order {
@@ -271,6 +267,10 @@ void add_divergences(const Behaviour& behaviour, const EngineFamily& family, con
 
 }  // namespace
 
+const std::string& group_of(const ModelFactor& factor) noexcept {
+  return factor.group.empty() ? factor.name : factor.group;
+}
+
 Cause Attribution::cause(std::size_t s) const {
   Cause cause;
   const double whole = gap[s].estimate;
@@ -286,8 +286,7 @@ Cause Attribution::cause(std::size_t s) const {
   std::stable_sort(order.begin(), order.end(), [s](const GroupEffect* x, const GroupEffect* y) {
     return std::abs(x->effect[s].estimate) > std::abs(y->effect[s].estimate);
   });
-  const std::string& unit = statistics[s].unit;
-  const std::string of = fmt::format("of {:+.3g}{}", whole, unit == "-" ? "" : " " + unit);
+  const std::string of = fmt::format("of {}", signed_amount(whole, statistics[s]));
   constexpr double kCancels = 2, kWorthNaming = 0.05;  // of the gap
   if (sum > kCancels * std::abs(whole)) {
     cause.kind = Cause::Kind::kNoSingle;

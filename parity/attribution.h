@@ -26,6 +26,9 @@ struct FactorEffect {
   std::optional<FirstDivergence> first_divergence;
 };
 
+/// Which modelling decision a factor is of: its group, or itself.
+const std::string& group_of(const ModelFactor& factor) noexcept;
+
 /// What one modelling decision does: the sum of its factors' effects, per statistic.
 struct GroupEffect {
   std::string name;

@@ -106,7 +106,7 @@ nlohmann::ordered_json to_json(const Attribution& a) {
     json["factors"].push_back({{"name", e.factor.name},
                                {"summary", e.factor.summary},
                                {"needs", e.factor.needs},
-                               {"group", e.factor.group.empty() ? e.factor.name : e.factor.group},
+                               {"group", group_of(e.factor)},
                                {"first_divergence", first}});
   }
   return json;

@@ -17,15 +17,11 @@ namespace {
 struct Row {
   const StatisticRuns* runs;
   StatisticVerdict verdict;
-  std::optional<RowTest> test;  // empty with too few starts
-  double p = 1;                 // against "within the margin"
-  double level = 0;             // error that Holm's tests leave for it
-  bool rejected = false;        // by them
+  std::unique_ptr<const PairedTest> test;  // empty with too few starts
+  double p = 1;                            // against "within the margin"
+  double level = 0;                        // error that Holm's tests leave for it
+  bool rejected = false;                   // by them
 };
-
-double middle_of(const std::vector<double>& values, Estimand estimand) {
-  return estimand == Estimand::kMean ? mean_of(values) : median_of(values);
-}
 
 Row begin(const StatisticRuns& runs) {
   Row row;
@@ -42,11 +38,11 @@ Row begin(const StatisticRuns& runs) {
     v.margin = margin_of(runs.statistic, runs.as_asked, v.estimand, runs.seconds);
     add_reason(v, fmt::format("{}: the median is judged", name(shape)));
   }
-  v.value_a = middle_of(runs.as_asked.a, v.estimand);
-  v.value_b = middle_of(runs.as_asked.b, v.estimand);
+  v.value_a = estimate_of(runs.as_asked.a, v.estimand);
+  v.value_b = estimate_of(runs.as_asked.b, v.estimand);
   if (v.pairs < 2) return row;
   row.test = row_test(runs.as_asked, runs.is_share, v.estimand);
-  if (v.pairs >= kFewestStarts && !runs.is_cut_short) row.p = p_beyond(*row.test, v.margin);
+  if (v.pairs >= kFewestStarts && !runs.is_cut_short) row.p = row.test->p_beyond(v.margin);
   return row;
 }
 
@@ -77,8 +73,8 @@ bool mean_within(const StatisticRuns& runs, double margin, double tail) {
 void find_word(Row& row, double tail, double error) {
   StatisticVerdict& v = row.verdict;
   if (row.test) {
-    v.gap = interval(*row.test, 1 - error);
-    v.equivalence = interval(*row.test, 1 - 2 * tail);
+    v.gap = row.test->interval(1 - error);
+    v.equivalence = row.test->interval(1 - 2 * tail);
   }
   const bool is_median = v.estimand == Estimand::kMedian;
   if (v.pairs < kFewestStarts) {
@@ -96,14 +92,13 @@ void find_word(Row& row, double tail, double error) {
     add_reason(v, fmt::format("{}: a difference above {:.0f} % is excluded",
                               v.value_a == 0 && v.value_b == 0 ? "none seen" : "the same in every start",
                               100 * share_upper_limit(0, v.pairs, tail)));
-  } else if (p_within(*row.test, v.margin) <= tail || (v.margin == 0 && v.gap.low == 0 && v.gap.high == 0)) {
+  } else if (row.test->p_within(v.margin) <= tail || (v.margin == 0 && v.gap.low == 0 && v.gap.high == 0)) {
     v.word = is_median && !mean_within(*row.runs, v.margin, tail) ? Word::kUnresolved : Word::kAgrees;
     if (v.word == Word::kUnresolved) add_reason(v, "it lies within the margin, and single starts far beyond");
   } else {
     add_reason(v, "the interval crosses the margin");
     if (is_median) return;  // how many starts a median needs, its spread does not say
-    v.starts_needed =
-        std::visit([&](const auto& t) { return t.enough(v.margin, tail, row.level / 2); }, *row.test);
+    v.starts_needed = row.test->enough(v.margin, tail, row.level / 2);
   }
 }
 

@@ -7,7 +7,6 @@
 #include <variant>
 #include <vector>
 
-#include "parity/paired_shares.h"
 #include "parity/verdict.h"
 
 namespace crossgait {
@@ -34,8 +33,8 @@ struct StatisticRuns {
   std::vector<OwnChange> own;
 };
 
-/// Judges rows of any pairs together, as StatisticVerdict says: one result for each, in their order.
+/// Judges the rows of any pairs together, as StatisticVerdict says: one result for each, in their order.
 /// @param options  of which `looks` and `confidence` are used
-std::vector<StatisticVerdict> judge(const std::vector<StatisticRuns>& rows, const VerdictOptions& options);
+std::vector<StatisticVerdict> judge(const std::vector<StatisticRuns>& runs, const VerdictOptions& options);
 
 }  // namespace crossgait

@@ -64,6 +64,10 @@ double median_of(std::vector<double> values) {
 
 std::string_view name(Estimand estimand) noexcept { return estimand == Estimand::kMean ? "mean" : "median"; }
 
+double estimate_of(const std::vector<double>& values, Estimand estimand) {
+  return estimand == Estimand::kMean ? mean_of(values) : median_of(values);
+}
+
 std::string_view name(Shape shape) noexcept {
   constexpr std::array<std::string_view, 3> kNames{"regular", "heavy tails", "two humps"};
   return kNames[static_cast<std::size_t>(shape)];
@@ -91,7 +95,7 @@ double PairedDifferences::estimate() const noexcept {
 }
 
 Interval PairedDifferences::interval(double confidence) const {
-  const std::size_t n = size();
+  const std::size_t n = sorted_.size();
   if (estimand_ == Estimand::kMean) {
     const double half = student_quantile((1 + confidence) / 2, static_cast<double>(n - 1)) * deviation_ /
                         std::sqrt(static_cast<double>(n));
@@ -103,36 +107,16 @@ Interval PairedDifferences::interval(double confidence) const {
   return {estimate(), sorted_[k], sorted_[n - 1 - k]};
 }
 
-double PairedDifferences::p_below(double limit) const {
-  const std::size_t n = size();
+double PairedDifferences::p_past(double limit, double side) const {
+  const std::size_t n = sorted_.size();
   if (estimand_ == Estimand::kMean) {
-    const double error = deviation_ / std::sqrt(static_cast<double>(n)), way = limit - mean_;
+    const double error = deviation_ / std::sqrt(static_cast<double>(n)), way = side * (mean_ - limit);
     if (error == 0) return way > 0 ? 0 : 1;
     return student_tail(way / error, static_cast<double>(n - 1));
   }
-  const auto below = static_cast<std::size_t>(
-      std::count_if(sorted_.begin(), sorted_.end(), [limit](double v) { return v < limit; }));
-  return binomial_tail(below, n, 0.5);
-}
-
-double PairedDifferences::p_above(double limit) const {
-  const std::size_t n = size();
-  if (estimand_ == Estimand::kMean) {
-    const double error = deviation_ / std::sqrt(static_cast<double>(n)), way = mean_ - limit;
-    if (error == 0) return way > 0 ? 0 : 1;
-    return student_tail(way / error, static_cast<double>(n - 1));
-  }
-  const auto above = static_cast<std::size_t>(
-      std::count_if(sorted_.begin(), sorted_.end(), [limit](double v) { return v > limit; }));
-  return binomial_tail(above, n, 0.5);
-}
-
-double PairedDifferences::p_beyond(double margin) const {
-  return std::min(1.0, 2 * std::min(p_above(margin), p_below(-margin)));
-}
-
-double PairedDifferences::p_within(double margin) const {
-  return std::max(p_above(-margin), p_below(margin));
+  const auto past = static_cast<std::size_t>(
+      std::count_if(sorted_.begin(), sorted_.end(), [=](double v) { return side * (v - limit) > 0; }));
+  return binomial_tail(past, n, 0.5);
 }
 
 std::optional<std::size_t> PairedDifferences::enough(double margin, double tail_within,
@@ -143,10 +127,10 @@ std::optional<std::size_t> PairedDifferences::enough(double margin, double tail_
     const auto count = static_cast<double>(n);
     return student_quantile(1 - tail, count - 1) * deviation_ / std::sqrt(count) < room;
   };
-  std::size_t high = size() + 1;
+  std::size_t high = sorted_.size() + 1;
   while (high < kMostStarts && !fits(high)) high = std::min(2 * high, kMostStarts);
   if (!fits(high)) return std::nullopt;
-  std::size_t low = size();
+  std::size_t low = sorted_.size();
   while (high - low > 1) {
     const std::size_t middle = low + (high - low) / 2;
     (fits(middle) ? high : low) = middle;

@@ -1,4 +1,4 @@
-// What paired differences say of the difference that lies behind them, against a margin.
+// Paired differences of numbers: their mean, or their median where a mean would not do.
 #pragma once
 
 #include <cstddef>
@@ -6,21 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "parity/paired_test.h"
+
 namespace crossgait {
-
-/// An interval that holds the true value with the confidence that was asked for.
-struct Interval {
-  double estimate = 0, low = 0, high = 0;
-
-  double half_width() const noexcept { return (high - low) / 2; }
-  bool contains(double value) const noexcept { return low <= value && value <= high; }
-  /// The whole of it lies in (-margin, margin), or beyond one end of that.
-  bool within(double margin) const noexcept { return low > -margin && high < margin; }
-  bool beyond(double margin) const noexcept { return low > margin || high < -margin; }
-};
-
-/// Starts beyond which nobody is told how many would do.
-inline constexpr std::size_t kMostStarts = 10000;
 
 /// Zero for none.
 double mean_of(const std::vector<double>& values) noexcept;
@@ -33,6 +21,8 @@ enum class Estimand {
 };
 /// "mean", "median"
 std::string_view name(Estimand estimand) noexcept;
+/// The mean or the median of some values.
+double estimate_of(const std::vector<double>& values, Estimand estimand);
 
 /// What a sample looks like, as far as it matters for the interval of its mean.
 enum class Shape { kRegular, kHeavyTails, kTwoHumps };
@@ -47,30 +37,22 @@ std::string_view name(Shape shape) noexcept;
 /// 12, 4 and 1 % (tests/parity/paired_differences_test.cpp).
 Shape shape_of(const std::vector<double>& sample, double margin);
 
-/// Differences of pairs, of which all are independent draws.
-class PairedDifferences {
+/// Differences of pairs, of which all are independent draws. The median's interval is the narrowest between
+/// order statistics that has the confidence; the whole range where none has.
+class PairedDifferences final : public PairedTest {
  public:
   /// @param differences  two or more
   explicit PairedDifferences(std::vector<double> differences, Estimand estimand = Estimand::kMean);
 
-  std::size_t size() const noexcept { return sorted_.size(); }
-  double estimate() const noexcept;
-  /// Two-sided. The median's is the narrowest between order statistics that has the confidence; the whole
-  /// range where none has.
-  Interval interval(double confidence) const;
-  /// P value against "at most the margin, either way": twice the smaller tail.
-  double p_beyond(double margin) const;
-  /// P value against "the margin or more, either way": two one-sided tests (Schuirmann 1987).
-  double p_within(double margin) const;
-  /// How many pairs like these would tell which it is: the fewest with which an interval as wide as theirs
-  /// would lie within the margin, or beyond it; empty if that takes more than kMostStarts.
-  /// @param tail_within,tail_beyond  error of each side of either interval
-  std::optional<std::size_t> enough(double margin, double tail_within, double tail_beyond) const;
+  double estimate() const noexcept override;
+  Interval interval(double confidence) const override;
+  std::optional<std::size_t> enough(double margin, double tail_within, double tail_beyond) const override;
 
  private:
-  /// P value against "at least `limit`"; the mirror image asks of the negated sample.
-  double p_below(double limit) const;
-  double p_above(double limit) const;
+  double p_above(double limit) const override { return p_past(limit, 1); }
+  double p_below(double limit) const override { return p_past(limit, -1); }
+  /// P value against "not past `limit`", upwards (side 1) or downwards (-1).
+  double p_past(double limit, double side) const;
 
   std::vector<double> sorted_;
   Estimand estimand_;

@@ -114,12 +114,6 @@ Interval PairedShares::interval(double confidence) const {
   return {estimate(), lower_limit(tail), -PairedShares(pairs_, only_b_, only_a_).lower_limit(tail)};
 }
 
-double PairedShares::p_beyond(double margin) const {
-  return std::min(1.0, 2 * std::min(p_above(margin), p_below(-margin)));
-}
-
-double PairedShares::p_within(double margin) const { return std::max(p_above(-margin), p_below(margin)); }
-
 std::optional<std::size_t> PairedShares::enough(double margin, double tail_within, double tail_beyond) const {
   const auto n = static_cast<double>(pairs_);
   const bool inside = std::abs(estimate()) < margin;

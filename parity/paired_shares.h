@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "parity/paired_differences.h"
+#include "parity/paired_test.h"
 
 namespace crossgait {
 
@@ -15,23 +15,17 @@ namespace crossgait {
 /// over all shares of pairs in which it happens in `a` alone, of a table at least as far from the hypothesis,
 /// in the order of Tango's score (Tango 1998; Hsueh, Liu and Chen 2001). Beyond, intervals are those between
 /// Clopper and Pearson's limits of the two shares, each at half of the error: wider, never too narrow.
-class PairedShares {
+class PairedShares final : public PairedTest {
  public:
   PairedShares(std::size_t pairs, std::size_t only_a, std::size_t only_b);
 
-  double estimate() const noexcept;
-  /// Two-sided.
-  Interval interval(double confidence) const;
-  /// As those of PairedDifferences.
-  double p_beyond(double margin) const;
-  double p_within(double margin) const;
-  /// How many pairs like these would tell; empty if more than kMostStarts.
-  std::optional<std::size_t> enough(double margin, double tail_within, double tail_beyond) const;
+  double estimate() const noexcept override;
+  Interval interval(double confidence) const override;
+  std::optional<std::size_t> enough(double margin, double tail_within, double tail_beyond) const override;
 
  private:
-  /// P value against a difference of at most `limit` (in (-1, 1)), and of at least.
-  double p_above(double limit) const;
-  double p_below(double limit) const;
+  double p_above(double limit) const override;
+  double p_below(double limit) const override;
   double lower_limit(double tail) const;
 
   std::size_t pairs_, only_a_, only_b_;

@@ -1,22 +1,16 @@
 // Tests of a row of paired numbers, whichever kind they are.
 #pragma once
 
-#include <variant>
+#include <memory>
+#include <string>
 
 #include "parity/judge.h"
-#include "parity/paired_shares.h"
 
 namespace crossgait {
 
-/// Of values, or of shares of runs.
-using RowTest = std::variant<PairedDifferences, PairedShares>;
-
+/// Tests values, or shares of runs.
 /// @param values  of two starts or more; 1 or 0 where `is_share`
-RowTest row_test(const PairedValues& values, bool is_share, Estimand estimand);
-
-Interval interval(const RowTest& test, double confidence);
-double p_beyond(const RowTest& test, double margin);
-double p_within(const RowTest& test, double margin);
+std::unique_ptr<const PairedTest> row_test(const PairedValues& values, bool is_share, Estimand estimand);
 
 /// The margin for a statistic of the size that `values` have, after so many seconds.
 double margin_of(const Statistic& statistic, const PairedValues& values, Estimand estimand, double seconds);

@@ -17,7 +17,7 @@ std::vector<double> changes(const PairedValues& from, const PairedValues& to) {
 // What three steps lead to, where the first change is resolved and the gap falls in with one order.
 void extrapolate(const StatisticRuns& runs, double from, Estimand estimand, StepCheck& step) {
   if (runs.at_quarter.a.size() < 2) return;
-  step.quarter = interval(row_test(runs.at_quarter, runs.is_share, estimand), 0.95).estimate;
+  step.quarter = row_test(runs.at_quarter, runs.is_share, estimand)->estimate();
   const double first = step.half.estimate - from, second = *step.quarter - step.half.estimate;
   if (step.change.contains(0) || first * second <= 0) return;
   const double ratio = first / second;  // 2^order
@@ -42,20 +42,19 @@ std::string loss(double g, double h, double margin) {
 void check_step(const StatisticRuns& runs, const RowErrors& errors, StatisticVerdict& v) {
   if (v.pairs < kFewestStarts || runs.is_cut_short) return;
   if (runs.at_half.a.size() < kFewestStarts) return add_reason(v, "half the time step was not compared");
-  const RowTest as_asked = row_test(runs.at_step, runs.is_share, v.estimand),
-                half = row_test(runs.at_half, runs.is_share, v.estimand);
-  const Interval from = interval(as_asked, 1 - errors.simultaneous);
+  const double g = row_test(runs.at_step, runs.is_share, v.estimand)->estimate();
+  const auto half = row_test(runs.at_half, runs.is_share, v.estimand);
   StepCheck step;
-  step.half = interval(half, 1 - errors.simultaneous);
+  step.half = half->interval(1 - errors.simultaneous);
   step.change =
       PairedDifferences(changes(runs.at_step, runs.at_half), v.estimand).interval(1 - errors.simultaneous);
-  extrapolate(runs, from.estimate, v.estimand, step);
+  extrapolate(runs, g, v.estimand, step);
   v.step = step;
   const double margin = margin_of(runs.statistic, runs.at_step, v.estimand, runs.step_seconds);
   const bool alike = is_alike(runs.is_share, runs.at_half);
-  const bool half_within = p_within(half, margin) <= errors.tail || alike,
-             half_beyond = p_beyond(half, margin) <= errors.level;
-  const double g = from.estimate, h = step.half.estimate;
+  const bool half_within = half->p_within(margin) <= errors.tail || alike,
+             half_beyond = half->p_beyond(margin) <= errors.level;
+  const double h = step.half.estimate;
   if (v.word == Word::kAgrees) {
     if (half_beyond) {
       v.word = Word::kStepDependent;

@@ -25,27 +25,17 @@ std::vector<EnginePair> pairs_of(std::size_t engines) {
 
 // A pair's word from its statistics, with what goes with it.
 void sum_up(Verdict& verdict) {
-  const auto of = [&](Word word) {
-    std::vector<std::string> names;
-    for (const StatisticVerdict& s : verdict.statistics) {
-      if (s.word == word) names.push_back(s.statistic.name);
-    }
-    return names;
-  };
-  for (const Word word : {Word::kDiffers, Word::kStepDependent, Word::kUnresolved}) {
-    const std::vector<std::string> names = of(word);
-    if (names.empty()) continue;
-    verdict.word = word;
-    verdict.reason = fmt::format("{}", fmt::join(names, ", "));
-    break;
-  }
-  if (of(Word::kAgrees).size() == verdict.statistics.size()) {
-    verdict.word = Word::kAgrees;
-    for (const StatisticVerdict& s : verdict.statistics) {
+  verdict.word = worst_word(verdict.statistics);
+  std::vector<std::string> reasons;
+  for (const StatisticVerdict& s : verdict.statistics) {
+    if (verdict.word == Word::kAgrees) {
       if (!s.reason.empty() && s.statistic.key == "failures")
-        verdict.reason = fmt::format("{}: {}", s.statistic.name, s.reason);
+        reasons.push_back(fmt::format("{}: {}", s.statistic.name, s.reason));
+    } else if (s.word == verdict.word) {
+      reasons.push_back(s.statistic.name);
     }
   }
+  verdict.reason = fmt::format("{}", fmt::join(reasons, ", "));
   if (verdict.word != Word::kUnresolved) return;
   std::size_t most = 0;
   for (const StatisticVerdict& s : verdict.statistics) {

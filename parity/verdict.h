@@ -88,6 +88,18 @@ struct PairCut {
   Interval difference_s;
 };
 
+/// The word for several together: *differs* if any of them does, else *step-dependent*, else *unresolved*,
+/// else *agrees*. @tparam Judged  has a `word`
+template <typename Judged>
+Word worst_word(const std::vector<Judged>& judged) noexcept {
+  for (const Word word : {Word::kDiffers, Word::kStepDependent, Word::kUnresolved}) {
+    for (const Judged& one : judged) {
+      if (one.word == word) return word;
+    }
+  }
+  return Word::kAgrees;
+}
+
 using OutcomeCounts = std::array<std::size_t, kOutcomes>;
 
 struct Verdict {

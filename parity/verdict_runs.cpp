@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "parity/row_test.h"
+
 namespace crossgait {
 namespace {
 
@@ -21,12 +23,7 @@ void append(const std::optional<double>& a, const std::optional<double>& b, Pair
 Interval change_of(const PairedValues& values, bool is_share) {
   constexpr double kConfidence = 0.95;
   if (values.a.size() < 2) return {};
-  if (!is_share) return PairedDifferences(values.differences()).interval(kConfidence);
-  const std::vector<double> d = values.differences();
-  const auto count = [&d](double what) {
-    return static_cast<std::size_t>(std::count(d.begin(), d.end(), what));
-  };
-  return PairedShares(d.size(), count(-1), count(1)).interval(kConfidence);
+  return row_test(values, is_share, Estimand::kMean)->interval(kConfidence);
 }
 
 }  // namespace
@@ -101,7 +98,9 @@ std::vector<OwnChange> VerdictRuns::own_changes(const EnginePair& pair, std::siz
                            *to = campaign_.find({engine, v, k, cuts});
         if (from != nullptr && to != nullptr) append(number_of(*from), number_of(*to), values);
       }
-      changes.push_back({engines_[engine].name(), std::string(variation.name), change_of(values, is_share)});
+      // An exact interval takes its time: not of runs that are still to be made.
+      const Interval change = campaign_.is_complete() ? change_of(values, is_share) : Interval{};
+      changes.push_back({engines_[engine].name(), std::string(variation.name), change});
     }
   }
   return changes;

@@ -200,15 +200,13 @@ EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& worl
   return result;
 }
 
-Word word_of(const EngineComparison& comparison) noexcept {
-  const auto any = [&](Word word) {
-    const auto& pairs = comparison.verdicts.pairs;
-    return std::any_of(pairs.begin(), pairs.end(), [word](const Verdict& v) { return v.word == word; });
-  };
-  for (const Word word : {Word::kDiffers, Word::kStepDependent, Word::kUnresolved}) {
-    if (any(word)) return word;
-  }
-  return Word::kAgrees;
+Word word_of(const EngineComparison& comparison) noexcept { return worst_word(comparison.verdicts.pairs); }
+
+std::vector<std::string> names_of(const EngineComparison& comparison,
+                                  const std::vector<std::size_t>& places) {
+  std::vector<std::string> names;
+  for (const std::size_t i : places) names.push_back(comparison.engines[i].name);
+  return names;
 }
 
 }  // namespace crossgait

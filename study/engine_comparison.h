@@ -40,9 +40,10 @@ struct EngineComparison {
   std::size_t starts_held = 0;
 };
 
-/// The word for all engines: *differs* if any pair differs, else *step-dependent*, else *unresolved*, else
-/// *agrees*.
+/// The word for all engines: the worst of the pairs.
 Word word_of(const EngineComparison& comparison) noexcept;
+/// The engines at these places, by their names.
+std::vector<std::string> names_of(const EngineComparison& comparison, const std::vector<std::size_t>& places);
 
 /// What is being done, for a line of progress, and the share of it that is done.
 using StageProgress = std::function<void(const std::string& stage, double share)>;

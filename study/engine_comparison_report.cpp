@@ -11,13 +11,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-std::vector<std::string> names_of(const EngineComparison& comparison,
-                                  const std::vector<std::size_t>& engines) {
-  std::vector<std::string> names;
-  for (const std::size_t i : engines) names.push_back(comparison.engines[i].name);
-  return names;
-}
-
 // An engine, or a law of which there are several.
 std::string outlier_name(const EngineComparison& comparison, const std::vector<std::size_t>& outlier) {
   const JudgedEngine& first = comparison.engines[outlier.front()];

@@ -112,18 +112,11 @@ std::string pair_sentence(const Verdict& v) {
                      v.starts_needed ? fmt::format(" (about {} starts would tell)", *v.starts_needed) : "");
 }
 
-std::vector<std::string> engine_names(const EngineComparison& comparison,
-                                      const std::vector<std::size_t>& places) {
-  std::vector<std::string> found;
-  for (const std::size_t i : places) found.push_back(comparison.engines[i].name);
-  return found;
-}
-
 // "Groups that agree: {mujoco}, {bullet, dart}."
 std::string groups(const EngineComparison& comparison) {
   std::vector<std::string> sets;
   for (const auto& cluster : comparison.consensus.clusters)
-    sets.push_back(fmt::format("{{{}}}", fmt::join(engine_names(comparison, cluster), ", ")));
+    sets.push_back(fmt::format("{{{}}}", fmt::join(names_of(comparison, cluster), ", ")));
   if (sets.size() == 1) return fmt::format("All {} engines agree.", comparison.engines.size());
   return fmt::format("Engines that agree with one another: {}.", listed(sets));
 }
@@ -146,8 +139,7 @@ std::string summary(const EngineComparison& comparison) {
     text += cause(*worst, comparison.backgrounds[static_cast<std::size_t>(worst - pairs.begin())]);
   }
   if (!comparison.consensus.outlier.empty())
-    text +=
-        fmt::format(" The outlier is {}.", listed(engine_names(comparison, comparison.consensus.outlier)));
+    text += fmt::format(" The outlier is {}.", listed(names_of(comparison, comparison.consensus.outlier)));
   return text;
 }
 
