@@ -173,17 +173,22 @@ Indices find_outlier(const Words& words, const std::vector<JudgedEngine>& engine
   return {};
 }
 
+bool differs_in(const Verdict& pair, const std::string& key) {
+  return std::any_of(pair.statistics.begin(), pair.statistics.end(), [&](const StatisticVerdict& s) {
+    return s.statistic.key == key && s.word == Word::kDiffers;
+  });
+}
+
+// Pairs need not have the same statistics: an outcome is one where it came about.
 std::vector<std::string> separating(const Words& words, const Indices& set) {
   std::vector<std::string> names;
   const Indices rest = words.without(set);
-  const std::vector<StatisticVerdict>& statistics = words.pair(set.front(), rest.front()).statistics;
-  for (std::size_t s = 0; s < statistics.size(); ++s) {
+  for (const StatisticVerdict& s : words.pair(set.front(), rest.front()).statistics) {
     const bool everywhere = std::all_of(set.begin(), set.end(), [&](std::size_t i) {
-      return std::all_of(rest.begin(), rest.end(), [&](std::size_t k) {
-        return words.pair(i, k).statistics[s].word == Word::kDiffers;
-      });
+      return std::all_of(rest.begin(), rest.end(),
+                         [&](std::size_t k) { return differs_in(words.pair(i, k), s.statistic.key); });
     });
-    if (everywhere) names.push_back(statistics[s].statistic.name);
+    if (everywhere) names.push_back(s.statistic.name);
   }
   return names;
 }

@@ -25,6 +25,8 @@ struct StatisticRuns {
   double step_seconds = 0;  ///< the same of `at_step` and `at_half`
   /// Whether runs failed so early that what they did before says nothing.
   bool is_cut_short = false;
+  /// Whether any run as asked, of either engine, has a value: a robot that stays where it is has no heading.
+  bool is_defined = false;
   PairedValues as_asked;
   /// The same starts over the time that both engines last at both steps; empty where it was not run.
   PairedValues at_step, at_half, at_quarter;

@@ -23,6 +23,16 @@ std::vector<EnginePair> pairs_of(std::size_t engines) {
   return pairs;
 }
 
+// Takes out the rows that nothing can be said of, because no run has a value.
+std::vector<Statistic> take_undefined(std::vector<StatisticRuns>& rows) {
+  std::vector<Statistic> undefined;
+  for (const StatisticRuns& row : rows) {
+    if (!row.is_defined) undefined.push_back(row.statistic);
+  }
+  std::erase_if(rows, [](const StatisticRuns& row) { return !row.is_defined; });
+  return undefined;
+}
+
 // A pair's word from its statistics, with what goes with it.
 void sum_up(Verdict& verdict) {
   verdict.word = worst_word(verdict.statistics);
@@ -90,7 +100,11 @@ class Look {
       runs_.campaign().make_missing(progress);
     }
     std::vector<StatisticRuns> all;
-    for (const auto& of_pair : rows) all.insert(all.end(), of_pair.begin(), of_pair.end());
+    std::vector<std::vector<Statistic>> undefined;
+    for (auto& of_pair : rows) {
+      undefined.push_back(take_undefined(of_pair));
+      all.insert(all.end(), of_pair.begin(), of_pair.end());
+    }
     std::vector<StatisticVerdict> judged = judge(all, options_);
     std::vector<Verdict> verdicts;
     auto next = std::make_move_iterator(judged.begin());
@@ -103,6 +117,7 @@ class Look {
                       runs_.outcomes(b, starts_),
                       runs_.cut(pairs[p], starts_),
                       {},
+                      std::move(undefined[p]),
                       Word::kUnresolved,
                       {},
                       {}};

@@ -107,6 +107,7 @@ struct Verdict {
   OutcomeCounts outcomes_a{}, outcomes_b{};
   std::optional<PairCut> cut;                ///< empty where every run went to its end
   std::vector<StatisticVerdict> statistics;  ///< failures and other outcomes last
+  std::vector<Statistic> undefined;          ///< of which no run of either engine has a value
   Word word = Word::kUnresolved;
   std::string reason;
   std::optional<std::size_t> starts_needed;

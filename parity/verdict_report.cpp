@@ -1,5 +1,7 @@
 #include "parity/verdict_report.h"
 
+#include <map>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -96,6 +98,30 @@ std::string cut_in_words(const Verdict& verdict) {
       cut.difference_s.estimate, cut.difference_s.low, cut.difference_s.high);
 }
 
+// A line for each reason, with all statistics that have it.
+std::string reasons_in_words(const Verdict& verdict) {
+  std::vector<std::string> reasons;
+  std::map<std::string, std::vector<std::string>> names;
+  std::string limits;
+  for (const StatisticVerdict& v : verdict.statistics) {
+    if (v.reason.empty()) continue;
+    const std::string reason =
+        fmt::format("{}: {}{}", name(v.word), v.reason,
+                    v.starts_needed ? fmt::format("; about {} starts would tell", *v.starts_needed) : "");
+    if (!names.contains(reason)) reasons.push_back(reason);
+    names[reason].push_back(v.statistic.name);
+    if (v.step && v.step->extrapolated) {
+      limits +=
+          fmt::format("With steps of one, a half and a quarter the gap in {} goes to {}, in order {:.1f}.\n",
+                      v.statistic.name, signed_amount(*v.step->extrapolated, v.statistic), *v.step->order);
+    }
+  }
+  std::string text;
+  for (const std::string& reason : reasons)
+    text += fmt::format("{}: {}.\n", fmt::join(names[reason], ", "), reason);
+  return text + limits;
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const Interval& i) {
@@ -135,7 +161,9 @@ nlohmann::ordered_json to_json(const Verdict& verdict) {
                     {"reason", verdict.reason},
                     {"starts_needed", or_null(verdict.starts_needed)},
                     {"cut", verdict.cut ? to_json(*verdict.cut) : ordered_json(nullptr)},
+                    {"undefined", ordered_json::array()},
                     {"statistics", ordered_json::array()}};
+  for (const Statistic& s : verdict.undefined) json["undefined"].push_back(s.key);
   for (const StatisticVerdict& s : verdict.statistics) json["statistics"].push_back(to_json(s));
   return json;
 }
@@ -160,14 +188,11 @@ std::string describe(const Verdict& verdict) {
   text += fmt::format("\nOutcomes: {}: {}; {}: {}.\n", verdict.a, describe(verdict.outcomes_a), verdict.b,
                       describe(verdict.outcomes_b));
   text += cut_in_words(verdict);
-  for (const StatisticVerdict& v : verdict.statistics) {
-    if (v.reason.empty()) continue;
-    text += fmt::format("{}: {}: {}{}.\n", v.statistic.name, name(v.word), v.reason,
-                        v.starts_needed ? fmt::format("; about {} starts would tell", *v.starts_needed) : "");
-    if (v.step && v.step->extrapolated) {
-      text += fmt::format("  With steps of one, a half and a quarter the gap goes to {}, in order {:.1f}.\n",
-                          signed_amount(*v.step->extrapolated, v.statistic), *v.step->order);
-    }
+  text += reasons_in_words(verdict);
+  if (!verdict.undefined.empty()) {
+    std::vector<std::string> names;
+    for (const Statistic& s : verdict.undefined) names.push_back(s.name);
+    text += fmt::format("Without a value in any run: {}.\n", fmt::join(names, ", "));
   }
   return text + own_changes(verdict);
 }

@@ -58,8 +58,10 @@ void VerdictRuns::add(const EnginePair& pair, std::size_t starts, bool quarter, 
   std::vector<double> seconds, step_seconds;
   for (std::size_t k = 0; k < starts; ++k) {
     number(nominal, {nominal}, k, row.as_asked);
-    if (const Both runs = at(nominal, {nominal}, k))
+    if (const Both runs = at(nominal, {nominal}, k)) {
       seconds.push_back((runs.a->seconds + runs.b->seconds) / 2);
+      row.is_defined = row.is_defined || number_of(*runs.a) || number_of(*runs.b);
+    }
     if (!has_half) continue;
     // Of a start that has no value at one of the steps there is none at the others.
     const Places together = has_quarter ? Places{nominal, half, fourth} : Places{nominal, half};

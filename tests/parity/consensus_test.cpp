@@ -29,8 +29,8 @@ struct Said {
         pair.a = engines[i].name;
         pair.b = engines[k].name;
         StatisticVerdict slip, way;
-        slip.statistic.name = "slip";
-        way.statistic.name = "way";
+        slip.statistic.key = slip.statistic.name = "slip";
+        way.statistic.key = way.statistic.name = "way";
         way.word = Word::kAgrees;
         const auto word = words.find(pair.a + pair.b);
         pair.word = slip.word = word == words.end() ? Word::kAgrees : word->second;

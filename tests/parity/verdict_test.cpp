@@ -94,6 +94,32 @@ TEST(ReachVerdicts, CutsEveryPairAtItsEarlierFailure) {
   EXPECT_EQ(v.outcomes_b[static_cast<std::size_t>(Outcome::kFell)], 12U);
 }
 
+// A robot that stays where it is has no heading, which leaves nothing unresolved.
+TEST(ReachVerdicts, StatisticsThatNoRunHasAreNoneOfIt) {
+  const MadeUp truth{[](const Engine&, const Variation&, std::size_t) { return 1.0; }};
+  Behaviour behaviour = truth.behaviour();
+  behaviour.statistics.push_back({"heading", "heading", "rad", {0, 0.1, false, "stated"}});
+  const auto with_heading = [&truth, behaviour](bool of_one) {
+    Behaviour b = behaviour;
+    b.run = [run = truth.behaviour().run, of_one](const Engine& e, const Variation& v, std::size_t k,
+                                                  double h) {
+      BehaviourRun result = run(e, v, k, h);
+      result.values.push_back(of_one && e.name() == "b" ? std::optional(1.0) : std::nullopt);
+      return result;
+    };
+    return reach_verdicts(b, kTwo, {}).pairs.front();
+  };
+  const Verdict none = with_heading(false);
+  EXPECT_EQ(none.word, Word::kAgrees) << describe(none);
+  ASSERT_EQ(none.undefined.size(), 1U);
+  EXPECT_EQ(none.undefined.front().key, "heading");
+  EXPECT_EQ(none.statistics.size(), 2U);
+  // A value that one engine alone has is a question.
+  const Verdict one = with_heading(true);
+  EXPECT_EQ(one.word, Word::kUnresolved);
+  EXPECT_TRUE(one.undefined.empty());
+}
+
 TEST(ReachVerdicts, FallsAtHalfTheStepAreAFindingOfTheirOwn) {
   const MadeUp truth{[](const Engine&, const Variation&, std::size_t) { return 1.0; },
                      [](const Engine& e, const Variation& v, std::size_t) {
