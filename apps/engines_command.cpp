@@ -23,6 +23,8 @@ nlohmann::ordered_json to_json(const EngineListing& entry) {
           {"capabilities",
            {{"soft_contact", entry.info.capabilities.soft_contact},
             {"soft_friction", entry.info.capabilities.soft_friction},
+            {"turning_friction", entry.info.capabilities.turning_friction},
+            {"pyramidal_cone", entry.info.capabilities.pyramidal_cone},
             {"sweeps", entry.info.capabilities.sweeps},
             {"exact_field_query", entry.info.capabilities.exact_field_query},
             {"allocates", entry.info.capabilities.allocates}}},

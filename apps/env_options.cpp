@@ -35,7 +35,7 @@ void EnvOptions::add_to(CLI::App& command, EnvScope scope) {
                      "Largest residual of a foot target per coordinate, m");
   command.add_option("--policy-dt", policy_dt, "Time between two actions, s");
   if (scope == EnvScope::kMethodAlone) return;
-  command.add_option("--friction", friction, "Coefficient of friction between feet and ground");
+  contact.add_to(command);
   command
       .add_option("--command", velocity,
                   "Velocity to walk at: forward and left in m/s, turning left in rad/s")
@@ -54,7 +54,7 @@ LoadedEnv EnvOptions::make(const std::string& policy) const {
   if (robot) c.robot = *robot;
   if (terrain) c.terrain = *terrain;
   if (terrain_seed) c.terrain_seed = *terrain_seed;
-  if (friction) c.friction = *friction;
+  c.contact.add(contact.make());
   require_gait(c);
   if (gait) {
     c.gait = *gait;

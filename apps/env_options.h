@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "apps/command.h"
+#include "apps/contact_option.h"
 #include "study/rollout.h"
 
 namespace crossgait::apps {
@@ -26,7 +27,8 @@ struct EnvOptions {
   std::vector<std::string> settings;  // NAME=VALUE of gait parameters
   std::vector<std::string> adapt, observe;
   std::string velocity;
-  std::optional<double> friction, residual_scale, policy_dt, episode_seconds;
+  ContactOptions contact;
+  std::optional<double> residual_scale, policy_dt, episode_seconds;
 
   void add_to(CLI::App& command, EnvScope scope = EnvScope::kAll);
   /// @param policy  without --config, the environment of a policy that comes with Crossgait is where one

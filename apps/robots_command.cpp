@@ -164,7 +164,8 @@ void show(const RobotsCommand& options) {
   result["inferred"] = ordered_json::array();
   for (const Inference& i : loaded.report.inferred)
     result["inferred"].push_back({{"what", i.what}, {"value", i.value}, {"reason", i.reason}});
-  const WorldSpec world;
+  WorldSpec world;
+  world.contact = resolve_contact(robot.contact, {}, robot.source);
   const std::vector<RobotQuantity> quantities = robot_quantities(loaded, world);
   const std::vector<std::string> warnings = robot_warnings(loaded, world);
   result["quantities"] = to_json(quantities);

@@ -198,9 +198,9 @@ void add_verdict_command(CLI::App& program, Invocation& invocation) {
           ->type_name("zero|random|FILE.safetensors|FILE.yaml");
   CLI::Option* config =
       command->add_option("--config", options->config, "The policy's environment as YAML")->needs(policy);
-  for (const char* other :
-       {"--robot", "--terrain", "--friction", "--physics-dt", "--gait", "--set", "--speed", "--command",
-        "--seconds", "--control-dt", "--settle", "--terminations", "--no-compensation", "--no-heading-hold"})
+  for (const char* other : {"--robot", "--terrain", "--friction", "--contact", "--physics-dt", "--gait",
+                            "--set", "--speed", "--command", "--seconds", "--control-dt", "--settle",
+                            "--terminations", "--no-compensation", "--no-heading-hold"})
     config->excludes(command->get_option(other));
   command->add_flag("--explain", options->judge.explain,
                     "Also say what the gap comes from, one modelling factor at a time");

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "apps/command.h"
+#include "apps/contact_option.h"
 #include "apps/interruption.h"
 #include "apps/open_address.h"
 #include "backends/registry.h"
@@ -24,7 +25,7 @@ struct ViewOptions {
   EnvConfig config;  // what the options below say, over what --config says
   std::string file, policy, robot, terrain, gait;
   std::optional<std::uint64_t> seed;
-  std::optional<double> friction;
+  ContactOptions contact;
   std::vector<std::string> engines;
   int port = 0;
   bool open = false;
@@ -37,7 +38,7 @@ EnvConfig config_of(const ViewOptions& options) {
   if (!options.terrain.empty()) config.terrain = options.terrain;
   if (!options.gait.empty()) config.gait = options.gait;
   config.terrain_seed = options.seed.value_or(config.terrain_seed);
-  config.friction = options.friction.value_or(config.friction);
+  config.contact.add(options.contact.make());
   return config;
 }
 
@@ -64,7 +65,7 @@ std::unique_ptr<ViewSession> make_session(const ViewOptions& options) {
     walk.robot = config.robot;
     walk.terrain = config.terrain;
     walk.terrain_seed = config.terrain_seed;
-    walk.friction = config.friction;
+    walk.contact = config.contact;
     setup.world = LoadedWalk(walk, robot).world;
   } else {
     setup.control_dt = config.control_dt;
@@ -117,7 +118,7 @@ void add_view_command(CLI::App& program, Invocation& /*invocation*/) {
       ->type_name("NAME[:k=v,...]|FILE.png|FILE.csv");
   add_seed_option(*command, "--seed", options->seed, "Seed of a random terrain");
   command->add_option("--gait", options->gait, "The gait to begin with (see `crossgait gait --list`)");
-  command->add_option("--friction", options->friction, "Coefficient of friction between feet and ground");
+  options->contact.add_to(*command);
   CLI::Option* policy =
       command
           ->add_option("--policy", options->policy,

@@ -18,8 +18,6 @@ void add_world(CLI::App& command, WalkConfig& config) {
       ->capture_default_str();
   add_seed_option(command, "--seed", config.terrain_seed, "Seed of a random terrain")->capture_default_str();
   command.add_option("--physics-dt", config.physics_dt, "Physics time step, s")->capture_default_str();
-  command.add_option("--friction", config.friction, "Coefficient of friction between feet and ground")
-      ->capture_default_str();
 }
 
 std::optional<VelocityCommand> make_command(const WalkOptions& options) {
@@ -34,6 +32,7 @@ std::optional<VelocityCommand> make_command(const WalkOptions& options) {
 
 void WalkOptions::add_to(CLI::App& command) {
   add_world(command, config);
+  contact.add_to(command);
   command
       .add_option("--gait", gait, "The gait (see `crossgait gait --list`), or auto: the one for the speed")
       ->capture_default_str();
@@ -75,6 +74,7 @@ void WalkOptions::add_to(CLI::App& command) {
 
 LoadedWalk WalkOptions::make() const {
   WalkConfig made = config;
+  made.contact = contact.make();
   try {
     if (!is_automatic(gait)) static_cast<void>(find_gait(gait));
   } catch (const ConfigError& error) {

@@ -4,12 +4,14 @@
 #include <optional>
 
 #include "apps/command.h"
+#include "apps/contact_option.h"
 #include "study/loaded_walk.h"
 
 namespace crossgait::apps {
 
 struct WalkOptions {
-  WalkConfig config;  // all but the gait is filled in by the options
+  WalkConfig config;  // all but contact and the gait is filled in by the options
+  ContactOptions contact;
   std::string gait = "trot";
   std::vector<std::string> settings;  // NAME=VALUE of gait parameters
   std::optional<double> speed;

@@ -92,6 +92,35 @@ std::vector<double> slip_speed(const Subject& subject) {
   return {worst, static_cast<double>(world->contacts().count)};
 }
 
+/// A ball of 5 cm on flat ground: what is left of a spin about the vertical, of 2 rad/s, or of rolling at
+/// 0.5 m/s after 0.3 s, off what constant torsional and rolling friction leave.
+std::vector<double> turning_friction(const Subject& subject) {
+  constexpr double kRadius = 0.05, kTorsional = 0.0005, kRolling = 0.001, kSeconds = 0.3;
+  WorldSpec spec = scenes::world_of(scenes::block(ShapeType::kSphere, {kRadius, 0, 0}));
+  spec.contact.friction = 1;
+  spec.contact.condim = 6;
+  spec.contact.torsional_friction = kTorsional;
+  spec.contact.rolling_friction = kRolling;
+  spec.contact.impratio = 100;  // rolling does not creep into sliding
+  const auto moved = [&](const Vector3& v, const Vector3& w) {
+    const auto world = subject.make(spec);
+    advance(*world, {}, 300);
+    RobotState moving = world->state();
+    moving.v_WB = v;
+    moving.w_WB = w;
+    world->reset(moving);
+    advance(*world, {}, static_cast<int>(std::lround(kSeconds / spec.physics_dt)));
+    return world->state();
+  };
+  const Body& body = spec.robot->bodies[0];
+  const double m = body.inertia.mass, I = body.inertia.I_C(2, 2), weight = m * kGravity;
+  const double spin = 2 - kTorsional * weight / I * kSeconds;
+  // m v' = -f and I v' / r = f r - mu m g.
+  const double speed = 0.5 - kRolling * weight / (m * kRadius + I / kRadius) * kSeconds;
+  return {std::abs(moved(Vector3::Zero(), {0, 0, 2}).w_WB.z() / spin - 1),
+          std::abs(moved({0.5, 0, 0}, {0, 0.5 / kRadius, 0}).v_WB.x() / speed - 1)};
+}
+
 std::vector<Requirement> cone_requirements() {
   return {at_most(1, "creeps a tenth inside the cone, over what the law allows", "",
                   "soft: 1.05 R f / B of the law; hard: 1e-5 m/s, the solver's tolerance"),
@@ -125,6 +154,13 @@ std::vector<Check> friction_checks() {
         at_most(1e-5, "creeps with impratio 10", "m/s", "the same")},
        hard_friction,
        {"not Capabilities::soft_contact", [](const Subject& subject) { return !is_soft(subject); }}},
+      {"turning_friction",
+       "Torsional and rolling friction take their lengths times m g of a ball's turning",
+       {at_most(0.01, "spin left, relative", "", "friction of all kinds shares one cone: 1e-4, and creep"),
+        at_most(0.01, "speed left, relative", "", "the same")},
+       turning_friction,
+       {"Capabilities::turning_friction",
+        [](const Subject& subject) { return subject.engine.info.capabilities.turning_friction; }}},
       {"sled_stops",
        "Friction takes mu m g of a sliding body, against its motion",
        {at_most(0.01, "way, off v^2 / (2 mu g), relative", "", "v h / 2 late, and a soft contact's hopping"),

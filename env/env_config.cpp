@@ -107,7 +107,6 @@ void EnvConfig::validate(std::string_view origin) const {
           settle_seconds);
   require(tilt_limit_deg > 0 && tilt_limit_deg <= 180, origin, "tilt_limit_deg",
           "an angle in (0, 180] degrees", tilt_limit_deg);
-  require(friction >= 0 && friction <= 10, origin, "friction", "a coefficient in [0, 10]", friction);
   require(episode_seconds / policy_dt <= kMostSteps, origin, "episode_seconds",
           fmt::format("at most {:g} policy steps", kMostSteps), episode_seconds);
   require(episode_seconds / physics_dt < std::numeric_limits<int>::max(), origin, "physics_dt",

@@ -29,7 +29,7 @@ struct EnvConfig {
   std::string robot = "scara_quadruped";  ///< a bundled robot or a file
   std::string terrain = "flat";           ///< as `make_terrain` takes it
   std::uint64_t terrain_seed = 0;
-  double friction = 0.6;
+  ContactSettings contact;  ///< over what the robot's file says
 
   ServoSettings servos;  ///< in the place of the robot's own
   ActionKind action = ActionKind::kGait;

@@ -11,6 +11,7 @@
 #include "physics/core/error.h"
 #include "physics/core/yaml_reader.h"
 #include "physics/robot_files/data_path.h"
+#include "physics/robot_files/robot_contact.h"
 
 namespace crossgait {
 namespace {
@@ -227,6 +228,16 @@ std::string resolved(const std::string& text, const std::string& from, bool is_f
   return (std::filesystem::path(from).parent_path() / path).lexically_normal().string();
 }
 
+// `friction` alone, or among the other settings.
+void read_contact(const YamlValue& root, EnvConfig& config) {
+  const auto contact = root.find("contact");
+  if (contact) config.contact.add(read_contact_settings(*contact));
+  const auto friction = root.find("friction");
+  if (!friction) return;
+  if (contact && contact->find("friction")) friction->fail("one friction", "another one in contact");
+  config.contact.set("friction", std::vector{friction->number()}, friction->source(), friction->element());
+}
+
 void read_world(const YamlValue& root, EnvConfig& config) {
   read(root, "engine", config.engine);
   if (const auto robot = root.find("robot")) {
@@ -238,7 +249,7 @@ void read_world(const YamlValue& root, EnvConfig& config) {
     config.places.push_back({config.terrain, root.source(), terrain->element()});
   }
   if (const auto seed = root.find("terrain_seed")) config.terrain_seed = seed->seed();
-  read(root, "friction", config.friction);
+  read_contact(root, config);
 }
 
 void read_ends(const YamlValue& root, EnvConfig& config) {
@@ -263,12 +274,12 @@ EnvConfig read_beginning(const YamlValue& root) {
 
 // What the file says, on top of `config`.
 EnvConfig read_onto(EnvConfig config, const YamlValue& root) {
-  root.allow_keys({"preset",       "engine",       "robot",           "terrain",        "terrain_seed",
-                   "friction",     "servos",       "action",          "joints",         "gait",
-                   "parameters",   "adapt",        "ranges",          "delta_scales",   "residual_scale",
-                   "command",      "heading_hold", "observation",     "reward",         "physics_dt",
-                   "control_dt",   "policy_dt",    "episode_seconds", "settle_seconds", "tilt_limit_deg",
-                   "terminations", "randomisation"});
+  root.allow_keys({"preset",         "engine",       "robot",        "terrain",         "terrain_seed",
+                   "friction",       "contact",      "servos",       "action",          "joints",
+                   "gait",           "parameters",   "adapt",        "ranges",          "delta_scales",
+                   "residual_scale", "command",      "heading_hold", "observation",     "reward",
+                   "physics_dt",     "control_dt",   "policy_dt",    "episode_seconds", "settle_seconds",
+                   "tilt_limit_deg", "terminations", "randomisation"});
   config.source = root.source();
   read_world(root, config);
   read_servos(root, config);

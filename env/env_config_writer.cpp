@@ -143,14 +143,27 @@ std::string block(const Json& mapping, int indent) {
   return out;
 }
 
+// Friction, which everybody sets, stands alone.
+void add_contact(Json& out, const ContactSettings& contact) {
+  Json others = Json::object();
+  for (const ContactSetting& setting : contact_settings()) {
+    const std::vector<double>* numbers = contact.find(setting.name);
+    if (numbers == nullptr) continue;
+    Json value = numbers->size() == 1 ? Json(numbers->front()) : Json(*numbers);
+    if (!setting.words.empty()) value = contact_setting_text(setting, *numbers);
+    (setting.name == "friction" ? out : others)[std::string(setting.name)] = std::move(value);
+  }
+  add(out, "contact", others);
+}
+
 }  // namespace
 
 Json to_json(const EnvConfig& c) {
   Json out{{"engine", c.engine},
            {"robot", whole_path(c.robot, is_robot_file(c.robot))},
            {"terrain", whole_path(c.terrain, is_terrain_file(c.terrain))},
-           {"terrain_seed", c.terrain_seed},
-           {"friction", c.friction}};
+           {"terrain_seed", c.terrain_seed}};
+  add_contact(out, c.contact);
   add(out, "servos", servos_json(c.servos));
   out["action"] = name(c.action);
   if (c.action == ActionKind::kJoints) {

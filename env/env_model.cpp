@@ -22,7 +22,7 @@ WorldSpec nominal_world(const LoadedEnv& loaded) {
   world.terrain =
       config.at_its_place(config.terrain, [&] { return loaded.ground.make(config.terrain_seed); });
   world.physics_dt = config.physics_dt;
-  world.contact.friction = config.friction;
+  world.contact = resolve_contact(world.robot->contact, config.contact, config.source);
   return world;
 }
 
@@ -102,6 +102,7 @@ EnvConfig EnvModel::stated() const {
   EnvConfig whole = config;
   whole.parameters = GaitSettings::all(parameters);
   whole.residual_scale = residual_scale;
+  whole.contact = all_settings(world.contact);
   whole.adaptation = adaptation;
   whole.joints.order = names_of(joints.servos, *world.robot);
   for (std::size_t i = 0; i < joints.servos.size(); ++i) {

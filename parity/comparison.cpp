@@ -1,6 +1,12 @@
 #include "parity/comparison.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
+
+#include <fmt/format.h>
+
+#include "parity/one_step.h"
 
 namespace crossgait {
 namespace {
@@ -22,14 +28,34 @@ void advance(std::vector<Runner>& runners, const TraceSinks& sinks) {
   }
 }
 
-void compare(const std::vector<Runner>& runners, std::vector<PairDifference>& pairs) {
-  std::size_t pair = 0;
-  for (std::size_t i = 0; i < runners.size(); ++i) {
-    for (std::size_t k = i + 1; k < runners.size(); ++k, ++pair) {
-      if (runners[i].sample && runners[k].sample)
-        compare_samples(*runners[i].sample, *runners[k].sample, pairs[pair]);
+// What goes with a pair while it is compared.
+struct PairWork {
+  std::size_t a = 0, b = 0;  ///< runners
+  GrowthFit growth;
+  std::optional<OneStepCheck> one_step;  ///< of b, from a's states
+};
+
+void compare(const std::vector<Runner>& runners, std::vector<PairWork>& work,
+             std::vector<PairDifference>& pairs) {
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const Runner &a = runners[work[p].a], &b = runners[work[p].b];
+    if (work[p].one_step && a.sample) work[p].one_step->add(a.world, *a.sample);
+    if (a.sample && b.sample)
+      work[p].growth.add(a.sample->state.time, compare_samples(*a.sample, *b.sample, pairs[p]));
+  }
+}
+
+std::vector<PairWork> work_of(const std::vector<Runner>& runners, const std::vector<PairDifference>& pairs,
+                              int substeps, const AnotherWorld& another) {
+  std::vector<PairWork> work;
+  for (std::size_t a = 0; a < runners.size(); ++a) {
+    for (std::size_t b = a + 1; b < runners.size(); ++b) {
+      PairWork pair{a, b, {}, {}};
+      if (another && pairs[work.size()].same_laws) pair.one_step.emplace(another(b), substeps);
+      work.push_back(std::move(pair));
     }
   }
+  return work;
 }
 
 std::vector<PairDifference> pairs_of(const std::vector<Runner>& runners,
@@ -49,11 +75,42 @@ std::vector<PairDifference> pairs_of(const std::vector<Runner>& runners,
   return pairs;
 }
 
+const WalkRun& run_of(const Comparison& comparison, const std::string& engine) {
+  return *std::find_if(comparison.runs.begin(), comparison.runs.end(),
+                       [&engine](const WalkRun& r) { return r.engine.name == engine; });
+}
+
+// Why a pair of the same laws is not the same; empty if it is.
+std::string missed(const Comparison& comparison, const PairDifference& pair) {
+  if (pair.one_step && pair.one_step->largest() > kOneStepTolerance)
+    return fmt::format("{:.1g} apart after one control step from the same state, at {:.3f} s",
+                       pair.one_step->largest(), pair.one_step->at_s);
+  if (pair.first_divergence) {
+    const bool by_chaos = pair.one_step && pair.first_divergence->time_s > kParityHorizon;
+    return by_chaos ? ""
+                    : fmt::format("beyond {:.0e} at {:.3f} s", pair.first_divergence->tolerance,
+                                  pair.first_divergence->time_s);
+  }
+  const bool same_time =
+      run_of(comparison, pair.a).summary.physics_steps == run_of(comparison, pair.b).summary.physics_steps;
+  return same_time ? "" : "walks of different lengths";
+}
+
 }  // namespace
+
+std::vector<std::string> missed_parity(const Comparison& comparison) {
+  std::vector<std::string> found;
+  for (const PairDifference& pair : comparison.pairs) {
+    if (!pair.same_laws) continue;
+    const std::string why = missed(comparison, pair);
+    if (!why.empty()) found.push_back(fmt::format("{} and {} ({})", pair.a, pair.b, why));
+  }
+  return found;
+}
 
 Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& worlds, const WalkSetup& setup,
                            const DivergenceTolerances& tolerances, const Progress& progress,
-                           const TraceSinks& sinks) {
+                           const TraceSinks& sinks, const AnotherWorld& another) {
   std::vector<Runner> runners;
   runners.reserve(worlds.size());
   for (const auto& world : worlds) {
@@ -64,27 +121,34 @@ Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& w
   }
   Comparison result;
   result.pairs = pairs_of(runners, tolerances);
+  const double physics_dt = worlds.empty() ? 1 : worlds.front()->spec().physics_dt;
+  const int substeps = static_cast<int>(std::lround(setup.timing.control_dt / physics_dt));
+  std::vector<PairWork> work = work_of(runners, result.pairs, substeps, another);
   const int steps = setup.timing.control_steps();
   try {
     for (int done = 1; done <= steps; ++done) {
       advance(runners, sinks);
-      compare(runners, result.pairs);
+      compare(runners, work, result.pairs);
       constexpr int kStepsPerReport = 100;
       if (progress && done % kStepsPerReport == 0) progress(static_cast<double>(done) / steps);
     }
   } catch (const Interrupted&) {
     result.interrupted = true;
   }
+  for (std::size_t p = 0; p < work.size(); ++p) {
+    result.pairs[p].growth = work[p].growth.fit();
+    if (work[p].one_step) result.pairs[p].one_step = work[p].one_step->difference();
+  }
   for (const Runner& r : runners) {
-    result.runs.push_back(
-        {r.world.info(), r.world.spec().terrain.name(), setup.gait, r.walk.summary(), result.interrupted});
+    result.runs.push_back({r.world.info(), r.world.spec().terrain.name(), setup.gait, r.world.spec().contact,
+                           r.walk.summary(), result.interrupted});
   }
   return result;
 }
 
 WalkRun record_walk(PhysicsBackend& world, const WalkSetup& setup, const Progress& progress, TraceSink* sink,
                     const Start& start) {
-  WalkRun run{world.info(), world.spec().terrain.name(), setup.gait, {}, false};
+  WalkRun run{world.info(), world.spec().terrain.name(), setup.gait, world.spec().contact, {}, false};
   Walk walk(world, setup.make_controller(world.spec()), setup.timing, start, setup.terminations);
   const int steps = setup.timing.control_steps();
   try {

@@ -17,6 +17,7 @@ namespace crossgait {
 struct WalkRun {
   EngineInfo engine;
   std::string terrain, gait;
+  ContactSpec contact;
   MotionSummary summary;
   bool interrupted = false;  ///< before its time, by a Progress that threw Interrupted
 };
@@ -41,13 +42,27 @@ struct WalkSetup {
 WalkRun record_walk(PhysicsBackend& world, const WalkSetup& setup, const Progress& progress = {},
                     TraceSink* sink = nullptr, const Start& start = {});
 
+/// Engines of the same laws are held to `exact()` for so long, in simulated time, s, standing included: what
+/// rounding begins chaos carries on, by a factor in every half second, and beyond some time it decides.
+inline constexpr double kParityHorizon = 1;
+
+/// Names pairs of the same laws that are not the same, with the reason: "mujoco and bullet:matched (4e-08
+/// apart after one control step from the same state)". Missed is parity of a control step
+/// (kOneStepTolerance), over the horizon, or at any time where steps were not compared one by one.
+std::vector<std::string> missed_parity(const Comparison& comparison);
+
+/// Makes another world like one of those that are compared, by its place.
+using AnotherWorld = std::function<std::unique_ptr<PhysicsBackend>(std::size_t place)>;
+
 /// All walks in step, compared as they go: memory does not grow with their length. Interrupted as
 /// `record_walk`.
 /// @param tolerances for pairs of which one is an independent opinion; two engines of the same laws
 ///                   are held to `DivergenceTolerances::exact()`
 /// @param sinks  take every control step of each walk
+/// @param another  engines of the same laws are also compared step by step from the same state, in worlds
+///                 that it makes; without it they are not
 Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& worlds, const WalkSetup& setup,
                            const DivergenceTolerances& tolerances = {}, const Progress& progress = {},
-                           const TraceSinks& sinks = {});
+                           const TraceSinks& sinks = {}, const AnotherWorld& another = {});
 
 }  // namespace crossgait

@@ -11,6 +11,8 @@ double attitude_difference(const Quaternion& a, const Quaternion& b) noexcept {
   return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));
 }
 
+double OneStepDifference::largest() const noexcept { return std::max({position_m, joint_rad, attitude_rad}); }
+
 namespace {
 
 double load_difference(const TraceSample& a, const TraceSample& b) {
@@ -26,7 +28,7 @@ double torque_difference(const TraceSample& a, const TraceSample& b) {
 
 }  // namespace
 
-void compare_samples(const TraceSample& a, const TraceSample& b, PairDifference& result) {
+double compare_samples(const TraceSample& a, const TraceSample& b, PairDifference& result) {
   const DivergenceTolerances& tolerances = result.tolerances;
   const RobotState& sa = a.state;
   const RobotState& sb = b.state;
@@ -36,7 +38,8 @@ void compare_samples(const TraceSample& a, const TraceSample& b, PairDifference&
   result.max_position_difference_m = std::max(result.max_position_difference_m, position);
   result.max_joint_difference_rad = std::max(result.max_joint_difference_rad, joint);
   result.max_attitude_difference_rad = std::max(result.max_attitude_difference_rad, attitude);
-  if (result.first_divergence) return;
+  const double largest = std::max({position, joint, attitude});
+  if (result.first_divergence) return largest;
 
   struct Check {
     const char* quantity;
@@ -54,12 +57,14 @@ void compare_samples(const TraceSample& a, const TraceSample& b, PairDifference&
   if (worst->difference > worst->tolerance) {
     result.first_divergence = FirstDivergence{worst->quantity, sa.time, worst->tolerance};
   }
+  return largest;
 }
 
 PairDifference compare_traces(const Trace& a, const Trace& b, const DivergenceTolerances& tolerances) {
   PairDifference result;
   result.tolerances = tolerances;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) compare_samples(a[i], b[i], result);
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    static_cast<void>(compare_samples(a[i], b[i], result));
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "motion/trace.h"
+#include "parity/growth.h"
 
 namespace crossgait {
 
@@ -36,6 +37,17 @@ struct FirstDivergence {
   double tolerance = 0;  ///< in the quantity's unit
 };
 
+/// How far two engines lie apart after one control step from the same state with the same targets, at most
+/// (one_step.h).
+struct OneStepDifference {
+  double position_m = 0, joint_rad = 0, attitude_rad = 0;
+  double at_s = 0;  ///< where the largest of the three is, simulated time
+  int steps = 0;    ///< control steps that were made so
+
+  /// The largest, m or rad.
+  double largest() const noexcept;
+};
+
 struct PairDifference {
   std::string a, b;        ///< names of engines
   bool same_laws = false;  ///< both engines solve the same equations, so that they are held to `exact()`
@@ -43,6 +55,8 @@ struct PairDifference {
   double max_joint_difference_rad = 0;
   double max_attitude_difference_rad = 0;
   DivergenceTolerances tolerances;
+  std::optional<OneStepDifference> one_step;  ///< of engines of the same laws, where it was asked for
+  std::optional<DifferenceGrowth> growth;     ///< of the largest of the three; empty where they do not grow
   std::optional<FirstDivergence> first_divergence;  ///< earliest of those watched; empty if all stayed within
 };
 
@@ -50,7 +64,8 @@ struct PairDifference {
 double attitude_difference(const Quaternion& a, const Quaternion& b) noexcept;
 
 /// Takes one more step of both runs into `result`, which has its tolerances.
-void compare_samples(const TraceSample& a, const TraceSample& b, PairDifference& result);
+/// @returns the largest of its differences of position (m), joints and attitude (rad)
+double compare_samples(const TraceSample& a, const TraceSample& b, PairDifference& result);
 
 /// Compares sample by sample over the time both runs cover.
 PairDifference compare_traces(const Trace& a, const Trace& b, const DivergenceTolerances& tolerances);

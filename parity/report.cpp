@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "motion/statistic_rows.h"
@@ -27,7 +28,22 @@ ordered_json to_json(const PairDifference& pair) {
                       {"max_position_difference_m", pair.max_position_difference_m},
                       {"max_joint_difference_rad", pair.max_joint_difference_rad},
                       {"max_attitude_difference_rad", pair.max_attitude_difference_rad},
+                      {"one_step", nullptr},
+                      {"growth", nullptr},
                       {"first_divergence", nullptr}};
+  if (const auto& step = pair.one_step) {
+    result["one_step"] = {{"position_m", step->position_m},
+                          {"joint_rad", step->joint_rad},
+                          {"attitude_rad", step->attitude_rad},
+                          {"at_s", step->at_s},
+                          {"steps", step->steps}};
+  }
+  if (const auto& growth = pair.growth) {
+    result["growth"] = {{"per_half_second", growth->per_half_second},
+                        {"from_s", growth->from_s},
+                        {"to_s", growth->to_s},
+                        {"spread", growth->spread}};
+  }
   if (const auto& first = pair.first_divergence) {
     result["first_divergence"] = {
         {"quantity", first->quantity}, {"time_s", first->time_s}, {"tolerance", first->tolerance}};
@@ -75,22 +91,65 @@ std::string percent_apart(double a, double b) {
   return fmt::format("{:+.2f} %", 100 * (b - a) / std::abs(a));
 }
 
+std::string in_steps(const PairDifference& pair) {
+  if (!pair.one_step || pair.one_step->steps == 0) return "";
+  return fmt::format(" One control step from the same state: {:.1g} apart at most.",
+                     pair.one_step->largest());
+}
+
+std::string growth(const PairDifference& pair) {
+  if (!pair.growth) return "";
+  return fmt::format(" Differences grow x{:.2g} per half second.", pair.growth->per_half_second);
+}
+
 std::string sentence(const Comparison& comparison, const PairDifference& pair) {
   const std::string text = fmt::format(
       "{} and {}: base {:.2g} m apart at most, joints {:.2g} rad, attitude {:.2g} rad; ", pair.a, pair.b,
       pair.max_position_difference_m, pair.max_joint_difference_rad, pair.max_attitude_difference_rad);
+  const std::string how = in_steps(pair) + growth(pair);
   if (!pair.first_divergence) {
-    return text + fmt::format("the same within {:.0e} m and {:.0e} rad.", pair.tolerances.position,
-                              pair.tolerances.joint);
+    return text + fmt::format("the same within {:.0e} m and {:.0e} rad.{}", pair.tolerances.position,
+                              pair.tolerances.joint, how);
   }
   const double a = run_named(comparison, pair.a).summary.distance_m;
   const double b = run_named(comparison, pair.b).summary.distance_m;
-  return text + fmt::format("distance {}; {} left its tolerance of {:.0e} first, at {:.3f} s.",
+  return text + fmt::format("distance {}; {} left its tolerance of {:.0e} first, at {:.3f} s.{}",
                             percent_apart(a, b), pair.first_divergence->quantity,
-                            pair.first_divergence->tolerance, pair.first_divergence->time_s);
+                            pair.first_divergence->tolerance, pair.first_divergence->time_s, how);
 }
 
 }  // namespace
+
+nlohmann::ordered_json to_json(const ContactSpec& contact) {
+  ordered_json json;
+  for (const ContactSetting& setting : contact_settings()) {
+    const std::vector<double> numbers = setting.get(contact);
+    json[std::string(setting.name)] = !setting.words.empty()
+                                          ? ordered_json(contact_setting_text(setting, numbers))
+                                      : numbers.size() == 1 ? ordered_json(numbers.front())
+                                                            : ordered_json(numbers);
+  }
+  return json;
+}
+
+std::string describe_contact(const ContactSpec& contact, const std::vector<EngineInfo>& engines) {
+  std::vector<std::string> changed, others;
+  const ContactSettings said = all_settings(contact);
+  for (const ContactSetting& setting : contact_settings()) {
+    const std::vector<double>* numbers = said.find(setting.name);
+    if (numbers == nullptr || setting.name == "friction" || *numbers == setting.get(ContactSpec())) continue;
+    changed.push_back(setting.words.empty()
+                          ? fmt::format("{}={:.6g}", setting.name, fmt::join(*numbers, ":"))
+                          : fmt::format("{}={}", setting.name, contact_setting_text(setting, *numbers)));
+  }
+  if (changed.empty()) return "";
+  for (const EngineInfo& engine : engines) {
+    const std::vector<std::string> ignored = not_of_law(contact, engine.capabilities);
+    if (!ignored.empty())
+      others.push_back(fmt::format("; not of the law of {}: {}", engine.name, fmt::join(ignored, ", ")));
+  }
+  return fmt::format("Contact: {}{}.\n", fmt::join(changed, ", "), fmt::join(others, ""));
+}
 
 std::string outcome_in_words(const MotionSummary& m) {
   const OutcomeRow& row = outcome_rows()[static_cast<std::size_t>(m.outcome)];
@@ -106,10 +165,10 @@ nlohmann::ordered_json to_json(const MotionSummary& m) {
 }
 
 nlohmann::ordered_json to_json(const WalkRun& run) {
-  ordered_json result{{"engine", run.engine.name},
-                      {"engine_version", run.engine.library + " " + run.engine.version},
-                      {"terrain", run.terrain},
-                      {"gait", run.gait}};
+  ordered_json result{
+      {"engine", run.engine.name},       {"engine_version", run.engine.library + " " + run.engine.version},
+      {"terrain", run.terrain},          {"gait", run.gait},
+      {"contact", to_json(run.contact)}, {"not_of_law", not_of_law(run.contact, run.engine.capabilities)}};
   result.update(to_json(run.summary));
   result["wall_seconds"] = run.summary.wall_seconds;
   if (run.interrupted) result["interrupted"] = true;
@@ -139,7 +198,10 @@ Table statistics_table(const std::string& heading, const std::vector<WalkRun>& r
   return table;
 }
 
-std::string describe(const WalkRun& run) { return statistics_table(heading(run), {run}).str(); }
+std::string describe(const WalkRun& run) {
+  const std::string contact = describe_contact(run.contact, {run.engine});
+  return statistics_table(heading(run), {run}).str() + (contact.empty() ? "" : "\n" + contact);
+}
 
 std::vector<std::string> describe_pairs(const Comparison& comparison) {
   std::vector<std::string> sentences;
@@ -151,7 +213,9 @@ std::string describe(const Comparison& comparison) {
   if (comparison.runs.empty()) return "nothing to compare\n";
   std::string text = statistics_table(heading(comparison.runs.front()), comparison.runs).str() + "\n";
   for (const std::string& line : describe_pairs(comparison)) text += line + "\n";
-  return text;
+  std::vector<EngineInfo> engines;
+  for (const WalkRun& run : comparison.runs) engines.push_back(run.engine);
+  return text + describe_contact(comparison.runs.front().contact, engines);
 }
 
 }  // namespace crossgait

@@ -16,6 +16,12 @@ nlohmann::ordered_json to_json(const MotionSummary& motion);
 nlohmann::ordered_json to_json(const WalkRun& run);
 nlohmann::ordered_json to_json(const Comparison& comparison);
 
+/// Every setting by its name.
+nlohmann::ordered_json to_json(const ContactSpec& contact);
+/// "Contact: impratio=100; impratio is not of the law of bullet.", and a line's end; of settings that are not
+/// as by default. Empty if all are.
+std::string describe_contact(const ContactSpec& contact, const std::vector<EngineInfo>& engines);
+
 /// "walked", "fell at 1.23 s".
 std::string outcome_in_words(const MotionSummary& motion);
 /// What the texts below hold: a row per statistic, its label (with the unit) and then a cell per run, which

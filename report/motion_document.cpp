@@ -119,8 +119,8 @@ PairPanels pair_panels(const Trace& a, const Trace& b, std::size_t rows,
     if (frame >= rows) break;
     PairDifference here;
     for (; row <= frame; ++row) {
-      compare_samples(a[row], b[row], here);
-      compare_samples(a[row], b[row], whole);
+      static_cast<void>(compare_samples(a[row], b[row], here));
+      static_cast<void>(compare_samples(a[row], b[row], whole));
     }
     panels.position_m.push_back(here.max_position_difference_m);
     panels.joint_rad.push_back(here.max_joint_difference_rad);

@@ -99,7 +99,7 @@ LoadedEnv section_environment(const LoadedEnv& method, const Course& course, con
   const EnvConfig usual;
   EnvConfig here = method.config;
   here.terrain = section.terrain;
-  here.friction = section.friction;
+  here.contact.add(friction_of(section.friction));
   here.command = VelocityCommand{section.speed, 0, 0};
   here.episode_seconds = course.seconds;
   here.settle_seconds = usual.settle_seconds;

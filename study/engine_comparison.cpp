@@ -182,10 +182,12 @@ EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& worl
   if (options.explain) families = find_families(engines);
 
   EngineComparison result;
+  result.contact = world.contact;
   std::vector<std::unique_ptr<PhysicsBackend>> worlds;
   for (const Engine& engine : engines) {
     const Laws& laws = engine.info.laws;
     result.engines.push_back({engine.name(), std::string(laws.contact_law()), laws.contact_family});
+    result.infos.push_back(engine.info);
     worlds.push_back(engine.make(world));
   }
   for (std::size_t i = 0; i < worlds.size(); ++i) {

@@ -31,6 +31,8 @@ struct PairBackground {
 /// Holds the verdicts of two engines or more, from one set of runs.
 struct EngineComparison {
   std::vector<JudgedEngine> engines;
+  std::vector<EngineInfo> infos;  ///< of the same
+  ContactSpec contact;
   Verdicts verdicts;
   /// One for each pair. Attributions are of pairs that do not agree and lie at the ends of a family; pairs at
   /// the ends of one family share theirs.

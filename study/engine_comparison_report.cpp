@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "parity/report.h"
 #include "parity/verdict_report.h"
 #include "physics/core/schema.h"
 #include "study/engine_comparison.h"
@@ -135,10 +136,16 @@ nlohmann::ordered_json to_json(const EngineComparison& comparison) {
                     {"confidence", how.confidence},
                     {"variations", verdicts.variations},
                     {"left_out", verdicts.left_out},
+                    {"contact", to_json(comparison.contact)},
+                    {"not_of_law", ordered_json::object()},
                     {"engines", ordered_json::array()},
                     {"outcomes", ordered_json::object()},
                     {"clusters", ordered_json::array()},
                     {"bridges", ordered_json::array()}};
+  for (const EngineInfo& engine : comparison.infos) {
+    const std::vector<std::string> ignored = not_of_law(comparison.contact, engine.capabilities);
+    if (!ignored.empty()) json["not_of_law"][engine.name] = ignored;
+  }
   for (const JudgedEngine& engine : comparison.engines) {
     json["engines"].push_back(
         {{"name", engine.name}, {"contact_law", engine.law}, {"contact_family", engine.family}});
@@ -163,7 +170,8 @@ std::string describe(const EngineComparison& comparison) {
   text += two ? fmt::format("{}\n{}", describe(comparison.verdicts.pairs.front()),
                             describe_background(comparison.backgrounds.front()))
               : describe_many(comparison);
-  text += fmt::format("\n{}", describe_rule(comparison.verdicts));
+  text += fmt::format("\n{}{}", describe_contact(comparison.contact, comparison.infos),
+                      describe_rule(comparison.verdicts));
   if (comparison.starts_held > 0) {
     text += fmt::format(
         "The store held {} of these starts already: if they have been looked at, this is a new plan, with "

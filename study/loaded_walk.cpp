@@ -14,7 +14,7 @@ LoadedWalk::LoadedWalk(WalkConfig walk, std::shared_ptr<const RobotDescription> 
   world.robot = std::move(read);
   world.terrain = ground.make(config.terrain_seed);
   world.physics_dt = config.physics_dt;
-  world.contact.friction = config.friction;
+  world.contact = resolve_contact(world.robot->contact, config.contact, "walk");
   world.validate();
 }
 

@@ -13,12 +13,12 @@
 #include "physics/core/table.h"
 #include "physics/robot/joint_numbers.h"
 #include "physics/robot/servo_stability.h"
+#include "physics/robot_files/robot_contact.h"
 
 namespace crossgait {
 namespace {
 
 using List = std::vector<double>;
-constexpr const char* kOfWorld = "the world's; the file's is not simulated yet";
 constexpr const char* kOfFile = "the file";
 
 std::string value_text(const QuantityValue& value) {
@@ -88,55 +88,44 @@ class Quantities {
           List{joint.target_lower, joint.target_upper}, reason(joint, "target_range", true));
   }
 
-  /// The file's numbers of a foot's shape; of a foot that was made, those of a shape of its link.
-  const ContactNumbers* contact_of(Leg leg) const {
-    const auto& shapes = loaded_.report.contact.shapes;
-    const LegModel& model = (*loaded_.robot.legs)[leg];
-    const Body& body = loaded_.robot.bodies[static_cast<std::size_t>(model.foot_body)];
-    for (std::size_t i = 0; i < body.shapes.size(); ++i) {
-      const auto found = shapes.find(body.shapes[i].name);
-      if (found != shapes.end() &&
-          leg_of_shape(loaded_.robot, model.foot_body, static_cast<int>(i)) == static_cast<int>(leg))
-        return &found->second;
-    }
-    const auto made = loaded_.report.feet_of_file.find(leg);
-    const auto found = made == loaded_.report.feet_of_file.end() ? shapes.end() : shapes.find(made->second);
-    return found == shapes.end() ? nullptr : &found->second;
-  }
-
   void add_foot(Leg leg) {
     const std::string of = fmt::format("foot {}", name(leg));
-    const ContactNumbers* file = contact_of(leg);
-    const Softness& soft = world_.contact.softness;
-    const auto row = [&](const char* name, const char* unit, const auto& numbers, QuantityValue used) {
-      QuantityValue says;
-      std::string why = kOfWorld;
-      const bool of_friction = std::string_view(name).ends_with("friction");
-      if (file != nullptr) {
-        if constexpr (std::is_same_v<std::decay_t<decltype(numbers)>, double>) {
-          says = numbers;
-        } else {
-          says = List(numbers.begin(), numbers.end());
-        }
-        why += file->stated.contains(of_friction ? "friction" : name)
-                   ? fmt::format(" (with {})", loaded_.report.contact.ground)
-                   : " (MuJoCo's default)";
-      } else {
-        why = "the world's; the file says nothing";
-      }
-      add(of, name, unit, std::move(says), std::move(used), std::move(why));
-    };
+    const ContactNumbers* file = contact_of_foot(loaded_.robot, loaded_.report, leg);
     const ContactNumbers numbers = file == nullptr ? ContactNumbers() : *file;
-    row("friction", "", numbers.friction[0], world_.contact.friction);
-    if (numbers.condim > 3) row("torsional_friction", "m", numbers.friction[1], 0.0);
-    if (numbers.condim > 4) row("rolling_friction", "m", numbers.friction[2], 0.0);
-    row("solref", "s, -", numbers.solref, List{soft.time_constant, soft.damping_ratio});
-    row("solimp", "-, -, m, -, -", numbers.solimp,
-        List{soft.impedance_min, soft.impedance_max, soft.impedance_width, 0.5, 2});
-    row("condim", "", numbers.condim, 3.0);
-    row("margin", "m", numbers.margin, 0.0);
-    row("gap", "m", numbers.gap, 0.0);
+    const auto row = [&](std::string_view name, const char* unit, List says, List used) {
+      const bool of_friction = name.ends_with("friction");
+      const bool stated = numbers.stated.contains(of_friction ? "friction" : std::string(name));
+      const std::string of_file =
+          stated ? fmt::format("the file (with {})", loaded_.report.contact.ground) : "MuJoCo's default";
+      std::string why = file == nullptr        ? "the world's; the file says nothing"
+                        : says == used         ? of_file
+                        : of_world_alone(name) ? "not simulated"
+                                               : "the world's";
+      const auto value = [](List list) {
+        return list.size() == 1 ? QuantityValue(list.front()) : QuantityValue(std::move(list));
+      };
+      add(of, name, unit, file == nullptr ? QuantityValue() : value(std::move(says)), value(std::move(used)),
+          std::move(why));
+    };
+    const ContactSpec& contact = world_.contact;
+    const auto used = [&contact](std::string_view name) {
+      return find_contact_setting(name, "world").get(contact);
+    };
+    row("friction", "", {numbers.friction[0]}, used("friction"));
+    if (numbers.condim > 3) row("torsional_friction", "m", {numbers.friction[1]}, used("torsional_friction"));
+    if (numbers.condim > 4) row("rolling_friction", "m", {numbers.friction[2]}, used("rolling_friction"));
+    // As it is simulated: the direct form of solref is a time constant and a ratio like any other.
+    ContactSpec of_file;
+    const ContactSetting& solref = find_contact_setting("solref", "world");
+    solref.set(of_file, numbers.solref);
+    row("solref", "s, -", solref.get(of_file), used("solref"));
+    row("solimp", "-, -, m, -, -", List(numbers.solimp.begin(), numbers.solimp.end()), used("solimp"));
+    row("condim", "", {numbers.condim}, used("condim"));
+    row("margin", "m", {numbers.margin}, {0});
+    row("gap", "m", {numbers.gap}, {0});
   }
+
+  static bool of_world_alone(std::string_view name) { return name == "margin" || name == "gap"; }
 
   void add_world() {
     const ContactOfFile& file = loaded_.report.contact;
@@ -151,11 +140,14 @@ class Quantities {
     if (file.gravity)
       add("world", "gravity", "m/s^2", List(file.gravity->begin(), file.gravity->end()),
           List{g.x(), g.y(), g.z()}, "the world's");
-    if (file.noslip_iterations) add("world", "noslip_iterations", "", *file.noslip_iterations, 0.0, kOfWorld);
+    if (file.noslip_iterations)
+      add("world", "noslip_iterations", "", *file.noslip_iterations, 0.0, "not simulated");
     add("world", "integrator", "", word(file.integrator), std::string("Euler"),
         "semi-implicit in every engine; damping and servos explicit");
-    add("world", "cone", "", word(file.cone), std::string("elliptic"), kOfWorld);
-    add("world", "impratio", "", number(file.impratio), world_.contact.impratio, kOfWorld);
+    add("world", "cone", "", word(file.cone), std::string(crossgait::name(world_.contact.cone)),
+        file.cone == crossgait::name(world_.contact.cone) ? kOfFile : "the world's");
+    add("world", "impratio", "", number(file.impratio), world_.contact.impratio,
+        file.impratio == world_.contact.impratio ? kOfFile : "the world's");
   }
 
   const LoadedRobot& loaded_;
@@ -205,8 +197,7 @@ std::vector<std::string> robot_warnings(const LoadedRobot& loaded, const WorldSp
     if (std::find(lost.begin(), lost.end(), text) == lost.end()) lost.push_back(text);
   }
   if (!lost.empty())
-    warnings.push_back(
-        fmt::format("contact and steps are the world's, not simulated are: {}", fmt::join(lost, "; ")));
+    warnings.push_back(fmt::format("not as the file says in contact and steps: {}", fmt::join(lost, "; ")));
   // At the world's steps, and at the file's if those are longer.
   const double dt = std::max(world.physics_dt, loaded.report.contact.timestep.value_or(0));
   if (std::string loop = servo_loop_warning(loaded.robot, dt); !loop.empty())

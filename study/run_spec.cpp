@@ -66,13 +66,20 @@ Json to_json(const std::vector<SpeedBand>& bands) {
   return result;
 }
 
+Json contact_json(const ContactSpec& contact) {
+  Json json;
+  for (const ContactSetting& setting : contact_settings())
+    json[std::string(setting.name)] = setting.get(contact);
+  return json;
+}
+
 Json to_json(const LoadedWalk& walk) {
   const WalkConfig& c = walk.config;
   return {{"kind", "walk"},
           {"robot", identity_of_robot(*walk.world.robot)},
           {"terrain", terrain_json(c.terrain)},
           {"terrain_seed", c.terrain_seed},
-          {"friction", c.friction},
+          {"contact", contact_json(walk.world.contact)},
           {"physics_dt", c.physics_dt},
           {"gait", c.gait.name()},
           {"parameters", to_json(c.gait.parameters)},
@@ -158,7 +165,7 @@ const WorldSpec& LoadedBehaviour::world() const {
 Json describe_run(Json behaviour, const EngineInfo& engine, const Variation& v, std::size_t start,
                   double horizon) {
   Json run = std::move(behaviour);
-  run["schema"] = {{"name", "run"}, {"version", 3}};
+  run["schema"] = {{"name", "run"}, {"version", 4}};
   run["crossgait"] = crossgait_version();
   run["engine"] = engine.name;
   run["engine_version"] = engine.version;

@@ -71,7 +71,7 @@ struct RunResult {
 
 /// Everything that the result of a run depends on, and nothing else: keys sorted, no spaces, numbers with as
 /// many digits as bring them back. Files of policies and terrains stand with the SHA-256 of their bytes.
-/// `schema` is run/3.
+/// `schema` is run/4.
 nlohmann::json to_json(const RunSpec& spec);
 /// One run of a behaviour that is described already. @param behaviour  LoadedBehaviour::described
 nlohmann::json describe_run(nlohmann::json behaviour, const EngineInfo& engine, const Variation& variation,

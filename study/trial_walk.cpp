@@ -80,6 +80,7 @@ Trial try_robot(std::shared_ptr<const RobotDescription> robot, const std::vector
   constexpr double kFroudeSpeed = 0.25;
   WorldSpec spec;
   spec.robot = robot;
+  spec.contact = resolve_contact(robot->contact, {}, robot->source);
   Trial trial;
   trial.commanded_mps =
       kFroudeSpeed * std::sqrt(-spec.gravity.z() * gait_scale(*robot).length * kReferenceHeight);

@@ -31,7 +31,8 @@ Comparison compare_walks(const WorldSpec& world, const WalkSetup& setup,
   check_engines(engines);
   std::vector<std::unique_ptr<PhysicsBackend>> worlds;
   for (const std::string& engine : engines) worlds.push_back(find_engine(engine).make(world));
-  return compare_engines(worlds, setup, tolerances, progress_of(progress, "comparing"), sinks);
+  const AnotherWorld another = [&](std::size_t place) { return find_engine(engines[place]).make(world); };
+  return compare_engines(worlds, setup, tolerances, progress_of(progress, "comparing"), sinks, another);
 }
 
 namespace {

@@ -20,7 +20,7 @@ EnvConfig WalkConfig::environment() const {
   c.robot = robot;
   c.terrain = terrain;
   c.terrain_seed = terrain_seed;
-  c.friction = friction;
+  c.contact = contact;
   c.physics_dt = physics_dt;
   c.control_dt = timing.control_dt;
   c.policy_dt = timing.control_dt;

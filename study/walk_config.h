@@ -14,7 +14,7 @@ struct WalkConfig {
   std::string robot = "scara_quadruped";  ///< a bundled robot or a file
   std::string terrain = "flat";           ///< as `make_terrain` takes it
   std::uint64_t terrain_seed = 0;
-  double friction = 0.6;
+  ContactSettings contact;   ///< over what the robot's file says
   double physics_dt = 1e-3;  ///< s
 
   GaitChoice gait = choose_gait("trot", {});

@@ -18,6 +18,7 @@ EngineInfo make_info(const ContactFactors& factors, bool own_code) {
   const bool matched = factors == ContactFactors::matched();
   info.capabilities.soft_contact = !factors.hard_normal;
   info.capabilities.soft_friction = !factors.hard_friction;
+  info.capabilities.turning_friction = contact::is_solved_by_minimum(factors);
   info.capabilities.sweeps = factors.sweeps;
   info.capabilities.allocates = factors.narrowphase;  // Bullet's own code
   const std::string way = factors.sweeps ? "/sweeps" : "", points = factors.narrowphase ? "/narrowphase" : "";

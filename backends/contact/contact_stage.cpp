@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "backends/contact/convergence.h"
+#include "physics/core/error.h"
 #include "physics/robot/multibody.h"
 
 namespace crossgait::contact {
@@ -31,6 +32,14 @@ Matrix3 stock_frame(const Vector3& normal) {
   return contact_frame(normal, tangent);
 }
 
+// mjMINMU of mjmodel.h: MuJoCo's contacts are never quite without friction.
+double at_least_some(double friction) noexcept { return std::max(friction, 1e-5); }
+
+template <typename Problem>
+constexpr bool turns = false;
+template <int kRows>
+constexpr bool turns<PrimalProblemOf<kRows>> = kRows > 3;
+
 }  // namespace
 
 ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, const BodyKinematics& bodies,
@@ -51,8 +60,19 @@ ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, con
   const FrictionBound bound = factors_.stock     ? FrictionBound::kFrictionlessPyramid
                               : factors_.pyramid ? FrictionBound::kPyramid
                                                  : FrictionBound::kDisc;
+  if (!factors_.hard_friction && spec.contact.cone == FrictionCone::kPyramidal)
+    throw ConfigError("world specification", "contact.cone", "elliptic, outside of MuJoCo itself",
+                      "pyramidal");
   if (!hard && !factors_.coulomb) {
-    primal_ = std::make_unique<PrimalProblem>(dofs, joints_.coupled_dofs(), coefficient());
+    const auto& coupled = joints_.coupled_dofs();
+    const int rows = is_solved_by_minimum(factors_) ? spec.contact.condim : 3;
+    if (rows == 6) {
+      rolling_ = std::make_unique<PrimalProblemOf<6>>(dofs, coupled, coefficient());
+    } else if (rows == 4) {
+      twisting_ = std::make_unique<PrimalProblemOf<4>>(dofs, coupled, coefficient());
+    } else {
+      primal_ = std::make_unique<PrimalProblem>(dofs, coupled, coefficient());
+    }
   } else if (bound == FrictionBound::kDisc && (sweeps_ || (factors_.coulomb && frictional_joints_.empty()))) {
     sweep_ = std::make_unique<SweepProblem>(dofs, joints_.coupled_dofs(), coefficient());
   } else {
@@ -67,13 +87,11 @@ const DofVector& ContactStage::solve(const DofVector& before, const ContactPoint
   velocity_ = joints_.velocity();
   if (points.count == 0 && frictional_joints_.empty()) return velocity_;
   if (primal_) {
-    joints_.scaled_loop_rows(loops_);
-    primal_->begin(loops_);
-    add_rows(*primal_, before, points);
-    DofVector guess = before - velocity_;  // as if nothing were accelerated
-    joints_.inertia().half_multiply(guess);
-    primal_->solve(guess, spec_.solver.tolerance);
-    apply(*primal_, points);
+    solve_primal(*primal_, before, points);
+  } else if (twisting_) {
+    solve_primal(*twisting_, before, points);
+  } else if (rolling_) {
+    solve_primal(*rolling_, before, points);
   } else if (sweep_) {
     joints_.scaled_loop_rows(loops_);
     sweep_->begin(loops_);
@@ -89,10 +107,19 @@ const DofVector& ContactStage::solve(const DofVector& before, const ContactPoint
   return velocity_;
 }
 
-double ContactStage::coefficient() const noexcept {
-  constexpr double kMinFriction = 1e-5;  // mjMINMU of mjmodel.h: MuJoCo's contacts are never quite without
-  return std::max(spec_.contact.friction, kMinFriction);
+template <typename Primal>
+void ContactStage::solve_primal(Primal& problem, const DofVector& before,
+                                const ContactPoints& points) noexcept {
+  joints_.scaled_loop_rows(loops_);
+  problem.begin(loops_);
+  add_rows(problem, before, points);
+  DofVector guess = before - velocity_;  // as if nothing were accelerated
+  joints_.inertia().half_multiply(guess);
+  problem.solve(guess, spec_.solver.tolerance);
+  apply(problem, points);
 }
+
+double ContactStage::coefficient() const noexcept { return at_least_some(spec_.contact.friction); }
 
 void ContactStage::sweep() noexcept {
   const SolverSpec& solver = spec_.solver;
@@ -109,8 +136,12 @@ void ContactStage::add_rows(Problem& problem, const DofVector& before, const Con
     const ContactPoint& point = points.points[static_cast<std::size_t>(i)];
     ContactRows& rows = rows_[static_cast<std::size_t>(i)];
     describe(point, before, rows);
-    joints_.inertia().half_solve_rows(point.body, J_);
-    problem.add_contact(dofs_of(point.body), J_, rows.R, rows.b);
+    if constexpr (turns<Problem>) {
+      add_turning_contact(problem, before, point, rows);
+    } else {
+      joints_.inertia().half_solve_rows(point.body, J_);
+      problem.add_contact(dofs_of(point.body), J_, rows.R, rows.b);
+    }
   }
   for (const FrictionalJoint& joint : frictional_joints_) {
     const int dof = 6 + joint.joint;
@@ -130,12 +161,57 @@ void ContactStage::apply(const Problem& problem, const ContactPoints& points) no
   for (int i = 0; i < points.count; ++i) {
     const ContactPoint& point = points.points[static_cast<std::size_t>(i)];
     const ContactRows& rows = rows_[static_cast<std::size_t>(i)];
-    const Vector3 impulse = problem.contact_impulse(i);
+    const Vector3 impulse = problem.contact_impulse(i).template head<3>();
     if (point.distance > 0 && impulse[0] <= 0) continue;  // speculative
     report(point, rows.frame.transpose() * impulse / spec_.physics_dt,
            rows.frame.transpose() * rows.velocity_before);
   }
   contacts_.dropped = points.dropped;
+}
+
+// In turning_ the body's angular velocity per unit of each dof, from how points a metre apart move.
+void ContactStage::find_turning(int body, const Vector3& p_WP) noexcept {
+  bodies_.point_jacobian(body, p_WP, turning_);
+  bodies_.point_jacobian(body, p_WP + Vector3::UnitX(), along_x_);
+  bodies_.point_jacobian(body, p_WP + Vector3::UnitY(), along_y_);
+  for (const int dof : dofs_of(body)) {
+    const Vector3 x = along_x_.col(dof) - turning_.col(dof), y = along_y_.col(dof) - turning_.col(dof);
+    turning_.col(dof) = Vector3(y.z(), -x.z(), x.y());  // w x ex = (0, wz, -wy), w x ey = (-wz, 0, wx)
+  }
+}
+
+// Torsion about the normal and rolling about the tangents, after the rows of `describe`. Their regularisation
+// is such that friction of all rows shares one round cone (MuJoCo 2.2, mj_makeImpedance).
+template <int kRows>
+void ContactStage::add_turning_contact(PrimalProblemOf<kRows>& problem, const DofVector& before,
+                                       const ContactPoint& point, const ContactRows& rows) noexcept {
+  typename PrimalProblemOf<kRows>::Rows R, b;
+  R.template head<3>() = rows.R;
+  b.template head<3>() = rows.b;
+  const Vector3 p_WP = factors_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
+  find_turning(point.body, p_WP);
+  Vector3 turning_before = Vector3::Zero(), turning = Vector3::Zero();
+  for (const int dof : dofs_of(point.body)) {
+    const Vector3 column = rows.frame * turning_.col(dof);
+    turning_.col(dof) = column;
+    turning_before += before[dof] * column;
+    turning += joints_.velocity()[dof] * column;
+  }
+  const ContactSpec& contact = spec_.contact;
+  for (int k = 3; k < kRows; ++k) {
+    const double own = at_least_some(k == 3 ? contact.torsional_friction : contact.rolling_friction);
+    const double share = coefficient() / own;
+    R[k] = rows.R[1] * share * share;
+    b[k] = turning[k - 3] - contact_law_.target_velocity(turning_before[k - 3], rows.impedance, 0);
+  }
+  joints_.inertia().half_solve_rows(point.body, J_);
+  joints_.inertia().half_solve_rows(point.body, turning_);
+  typename PrimalProblemOf<kRows>::RowsJacobian Z(kRows, J_.cols());
+  for (const int dof : dofs_of(point.body)) {
+    Z.col(dof).template head<3>() = J_.col(dof);
+    Z.col(dof).template tail<kRows - 3>() = turning_.col(dof).template head<kRows - 3>();
+  }
+  problem.add_contact(dofs_of(point.body), Z, R, b);
 }
 
 // A contact's rows, and in J_ its Jacobian in its own frame: by the dofs that move the body.
@@ -179,7 +255,7 @@ double ContactStage::set_row(const ContactPoint& point, int axis, ContactRows& r
     const HardContact& hard = factors_.stock ? kStockContact : kHardContact;
     return std::min(-hard.error_reduction * point.distance / h, hard.most_push_out);
   }
-  const double imp = contact_law_.impedance(point.distance);
+  const double imp = rows.impedance = contact_law_.impedance(point.distance);
   const double R = SoftLaw::regularization(imp, inverse_weights_[static_cast<std::size_t>(point.body)]);
   // Friction rows share the normal's impedance and damping, without a spring.
   regularization = axis == 0 ? R : R / spec_.contact.impratio;

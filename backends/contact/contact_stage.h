@@ -16,10 +16,12 @@
 namespace crossgait::contact {
 
 /// With MuJoCo's factors contacts are placed midway between the surfaces, softened like MuJoCo's, and solved
-/// over true friction cones; any of these can be another's.
+/// over true friction cones, of torsion and rolling too; any of these can be another's.
 class ContactStage {
  public:
   /// @param spec,bodies,joints  must outlive it
+  /// @throws ConfigError where the law is MuJoCo's and the spec asks for pyramidal cones, which are not
+  /// solved here
   /// @param sweeps  solve by as many sweeps as the spec has iterations, converged or not; needs Coulomb's law
   ContactStage(const WorldSpec& spec, const LawFactors& factors, const BodyKinematics& bodies,
                const JointStage& joints, bool sweeps = false);
@@ -43,6 +45,7 @@ class ContactStage {
     Matrix3 frame;            // rows: normal, two tangents
     Vector3 velocity_before;  // in that frame
     Vector3 R, b;             // regularisation; velocity less what the rows ask for
+    double impedance = 0;     // of soft rows
   };
 
   std::span<const int> dofs_of(int body) const noexcept { return dofs_[static_cast<std::size_t>(body)]; }
@@ -50,9 +53,15 @@ class ContactStage {
   void sweep() noexcept;
   template <typename Problem>
   void add_rows(Problem& problem, const DofVector& before, const ContactPoints& points) noexcept;
+  template <int kRows>
+  void add_turning_contact(PrimalProblemOf<kRows>& problem, const DofVector& before,
+                           const ContactPoint& point, const ContactRows& rows) noexcept;
+  template <typename Primal>
+  void solve_primal(Primal& problem, const DofVector& before, const ContactPoints& points) noexcept;
   void describe(const ContactPoint& point, const DofVector& before, ContactRows& rows) noexcept;
   Matrix3 frame_at(const ContactPoint& point, const DofVector& before) const noexcept;
   double set_row(const ContactPoint& point, int axis, ContactRows& rows) const noexcept;
+  void find_turning(int body, const Vector3& p_WP) noexcept;
   template <typename Problem>
   void apply(const Problem& problem, const ContactPoints& points) noexcept;
 
@@ -66,12 +75,15 @@ class ContactStage {
   std::vector<std::vector<int>> dofs_;  // by body: those that move it, rising
 
   bool sweeps_;
-  std::unique_ptr<PrimalProblem> primal_;  // one of the three
+  std::unique_ptr<PrimalProblem> primal_;  // one of the five
+  std::unique_ptr<PrimalProblemOf<4>> twisting_;
+  std::unique_ptr<PrimalProblemOf<6>> rolling_;
   std::unique_ptr<SweepProblem> sweep_;
   std::unique_ptr<DualProblem> dual_;
   std::array<ContactRows, kMaxContacts> rows_;
   Eigen::MatrixXd loops_;
   PointJacobian J_;
+  PointJacobian turning_, along_x_, along_y_;  // angular velocity in W per unit of each dof; see find_turning
   DofVector velocity_;
   ContactList contacts_;
 };

@@ -43,6 +43,10 @@ std::string law_name(const LawFactors& factors) {
   return hard ? "hard" : name;
 }
 
+bool is_solved_by_minimum(const LawFactors& factors) {
+  return !factors.hard_normal && !factors.hard_friction && !factors.coulomb && !factors.hard_joint_friction;
+}
+
 std::string family_name(const LawFactors& factors) { return factors.hard_normal ? "rigid" : "compliant"; }
 
 std::vector<std::string> own_parts() {

@@ -45,6 +45,9 @@ const std::vector<FactorRow<LawFactors>>& law_factor_rows();
 /// As in Laws::contact, the same for every engine: "mujoco" where all are off, "hard" where all are on, else
 /// "mujoco+surface+coulomb"; "hard+pyramid", "dart" for stock. Dry friction of joints is not of it.
 std::string law_name(const LawFactors& factors);
+/// Whether contacts and dry friction are MuJoCo's minimum (PrimalProblem), of which torsion and rolling are a
+/// part: Capabilities::turning_friction.
+bool is_solved_by_minimum(const LawFactors& factors);
 /// Laws::contact_family: "rigid" where penetration stops at once.
 std::string family_name(const LawFactors& factors);
 /// EngineInfo::own_parts of every engine that is made of the contact stage.

@@ -6,9 +6,11 @@
 
 namespace crossgait::contact {
 
-PrimalProblem::PrimalProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction)
+template <int kRows>
+PrimalProblemOf<kRows>::PrimalProblemOf(int dofs, const std::vector<std::vector<int>>& coupled,
+                                        double friction)
     : friction_(friction),
-      Z_(3, (kMaxContacts + kMaxJoints) * dofs),
+      Z_(kRows, (kMaxContacts + kMaxJoints) * dofs),
       constant_(dofs, coupled),
       hessian_(constant_),
       u_(DofVector::Zero(dofs)),
@@ -18,15 +20,17 @@ PrimalProblem::PrimalProblem(int dofs, const std::vector<std::vector<int>>& coup
   loops_d_.resize(3 * kMaxDofs);
 }
 
-void PrimalProblem::begin(const Eigen::MatrixXd& loops) noexcept {
+template <int kRows>
+void PrimalProblemOf<kRows>::begin(const Eigen::MatrixXd& loops) noexcept {
   columns_ = contact_count_ = bounded_count_ = 0;
   loops_ = &loops;
   constant_.set_identity();
   constant_.add_products(loops);
 }
 
-void PrimalProblem::add_contact(std::span<const int> dofs, const PointJacobian& Z, const Vector3& R,
-                                const Vector3& b) noexcept {
+template <int kRows>
+void PrimalProblemOf<kRows>::add_contact(std::span<const int> dofs, const RowsJacobian& Z, const Rows& R,
+                                         const Rows& b) noexcept {
   Contact& contact = contacts_[static_cast<std::size_t>(contact_count_++)];
   contact.dofs = dofs;
   contact.first = columns_;
@@ -36,8 +40,9 @@ void PrimalProblem::add_contact(std::span<const int> dofs, const PointJacobian& 
   for (const int dof : dofs) Z_.col(columns_++) = contact.scale.cwiseProduct(Z.col(dof));
 }
 
-void PrimalProblem::add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,
-                                double bound) noexcept {
+template <int kRows>
+void PrimalProblemOf<kRows>::add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,
+                                         double bound) noexcept {
   Bounded& row = bounded_[static_cast<std::size_t>(bounded_count_++)];
   row.dofs = dofs;
   row.first = columns_;
@@ -47,46 +52,65 @@ void PrimalProblem::add_bounded(std::span<const int> dofs, const DofVector& z, d
   for (const int dof : dofs) Z_(0, columns_++) = row.scale * z[dof];
 }
 
-Vector3 PrimalProblem::contact_impulse(int i) const noexcept {
+template <int kRows>
+typename PrimalProblemOf<kRows>::Rows PrimalProblemOf<kRows>::contact_impulse(int i) const noexcept {
   const Contact& contact = contacts_[static_cast<std::size_t>(i)];
   return contact.scale.cwiseProduct(contact.x);
 }
 
-double PrimalProblem::bounded_impulse(int i) const noexcept {
+template <int kRows>
+double PrimalProblemOf<kRows>::bounded_impulse(int i) const noexcept {
   const Bounded& row = bounded_[static_cast<std::size_t>(i)];
   return row.scale * row.x;
 }
 
+// From row 1 on, in their order: with two tangents the same sum to the last bit as written out.
+template <int kRows>
+double PrimalProblemOf<kRows>::tangent_of(const Rows& y) noexcept {
+  double squares = y[1] * y[1];
+  for (int k = 2; k < kRows; ++k) squares += y[k] * y[k];
+  return std::sqrt(squares);
+}
+
 // The impulse is the point of the cone nearest to -y.
-Vector3 PrimalProblem::project(const Contact& contact, const Vector3& y, Zone& zone) noexcept {
-  const double m = contact.slope, normal = -y[0], tangent = std::sqrt(y[1] * y[1] + y[2] * y[2]);
+template <int kRows>
+typename PrimalProblemOf<kRows>::Rows PrimalProblemOf<kRows>::project(const Contact& contact, const Rows& y,
+                                                                      Zone& zone) noexcept {
+  const double m = contact.slope, normal = -y[0], tangent = tangent_of(y);
   if (tangent <= m * normal) {
     zone = Zone::kStick;
     return -y;
   }
   if (m * tangent <= -normal) {
     zone = Zone::kApart;
-    return Vector3::Zero();
+    return Rows::Zero();
   }
   zone = Zone::kSlip;
   const double x = (normal + m * tangent) / (1 + m * m), share = -m * x / tangent;
-  return {x, share * y[1], share * y[2]};
+  Rows impulse = share * y;
+  impulse[0] = x;
+  return impulse;
 }
 
 // How the impulse follows -y: the derivative of `project`.
-Matrix3 PrimalProblem::response(const Contact& contact, const Vector3& y, Zone zone) noexcept {
-  if (zone == Zone::kStick) return Matrix3::Identity();
-  const double m = contact.slope, tangent = std::sqrt(y[1] * y[1] + y[2] * y[2]);
-  const Vector3 across(0, -y[1] / tangent, -y[2] / tangent), along = Vector3::UnitX() + m * across;
+template <int kRows>
+typename PrimalProblemOf<kRows>::Response PrimalProblemOf<kRows>::response(const Contact& contact,
+                                                                           const Rows& y,
+                                                                           Zone zone) noexcept {
+  if (zone == Zone::kStick) return Response::Identity();
+  const double m = contact.slope, tangent = tangent_of(y);
+  Rows across = -y / tangent;
+  across[0] = 0;
+  const Rows along = Rows::UnitX() + m * across;
   const double turn = (-y[0] + m * tangent) * m / tangent;
-  Matrix3 S = along * along.transpose() - turn * across * across.transpose();
-  S(1, 1) += turn;
-  S(2, 2) += turn;
+  Response S = along * along.transpose() - turn * across * across.transpose();
+  for (int k = 1; k < kRows; ++k) S(k, k) += turn;
   return S / (1 + m * m);
 }
 
 // Impulses at u. @returns the cost
-double PrimalProblem::evaluate() noexcept {
+template <int kRows>
+double PrimalProblemOf<kRows>::evaluate() noexcept {
   const Eigen::Index loops = loops_->cols();
   loops_u_.head(loops).noalias() = loops_->transpose() * u_;
   double cost = (u_.squaredNorm() + loops_u_.head(loops).squaredNorm()) / 2;
@@ -105,21 +129,25 @@ double PrimalProblem::evaluate() noexcept {
   return cost;
 }
 
-Vector3 PrimalProblem::product(const Contact& contact, const DofVector& v) const noexcept {
-  Vector3 result = Vector3::Zero();
+template <int kRows>
+typename PrimalProblemOf<kRows>::Rows PrimalProblemOf<kRows>::product(const Contact& contact,
+                                                                      const DofVector& v) const noexcept {
+  Rows result = Rows::Zero();
   int column = contact.first;
   for (const int dof : contact.dofs) result += v[dof] * Z_.col(column++);
   return result;
 }
 
-double PrimalProblem::product(const Bounded& row, const DofVector& v) const noexcept {
+template <int kRows>
+double PrimalProblemOf<kRows>::product(const Bounded& row, const DofVector& v) const noexcept {
   double result = 0;
   int column = row.first;
   for (const int dof : row.dofs) result += v[dof] * Z_(0, column++);
   return result;
 }
 
-void PrimalProblem::find_gradient() noexcept {
+template <int kRows>
+void PrimalProblemOf<kRows>::find_gradient() noexcept {
   gradient_ = u_;
   gradient_.noalias() += *loops_ * loops_u_.head(loops_->cols());
   for (int i = 0; i < contact_count_; ++i) {
@@ -135,14 +163,15 @@ void PrimalProblem::find_gradient() noexcept {
   }
 }
 
-void PrimalProblem::find_hessian() noexcept {
+template <int kRows>
+void PrimalProblemOf<kRows>::find_hessian() noexcept {
   hessian_.copy_values(constant_);
   for (int i = 0; i < contact_count_; ++i) {
     const Contact& contact = contacts_[static_cast<std::size_t>(i)];
     if (contact.zone == Zone::kApart) continue;
-    const Matrix3 S = response(contact, contact.y, contact.zone);
+    const Response S = response(contact, contact.y, contact.zone);
     for (std::size_t r = 0; r < contact.dofs.size(); ++r) {
-      const Vector3 SZ = S * Z_.col(contact.first + static_cast<int>(r));
+      const Rows SZ = S * Z_.col(contact.first + static_cast<int>(r));
       for (std::size_t c = 0; c <= r; ++c)
         hessian_.at(contact.dofs[r], contact.dofs[c]) += SZ.dot(Z_.col(contact.first + static_cast<int>(c)));
     }
@@ -159,11 +188,12 @@ void PrimalProblem::find_hessian() noexcept {
 }
 
 // Derivatives of the cost along d_.
-PrimalProblem::Slope PrimalProblem::slope_at(double a) const noexcept {
+template <int kRows>
+typename PrimalProblemOf<kRows>::Slope PrimalProblemOf<kRows>::slope_at(double a) const noexcept {
   Slope slope{line_.first + a * line_.second, line_.second};
   for (int i = 0; i < contact_count_; ++i) {
     const Contact& contact = contacts_[static_cast<std::size_t>(i)];
-    const Vector3 y = contact.y + a * contact.step;
+    const Rows y = contact.y + a * contact.step;
     Zone zone = Zone::kApart;
     slope.first -= project(contact, y, zone).dot(contact.step);
     if (zone != Zone::kApart) slope.second += contact.step.dot(response(contact, y, zone) * contact.step);
@@ -179,7 +209,8 @@ PrimalProblem::Slope PrimalProblem::slope_at(double a) const noexcept {
 
 // The lowest point along d_, as a share of it: Newton's method kept inside by bisection. The cost is convex
 // and its slope continuous.
-double PrimalProblem::search_line() noexcept {
+template <int kRows>
+double PrimalProblemOf<kRows>::search_line() noexcept {
   constexpr double kFlat = 1e-6;  // of the slope at the start: what is left costs no iteration
   const Eigen::Index loops = loops_->cols();
   loops_d_.head(loops).noalias() = loops_->transpose() * d_;
@@ -205,7 +236,8 @@ double PrimalProblem::search_line() noexcept {
   return a;
 }
 
-int PrimalProblem::solve(const DofVector& guess, double tolerance) noexcept {
+template <int kRows>
+int PrimalProblemOf<kRows>::solve(const DofVector& guess, double tolerance) noexcept {
   // Below this share the gradient may be rounding, and then shrinks no more.
   constexpr double kMayBeRounding = 1e-9;
   u_.setZero();
@@ -230,5 +262,9 @@ int PrimalProblem::solve(const DofVector& guess, double tolerance) noexcept {
     evaluate();
   }
 }
+
+template class PrimalProblemOf<3>;
+template class PrimalProblemOf<4>;
+template class PrimalProblemOf<6>;
 
 }  // namespace crossgait::contact

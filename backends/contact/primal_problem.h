@@ -20,21 +20,26 @@ namespace crossgait::contact {
 /// likewise over |x| <= bound. That is the problem MuJoCo's Newton solver has (MuJoCo 2.2 manual,
 /// "Computation > Constraint model", primal problem; Todorov 2014), and the dual of ConeProblem and
 /// BoundedRows. Its Hessian has the size of the robot, however many contacts there are.
-class PrimalProblem {
+/// @tparam kRows  of a contact: the normal and two tangents, with torsion, with rolling about both tangents:
+///                3, 4 or 6. Friction of all of them shares one cone.
+template <int kRows>
+class PrimalProblemOf {
  public:
   static constexpr int kMaxIterations = 100;
+  using Rows = Eigen::Matrix<double, kRows, 1>;
+  using RowsJacobian = Eigen::Matrix<double, kRows, Eigen::Dynamic, 0, kRows, kMaxDofs>;
 
   /// @param coupled  sets of dofs: those of the rows that will be added, and of the loops
-  PrimalProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction);
+  PrimalProblemOf(int dofs, const std::vector<std::vector<int>>& coupled, double friction);
 
   /// Without any row. @param loops  E: dofs x rows
   void begin(const Eigen::MatrixXd& loops) noexcept;
-  /// A contact (normal, two tangents), up to kMaxContacts.
+  /// A contact, up to kMaxContacts.
   /// @param dofs  that it moves, rising; has to stay as it is until `solve` is done
-  /// @param Z     3 x dofs, of which those columns alone are read
-  /// @param R     regularisation, > 0, the same for both tangents
-  void add_contact(std::span<const int> dofs, const PointJacobian& Z, const Vector3& R,
-                   const Vector3& b) noexcept;
+  /// @param Z     kRows x dofs, of which those columns alone are read
+  /// @param R     regularisation, > 0, the same for both tangents; of torsion and rolling such that
+  ///              coefficient^2 R is as of the tangents, which makes the cone a round one
+  void add_contact(std::span<const int> dofs, const RowsJacobian& Z, const Rows& R, const Rows& b) noexcept;
   /// A row whose impulse is within +-bound, up to kMaxJoints. @param z  by dofs, R > 0
   void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b, double bound) noexcept;
 
@@ -46,10 +51,11 @@ class PrimalProblem {
 
   const DofVector& u() const noexcept { return u_; }
   /// Impulse of the contact that was added as the i-th.
-  Vector3 contact_impulse(int i) const noexcept;
+  Rows contact_impulse(int i) const noexcept;
   double bounded_impulse(int i) const noexcept;
 
  private:
+  using Response = Eigen::Matrix<double, kRows, kRows>;
   enum class Zone { kApart, kStick, kSlip };
   // In units of R^(1/2): the impulse of a contact is then the point of its cone nearest to -y, and its cost
   // half the square of that.
@@ -57,8 +63,8 @@ class PrimalProblem {
     std::span<const int> dofs;
     int first;  // column of Z_
     double slope;
-    Vector3 scale;          // R^(-1/2)
-    Vector3 b, y, step, x;  // y = Z'u + b, step = Z'd, x impulse
+    Rows scale;          // R^(-1/2)
+    Rows b, y, step, x;  // y = Z'u + b, step = Z'd, x impulse
     Zone zone;
   };
   struct Bounded {
@@ -70,9 +76,10 @@ class PrimalProblem {
     double first, second;  // derivatives
   };
 
-  static Vector3 project(const Contact& contact, const Vector3& y, Zone& zone) noexcept;
-  static Matrix3 response(const Contact& contact, const Vector3& y, Zone zone) noexcept;
-  Vector3 product(const Contact& contact, const DofVector& v) const noexcept;
+  static double tangent_of(const Rows& y) noexcept;
+  static Rows project(const Contact& contact, const Rows& y, Zone& zone) noexcept;
+  static Response response(const Contact& contact, const Rows& y, Zone zone) noexcept;
+  Rows product(const Contact& contact, const DofVector& v) const noexcept;
   double product(const Bounded& row, const DofVector& v) const noexcept;
   double evaluate() noexcept;
   void find_gradient() noexcept;
@@ -84,12 +91,18 @@ class PrimalProblem {
   int columns_ = 0, contact_count_ = 0, bounded_count_ = 0;
   std::array<Contact, kMaxContacts> contacts_;
   std::array<Bounded, kMaxJoints> bounded_;
-  Eigen::Matrix3Xd Z_;  // of all rows, one after the other; of a bounded one the first row
+  Eigen::Matrix<double, kRows, Eigen::Dynamic>
+      Z_;  // of all rows, one after the other; of a bounded one the first row
   const Eigen::MatrixXd* loops_ = nullptr;
   Eigen::VectorXd loops_u_, loops_d_;  // E'u, E'd
   SparseSymmetric constant_, hessian_;
   DofVector u_, gradient_, d_;
   Slope line_{};  // along d_ of what is not rows
 };
+
+extern template class PrimalProblemOf<3>;
+extern template class PrimalProblemOf<4>;
+extern template class PrimalProblemOf<6>;
+using PrimalProblem = PrimalProblemOf<3>;
 
 }  // namespace crossgait::contact

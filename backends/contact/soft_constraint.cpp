@@ -16,7 +16,9 @@ SoftLaw::SoftLaw(const Softness& softness, double step)
     : step_(step),
       min_(std::clamp(softness.impedance_min, kMinImpedance, kMaxImpedance)),
       max_(std::clamp(softness.impedance_max, kMinImpedance, kMaxImpedance)),
-      width_(softness.impedance_width) {
+      width_(softness.impedance_width),
+      midpoint_(std::clamp(softness.impedance_midpoint, kMinImpedance, kMaxImpedance)),
+      power_(softness.impedance_power) {
   const double time_constant = std::max(softness.time_constant, 2 * step);
   stiffness_ =
       1 / (max_ * max_ * time_constant * time_constant * softness.damping_ratio * softness.damping_ratio);
@@ -25,8 +27,12 @@ SoftLaw::SoftLaw(const Softness& softness, double step)
 
 double SoftLaw::impedance(double violation) const noexcept {
   const double x = std::min(std::abs(violation) / width_, 1.0);
-  const double y = x <= 0.5 ? 2 * x * x : 1 - 2 * (1 - x) * (1 - x);
-  return min_ + y * (max_ - min_);
+  const bool usual = midpoint_ == 0.5 && power_ == 2;
+  const double below = usual ? 2 * x * x : std::pow(x, power_) / std::pow(midpoint_, power_ - 1);
+  if (x <= midpoint_) return min_ + below * (max_ - min_);
+  const double above =
+      usual ? 2 * (1 - x) * (1 - x) : std::pow(1 - x, power_) / std::pow(1 - midpoint_, power_ - 1);
+  return min_ + (1 - above) * (max_ - min_);
 }
 
 }  // namespace crossgait::contact

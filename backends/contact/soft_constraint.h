@@ -7,7 +7,7 @@ namespace crossgait::contact {
 
 /// A soft row asks for  J v' + R lambda = J v - h (B J v + K imp r)  with impulse lambda, where r is the
 /// violation. Source: MuJoCo 2.2 manual, "Computation > Constraint model"; coefficients of
-/// engine_core_constraint.c (getimpedance, mj_makeImpedance) with solimp's midpoint 0.5 and power 2.
+/// engine_core_constraint.c (getimpedance, mj_makeImpedance).
 class SoftLaw {
  public:
   /// @param step physics step h, s; MuJoCo keeps the time constant at two steps or more
@@ -25,7 +25,7 @@ class SoftLaw {
   }
 
  private:
-  double step_, stiffness_, damping_, min_, max_, width_;
+  double step_, stiffness_, damping_, min_, max_, width_, midpoint_, power_;
 };
 
 }  // namespace crossgait::contact

@@ -45,14 +45,17 @@ std::string placement(const Pose& X) {
 
 // @param suffix of the attributes' names: "" or "friction"
 std::string softness(const Softness& s, std::string_view suffix = "") {
-  return fmt::format("solref{}='{:.17g} {:.17g}' solimp{}='{:.17g} {:.17g} {:.17g} 0.5 2'", suffix,
+  return fmt::format("solref{}='{:.17g} {:.17g}' solimp{}='{:.17g} {:.17g} {:.17g} {:.17g} {:.17g}'", suffix,
                      s.time_constant, s.damping_ratio, suffix, s.impedance_min, s.impedance_max,
-                     s.impedance_width);
+                     s.impedance_width, s.impedance_midpoint, s.impedance_power);
 }
 
 std::string contact_attributes(const ContactSpec& contact, int type, int affinity, int group) {
-  return fmt::format("contype='{}' conaffinity='{}' group='{}' condim='3' friction='{:.17g} 0 0' {}", type,
-                     affinity, group, contact.friction, softness(contact.softness));
+  const bool twists = contact.condim >= 4, rolls = contact.condim >= 6;
+  return fmt::format(
+      "contype='{}' conaffinity='{}' group='{}' condim='{}' friction='{:.17g} {:.17g} {:.17g}' {}", type,
+      affinity, group, contact.condim, contact.friction, twists ? contact.torsional_friction : 0,
+      rolls ? contact.rolling_friction : 0, softness(contact.softness));
 }
 
 std::string shape_geometry(const CollisionShape& shape) {
@@ -168,15 +171,18 @@ std::string model_xml(const WorldSpec& spec) {
       "<mujoco><compiler angle='radian' inertiafromgeom='false' balanceinertia='false' boundmass='0' "
       "boundinertia='0' autolimits='false'/>");
   xml.add(
-      "<option timestep='{:.17g}' gravity='{}' integrator='Euler' solver='Newton' cone='elliptic' "
+      "<option timestep='{:.17g}' gravity='{}' integrator='Euler' solver='Newton' cone='{}' "
       "jacobian='dense' iterations='{}' tolerance='{:.17g}' impratio='{:.17g}'/>",
-      spec.physics_dt, numbers(spec.gravity), spec.solver.iterations, solver_tolerance(spec.solver.tolerance),
-      spec.contact.impratio);
+      spec.physics_dt, numbers(spec.gravity), name(spec.contact.cone), spec.solver.iterations,
+      solver_tolerance(spec.solver.tolerance), spec.contact.impratio);
   // As much room as can be needed (terrain_collision.h): MuJoCo's own memory grows with the square of the
   // rows.
   const std::size_t loops = spec.robot->loops.size();
   const auto joints = static_cast<std::size_t>(spec.robot->joint_count());
-  xml.add("<size nconmax='{}' njmax='{}'/>", kMaxContacts, 3 * kMaxContacts + 3 * loops + joints);
+  // An elliptic cone has a row for each dimension, a pyramid two for each direction of friction.
+  const auto dims = static_cast<std::size_t>(spec.contact.condim);
+  const std::size_t rows = spec.contact.cone == FrictionCone::kPyramidal ? 2 * (dims - 1) : dims;
+  xml.add("<size nconmax='{}' njmax='{}'/>", kMaxContacts, rows * kMaxContacts + 3 * loops + joints);
   if (const HeightField* field = spec.terrain.field()) {
     // The second figure is the depth of the solid below the lowest point.
     xml.add("<asset><hfield name='terrain' nrow='{}' ncol='{}' size='{:.17g} {:.17g} {:.17g} 0.1'/></asset>",

@@ -29,7 +29,7 @@ Vector3 body_origin(const RobotDescription& robot, int body);
 double elevation_scale(const HeightField& field);
 
 /// MuJoCo's mapping of the contact intent: solref = (time_constant, damping_ratio), solimp = (impedance_min,
-/// impedance_max, impedance_width, 0.5, 2), elliptic cones, condim 3, sliding friction alone. Newton's
+/// impedance_max, impedance_width, impedance_midpoint, impedance_power), of robot and ground alike. Newton's
 /// method, Euler integration; damping and servo torques come from outside, so joints carry armature only.
 /// Heights of a field are filled in by the caller after compilation (MJCF text cannot hold them).
 std::string model_xml(const WorldSpec& spec);

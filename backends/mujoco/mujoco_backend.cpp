@@ -34,7 +34,11 @@ EngineInfo make_info(bool loop_bias) {
            .loops = kHasLoopBias && loop_bias ? "mujoco with velocity bias" : "mujoco",
            .joint_friction = "mujoco",
            .contact_family = "compliant"},
-          {.soft_contact = true, .soft_friction = true, .exact_field_query = true},
+          {.soft_contact = true,
+           .soft_friction = true,
+           .turning_friction = true,
+           .pyramidal_cone = true,
+           .exact_field_query = true},
           {}};
 }
 
@@ -179,8 +183,7 @@ class MujocoBackend final : public PhysicsBackend {
       const bool robot_first = c.geom1 != terrain_geom_;
       const ShapeOwner owner = owners_[static_cast<std::size_t>(robot_first ? c.geom1 : c.geom2)];
       const double sign = robot_first ? -1.0 : 1.0;  // MuJoCo's normal points from the first to the second
-      // Contact frame: rows of the 3x3 are normal and two tangents; elliptic cones keep force and velocity in
-      // it.
+      // Contact frame: rows of the 3x3 are normal and two tangents.
       const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> frame(c.frame);
       Contact contact;
       contact.body = owner.body;
@@ -188,11 +191,27 @@ class MujocoBackend final : public PhysicsBackend {
       contact.p_WP = vector(c.pos);
       contact.normal = sign * frame.row(0).transpose();
       contact.distance = c.dist;
-      contact.force = sign * (frame.transpose() * vector(d.efc_force + c.efc_address));
-      contact.slip_speed = std::hypot(d.efc_vel[c.efc_address + 1], d.efc_vel[c.efc_address + 2]);
+      contact.force = sign * (frame.transpose() * force_in_frame(i));
+      contact.slip_speed = slip_speed(c);
       contacts.add(contact);
     }
     contacts.dropped = collision_.dropped();
+  }
+
+  // Elliptic cones keep force and velocity in the contact's frame; of a pyramid each direction of friction
+  // has two edges, of the normal plus and minus its coefficient times the tangent.
+  Vector3 force_in_frame(int contact) const noexcept {
+    if (spec().contact.cone == FrictionCone::kElliptic)
+      return vector(data_->efc_force + data_->contact[contact].efc_address);
+    std::array<mjtNum, 6> force{};
+    mj_contactForce(model_.get(), data_.get(), contact, force.data());
+    return vector(force.data());
+  }
+
+  double slip_speed(const mjContact& c) const noexcept {
+    const mjtNum* const v = data_->efc_vel + c.efc_address;
+    if (spec().contact.cone == FrictionCone::kElliptic) return std::hypot(v[1], v[2]);
+    return std::hypot((v[0] - v[1]) / (2 * c.friction[0]), (v[2] - v[3]) / (2 * c.friction[1]));
   }
 
   double do_terrain_height(double x, double y) const override {

@@ -18,11 +18,13 @@ Loops::Loops(const WorldSpec& spec) : spec_(spec) {
                                weights[static_cast<std::size_t>(loop.body_b)]);
 }
 
-// Rises from its least to its greatest value over impedance_width, as two parabolas.
+// Rises from its least to its greatest value over impedance_width, as two powers that meet at the midpoint.
 double Loops::impedance(double gap) const noexcept {
   const Softness& soft = spec_.robot->loop_softness;
   const double x = std::min(gap / soft.impedance_width, 1.0);
-  const double y = x <= 0.5 ? 2 * x * x : 1 - 2 * (1 - x) * (1 - x);
+  const double p = soft.impedance_power, middle = soft.impedance_midpoint;
+  const double y = x <= middle ? std::pow(x, p) / std::pow(middle, p - 1)
+                               : 1 - std::pow(1 - x, p) / std::pow(1 - middle, p - 1);
   return soft.impedance_min + y * (soft.impedance_max - soft.impedance_min);
 }
 

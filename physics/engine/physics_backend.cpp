@@ -28,6 +28,23 @@ bool is_sane(const RobotState& s) noexcept {
 
 }  // namespace
 
+std::vector<std::string> not_of_law(const ContactSpec& contact, const Capabilities& has) {
+  const bool soft = has.soft_contact || has.soft_friction;
+  const std::pair<std::string_view, bool> concerns[] = {
+      {"condim", has.turning_friction},
+      {"impratio", has.soft_friction},
+      {"cone", has.pyramidal_cone},
+      {"solref", soft},
+      {"solimp", soft},
+  };
+  std::vector<std::string> names;
+  for (const auto& [name, is_of_law] : concerns) {
+    const ContactSetting& setting = find_contact_setting(name, "world specification");
+    if (!is_of_law && setting.get(contact) != setting.get(ContactSpec())) names.emplace_back(name);
+  }
+  return names;
+}
+
 std::vector<std::string> shared_parts(const EngineInfo& a, const EngineInfo& b) {
   std::vector<std::string> shared{"places, normals and depths of contacts", "shape of the ground",
                                   "servo law and drives", "order of a time step"};

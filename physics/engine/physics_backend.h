@@ -14,9 +14,11 @@ namespace crossgait {
 
 /// What an engine and mode declares; tests skip on these and on nothing else.
 struct Capabilities {
-  bool soft_contact = false;   ///< honours ContactSpec::softness
-  bool soft_friction = false;  ///< honours ContactSpec::impratio
-  bool sweeps = false;         ///< SolverSpec::iterations bounds what it finds, not only its effort
+  bool soft_contact = false;      ///< honours ContactSpec::softness
+  bool soft_friction = false;     ///< honours ContactSpec::impratio
+  bool turning_friction = false;  ///< honours ContactSpec::condim, torsional and rolling friction
+  bool pyramidal_cone = false;    ///< honours ContactSpec::cone
+  bool sweeps = false;            ///< SolverSpec::iterations bounds what it finds, not only its effort
   bool exact_field_query =
       false;  ///< terrain_height is exact to rounding (1e-12 m) rather than to the ray test (2e-6 m)
   bool allocates = false;  ///< the engine's own library allocates in a step
@@ -55,6 +57,10 @@ struct EngineInfo {
 
   bool operator==(const EngineInfo&) const = default;
 };
+
+/// Names those settings of `contact` that are not as by default and make no difference under the laws of an
+/// engine with these capabilities: "impratio". Friction is of every law.
+std::vector<std::string> not_of_law(const ContactSpec& contact, const Capabilities& capabilities);
 
 /// Lists Crossgait's own code that both run on: what they agree in for that reason is no evidence.
 std::vector<std::string> shared_parts(const EngineInfo& a, const EngineInfo& b);

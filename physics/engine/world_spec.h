@@ -11,14 +11,6 @@ namespace crossgait {
 /// Physics steps, s. A thousandth of the usual one is far beyond where the engines' results stop changing.
 inline constexpr double kShortestPhysicsStep = 1e-6, kLongestPhysicsStep = 0.1;
 
-/// The contact *intent*. How each engine realises it is one documented function per engine
-/// (backends/mujoco/model_xml.cpp, backends/contact/soft_constraint.h, backends/bullet/native_contact.cpp).
-struct ContactSpec {
-  double friction = 0.6;  ///< Coulomb coefficient between robot and terrain
-  Softness softness;      ///< of the contact normal; `native` Bullet contacts are hard and ignore it
-  double impratio = 1.0;  ///< MuJoCo's ratio of frictional to normal impedance
-};
-
 /// Effort of the iterative parts of an engine's solver.
 struct SolverSpec {
   double tolerance = 1e-8;  ///< MuJoCo Newton and the matched cone solve stop here

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "physics/core/math.h"
+#include "physics/robot/contact_settings.h"
 #include "physics/robot/leg.h"
 
 namespace crossgait {
@@ -139,20 +140,13 @@ struct LegModel {
   int joint(std::string_view role) const noexcept;
 };
 
-/// Softness of a constraint, in MuJoCo's terms (MuJoCo manual, "Computation > Constraint model >
-/// Parameters"). These are its defaults.
-struct Softness {
-  double time_constant = 0.02;  ///< s, at least two physics steps
-  double damping_ratio = 1.0;
-  double impedance_min = 0.9, impedance_max = 0.95, impedance_width = 0.001;  ///< -, -, m
-};
-
 /// Everything the engines need to know of a robot.
 struct RobotDescription {
   std::string name;
   std::string source;        ///< file it came from, for messages
   std::vector<Body> bodies;  ///< topological order, base first
   std::vector<LoopClosure> loops;
+  ContactSettings contact;  ///< what its files ask of contacts; a world may say otherwise
   Softness loop_softness{0.005, 1.0, 0.95, 0.99, 0.001};
   /// Softens dry friction in joints, which engines with hard joint friction ignore; nothing is ever violated,
   /// so damping ratio and width do not count. Stiffer than MuJoCo's defaults, with which friction pushes a

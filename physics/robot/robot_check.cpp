@@ -104,6 +104,10 @@ void check_softness(const Softness& soft, std::string_view source, std::string e
   report.positive(soft.time_constant, "time_constant (s)", 10);  // as of contacts (world_spec.cpp)
   report.positive(soft.damping_ratio, "damping_ratio", 100);
   report.positive(soft.impedance_width, "impedance_width (m)", 1);
+  report.require(soft.impedance_midpoint > 0 && soft.impedance_midpoint < 1, "0 < impedance_midpoint < 1",
+                 fmt::format("{}", soft.impedance_midpoint));
+  report.require(soft.impedance_power >= 1 && soft.impedance_power <= 100, "1 <= impedance_power <= 100",
+                 fmt::format("{}", soft.impedance_power));
   report.require(soft.impedance_min > 0 && soft.impedance_min <= soft.impedance_max && soft.impedance_max < 1,
                  "0 < impedance_min <= impedance_max < 1",
                  fmt::format("{} and {}", soft.impedance_min, soft.impedance_max));
@@ -239,6 +243,9 @@ void check_structure(const RobotDescription& robot) {
   }
   check_bodies(robot);
   check_loops(robot);
+  ContactSpec contact;
+  robot.contact.apply(contact);
+  validate_contact(contact, source_of(robot));
   check_softness(robot.loop_softness, source_of(robot), "loop_softness");
   check_softness(robot.friction_softness, source_of(robot), "friction_softness");
 }

@@ -100,18 +100,27 @@ void for_each_member(T& leg, Visit&& visit) {
 /// Names are those of robot.yaml.
 template <MaybeConst<Softness> T, typename Visit>
 void for_each_member(T& softness, Visit&& visit) {
-  auto& [time_constant, damping_ratio, impedance_min, impedance_max, impedance_width] = softness;
+  auto& [time_constant, damping_ratio, impedance_min, impedance_max, impedance_width, impedance_midpoint,
+         impedance_power] = softness;
   visit("time_constant", time_constant), visit("damping_ratio", damping_ratio);
   visit("impedance_min", impedance_min), visit("impedance_max", impedance_max);
-  visit("impedance_width", impedance_width);
+  visit("impedance_width", impedance_width), visit("impedance_midpoint", impedance_midpoint);
+  visit("impedance_power", impedance_power);
+}
+
+template <MaybeConst<ContactSettings> T, typename Visit>
+void for_each_member(T& contact, Visit&& visit) {
+  auto& [said] = contact;
+  visit("said", said);
 }
 
 template <MaybeConst<RobotDescription> T, typename Visit>
 void for_each_member(T& robot, Visit&& visit) {
-  auto& [name, source, bodies, loops, loop_softness, friction_softness, legs, home, home_height,
+  auto& [name, source, bodies, loops, contact, loop_softness, friction_softness, legs, home, home_height,
          standing_height, stance_offset] = robot;
   visit("name", name), visit("source", source), visit("bodies", bodies), visit("loops", loops);
-  visit("loop_softness", loop_softness), visit("friction_softness", friction_softness), visit("legs", legs);
+  visit("contact", contact), visit("loop_softness", loop_softness),
+      visit("friction_softness", friction_softness), visit("legs", legs);
   visit("home", home), visit("home_height", home_height), visit("standing_height", standing_height);
   visit("stance_offset", stance_offset);
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "physics/robot/robot_members.h"
+#include "physics/robot_files/robot_contact.h"
 #include "physics/robot_files/robot_formats.h"
 #include "physics/robot_files/robot_servos.h"
 
@@ -32,6 +33,8 @@ LoadedRobot RobotBuilder::load() {
   read_softness("loop_softness", robot_.loop_softness);
   read_softness("friction_softness", robot_.friction_softness);
   read_feet();
+  robot_.contact = contact_of_feet(robot_, report_);
+  if (const auto contact = find("contact")) robot_.contact.add(read_contact_settings(*contact));
   name_servos();
   check_before_home();
   read_heights_and_home();

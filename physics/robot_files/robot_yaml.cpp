@@ -6,6 +6,7 @@
 #include "physics/core/yaml_reader.h"
 #include "physics/robot/joint_numbers.h"
 #include "physics/robot/robot_members.h"
+#include "physics/robot_files/robot_contact.h"
 #include "physics/robot_files/robot_formats.h"
 #include "physics/robot_files/robot_report.h"
 
@@ -120,6 +121,7 @@ std::string to_yaml(const LoadedRobot& loaded, const std::string& file) {
   std::vector<std::string> locked;
   for (const std::string& joint : report.locked) locked.push_back(yaml_quoted(joint));
   out += fmt::format("locked: [{}]  # joints held at zero\n", fmt::join(locked, ", "));
+  if (!robot.contact.is_empty()) out += fmt::format("contact: {}\n", yaml_of(robot.contact));
   out += yaml_joints(robot) + yaml_softness("friction_softness", robot.friction_softness) + yaml_legs(robot) +
          yaml_loops(robot) + yaml_home(robot);
   return out + fmt::format(

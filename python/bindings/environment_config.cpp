@@ -74,7 +74,10 @@ struct Key {
 constexpr Key kKeys[] = {
     {"engine", "def engine(self) -> str", "Its name; see `crossgait.engines()`.", "", ""},
     {"terrain_seed", "def terrain_seed(self) -> int", "Of a random terrain.", "", ""},
-    {"friction", "def friction(self) -> float", "Of the ground.", "", ""},
+    {"friction", "def friction(self) -> float | None",
+     "Between robot and ground; None: the robot file's, or 0.6.", "null", ""},
+    {"contact", "def contact(self) -> dict[str, float | str | list[float]]",
+     "Other settings of contact (impratio, solref, condim, ...), those that are said.", "{}", ""},
     {"servos", "def servos(self) -> dict[str, float | dict[str, float]]",
      "By setting (kp, kd, ...), one number for all servos or numbers by joint, in the place of the robot's.",
      "{}", ""},
@@ -105,11 +108,11 @@ constexpr Key kKeys[] = {
     {"control_dt", "def control_dt(self) -> float", "s.", "", ""},
     {"policy_dt", "def policy_dt(self) -> float", "s.", "", ""},
     {"episode_seconds", "def episode_seconds(self) -> float", "s.", "", ""},
-    {"settle_seconds", "def settle_seconds(self) -> float", "Consensus before the first observation, s.", "",
+    {"settle_seconds", "def settle_seconds(self) -> float", "Standing before the first observation, s.", "",
      ""},
     {"tilt_limit_deg", "def tilt_limit_deg(self) -> float", "Roll or pitch beyond it is a fall.", "", ""},
-    {"terminations", "def ends(self) -> list[str]", "Outcomes that end an episode; divergence always does.",
-     "", ""},
+    {"terminations", "def terminations(self) -> list[str]",
+     "Outcomes that end an episode; divergence always does.", "", ""},
     {"randomisation", "def randomisation(self) -> dict[str, list[float]]",
      "[min, max] of what differs from episode to episode.", "{}", ""},
 };
@@ -125,7 +128,8 @@ nb::object attribute(const EnvConfig& config, const Key& key) {
 constexpr const char* kConstructor =
     "def __init__(self, *, preset: str | None = None, engine: str | None = None, robot: str | "
     "os.PathLike[str] | None = None, terrain: str | os.PathLike[str] | None = None, terrain_seed: int | None "
-    "= None, friction: float | None = None, servos: collections.abc.Mapping[str, typing.Any] | None = None, "
+    "= None, friction: float | None = None, contact: collections.abc.Mapping[str, typing.Any] | None = None, "
+    "servos: collections.abc.Mapping[str, typing.Any] | None = None, "
     "action: str | None = None, joints: collections.abc.Mapping[str, typing.Any] | None = None, gait: str | "
     "None = None, parameters: collections.abc.Mapping[str, float | str] | None = None, adapt: "
     "collections.abc.Sequence[str] | None = None, ranges: collections.abc.Mapping[str, "
@@ -134,7 +138,7 @@ constexpr const char* kConstructor =
     "collections.abc.Mapping[str, float] | None = None, observation: collections.abc.Sequence[typing.Any] | "
     "None = None, reward: collections.abc.Mapping[str, float] | None = None, physics_dt: float | None = "
     "None, control_dt: float | None = None, policy_dt: float | None = None, episode_seconds: float | None = "
-    "None, settle_seconds: float | None = None, tilt_limit_deg: float | None = None, ends: "
+    "None, settle_seconds: float | None = None, tilt_limit_deg: float | None = None, terminations: "
     "collections.abc.Sequence[str] | None = None, randomisation: collections.abc.Mapping[str, "
     "collections.abc.Sequence[float]] | None = None) -> None";
 

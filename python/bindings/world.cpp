@@ -1,6 +1,7 @@
 // One world in one engine, to be driven by hand.
 #include <nanobind/eigen/dense.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
@@ -34,7 +35,8 @@ Vector3 vector3(const nb::object& given, const char* what) {
 }
 
 std::unique_ptr<PhysicsBackend> make_world(const Robot& robot, const Terrain& terrain,
-                                           const std::string& engine, double friction, double physics_dt,
+                                           const std::string& engine, std::optional<double> friction,
+                                           const std::string& contact, double physics_dt,
                                            const nb::object& gravity, bool fixed_base) {
   WorldSpec spec;
   spec.robot = robot.description;
@@ -42,7 +44,10 @@ std::unique_ptr<PhysicsBackend> make_world(const Robot& robot, const Terrain& te
   spec.physics_dt = physics_dt;
   spec.gravity = vector3(gravity, "gravity");
   spec.fixed_base = fixed_base;
-  spec.contact.friction = friction;
+  ContactSettings asked;
+  if (!contact.empty()) asked = parse_contact_settings(contact, "world");
+  if (friction) asked.set("friction", std::vector{*friction}, "world", "friction");
+  spec.contact = resolve_contact(robot.description->contact, asked, "world");
   const nb::gil_scoped_release release;
   auto world = make_world(engine.empty() ? available_engines().front() : engine, spec);
   world->reset();
@@ -146,11 +151,13 @@ void bind_world(nb::module_& m) {
                              "it, another's call raises "
                              "RuntimeError.")
       .def(nb::new_(&make_world), nb::arg("robot"), nb::arg("terrain") = Terrain(), nb::arg("engine") = "",
-           nb::kw_only(), nb::arg("friction") = 0.6, nb::arg("physics_dt") = 1e-3,
-           nb::arg("gravity") = nb::make_tuple(0.0, 0.0, -9.81), nb::arg("fixed_base") = false,
+           nb::kw_only(), nb::arg("friction") = nb::none(), nb::arg("contact") = "",
+           nb::arg("physics_dt") = 1e-3, nb::arg("gravity") = nb::make_tuple(0.0, 0.0, -9.81),
+           nb::arg("fixed_base") = false,
            "The robot in its home pose. `engine` \"\" is the first that is available; `friction` the Coulomb "
            "coefficient "
-           "between robot and ground; times in s, gravity in m/s^2. Raises ConfigError.")
+           "between robot and ground (None: the robot file's, or 0.6); `contact` says other settings as "
+           "`--contact` does, e.g. impratio=100; times in s, gravity in m/s^2. Raises ConfigError.")
       .def_prop_ro("engine", guarded([](const PhysicsBackend& w) { return w.info().name; }))
       .def_prop_ro("physics_dt", guarded([](const PhysicsBackend& w) { return w.spec().physics_dt; }), "s.")
       .def("reset", guarded([](PhysicsBackend& w) { w.reset(); }),

@@ -54,7 +54,9 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         WalkOption{"--robot scara_quadruped_long", "/robot/name", "scara_quadruped_long"},
         WalkOption{"--terrain waves", "/terrain", "waves"}, WalkOption{"--seed 7", "/terrain_seed", 7},
-        WalkOption{"--physics-dt .0005", "/physics_dt", 5e-4}, WalkOption{"--friction .2", "/friction", .2},
+        WalkOption{"--physics-dt .0005", "/physics_dt", 5e-4},
+        WalkOption{"--friction .2", "/contact/friction/0", .2},
+        WalkOption{"--contact impratio=10", "/contact/impratio/0", 10.0},
         WalkOption{"--gait walk", "/gait", "walk"},
         WalkOption{"--set step_length=.02", "/parameters/step_length", .02},
         WalkOption{"--speed .1", "/command", {{"vx", .1}, {"vy", 0}, {"yaw_rate", 0}}},

@@ -110,7 +110,7 @@ TEST_F(Provenances, HoldWhatTheWalkWasMadeOf) {
   EXPECT_EQ(p["files"].size(), 3U);
   const json& walk = p["behaviour"];
   EXPECT_EQ(walk["robot"]["name"], "scara_quadruped");
-  for (const char* key : {"terrain", "terrain_seed", "friction", "physics_dt", "control_dt", "gait",
+  for (const char* key : {"terrain", "terrain_seed", "contact", "physics_dt", "control_dt", "gait",
                           "parameters", "seconds", "settle_seconds", "terminations", "compensation"}) {
     EXPECT_TRUE(walk.contains(key)) << key;
   }

@@ -200,7 +200,7 @@ TEST(CompareCommand, AsksForParityWhereLawsAreTheSame) {
   EXPECT_FALSE(result.contains("verdict"));
 }
 
-TEST(CompareCommand, FailsWhereRequiredParityIsMissed) {
+TEST(CompareCommand, RequiredParityIsNotMissedByChaos) {
   const auto same = engines_of_one_law();
   if (!same) GTEST_SKIP() << "no two engines of one law";
   // Tumbling over high bumps, rounding grows from 1e-15 m to beyond 1e-6 m within some seconds.
@@ -208,9 +208,10 @@ TEST(CompareCommand, FailsWhereRequiredParityIsMissed) {
       "compare --terrain rough:amplitude=.08 --gait trot:guide --seconds 10 --engines " + *same;
   const json result = run_json(compare);
   ASSERT_TRUE(result["pairs"][0]["first_divergence"].is_object()) << result["pairs"];
+  EXPECT_LT(result["pairs"][0]["one_step"]["joint_rad"], 1e-9);
+  EXPECT_GT(result["pairs"][0]["growth"]["per_half_second"], 1.5);
   const ProgramResult required = run_program(compare + " --require");
-  EXPECT_EQ(required.exit_code, 1);
-  EXPECT_NE(required.err.find("parity"), std::string::npos) << required.err;
+  EXPECT_EQ(required.exit_code, 0) << required.err;
 }
 
 TEST(CompareCommand, RequiresParityOfEnginesOfOneLawAlone) {

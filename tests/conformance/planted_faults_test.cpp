@@ -119,6 +119,7 @@ std::vector<Planted> of_contact() {
       {"friction_cone_field", of_friction(1.15)},
       {"soft_friction", [](WorldSpec& spec) { spec.contact.impratio = 1; }},
       {"hard_friction", of_friction(0.3)},
+      {"turning_friction", [](WorldSpec& spec) { spec.contact.rolling_friction *= 1.3; }},
       {"sled_stops", of_friction(1.15)},
       {"no_friction", [](WorldSpec& spec) { spec.contact.friction += 1e-3; }},
       {"slip_speed", of_terrain("slope:angle=10,size_x=4,size_y=4,cell=0.05,flat_radius=0")},

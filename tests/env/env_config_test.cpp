@@ -41,7 +41,7 @@ TEST(EnvConfig, ReadsBackWhatItWrites) {
   c.reward.fill(0);
   c.reward[find_reward_term("alive")] = 0.25;
   c.robot = "scara_quadruped_long";
-  c.friction = 0.375;
+  c.contact = parse_contact_settings("friction=0.375,impratio=100,cone=pyramidal,solref=0.005:1", "test");
   c.physics_dt = 5e-4;
   c.control_dt = 4e-3;
   c.policy_dt = 0.02;
@@ -53,9 +53,10 @@ TEST(EnvConfig, ReadsBackWhatItWrites) {
   const EnvConfig back = parse_env_config(to_yaml(c), "round trip");
   EXPECT_EQ(to_yaml(back), to_yaml(c));
   for (double EnvConfig::*number :
-       {&EnvConfig::friction, &EnvConfig::physics_dt, &EnvConfig::control_dt, &EnvConfig::policy_dt,
-        &EnvConfig::episode_seconds, &EnvConfig::settle_seconds, &EnvConfig::tilt_limit_deg})
+       {&EnvConfig::physics_dt, &EnvConfig::control_dt, &EnvConfig::policy_dt, &EnvConfig::episode_seconds,
+        &EnvConfig::settle_seconds, &EnvConfig::tilt_limit_deg})
     EXPECT_EQ(back.*number, c.*number);
+  EXPECT_EQ(back.contact.said, c.contact.said);
   EXPECT_EQ(back.residual_scale, c.residual_scale);
   EXPECT_EQ(back.engine, c.engine);
   EXPECT_EQ(back.robot, c.robot);

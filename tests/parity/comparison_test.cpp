@@ -7,6 +7,7 @@
 
 #include "backends/registry.h"
 #include "motion/gait_source.h"
+#include "parity/one_step.h"
 #include "physics/robot_files/data_path.h"
 #include "tests/support/motion_bits.h"
 
@@ -76,6 +77,66 @@ TEST(WalksInStep, AreTheWalksAloneAndComparedLikeTheirTraces) {
       EXPECT_EQ(p.same_laws, runs[i].engine.laws == runs[k].engine.laws);
     }
   }
+}
+
+// A control step from the same state is the same in engines of one law, and another one under another law,
+// whatever chaos makes of the walks.
+TEST(OneStep, TellsALawFromChaos) {
+  const std::vector<std::string> names = available_engines();
+  std::vector<std::size_t> matched;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (find_engine(names[i]).info.laws == find_engine(names.front()).info.laws) matched.push_back(i);
+  }
+  if (matched.size() < 2) GTEST_SKIP() << "no two engines of one law";
+  const auto compared = [&](const WorldSpec& of_others) {
+    std::vector<std::unique_ptr<PhysicsBackend>> all;
+    for (const std::size_t i : matched) {
+      const bool first = i == matched.front();
+      all.push_back(find_engine(names[i]).make(first ? rough() : of_others));
+    }
+    return compare_engines(all, trot(1.5), {}, {}, {}, [&](std::size_t place) {
+      return find_engine(names[matched[place]]).make(of_others);
+    });
+  };
+  const Comparison same = compared(rough());
+  ASSERT_TRUE(same.pairs.front().one_step);
+  EXPECT_EQ(same.pairs.front().one_step->steps, 749);  // but for the first of 750
+  for (const PairDifference& pair : same.pairs) EXPECT_LT(pair.one_step->largest(), kOneStepTolerance / 10);
+  EXPECT_TRUE(missed_parity(same).empty());
+  WorldSpec other = rough();
+  other.contact.friction *= 1.01;
+  const Comparison wrong = compared(other);
+  EXPECT_GT(wrong.pairs.front().one_step->largest(), 10 * kOneStepTolerance);
+  ASSERT_FALSE(missed_parity(wrong).empty());
+  EXPECT_NE(missed_parity(wrong).front().find("after one control step"), std::string::npos);
+}
+
+// Two walks of one law that chaos parts are the same; what parts at once, or without a look at single steps,
+// is not.
+TEST(MissedParity, IsNoMatterOfChaos) {
+  Comparison comparison;
+  for (const char* engine : {"a", "b"}) {
+    comparison.runs.emplace_back();
+    comparison.runs.back().engine.name = engine;
+  }
+  PairDifference& pair = comparison.pairs.emplace_back();
+  pair.a = "a", pair.b = "b", pair.same_laws = true;
+  pair.one_step = OneStepDifference{1e-12, 1e-12, 1e-12, 3, 1000};
+  EXPECT_TRUE(missed_parity(comparison).empty());
+  pair.first_divergence = FirstDivergence{"joint", 12.5, 1e-6};
+  comparison.runs.back().summary.physics_steps = 1;  // it fell
+  EXPECT_TRUE(missed_parity(comparison).empty());
+  pair.first_divergence->time_s = 0.9;
+  EXPECT_EQ(missed_parity(comparison), std::vector<std::string>{"a and b (beyond 1e-06 at 0.900 s)"});
+  pair.first_divergence->time_s = 12.5;
+  pair.one_step.reset();
+  EXPECT_EQ(missed_parity(comparison).size(), 1U);
+  pair.first_divergence.reset();
+  EXPECT_EQ(missed_parity(comparison), std::vector<std::string>{"a and b (walks of different lengths)"});
+  pair.one_step = OneStepDifference{2e-8, 0, 0, 3, 1000};
+  EXPECT_NE(missed_parity(comparison).front().find("2e-08 apart after one control step"), std::string::npos);
+  pair.same_laws = false;
+  EXPECT_TRUE(missed_parity(comparison).empty());
 }
 
 TEST(InterruptedWalks, AreWhatWasWalked) {

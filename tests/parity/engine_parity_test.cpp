@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/core/error.h"
 #include "physics/robot/multibody.h"
 #include "tests/parity/matched_pair.h"
 
@@ -171,6 +172,37 @@ TEST_P(MatchedPair, JointFrictionOfAnySoftnessIsTheSame) {
     robot.friction_softness = softness;
     robot.bodies[4].joint.friction = 0;  // one without, between others
     expect_walk(trot(scenes::world_of(std::make_shared<const RobotDescription>(robot)), 1));
+  }
+}
+
+TEST_P(MatchedPair, FollowsTheSettingsOfContact) {
+  for (const char* settings :
+       {"impratio=10", "impratio=100", "solref=0.005:1,solimp=0.8:0.99:0.002:0.3:3", "solref=-2000:-80",
+        "solimp=0.5:1:0.01:0.5:1", "condim=4,torsional_friction=0.05",
+        "condim=6,torsional_friction=0.02,rolling_friction=0.01,impratio=100", "condim=6,friction=0"}) {
+    SCOPED_TRACE(settings);
+    WorldSpec spec = scenes::world_of(scenes::quadruped());
+    parse_contact_settings(settings, "test").apply(spec.contact);
+    expect_walk(trot(spec, 1));
+    spec.robot = scenes::serial_quadruped();
+    const Difference d = trot(spec, 1);
+    EXPECT_LT(d.position, kLength);
+    EXPECT_LT(d.joints, kAngle);
+  }
+}
+
+// Pyramids are a law of MuJoCo alone: who follows its law otherwise says so.
+TEST_P(MatchedPair, RefusesPyramidsOrHasThem) {
+  WorldSpec spec = scenes::world_of(scenes::quadruped());
+  spec.contact.cone = FrictionCone::kPyramidal;
+  for (const std::string& name : {GetParam().a, GetParam().b}) {
+    const Engine engine = find_engine(name);
+    if (!engine.info.capabilities.soft_friction) continue;  // not of its law
+    if (engine.info.capabilities.pyramidal_cone) {
+      EXPECT_NO_THROW((void)engine.make(spec)) << name;
+    } else {
+      EXPECT_THROW((void)engine.make(spec), ConfigError) << name;
+    }
   }
 }
 

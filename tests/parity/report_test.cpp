@@ -102,6 +102,8 @@ TEST(WalkReport, AsJsonHasEveryNumber) {
                                  {"engine_version", "Engine 1.2"},
                                  {"terrain", "rough"},
                                  {"gait", "trot"},
+                                 {"contact", to_json(ContactSpec())},
+                                 {"not_of_law", ordered_json::array()},
                                  {"outcome", "fell"},
                                  {"outcome_at_s", 1.25},
                                  {"simulated_seconds", 2.5},
@@ -135,6 +137,25 @@ TEST(WalkReport, AsJsonHasEveryNumber) {
   EXPECT_EQ(to_json(run).dump(1), expected.dump(1));
   run.interrupted = true;
   EXPECT_EQ(to_json(run)["interrupted"], true);
+}
+
+TEST(WalkReport, SaysHowRobotAndGroundTouchWhereThatIsNotTheDefault) {
+  WalkRun run = some_walk("one", some_motion());
+  run.contact.friction = 0.4;
+  EXPECT_EQ(describe(run).find("Contact:"), std::string::npos);  // friction has an option of its own
+  run.contact.impratio = 100;
+  run.contact.condim = 4;
+  run.contact.cone = FrictionCone::kPyramidal;
+  run.engine.capabilities.soft_friction = true;
+  EXPECT_NE(describe(run).find("Contact: condim=4, impratio=100, cone=pyramidal; "
+                               "not of the law of one: condim, cone.\n"),
+            std::string::npos)
+      << describe(run);
+  const ordered_json json = to_json(run);
+  EXPECT_EQ(json["contact"]["impratio"], 100);
+  EXPECT_EQ(json["contact"]["cone"], "pyramidal");
+  EXPECT_EQ(json["contact"]["solref"].dump(), "[0.02,1.0]");
+  EXPECT_EQ(json["not_of_law"].dump(), R"(["condim","cone"])");
 }
 
 TEST(WalkReport, AsJsonSaysNullForWhatIsNotKnownAndTellsOutcomesApart) {
@@ -178,6 +199,8 @@ Comparison some_comparison() {
   pair.tolerances.position = 1e-6;
   pair.tolerances.joint = 1e-5;
   pair.first_divergence.reset();
+  pair.one_step = OneStepDifference{1e-12, 3e-12, 2e-12, 1.5, 1000};
+  pair.growth = DifferenceGrowth{15, 0.5, 3, 1e-13, 1.4};
   c.pairs.push_back(pair);
   return c;
 }
@@ -194,9 +217,11 @@ TEST(ComparisonReport, PutsRunsSideBySideAndSaysHowFarPairsLieApart) {
   EXPECT_EQ(rows[21],
             (Cells{"three and one: base 0.012 m apart at most, joints 0.34 rad, attitude 0.056 rad; "
                    "distance +0.3130 m; position left its tolerance of 1e-02 first, at 0.125 s."}));
-  EXPECT_EQ(rows[22],
-            (Cells{"three and one: base 0.012 m apart at most, joints 0.34 rad, attitude 0.056 rad; "
-                   "the same within 1e-06 m and 1e-05 rad."}));
+  EXPECT_EQ(
+      rows[22],
+      (Cells{"three and one: base 0.012 m apart at most, joints 0.34 rad, attitude 0.056 rad; "
+             "the same within 1e-06 m and 1e-05 rad. One control step from the same state: 3e-12 apart at "
+             "most. Differences grow x15 per half second."}));
   EXPECT_NE(text.find("\n\none and two: base"), std::string::npos) << "an empty line parts them\n" << text;
   EXPECT_EQ(describe(Comparison{}), "nothing to compare\n");
 }
@@ -214,10 +239,15 @@ TEST(ComparisonReport, AsJsonHasEveryRunAndPair) {
       {"max_position_difference_m", 0.0123},
       {"max_joint_difference_rad", 0.34},
       {"max_attitude_difference_rad", 0.056},
+      {"one_step", nullptr},
+      {"growth", nullptr},
       {"first_divergence", {{"quantity", "joint"}, {"time_s", 0.125}, {"tolerance", 1e-2}}}};
   EXPECT_EQ(json["pairs"][0].dump(1), expected.dump(1));
   EXPECT_EQ(json["pairs"][2]["same_laws"], true);
   EXPECT_TRUE(json["pairs"][2]["first_divergence"].is_null());
+  EXPECT_EQ(json["pairs"][2]["one_step"]["joint_rad"], 3e-12);
+  EXPECT_EQ(json["pairs"][2]["one_step"]["steps"], 1000);
+  EXPECT_EQ(json["pairs"][2]["growth"]["per_half_second"], 15);
   EXPECT_EQ(to_json(Comparison{}).dump(), R"({"runs":[],"pairs":[]})");
 }
 

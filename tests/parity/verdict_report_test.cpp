@@ -42,6 +42,7 @@ Verdict some_verdict() {
   s.statistic = {"duty_factor", "duty factor", "-", {0, 0.02, false, "by hand"}};
   s.word = Word::kAgrees;
   v.statistics.push_back(s);
+  v.undefined.push_back({"heading_error_deg", "heading error", "deg", {}});
   return v;
 }
 
@@ -57,7 +58,8 @@ TEST(VerdictReport, HasALineForEveryStatisticAndEveryReason) {
                  "at least."},
                 {"Runs lasted 5.00 s in one and 4.75 s in two: -0.25 s (-0.50 to +0.12)."},
                 {"distance: unresolved: the interval crosses the margin; about 40 starts would tell."},
-                {"With steps of one, a half and a quarter the gap goes to -0.5 m, in order 1.0."},
+                {"With steps of one, a half and a quarter the gap in distance goes to -0.5 m, in order 1.0."},
+                {"Without a value in any run: heading error."},
                 {"by itself", "distance, m"},
                 {"one, half the time step", "+0.75"}}));
 }
@@ -110,7 +112,8 @@ TEST(VerdictReport, AsJsonHasEveryNumber) {
                             {"shortest_s", 1.25},
                             {"time_to_failure",
                              {{"means_s", {5.0, 4.75}},
-                              {"difference_s", {{"estimate", -0.25}, {"low", -0.5}, {"high", 0.125}}}}}}}})
+                              {"difference_s", {{"estimate", -0.25}, {"low", -0.5}, {"high", 0.125}}}}}}},
+                          {"undefined", {"heading_error_deg"}}})
                 .dump(1));
   EXPECT_EQ(to_json(some_verdict().outcomes_b).dump(), R"({"fell":2,"walked":5})");
 }

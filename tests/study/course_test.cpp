@@ -103,7 +103,7 @@ TEST(CourseSections, TakeTheMethodFromTheEnvironmentAndAllElseFromTheCourse) {
   EnvConfig config = method("bullet");
   config.gait = "walk";
   config.terrain = "waves";
-  config.friction = 2;
+  config.contact.add(friction_of(2));
   config.episode_seconds = 7;
   config.command = VelocityCommand{0, 0.1, 0};
   config.randomisation[Randomised::kMass] = {0.5, 2};
@@ -115,7 +115,7 @@ TEST(CourseSections, TakeTheMethodFromTheEnvironmentAndAllElseFromTheCourse) {
   EXPECT_EQ(here.gait, "walk");
   EXPECT_EQ(here.policy_dt, 0.02);
   EXPECT_EQ(here.terrain, course.sections[0].terrain);
-  EXPECT_EQ(here.friction, 0.6);
+  EXPECT_EQ(here.contact.find("friction")->front(), 0.6);
   EXPECT_EQ(here.episode_seconds, 0.4);
   EXPECT_EQ(here.command->vx, 0.2);
   EXPECT_EQ(here.command->vy, 0);

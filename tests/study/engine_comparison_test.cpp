@@ -131,7 +131,7 @@ TEST_F(EngineComparisons, LookAtTheWorldOfThePolicysConfiguration) {
   config.environment.robot = "scara_quadruped_long";
   config.environment.terrain = "rough:size_x=2,size_y=2";
   config.environment.terrain_seed = 9;
-  config.environment.friction = 0.3;
+  config.environment.contact.add(friction_of(0.3));
   config.environment.physics_dt = 5e-4;
   const WorldSpec world = LoadedBehaviour(config, {}, 0).world();
   EXPECT_EQ(world.robot->name, "scara_quadruped_long");
@@ -146,7 +146,7 @@ TEST_F(EngineComparisons, AuditThatWorldAndNoOther) {
   // By the first engine that holds something differently: friction of a pyramid is not the coefficient.
   PolicyConfig config;
   config.environment.robot = "scara_quadruped_long";
-  config.environment.friction = 0.3;
+  config.environment.contact.add(friction_of(0.3));
   config.environment.episode_seconds = 0.02;
   config.environment.settle_seconds = 0;
   WorldSpec world;

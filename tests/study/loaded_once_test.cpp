@@ -74,9 +74,9 @@ TEST_F(LoadedOnce, SoDoThePolicyAndItsEpisodes) {
 TEST_F(LoadedOnce, OtherSettingsReadOnlyWhatTheyNameAnew) {
   const LoadedEnv environment = walk().environment();
   EnvConfig changed = environment.config;
-  changed.friction = 0.1;
+  changed.contact.add(friction_of(0.1));
   EXPECT_EQ(environment.with(changed).robot, environment.robot);
-  EXPECT_EQ(environment.with(changed).config.friction, 0.1);
+  EXPECT_EQ(environment.with(changed).config.contact.find("friction")->front(), 0.1);
   changed.robot = "scara_quadruped";
   changed.terrain = "flat";
   const LoadedEnv other = environment.with(changed);

@@ -49,7 +49,7 @@ TEST(RobotQuantities, EveryNumberOfAServoIsARowWithWhatIsUsed) {
 
 TEST(RobotQuantities, ContactThatTheFileSaysAndNothingSimulatesIsWarnedOfWithBothNumbers) {
   LoadedRobot loaded = serial();
-  EXPECT_FALSE(any_holds(robot_warnings(loaded, {}), "not simulated are"));
+  EXPECT_FALSE(any_holds(robot_warnings(loaded, {}), "not as the file says"));
   const LegModel& model = (*loaded.robot.legs)[Leg::FL];
   for (const Leg leg : kLegs) {
     const auto& body = loaded.robot.bodies[static_cast<std::size_t>((*loaded.robot.legs)[leg].foot_body)];

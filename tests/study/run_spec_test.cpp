@@ -30,15 +30,18 @@ TEST(RunSpec, HasOneTextThatStays) {
       "";  // of angles that another machine's sine may round otherwise
   EXPECT_EQ(
       json.dump(),
-      R"({"behaviour":{"bands":[],"command":null,"compensation":true,"control_dt":0.002,)"
-      R"("friction":0.6,"gait":"trot","heading_hold":true,)"
+      R"({"behaviour":{"bands":[],"command":null,"compensation":true,)"
+      R"("contact":{"condim":[3.0],"cone":[0.0],"friction":[0.6],"impratio":[1.0],"rolling_friction":[0.0001],)"
+      R"("solimp":[0.9,0.95,0.001,0.5,2.0],"solref":[0.02,1.0],"torsional_friction":[0.005]},)"
+      R"("control_dt":0.002,)"
+      R"("gait":"trot","heading_hold":true,)"
       R"("kind":"walk","parameters":{"body_height":0.062,"cycle_time":0.24,"duty_factor":0.6,"foot_clearance":0.0,)"
       R"("lateral_offset_fl":0.0,"lateral_offset_fr":0.0,"lateral_offset_rl":0.0,"lateral_offset_rr":0.0,)"
       R"("load_share":1.0,"stance_offset":0.0,"stance_width":0.0,"step_height":0.04,"step_length":0.04,"swing":"bezier","swing_shape":0.3},)"
       R"("physics_dt":0.001,)"
       R"("robot":{"description":"","name":"scara_quadruped"},"seconds":0.3,"settle_seconds":0.1,)"
       R"("terminations":["diverged","left_terrain"],"terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"crossgait":"","engine":"mujoco","engine_version":"2.2.2",)"
-      R"("horizon_s":null,"schema":{"name":"run","version":3},"seed":3,"start":1,)"
+      R"("horizon_s":null,"schema":{"name":"run","version":4},"seed":3,"start":1,)"
       R"("starts":{"heading_rad":0.2,"position_m":0.1,"push_mps":0.02,"tilt_rad":0.02},)"
       R"("variation":{"impratio":1.0,"iterations":1.0,"softness":1.0,"step":1.0}})");
   EXPECT_EQ(canonical_json(walk_run()), canonical_json(walk_run()));
@@ -103,7 +106,7 @@ TEST(RunSpec, ChangesWithEveryFieldOfAWalk) {
   add("terrain", [](WalkConfig& c) { c.terrain = "flat"; });
   add("terrain settings", [](WalkConfig& c) { c.terrain = "rough:size_x=2,size_y=3"; });
   add("terrain seed", [](WalkConfig& c) { c.terrain_seed = 1; });
-  add("friction", [](WalkConfig& c) { c.friction = std::nextafter(0.6, 1); });  // the last bit
+  add("friction", [](WalkConfig& c) { c.contact.add(friction_of(std::nextafter(0.6, 1))); });  // the last bit
   add("physics_dt", [](WalkConfig& c) { c.physics_dt = 2e-3; });
   add("gait", [](WalkConfig& c) { c.gait.gait = find_gait("pace"); });
   add("any gait", [](WalkConfig& c) { c.gait.gait.reset(); });
@@ -146,7 +149,7 @@ TEST(RunSpec, ChangesWithEveryFieldOfAnEnvironment) {
   add("robot", [](EnvConfig& c) { c.robot = "scara_quadruped_long"; });
   add("terrain", [](EnvConfig& c) { c.terrain = "rough"; });
   add("terrain seed", [](EnvConfig& c) { c.terrain_seed = 1; });
-  add("friction", [](EnvConfig& c) { c.friction = std::nextafter(0.6, 1); });
+  add("friction", [](EnvConfig& c) { c.contact.add(friction_of(std::nextafter(0.6, 1))); });
   add("gait", [](EnvConfig& c) { c.gait = "walk"; });
   add("swing", [](EnvConfig& c) { c.parameters.swing = SwingCurve::kMatched; });
   for (const ParameterRow& row : gait_parameters())

@@ -25,7 +25,7 @@ std::vector<WalkConfig> walks() {
   WalkConfig rough = short_walk("trot");
   rough.terrain = "rough:size_x=4,size_y=4";
   rough.terrain_seed = 3;
-  rough.friction = 0.9;
+  rough.contact.add(friction_of(0.9));
   rough.physics_dt = 0.5e-3;
   all.push_back(rough);
   WalkConfig bound = short_walk("bound");
@@ -111,7 +111,7 @@ TEST(WalkConfig, MakesTheWorldThatItSays) {
   config.robot = "scara_quadruped_long";
   config.terrain = "rough:size_x=2,size_y=2";
   config.terrain_seed = 4;
-  config.friction = 0.3;
+  config.contact.add(friction_of(0.3));
   config.physics_dt = 5e-4;
   const WorldSpec world = LoadedWalk(config).world, other = EnvModel::make(config.environment())->world;
   for (const WorldSpec& w : {world, other}) {
@@ -120,8 +120,7 @@ TEST(WalkConfig, MakesTheWorldThatItSays) {
     EXPECT_EQ(w.physics_dt, 5e-4);
     EXPECT_EQ(w.terrain.height(0.7, 0.4), make_terrain(config.terrain, 4).height(0.7, 0.4));
   }
-  config.friction = -1;
-  EXPECT_THROW((void)LoadedWalk(config).world, ConfigError);
+  EXPECT_THROW((void)friction_of(-1), ConfigError);
 }
 
 }  // namespace

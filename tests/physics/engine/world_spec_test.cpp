@@ -45,7 +45,13 @@ const std::vector<WorldRange> kWorldRanges{
        w.contact.softness.impedance_min = 0.5;
        w.contact.softness.impedance_max = x;
      },
-     0.5, 1, true, false},
+     0.5, 1},
+    {"contact.softness.impedance_midpoint",
+     [](WorldSpec& w, double x) { w.contact.softness.impedance_midpoint = x; }, 0, 1, false, false},
+    {"contact.softness.impedance_power",
+     [](WorldSpec& w, double x) { w.contact.softness.impedance_power = x; }, 1, 100},
+    {"contact.torsional_friction", [](WorldSpec& w, double x) { w.contact.torsional_friction = x; }, 0, 10},
+    {"contact.rolling_friction", [](WorldSpec& w, double x) { w.contact.rolling_friction = x; }, 0, 10},
     {"contact.softness.impedance_width",
      [](WorldSpec& w, double x) { w.contact.softness.impedance_width = x; }, 0, 1, false},
     {"solver.tolerance", [](WorldSpec& w, double x) { w.solver.tolerance = x; }, 0, 1e-3},

@@ -31,6 +31,7 @@ RobotDescription full_robot() {
   visual.mesh = "trunk.stl";
   visual.rgba = Eigen::Vector4d(.1, .2, .3, 1);
   robot.bodies[0].visuals.push_back(visual);
+  robot.contact = all_settings(ContactSpec());
   robot.validate();
   return robot;
 }
@@ -143,6 +144,7 @@ TEST(RobotMembers, AreAllVisited) {
   expect_whole<LoopClosure>("LoopClosure");
   expect_whole<LegModel>("LegModel");
   expect_whole<Softness>("Softness");
+  expect_whole<ContactSettings>("ContactSettings");
   expect_whole<RobotDescription>("RobotDescription");
 }
 

@@ -1,0 +1,39 @@
+// How the difference of two runs grows: chaos multiplies it by the same factor in every half second.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+namespace crossgait {
+
+/// An exponential through the differences of two runs.
+struct DifferenceGrowth {
+  double per_half_second = 1;   ///< factor
+  double from_s = 0, to_s = 0;  ///< simulated time that it was fitted over
+  double at_from = 0;           ///< the difference that it begins with, m or rad
+  double spread = 1;            ///< standard deviation about it, as a factor: 2 is "within a factor of two"
+
+  /// When it reaches `difference`, simulated time, s.
+  double reaches_s(double difference) const noexcept;
+};
+
+/// Takes differences as they come, step by step.
+class GrowthFit {
+ public:
+  /// @param difference  of positions (m) and angles (rad), the largest
+  void add(double time_s, double difference);
+
+  /// By least squares of the logarithm, of the largest difference in every tenth of a second, from where it
+  /// is beyond rounding (1e-14) up to where it is as large as the motion (0.01). Empty for less than a
+  /// second of that, or where it does not grow: by less than a fifth in half a second, or no more than what
+  /// it scatters by.
+  std::optional<DifferenceGrowth> fit() const;
+
+ private:
+  struct Window {
+    double begin_s = 0, largest = 0;
+  };
+  std::vector<Window> windows_;
+};
+
+}  // namespace crossgait

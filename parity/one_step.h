@@ -1,0 +1,39 @@
+// One step of an engine from another's state: what its law does, before chaos has had a say.
+#pragma once
+
+#include <memory>
+
+#include "parity/divergence.h"
+#include "physics/engine/physics_backend.h"
+
+namespace crossgait {
+
+/// Engines of one law differ by less in a control step: their solvers stop at a relative 1e-8, a force that
+/// is wrong by so much moves a light link by 1e-11 m in 2 ms, and a law that is another one by 1e-8 and more
+/// (docs/parity-measurements.md).
+inline constexpr double kOneStepTolerance = 1e-9;  // m, rad
+
+/// A world of an engine that is put where another's walk is before every control step.
+class OneStepCheck {
+ public:
+  /// @param world  of the engine that is checked; the check's own
+  OneStepCheck(std::unique_ptr<PhysicsBackend> world, int substeps);
+
+  /// After each control step of the walk that is followed, `reference`. @param sample  of it, now
+  void add(const PhysicsBackend& reference, const TraceSample& sample);
+
+  const OneStepDifference& difference() const noexcept { return difference_; }
+
+ private:
+  void remember(const PhysicsBackend& reference);
+
+  std::unique_ptr<PhysicsBackend> world_;
+  int substeps_;
+  bool has_memory_ = false;  ///< whether servos remember targets
+  bool begun_ = false;
+  RobotState before_;           ///< of the reference
+  std::vector<double> drives_;  ///< the same
+  OneStepDifference difference_;
+};
+
+}  // namespace crossgait

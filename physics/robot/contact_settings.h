@@ -1,0 +1,89 @@
+// How a robot and the ground touch: what is simulated, and what users and files say of it.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace crossgait {
+
+/// Softness of a constraint, in MuJoCo's terms (MuJoCo manual, "Computation > Constraint model >
+/// Parameters"). These are its defaults.
+struct Softness {
+  double time_constant = 0.02;  ///< s, at least two physics steps
+  double damping_ratio = 1.0;
+  double impedance_min = 0.9, impedance_max = 0.95, impedance_width = 0.001;  ///< -, -, m
+  double impedance_midpoint = 0.5, impedance_power = 2;                       ///< -, -
+};
+
+/// What bounds friction of soft contacts.
+enum class FrictionCone : unsigned char { kElliptic, kPyramidal };
+/// "elliptic", "pyramidal"
+std::string_view name(FrictionCone cone) noexcept;
+
+/// The contact *intent*. How each engine realises it is one documented function per engine
+/// (backends/mujoco/model_xml.cpp, backends/contact/soft_constraint.h, backends/bullet/native_contact.cpp).
+struct ContactSpec {
+  double friction = 0.6;              ///< Coulomb coefficient between robot and terrain
+  double torsional_friction = 0.005;  ///< m, against turning about the normal; counts from condim 4 on
+  double rolling_friction = 0.0001;   ///< m, against rolling; counts from condim 6 on
+  int condim = 3;                     ///< dimensions of a contact: 3, 4 (torsion) or 6 (and rolling)
+  double impratio = 1.0;              ///< MuJoCo's ratio of frictional to normal impedance
+  FrictionCone cone = FrictionCone::kElliptic;
+  Softness softness;  ///< of the contact normal; hard contacts ignore it
+};
+
+/// A setting of contact by name. Its value is one number or several; of `cone` the place among its words.
+struct ContactSetting {
+  std::string_view name;  ///< as in YAML, options and results, and where MuJoCo has it as in MJCF
+  std::string_view unit;
+  std::string_view help;
+  std::size_t least = 1, most = 1;          ///< numbers
+  std::span<const std::string_view> words;  ///< in the place of a number
+  std::vector<double> (*get)(const ContactSpec&);
+  void (*set)(ContactSpec&, std::span<const double>);  ///< numbers that are not given stay as they are
+};
+std::span<const ContactSetting> contact_settings();
+/// @throws ConfigError naming `source`, listing the names
+const ContactSetting& find_contact_setting(std::string_view name, std::string_view source);
+
+/// What is said of contact; what is not said is empty. By the places of `contact_settings`.
+struct ContactSettings {
+  std::vector<std::optional<std::vector<double>>> said;
+
+  bool is_empty() const noexcept;
+  /// The numbers of a setting; null where it is not said.
+  const std::vector<double>* find(std::string_view name) const;
+  /// Checks number and range. @param source,element  for messages  @throws ConfigError
+  void set(std::string_view name, std::vector<double> numbers, std::string_view source,
+           std::string_view element);
+  /// The same of text: a word, or numbers with blanks or colons between them, "0.005:1".
+  void set(std::string_view name, std::string_view text, std::string_view source, std::string_view element);
+  /// Takes over what `other` says.
+  void add(const ContactSettings& other);
+  void apply(ContactSpec& contact) const;
+};
+
+/// Reads "impratio=100,solref=0.005:1,cone=pyramidal". @throws ConfigError naming `source`, also for a
+/// setting that is given twice
+ContactSettings parse_contact_settings(std::string_view text, std::string_view source);
+/// That friction and nothing else. @throws ConfigError
+ContactSettings friction_of(double coefficient);
+/// Every setting of a contact, said, but for friction of which its condim makes nothing.
+ContactSettings all_settings(const ContactSpec& contact);
+/// The value as `parse_contact_settings` reads it.
+std::string contact_setting_text(const ContactSetting& setting, std::span<const double> numbers);
+
+/// What is simulated: `asked` over `of_robot` over the defaults.
+/// @throws ConfigError naming `source` where `asked` says torsional or rolling friction of which condim makes
+/// nothing
+ContactSpec resolve_contact(const ContactSettings& of_robot, const ContactSettings& asked,
+                            std::string_view source);
+
+/// @throws ConfigError naming `source` and the setting
+void validate_contact(const ContactSpec& contact, std::string_view source);
+
+}  // namespace crossgait
