@@ -14,7 +14,7 @@ namespace crossgait {
 struct CheckedUrdf {
   std::string text;                                         ///< a URDF of what is left, which urdfdom takes
   std::map<std::string, std::vector<VisualShape>> visuals;  ///< see `read_urdf_visuals`
-  std::map<std::string, std::string> coupled;               ///< joints with <mimic> (ParsedRobot::coupled)
+  std::map<std::string, std::string> coupled;               ///< joints with `<mimic>` (ParsedRobot::coupled)
 };
 
 /// Checks that `text` is well-formed XML holding a URDF whose links and joints have finite numbers, joint
