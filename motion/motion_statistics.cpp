@@ -26,8 +26,8 @@ double wrap(double angle) { return std::remainder(angle, 2 * M_PI); }
 }  // namespace
 
 bool MotionSummary::failed() const noexcept {
-  return has(Outcome::kDiverged) || has(Outcome::kLoopViolated) || has(Outcome::kFell) ||
-         has(Outcome::kCollapsed);
+  return std::any_of(outcome_rows().begin(), outcome_rows().end(),
+                     [this](const OutcomeRow& row) { return is_failure(row.outcome) && has(row.outcome); });
 }
 
 MotionStatistics::MotionStatistics(const RobotDescription& robot, const OutcomeLimits& limits)

@@ -58,7 +58,7 @@ struct MotionSummary {
   double wall_seconds = 0;  ///< of the whole motion, settling included; set by whoever ran it
 
   bool has(Outcome which) const noexcept { return first_at_s[static_cast<std::size_t>(which)].has_value(); }
-  /// Fell, collapsed, came apart or diverged: what a share of failures counts.
+  /// Whether any outcome is a failure (`is_failure`).
   bool failed() const noexcept;
 };
 

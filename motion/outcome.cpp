@@ -96,6 +96,10 @@ std::string_view name(Outcome outcome) noexcept {
   return kOutcomeRows[static_cast<std::size_t>(outcome)].name;
 }
 
+bool is_failure(Outcome outcome) noexcept {
+  return kOutcomeRows[static_cast<std::size_t>(outcome)].at_once && outcome != Outcome::kLeftTerrain;
+}
+
 Outcome find_outcome(std::string_view name) {
   return find_row(kOutcomeRows, name, "outcome", "name").outcome;
 }

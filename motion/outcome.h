@@ -43,6 +43,8 @@ struct OutcomeRow {
 /// The table, in the order of the enumeration.
 std::span<const OutcomeRow> outcome_rows();
 std::string_view name(Outcome outcome) noexcept;
+/// Fell, collapsed, came apart or diverged: whatever ends a motion but leaving the ground.
+bool is_failure(Outcome outcome) noexcept;
 struct OutcomeSet;
 /// In the order of the table.
 std::vector<std::string> outcome_names(const OutcomeSet& set);

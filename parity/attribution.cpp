@@ -335,7 +335,7 @@ Attribution attribute(const Behaviour& behaviour, const EngineFamily& family,
   result.to = family.to;
   result.statistics = behaviour.statistics;
   result.statistics.push_back(
-      {"failures", "failures", "fraction", {0, 0.1, false, "a share of runs that is stated"}});
+      {"failures", "failures", "fraction", {0, options.failures, false, "a share of runs that is stated"}});
   result.starts = options.starts;
   for (const ModelFactor& factor : family.factors) {
     FactorEffect effect;

@@ -76,6 +76,7 @@ struct AttributionOptions {
   std::size_t starts = 8;  ///< at least 4
   double confidence = 0.95;
   std::size_t workers = 1;  ///< results do not depend on them
+  double failures = 0.1;    ///< margin of the share of runs that fail
 };
 
 /// Runs every set of factors that is needed. Where runs from a start fail, all of that start are cut at the

@@ -53,7 +53,6 @@ BehaviourRun run_of(const MotionSummary& m, bool planned) {
 
 // How many steps of `dt` fit into a time that may be without end.
 std::int64_t steps_in(double horizon, double dt) {
-  constexpr double kStepRounding = 1e-6;  // of a step
   const double steps = std::floor(horizon / dt + kStepRounding);
   return steps < 9e18 ? std::max<std::int64_t>(1, static_cast<std::int64_t>(steps))
                       : std::numeric_limits<std::int64_t>::max();
@@ -122,10 +121,6 @@ class PolicyRuns {
 std::uint64_t terrain_seed_of_start(std::uint64_t terrain_seed, std::size_t k) noexcept {
   constexpr std::uint64_t kGrounds = 0x67726f756e64;  // "ground": none of an episode's streams
   return derived_seed(derived_seed(terrain_seed, k), kGrounds);
-}
-
-bool is_failure(Outcome outcome) noexcept {
-  return OutcomeSet::of_episodes().has(outcome) && outcome != Outcome::kLeftTerrain;
 }
 
 std::vector<std::string> keys_of(const Behaviour& behaviour) {

@@ -38,8 +38,8 @@ struct StartRanges {
   Randomisation over(Randomisation base, const RobotDescription& robot) const;
 };
 
-/// Whether the robot failed: whatever ends a run but leaving the ground.
-bool is_failure(Outcome outcome) noexcept;
+/// What sums of steps may be off by, of a step.
+inline constexpr double kStepRounding = 1e-6;
 
 /// What came of a run.
 struct BehaviourRun {

@@ -5,11 +5,6 @@
 #include "physics/core/worker_pool.h"
 
 namespace crossgait {
-namespace {
-
-constexpr double kStepRounding = 1e-6;  // of a step, in sums of steps
-
-}  // namespace
 
 const BehaviourRun* Campaign::find(const Key& key) {
   const auto whole = runs_.find({key.engine, key.variation, key.start});

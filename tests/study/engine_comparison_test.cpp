@@ -92,7 +92,14 @@ TEST_F(EngineComparisons, ExplainWithTheFamilyOfTheTwoEngines) {
   const std::string bytes = read(path("runs.jsonl"));
   EXPECT_EQ(to_json(judge_engines(spec, {family.from, family.to}, how)).dump(), to_json(whole).dump());
   EXPECT_EQ(read(path("runs.jsonl")), bytes);
-  how.explain = true;
+  // What would not matter is the same to causes as to words.
+  how.verdict.margins["distance_m"] = {0, 0.5, false, "stated"};
+  how.verdict.failures = 0.25;
+  const EngineComparison wide = judge_engines(spec, {family.from, family.to}, how);
+  const Attribution& with_margins = *wide.backgrounds.front().attribution;
+  EXPECT_EQ(with_margins.statistics.front().key, "distance_m");
+  EXPECT_EQ(with_margins.margin.front(), 0.5);
+  EXPECT_EQ(with_margins.margin.back(), 0.25);
   EXPECT_THROW(judge_engines(spec, {family.to, family.to}, how), ConfigError);
 }
 
