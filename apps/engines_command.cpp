@@ -25,7 +25,8 @@ nlohmann::ordered_json to_json(const EngineListing& entry) {
             {"soft_friction", entry.info.capabilities.soft_friction},
             {"sweeps", entry.info.capabilities.sweeps},
             {"exact_field_query", entry.info.capabilities.exact_field_query},
-            {"allocates", entry.info.capabilities.allocates}}},
+            {"allocates", entry.info.capabilities.allocates},
+            {"precision", name_of(entry.info.capabilities.precision)}}},
           {"file", entry.file},
           {"available", entry.available},
           {"reason", entry.reason}};
