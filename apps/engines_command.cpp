@@ -27,7 +27,8 @@ nlohmann::ordered_json to_json(const EngineListing& entry) {
             {"pyramidal_cone", entry.info.capabilities.pyramidal_cone},
             {"sweeps", entry.info.capabilities.sweeps},
             {"exact_field_query", entry.info.capabilities.exact_field_query},
-            {"allocates", entry.info.capabilities.allocates}}},
+            {"allocates", entry.info.capabilities.allocates},
+            {"precision", name_of(entry.info.capabilities.precision)}}},
           {"file", entry.file},
           {"available", entry.available},
           {"reason", entry.reason}};

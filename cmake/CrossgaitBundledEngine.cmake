@@ -1,5 +1,5 @@
-# crossgait_bundled_engine(NAME TITLE title PACKAGE name [version] DEBIAN package NAMES names... SOURCES files...
-#                          LIBRARIES targets... HEADERS beginnings... FILES parts...)
+# crossgait_bundled_engine(NAME TITLE title PACKAGE name [version] DEBIAN package|INSTALL command NAMES names...
+#                          SOURCES files... LIBRARIES targets... HEADERS beginnings... FILES parts...)
 # The engine in backends/NAME/: the option CROSSGAIT_WITH_<NAME>, a static library crossgait_backend_NAME of SOURCES,
 # which only tests and benchmarks of its inside link, and the plug-in of plugin.cpp around it. NAMES are what it offers.
 # HEADERS are what the names of the engine's own headers begin with, which only its folder may include, and FILES parts of
@@ -10,7 +10,7 @@ set(CROSSGAIT_ENGINES_FOLDER ${PROJECT_BINARY_DIR}/engines)
 set(CROSSGAIT_ENGINES_INSTALL_FOLDER ${CMAKE_INSTALL_LIBDIR}/crossgait/engines)
 
 function(crossgait_bundled_engine name)
-  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "TITLE;DEBIAN" "PACKAGE;NAMES;SOURCES;LIBRARIES;HEADERS;FILES")
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "TITLE;DEBIAN;INSTALL" "PACKAGE;NAMES;SOURCES;LIBRARIES;HEADERS;FILES")
   list(TRANSFORM ARG_HEADERS PREPEND "${name} ")
   set_property(GLOBAL APPEND PROPERTY CROSSGAIT_ENGINE_HEADERS ${ARG_HEADERS})
   set_property(GLOBAL APPEND PROPERTY CROSSGAIT_ENGINE_FILES ${ARG_FILES})
@@ -23,7 +23,10 @@ function(crossgait_bundled_engine name)
   else()
     find_package(${ARG_PACKAGE} QUIET GLOBAL)
     if(NOT ${package}_FOUND)
-      set(missing "${ARG_TITLE} was not found when Crossgait was built (Debian: ${ARG_DEBIAN})")
+      if(ARG_DEBIAN)
+        set(ARG_INSTALL "Debian: ${ARG_DEBIAN}")
+      endif()
+      set(missing "${ARG_TITLE} was not found when Crossgait was built (${ARG_INSTALL})")
     endif()
   endif()
   crossgait_list_engine(${name} NAMES ${ARG_NAMES} MISSING "${missing}")

@@ -19,7 +19,7 @@ std::string with_unit(const Requirement& requirement) {
                                   : fmt::format("{} ({})", requirement.what, requirement.unit);
 }
 
-std::string describe(const Outcome& outcome) {
+std::string describe(const Outcome& outcome, Precision precision) {
   const Check& check = *outcome.check;
   std::string text = fmt::format("{:7} {}: {}\n", name(outcome.status), check.name, check.statement);
   if (outcome.status == Status::kSkipped) text += fmt::format("          needs: {}\n", outcome.reason);
@@ -28,8 +28,8 @@ std::string describe(const Outcome& outcome) {
   for (std::size_t i = 0; i < outcome.values.size(); ++i) {
     const Requirement& requirement = check.requirements[i];
     const double value = outcome.values[i];
-    text += fmt::format("        {} {:62} {:>10.4g}  {}\n", requirement.holds(value) ? ' ' : '!',
-                        with_unit(requirement), value, requirement.bound());
+    text += fmt::format("        {} {:62} {:>10.4g}  {}\n", requirement.holds(value, precision) ? ' ' : '!',
+                        with_unit(requirement), value, requirement.bound(precision));
   }
   return text;
 }
@@ -45,18 +45,19 @@ nlohmann::ordered_json number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
-nlohmann::ordered_json to_json(const Outcome& outcome) {
+nlohmann::ordered_json to_json(const Outcome& outcome, Precision precision) {
   const Check& check = *outcome.check;
   nlohmann::ordered_json measurements = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < outcome.values.size(); ++i) {
     const Requirement& requirement = check.requirements[i];
+    const Bounds bounds = requirement.bounds(precision);
     measurements.push_back({{"what", requirement.what},
                             {"unit", requirement.unit},
                             {"value", number(outcome.values[i])},
-                            {"low", number(requirement.low)},
-                            {"high", number(requirement.high)},
+                            {"low", number(bounds.low)},
+                            {"high", number(bounds.high)},
                             {"why", requirement.reason},
-                            {"holds", requirement.holds(outcome.values[i])}});
+                            {"holds", requirement.holds(outcome.values[i], precision)}});
   }
   return {{"name", check.name},
           {"statement", check.statement},
@@ -112,8 +113,10 @@ std::string_view name(Status status) {
 
 std::string describe(const Card& card) {
   const EngineInfo& engine = card.engine;
-  std::string text = fmt::format("{}: {} {}, {}\n", engine.name, engine.library, engine.version, engine.mode);
-  for (const Outcome& outcome : card.outcomes) text += describe(outcome);
+  const Precision precision = engine.capabilities.precision;
+  std::string text = fmt::format("{}: {} {}, {}, {}\n", engine.name, engine.library, engine.version,
+                                 engine.mode, name_of(precision));
+  for (const Outcome& outcome : card.outcomes) text += describe(outcome, precision);
   text += fmt::format("\n{} passed", counted(static_cast<std::size_t>(card.count(Status::kPassed)), "check"));
   for (const Status status : {Status::kFailed, Status::kSkipped})
     text += fmt::format(", {} {}{}", card.count(status), name(status), names_of(card, status));
@@ -122,8 +125,9 @@ std::string describe(const Card& card) {
 
 nlohmann::ordered_json to_json(const Card& card) {
   const EngineInfo& engine = card.engine;
+  const Precision precision = engine.capabilities.precision;
   nlohmann::ordered_json checks = nlohmann::ordered_json::array();
-  for (const Outcome& outcome : card.outcomes) checks.push_back(to_json(outcome));
+  for (const Outcome& outcome : card.outcomes) checks.push_back(to_json(outcome, precision));
   return with_schema("conformance", {{"engine",
                                       {{"name", engine.name},
                                        {"library", engine.library},
@@ -131,7 +135,8 @@ nlohmann::ordered_json to_json(const Card& card) {
                                        {"mode", engine.mode},
                                        {"contact_law", engine.laws.contact},
                                        {"loop_law", engine.laws.loops},
-                                       {"joint_friction_law", engine.laws.joint_friction}}},
+                                       {"joint_friction_law", engine.laws.joint_friction},
+                                       {"precision", name_of(precision)}}},
                                      {"passed", card.count(Status::kPassed)},
                                      {"failed", card.count(Status::kFailed)},
                                      {"skipped", card.count(Status::kSkipped)},

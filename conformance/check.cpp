@@ -22,28 +22,62 @@ Subject subject_of(std::string_view engine) {
   return subject;
 }
 
-bool Requirement::holds(double value) const noexcept {
-  return std::isfinite(value) && value >= low && value <= high;
+namespace {
+
+// What stands on both sides of a bound, each where it is finite.
+std::string words_of(const Bounds& bounds, const std::string& low, const std::string& high) {
+  if (std::isinf(bounds.low)) return std::isinf(bounds.high) ? "reported" : "<= " + high;
+  return std::isinf(bounds.high) ? ">= " + low : low + " to " + high;
+}
+
+// "100 eps", "1e-11 + 100 eps".
+std::string with_roundings(double bound, char sign, double roundings) {
+  if (roundings == 0) return fmt::format("{:.4g}", bound);
+  if (bound == 0 && sign == '+') return fmt::format("{:.6g} eps", roundings);
+  return fmt::format("{:.4g} {} {:.6g} eps", bound, sign, roundings);
+}
+
+}  // namespace
+
+Bounds Requirement::bounds(Precision precision) const noexcept {
+  const double rounding = roundings * epsilon(precision);
+  return {exact.low - rounding, exact.high + rounding};
+}
+
+bool Requirement::holds(double value, Precision precision) const noexcept {
+  const Bounds within = bounds(precision);
+  return std::isfinite(value) && value >= within.low && value <= within.high;
+}
+
+std::string Requirement::bound(Precision precision) const {
+  const Bounds within = bounds(precision);
+  return words_of(within, fmt::format("{:.4g}", within.low), fmt::format("{:.4g}", within.high));
 }
 
 std::string Requirement::bound() const {
-  if (std::isinf(low)) return std::isinf(high) ? "reported" : fmt::format("<= {:.4g}", high);
-  if (std::isinf(high)) return fmt::format(">= {:.4g}", low);
-  return fmt::format("{:.4g} to {:.4g}", low, high);
+  return words_of(exact, with_roundings(exact.low, '-', roundings),
+                  with_roundings(exact.high, '+', roundings));
 }
 
 Requirement at_most(double bound, std::string what, std::string unit, std::string reason) {
-  return {std::move(what), std::move(unit), -std::numeric_limits<double>::infinity(), bound,
-          std::move(reason)};
+  return {std::move(what), std::move(unit), {.high = bound}, std::move(reason)};
+}
+
+Requirement rounds_to(double roundings, std::string what, std::string unit, std::string reason) {
+  return {std::move(what), std::move(unit), {.high = 0}, std::move(reason), roundings};
+}
+
+Requirement with_rounding(Requirement requirement, double roundings) {
+  requirement.roundings = roundings;
+  return requirement;
 }
 
 Requirement at_least(double bound, std::string what, std::string unit, std::string reason) {
-  return {std::move(what), std::move(unit), bound, std::numeric_limits<double>::infinity(),
-          std::move(reason)};
+  return {std::move(what), std::move(unit), {.low = bound}, std::move(reason)};
 }
 
 Requirement between(double low, double high, std::string what, std::string unit, std::string reason) {
-  return {std::move(what), std::move(unit), low, high, std::move(reason)};
+  return {std::move(what), std::move(unit), {low, high}, std::move(reason)};
 }
 
 const std::vector<Check>& checks() {
@@ -77,7 +111,7 @@ Outcome run_check(const Check& check, const Subject& subject) {
                                        check.requirements.size()));
   bool all_hold = true;
   for (std::size_t i = 0; i < outcome.values.size(); ++i)
-    all_hold = all_hold && check.requirements[i].holds(outcome.values[i]);
+    all_hold = all_hold && check.requirements[i].holds(outcome.values[i], subject.precision());
   if (all_hold) outcome.status = Status::kPassed;
   return outcome;
 }

@@ -18,6 +18,7 @@ struct Subject {
   Engine engine;
   std::vector<Engine> others;  ///< the available ones in the order of the registry
 
+  Precision precision() const noexcept { return engine.info.capabilities.precision; }
   std::unique_ptr<PhysicsBackend> make(const WorldSpec& spec) const { return engine.make(spec); }
   /// In a world that has everything else by default.
   std::unique_ptr<PhysicsBackend> make(const std::shared_ptr<const RobotDescription>& robot) const;
@@ -26,21 +27,35 @@ struct Subject {
 /// @throws ConfigError as find_engine
 Subject subject_of(std::string_view engine);
 
-/// A number that a check measures, and where it has to lie, bounds included. One that is not finite lies
-/// nowhere.
-struct Requirement {
-  std::string what, unit;  ///< unit is empty for a pure number
+/// Where a number has to lie, bounds included.
+struct Bounds {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
-  std::string reason;  ///< why just there
+};
 
-  bool holds(double value) const noexcept;
+/// A number that a check measures, and where it has to lie. One that is not finite lies nowhere.
+struct Requirement {
+  std::string what, unit;  ///< unit is empty for a pure number
+  Bounds exact = {};       ///< in an engine that does not round
+  std::string reason;      ///< why just there
+  double roundings = 0;    ///< what an engine's rounding comes to at most, in epsilon() of its precision
+
+  /// Those of an engine of this precision: `exact` with its roundings on both sides.
+  Bounds bounds(Precision precision) const noexcept;
+  bool holds(double value, Precision precision) const noexcept;
   /// "<= 1e-11", ">= 0.3", "0.48 to 0.52", "reported" if it has none.
+  std::string bound(Precision precision) const;
+  /// The same for engines of any precision: "<= 100 eps", "<= 1e-11 + 100 eps", "0.48 - 9 eps to 0.52 + 9
+  /// eps".
   std::string bound() const;
 };
 
 /// At most so much. @param reason  why just there
 Requirement at_most(double bound, std::string what, std::string unit, std::string reason);
+/// At most what rounding comes to. @param roundings  epsilon() of the engine's precision
+Requirement rounds_to(double roundings, std::string what, std::string unit, std::string reason);
+/// The same, with bounds that give way by an engine's rounding.
+Requirement with_rounding(Requirement requirement, double roundings);
 Requirement at_least(double bound, std::string what, std::string unit, std::string reason);
 Requirement between(double low, double high, std::string what, std::string unit, std::string reason);
 

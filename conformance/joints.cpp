@@ -42,7 +42,9 @@ std::vector<double> large_swings(const Subject& subject) {
   const double coarse = scenes::pendulum_error(subject.engine, 4e-3);
   const double middle = scenes::pendulum_error(subject.engine, 2e-3);
   const double fine = scenes::pendulum_error(subject.engine, 1e-3);
-  return {std::abs(fine), middle / coarse, fine / middle};
+  const double rounding = 100 * epsilon(subject.precision());  // of zero crossings
+  return {std::abs(fine), convergence(middle, coarse, 0.25, rounding),
+          convergence(fine, middle, 0.25, rounding)};
 }
 
 std::vector<double> armature(const Subject& subject) {
@@ -187,7 +189,9 @@ std::vector<Check> joint_checks() {
   return {
       {"pendulum_small_swings",
        "A joint's inertia, armature included, and its weight's torque",
-       {at_most(1e-9, "period off that of discrete steps, relative", "", "timed by linear interpolation"),
+       {with_rounding(at_most(1e-9, "period off that of discrete steps, relative", "",
+                              "timed by linear interpolation; rounding of angles where they cross zero"),
+                      100),
         at_most(1 / 20.0, "period off the harmonic oscillator's, relative, over (w h)^2", "",
                 "1/24 by semi-implicit Euler")},
        small_swings},
@@ -220,16 +224,20 @@ std::vector<Check> joint_checks() {
        servo_step},
       {"servo_load",
        "A servo lags a constant load by load over stiffness, and says its torque",
-       {at_most(1e-9, "moves at rest", "rad/s", "exponential decay over 6 s"),
-        at_most(1e-9, "torque off the load", "N m", "the same"),
+       {with_rounding(at_most(1e-9, "moves at rest", "rad/s",
+                              "exponential decay over 6 s, to what rounding of the angle keeps moving"),
+                      1000),
+        with_rounding(at_most(1e-9, "torque off the load", "N m", "the same"), 1000),
         at_least(0.1, "lag", "rad", "one worth the name"),
-        at_most(1e-9, "torque reported, off", "N m", "the same")},
+        with_rounding(at_most(1e-9, "torque reported, off", "N m", "the same"), 1000)},
        servo_load},
       {"servo_limits",
        "Effort limits bound the torque and joint limits the target, and the engine adds none of its own",
        {at_most(0, "torque at the effort limit, off", "N m", "a clamp"),
-        at_most(1e-13, "speed after ten steps of it, off", "rad/s", "ten equal pushes: rounding"),
-        at_most(1e-9, "rests off the joint limit", "rad", "exponential decay over 6 s")},
+        rounds_to(400, "speed after ten steps of it, off", "rad/s", "ten equal pushes: rounding"),
+        with_rounding(at_most(1e-9, "rests off the joint limit", "rad",
+                              "exponential decay over 6 s, to what rounding of the angle keeps moving"),
+                      1000)},
        servo_limits},
       {"servo_substeps",
        "Twenty substeps are twenty steps",

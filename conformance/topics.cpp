@@ -1,5 +1,7 @@
 #include "conformance/topics.h"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -17,6 +19,25 @@ WorldSpec world_on(const char* terrain, const scenes::RobotPtr& robot) {
   WorldSpec spec = scenes::world_of(robot);
   spec.terrain = make_terrain(terrain);
   return spec;
+}
+
+double relative_difference(const JointVector& found, const JointVector& expected) {
+  double worst = 0;
+  for (Eigen::Index i = 0; i < expected.size(); ++i) {
+    const double difference = std::abs(found[i] - expected[i]);
+    if (difference > 0) worst = std::max(worst, difference / std::abs(expected[i]));
+  }
+  return worst;
+}
+
+double convergence(double fine, double coarse, double expected, double rounding) {
+  const double off = fine - expected * coarse;
+  return expected + std::copysign(std::max(0.0, std::abs(off) - (1 + expected) * rounding), off) / coarse;
+}
+
+double residual_speed(const Subject& subject) {
+  const bool stops_early = subject.engine.info.laws.contact.find("/temporal") != std::string::npos;
+  return stops_early ? kGravity * 1e-3 / 5 : 0;
 }
 
 bool is_soft(const Subject& subject) { return subject.engine.info.capabilities.soft_contact; }

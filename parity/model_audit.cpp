@@ -16,11 +16,15 @@ namespace {
 // Keeps the largest difference of one quantity, in units of what is allowed.
 class Worst {
  public:
-  Worst(std::string quantity, std::string unit) : finding_{std::move(quantity), {}, 0, 0, std::move(unit)} {}
+  /// @param eps  of the coarser engine's numbers
+  Worst(std::string quantity, std::string unit, double eps)
+      : finding_{std::move(quantity), {}, 0, 0, std::move(unit)}, eps_(eps) {}
 
-  /// @param scale size that a relative tolerance of 1e-6 refers to @param rounding absolute tolerance
+  /// @param scale  size that a relative tolerance of 1e-6 or 1000 eps refers to
+  /// @param rounding  absolute tolerance, beside 10 eps
   void add(double a, double b, double scale, double rounding, const std::string& element) {
-    const double allowed = std::max(1e-6 * scale, rounding), excess = std::abs(a - b) / allowed;
+    const double allowed = std::max(std::max(1e-6, 1000 * eps_) * scale, rounding + 10 * eps_);
+    const double excess = std::abs(a - b) / allowed;
     if (excess <= 1 || excess <= worst_) return;
     worst_ = excess;
     finding_.a = a;
@@ -33,6 +37,7 @@ class Worst {
 
  private:
   AuditFinding finding_;
+  double eps_;
   double worst_ = 0;
 };
 
@@ -50,15 +55,21 @@ std::string joint_label(const PhysicsBackend& world, int joint) {
 
 using Findings = std::vector<AuditFinding>;
 
+double coarser_epsilon(const PhysicsBackend& a, const PhysicsBackend& b) {
+  return std::max(epsilon(a.info().capabilities.precision), epsilon(b.info().capabilities.precision));
+}
+
 void audit_time(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
-  Worst time("time step", "s");
+  const double eps = coarser_epsilon(a, b);
+  Worst time("time step", "s", eps);
   const double ta = probes::time_of_a_step(a), tb = probes::time_of_a_step(b);
   time.add(ta, tb, std::max(ta, tb), 0, "");
   time.append_to(findings);
 }
 
 void audit_inertias(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
-  Worst mass("mass", "kg"), centre("centre of mass", "m"), inertia("inertia", "kg m^2");
+  const double eps = coarser_epsilon(a, b);
+  Worst mass("mass", "kg", eps), centre("centre of mass", "m", eps), inertia("inertia", "kg m^2", eps);
   for (int i = 0; i <= a.robot().joint_count(); ++i) {
     const SpatialInertia x = a.body_inertia(i), y = b.body_inertia(i);
     mass.add(x.mass, y.mass, x.mass, 0, body_label(a, i));
@@ -72,7 +83,8 @@ void audit_inertias(const PhysicsBackend& a, const PhysicsBackend& b, Findings& 
 
 // Where bodies sit in their parents, and what turning a joint does to that.
 void audit_geometry(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
-  Worst placement("link placement", "m"), axis("joint axis", "-");
+  const double eps = coarser_epsilon(a, b);
+  Worst placement("link placement", "m", eps), axis("joint axis", "-", eps);
   const int joints = a.robot().joint_count();
   for (int turned = -1; turned < joints; ++turned) {
     const std::vector<Pose> x = probes::poses_with_turned(a, turned),
@@ -91,14 +103,16 @@ void audit_geometry(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
 }
 
 void audit_armature(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
-  Worst armature("armature", "kg m^2");
+  const double eps = coarser_epsilon(a, b);
+  Worst armature("armature", "kg m^2", eps);
   const Eigen::VectorXd x = probes::joint_inertias(a), y = probes::joint_inertias(b);
   for (int i = 0; i < x.size(); ++i) armature.add(x[i], y[i], x[i], 0, joint_label(a, i));
   armature.append_to(findings);
 }
 
 void audit_joint_friction(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
-  Worst friction("joint friction", "N m");
+  const double eps = coarser_epsilon(a, b);
+  Worst friction("joint friction", "N m", eps);
   const JointVector x = a.joint_friction(), y = b.joint_friction();
   for (Eigen::Index i = 0; i < x.size(); ++i)
     friction.add(x[i], y[i], x[i], kRounding, joint_label(a, static_cast<int>(i)));
@@ -116,7 +130,8 @@ bool same_loops(const PhysicsBackend& a, const PhysicsBackend& b) {
 }
 
 void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
-  Worst heights("height of the ground", "m"), diagonal("diagonal of the height field", "m");
+  const double eps = coarser_epsilon(a, b);
+  Worst heights("height of the ground", "m", eps), diagonal("diagonal of the height field", "m", eps);
   const HeightField* field = a.spec().terrain.field();
   const auto compare = [&](Worst& worst, double x, double y) {
     const double height_a = a.terrain_height(x, y), height_b = b.terrain_height(x, y);
@@ -144,7 +159,8 @@ void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, Findings& fi
 }
 
 void audit_gravity(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
-  Worst gravity("gravity", "m/s^2");
+  const double eps = coarser_epsilon(a, b);
+  Worst gravity("gravity", "m/s^2", eps);
   const Vector3 x = probes::free_fall(a), y = probes::free_fall(b);
   constexpr std::array kAxes{"axis x", "axis y", "axis z"};
   for (int k = 0; k < 3; ++k) gravity.add(x[k], y[k], 10, 1e-7, kAxes[static_cast<std::size_t>(k)]);
@@ -152,8 +168,9 @@ void audit_gravity(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
 }
 
 void audit_servos(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
-  Worst damping("joint damping", "N m s/rad"), stiffness("servo stiffness", "N m/rad"),
-      effort("effort limit", "N m"), servo("servo damping", "N m s/rad");
+  const double eps = coarser_epsilon(a, b);
+  Worst damping("joint damping", "N m s/rad", eps), stiffness("servo stiffness", "N m/rad", eps),
+      effort("effort limit", "N m", eps), servo("servo damping", "N m s/rad", eps);
   for (int i = 0; i < a.robot().joint_count(); ++i) {
     const probes::ServoResponse x = probes::servo_response(a, i), y = probes::servo_response(b, i);
     const auto add = [&](Worst& worst, double probes::ServoResponse::*what) {
@@ -185,7 +202,8 @@ void audit_friction(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
     const double ratio = slower[leg].friction_ratio;
     return slower[leg].slip_after > kSlips && std::abs(faster[leg].friction_ratio - ratio) < tolerance(ratio);
   };
-  Worst friction("friction", "-");
+  const double eps = coarser_epsilon(a, b);
+  Worst friction("friction", "-", eps);
   for (const Leg leg : kLegs) {
     for (std::size_t i = 0; i + 1 < kSpeeds.size(); ++i) {
       if (!limited(x[i], x[i + 1], leg) || !limited(y[i], y[i + 1], leg)) continue;
@@ -199,7 +217,8 @@ void audit_friction(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
 
 void audit_feet(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
   if (!a.robot().legs) return;
-  Worst radius("foot radius", "m"), law("contact law", "N");
+  const double eps = coarser_epsilon(a, b);
+  Worst radius("foot radius", "m", eps), law("contact law", "N", eps);
   const RobotState standing = probes::pressed(a, 0);
   const LegArray<probes::PressedFoot> x = probes::press_feet(a, standing),
                                       y = probes::press_feet(b, standing);
@@ -217,7 +236,8 @@ void audit_feet(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
 
 // Every body from several sides: which of its points come first to the ground, and how far out they are.
 void audit_shapes(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
-  Worst depth("collision shape", "m"), points("contact points", "-");
+  const double eps = coarser_epsilon(a, b);
+  Worst depth("collision shape", "m", eps), points("contact points", "-", eps);
   // Six sides and two corners, none of them level: no two points are equally deep by symmetry.
   constexpr std::array<std::array<double, 3>, 8> kAttitudes{{{0.13, 0.29, 0.4},
                                                              {3.02, 0.31, 1.1},
@@ -243,7 +263,8 @@ void audit_shapes(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
 
 void audit_motion(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
   if (!same_joint_friction(a, b) || !same_loops(a, b)) return;
-  Worst motion("motion in the air", "m/s or rad/s");
+  const double eps = coarser_epsilon(a, b);
+  Worst motion("motion in the air", "m/s or rad/s", eps);
   const RobotState state = probes::swinging(a);
   const Eigen::VectorXd x = probes::swing(a, state), y = probes::swing(b, state);
   for (int i = 0; i < x.size(); ++i)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,19 @@
 #include "physics/robot/state.h"
 
 namespace crossgait {
+
+/// Numbers that an engine keeps its state in and steps with.
+enum class Precision { kFloat64, kFloat32 };
+
+/// Returns the distance from 1 to the next number: what bounds of rounding are multiples of.
+constexpr double epsilon(Precision precision) noexcept {
+  return precision == Precision::kFloat32 ? std::numeric_limits<float>::epsilon()
+                                          : std::numeric_limits<double>::epsilon();
+}
+/// "float64", "float32".
+constexpr std::string_view name_of(Precision precision) noexcept {
+  return precision == Precision::kFloat32 ? "float32" : "float64";
+}
 
 /// What an engine and mode declares; tests skip on these and on nothing else.
 struct Capabilities {
@@ -22,6 +36,7 @@ struct Capabilities {
   bool exact_field_query =
       false;  ///< terrain_height is exact to rounding (1e-12 m) rather than to the ray test (2e-6 m)
   bool allocates = false;  ///< the engine's own library allocates in a step
+  Precision precision = Precision::kFloat64;
 
   bool operator==(const Capabilities&) const = default;
 };

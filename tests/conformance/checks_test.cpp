@@ -32,7 +32,8 @@ TEST(Checks, AreNamedOnceAndSayWhatTheyAre) {
     for (const Requirement& requirement : check.requirements) {
       EXPECT_FALSE(requirement.what.empty()) << check.name;
       EXPECT_FALSE(requirement.reason.empty()) << check.name << ": " << requirement.what;
-      EXPECT_LE(requirement.low, requirement.high) << check.name << ": " << requirement.what;
+      EXPECT_LE(requirement.exact.low, requirement.exact.high) << check.name << ": " << requirement.what;
+      EXPECT_GE(requirement.roundings, 0) << check.name << ": " << requirement.what;
     }
   }
 }
@@ -40,16 +41,31 @@ TEST(Checks, AreNamedOnceAndSayWhatTheyAre) {
 TEST(Checks, NothingThatIsNotFiniteHolds) {
   for (const Requirement& requirement :
        {at_most(1, "", "", ""), at_least(-1, "", "", ""), between(-1, 1, "", "", ""), Requirement{}}) {
-    EXPECT_TRUE(requirement.holds(0));
+    EXPECT_TRUE(requirement.holds(0, Precision::kFloat64));
     for (const double value : {test::kNaN, test::kInfinity, -test::kInfinity})
-      EXPECT_FALSE(requirement.holds(value));
+      EXPECT_FALSE(requirement.holds(value, Precision::kFloat64));
   }
-  EXPECT_FALSE(at_most(1, "", "", "").holds(1.5));
-  EXPECT_FALSE(at_least(1, "", "", "").holds(0.5));
+  EXPECT_FALSE(at_most(1, "", "", "").holds(1.5, Precision::kFloat64));
+  EXPECT_FALSE(at_least(1, "", "", "").holds(0.5, Precision::kFloat64));
   EXPECT_EQ(at_most(1e-11, "", "", "").bound(), "<= 1e-11");
   EXPECT_EQ(at_least(0.3, "", "", "").bound(), ">= 0.3");
   EXPECT_EQ(between(0.48, 0.52, "", "", "").bound(), "0.48 to 0.52");
   EXPECT_EQ(Requirement{}.bound(), "reported");
+}
+
+TEST(Checks, BoundsOfRoundingAreOfTheEnginesPrecision) {
+  const Requirement rounding = rounds_to(100, "", "", "");
+  EXPECT_EQ(rounding.bound(), "<= 100 eps");
+  EXPECT_EQ(rounding.bound(Precision::kFloat64), "<= 2.22e-14");
+  EXPECT_EQ(rounding.bound(Precision::kFloat32), "<= 1.192e-05");
+  EXPECT_TRUE(rounding.holds(1e-5, Precision::kFloat32));
+  EXPECT_FALSE(rounding.holds(1e-5, Precision::kFloat64));
+  EXPECT_FALSE(rounding.holds(2e-5, Precision::kFloat32));
+
+  const Requirement both = with_rounding(between(0.5, 1, "", "", ""), 1e5);
+  EXPECT_EQ(both.bound(), "0.5 - 100000 eps to 1 + 100000 eps");
+  EXPECT_TRUE(both.holds(0.49, Precision::kFloat32) && both.holds(1.01, Precision::kFloat32));
+  EXPECT_FALSE(both.holds(0.49, Precision::kFloat64) || both.holds(1.01, Precision::kFloat64));
 }
 
 // The guide's table is what `crossgait conformance --list` prints.

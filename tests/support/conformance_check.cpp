@@ -22,14 +22,16 @@ std::vector<std::string> names_of_checks() {
 
 void expect_holds(const std::string& name, const std::string& engine) {
   const Check& check = check_of(name);
-  const Outcome outcome = run_check(check, subject_of(engine));
+  const Subject subject = subject_of(engine);
+  const Outcome outcome = run_check(check, subject);
   if (outcome.status == Status::kSkipped) GTEST_SKIP() << "needs: " << outcome.reason;
   EXPECT_EQ(outcome.reason, "");
   for (std::size_t i = 0; i < outcome.values.size(); ++i) {
     const Requirement& requirement = check.requirements[i];
     measured(check.name + ": " + requirement.what + (requirement.unit.empty() ? "" : ", " + requirement.unit),
              outcome.values[i]);
-    EXPECT_TRUE(requirement.holds(outcome.values[i])) << requirement.what << ": " << requirement.bound();
+    EXPECT_TRUE(requirement.holds(outcome.values[i], subject.precision()))
+        << requirement.what << ": " << requirement.bound(subject.precision());
   }
   EXPECT_EQ(outcome.status, Status::kPassed);
 }

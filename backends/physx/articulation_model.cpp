@@ -1,0 +1,261 @@
+#include "backends/physx/articulation_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "backends/physx/convert.h"
+#include "physics/robot/principal_inertia.h"
+
+namespace crossgait::physx {
+namespace {
+
+using Flag = px::PxArticulationCacheFlag;
+
+constexpr float kNoLimit = 1e9F;  // of speeds, m/s and rad/s: far beyond any that a world survives
+
+px::PxArticulationCacheFlags state_flags() {
+  return Flag::eROOT_TRANSFORM | Flag::eROOT_VELOCITIES | Flag::ePOSITION | Flag::eVELOCITY;
+}
+
+/// PhysX turns about x.
+Pose joint_frame(const Pose& X, const Vector3& axis) {
+  Pose turned = X;
+  turned.linear() = X.linear() * Quaternion::FromTwoVectors(Vector3::UnitX(), axis).toRotationMatrix();
+  return turned;
+}
+
+// PhysX's defaults damp, clamp and put to sleep; none of that is physics.
+void remove_artefacts(px::PxArticulationLink& link) {
+  link.setLinearDamping(0);
+  link.setAngularDamping(0);
+  link.setMaxLinearVelocity(kNoLimit);
+  link.setMaxAngularVelocity(kNoLimit);
+  link.setCfmScale(0);
+}
+
+}  // namespace
+
+ArticulationModel::ArticulationModel(const WorldSpec& spec, const Settings& settings, px::PxScene& scene)
+    : spec_(spec), articulation_(the_physics().createArticulationReducedCoordinate()) {
+  if (articulation_ == nullptr) throw std::runtime_error("PhysX refused an articulation");
+  const std::vector<Body>& bodies = spec.robot->bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    add_link(bodies, i);
+    link(static_cast<int>(i)).setMaxDepenetrationVelocity(static_cast<float>(settings.depenetration));
+  }
+  articulation_->setArticulationFlag(px::PxArticulationFlag::eFIX_BASE, spec.fixed_base);
+  articulation_->setArticulationFlag(px::PxArticulationFlag::eDISABLE_SELF_COLLISION, true);
+  articulation_->setArticulationFlag(px::PxArticulationFlag::eDRIVE_LIMITS_ARE_FORCES, true);
+  articulation_->setSleepThreshold(0);
+  articulation_->setStabilizationThreshold(0);
+  articulation_->setMaxCOMLinearVelocity(kNoLimit);
+  articulation_->setMaxCOMAngularVelocity(kNoLimit);
+  articulation_->setSolverIterationCounts(static_cast<px::PxU32>(settings.position_iterations),
+                                          static_cast<px::PxU32>(settings.velocity_iterations));
+  scene.addArticulation(*articulation_);
+  add_loops(*spec.robot);
+  cache_ = std::make_unique<CacheOfStock>(*articulation_);
+
+  std::vector<std::size_t> by_index(links_.size());
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    indices_.push_back(links_[i]->getLinkIndex());
+    by_index[indices_.back()] = i;
+  }
+  dofs_.resize(links_.size() - 1);
+  std::size_t dof = 0;
+  for (const std::size_t body : by_index)
+    if (body > 0) dofs_[body - 1] = dof++;
+  before_.resize(links_.size());
+  for (std::size_t i = 0; i < links_.size(); ++i) groups_.push_back(i);
+  for (const LoopClosure& loop : spec.robot->loops) {
+    const std::size_t a = group(loop.body_a), b = group(loop.body_b);
+    std::replace(groups_.begin(), groups_.end(), b, a);
+  }
+}
+
+ArticulationModel::~ArticulationModel() {
+  loops_.clear();
+  cache_.reset();
+}
+
+void ArticulationModel::add_link(const std::vector<Body>& bodies, std::size_t i) {
+  const Body& body = bodies[i];
+  const PrincipalInertia principal = principal_inertia(body.inertia);
+  X_BP_.push_back(principal.X_BP);
+  px::PxArticulationLink* parent = i == 0 ? nullptr : links_[static_cast<std::size_t>(body.parent)];
+  px::PxArticulationLink* link = articulation_->createLink(parent, px::PxTransform(px::PxIdentity));
+  if (link == nullptr) throw std::runtime_error("PhysX refused body " + body.name);
+  links_.push_back(link);
+  link->setMass(static_cast<float>(body.inertia.mass));
+  link->setMassSpaceInertiaTensor(vector(principal.moments));
+  remove_artefacts(*link);
+  if (i > 0) add_joint(body, i);
+}
+
+void ArticulationModel::add_joint(const Body& body, std::size_t i) {
+  px::PxArticulationJointReducedCoordinate& joint = *links_[i]->getInboundJoint();
+  const Pose& X_parent = X_BP_[static_cast<std::size_t>(body.parent)];
+  joint.setJointType(px::PxArticulationJointType::eREVOLUTE_UNWRAPPED);
+  joint.setMotion(px::PxArticulationAxis::eTWIST, px::PxArticulationMotion::eFREE);
+  joint.setParentPose(transform(joint_frame(X_parent.inverse() * body.X_PB, body.joint.axis)));
+  joint.setChildPose(transform(joint_frame(X_BP_[i].inverse(), body.joint.axis)));
+  joint.setFrictionCoefficient(0);  // of loads, not a torque
+  joint.setMaxJointVelocity(kNoLimit);
+  joint.setArmature(px::PxArticulationAxis::eTWIST, static_cast<float>(body.joint.armature));
+  if (body.joint.friction > 0) {
+    // A damper that stops the joint within a step if its bound lets it: Coulomb's friction.
+    constexpr float kStops = 1e6F;  // N m s/rad
+    joint.setDriveParams(px::PxArticulationAxis::eTWIST, {0, kStops, static_cast<float>(body.joint.friction),
+                                                          px::PxArticulationDriveType::eFORCE});
+  }
+}
+
+void ArticulationModel::add_loops(const RobotDescription& robot) {
+  for (const LoopClosure& loop : robot.loops) {
+    loops_.push_back(std::make_unique<LoopConstraint>(
+        the_physics(), link(loop.body_a), X_BP(loop.body_a).inverse() * loop.p_AP, link(loop.body_b),
+        X_BP(loop.body_b).inverse() * loop.p_BP));
+  }
+}
+
+void ArticulationModel::apply_state() { articulation_->applyCache(*cache(), state_flags()); }
+
+void ArticulationModel::set_state(const RobotState& state) {
+  const Pose X_WP = make_pose(state.q_WB.normalized(), state.p_WB) * X_BP(0);
+  px::PxArticulationRootLinkData& root = *cache()->rootLinkData;
+  root.transform = transform(X_WP);
+  root.worldLinVel = root.worldAngVel = px::PxVec3(0);
+  if (!spec_.fixed_base) {
+    root.worldLinVel = vector(Vector3(state.v_WB + state.w_WB.cross(X_WP.translation() - state.p_WB)));
+    root.worldAngVel = vector(state.w_WB);
+  }
+  for (std::size_t i = 0; i < dofs_.size(); ++i) {
+    cache()->jointPosition[dofs_[i]] = static_cast<float>(state.q[static_cast<Eigen::Index>(i)]);
+    cache()->jointVelocity[dofs_[i]] = static_cast<float>(state.qd[static_cast<Eigen::Index>(i)]);
+  }
+  apply_state();
+}
+
+void ArticulationModel::get_state(RobotState& state) const {
+  const px::PxArticulationRootLinkData& root = *cache()->rootLinkData;
+  const Pose& X_BP = X_BP_.front();
+  state.q_WB = quaternion(root.transform.q) * Quaternion(X_BP.linear()).conjugate();
+  const Vector3 p_BC_W = state.q_WB * Vector3(X_BP.translation());
+  state.p_WB = vector(root.transform.p) - p_BC_W;
+  state.w_WB = vector(root.worldAngVel);
+  state.v_WB = vector(root.worldLinVel) - state.w_WB.cross(p_BC_W);
+  for (std::size_t i = 0; i < dofs_.size(); ++i) {
+    state.q[static_cast<Eigen::Index>(i)] = cache()->jointPosition[dofs_[i]];
+    state.qd[static_cast<Eigen::Index>(i)] = cache()->jointVelocity[dofs_[i]];
+  }
+}
+
+void ArticulationModel::apply(const JointVector& tau, const Vector3& push) {
+  for (std::size_t i = 0; i < dofs_.size(); ++i)
+    cache()->jointForce[dofs_[i]] = static_cast<float>(tau[static_cast<Eigen::Index>(i)]);
+  articulation_->applyCache(*cache(), state_flags() | Flag::eFORCE);
+  if (!push.isZero()) links_.front()->addForce(vector(push));
+  articulation_->copyInternalStateToCache(*cache(), Flag::eLINK_VELOCITY);
+  std::copy_n(cache()->linkVelocity, before_.size(), before_.begin());
+}
+
+bool ArticulationModel::take() {
+  articulation_->copyInternalStateToCache(
+      *cache(), state_flags() | Flag::eLINK_VELOCITY | Flag::eLINK_INCOMING_JOINT_FORCE);
+  const px::PxArticulationRootLinkData& root = *cache()->rootLinkData;
+  bool finite = root.transform.isFinite() && root.worldLinVel.isFinite() && root.worldAngVel.isFinite();
+  for (std::size_t i = 0; i < dofs_.size(); ++i)
+    finite = finite && std::isfinite(cache()->jointPosition[i]) && std::isfinite(cache()->jointVelocity[i]);
+  return finite;
+}
+
+void ArticulationModel::contact_forces(const Vector3& push, std::vector<Vector3>& by_group) const {
+  const std::vector<Body>& bodies = spec_.robot->bodies;
+  std::fill(by_group.begin(), by_group.end(), Vector3::Zero());
+  by_group[group(0)] -= push;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const int body = static_cast<int>(i);
+    const px::PxVec3 change = velocity_after(body).linear - velocity_before(body).linear;
+    by_group[group(body)] += bodies[i].inertia.mass * (vector(change) / spec_.physics_dt - spec_.gravity);
+    if (i == 0 || group(body) == group(bodies[i].parent)) continue;
+    const px::PxQuat q = links_[i]->getGlobalPose().q * links_[i]->getInboundJoint()->getChildPose().q;
+    const Vector3 through_joint = vector(q.rotate(cache()->linkIncomingJointForce[index(body)].force));
+    by_group[group(body)] -= through_joint;
+    by_group[group(bodies[i].parent)] += through_joint;
+  }
+}
+
+Pose ArticulationModel::body_pose(int body) const {
+  return pose(link(body).getGlobalPose()) * X_BP(body).inverse();
+}
+
+SpatialInertia ArticulationModel::body_inertia(int body) const {
+  const px::PxArticulationLink& own = link(body);
+  return from_principal(own.getMass(), {X_BP(body), vector(own.getMassSpaceInertiaTensor())});
+}
+
+double ArticulationModel::joint_friction(int joint) const {
+  const px::PxArticulationDrive drive =
+      link(joint + 1).getInboundJoint()->getDriveParams(px::PxArticulationAxis::eTWIST);
+  return drive.damping > 0 ? drive.maxForce : 0;
+}
+
+Eigen::MatrixXd ArticulationModel::mass_matrix() {
+  apply_state();
+  articulation_->commonInit();
+  px::PxU32 rows = 0, columns = 0;
+  articulation_->computeDenseJacobian(*cache(), rows, columns);
+  const Eigen::MatrixXd J =
+      Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+          cache()->denseJacobian, rows, columns)
+          .cast<double>();
+  // PhysX's dofs are [v of the base's centre of mass, w_WB, qd in its own order].
+  const Eigen::Index first = spec_.fixed_base ? 0 : 6, joints = static_cast<Eigen::Index>(dofs_.size());
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(first + joints, first + joints);
+  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(columns, first + joints);
+  if (first > 0) {
+    S.topLeftCorner<6, 6>().setIdentity();
+    const Vector3 p = body_pose(0).linear() * X_BP(0).translation();
+    S.block<3, 3>(0, 3) << 0, p.z(), -p.y(), -p.z(), 0, p.x(), p.y(), -p.x(), 0;  // w x p
+  }
+  for (Eigen::Index i = 0; i < joints; ++i)
+    S(first + static_cast<Eigen::Index>(dofs_[static_cast<std::size_t>(i)]), first + i) = 1;
+  for (std::size_t i = spec_.fixed_base ? 1 : 0; i < links_.size(); ++i) {
+    const px::PxArticulationLink& own = *links_[i];
+    const auto row = static_cast<Eigen::Index>(6 * (indices_[i] - (spec_.fixed_base ? 1 : 0)));
+    const Matrix3 R = pose(own.getGlobalPose()).linear();
+    const Matrix3 I = R * vector(own.getMassSpaceInertiaTensor()).asDiagonal() * R.transpose();
+    const Eigen::MatrixXd v = J.middleRows(row, 3) * S, w = J.middleRows(row + 3, 3) * S;
+    M += own.getMass() * v.transpose() * v + w.transpose() * I * w;
+  }
+  for (Eigen::Index i = 0; i < joints; ++i)
+    M(first + i, first + i) += links_[static_cast<std::size_t>(i) + 1]->getInboundJoint()->getArmature(
+        px::PxArticulationAxis::eTWIST);
+  return M;
+}
+
+void ArticulationModel::save(std::vector<double>& numbers) const {
+  const px::PxArticulationRootLinkData& root = *cache()->rootLinkData;
+  const px::PxTransform& X = root.transform;
+  numbers = {X.p.x, X.p.y, X.p.z, X.q.x, X.q.y, X.q.z, X.q.w};
+  for (const px::PxVec3& v : {root.worldLinVel, root.worldAngVel})
+    numbers.insert(numbers.end(), {v.x, v.y, v.z});
+  numbers.insert(numbers.end(), cache()->jointPosition, cache()->jointPosition + dofs_.size());
+  numbers.insert(numbers.end(), cache()->jointVelocity, cache()->jointVelocity + dofs_.size());
+}
+
+void ArticulationModel::restore(const double* numbers) {
+  const auto next = [&numbers] { return static_cast<float>(*numbers++); };
+  px::PxArticulationRootLinkData& root = *cache()->rootLinkData;
+  for (float* number : {&root.transform.p.x, &root.transform.p.y, &root.transform.p.z, &root.transform.q.x,
+                        &root.transform.q.y, &root.transform.q.z, &root.transform.q.w, &root.worldLinVel.x,
+                        &root.worldLinVel.y, &root.worldLinVel.z, &root.worldAngVel.x, &root.worldAngVel.y,
+                        &root.worldAngVel.z})
+    *number = next();
+  for (float* values : {cache()->jointPosition, cache()->jointVelocity})
+    for (std::size_t i = 0; i < dofs_.size(); ++i) values[i] = next();
+  apply_state();
+}
+
+}  // namespace crossgait::physx

@@ -1,0 +1,150 @@
+#include "backends/physx/physx_backend.h"
+
+#include <limits>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "backends/physx/articulation_model.h"
+#include "backends/physx/settings.h"
+#include "backends/physx/step_contacts.h"
+
+namespace crossgait::physx {
+namespace {
+
+// Squares of what goes into a step have to be float32 numbers.
+constexpr double kMost = 1e15;  // N, N m
+
+EngineInfo make_info(const Settings& settings) {
+  EngineInfo info;
+  info.name = settings.name;
+  info.library = "PhysX";
+  info.version =
+      fmt::format("{}.{}.{}", PX_PHYSICS_VERSION_MAJOR, PX_PHYSICS_VERSION_MINOR, PX_PHYSICS_VERSION_BUGFIX);
+  info.mode = settings.temporal ? "hard contact, patch friction, temporal Gauss-Seidel"
+                                : "hard contact, patch friction, projected Gauss-Seidel";
+  const std::string way =
+      (settings.temporal ? "/temporal" : "/sweeps") + std::string(split_factors(settings.name).second);
+  // By sweeps friction is bounded along two directions, each by itself.
+  info.laws = {.contact = (settings.temporal ? "patch" : "patch+pyramid") + way,
+               .loops = "hard" + way,
+               .joint_friction = "hard" + way,
+               .contact_family = "rigid"};
+  info.capabilities.exact_field_query = true;  // the ground is Crossgait's
+  info.capabilities.allocates = true;
+  info.capabilities.precision = Precision::kFloat32;
+  return info;
+}
+
+class PhysxBackend final : public PhysicsBackend {
+ public:
+  PhysxBackend(const WorldSpec& world, const Settings& settings)
+      : PhysicsBackend(world), settings_(settings), info_(make_info(settings)) {
+    build();
+    reset();
+  }
+
+  ~PhysxBackend() override { clear(); }
+
+  const EngineInfo& info() const override { return info_; }
+
+ private:
+  void clear() {
+    model_.reset();
+    contacts_.reset();
+    scene_.reset();
+  }
+
+  void build() {
+    clear();
+    contacts_ = std::make_unique<StepContacts>(spec(), settings_);
+    px::PxPhysics& physics = the_physics();
+    px::PxSceneDesc description(physics.getTolerancesScale());
+    description.gravity = {static_cast<float>(spec().gravity.x()), static_cast<float>(spec().gravity.y()),
+                           static_cast<float>(spec().gravity.z())};
+    description.cpuDispatcher = &dispatcher_;
+    description.filterShader = only_ground;
+    description.simulationEventCallback = contacts_.get();
+    description.solverType = settings_.temporal ? px::PxSolverType::eTGS : px::PxSolverType::ePGS;
+    description.flags = px::PxSceneFlag::eENABLE_ENHANCED_DETERMINISM;
+    description.flags |= px::PxSceneFlag::eENABLE_FRICTION_EVERY_ITERATION;
+    scene_.reset(physics.createScene(description));
+    if (scene_ == nullptr) throw std::runtime_error("PhysX refused a scene");
+    model_ = std::make_unique<ArticulationModel>(spec(), settings_, *scene_);
+    contacts_->build(*scene_, *model_);
+    poisoned_ = false;
+  }
+
+  void do_reset(const RobotState& state) override {
+    if (poisoned_) build();
+    contacts_->forget();
+    model_->set_state(state);
+  }
+
+  StepStatus do_step(const JointVector& tau, const Vector3& push) noexcept override {
+    if (!(tau.size() == 0 || tau.lpNorm<Eigen::Infinity>() < kMost) || !(push.norm() < kMost))
+      return StepStatus::kDiverged;
+    push_ = push;
+    model_->apply(tau, push);
+    contacts_->begin_step(*scene_);
+    scene_->simulate(static_cast<float>(spec().physics_dt));
+    scene_->fetchResults(true);
+    poisoned_ = !model_->take();
+    return poisoned_ ? StepStatus::kDiverged : StepStatus::kOk;
+  }
+
+  void do_read_state(RobotState& state) const noexcept override { model_->get_state(state); }
+  void do_read_contacts(ContactList& contacts) const noexcept override {
+    contacts_->read(*model_, push_, contacts);
+  }
+
+  double do_terrain_height(double x, double y) const override {
+    return spec().terrain.contains(x, y) ? spec().terrain.height(x, y)
+                                         : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  Pose do_body_pose(int body) const override { return model_->body_pose(body); }
+  Eigen::MatrixXd do_mass_matrix() const override { return model_->mass_matrix(); }
+  SpatialInertia do_body_inertia(int body) const override { return model_->body_inertia(body); }
+
+  JointVector do_joint_friction() const override {
+    JointVector friction(robot().joint_count());
+    for (int i = 0; i < robot().joint_count(); ++i) friction[i] = model_->joint_friction(i);
+    return friction;
+  }
+
+  void do_save(std::vector<double>& engine) const override { model_->save(engine); }
+  void do_restore(const std::vector<double>& engine) override {
+    if (poisoned_) build();
+    contacts_->forget();
+    model_->restore(engine.data());
+  }
+
+  Settings settings_;
+  EngineInfo info_;
+  InlineDispatcher dispatcher_;
+  std::unique_ptr<px::PxScene, Release> scene_;
+  std::unique_ptr<StepContacts> contacts_;
+  std::unique_ptr<ArticulationModel> model_;
+  Vector3 push_ = Vector3::Zero();  // of the last step, N
+  bool poisoned_ = false;
+};
+
+}  // namespace
+
+std::optional<Engine> find(std::string_view name) {
+  const std::optional<Settings> settings = find_settings(name);
+  if (!settings) return std::nullopt;
+  return Engine{make_info(*settings), [settings = *settings](const WorldSpec& spec) {
+                  return std::make_unique<PhysxBackend>(spec, settings);
+                }};
+}
+
+EngineFamily family() {
+  return {"physx:pgs",
+          "physx",
+          {{"temporal", "positions move within a step and friction is Coulomb's disc, not a pyramid", {}}},
+          [](const std::vector<std::string>& names) { return *find(names.empty() ? "physx:pgs" : "physx"); }};
+}
+
+}  // namespace crossgait::physx

@@ -1,0 +1,16 @@
+// PhysX behind the PhysicsBackend interface: what the plug-in offers.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "physics/engine/engine.h"
+
+namespace crossgait::physx {
+
+/// PhysX under the settings of a name (settings.h). Nothing for names of others.
+std::optional<Engine> find(std::string_view name);
+/// From "physx:pgs" to "physx".
+EngineFamily family();
+
+}  // namespace crossgait::physx

@@ -1,0 +1,25 @@
+// What PhysX is asked to do beside a world's description, and the names of it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace crossgait::physx {
+
+/// Numbers of PhysX's solver and contacts. The defaults are PhysX's own (PxSceneDesc, PxRigidBody, PxShape),
+/// at its own scale of a metre.
+struct Settings {
+  std::string name;
+  bool temporal = true;  ///< PxSolverType::eTGS; else ePGS
+  int position_iterations = 4, velocity_iterations = 1;
+  double contact_offset = 0.02;  ///< how far above the ground contacts are generated, m
+  double depenetration = 1e9;    ///< speed at which penetration is undone at most, m/s: no bound
+};
+
+/// Those of a name: "physx", "physx:pgs", and what robots were trained under, "physx+isaacgym" (legged_gym's
+/// LeggedRobotCfg.sim.physx) and "physx+isaaclab" (Isaac Lab's configurations of quadrupeds). Nothing for
+/// names of others.
+std::optional<Settings> find_settings(std::string_view name);
+
+}  // namespace crossgait::physx

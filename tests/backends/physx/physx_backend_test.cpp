@@ -1,0 +1,105 @@
+// What is PhysX's own behind the interface: its friction, which it does not report and would remember, and
+// its settings.
+#include "backends/physx/physx_backend.h"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "scenes/incline.h"
+#include "scenes/scenes.h"
+
+namespace crossgait::physx {
+namespace {
+
+constexpr const char* kNames[] = {"physx", "physx:pgs", "physx+isaacgym", "physx+isaaclab"};
+
+Vector3 total_force(const PhysicsBackend& world) {
+  Vector3 sum = Vector3::Zero();
+  for (const Contact& contact : world.contacts()) sum += contact.force;
+  return sum;
+}
+
+TEST(PhysxSettings, AreKnownByNameAndNoTwoHaveTheSameLaws) {
+  for (const char* name : kNames) {
+    ASSERT_TRUE(find(name)) << name;
+    EXPECT_EQ(find(name)->name(), name);
+    for (const char* other : kNames)
+      EXPECT_EQ(find(name)->info.laws == find(other)->info.laws, std::string(name) == other) << name << other;
+  }
+  for (const char* name : {"physx:", "physx+isaac", "physx:pgs+isaacgym", "sapien"})
+    EXPECT_FALSE(find(name)) << name;
+  EXPECT_EQ(family().with({}).name(), "physx:pgs");
+  EXPECT_EQ(family().with({"temporal"}).name(), "physx");
+}
+
+// Off the axes of its two directions the projected solver holds up to the root of two of the coefficient.
+TEST(PhysxFriction, IsADiscUnderTgsAndAPyramidUnderPgs) {
+  const double angle = scenes::incline_angle(scenes::kJustOutside);
+  scenes::Incline incline = scenes::tilted_gravity(angle, std::numbers::pi / 4);
+  incline.spec.contact.friction = scenes::kInclineFriction;
+  const double slides =
+      kGravity * (std::sin(angle) - scenes::kInclineFriction * std::cos(angle)) * 0.5;  // m/s
+  for (const char* name : {"physx", "physx:pgs"}) {
+    const auto world = find(name)->make(incline.spec);
+    ASSERT_EQ(world->step({}, 500), StepStatus::kOk);
+    const double speed = world->state().v_WB.dot(incline.downhill);
+    if (std::string(name) == "physx") {
+      EXPECT_NEAR(speed, slides, 0.01 * slides);  // half a step late
+    } else {
+      EXPECT_LT(speed, 0.1 * slides);
+    }
+  }
+}
+
+TEST(PhysxFriction, IsReportedThoughPhysxDoesNot) {
+  const WorldSpec spec = scenes::world_of(scenes::sled());
+  const double weight = spec.robot->total_mass() * kGravity;
+  for (const char* name : kNames) {
+    SCOPED_TRACE(name);
+    const auto world = find(name)->make(spec);
+    ASSERT_EQ(world->step({}, 200), StepStatus::kOk);
+    RobotState moving = world->state();
+    moving.v_WB = {0, -0.5, 0};
+    world->reset(moving);
+    ASSERT_EQ(world->step({}), StepStatus::kOk);
+    // What a landing of a solver that stops early leaves of its swinging.
+    EXPECT_NEAR(total_force(*world).z(), weight, 0.02 * weight);
+    EXPECT_NEAR(total_force(*world).y(), spec.contact.friction * total_force(*world).z(), 0.02 * weight);
+    EXPECT_NEAR(total_force(*world).x(), 0, 0.02 * weight);
+  }
+}
+
+// PhysX would hold a patch where it stuck first, which no snapshot can say.
+TEST(PhysxFriction, RemembersNothing) {
+  scenes::Incline incline = scenes::tilted_gravity(scenes::incline_angle(scenes::kJustInside), 0.3);
+  incline.spec.contact.friction = scenes::kInclineFriction;
+  for (const char* name : kNames) {
+    SCOPED_TRACE(name);
+    const auto used = find(name)->make(incline.spec), other = find(name)->make(incline.spec);
+    ASSERT_EQ(used->step({}, 300), StepStatus::kOk);
+    other->restore(used->save());
+    ASSERT_EQ(used->step({}, 300), StepStatus::kOk);
+    ASSERT_EQ(other->step({}, 300), StepStatus::kOk);
+    EXPECT_TRUE(scenes::identical(used->state(), other->state()));
+  }
+}
+
+TEST(PhysxDivergence, OfAPushIsAnOutcomeAndTheWorldWorksAfterAReset) {
+  for (const char* name : {"physx", "physx:pgs"}) {
+    SCOPED_TRACE(name);
+    const WorldSpec spec = scenes::world_of(scenes::quadruped());
+    const auto fresh = find(name)->make(spec), world = find(name)->make(spec);
+    const JointTargets home = scenes::home_targets(world->robot());
+    ASSERT_EQ(world->step(home, 5), StepStatus::kOk);
+    world->apply_push(Vector3(1e17, 0, 0));  // N s in a millisecond: beyond float32 once squared
+    EXPECT_EQ(world->step(home), StepStatus::kDiverged);
+    world->reset();
+    ASSERT_EQ(world->step(home, 50), StepStatus::kOk);
+    ASSERT_EQ(fresh->step(home, 50), StepStatus::kOk);
+    EXPECT_TRUE(scenes::identical(world->state(), fresh->state()));
+  }
+}
+
+}  // namespace
+}  // namespace crossgait::physx
