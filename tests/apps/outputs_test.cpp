@@ -98,6 +98,23 @@ TEST(Outputs, AreEachAFileByWhateverName) {
   for (const char* file : {"outputs_there.csv", "outputs_link.csv", "outputs_hard.csv"}) fs::remove(file);
 }
 
+TEST(Outputs, OfEachEngineAreFilesToo) {
+  if (available_engines().size() < 2) GTEST_SKIP() << "one engine alone";
+  const std::string a = available_engines()[0], b = available_engines()[1];
+  std::string file = "outputs_t." + b + ".csv";
+  std::replace(file.begin(), file.end(), ':', '-');
+  const std::string compare =
+      "compare" + kEndless + "--engines " + a + "," + b + " --trace outputs_t.csv --json ./";
+  expect_bad_input(compare + file, {"--trace", "a file of its own", file, "--json"});
+  EXPECT_FALSE(fs::exists(file));
+  write_file(file, "0,0\n0,.001\n");
+  expect_bad_input("compare" + kEndless + "--engines " + a + "," + b + " --trace outputs_t.csv --terrain " +
+                       file + ":size_x=2,size_y=2",
+                   {"--trace", "a file that is not read", "--terrain"});
+  EXPECT_EQ(read_file(file), "0,0\n0,.001\n");
+  fs::remove(file);
+}
+
 TEST(Outputs, AreNoneOfTheInputs) {
   const std::string robot = find_robot("scara_quadruped");
   fs::create_directory("outputs_robot");
