@@ -58,6 +58,15 @@ TEST(Outputs, AFileIsWrittenAlthoughStandardOutputIsNot) {
   fs::remove("outputs_ik.json");
 }
 
+TEST(Outputs, AreEachWrittenWhereSeveralAreAskedFor) {
+  ASSERT_EQ(run_program("gait --csv outputs_feet.csv --json outputs_feet.json").exit_code, 0);
+  EXPECT_EQ(json::parse(read_file("outputs_feet.json"))["samples"].size() + 1,
+            static_cast<std::size_t>(lines("outputs_feet.csv")));
+  const ProgramResult piped = run_program("gait --csv - --json outputs_feet.json");
+  EXPECT_EQ(piped.out, read_file("outputs_feet.csv"));
+  for (const char* file : {"outputs_feet.csv", "outputs_feet.json"}) fs::remove(file);
+}
+
 TEST(Outputs, StandardErrorMayBeClosed) {
   EXPECT_EQ(run_program("gait --list 2>&-").exit_code, 0);
   EXPECT_EQ(run_program("walk --gait hop 2>&-").exit_code, 2);
