@@ -37,6 +37,13 @@ std::string trace_path(const std::string& path, std::string engine) {
   return (p.parent_path() / (p.stem().string() + "." + engine + p.extension().string())).string();
 }
 
+std::vector<DerivedOutput> traces_of(const CompareCommand& options, const std::vector<std::string>& engines) {
+  std::vector<DerivedOutput> traces;
+  if (options.trace.empty()) return traces;
+  for (const std::string& engine : engines) traces.push_back({"--trace", trace_path(options.trace, engine)});
+  return traces;
+}
+
 // What is asked for of every engine's walk: one trace each, and its steps for a page.
 std::vector<RunRecording> recordings_of(const CompareCommand& options, const WorldSpec& world,
                                         const std::vector<std::string>& engines) {
@@ -96,8 +103,8 @@ void run(const CompareCommand& options) {
   const WalkConfig& config = loaded.config;
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
   check_required(options, engines);
-  const Provenance provenance =
-      options.json.provenance({WalkOptions::subject(loaded), engines, {{"--engines", engines}}});
+  const Provenance provenance = options.json.provenance(
+      {WalkOptions::subject(loaded), engines, {{"--engines", engines}}, traces_of(options, engines)});
   options.page.check(config);
   std::vector<RunRecording> recordings = recordings_of(options, loaded.world, engines);
   Stages stages;

@@ -142,7 +142,8 @@ void print_targets(const GaitCommand& options, const Provenance& provenance, Gai
   }
   const std::string legend =
       "\n^ swing, _ stance; positions in the leg frames: x forward, z up from hips or shoulders\n";
-  options.json.emit(table.str() + legend,
+  // Whoever takes the CSV from standard output takes nothing else there.
+  options.json.emit(options.csv == "-" ? "" : table.str() + legend,
                     with_schema("gait", {{"gait", options.gait}, {"samples", std::move(samples)}}),
                     provenance);
 }
@@ -173,9 +174,12 @@ void run(const GaitCommand& options) {
   const Provenance provenance = options.json.provenance(of_gait(of.robot, of.gait));
   if (options.page.asked())
     options.page.write(gait_page(options.gait, make_generator(of), options.dt, rows), provenance);
-  if (options.csv.empty()) return print_targets(options, provenance, generator, rows);
-  const std::string text = targets_csv(options, generator, rows);
-  options.csv == "-" ? print_data(text) : write_file_atomically(options.csv, text);
+  if (!options.csv.empty()) {
+    GaitGenerator again = make_generator(of);
+    const std::string text = targets_csv(options, again, rows);
+    options.csv == "-" ? print_data(text) : write_file_atomically(options.csv, text);
+  }
+  if (options.csv.empty() || !options.json.path.empty()) print_targets(options, provenance, generator, rows);
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <csignal>
 #include <exception>
+#include <new>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -114,6 +116,12 @@ int main_of(const std::vector<std::string>& arguments) {
     return report_error(error.what(), kInterruptedExit);
   } catch (const Interrupted&) {
     return report_error("interrupted: nothing is kept", kInterruptedExit);
+  } catch (const std::bad_alloc&) {
+    return report_error("there is not enough memory", kFailure);
+  } catch (const std::system_error& error) {
+    const bool is_thread = error.code() == std::errc::resource_unavailable_try_again;
+    return report_error((is_thread ? "a thread could not be started: " : "") + std::string(error.what()),
+                        kFailure);
   } catch (const std::exception& error) {
     return report_error(error.what(), kFailure);
   }

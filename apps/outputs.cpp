@@ -72,6 +72,16 @@ std::vector<NamedFile> inputs_of(const CLI::App& command) {
   return inputs;
 }
 
+void check_each_its_own(const std::vector<NamedFile>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!is_same(outputs[i], outputs[k])) continue;
+      throw ConfigError("command line", outputs[i].option, "a file of its own",
+                        fmt::format("\"{}\" again, of {}", outputs[i].path, outputs[k].option));
+    }
+  }
+}
+
 void check_apart(const std::vector<NamedFile>& outputs, const NamedFile& input) {
   for (const NamedFile& output : outputs) {
     if (!is_same(output, input)) continue;
@@ -98,13 +108,7 @@ CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::
 
 void check_outputs(const CLI::App& command) {
   const std::vector<NamedFile> outputs = outputs_of(command);
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      if (!is_same(outputs[i], outputs[k])) continue;
-      throw ConfigError("command line", outputs[i].option, "a file of its own",
-                        fmt::format("\"{}\" again, of {}", outputs[i].path, outputs[k].option));
-    }
-  }
+  check_each_its_own(outputs);
   for (const NamedFile& input : inputs_of(command)) check_apart(outputs, input);
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_group() != kOutputs || !names_file(*option)) continue;
@@ -114,12 +118,17 @@ void check_outputs(const CLI::App& command) {
   }
 }
 
-void check_outputs_not_read(const CLI::App& command) {
-  const FilesRead* const read = FilesRead::current();
-  if (read == nullptr) return;
-  const std::vector<NamedFile> outputs = outputs_of(command);
+void check_outputs_apart(const CLI::App& command, const std::vector<DerivedOutput>& derived) {
+  std::vector<NamedFile> outputs = outputs_of(command);
+  for (const auto& [option, path] : derived) {
+    if (is_replaced(path)) outputs.push_back(named_file(option, path));
+  }
   if (outputs.empty()) return;
-  for (const FileRead& file : read->list()) check_apart(outputs, named_file("what is read", file.path));
+  check_each_its_own(outputs);
+  for (const NamedFile& input : inputs_of(command)) check_apart(outputs, input);
+  if (const FilesRead* const read = FilesRead::current(); read != nullptr) {
+    for (const FileRead& file : read->list()) check_apart(outputs, named_file("what is read", file.path));
+  }
 }
 
 void print(const std::string& text) { write_to_standard_output(printable_text(text, std::string::npos)); }

@@ -119,7 +119,7 @@ void JsonOption::add_to(CLI::App& command, const Invocation& invocation) {
 }
 
 Provenance JsonOption::provenance(const ResultInputs& inputs) const {
-  check_outputs_not_read(*command_);
+  check_outputs_apart(*command_, inputs.derived_outputs);
   Provenance p;
   p.command = command_->get_name();
   p.arguments = arguments_of(*command_, inputs);

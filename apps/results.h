@@ -30,9 +30,13 @@ inline constexpr const char* kExecution = "Execution";
 /// further one by whatever name, and is none that an option names to be read. @throws ConfigError naming the
 /// option
 void check_outputs(const CLI::App& command);
-/// The same for what was read by now, which files that were named may have named themselves.
-/// @throws ConfigError naming the option
-void check_outputs_not_read(const CLI::App& command);
+/// A file whose name a command makes of an option's value, one for each engine for example.
+struct DerivedOutput {
+  std::string option, path;
+};
+/// The same once inputs are read: of files that are derived, and of what was read, which files that were
+/// named may have named themselves. @throws ConfigError naming the option
+void check_outputs_apart(const CLI::App& command, const std::vector<DerivedOutput>& derived);
 
 /// What a command is to do, once its options are read and its outputs are known to be writable.
 template <typename Run>
@@ -50,6 +54,7 @@ struct ResultInputs {
   std::vector<std::string> engines;  ///< by name
   /// Values that the command chose for options that were not given.
   std::map<std::string, std::vector<std::string>> chosen;
+  std::vector<DerivedOutput> derived_outputs = {};  ///< files that it writes beside those that options name
 };
 
 /// Returns the inputs of a result that is of a robot alone.

@@ -16,6 +16,7 @@
 #include <link.h>
 
 #include "physics/core/error.h"
+#include "physics/core/folder.h"
 
 namespace crossgait {
 namespace fs = std::filesystem;
@@ -126,7 +127,12 @@ std::vector<std::string> library_folders() {
   list->dls_cnt = size.dls_cnt;
   if (dlinfo(handle, RTLD_DI_SERINFO, list) != 0) return {};
   std::vector<std::string> folders;
-  for (unsigned int i = 0; i < list->dls_cnt; ++i) folders.emplace_back(list->dls_serpath[i].dls_name);
+  for (unsigned int i = 0; i < list->dls_cnt; ++i) {
+    // An empty entry, as in run paths that CMake leaves room in, stands for the folder that one happens to be
+    // in: what lies there nobody has chosen to run.
+    const std::string folder = list->dls_serpath[i].dls_name;
+    if (folder.starts_with('/')) folders.push_back(folder);
+  }
   return folders;
 }
 
@@ -180,13 +186,13 @@ std::vector<std::string> plugin_files(const std::vector<std::string>& folders) {
   std::vector<std::string> files;
   for (const std::string& folder : folders) {
     std::vector<std::string> found;
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder, error)) {
-      const std::string name = entry.path().filename().string();
-      if (name.starts_with(kBeginning) && name.ends_with(kEnding)) found.push_back(entry.path().string());
+    for (const std::string& name : names_in_folder(folder)) {
+      if (name.starts_with(kBeginning) && name.ends_with(kEnding))
+        found.push_back((fs::path(folder) / name).string());
     }
     std::sort(found.begin(), found.end());
     for (const std::string& path : found) {
+      std::error_code error;
       std::string file = fs::canonical(path, error).string();
       if (error) file = path;  // a link to nothing, which opening it will say
       if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(std::move(file));

@@ -5,6 +5,7 @@
 #include <barrier>
 #include <chrono>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 
 #include <fmt/format.h>
@@ -31,13 +32,20 @@ double run_together(std::vector<SceneRunner>& runners, int threads, int repeats)
   std::atomic<bool> sound = true;
   std::vector<Clock::time_point> begin(static_cast<std::size_t>(threads)), end = begin;
   std::vector<std::thread> workers;
-  for (std::size_t t = 0; t < begin.size(); ++t) {
-    workers.emplace_back([&, t] {
-      together.arrive_and_wait();
-      begin[t] = Clock::now();
-      if (!runners[t].repeat(repeats)) sound = false;
-      end[t] = Clock::now();
-    });
+  const auto work = [&](std::size_t t) {
+    together.arrive_and_wait();
+    begin[t] = Clock::now();
+    if (!runners[t].repeat(repeats)) sound = false;
+    end[t] = Clock::now();
+  };
+  try {
+    for (std::size_t t = 0; t < begin.size(); ++t) workers.emplace_back(work, t);
+  } catch (const std::system_error& error) {
+    // Those that did start wait for the rest.
+    for (std::size_t t = workers.size(); t < begin.size(); ++t) together.arrive_and_drop();
+    for (std::thread& worker : workers) worker.join();
+    throw std::runtime_error(fmt::format("{} of {} threads could be started: {}", workers.size(), threads,
+                                         error.code().message()));
   }
   for (std::thread& worker : workers) worker.join();
   if (!sound) throw std::runtime_error("an engine diverged in the trot on several threads");

@@ -103,7 +103,7 @@ std::vector<double> questions(const Subject& subject) {
 std::vector<double> threads(const Subject& subject) {
   const States expected = trot(*subject.make(rough_world()), 0, kHalf);
   std::vector<States> states(2);
-  std::vector<std::thread> threads;
+  std::vector<std::jthread> threads;
   for (States& own : states) {
     threads.emplace_back([&own, &subject] {
       try {
@@ -113,7 +113,7 @@ std::vector<double> threads(const Subject& subject) {
       }
     });
   }
-  for (std::thread& thread : threads) thread.join();
+  threads.clear();  // each waited for
   return {differing(expected, states[0]) + differing(expected, states[1])};
 }
 

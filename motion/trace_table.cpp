@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "physics/core/byte_order_mark.h"
 #include "physics/core/error.h"
 #include "physics/core/table.h"
 #include "physics/core/text.h"
@@ -30,7 +31,7 @@ std::size_t count_cells(std::string_view line) {
 TraceTable::TraceTable(const std::string& path) : path_(path) {
   const std::string text = read_text_file(path, kTraceBudget);
   const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;
-  std::string_view rest = text;
+  std::string_view rest = without_byte_order_mark(text);
   for (std::size_t number = 1; !rest.empty(); ++number) {
     std::string_view line = take(rest, '\n');
     if (line.ends_with('\r')) line.remove_suffix(1);

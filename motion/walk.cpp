@@ -30,6 +30,7 @@ void WalkTiming::validate(double physics_dt) const {
         fmt::format("a time step of which no more than {} make the walk", std::numeric_limits<int>::max()),
         fmt::format("{} s", control_dt));
   }
+  require(control_steps() > 0, "seconds", "at least one control step", seconds);
   static_cast<void>(whole_steps("control_dt", control_dt, physics_dt));
 }
 

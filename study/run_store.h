@@ -2,13 +2,13 @@
 // was, and one of stored runs alone costs nothing.
 #pragma once
 
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 
 #include "physics/core/locked_file.h"
+#include "study/run_index.h"
 #include "study/run_spec.h"
 
 namespace crossgait {
@@ -30,6 +30,12 @@ class RunStore {
   /// @throws ConfigError naming file and line for what is no stored run, and as LockedFile
   explicit RunStore(std::string path);
 
+  ~RunStore();
+  RunStore(const RunStore&) = delete;
+  RunStore& operator=(const RunStore&) = delete;
+  RunStore(RunStore&&) = delete;
+  RunStore& operator=(RunStore&&) = delete;
+
   std::size_t size() const;
   /// @param run  `to_json(RunSpec)` or `describe_run`
   std::optional<RunResult> find(const nlohmann::json& run) const;
@@ -38,11 +44,12 @@ class RunStore {
   void add(const nlohmann::json& run, const RunResult& result);
 
  private:
+  std::optional<RunResult> look_up(std::uint64_t hash) const;
+
   LockedFile file_;
   mutable std::mutex mutex_;
-  std::map<std::string, RunResult> runs_;
-  std::size_t bytes_ = 0;        ///< of the file, as it was read
-  std::size_t torn_bytes_ = 0;   ///< of them, a last line that was cut off
+  mutable RunIndex index_;       ///< made anew where it turns out to be of another file
+  std::size_t torn_bytes_ = 0;   ///< of the file as it was read, a last line that was cut off
   bool lacks_line_end_ = false;  ///< of a last line that is whole
 };
 

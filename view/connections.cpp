@@ -8,6 +8,7 @@
 #include <deque>
 #include <functional>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -103,7 +104,12 @@ class TimedStream : public httplib::Stream {
 class BoundedServer::Queue : public httplib::TaskQueue {
  public:
   explicit Queue(const ConnectionLimits& limits) : most_(limits.waiting) {
-    for (std::size_t i = 0; i < limits.threads; ++i) threads_.emplace_back([this] { serve(); });
+    try {
+      for (std::size_t i = 0; i < limits.threads; ++i) threads_.emplace_back([this] { serve(); });
+    } catch (const std::system_error&) {
+      shutdown();  // those that did start
+      throw;
+    }
   }
 
   void enqueue(std::function<void()> answer) override {
@@ -158,8 +164,13 @@ class BoundedServer::Queue : public httplib::TaskQueue {
   std::vector<std::thread> threads_;
 };
 
-BoundedServer::BoundedServer(const ConnectionLimits& limits) : limits_(limits) {
-  new_task_queue = [limits] { return new Queue(limits); };  // the library's, which deletes it
+BoundedServer::BoundedServer(const ConnectionLimits& limits)
+    : limits_(limits), queue_(std::make_unique<Queue>(limits)) {
+  new_task_queue = [this] { return queue_.release(); };  // the library's, which deletes it
+}
+
+BoundedServer::~BoundedServer() {
+  if (queue_) queue_->shutdown();
 }
 
 void BoundedServer::end() {

@@ -24,7 +24,13 @@ struct ConnectionLimits {
 /// is let go where they are too many. `Range` is not looked at: everything is sent whole.
 class BoundedServer : public httplib::Server {
  public:
+  /// @throws std::system_error if its threads cannot be started
   explicit BoundedServer(const ConnectionLimits& limits);
+  ~BoundedServer() override;
+  BoundedServer(const BoundedServer&) = delete;
+  BoundedServer& operator=(const BoundedServer&) = delete;
+  BoundedServer(BoundedServer&&) = delete;
+  BoundedServer& operator=(BoundedServer&&) = delete;
 
   /// Ends every connection at once, and accepts no more. From any thread, once the server runs.
   void end();
@@ -36,6 +42,7 @@ class BoundedServer : public httplib::Server {
   void finish(socket_t socket);
 
   const ConnectionLimits limits_;
+  std::unique_ptr<Queue> queue_;  ///< until the server listens
   std::mutex mutex_;
   std::set<socket_t> open_;  ///< that a thread reads or writes
   bool ended_ = false;

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "physics/core/error.h"
+#include "physics/core/folder.h"
 
 namespace crossgait {
 namespace {
@@ -45,14 +46,14 @@ bool is_temporary(std::string_view name) {
 /// Removes temporaries whose writers are gone: those hold the lock as long as they live. Where a file system
 /// has no locks, nothing is removed.
 void remove_left_over(const fs::path& folder) {
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (!is_temporary(entry->path().filename().native())) continue;
-    const int file = ::open(entry->path().c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  for (const std::string& name : names_in_folder(folder.string())) {
+    if (!is_temporary(name)) continue;
+    const std::string path = (folder / name).string();
+    const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (file < 0) continue;
     struct stat status {};
     if (::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && ::flock(file, LOCK_EX | LOCK_NB) == 0)
-      ::unlink(entry->path().c_str());
+      ::unlink(path.c_str());
     ::close(file);
   }
 }

@@ -23,6 +23,13 @@ std::size_t printable(std::string_view text) {
   return rest.size() == length - 1 && std::all_of(rest.begin(), rest.end(), continues) ? length : 0;
 }
 
+// Where it is: of a name with an end of line in it, two lines would look like two errors.
+std::string one_line(std::string_view text, std::size_t most) {
+  std::string line = printable_text(text, most);
+  for (std::size_t at = 0; (at = line.find('\n', at)) != std::string::npos;) line.replace(at, 1, "\\x0a");
+  return line;
+}
+
 }  // namespace
 
 std::string printable_text(std::string_view text, std::size_t most) {
@@ -42,12 +49,11 @@ std::string printable_text(std::string_view text, std::size_t most) {
 
 ConfigError::ConfigError(std::string_view source, std::string_view element, std::string_view expected,
                          std::string_view found)
-    : std::runtime_error(fmt::format("{}: {}: expected {}, found {}", printable_text(source, kMostPath),
-                                     printable_text(element, kMostQuoted),
-                                     printable_text(expected, kMostExpected),
+    : std::runtime_error(fmt::format("{}: {}: expected {}, found {}", one_line(source, kMostPath),
+                                     one_line(element, kMostQuoted), printable_text(expected, kMostExpected),
                                      printable_text(found, kMostQuoted))),
-      source_(printable_text(source, kMostPath)),
-      element_(printable_text(element, kMostQuoted)),
+      source_(one_line(source, kMostPath)),
+      element_(one_line(element, kMostQuoted)),
       expected_(printable_text(expected, kMostExpected)),
       found_(printable_text(found, kMostQuoted)) {}
 

@@ -92,7 +92,7 @@ std::size_t LockedFile::size() const {
   return static_cast<std::size_t>(status.st_size);
 }
 
-void LockedFile::append(std::string_view bytes) {
+std::size_t LockedFile::append(std::string_view bytes) {
   const std::size_t before = size();
   std::size_t written = 0;
   while (written < bytes.size()) {
@@ -108,6 +108,7 @@ void LockedFile::append(std::string_view bytes) {
   }
   dirty_ = true;
   if (std::chrono::steady_clock::now() - synced_ > kSyncEvery) sync();
+  return before;
 }
 
 void LockedFile::cut(std::size_t size, std::size_t expected) {

@@ -27,9 +27,9 @@ class LockedFile {
   const std::string& path() const noexcept { return path_; }
 
   /// Appends all of it or nothing. Once it returns, the bytes outlive this process; within two seconds of
-  /// further pieces, a power cut.
+  /// further pieces, a power cut. @returns where they begin, bytes from the file's beginning
   /// @throws ConfigError if there is no room, or the file cannot be written
-  void append(std::string_view bytes);
+  std::size_t append(std::string_view bytes);
 
   /// Cuts off what stands behind the first `size` bytes, of `expected`.
   /// @throws ConfigError if the file has another size than `expected`: then somebody writes it without asking

@@ -55,8 +55,8 @@ inline constexpr ReadBudget kPolicyBudget{16 * kMebibyte, 5'000, 8};
 inline constexpr std::size_t kMaxPolicyHeader = kMebibyte;
 /// Pairs of a bundle's own test, each of which runs the network when it is read; Crossgait writes 8.
 inline constexpr std::size_t kMaxGoldenPairs = 256;
-/// Run stores, and one line of them: a run is 3 kB with some 100 values, so these are 20,000 runs.
-inline constexpr ReadBudget kRunStoreBudget{64 * kMebibyte, 2'000'000, 16};
+/// One line of a run store: a run is 3 kB with some 100 values. Stores are read line by line
+/// (`study/run_index.h`).
 inline constexpr ReadBudget kRunBudget{kMebibyte, 5'000, 16};
 /// Traces: four minutes of the bundled robot at 2 ms; values as doubles beside the text.
 inline constexpr ReadBudget kTraceBudget{64 * kMebibyte, 8'000'000, 1};

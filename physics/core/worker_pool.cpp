@@ -1,6 +1,7 @@
 #include "physics/core/worker_pool.h"
 
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -25,9 +26,10 @@ void wait_while(const std::atomic<std::size_t>& value, std::size_t old) noexcept
 WorkerPool::WorkerPool(std::size_t workers) : process_(::getpid()) {
   try {
     for (std::size_t i = 1; i < workers; ++i) threads_.emplace_back([this] { serve(); });
-  } catch (...) {
+  } catch (const std::system_error& error) {
     stop();  // those that did start, or joining them would never end
-    throw;
+    throw std::runtime_error(fmt::format("worker threads: {} of {} could be started: {}", threads_.size(),
+                                         workers - 1, error.code().message()));
   }
 }
 

@@ -67,16 +67,17 @@ LoadedRobot load_yaml(const YamlValue& root, ServoSource servos) {
 std::optional<YamlValue> yaml_beside(const std::string& path) {
   fs::path yaml(path);
   yaml.replace_extension(".yaml");
-  if (!fs::exists(yaml) || is_environment(YamlValue::load(yaml.string())))
+  std::error_code missing;  // of a file that is not there, or that links lead round in a circle to
+  if (!fs::exists(yaml, missing) || is_environment(YamlValue::load(yaml.string())))
     yaml.replace_filename("robot.yaml");
-  if (!fs::exists(yaml)) return std::nullopt;
+  if (!fs::exists(yaml, missing)) return std::nullopt;
   YamlValue root = YamlValue::load(yaml.string());
   if (is_environment(root)) return std::nullopt;
   const YamlValue file = named_file(root);
   if (&robot_format_of_any(file.text()) != &robot_format_of_any(path)) return std::nullopt;
-  std::error_code missing;  // of the file that the YAML names: then it is another one
   const fs::path named = yaml.parent_path() / file.text();
-  // By name too: what is no regular file is equivalent to nothing, and the reader says so.
+  // One that is not there is another one. By name too: what is no regular file is equivalent to nothing, and
+  // the reader says so.
   if (named.lexically_normal() != fs::path(path).lexically_normal() &&
       !fs::equivalent(named, path, missing)) {
     file.fail(fmt::format("'{}'", fs::path(path).filename().string()), fmt::format("'{}'", file.text()));
@@ -94,7 +95,9 @@ LoadedRobot load_robot_with_report(const std::string& path, ServoSource servos) 
     throw ConfigError(path, "file name", fmt::format("a {} file", robot_files_in_words()),
                       fmt::format("'{}'", file.filename().string()));
   }
-  if (!fs::exists(path)) throw ConfigError(path, "file", "a readable file", "none");
+  std::error_code error;
+  if (!fs::exists(path, error))
+    throw ConfigError(path, "file", "a readable file", error ? error.message() : "none");
   if (const auto yaml = yaml_beside(path)) return load_yaml(*yaml, servos);
   return RobotBuilder(path, path, std::nullopt, servos).load();
 }

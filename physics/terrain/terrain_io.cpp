@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/atomic_file.h"
+#include "physics/core/byte_order_mark.h"
 #include "physics/core/error.h"
 #include "physics/core/text.h"
 #include "physics/terrain/grey_png.h"
@@ -70,9 +71,8 @@ std::size_t flipped(std::size_t index, int columns, int rows) {
 /// Lines of a CSV table, appended to `heights` value by value. @throws ConfigError naming line and column
 class CsvReader {
  public:
-  CsvReader(const std::string& path, std::string_view text) : path_(path), rest_(text) {
-    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // spreadsheets write one
-    if (rest_.starts_with(kByteOrderMark)) rest_.remove_prefix(kByteOrderMark.size());
+  CsvReader(const std::string& path, std::string_view text)
+      : path_(path), rest_(without_byte_order_mark(text)) {
     if (rest_.empty()) throw ConfigError(path_, "line 1", "comma-separated heights in m", "an empty file");
     // As many values as there can be: growing by doubling would need twice the memory.
     const auto commas = std::count(rest_.begin(), rest_.end(), ',');

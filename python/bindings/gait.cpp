@@ -1,6 +1,7 @@
 // Gaits: the tables, and foot targets over time.
 #include <optional>
 
+#include <fmt/format.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -8,6 +9,7 @@
 
 #include "gait/scale.h"
 #include "ik/leg_kinematics.h"
+#include "motion/walk.h"
 #include "physics/core/error.h"
 #include "physics/robot_files/data_path.h"
 #include "python/bindings/arrays.h"
@@ -53,7 +55,8 @@ class FootTargets {
   explicit FootTargets(const WalkConfig& walk) : generator_(make(walk)) {}
 
   nb::tuple update(double dt) {
-    if (!(dt > 0)) throw ConfigError("gait", "dt", "a positive time, s", std::to_string(dt));
+    if (!(dt > 0 && dt <= WalkTiming::kMaxSeconds))
+      throw ConfigError("gait", "dt", "a time in (0, 1e6] s", fmt::format("{}", dt));
     const LegArray<FootTarget>& targets = generator_.update(dt);
     const NewArray<double> feet(kLegCount, 3), progress(kLegCount);
     const NewArray<bool> swing(kLegCount);

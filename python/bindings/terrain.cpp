@@ -1,5 +1,8 @@
 #include "physics/terrain/terrain.h"
 
+#include <cmath>
+
+#include <fmt/format.h>
 #include <nanobind/eigen/dense.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
@@ -42,8 +45,12 @@ Eigen::VectorXd height_at(const Terrain& terrain, const Coordinates& x, const Co
     throw ConfigError("height", "x, y", "as many of one as of the other",
                       std::to_string(x.size()) + " and " + std::to_string(y.size()));
   Eigen::VectorXd z(static_cast<Eigen::Index>(x.size()));
-  for (std::size_t i = 0; i < x.size(); ++i)
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (!std::isfinite(x.data()[i]) || !std::isfinite(y.data()[i]))
+      throw ConfigError("height", fmt::format("x, y, point {}", i), "finite numbers, m",
+                        fmt::format("{}, {}", x.data()[i], y.data()[i]));
     z[static_cast<Eigen::Index>(i)] = terrain.height(x.data()[i], y.data()[i]);
+  }
   return z;
 }
 

@@ -58,6 +58,15 @@ TEST(Outputs, AFileIsWrittenAlthoughStandardOutputIsNot) {
   fs::remove("outputs_ik.json");
 }
 
+TEST(Outputs, AreEachWrittenWhereSeveralAreAskedFor) {
+  ASSERT_EQ(run_program("gait --csv outputs_feet.csv --json outputs_feet.json").exit_code, 0);
+  EXPECT_EQ(json::parse(read_file("outputs_feet.json"))["samples"].size() + 1,
+            static_cast<std::size_t>(lines("outputs_feet.csv")));
+  const ProgramResult piped = run_program("gait --csv - --json outputs_feet.json");
+  EXPECT_EQ(piped.out, read_file("outputs_feet.csv"));
+  for (const char* file : {"outputs_feet.csv", "outputs_feet.json"}) fs::remove(file);
+}
+
 TEST(Outputs, StandardErrorMayBeClosed) {
   EXPECT_EQ(run_program("gait --list 2>&-").exit_code, 0);
   EXPECT_EQ(run_program("walk --gait hop 2>&-").exit_code, 2);
@@ -96,6 +105,23 @@ TEST(Outputs, AreEachAFileByWhateverName) {
   expect_bad_input("walk" + kEndless + "--trace ''", {"--trace", "the name of a file"});
   EXPECT_EQ(read_file("outputs_there.csv"), "mine");
   for (const char* file : {"outputs_there.csv", "outputs_link.csv", "outputs_hard.csv"}) fs::remove(file);
+}
+
+TEST(Outputs, OfEachEngineAreFilesToo) {
+  if (available_engines().size() < 2) GTEST_SKIP() << "one engine alone";
+  const std::string a = available_engines()[0], b = available_engines()[1];
+  std::string file = "outputs_t." + b + ".csv";
+  std::replace(file.begin(), file.end(), ':', '-');
+  const std::string compare =
+      "compare" + kEndless + "--engines " + a + "," + b + " --trace outputs_t.csv --json ./";
+  expect_bad_input(compare + file, {"--trace", "a file of its own", file, "--json"});
+  EXPECT_FALSE(fs::exists(file));
+  write_file(file, "0,0\n0,.001\n");
+  expect_bad_input("compare" + kEndless + "--engines " + a + "," + b + " --trace outputs_t.csv --terrain " +
+                       file + ":size_x=2,size_y=2",
+                   {"--trace", "a file that is not read", "--terrain"});
+  EXPECT_EQ(read_file(file), "0,0\n0,.001\n");
+  fs::remove(file);
 }
 
 TEST(Outputs, AreNoneOfTheInputs) {

@@ -39,7 +39,9 @@ TEST_F(TraceFiles, AreColumnsByName) {
 }
 
 TEST_F(TraceFiles, OfWindowsAndWithoutALastNewlineAreTheSame) {
-  for (const char* text : {"a,time\r\n1,2\r\n3,4\r\n", "a,time\n1,2\n3,4"}) {
+  for (const char* text : {"a,time\r\n1,2\r\n3,4\r\n", "a,time\n1,2\n3,4",
+                           "\xef\xbb\xbf"
+                           "a,time\n1,2\n3,4\n"}) {
     const TraceTable table = table_of(text);
     EXPECT_EQ(table.column("a"), (Column{1, 3}));
     EXPECT_EQ(table.time(), (Column{2, 4}));

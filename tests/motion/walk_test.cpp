@@ -226,7 +226,7 @@ TEST(Walk, AcceptsOnlyTimingThatCanBe) {
   EXPECT_THROW(timing.validate(3e-3), ConfigError);
   timing.control_dt = 2.5e-3;
   EXPECT_THROW(timing.validate(1e-3), ConfigError);
-  for (const double seconds : {-1.0, 0.0, std::nan(""), HUGE_VAL}) {
+  for (const double seconds : {-1.0, 0.0, std::nan(""), HUGE_VAL, 1e-300, 0.4 * WalkTiming{}.control_dt}) {
     WalkTiming bad;
     bad.seconds = seconds;
     EXPECT_THROW(bad.validate(1e-3), ConfigError) << seconds;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "physics/core/error.h"
 #include "physics/core/hash.h"
 #include "physics/core/math.h"
 #include "physics/core/text.h"
@@ -53,6 +54,11 @@ TEST(RotationOfZ, TakesZToAnyAxisAndTurnsNothingElse) {
     EXPECT_LE(std::abs(turn.vec().dot(Vector3::UnitZ())), 1e-16) << axis;  // no turn about z
     EXPECT_LE((turn * unit.cross(Vector3::UnitZ()) - unit.cross(Vector3::UnitZ())).norm(), 1e-15) << axis;
   }
+}
+
+TEST(ConfigErrors, NameFileAndElementInOneLine) {
+  const ConfigError error("a\nb.csv", "key 'x\ny'", "one", "other");
+  EXPECT_STREQ(error.what(), R"(a\x0ab.csv: key 'x\x0ay': expected one, found other)");
 }
 
 TEST(Fnv1a, IsThatOfItsTestVectors) {

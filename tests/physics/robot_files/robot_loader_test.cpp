@@ -1,4 +1,5 @@
 #include <cmath>
+#include <filesystem>
 
 #include <gtest/gtest.h>
 
@@ -318,6 +319,18 @@ const BadInput kBadYamls[] = {
      "one of the keys damping, stiffness, armature, friction", "unknown key 'kp'"},
 };
 INSTANTIATE_TEST_SUITE_P(RobotLoader, BadRobotYaml, ::testing::ValuesIn(kBadYamls), kLoaderCase);
+
+TEST(RobotLoader, NamesLinksThatLeadRoundInACircle) {
+  for (const char* name : {"circle.urdf", "circle.xml", "circle.yaml"}) {
+    const std::string file = ::testing::TempDir() + name;
+    std::filesystem::remove(file);
+    std::filesystem::create_symlink(name, file);
+    const ConfigError error = config_error([&] { load_robot(file); });
+    EXPECT_EQ(error.source(), file);
+    EXPECT_EQ(error.found(), "Too many levels of symbolic links");
+    std::filesystem::remove(file);
+  }
+}
 
 TEST(RobotLoader, NamesMissingFiles) {
   const ScratchRobot scratch;

@@ -1,0 +1,30 @@
+// One line of a store of runs, read.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "study/run_spec.h"
+
+namespace crossgait {
+
+/// What a line of a store says.
+struct StoredRow {
+  std::uint64_t hash = 0;
+  std::optional<RunResult> result;  ///< none of a run that failed
+};
+
+/// Reads a line without its end. Its "run" is passed over: it is what the hash is of.
+/// @param number  of the line, for errors  @throws ConfigError naming file and line for what is no stored run
+StoredRow read_stored_row(std::string_view line, const std::string& path, std::size_t number);
+
+/// The number that a hash of 16 hexadecimal digits stands for; none for other text.
+std::optional<std::uint64_t> parse_run_hash(std::string_view text) noexcept;
+
+/// Whether a last line without end is what the writer of a row leaves that is stopped on its way: the
+/// beginning of a row, as `stored_run` writes it, and no whole value behind which something else stands.
+bool is_torn_row(std::string_view line);
+
+}  // namespace crossgait
