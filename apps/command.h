@@ -35,6 +35,7 @@ namespace crossgait::apps {
   COMMAND(env)                      \
   COMMAND(rollout)                  \
   COMMAND(transfer)                 \
+  COMMAND(import)                   \
   COMMAND(course)                   \
   COMMAND(tune)                     \
   COMMAND(rerun)

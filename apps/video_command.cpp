@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "apps/child_process.h"
 #include "apps/interruption.h"
+#include "apps/python_module.h"
 #include "apps/walk_options.h"
 #include "backends/registry.h"
 #include "motion/trace.h"
@@ -48,24 +48,6 @@ class TraceFolder {
   std::filesystem::path path_;
 };
 
-/// The interpreter whose package draws: the one that started this program, or the system's.
-std::string python() {
-  const char* chosen = std::getenv("CROSSGAIT_PYTHON");
-  return chosen != nullptr ? chosen : "python3";
-}
-
-/// Before anything is walked. @throws ConfigError saying what to install
-void require_renderer() {
-  const auto found = run_child({python(), "-c", "import crossgait.traces.video"});
-  if (found && found->exit_code == 0) return;
-  std::string why = found ? found->errors : "no such program";
-  why.erase(why.find_last_not_of('\n') + 1);
-  throw ConfigError(
-      "video", python(),
-      "a Python with Crossgait's package: pip install 'crossgait[video]' (CROSSGAIT_PYTHON names it)",
-      why.substr(why.rfind('\n') + 1));
-}
-
 std::vector<std::string> walk_and_trace(const VideoCommand& options, const TraceFolder& folder) {
   const LoadedWalk loaded = options.walk.make();
   std::vector<std::string> files;
@@ -85,12 +67,13 @@ std::vector<std::string> walk_and_trace(const VideoCommand& options, const Trace
 }
 
 void run(const VideoCommand& options) {
-  require_renderer();
+  constexpr const char* kModule = "crossgait.traces.video";
+  require_python_module("video", kModule, "video");
   const TraceFolder folder;
   const std::vector<std::string> traces =
       options.traces.empty() ? walk_and_trace(options, folder) : options.traces;
   const WalkConfig& world = options.walk.config;
-  std::vector<std::string> command{python(), "-m", "crossgait.traces.video", "--out=" + options.out};
+  std::vector<std::string> command{"--out=" + options.out};
   command.push_back("--robot=" + world.robot);
   command.push_back("--terrain=" + world.terrain);
   command.push_back(fmt::format("--seed={}", world.terrain_seed));
@@ -102,9 +85,7 @@ void run(const VideoCommand& options) {
   command.push_back(fmt::format("--elevation={}", options.elevation));
   command.emplace_back("--");
   command.insert(command.end(), traces.begin(), traces.end());
-  const auto drawn = run_child(command, ChildErrors::kShown);
-  if (!drawn || drawn->exit_code != 0) throw ChildFailed{drawn ? drawn->exit_code : -1};
-  print(drawn->out);
+  print(run_python_module(kModule, command).out);
 }
 
 }  // namespace

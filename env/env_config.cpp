@@ -56,6 +56,10 @@ void validate_joints(const EnvConfig& c, std::string_view source) {
   require(j.limit > 0 && j.limit <= kLargestAction, source, "joints.limit",
           fmt::format("a limit in (0, {:g}]", kLargestAction), j.limit);
   if (j.delay != 0) require_delay(source, "joints.delay", j.delay, c.control_dt);
+  require(j.filter > 0 && j.filter <= 1, source, "joints.filter", "a share in (0, 1]", j.filter);
+  if (j.command == JointCommand::kTorque)
+    require(c.control_dt == c.physics_dt, source, "control_dt",
+            fmt::format("physics_dt, {:g} s, with joints.command: torque", c.physics_dt), c.control_dt);
   if (c.randomisation.is_on(Randomised::kStartPhase))
     throw ConfigError(source, "start_phase", "action: gait, whose clock it sets", "action: joints");
 }
@@ -70,11 +74,47 @@ void validate_term(const EnvConfig& c, const ObservationTerm& term, std::string_
   for (const double scale : term.scale)
     check(std::isfinite(scale) && scale != 0, "scale", "a finite number but 0", scale);
   check(term.clip > 0, "clip", "a number above 0", term.clip);
+  check(term.clip_unscaled > 0, "clip_unscaled", "a number above 0", term.clip_unscaled);
   check(term.noise >= 0 && std::isfinite(term.noise), "noise", "a number of 0 or more", term.noise);
   check(term.history >= 1 && term.history <= kLongestHistory, "history",
         fmt::format("1 to {} policy steps", kLongestHistory), term.history);
   if (term.delay != 0)
     require_delay(source, fmt::format("observation, delay of {}", term.block), term.delay, c.control_dt);
+}
+
+bool sees(const EnvConfig& c, std::string_view block) {
+  return std::any_of(c.observation.begin(), c.observation.end(),
+                     [block](const ObservationTerm& term) { return term.block == block; });
+}
+
+// What blocks are made of, and that nothing is said which no block shows.
+void validate_settings(const EnvConfig& c, std::string_view source) {
+  const ObservationSettings& s = c.observing;
+  constexpr std::size_t kMostPoints = 4096;
+  const auto check = [&](bool seen, bool said, const char* key, const char* blocks) {
+    if (seen && !said) throw ConfigError(source, key, fmt::format("what {} shows", blocks), "nothing");
+    if (said && !seen) throw ConfigError(source, key, fmt::format("{} in the observation", blocks), "none");
+  };
+  check(sees(c, "clock_sin") || sees(c, "clock_cos"), !s.clock.phases.empty(), "clock",
+        "clock_sin or clock_cos");
+  require(s.clock.phases.empty() || (s.clock.frequency > 0 && s.clock.frequency <= 1e3), source,
+          "clock.frequency", "0 to 1e3 Hz, and above 0", s.clock.frequency);
+  const std::size_t points = s.height_scan.x.size() * s.height_scan.y.size();
+  check(sees(c, "height_scan"), points > 0, "height_scan", "height_scan");
+  require(points <= kMostPoints, source, "height_scan", fmt::format("at most {} points", kMostPoints),
+          static_cast<double>(points));
+  check(sees(c, "constants"), !s.constants.empty(), "constants", "constants");
+}
+
+void validate_frames(const EnvConfig& c, std::string_view source) {
+  const int history = c.observation.front().history;
+  for (const ObservationTerm& term : c.observation) {
+    if (term.history != history)
+      throw ConfigError(
+          source, "history.by", "as many instants of every block, where frames are whole",
+          fmt::format("{} of {}, {} of {}", history, c.observation.front().block, term.history, term.block));
+  }
+  require(history > 1, source, "history.by", "blocks with a history of 2 or more", history);
 }
 
 void validate_observation(const EnvConfig& c, std::string_view source) {
@@ -87,6 +127,8 @@ void validate_observation(const EnvConfig& c, std::string_view source) {
         throw ConfigError(source, "observation", "every block once", fmt::format("{} twice", term.block));
     }
   }
+  validate_settings(c, source);
+  if (c.observing.history.by == HistorySettings::By::kFrame) validate_frames(c, source);
 }
 
 }  // namespace

@@ -47,6 +47,7 @@ struct EnvConfig {
   bool heading_hold = true;                ///< steer to the heading that the command leads to
 
   std::vector<ObservationTerm> observation = standard_observation();
+  ObservationSettings observing;  ///< `history`, `clock`, `height_scan`, `constants`
   RewardTerms reward = guide_reward_weights();
 
   double physics_dt = 1e-3;     ///< s

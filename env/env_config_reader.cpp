@@ -109,6 +109,57 @@ void read(const YamlValue& root, std::string_view key, ServoNumbers& numbers) {
   if (const auto found = root.find(key)) numbers = read_servo_numbers(*found);
 }
 
+std::vector<double> read_numbers(const YamlValue& list) {
+  std::vector<double> numbers;
+  for (const YamlValue& item : list.items()) numbers.push_back(item.number());
+  return numbers;
+}
+
+// One of a few values by its name.
+template <typename Choice>
+void read_choice(const YamlValue& mapping, std::string_view key, Choice& choice,
+                 std::initializer_list<Choice> known) {
+  const auto found = mapping.find(key);
+  if (!found) return;
+  std::vector<std::string_view> names;
+  for (const Choice one : known) {
+    if (found->text() == name(one)) {
+      choice = one;
+      return;
+    }
+    names.push_back(name(one));
+  }
+  found->fail(fmt::format("one of {}", fmt::join(names, ", ")), fmt::format("'{}'", found->text()));
+}
+
+void read_history(const YamlValue& root, HistorySettings& history) {
+  const auto found = root.find("history");
+  if (!found) return;
+  found->allow_keys({"by", "order", "before"});
+  read_choice(*found, "by", history.by, {HistorySettings::By::kTerm, HistorySettings::By::kFrame});
+  read_choice(*found, "order", history.order,
+              {HistorySettings::Order::kNewestFirst, HistorySettings::Order::kOldestFirst});
+  read_choice(*found, "before", history.before,
+              {HistorySettings::Before::kFirst, HistorySettings::Before::kZeros});
+}
+
+void read_observing(const YamlValue& root, ObservationSettings& settings) {
+  read_history(root, settings.history);
+  if (const auto clock = root.find("clock")) {
+    clock->allow_keys({"frequency", "phases"});
+    settings.clock.frequency = clock->at("frequency").number();
+    settings.clock.phases = read_numbers(clock->at("phases"));
+  }
+  if (const auto scan = root.find("height_scan")) {
+    scan->allow_keys({"x", "y", "offset", "x_first"});
+    settings.height_scan.x = read_numbers(scan->at("x"));
+    settings.height_scan.y = read_numbers(scan->at("y"));
+    read(*scan, "offset", settings.height_scan.offset);
+    read(*scan, "x_first", settings.height_scan.x_first);
+  }
+  if (const auto constants = root.find("constants")) settings.constants = read_numbers(*constants);
+}
+
 void read_servos(const YamlValue& root, EnvConfig& config) {
   const auto servos = root.find("servos");
   if (!servos) return;
@@ -132,10 +183,17 @@ void read_joints(const YamlValue& root, EnvConfig& config) {
     if (const auto value = root.find(key)) value->fail("this key with action: gait alone", "action: joints");
   }
   if (!joints) return;
-  joints->allow_keys({"order", "home", "scale", "limit", "delay"});
+  joints->allow_keys(
+      {"order", "command", "home", "offset", "scale", "lower", "upper", "limit", "delay", "filter"});
   if (const auto order = joints->find("order")) config.joints.order = read_names(*order);
+  read_choice(*joints, "command", config.joints.command,
+              {JointCommand::kPosition, JointCommand::kRelative, JointCommand::kTorque});
   read(*joints, "home", config.joints.home);
+  read(*joints, "offset", config.joints.offset);
   read(*joints, "scale", config.joints.scale);
+  read(*joints, "lower", config.joints.lower);
+  read(*joints, "upper", config.joints.upper);
+  read(*joints, "filter", config.joints.filter);
   read(*joints, "limit", config.joints.limit);
   read(*joints, "delay", config.joints.delay);
 }
@@ -184,7 +242,7 @@ ObservationTerm read_observation_term(const YamlValue& value) {
     return text.text();
   };
   if (!value.is_mapping()) return block_of(value);
-  value.allow_keys({"block", "scale", "clip", "noise", "delay", "history"});
+  value.allow_keys({"block", "scale", "clip", "clip_unscaled", "noise", "delay", "history"});
   ObservationTerm term = block_of(value.at("block"));
   if (const auto scale = value.find("scale")) {
     if (scale->is_sequence()) {
@@ -194,6 +252,7 @@ ObservationTerm read_observation_term(const YamlValue& value) {
     }
   }
   read(value, "clip", term.clip);
+  read(value, "clip_unscaled", term.clip_unscaled);
   read(value, "noise", term.noise);
   read(value, "delay", term.delay);
   if (const auto history = value.find("history")) term.history = history->integer();
@@ -205,6 +264,7 @@ void read_tables(const YamlValue& root, EnvConfig& config) {
     config.observation.clear();
     for (const YamlValue& item : blocks->items()) config.observation.push_back(read_observation_term(item));
   }
+  read_observing(root, config.observing);
   if (const auto reward = root.find("reward")) {
     config.reward.fill(0);
     for (const auto& [name, weight] : reward->entries()) {
@@ -274,12 +334,13 @@ EnvConfig read_beginning(const YamlValue& root) {
 
 // What the file says, on top of `config`.
 EnvConfig read_onto(EnvConfig config, const YamlValue& root) {
-  root.allow_keys({"preset",         "engine",       "robot",        "terrain",         "terrain_seed",
-                   "friction",       "contact",      "servos",       "action",          "joints",
-                   "gait",           "parameters",   "adapt",        "ranges",          "delta_scales",
-                   "residual_scale", "command",      "heading_hold", "observation",     "reward",
-                   "physics_dt",     "control_dt",   "policy_dt",    "episode_seconds", "settle_seconds",
-                   "tilt_limit_deg", "terminations", "randomisation"});
+  root.allow_keys({"preset",         "engine",       "robot",         "terrain",         "terrain_seed",
+                   "friction",       "contact",      "servos",        "action",          "joints",
+                   "gait",           "parameters",   "adapt",         "ranges",          "delta_scales",
+                   "residual_scale", "command",      "heading_hold",  "observation",     "reward",
+                   "physics_dt",     "control_dt",   "policy_dt",     "episode_seconds", "settle_seconds",
+                   "tilt_limit_deg", "terminations", "randomisation", "history",         "clock",
+                   "height_scan",    "constants"});
   config.source = root.source();
   read_world(root, config);
   read_servos(root, config);

@@ -46,11 +46,34 @@ Json servos_json(const ServoSettings& servos) {
 Json joints_json(const JointActionSettings& joints) {
   Json out;
   if (!joints.order.empty()) out["order"] = joints.order;
+  // Stored runs are found by this text: what was added later is only written where it says something.
+  const JointActionSettings plain;
+  if (joints.command != plain.command) out["command"] = name(joints.command);
   add(out, "home", joints.home);
+  add(out, "offset", joints.offset);
   add(out, "scale", joints.scale);
+  add(out, "lower", joints.lower);
+  add(out, "upper", joints.upper);
   out["limit"] = joints.limit;
   out["delay"] = joints.delay;
+  if (joints.filter != plain.filter) out["filter"] = joints.filter;
   return out;
+}
+
+void add_observing(Json& out, const ObservationSettings& s) {
+  const HistorySettings plain;
+  Json history;
+  if (s.history.by != plain.by) history["by"] = name(s.history.by);
+  if (s.history.order != plain.order) history["order"] = name(s.history.order);
+  if (s.history.before != plain.before) history["before"] = name(s.history.before);
+  add(out, "history", std::move(history));
+  if (!s.clock.phases.empty()) out["clock"] = {{"frequency", s.clock.frequency}, {"phases", s.clock.phases}};
+  if (!s.height_scan.x.empty())
+    out["height_scan"] = {{"x", s.height_scan.x},
+                          {"y", s.height_scan.y},
+                          {"offset", s.height_scan.offset},
+                          {"x_first", s.height_scan.x_first}};
+  if (!s.constants.empty()) out["constants"] = s.constants;
 }
 
 Json parameters_json(const GaitSettings& settings) {
@@ -80,6 +103,7 @@ Json observation_json(const ObservationTerm& term) {
   Json out{{"block", term.block}};
   if (!term.scale.empty()) out["scale"] = term.scale;
   if (std::isfinite(term.clip)) out["clip"] = term.clip;
+  if (std::isfinite(term.clip_unscaled)) out["clip_unscaled"] = term.clip_unscaled;
   if (term.noise > 0) out["noise"] = term.noise;
   if (term.delay > 0) out["delay"] = term.delay;
   if (term.history > 1) out["history"] = term.history;
@@ -175,6 +199,7 @@ Json to_json(const EnvConfig& c) {
     out["command"] = {{"vx", c.command->vx}, {"vy", c.command->vy}, {"yaw_rate", c.command->yaw_rate}};
   out["observation"] = Json::array();
   for (const ObservationTerm& term : c.observation) out["observation"].push_back(observation_json(term));
+  add_observing(out, c.observing);
   out["reward"] = reward_json(c.reward);
   out["physics_dt"] = c.physics_dt;
   out["control_dt"] = c.control_dt;

@@ -45,7 +45,8 @@ void describe_gait(EnvModel& model) {
                                          .home = model.joints.home,
                                          .parameters = controller.adapted(),
                                          .action = model.interface.action,
-                                         .initial = model.parameters});
+                                         .initial = model.parameters,
+                                         .settings = model.config.observing});
 }
 
 void describe_joints(EnvModel& model) {
@@ -54,7 +55,8 @@ void describe_joints(EnvModel& model) {
   model.observer = make_observer(model, {.actuated_joints = names,
                                          .home = model.joints.home,
                                          .parameters = {},
-                                         .action = model.interface.action});
+                                         .action = model.interface.action,
+                                         .settings = model.config.observing});
 }
 
 }  // namespace

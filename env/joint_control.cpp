@@ -36,13 +36,11 @@ JointVector posture_at(const RobotDescription& robot, const JointActionTable& ta
 
 JointControl::JointControl(const EnvModel& model)
     : robot_(model.world.robot),
-      home_(model.joints.home),
-      scale_(model.joints.scale),
+      table_(model.joints),
+      filter_(model.config.joints.filter),
       standing_(posture_at(*robot_, model.joints)) {
-  const std::vector<int> actuated = robot_->actuated_joints();
-  wanted_.q.resize(static_cast<Eigen::Index>(actuated.size()));
-  for (const int servo : model.joints.servos)
-    slots_.push_back(std::find(actuated.begin(), actuated.end(), servo) - actuated.begin());
+  wanted_.q.resize(static_cast<Eigen::Index>(robot_->actuated_joints().size()));
+  by_torque_ = wanted_;
   const double delay = model.config.joints.delay;
   if (delay > 0) line_.resize(static_cast<std::size_t>(step_count(delay, model.config.control_dt)));
   restart(model.config.command);
@@ -50,13 +48,47 @@ JointControl::JointControl(const EnvModel& model)
 
 void JointControl::restart(const std::optional<VelocityCommand>& command) {
   command_ = command;
-  for (std::size_t i = 0; i < slots_.size(); ++i) wanted_.q[slots_[i]] = home_[i];
+  const bool torques = table_.command == JointCommand::kTorque;
+  for (std::size_t i = 0; i < table_.slots.size(); ++i) {
+    wanted_.q[table_.slots[i]] = torques ? 0 : table_.home[i];
+    by_torque_.q[table_.slots[i]] = table_.home[i];
+  }
   std::fill(line_.begin(), line_.end(), wanted_);
   oldest_ = 0;
 }
 
-void JointControl::apply(std::span<const double> action) noexcept {
-  for (std::size_t i = 0; i < slots_.size(); ++i) wanted_.q[slots_[i]] = home_[i] + scale_[i] * action[i];
+double JointControl::target(std::size_t i, double action, const RobotState& state) const noexcept {
+  const double by_action = table_.scale[i] * action;
+  switch (table_.command) {
+    case JointCommand::kTorque:
+      return by_action;
+    case JointCommand::kRelative:
+      return std::clamp(state.q[table_.servos[i]] + by_action, table_.lower[i], table_.upper[i]);
+    case JointCommand::kPosition:
+      break;
+  }
+  return std::clamp(table_.offset[i] + by_action, table_.lower[i], table_.upper[i]);
+}
+
+void JointControl::apply(std::span<const double> action, const RobotState& state) noexcept {
+  for (std::size_t i = 0; i < table_.slots.size(); ++i) {
+    double& wanted = wanted_.q[table_.slots[i]];
+    const double next = target(i, action[i], state);
+    wanted = filter_ == 1 ? next : filter_ * next + (1 - filter_) * wanted;
+  }
+}
+
+// A servo's torque is kp (target - q) - kd qd, of the state in which the step begins: the target at which
+// that is the wanted torque.
+void JointControl::observe(const RobotState& state, double /*dt*/) noexcept {
+  if (table_.command != JointCommand::kTorque) return;
+  const JointTargets& torques = line_.empty() ? wanted_ : line_[oldest_];
+  for (std::size_t i = 0; i < table_.slots.size(); ++i) {
+    const int servo = table_.servos[i];
+    const Joint& gains = robot_->joint(servo);
+    by_torque_.q[table_.slots[i]] =
+        state.q[servo] + (torques.q[table_.slots[i]] + gains.kd * state.qd[servo]) / gains.kp;
+  }
 }
 
 RobotState JointControl::initial_state(const Terrain& terrain, const Placement& placement) const {
@@ -64,7 +96,8 @@ RobotState JointControl::initial_state(const Terrain& terrain, const Placement& 
 }
 
 void JointControl::hold_pose(double /*dt*/, ControlTargets& out) noexcept {
-  out.joints = line_.empty() ? wanted_ : line_[oldest_];
+  const bool torques = table_.command == JointCommand::kTorque;
+  out.joints = torques ? by_torque_ : line_.empty() ? wanted_ : line_[oldest_];
 }
 
 void JointControl::advance(double dt, ControlTargets& out) noexcept {

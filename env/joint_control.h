@@ -1,4 +1,4 @@
-// Actions that command joints: servo target = home + scale x action (EnvConfig::action).
+// Actions that command joints (EnvConfig::action, JointCommand).
 #pragma once
 
 #include <optional>
@@ -20,20 +20,25 @@ class JointControl final : public Controller {
   void restart(const std::optional<VelocityCommand>& command);
   /// @param action  in the order of the table, clipped; its targets hold from the next control step, or that
   ///                many later which the delay takes
-  void apply(std::span<const double> action) noexcept;
+  /// @param state   of that instant, from which relative targets are measured
+  void apply(std::span<const double> action, const RobotState& state) noexcept;
   void set_command(const VelocityCommand& command) noexcept { command_ = command; }
 
   RobotState initial_state(const Terrain& terrain, const Placement& placement) const override;
   void hold_pose(double dt, ControlTargets& out) noexcept override;
   void advance(double dt, ControlTargets& out) noexcept override;
+  void observe(const RobotState& state, double dt) noexcept override;
 
  private:
+  double target(std::size_t i, double action, const RobotState& state) const noexcept;
+
   std::shared_ptr<const RobotDescription> robot_;
-  std::vector<double> home_, scale_;  // rad, in the order of the action
-  std::vector<Eigen::Index> slots_;   // in JointTargets, in that order
-  JointVector standing_;              // all joints at home, rad
-  JointTargets wanted_;               // by the last action
-  std::vector<JointTargets> line_;    // wanted in the last control steps, as many as the delay has
+  JointActionTable table_;
+  double filter_ = 1;
+  JointVector standing_;            // all joints at home, rad
+  JointTargets wanted_;             // by the last action; of torques those torques, N m
+  JointTargets by_torque_;          // targets at which servos give the torques of this control step
+  std::vector<JointTargets> line_;  // wanted in the last control steps, as many as the delay has
   std::size_t oldest_ = 0;
   std::optional<VelocityCommand> command_;
 };

@@ -41,26 +41,49 @@ struct ServoSettings {
   bool operator==(const ServoSettings&) const = default;
 };
 
-/// An action that commands joints: servo target = home + scale x action.
+/// What an action of joints says.
+enum class JointCommand {
+  kPosition,  ///< target = offset + scale x action
+  kRelative,  ///< target = angle at the action's instant + scale x action
+  kTorque,    ///< the servo's torque = scale x action, within its effort
+};
+/// "position", "relative", "torque".
+std::string_view name(JointCommand command) noexcept;
+
+/// An action that commands joints.
 struct JointActionSettings {
   std::vector<std::string> order;  ///< of the servos in actions and observations; empty: the robot's
+  JointCommand command = JointCommand::kPosition;
   ServoNumbers home;               ///< rad; of what is not said, the robot's home pose
-  ServoNumbers scale = {0.5, {}};  ///< rad
+  ServoNumbers offset;             ///< of position targets, rad; of what is not said, home
+  ServoNumbers scale = {0.5, {}};  ///< rad, of torques N m
+  ServoNumbers lower, upper;       ///< targets are clipped to them, rad; nothing: not clipped
   double limit = 1;                ///< actions are clipped to +-limit
   double delay = 0;                ///< from an action to its targets, s; whole control steps
+  double filter = 1;  ///< share of the new in targets, in (0, 1]; the rest stays of the last ones
 
   bool operator==(const JointActionSettings&) const = default;
 };
 
 /// The same read against a robot: numbers in the order of the action.
 struct JointActionTable {
-  std::vector<int> servos;          ///< joint indices
-  std::vector<double> home, scale;  ///< rad
+  std::vector<int> servos;                     ///< joint indices
+  std::vector<Eigen::Index> slots;             ///< of those in JointTargets
+  std::vector<double> home, scale;             ///< rad; of torques N m
+  std::vector<double> offset = {};             ///< rad; empty: home
+  std::vector<double> lower = {}, upper = {};  ///< rad, infinite where nothing clips
+  JointCommand command = JointCommand::kPosition;
+
+  /// What a number of the action means: "0.5 rad from 0.900".
+  std::string target_unit(std::size_t i) const;
 
   /// @throws ConfigError naming `source` unless `order` holds every servo of the robot once, every name is a
   /// servo's, and home lies within the joints' limits
   static JointActionTable make(const JointActionSettings& settings, const RobotDescription& robot,
                                std::string_view source);
 };
+
+/// "rad from 0.900".
+std::string measured_from(std::string_view unit, double zero);
 
 }  // namespace crossgait

@@ -65,11 +65,6 @@ std::string delta_unit(const ParameterRow& row) {
   return fmt::format("{} {}", row.delta_scale, row.unit);
 }
 
-// A thousandth of a radian tells one home from another, and is beyond what machines round apart.
-std::string from_home(std::string_view unit, double home) {
-  return fmt::format("{} from {:.3f}", unit, std::round(1e3 * home) / 1e3 + 0.0);  // no "-0.000"
-}
-
 void put(double*& out, double value) { *out++ = value; }
 void put(double*& out, const Vector3& v) {
   for (int i = 0; i < 3; ++i) *out++ = v[i];
@@ -106,6 +101,48 @@ void write_engine_terrain(const Source& s, double*& out) {
     // A ray that meets no ground, past the border, sees what the shared field says: its nearest point.
     put(out, std::isfinite(height) ? height : s.world.spec().terrain.height(x, y));
   }
+}
+
+// A pair of numbers of each phase of the clock.
+void describe_clock(const Context& context, Layout& layout, std::string_view function) {
+  for (std::size_t i = 0; i < context.settings.clock.phases.size(); ++i)
+    layout.entries.push_back(
+        {fmt::format("clock.{}.{}", i, function),
+         fmt::format("{:g} Hz from {:g}", context.settings.clock.frequency, context.settings.clock.phases[i]),
+         -1, 1});
+}
+
+void write_clock(const Source& s, double*& out, double (*function)(double)) {
+  const GaitClock& clock = s.settings.clock;
+  for (const double phase : clock.phases)
+    put(out, function(2 * M_PI * std::fmod(clock.frequency * s.time + phase, 1.0)));
+}
+
+// @param visit  of the coordinates of each point of the grid, in its order
+template <typename Visit>
+void for_each_point(const HeightScan& scan, const Visit& visit) {
+  const auto &outer = scan.x_first ? scan.y : scan.x, &inner = scan.x_first ? scan.x : scan.y;
+  for (const double a : outer)
+    for (const double b : inner) scan.x_first ? visit(b, a) : visit(a, b);
+}
+
+void describe_scan(const Context& context, Layout& layout) {
+  const HeightScan& scan = context.settings.height_scan;
+  for_each_point(scan, [&](double x, double y) {
+    add(layout, fmt::format("scan.{:g},{:g}", x + 0.0, y + 0.0), fmt::format("m less {:g}", scan.offset),
+        kInfinite);
+    layout.entries.back().reach = kMetres.reach;
+  });
+}
+
+void write_scan(const Source& s, double*& out) {
+  const HeightScan& scan = s.settings.height_scan;
+  const Vector3& p = state(s).p_WB;
+  const double c = std::cos(yaw(s)), sn = std::sin(yaw(s));
+  const Terrain& terrain = s.world.spec().terrain;
+  for_each_point(scan, [&](double x, double y) {
+    put(out, p.z() - terrain.height(p.x() + c * x - sn * y, p.y() + sn * x + c * y) - scan.offset);
+  });
 }
 
 void describe_ring(Layout& layout, std::string_view block) {
@@ -226,16 +263,63 @@ constexpr std::array kBlocks{
                      [](const Context& c, Layout& l) {
                        for (std::size_t i = 0; i < c.home.size(); ++i)
                          l.entries.push_back({fmt::format("dq.{}", c.actuated_joints[i]),
-                                              from_home(kRadians.name, c.home[i]), -kInfinite, kInfinite,
+                                              measured_from(kRadians.name, c.home[i]), -kInfinite, kInfinite,
                                               kRadians.reach});
                      },
                      [](const Source& s, double*& out) {
                        for (std::size_t i = 0; i < s.home.size(); ++i)
                          put(out, state(s).q[s.servos[i]] - s.home[i]);
                      }},
+    ObservationBlock{"joint_targets", "targets that the servos follow", false,
+                     [](const Context& c, Layout& l) { add_joints(c, l, "target", kRadians); },
+                     [](const Source& s, double*& out) {
+                       for (const Eigen::Index slot : s.slots) put(out, s.targets.q[slot]);
+                     }},
+    ObservationBlock{"base_orientation_xyzw", "quaternion of the base in W, its real part last", false,
+                     [](const Context&, Layout& l) {
+                       for (const char* part : {"x", "y", "z", "w"})
+                         add(l, fmt::format("q_WB_xyzw.{}", part), "-", 1);
+                     },
+                     [](const Source& s, double*& out) {
+                       put(out, state(s).q_WB.vec());
+                       put(out, state(s).q_WB.w());
+                     }},
+    ObservationBlock{"roll_pitch_yaw", "Euler angles of the base in W: yaw, then pitch, then roll", false,
+                     [](const Context&, Layout& l) {
+                       for (const char* angle : {"roll", "pitch", "yaw"})
+                         add(l, fmt::format("rpy.{}", angle), "rad", M_PI);
+                     },
+                     [](const Source& s, double*& out) { put(out, roll_pitch_yaw(state(s).q_WB)); }},
+    ObservationBlock{"clock_sin", "sine of the clock's phases (`clock`)", false,
+                     [](const Context& c, Layout& l) { describe_clock(c, l, "sin"); },
+                     [](const Source& s, double*& out) { write_clock(s, out, std::sin); }},
+    ObservationBlock{"clock_cos", "cosine of the clock's phases (`clock`)", false,
+                     [](const Context& c, Layout& l) { describe_clock(c, l, "cos"); },
+                     [](const Source& s, double*& out) { write_clock(s, out, std::cos); }},
+    ObservationBlock{"height_scan", "of the base over the ground below a grid (`height_scan`)", false,
+                     describe_scan, write_scan},
+    ObservationBlock{"constants", "numbers that never change (`constants`)", false,
+                     [](const Context& c, Layout& l) {
+                       for (std::size_t i = 0; i < c.settings.constants.size(); ++i)
+                         l.entries.push_back({fmt::format("constant.{}", i), "-", c.settings.constants[i],
+                                              c.settings.constants[i]});
+                     },
+                     [](const Source& s, double*& out) {
+                       for (const double value : s.settings.constants) put(out, value);
+                     }},
 };
 
 }  // namespace
+
+std::string_view name(HistorySettings::By by) noexcept {
+  return by == HistorySettings::By::kFrame ? "frame" : "term";
+}
+std::string_view name(HistorySettings::Order order) noexcept {
+  return order == HistorySettings::Order::kOldestFirst ? "oldest_first" : "newest_first";
+}
+std::string_view name(HistorySettings::Before before) noexcept {
+  return before == HistorySettings::Before::kZeros ? "zeros" : "first";
+}
 
 std::span<const ObservationBlock> observation_blocks() { return kBlocks; }
 
@@ -273,8 +357,7 @@ Layout joint_action_layout(std::span<const std::string> servos, const JointActio
                            double limit) {
   Layout layout;
   for (std::size_t i = 0; i < servos.size(); ++i)
-    add(layout, fmt::format("{}{}", kTargetPrefix, servos[i]),
-        from_home(fmt::format("{:g} rad", joints.scale[i]), joints.home[i]), limit);
+    add(layout, fmt::format("{}{}", kTargetPrefix, servos[i]), joints.target_unit(i), limit);
   return layout;
 }
 

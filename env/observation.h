@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "env/joint_settings.h"
+#include "env/observation_settings.h"
 #include "env/observation_term.h"
 #include "gait/adaptive_gait_controller.h"
 #include "motion/foot_states.h"
@@ -26,6 +27,10 @@ struct ObservationSource {
   std::span<const int> servos;          ///< indices of the actuated joints, in the observation's order
   std::span<const double> home;         ///< their home angles, rad
   std::span<const double> last_action;  ///< clipped, as it was applied
+  const JointTargets& targets;          ///< of the last control step
+  std::span<const Eigen::Index> slots;  ///< of `servos` in targets
+  const ObservationSettings& settings;
+  double time = 0;  ///< since the episode began, s
 };
 
 /// What the layout of a block depends on.
@@ -35,6 +40,7 @@ struct ObservationContext {
   std::span<const ParameterRow> parameters;  ///< that adapt
   Layout action;
   GaitParameters initial = {};  ///< at the start of an episode
+  ObservationSettings settings = {};
 };
 
 /// One row of the table of blocks.

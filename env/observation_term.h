@@ -10,15 +10,15 @@
 namespace crossgait {
 
 /// One item of an environment's `observation`. By default the block as it is. Of a number x of the block a
-/// policy sees clamp(scale (x + n), +-clip), n uniform in +-noise, as it was `delay` seconds ago; with
-/// `history` also as it was in the policy steps before, newest first. What was before the episode counts as
-/// its first observation.
+/// policy sees clamp(scale clamp(x + n, +-clip_unscaled), +-clip), n uniform in +-noise, as it was `delay`
+/// seconds ago; with `history` also as it was in the policy steps before, laid out as HistorySettings say.
 struct ObservationTerm {
   std::string block;          ///< name in the table (env/observation.h)
   std::vector<double> scale;  ///< one for all its numbers or one each; empty: 1
   double clip = std::numeric_limits<double>::infinity();
-  double noise = 0;  ///< in the unit of the block
-  double delay = 0;  ///< s; whole control steps
+  double clip_unscaled = std::numeric_limits<double>::infinity();  ///< in the unit of the block
+  double noise = 0;                                                ///< in the unit of the block
+  double delay = 0;                                                ///< s; whole control steps
   int history = 1;
 
   ObservationTerm() = default;
@@ -29,7 +29,8 @@ struct ObservationTerm {
 
   /// Whether the block is seen as it is.
   bool plain() const {
-    return scale.empty() && clip == std::numeric_limits<double>::infinity() && noise == 0 && !remembered();
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    return scale.empty() && clip == kNone && clip_unscaled == kNone && noise == 0 && !remembered();
   }
   /// Whether it takes knowing what was.
   bool remembered() const { return delay > 0 || history > 1; }

@@ -12,10 +12,12 @@
 namespace crossgait {
 namespace {
 
-// Bounds of clamp(scale (x + n), +-clip) for x within an entry's own.
+// Bounds of clamp(scale clamp(x + n, +-clip_unscaled), +-clip) for x within an entry's own.
 LayoutEntry seen_as(LayoutEntry entry, double scale, const ObservationTerm& term) {
   if (scale != 1) entry.unit = fmt::format("{} x {:g}", entry.unit, scale);
-  const double a = scale * (entry.min - term.noise), b = scale * (entry.max + term.noise);
+  const double least = std::clamp(entry.min - term.noise, -term.clip_unscaled, term.clip_unscaled),
+               most = std::clamp(entry.max + term.noise, -term.clip_unscaled, term.clip_unscaled);
+  const double a = scale * least, b = scale * most;
   entry.min = std::clamp(std::min(a, b), -term.clip, term.clip);
   entry.max = std::clamp(std::max(a, b), -term.clip, term.clip);
   entry.reach *= std::abs(scale);
@@ -36,14 +38,37 @@ void check_scales(const ObservationTerm& term, std::size_t size) {
 
 }  // namespace
 
-void Observer::add_entries(const ObservationTerm& term, const Layout& block, double policy_dt) {
-  for (int k = 0; k < term.history; ++k) {
-    const double age = term.delay + k * policy_dt;
-    for (std::size_t i = 0; i < block.size(); ++i) {
-      LayoutEntry entry = seen_as(block.entries[i], scale_of(term, i), term);
-      if (age > 0) entry.name += fmt::format("@{:g}", age);
-      layout_.entries.push_back(entry);
+void Observer::add_entries(const ObservationTerm& term, const Layout& block, int age, double policy_dt) {
+  const double seconds = term.delay + age * policy_dt;
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    LayoutEntry entry = seen_as(block.entries[i], scale_of(term, i), term);
+    if (seconds > 0) entry.name += fmt::format("@{:g}", seconds);
+    layout_.entries.push_back(entry);
+  }
+}
+
+int Observer::age_at(int place, int history) const noexcept {
+  return history_.order == HistorySettings::Order::kOldestFirst ? history - 1 - place : place;
+}
+
+void Observer::describe(const std::vector<ObservationTerm>& terms, const std::vector<Layout>& blocks,
+                        double policy_dt) {
+  if (history_.by == HistorySettings::By::kTerm) {
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      for (int k = 0; k < terms[i].history; ++k)
+        add_entries(terms[i], blocks[i], age_at(k, terms[i].history), policy_dt);
     }
+  } else {
+    const int history = terms.front().history;
+    for (int k = 0; k < history; ++k) {
+      for (std::size_t i = 0; i < terms.size(); ++i)
+        add_entries(terms[i], blocks[i], age_at(k, history), policy_dt);
+    }
+  }
+  std::set<std::string> names;
+  for (const LayoutEntry& entry : layout_.entries) {
+    if (!names.insert(entry.name).second)
+      throw ConfigError("observation", "blocks", "every entry once", fmt::format("{} twice", entry.name));
   }
 }
 
@@ -54,13 +79,15 @@ Observer::Observer(const std::vector<ObservationTerm>& terms, const ObservationC
   };
   samples_substeps_ = std::any_of(terms.begin(), terms.end(), within_policy_step);
   const double between_looks = samples_substeps_ ? control_dt : policy_dt;
+  history_ = context.settings.history;
+  std::vector<Layout> blocks;
   for (const ObservationTerm& term : terms) {
     const ObservationBlock& block = find_observation_block(term.block);
     Layout entries;
     block.describe(context, entries);
     check_scales(term, entries.size());
-    add_entries(term, entries, policy_dt);
-    Term own{&block, {}, term.clip, term.noise, entries.size(), 0, 1, term.history, term.remembered(), row_};
+    Term own{&block, {}, term.clip,    term.clip_unscaled, term.noise, entries.size(),
+             0,      1,  term.history, term.remembered(),  row_};
     if (!term.scale.empty()) {
       for (std::size_t i = 0; i < entries.size(); ++i) own.scale.push_back(scale_of(term, i));
     }
@@ -71,13 +98,10 @@ Observer::Observer(const std::vector<ObservationTerm>& terms, const ObservationC
       rows_ = std::max(rows_, own.delay + (own.history - 1) * own.spacing + 1);
     }
     terms_.push_back(std::move(own));
+    blocks.push_back(std::move(entries));
   }
   memory_.assign(row_ * static_cast<std::size_t>(rows_), 0);
-  std::set<std::string> names;
-  for (const LayoutEntry& entry : layout_.entries) {
-    if (!names.insert(entry.name).second)
-      throw ConfigError("observation", "blocks", "every entry once", fmt::format("{} twice", entry.name));
-  }
+  describe(terms, blocks, policy_dt);
 }
 
 void Observer::restart(std::uint64_t seed) noexcept {
@@ -91,6 +115,7 @@ void Observer::write(const Term& term, const ObservationSource& source, double* 
   for (std::size_t i = 0; i < term.size; ++i) {
     double& value = out[i];
     if (term.noise > 0) value += noise_.uniform(-term.noise, term.noise);
+    value = std::clamp(value, -term.clip_unscaled, term.clip_unscaled);
     if (!term.scale.empty()) value *= term.scale[i];
     value = std::clamp(value, -term.clip, term.clip);
   }
@@ -106,24 +131,38 @@ void Observer::sample(const ObservationSource& source) noexcept {
   if (!empty_) return;
   for (int k = 0; k < rows_; ++k) {
     double* other = memory_.data() + static_cast<std::size_t>(k) * row_;
-    if (other != row) std::copy_n(row, row_, other);
+    if (other == row) continue;
+    if (history_.before == HistorySettings::Before::kZeros) {
+      std::fill_n(other, row_, 0.0);
+    } else {
+      std::copy_n(row, row_, other);
+    }
   }
   empty_ = false;
+}
+
+double* Observer::recall(const Term& term, int age, double* out) const noexcept {
+  const int row = (newest_ - term.delay - age * term.spacing + rows_) % rows_;
+  return std::copy_n(memory_.data() + static_cast<std::size_t>(row) * row_ + term.begin, term.size, out);
 }
 
 void Observer::observe(const ObservationSource& source, std::span<double> out) noexcept {
   sample(source);
   double* next = out.data();
+  if (history_.by == HistorySettings::By::kFrame && rows_ > 0) {
+    const int history = terms_.front().history;
+    for (int k = 0; k < history; ++k) {
+      for (const Term& term : terms_) next = recall(term, age_at(k, history), next);
+    }
+    return;
+  }
   for (const Term& term : terms_) {
     if (!term.remembered) {
       write(term, source, next);
       next += term.size;
       continue;
     }
-    for (int k = 0; k < term.history; ++k) {
-      const int row = (newest_ - term.delay - k * term.spacing + rows_) % rows_;
-      next = std::copy_n(memory_.data() + static_cast<std::size_t>(row) * row_ + term.begin, term.size, next);
-    }
+    for (int k = 0; k < term.history; ++k) next = recall(term, age_at(k, term.history), next);
   }
 }
 

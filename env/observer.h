@@ -39,7 +39,7 @@ class Observer {
   struct Term {
     const ObservationBlock* block;
     std::vector<double> scale;  // one per number; empty: 1
-    double clip, noise;
+    double clip, clip_unscaled, noise;
     std::size_t size;            // numbers of the block
     int delay = 0, spacing = 1;  // in looks: to the newest that is seen, and from there to the one before
     int history = 1;
@@ -47,11 +47,17 @@ class Observer {
     std::size_t begin = 0;  // in a row of the memory
   };
 
-  void add_entries(const ObservationTerm& term, const Layout& block, double policy_dt);
+  /// What a term shows of one instant: `age` policy steps before the newest that it sees.
+  void add_entries(const ObservationTerm& term, const Layout& block, int age, double policy_dt);
+  void describe(const std::vector<ObservationTerm>& terms, const std::vector<Layout>& blocks,
+                double policy_dt);
+  double* recall(const Term& term, int age, double* out) const noexcept;
+  int age_at(int place, int history) const noexcept;
   void write(const Term& term, const ObservationSource& source, double* out) noexcept;
 
   Layout layout_;
   std::vector<Term> terms_;
+  HistorySettings history_;
   std::vector<double> memory_;  // a row per look, the last of them at newest_
   std::size_t row_ = 0;         // numbers in it
   int rows_ = 0, newest_ = 0;

@@ -134,7 +134,11 @@ void QuadrupedEnv::take_action(std::span<const double> action) noexcept {
     const LayoutEntry& entry = action_layout().entries[i];
     e.action[i] = finite ? std::clamp(action[i], entry.min, entry.max) : 0;
   }
-  std::visit([&e](auto& control) { control.apply(e.action); }, e.control);
+  if (auto* joints = std::get_if<JointControl>(&e.control)) {
+    joints->apply(e.action, world_->state());
+  } else {
+    std::get_if<GaitControl>(&e.control)->apply(e.action);
+  }
 }
 
 StepResult QuadrupedEnv::step(std::span<const double> action, std::span<double> observation) {
@@ -223,8 +227,18 @@ double QuadrupedEnv::evaluate(const RobotState& before, const MotionIntegrals& d
 
 ObservationSource QuadrupedEnv::seen() const noexcept {
   const Episode& e = episode_;
-  return {*world_, feet_, e.info.contacts, gait(), e.command, model_->joints.servos, model_->joints.home,
-          e.action};
+  return {*world_,
+          feet_,
+          e.info.contacts,
+          gait(),
+          e.command,
+          model_->joints.servos,
+          model_->joints.home,
+          e.action,
+          e.loop.targets().joints,
+          model_->joints.slots,
+          config().observing,
+          e.info.time};
 }
 
 void QuadrupedEnv::observe(std::span<double> observation) {

@@ -5,6 +5,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include <fmt/format.h>
+
+#include "physics/core/error.h"
 #include "physics/robot_files/data_path.h"
 
 namespace crossgait {
@@ -29,6 +32,18 @@ bool is_name(const std::string& text) {
   return std::find(names.begin(), names.end(), text) != names.end();
 }
 
+// The folder of a policy: one that is there, or that of a policy that comes with Crossgait; empty for other
+// texts.
+fs::path folder_of(const std::string& text) {
+  std::error_code error;
+  if (fs::is_directory(text, error)) {
+    // Named as it is called, also where it is given as "." or with a slash at its end.
+    const fs::path folder = fs::absolute(text, error).lexically_normal();
+    return folder.has_filename() ? folder : folder.parent_path();
+  }
+  return is_name(text) ? policies_folder() / text : fs::path();
+}
+
 }  // namespace
 
 std::vector<std::string> policy_names() {
@@ -41,12 +56,20 @@ std::vector<std::string> policy_names() {
 }
 
 std::string find_policy_file(const std::string& text) {
-  return is_name(text) ? file_in(policies_folder() / text).string() : text;
+  const fs::path folder = folder_of(text);
+  if (folder.empty()) return text;
+  fs::path file = file_in(folder);
+  if (file.empty())
+    throw ConfigError("policy", text,
+                      fmt::format("a folder with {0}.safetensors or {0}.yaml", folder.filename().string()),
+                      "one without");
+  return file.string();
 }
 
 std::optional<std::string> environment_of_policy(const std::string& text) {
-  if (!is_name(text)) return std::nullopt;
-  return (policies_folder() / text / "environment.yaml").string();
+  const fs::path folder = folder_of(text);
+  if (folder.empty() || file_in(folder).empty()) return std::nullopt;  // any other folder of that name
+  return (folder / "environment.yaml").string();
 }
 
 std::string environment_file(const std::string& given, const std::string& policy) {

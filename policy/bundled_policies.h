@@ -1,4 +1,6 @@
-// Policies that come with Crossgait: folders of `models_dir()`/policies (models/policies/README.md).
+// Policies in folders of their own, with the environment that they were made for: those that come with
+// Crossgait, in `models_dir()`/policies (models/policies/README.md), and those that `crossgait import`
+// writes.
 #pragma once
 
 #include <optional>
@@ -10,10 +12,12 @@ namespace crossgait {
 /// Their names, sorted: of folders NAME that hold NAME.safetensors or NAME.yaml.
 std::vector<std::string> policy_names();
 
-/// The file of the policy of that name; `text` itself if there is none, as it may be a path.
+/// The file of a folder NAME, by its path or as the name of a policy that comes with Crossgait:
+/// NAME.safetensors or NAME.yaml. Any other text itself, as it may be a file's path.
+/// @throws ConfigError for a folder without such a file
 std::string find_policy_file(const std::string& text);
 
-/// The environment.yaml that the policy of that name was made for; nothing for any other text.
+/// The environment.yaml of that folder; nothing for any other text.
 std::optional<std::string> environment_of_policy(const std::string& text);
 /// `given` if it names a file, else that environment; empty if there is neither.
 std::string environment_file(const std::string& given, const std::string& policy);

@@ -1,6 +1,7 @@
 #include "policy/policy.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include "policy/bundled_policies.h"
 #include "policy/hierarchical_policy.h"
 #include "policy/mlp_policy.h"
+#include "policy/onnx_policy.h"
 #include "policy/scripted_policy.h"
 #include "policy/simple_policies.h"
 
@@ -33,12 +35,17 @@ void check_layout_version(const YamlValue& root) {
 std::unique_ptr<Policy> make_described(const std::string& path, const PolicyInterface& interface) {
   const YamlValue root = YamlValue::load(path);
   const YamlValue kind = root.at("kind");
-  const bool scripted = kind.text() == "scripted";
-  if (!scripted && kind.text() != "hierarchical") {
-    kind.fail("scripted or hierarchical", "'" + kind.text() + "'");
+  constexpr std::array kKinds{
+      std::pair{std::string_view("scripted"), &make_scripted_policy},
+      std::pair{std::string_view("hierarchical"), &make_hierarchical_policy},
+      std::pair{std::string_view("onnx"), &make_onnx_policy},
+  };
+  for (const auto& [name, make] : kKinds) {
+    if (kind.text() != name) continue;
+    check_layout_version(root);
+    return make(root, interface);
   }
-  check_layout_version(root);
-  return scripted ? make_scripted_policy(root, interface) : make_hierarchical_policy(root, interface);
+  kind.fail("scripted, hierarchical or onnx", "'" + kind.text() + "'");
 }
 
 }  // namespace

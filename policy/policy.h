@@ -50,8 +50,9 @@ class Policy {
   PolicyInterface interface_;
 };
 
-/// Makes a policy for `interface` from `zero`, `random`, a name of `policy_names()`, a policy bundle
-/// (FILE.safetensors) or a policy description (FILE.yaml: scripted or hierarchical; docs/policies.md).
+/// Makes a policy for `interface` from `zero`, `random`, a name of `policy_names()`, a folder
+/// (`find_policy_file`), a policy bundle
+/// (FILE.safetensors) or a policy description (FILE.yaml: scripted, hierarchical or onnx; docs/policies.md).
 /// @throws ConfigError for an unknown name, a file that is no policy, or one for another layout or layout
 /// version, saying what differs
 std::unique_ptr<Policy> make_policy(const std::string& text, const PolicyInterface& interface);

@@ -134,9 +134,10 @@ void explain(EngineComparison& result, const std::vector<std::optional<EngineFam
     const std::string ends = families[p]->from + " to " + families[p]->to;
     if (!made.contains(ends)) {
       const std::string stage = families.size() > 1 ? "explaining " + ends : "explaining";
-      made.emplace(ends, attribute(with_margins(behaviour, how.margins), family_for(*families[p], *world.robot),
-                                   {how.starts, how.confidence, how.workers, how.failures},
-                                   progress_of(progress, stage)));
+      made.emplace(
+          ends,
+          attribute(with_margins(behaviour, how.margins), family_for(*families[p], *world.robot),
+                    {how.starts, how.confidence, how.workers, how.failures}, progress_of(progress, stage)));
     }
     result.backgrounds[p].attribution = made.at(ends);
   }

@@ -51,6 +51,8 @@ inline constexpr ReadBudget kResultBudget{8 * kMebibyte, 300'000, 32};
 /// Policy bundles: a network of three layers of 1,000 takes 8 MiB; in memory every number of 4 bytes is also
 /// once of 8.
 inline constexpr ReadBudget kPolicyBudget{16 * kMebibyte, 5'000, 8};
+/// Networks as ONNX files: those of published policies take 0.3 to 20 MiB.
+inline constexpr ReadBudget kNetworkBudget{64 * kMebibyte, 1, 1};
 /// The JSON in front of a bundle's numbers, which names observations and tensors.
 inline constexpr std::size_t kMaxPolicyHeader = kMebibyte;
 /// Pairs of a bundle's own test, each of which runs the network when it is read; Crossgait writes 8.

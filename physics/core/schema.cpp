@@ -20,6 +20,7 @@ constexpr auto kSchemas = std::to_array<std::string_view>({
     "env",
     "gait",
     "ik",
+    "import",
     "robots",
     "report",
     "rollout",

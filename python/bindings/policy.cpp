@@ -21,6 +21,7 @@
 #include "policy/bundled_policies.h"
 #include "policy/hierarchical_policy.h"
 #include "policy/mlp_policy.h"
+#include "policy/onnx_library.h"
 #include "policy/policy_bundle_names.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/bindings.h"
@@ -213,14 +214,15 @@ void bind_bundle(nb::module_& m) {
 }  // namespace
 
 void bind_policy(nb::module_& m) {
+  set_python_of_onnxruntime(nb::cast<std::string>(nb::module_::import_("sys").attr("executable")));
   bind_interface(m);
   bind_network(m);
   bind_bundle(m);
   m.def("policy_names", &policy_names, "Names of the policies that come with Crossgait, sorted.");
   m.def("find_policy_file", &find_policy_file, nb::arg("text"),
-        "The file of the policy of that name; `text` itself if there is none.");
+        "The file of a policy by its name or folder; any other text itself.");
   m.def("environment_of_policy", &environment_of_policy, nb::arg("text"),
-        "The environment's file of the policy of that name; None for any other text.");
+        "The environment's file of a policy by its name or folder; None for any other text.");
   nb::class_<PythonPolicy>(m, "Policy", "One instance serves one environment at a time: it may remember.")
       .def(nb::new_(&make_from_text), nb::arg("text"), nb::arg("interface"),
            "zero, random, FILE.safetensors or FILE.yaml (docs/policies.md). Raises ConfigError.")

@@ -1,11 +1,14 @@
 #include "python/bindings/robot.h"
 
+#include <map>
+
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
+#include "ik/leg_kinematics.h"
 #include "physics/robot/multibody.h"
 #include "physics/robot_files/data_path.h"
 #include "python/bindings/bindings.h"
@@ -71,6 +74,19 @@ nb::list collisions(const RobotDescription& robot) {
   return all;
 }
 
+nb::list servo_legs(const RobotDescription& robot) {
+  std::map<int, std::pair<std::string, int>> places;  // by joint
+  for (const Leg leg : kLegs) {
+    const LegKinematics kinematics = make_leg_kinematics(robot, leg);
+    int depth = 0;
+    for (const int joint : kinematics.servo_joints()) places[joint] = {std::string(name(leg)), depth++};
+  }
+  nb::list all;
+  for (const int joint : robot.actuated_joints())
+    all.append(nb::make_tuple(places.at(joint).first, places.at(joint).second));
+  return all;
+}
+
 nb::list inferences(const Robot& robot) {
   nb::list all;
   for (const Inference& inference : robot.report.inferred)
@@ -98,6 +114,11 @@ void bind_robot(nb::module_& m) {
       .def_prop_ro(
           "servo_indices", [](const Robot& r) { return r.description->actuated_joints(); },
           "Where the driven joints stand among all.")
+      .def_prop_ro(
+          "servo_legs", [](const Robot& r) { return servo_legs(*r.description); },
+          nb::sig("def servo_legs(self) -> list[tuple[str, int]]"),
+          "Of each servo, in their order: its leg (FL, FR, RL, RR) and which of that leg's it is, from "
+          "the hip.")
       .def_prop_ro("bodies", [](const Robot& r) { return body_names(*r.description); })
       .def_prop_ro(
           "home", [](const Robot& r) { return Eigen::VectorXd(r.description->home); },

@@ -36,6 +36,7 @@ from crossgait._core import (
     version,
 )
 from crossgait.errors import ConfigError
+from crossgait.importing import Imported, import_policy
 from crossgait.policies import Policy
 from crossgait.studies import (
     Bench,
@@ -75,6 +76,7 @@ __all__ = [
     "FootContact",
     "FunctionPolicy",
     "GaitGenerator",
+    "Imported",
     "Leg",
     "Policy",
     "Result",
@@ -102,6 +104,7 @@ __all__ = [
     "engines",
     "gait_parameters",
     "gaits",
+    "import_policy",
     "legs",
     "models_dir",
     "policy_names",

@@ -172,6 +172,78 @@ TEST_P(JointActions, GoBeyondOneWhereTheLimitSays) {
   EXPECT_EQ(env.targets().joints.q[0], env.model().joints.home[0] + 0.02 * 2.5);
 }
 
+TEST_P(JointActions, AreMeasuredFromAnOffsetOrWhereTheJointIs) {
+  for (const JointCommand command : {JointCommand::kPosition, JointCommand::kRelative}) {
+    EnvConfig config = joints_of("serial_quadruped");
+    config.joints.command = command;
+    config.joints.scale.all = 0.1;
+    config.joints.upper.by_name = {{"FL_knee", -1.2}};
+    if (command == JointCommand::kPosition) config.joints.offset.by_name = {{"FL_abduction", 0.05}};
+    QuadrupedEnv env(config, find_engine(GetParam()));
+    std::vector<double> seen(env.observation_size());
+    env.reset(0, seen);
+    for (int i = 0; i < 5; ++i) {
+      const RobotState before = env.world().state();
+      env.step(std::vector<double>(12, 0.5), seen);
+      const std::vector<int>& servos = env.model().joints.servos;
+      for (std::size_t k = 0; k < 12; ++k) {
+        const std::string& name = env.world().spec().robot->joint(servos[k]).name;
+        const double offset = name == "FL_abduction" ? 0.05 : env.model().joints.home[k];
+        const double from = command == JointCommand::kPosition ? offset : before.q[servos[k]];
+        const double wanted = name == "FL_knee" ? std::min(from + 0.05, -1.2) : from + 0.05;
+        EXPECT_EQ(env.targets().joints.q[static_cast<Eigen::Index>(k)], wanted) << name << i;
+      }
+    }
+  }
+}
+
+TEST_P(JointActions, ApproachTheirTargetsThroughTheFilter) {
+  EnvConfig config = joints_of("serial_quadruped");
+  config.joints.filter = 0.25;
+  config.joints.scale.all = 0.2;
+  QuadrupedEnv env(config, find_engine(GetParam()));
+  std::vector<double> seen(env.observation_size());
+  for (int episode = 0; episode < 2; ++episode) {
+    env.reset(0, seen);
+    const double home = env.model().joints.home[0];
+    double left = 1;
+    for (int i = 0; i < 4; ++i) {
+      env.step(std::vector<double>(12, 0.5), seen);
+      left *= 0.75;
+      // Rounding of a few sums of numbers of order 1.
+      EXPECT_NEAR(env.targets().joints.q[0], home + 0.1 * (1 - left), 1e-14);
+    }
+  }
+}
+
+// The torque that a servo gives at the target is the one that was asked for.
+TEST_P(JointActions, AreTorques) {
+  EnvConfig config = joints_of("serial_quadruped");
+  config.joints.command = JointCommand::kTorque;
+  config.joints.scale.all = 2;
+  config.control_dt = config.physics_dt;
+  config.policy_dt = config.physics_dt;
+  QuadrupedEnv env(config, find_engine(GetParam()));
+  std::vector<double> seen(env.observation_size());
+  env.reset(0, seen);
+  for (int i = 0; i < 5; ++i) {
+    const RobotState before = env.world().state();
+    env.step(std::vector<double>(12, 0.1 * (i + 1)), seen);
+    const std::vector<int>& servos = env.model().joints.servos;
+    for (std::size_t k = 0; k < 12; ++k) {
+      const Joint& joint = env.world().spec().robot->joint(servos[k]);
+      const double torque =
+          joint.kp * (env.targets().joints.q[static_cast<Eigen::Index>(k)] - before.q[servos[k]]) -
+          joint.kd * before.qd[servos[k]];
+      // kp amplifies the rounding of angles.
+      EXPECT_NEAR(torque, 0.2 * (i + 1), 1e-12 * std::max(1.0, joint.kp)) << joint.name;
+    }
+  }
+  config.control_dt = 2 * config.physics_dt;
+  config.policy_dt = config.control_dt;
+  EXPECT_NE(message_of(config).find("control_dt: expected physics_dt"), std::string::npos);
+}
+
 TEST_P(JointActions, HaveNoGait) {
   QuadrupedEnv env(joints_of("serial_quadruped"), find_engine(GetParam()));
   std::vector<double> seen(env.observation_size());
@@ -240,7 +312,8 @@ TEST_P(JointPolicies, OfSwishNetworksRunFromABundle) {
 }
 
 TEST(JointActionLayout, IsTheSameForHomesThatRoundTheSame) {
-  JointActionTable table{{0, 1, 2}, {-1e-17, 0, 0.0004}, {0.5, 0.5, 0.5}};
+  JointActionTable table{
+      .servos = {0, 1, 2}, .slots = {0, 1, 2}, .home = {-1e-17, 0, 0.0004}, .scale = {0.5, 0.5, 0.5}};
   const std::vector<std::string> servos{"a", "b", "c"};
   for (const LayoutEntry& entry : joint_action_layout(servos, table, 1).entries)
     EXPECT_EQ(entry.unit, "0.5 rad from 0.000");

@@ -48,6 +48,106 @@ ObservationTerm term(const char* block, const std::function<void(ObservationTerm
 class Observers : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(Observers);
 
+TEST_P(Observers, ClipBeforeTheScaleToo) {
+  const Rows plain = rows_of(seeing({"joint_velocities"}), GetParam(), 40);
+  const Rows seen = rows_of(seeing({term("joint_velocities",
+                                         [](ObservationTerm& t) {
+                                           t.scale = {-0.5};
+                                           t.clip_unscaled = 0.4;
+                                         })}),
+                            GetParam(), 40);
+  bool clipped = false;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    for (std::size_t k = 0; k < 12; ++k) {
+      EXPECT_EQ(seen[i][k], -0.5 * std::clamp(plain[i][k], -0.4, 0.4));
+      clipped = clipped || std::abs(plain[i][k]) > 0.4;
+    }
+  }
+  EXPECT_TRUE(clipped);
+}
+
+// Every layout of two blocks' last three instants, from what was seen of them plainly.
+TEST_P(Observers, HistoryByTermOrFrameInEitherOrder) {
+  using By = HistorySettings::By;
+  using Order = HistorySettings::Order;
+  using Before = HistorySettings::Before;
+  const Rows plain = rows_of(seeing({"base_angular_velocity", "command"}), GetParam(), 6);
+  const auto remembered = [](ObservationTerm& t) { t.history = 3; };
+  for (const By by : {By::kTerm, By::kFrame}) {
+    for (const Order order : {Order::kNewestFirst, Order::kOldestFirst}) {
+      for (const Before before : {Before::kFirst, Before::kZeros}) {
+        EnvConfig config = seeing({term("base_angular_velocity", remembered), term("command", remembered)});
+        config.observing.history = {by, order, before};
+        const Rows seen = rows_of(config, GetParam(), 6);
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+          for (std::size_t place = 0; place < 18; ++place) {
+            const std::size_t block = by == By::kTerm ? place / 9 : place / 3 % 2;
+            const std::size_t instant = by == By::kTerm ? place / 3 % 3 : place / 6;
+            const std::size_t age = order == Order::kNewestFirst ? instant : 2 - instant;
+            const double value = plain[age > i ? 0 : i - age][3 * block + place % 3];
+            EXPECT_EQ(seen[i][place], age > i && before == Before::kZeros ? 0 : value) << i << " " << place;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_P(Observers, SeeAClockAGridAndConstants) {
+  EnvConfig config = seeing({"clock_sin", "clock_cos", "constants", "height_scan", "base_position",
+                             "base_orientation", "base_orientation_xyzw", "roll_pitch_yaw"});
+  config.terrain = "rough";
+  config.observing.clock = {2.5, {0, 0.5}};
+  config.observing.constants = {3, -1};
+  config.observing.height_scan = {{-0.1, 0, 0.1}, {0.05}, 0.02, true};
+  QuadrupedEnv env(config, find_engine(GetParam()));
+  std::vector<double> seen(env.observation_size());
+  env.reset(1, seen);
+  for (int i = 1; i <= 10; ++i) env.step(std::vector<double>(env.action_size()), seen);
+  const double angle = 2 * M_PI * 2.5 * 10 * config.policy_dt;  // less than a turn
+  constexpr double kRounding = 1e-12;                           // of products of numbers of order 1
+  EXPECT_NEAR(seen[0], std::sin(angle), kRounding);
+  EXPECT_NEAR(seen[1], std::sin(angle + M_PI), kRounding);
+  EXPECT_NEAR(seen[2], std::cos(angle), kRounding);
+  EXPECT_EQ(seen[4], 3);
+  EXPECT_EQ(seen[5], -1);
+  const RobotState& state = env.world().state();
+  const Vector3 turn = roll_pitch_yaw(state.q_WB);
+  for (int k = 0; k < 3; ++k) {
+    const double x = 0.1 * (k - 1), y = 0.05, c = std::cos(turn.z()), s = std::sin(turn.z());
+    const double ground =
+        env.world().spec().terrain.height(state.p_WB.x() + c * x - s * y, state.p_WB.y() + s * x + c * y);
+    EXPECT_NEAR(seen[6 + static_cast<std::size_t>(k)], state.p_WB.z() - ground - 0.02, kRounding);
+  }
+  const double* wxyz = &seen[12];
+  const double* xyzw = &seen[16];
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(xyzw[(k + 3) % 4], wxyz[k]);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(seen[20 + static_cast<std::size_t>(k)], turn[k]);
+}
+
+TEST(ObserverSettings, SayNothingThatNoBlockShows) {
+  const auto complaint = [](const auto& change) {
+    EnvConfig config = seeing({"command"});
+    change(config);
+    return message([&] { config.validate(); });
+  };
+  EXPECT_NE(
+      complaint([](EnvConfig& c) { c.observing.constants = {1}; }).find("constants: expected constants in"),
+      std::string::npos);
+  EXPECT_NE(
+      complaint([](EnvConfig& c) { c.observation = {"height_scan"}; }).find("height_scan: expected what"),
+      std::string::npos);
+  EXPECT_NE(complaint([](EnvConfig& c) {
+              c.observation = {"clock_sin"};
+              c.observing.clock = {0, {0}};
+            }).find("clock.frequency"),
+            std::string::npos);
+  EXPECT_NE(complaint([](EnvConfig& c) {
+              c.observing.history.by = HistorySettings::By::kFrame;
+            }).find("history.by: expected blocks with a history of 2 or more"),
+            std::string::npos);
+}
+
 TEST_P(Observers, ScaleThenClip) {
   const Rows plain = rows_of(seeing({"joint_velocities", "command"}), GetParam(), 40);
   EnvConfig config = seeing({term("joint_velocities",

@@ -65,7 +65,7 @@ def verdict(
     how = (starts, looks, confidence, stated, worker_count(workers), explain, os.fspath(runs))
     names = several_engines(engines)
     ranges = start_ranges if start_ranges is not None else StartRanges()
-    if environment is None and isinstance(subject, str) and subject in _core.policy_names():
+    if environment is None and isinstance(subject, str) and _core.environment_of_policy(subject) is not None:
         environment = environment_or_default(None, subject)
     with ProgressShown(progress) as told:
         if environment is None and not isinstance(subject, FunctionPolicy):

@@ -1,0 +1,23 @@
+// Modules of Crossgait's Python package, which some commands run.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/child_process.h"
+
+namespace crossgait::apps {
+
+/// The interpreter whose package is meant: CROSSGAIT_PYTHON, which the package's own program sets, or
+/// python3.
+std::string python();
+
+/// To be called before a command does anything. @param extra  of the package, which brings what the module
+/// takes
+/// @throws ConfigError naming `command` and what to install, unless that Python has the module
+void require_python_module(const std::string& command, const std::string& module, const std::string& extra);
+
+/// Runs `python -m module` to its end. @throws ChildFailed if it does not end well, having said itself why
+ChildResult run_python_module(const std::string& module, const std::vector<std::string>& arguments);
+
+}  // namespace crossgait::apps

@@ -1,0 +1,105 @@
+"""The environment of a contract, and what nobody said of it."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Any
+
+from crossgait.importing.contract import Contract
+from crossgait.sweep.strict_yaml import write_yaml
+
+#: Beyond what any action reaches, where nobody says where it is clipped.
+_NO_LIMIT = 100.0
+#: Of the ground in all simulators that publish policies, where nobody says another.
+_FRICTION = 1.0
+_SERVOS = ("kp", "kd", "effort", "armature", "friction", "corner_speed", "no_load_speed", "delay")
+
+
+def make_environment(contract: Contract, robot: str) -> dict[str, Any]:
+    """The environment's configuration, as its YAML has it.
+
+    Fields that nobody stated are taken from the robot or by default, and listed as such in the contract.
+    """
+    policy_dt = contract.assume("policy_dt", 0.02)
+    physics_dt = contract.assume("physics_dt", 0.002 if _divides(0.002, policy_dt) else policy_dt / 10)
+    contract.assume("joints.order", contract.joints, "robot")
+    contract.assume("joints.home", _home_of(contract), "robot")
+    contract.assume("joints.command", "position")
+    contract.assume("joints.scale", {joint: 1.0 for joint in contract.joints})
+    contract.assume("joints.limit", _NO_LIMIT)
+    for number in ("kp", "kd", "effort", "armature", "friction"):
+        contract.assume(f"servos.{number}", "the robot's own", "robot")
+    contract.assume("friction", _FRICTION, "default (of Isaac Gym, Isaac Lab and MuJoCo)")
+    environment: dict[str, Any] = {
+        "robot": os.path.abspath(robot) if os.path.exists(robot) else robot,
+        "action": "joints",
+        "joints": _joints(contract),
+        "servos": {
+            key: one_or_each(value) for key in _SERVOS if isinstance(value := contract.get(f"servos.{key}"), dict)
+        },
+        "friction": contract.get("friction"),
+        "command": _command(contract),
+        "observation": _observation(contract),
+        "physics_dt": physics_dt,
+        "control_dt": physics_dt,
+        "policy_dt": policy_dt,
+    }
+    history = {key: contract.get(f"history.{key}") for key in ("by", "order", "before")}
+    if any("history" in item for item in environment["observation"] if isinstance(item, dict)):
+        environment["history"] = {key: value for key, value in history.items() if value is not None}
+    for key in ("clock", "height_scan", "constants", "episode_seconds"):
+        if (value := contract.get(key)) is not None:
+            environment[key] = value
+    return environment
+
+
+def to_text(environment: dict[str, Any]) -> str:
+    """As YAML."""
+    return write_yaml(environment)
+
+
+def _divides(shorter: float, longer: float) -> bool:
+    return math.isclose(round(longer / shorter) * shorter, longer, rel_tol=1e-9)
+
+
+def _home_of(contract: Contract) -> dict[str, float]:
+    robot = contract.robot
+    home = {joint: float(robot.home[i]) for joint, i in zip(robot.servos, robot.servo_indices, strict=True)}
+    return {joint: home[joint] for joint in contract.joints}
+
+
+def one_or_each(numbers: dict[str, float]) -> Any:
+    """One number where it is the same for all."""
+    return next(iter(numbers.values())) if len(set(numbers.values())) == 1 else numbers
+
+
+def _joints(contract: Contract) -> dict[str, Any]:
+    joints: dict[str, Any] = {"order": contract.get("joints.order"), "home": one_or_each(contract.get("joints.home"))}
+    if contract.get("joints.command") != "position":
+        joints["command"] = contract.get("joints.command")
+    offset = contract.get("joints.offset")
+    if offset is not None and offset != contract.get("joints.home"):
+        joints["offset"] = one_or_each(offset)
+    for key in ("scale", "lower", "upper"):
+        if (value := contract.get(f"joints.{key}")) is not None:
+            joints[key] = one_or_each(value)
+    for key in ("limit", "delay", "filter"):
+        if (value := contract.get(f"joints.{key}")) is not None:
+            joints[key] = value
+    return joints
+
+
+def _command(contract: Contract) -> dict[str, float]:
+    """A walk forward at half a metre a second, within what it was trained for."""
+    ranges = contract.get("command.ranges", {})
+    low, high = ranges.get("vx", (-math.inf, math.inf))
+    return dict(contract.assume("command", {"vx": min(max(0.5, low), high), "vy": 0.0, "yaw_rate": 0.0}))
+
+
+def _observation(contract: Contract) -> list[Any]:
+    items = []
+    for block in contract.get("observation"):
+        said = contract.get(f"observation.{block}")
+        items.append({"block": block} | said if isinstance(said, dict) else block)
+    return items

@@ -1,0 +1,279 @@
+"""TorchScript and checkpoints of rsl_rl as networks that run without PyTorch."""
+
+from __future__ import annotations
+
+import io
+import warnings
+import zipfile
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from crossgait._core import PolicyInterface
+from crossgait.errors import ConfigError
+from crossgait.importing.network import OnnxNetwork
+from crossgait.importing.stated import Stated
+from crossgait.policies.network import MlpNetwork
+from crossgait.policies.place import Place
+from crossgait.policies.torch_reader import load_script
+
+try:
+    import torch
+except ImportError as error:
+    raise ImportError("TorchScript and checkpoints need torch: pip install crossgait[torch]") from error
+
+#: Of actions, between PyTorch and the same network in ONNX Runtime: sums in another order, through steps of memory.
+_TOLERANCE = 1e-4
+_STEPS = 12
+
+
+def is_script(file: str) -> bool:
+    """Whether a zip of PyTorch's is TorchScript, which has code; a checkpoint has none."""
+    try:
+        with zipfile.ZipFile(file) as archive:
+            return any("/code/" in name or name.endswith("constants.pkl") for name in archive.namelist())
+    except (OSError, zipfile.BadZipFile) as error:
+        raise ConfigError(file, "file", "a file of PyTorch's", str(error)) from error
+
+
+def script_as_onnx(file: str, interface: PolicyInterface) -> OnnxNetwork:
+    """A TorchScript module, with what it remembers as inputs and outputs.
+
+    Raises:
+        ConfigError: naming the operation that cannot be followed, or where the ONNX file computes something else
+
+    """
+    script: Any = load_script(file).eval()
+    names = _memory_of(script, interface, file)
+    module: torch.nn.Module = script
+    memory = [_buffer(script, name) for name in names]
+    if names:
+        from crossgait.importing.script_memory import ScriptWithMemory
+
+        module = ScriptWithMemory(script, names, file)
+    return _checked(_exported(module, memory, interface, file), load_script(file).eval(), interface, file)
+
+
+def _buffer(script: Any, name: str) -> torch.Tensor:
+    return torch.zeros_like(dict(script.named_buffers())[name])
+
+
+def _memory_of(script: Any, interface: PolicyInterface, file: str) -> list[str]:
+    """The buffers that a forward pass changes."""
+    before = {name: buffer.clone() for name, buffer in script.named_buffers()}
+    for _ in range(2):
+        _act(script, np.ones(len(interface.observation_layout)), file)
+    changed = [name for name, buffer in script.named_buffers() if not torch.equal(buffer, before[name])]
+    begun = [name for name in changed if before[name].abs().max() > 0]
+    if begun:
+        raise ConfigError(file, begun[0], "memory that is zero before the first step", "another")
+    for name, buffer in script.named_buffers():
+        with torch.no_grad():
+            buffer.copy_(before[name])
+    return changed
+
+
+def _act(module: Any, observation: np.ndarray[Any, Any], file: str) -> np.ndarray[Any, Any]:
+    try:
+        with torch.no_grad():
+            action = module(torch.from_numpy(observation[None].astype(np.float32)))
+    except RuntimeError as error:
+        size = len(observation)
+        found = str(error).strip().splitlines()[-1]
+        raise ConfigError(file, "forward", f"a pass from [1, {size}], the environment's observation", found) from error
+    action = action[0] if isinstance(action, tuple) else action
+    return np.asarray(action.detach().reshape(-1).double().numpy())
+
+
+def _exported(
+    module: torch.nn.Module, memory: list[torch.Tensor], interface: PolicyInterface, file: str
+) -> OnnxNetwork:
+    inputs = ["observation", *(f"memory_{i}_in" for i in range(len(memory)))]
+    outputs = ["action", *(f"memory_{i}_out" for i in range(len(memory)))]
+    written = io.BytesIO()
+    example = (torch.zeros(1, len(interface.observation_layout)), *memory)
+    try:
+        with warnings.catch_warnings(), torch.no_grad():
+            warnings.simplefilter("ignore")  # of traces as such: the result is compared with the module
+            if memory:
+                module = torch.jit.trace(module, example, check_trace=False)  # type: ignore[no-untyped-call]
+            torch.onnx.export(
+                module, example, written, input_names=inputs, output_names=outputs, dynamo=False, opset_version=17
+            )
+    except ConfigError:
+        raise
+    except Exception as error:  # of no common type
+        found = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
+        raise ConfigError(file, "network", "operations that ONNX has", found) from error
+    ports = dict(zip(inputs[1:], outputs[1:], strict=True))
+    return OnnxNetwork(written.getvalue(), "observation", "action", ports)
+
+
+def _checked(network: OnnxNetwork, module: Any, interface: PolicyInterface, file: str) -> OnnxNetwork:
+    """Raise ConfigError unless module and ONNX file act the same through some steps."""
+    from crossgait.policies.onnx_session import session
+
+    opened = session(network.model, file)
+    sizes = {i.name: i.shape for i in opened.get_inputs()}
+    memory = {name: np.zeros(sizes[name], np.float32) for name in network.memory}
+    random = np.random.default_rng(0)
+    for step in range(_STEPS):
+        observation = random.normal(size=len(interface.observation_layout))
+        given = {network.observation: observation[None].astype(np.float32), **memory}
+        action, *after = opened.run([network.action, *network.memory.values()], given)
+        memory = dict(zip(network.memory, after, strict=True))
+        theirs = _act(module, observation, file)
+        if theirs.size != len(interface.action_layout):
+            raise ConfigError(file, "action", f"{len(interface.action_layout)} numbers", f"{theirs.size}")
+        apart = float(np.abs(action.reshape(-1) - theirs).max())
+        if not apart <= _TOLERANCE * max(1.0, float(np.abs(theirs).max())):
+            raise ConfigError(file, f"step {step}", f"the module's action within {_TOLERANCE:g}", f"{apart:.3g} apart")
+    return network
+
+
+@dataclass(frozen=True)
+class Actor:
+    """What a checkpoint holds: plain layers, or a recurrent part in front of them."""
+
+    network: MlpNetwork | None
+    layers: MlpNetwork
+    recurrent: torch.nn.LSTM | torch.nn.GRU | None
+
+
+_NETWORKS = ("actor", "mlp")
+_NORMALISERS = ("actor_obs_normalizer", "obs_normalizer")
+_ACTIVATIONS = {"elu": "elu", "relu": "relu", "tanh": "tanh", "swish": "swish", "silu": "swish"}
+
+
+def read_checkpoint(file: str, agent: Stated | None) -> Actor:
+    """The actor of a checkpoint of rsl_rl. Nothing in it is executed (`weights_only`).
+
+    Raises:
+        ConfigError: where it is none, without agent.yaml, or for an activation or class that Crossgait has not
+
+    """
+    if agent is None:
+        expected = "agent.yaml of its run (--from agent.yaml), which says what is between the layers"
+        raise ConfigError(file, "architecture", expected, "none: a checkpoint holds weights alone")
+    try:
+        saved = torch.load(file, map_location="cpu", weights_only=True)
+    except Exception as error:  # of no common type
+        raise ConfigError(file, "file", "a checkpoint of tensors alone", str(error).strip().splitlines()[0]) from error
+    state = saved.get("actor_state_dict", saved.get("model_state_dict")) if isinstance(saved, dict) else None
+    if not isinstance(state, dict):
+        raise ConfigError(file, "file", "model_state_dict or actor_state_dict, as rsl_rl writes it", "neither")
+    state = dict(state)
+    for key, value in (saved.get("obs_norm_state_dict") or {}).items():
+        state[f"obs_normalizer.{key}"] = value
+    activation = _activation(agent)
+    layers = _layers(state, file)
+    normaliser = _normaliser(state)
+    recurrent = _recurrent(state, agent)
+    if recurrent is not None and normaliser is not None:
+        layers_alone = MlpNetwork(layers, activation=activation)
+        return Actor(None, layers_alone, _folded(recurrent, *normaliser))
+    if recurrent is not None:
+        return Actor(None, MlpNetwork(layers, activation=activation), recurrent)
+    network = MlpNetwork(layers, activation=activation, normalisation=normaliser)
+    return Actor(network, network, None)
+
+
+def _policy(agent: Stated) -> Stated:
+    found = agent.find("actor") or agent.find("policy")
+    if found is None:
+        agent.fail("policy: or actor:, as agent.yaml of rsl_rl has")
+    return found
+
+
+def _activation(agent: Stated) -> str:
+    value = _policy(agent).at("activation")
+    name = value.text().lower()
+    if name not in _ACTIVATIONS:
+        value.fail(f"one of {', '.join(_ACTIVATIONS)}")
+    return _ACTIVATIONS[name]
+
+
+def _layers(state: dict[str, torch.Tensor], file: str) -> list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]]:
+    for prefix in _NETWORKS:
+        numbers = sorted(
+            int(key.split(".")[1])
+            for key in state
+            if key.startswith(f"{prefix}.") and key.endswith(".weight") and key.split(".")[1].isdigit()
+        )
+        if numbers:
+            return [
+                (state[f"{prefix}.{i}.weight"].double().numpy(), state[f"{prefix}.{i}.bias"].double().numpy())
+                for i in numbers
+            ]
+    raise ConfigError(file, "model_state_dict", "actor.N.weight or mlp.N.weight", ", ".join(sorted(state)[:5]))
+
+
+def _normaliser(state: dict[str, torch.Tensor]) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]] | None:
+    for prefix in _NORMALISERS:
+        if f"{prefix}._mean" in state:
+            std = state[f"{prefix}._std"].double().numpy().reshape(-1)
+            # (x - mean) / (std + 1e-2), as rsl_rl's EmpiricalNormalization has it.
+            return state[f"{prefix}._mean"].double().numpy().reshape(-1), std + 1e-2
+    return None
+
+
+_RECURRENT = {"lstm": torch.nn.LSTM, "gru": torch.nn.GRU}
+
+
+def _recurrent(state: dict[str, torch.Tensor], agent: Stated) -> torch.nn.LSTM | torch.nn.GRU | None:
+    prefix = next((p for p in ("memory_a.rnn.", "rnn.rnn.", "rnn.") if f"{p}weight_ih_l0" in state), None)
+    if prefix is None:
+        return None
+    kind = _policy(agent).at("rnn_type")
+    if kind.text().lower() not in _RECURRENT:
+        kind.fail("lstm or gru")
+    own = {key.removeprefix(prefix): value for key, value in state.items() if key.startswith(prefix)}
+    hidden = own["weight_hh_l0"].shape[1]
+    count = len([key for key in own if key.startswith("weight_ih_l")])
+    module = _RECURRENT[kind.text().lower()](own["weight_ih_l0"].shape[1], hidden, count)
+    module.load_state_dict(own)
+    return module.eval()
+
+
+def _folded(recurrent: Any, mean: np.ndarray[Any, Any], std: np.ndarray[Any, Any]) -> Any:
+    """With the normaliser of its input in its first layer."""
+    with torch.no_grad():
+        weight = recurrent.weight_ih_l0.double() / torch.from_numpy(std)
+        recurrent.bias_ih_l0 -= (weight @ torch.from_numpy(mean)).float()
+        recurrent.weight_ih_l0.copy_(weight.float())
+    return recurrent
+
+
+class _Recurrent(torch.nn.Module):
+    """A recurrent layer and plain ones behind it; memory goes in and comes out."""
+
+    def __init__(self, actor: Actor) -> None:
+        super().__init__()
+        assert actor.recurrent is not None
+        self.recurrent = actor.recurrent
+        activations = {"elu": torch.nn.ELU, "relu": torch.nn.ReLU, "tanh": torch.nn.Tanh, "swish": torch.nn.SiLU}
+        parts: list[torch.nn.Module] = []
+        for weight, bias in actor.layers.layers:
+            layer = torch.nn.Linear(weight.shape[1], weight.shape[0])
+            with torch.no_grad():
+                layer.weight.copy_(torch.from_numpy(weight))
+                layer.bias.copy_(torch.from_numpy(bias))
+            parts += [layer, activations[actor.layers.activation]()]
+        self.layers = torch.nn.Sequential(*parts[:-1])
+
+    def forward(self, observation: torch.Tensor, *memory: torch.Tensor) -> tuple[torch.Tensor, ...]:
+        given = memory if len(memory) > 1 else memory[0]
+        seen, after = self.recurrent(observation[None], given)
+        return (self.layers(seen[0]), *(after if isinstance(after, tuple) else (after,)))
+
+
+def recurrent_as_onnx(actor: Actor, interface: PolicyInterface, file: str) -> OnnxNetwork:
+    """A checkpoint's recurrent actor. Raises ConfigError."""
+    recurrent = actor.recurrent
+    assert recurrent is not None
+    if recurrent.input_size != len(interface.observation_layout):
+        Place(file, "observation").fail(f"{len(interface.observation_layout)} numbers", f"{recurrent.input_size}")
+    states = 2 if isinstance(recurrent, torch.nn.LSTM) else 1
+    memory = [torch.zeros(recurrent.num_layers, 1, recurrent.hidden_size) for _ in range(states)]
+    return _exported(_Recurrent(actor).eval(), memory, interface, file)

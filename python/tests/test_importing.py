@@ -1,0 +1,331 @@
+"""Published policies, imported: every form, what it says of each field, and that the network acts as before."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+
+import crossgait
+from crossgait.errors import ConfigError
+
+torch = pytest.importorskip("torch")
+pytest.importorskip("onnx")
+pytest.importorskip("onnxruntime")
+
+import published_policies as published  # noqa: E402
+from published_policies import HOME, JOINTS, KP, ROBOT, SDK  # noqa: E402
+
+OBSERVATIONS = 45
+
+
+@pytest.fixture(autouse=True)
+def quiet():
+    torch.set_num_threads(1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of exporters that PyTorch calls deprecated, and their traces
+        yield
+
+
+def by_field(imported):
+    return {field.name: field for field in imported.fields}
+
+
+def act_like(imported, module, tolerance=1e-5, steps=6):
+    """Whether the imported policy does what `module` does from raw observations, step by step."""
+    policy = crossgait.Policy.load(imported.folder, crossgait.EnvironmentConfig.load(imported.environment_file))
+    random = np.random.default_rng(1)
+    policy.reset()
+    for _ in range(steps):
+        observation = random.normal(0, 0.3, len(policy.layout.observation)).astype(np.float32)
+        with torch.no_grad():
+            expected = module(torch.from_numpy(observation[None])).numpy().reshape(-1)
+        # Sums of some hundred products in single precision, in another order.
+        np.testing.assert_allclose(policy.act(observation.astype(float)), expected, atol=tolerance)
+    return policy
+
+
+@pytest.fixture
+def deployed(tmp_path):
+    size = 5 * OBSERVATIONS
+    network = published.Mixture(size)
+    file = published.export_onnx(network, tmp_path / "policy.onnx", size)
+    return network, file, published.deploy_yaml(tmp_path / "deploy.yaml")
+
+
+def test_deploy_yaml_says_everything_but_what_is_listed(tmp_path, deployed):
+    network, file, deploy = deployed
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk", deploy)
+    act_like(imported, network)
+    fields = by_field(imported)
+    # joint_ids_map names motors, of which the convention is FR FL RR RL: the policy's first is FL.
+    assert fields["joints.order"].value == list(JOINTS)
+    assert "deploy.yaml: line" in fields["joints.order"].source
+    assert "convention unitree-sdk" in fields["joints.order"].source
+    assert fields["joints.home"].value == dict(zip(JOINTS, HOME, strict=True))
+    assert fields["servos.kp"].value == {JOINTS[motor]: KP[i] for i, motor in enumerate(SDK)}
+    assert fields["history.order"].value == "oldest_first"
+    assert fields["policy_dt"].value == 0.02
+    assert "physics_dt" in imported.unstated
+    assert fields["physics_dt"].source == "default"
+    assert "policy_dt" not in imported.unstated
+    # The last of a term's five instants is the present one.
+    names = crossgait.Policy.load(imported.folder, imported.environment_file).layout.observation.names
+    assert names[:3] == ("w_B.x@0.08", "w_B.y@0.08", "w_B.z@0.08")
+    assert names[12:15] == ("w_B.x", "w_B.y", "w_B.z")
+
+
+def test_the_folder_runs_where_policies_do(tmp_path, deployed):
+    _, file, deploy = deployed
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk", deploy)
+    short = crossgait.EnvironmentConfig.load(imported.environment_file).updated(episode_seconds=0.2)
+    result = crossgait.rollout([imported.folder], short, episodes=1)
+    again = crossgait.rollout([imported.folder], short, episodes=1)
+    assert result.to_frame().equals(again.to_frame())
+    # Without an environment it runs in its own.
+    assert crossgait.rollout([imported.folder], episodes=1, workers=1).to_frame() is not None
+
+
+def test_unknown_keys_are_listed(tmp_path, deployed):
+    _, file, _ = deployed
+    deploy = published.deploy_yaml(tmp_path / "more.yaml", made_by="somebody", other={"deep": 1})
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk", deploy)
+    assert [text.split(" ")[0] for text in imported.unread] == ["made_by", "other"]
+
+
+def test_contradictions_name_both_places(tmp_path, deployed):
+    _, file, deploy = deployed
+    other = published.deploy_yaml(tmp_path / "other.yaml", damping=[1.0] * 12)
+    with pytest.raises(ConfigError, match=r"other.yaml: line \d+: servos.kd: expected 0.5 .*deploy.yaml: line \d+"):
+        crossgait.import_policy(file, ROBOT, tmp_path / "walk", [deploy, other])
+
+
+def test_what_the_caller_says_replaces_what_files_say_and_tells(tmp_path, deployed):
+    _, file, deploy = deployed
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk", deploy, settings={"servos.kd": 2})
+    field = by_field(imported)["servos.kd"]
+    assert set(field.value.values()) == {2.0}
+    assert field.source.startswith("settings, where deploy.yaml: line")
+    assert imported.environment["servos"]["kd"] == 2
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"joint_ids_map": [0] * 12}, r"joint_ids_map: expected each of 0 to 11 once"),
+        ({"stiffness": [1.0]}, r"stiffness: expected 12 numbers, found 1"),
+        ({"step_dt": "fast"}, r"step_dt: expected a finite number, found 'fast'"),
+        ({"actions": {"JointVelocityAction": {}}}, r"actions: expected JointPositionAction alone"),
+        ({"observations": {"smell": {"scale": None}}}, r"observations.smell: expected a term that Crossgait has"),
+        ({"observations": {"base_ang_vel": {"clip": [-1, 5]}}}, r"clip: expected limits of the same size"),
+        ({"joint_names": ["a"]}, r"joint names: expected each servo of serial_quadruped once"),
+    ],
+)
+def test_what_cannot_be_said_is_refused_by_name(tmp_path, deployed, changes, message):
+    _, file, _ = deployed
+    deploy = published.deploy_yaml(tmp_path / "bad.yaml", **changes)
+    with pytest.raises(ConfigError, match=message):
+        crossgait.import_policy(file, ROBOT, tmp_path / "walk", deploy)
+
+
+def test_a_network_of_another_size_is_refused(tmp_path, deployed):
+    _, file, _ = deployed
+    deploy = published.deploy_yaml(tmp_path / "short.yaml", history=4)
+    with pytest.raises(ConfigError, match=r"observation: expected one of 180 numbers.*obs of 225"):
+        crossgait.import_policy(file, ROBOT, tmp_path / "walk", deploy)
+
+
+def test_mjlab_metadata(tmp_path):
+    network = published.actor(48)
+    file = published.export_onnx(network, tmp_path / "policy.onnx", 48, published.mjlab_metadata())
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk")
+    act_like(imported, network)
+    assert imported.policy.endswith("walk.safetensors")  # plain layers need no ONNX Runtime
+    fields = by_field(imported)
+    assert fields["servos.kp"].source == "policy.onnx: metadata joint_stiffness"
+    assert fields["observation.base_angular_velocity_local"].value == {"scale": 0.25, "clip_unscaled": 10.0}
+    assert "policy_dt" in imported.unstated
+
+
+def test_mjlab_metadata_of_other_lengths_is_refused(tmp_path):
+    metadata = published.mjlab_metadata(observation_terms_scale="1.0,0.25")
+    file = published.export_onnx(published.actor(48), tmp_path / "policy.onnx", 48, metadata)
+    with pytest.raises(ConfigError, match="metadata observation_terms_scale: expected 7 elements"):
+        crossgait.import_policy(file, ROBOT, tmp_path / "walk")
+
+
+def test_onnx_with_memory_forgets_at_reset(tmp_path):
+    network = published.WithMemory(48)
+    file = published.export_onnx(network, tmp_path / "policy.onnx", 48, published.mjlab_metadata())
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk")
+
+    class Alone(torch.nn.Module):
+        memory = (torch.zeros(1, 1, 8), torch.zeros(1, 1, 8))
+
+        def forward(self, observation):
+            action, *self.memory = network(observation, *self.memory)
+            return action
+
+    policy = act_like(imported, Alone())
+    observation = np.full(48, 0.2)
+    policy.reset()
+    first, second = policy.act(observation), policy.act(observation)
+    assert np.abs(first - second).max() > 1e-3
+    policy.reset()
+    np.testing.assert_array_equal(policy.act(observation), first)
+
+
+def test_isaac_lab_env_yaml(tmp_path):
+    size = published.ENV_YAML_OBSERVATIONS
+    network = published.actor(size)
+    file = published.export_script(network, tmp_path / "policy.pt")
+    (tmp_path / "env.yaml").write_text(published.ENV_YAML)
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk", tmp_path / "env.yaml")
+    act_like(imported, network)
+    fields = by_field(imported)
+    breadth_first = [f"{leg}_{part}" for part in ("abduction", "hip_pitch", "knee") for leg in ("FL", "FR", "RL", "RR")]
+    assert fields["joints.order"].value == breadth_first
+    assert fields["policy_dt"].value == pytest.approx(0.02)
+    assert fields["friction"].value == 0.9
+    # Half the stall torque is reached at half the speed at which there is none.
+    assert imported.environment["servos"]["corner_speed"] == 15
+    assert imported.environment["servos"]["no_load_speed"] == 30
+    assert imported.environment["height_scan"] == {
+        "x": [-0.5, 0, 0.5],
+        "y": [-0.25, 0.25],
+        "offset": 0.5,
+        "x_first": True,
+    }
+    assert imported.environment["command"]["vx"] == 0.3  # within what it was trained for
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("actuator_pd:DCMotor", "actuator_net:ActuatorNetMLP", "expected one of ImplicitActuator.*ActuatorNetMLP"),
+        ("mdp.actions.joint_actions:JointPositionAction", "x:BinaryJointAction", "class_type: expected one of Joint"),
+        ("modifiers", "modifiers", ""),
+    ],
+)
+def test_what_isaac_lab_has_and_crossgait_not(tmp_path, old, new, message):
+    if not message:
+        old, new = "observations:base_ang_vel\n", "observations:base_ang_vel\n      modifiers: [{func: x}]\n"
+        message = "modifiers: expected null"
+    file = published.export_script(published.actor(51), tmp_path / "policy.pt")
+    assert old in published.ENV_YAML
+    (tmp_path / "env.yaml").write_text(published.ENV_YAML.replace(old, new))
+    with pytest.raises(ConfigError, match=message):
+        crossgait.import_policy(file, ROBOT, tmp_path / "walk", tmp_path / "env.yaml")
+
+
+@pytest.mark.parametrize("recurrent", [False, True])
+def test_checkpoints_with_agent_yaml(tmp_path, recurrent):
+    size = published.ENV_YAML_OBSERVATIONS
+    file, module = published.checkpoint(tmp_path / "model_10.pt", size, recurrent)
+    (tmp_path / "env.yaml").write_text(published.ENV_YAML)
+    (tmp_path / "agent.yaml").write_text(published.AGENT_YAML)
+    with pytest.raises(ConfigError, match=r"architecture: expected agent\.yaml"):
+        crossgait.import_policy(file, ROBOT, tmp_path / "walk", tmp_path / "env.yaml")
+    sources = [tmp_path / "env.yaml", tmp_path / "agent.yaml"]
+    act_like(crossgait.import_policy(file, ROBOT, tmp_path / "walk", sources), module)
+
+
+@pytest.mark.parametrize("observations", [48, 235])
+def test_legged_gym_classes_are_read_and_not_executed(tmp_path, observations):
+    network = published.actor(observations)
+    file = published.export_script(network, tmp_path / "policy.pt")
+    config = published.legged_gym(tmp_path / "small_config.py", observations)
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk", config)
+    act_like(imported, network)
+    fields = by_field(imported)
+    assert fields["joints.home"].value == dict(zip(JOINTS, HOME, strict=True))
+    assert set(fields["servos.kp"].value.values()) == {20.0}
+    assert set(fields["joints.scale"].value.values()) == {0.25}
+    assert "small_config.py: line" in fields["policy_dt"].source
+    assert fields["observation.command"].value == {"clip": 100.0, "scale": [2.0, 2.0, 0.25]}
+    assert ("height_scan" in fields) == (observations == 235)
+
+
+def test_legged_gym_of_other_sizes_wants_the_observation(tmp_path):
+    network = published.actor(45)
+    file = published.export_script(network, tmp_path / "policy.pt")
+    config = published.legged_gym(tmp_path / "small_config.py", 45)
+    with pytest.raises(ConfigError, match=r"num_observations: expected 48 or 235"):
+        crossgait.import_policy(file, ROBOT, tmp_path / "walk", config)
+    terms = [
+        {"block": "base_angular_velocity_local", "scale": 0.25},
+        "gravity",
+        "command",
+        "joint_offsets",
+        {"block": "joint_velocities", "scale": 0.05},
+        "last_action",
+    ]
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk", config, settings={"observation": terms})
+    act_like(imported, network)
+
+
+def test_rl_sar(tmp_path):
+    network = published.Mixture(3 * OBSERVATIONS)
+    file = published.export_script(network, tmp_path / "policy.pt")
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk", published.rl_sar(tmp_path / "config.yaml"))
+    act_like(imported, network)
+    fields = by_field(imported)
+    assert fields["joints.order"].value == list(JOINTS)
+    assert fields["joints.limit"].value == 50
+    assert (fields["history.by"].value, fields["history.order"].value) == ("frame", "newest_first")
+    names = crossgait.Policy.load(imported.folder, imported.environment_file).layout.observation.names
+    assert names[0] == "command.vx"
+    assert names[OBSERVATIONS] == "command.vx@0.02"
+
+
+def test_torchscript_that_remembers(tmp_path):
+    network = published.Remembering(3 * OBSERVATIONS)
+    file = published.export_script(network, tmp_path / "policy.pt")
+    imported = crossgait.import_policy(file, ROBOT, tmp_path / "walk", published.rl_sar(tmp_path / "config.yaml"))
+    act_like(imported, published.Remembering(3 * OBSERVATIONS))
+
+
+def test_history_in_frames_is_what_was_seen(tmp_path):
+    config = crossgait.EnvironmentConfig.from_dict(
+        {
+            "robot": ROBOT,
+            "action": "joints",
+            "policy_dt": 0.02,
+            "observation": [{"block": b, "history": 3} for b in ("gravity", "joint_offsets")],
+            "history": {"by": "frame", "order": "oldest_first", "before": "zeros"},
+        }
+    )
+    policy = crossgait.Policy.load("zero", config)
+    assert policy.layout.observation.names[:3] == ("gravity_B.x@0.04", "gravity_B.y@0.04", "gravity_B.z@0.04")
+    assert policy.layout.observation.names[15:18] == ("gravity_B.x@0.02", "gravity_B.y@0.02", "gravity_B.z@0.02")
+
+
+def test_the_command_writes_json(tmp_path, deployed):
+    _, file, deploy = deployed
+    command = [
+        sys.executable,
+        "-m",
+        "crossgait.importing",
+        file,
+        "--from",
+        deploy,
+        "--robot",
+        ROBOT,
+        "--out",
+        str(tmp_path / "walk"),
+        "--document",
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    document = json.loads(done.stdout)["document"]
+    assert document["environment_file"] == str(tmp_path / "walk" / "environment.yaml")
+    assert {"name", "value", "source"} == set(document["fields"][0])
+    assert document["unstated"]
+    assert document["environment"]["policy_dt"] == 0.02
+    assert os.path.exists(document["policy"])
+    broken = subprocess.run([*command[:3], os.devnull, *command[4:]], capture_output=True, text=True, check=False)
+    assert broken.returncode == 2
