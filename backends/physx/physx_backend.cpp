@@ -141,10 +141,14 @@ std::optional<Engine> find(std::string_view name) {
 }
 
 EngineFamily family() {
-  return {"physx:pgs",
-          "physx",
-          {{"temporal", "positions move within a step and friction is Coulomb's disc, not a pyramid", {}}},
-          [](const std::vector<std::string>& names) { return *find(names.empty() ? "physx:pgs" : "physx"); }};
+  EngineFamily family{factor_table().off, factor_table().on, {}, {}};
+  for (const auto& row : factor_table().rows) family.factors.push_back(row.factor);
+  family.with = [](const std::vector<std::string>& names) {
+    std::string changed = factor_table().off;
+    for (const std::string& name : names) changed += "+" + name;
+    return *find(changed);
+  };
+  return family;
 }
 
 }  // namespace crossgait::physx

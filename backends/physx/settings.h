@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "backends/contact/factor_table.h"
+
 namespace crossgait::physx {
 
 /// Numbers of PhysX's solver and contacts. The defaults are PhysX's own (PxSceneDesc, PxRigidBody, PxShape),
@@ -17,9 +19,13 @@ struct Settings {
   double depenetration = 1e9;    ///< speed at which penetration is undone at most, m/s: no bound
 };
 
-/// Those of a name: "physx", "physx:pgs", and what robots were trained under, "physx+isaacgym" (legged_gym's
-/// LeggedRobotCfg.sim.physx) and "physx+isaaclab" (Isaac Lab's configurations of quadrupeds). Nothing for
-/// names of others.
+/// From "physx:pgs" to "physx".
+const contact::FactorTable<Settings>& factor_table();
+
+/// Reads a name: an end with changes behind it, or what robots were trained under, "physx+isaacgym"
+/// (legged_gym's LeggedRobotCfg.sim.physx) and "physx+isaaclab" (Isaac Lab's configurations of quadrupeds).
+/// Nothing for names of others.
+/// @throws ConfigError if a change is invalid
 std::optional<Settings> find_settings(std::string_view name);
 
 }  // namespace crossgait::physx

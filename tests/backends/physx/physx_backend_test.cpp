@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "physics/core/error.h"
 #include "scenes/incline.h"
 #include "scenes/scenes.h"
 
@@ -27,8 +28,10 @@ TEST(PhysxSettings, AreKnownByNameAndNoTwoHaveTheSameLaws) {
     for (const char* other : kNames)
       EXPECT_EQ(find(name)->info.laws == find(other)->info.laws, std::string(name) == other) << name << other;
   }
-  for (const char* name : {"physx:", "physx+isaac", "physx:pgs+isaacgym", "sapien"})
-    EXPECT_FALSE(find(name)) << name;
+  for (const char* name : {"physx:", "physx:pg", "sapien"}) EXPECT_FALSE(find(name)) << name;
+  for (const char* name : {"physx+isaac", "physx:pgs+isaacgym", "physx+temporal", "physx:pgs-temporal"})
+    EXPECT_THROW(find(name), ConfigError) << name;
+  EXPECT_EQ(find("physx-temporal")->name(), "physx:pgs");
   EXPECT_EQ(family().with({}).name(), "physx:pgs");
   EXPECT_EQ(family().with({"temporal"}).name(), "physx");
 }
