@@ -1,5 +1,6 @@
 #include "study/stored_row.h"
 
+#include <algorithm>
 #include <charconv>
 #include <sstream>
 
@@ -77,6 +78,8 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
     if (wrong_.empty()) wrong_ = fmt::format("result.{}: {}", field_, what);
   }
   void add(std::optional<double> value) {
+    if (std::find(result_.keys.begin(), result_.keys.end(), field_) != result_.keys.end())
+      refuse("a second time");
     result_.keys.push_back(field_);
     result_.run.values.push_back(value);
   }
@@ -100,6 +103,7 @@ class RowReader : public nlohmann::json_sax<ordered_json> {
     if (depth_ == 0 && !object) return other();
     if (is_field()) refuse(object ? "an object" : "a list");
     if (depth_ == 1) {
+      if (has_result_ && key_ == "result" && wrong_.empty()) wrong_ = "a second result";
       in_result_ = object && key_ == "result";
       has_result_ = has_result_ || in_result_;
     }

@@ -164,7 +164,13 @@ TEST_F(StoredRuns, ALineThatIsNoRunIsAnErrorThatNamesIt) {
        {"garbage", "{}", "[]", "7", "", R"({"hash": 3, "run": {}, "result": {}})",
         R"({"hash": "00", "run": {}, "result": {"distance": 1}})",
         R"({"hash": "00", "run": {}, "result": {"outcome": "flew", "seconds": 1}})",
-        R"({"hash": "00", "run": {}, "result": {"outcome": "fell", "seconds": 1, "d": "far"}})"}) {
+        R"({"hash": "00", "run": {}, "result": {"outcome": "fell", "seconds": 1, "d": "far"}})",
+        R"({"hash": "0123456789abcdef", "result": {"outcome": "fell", "seconds": 1, "d": 1, "d": 2}})",
+        R"({"hash": "0123456789abcdef", "result": {"outcome": "fell"}})",
+        R"({"hash": "0123456789abcdef", "result": {"outcome": "fell", "seconds": 1, "d": [1]}})",
+        R"({"hash": "0123456789abcdef", "result": {"outcome": "fell", "seconds": 1, "d": true}})",
+        R"({"hash": "0123456789abcdef", "result": {"outcome": "fell", "seconds": 1e999}})",
+        R"({"hash": "0123456789ABCDEF", "result": {"outcome": "fell", "seconds": 1}})"}) {
     write("runs.jsonl", sound[0] + "\n" + garbage + "\n" + sound[1] + "\n");
     try {
       const RunStore store(file());
