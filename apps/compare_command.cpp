@@ -7,13 +7,16 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/env_options.h"
 #include "apps/interruption.h"
 #include "apps/page_option.h"
+#include "apps/policy_option.h"
 #include "apps/walk_options.h"
 #include "backends/registry.h"
 #include "parity/report.h"
 #include "physics/core/error.h"
 #include "report/verdict_document.h"
+#include "study/policy_walk.h"
 #include "study/rollout.h"
 #include "study/walk.h"
 
@@ -23,6 +26,7 @@ namespace {
 struct CompareCommand {
   std::vector<std::string> engines;
   WalkOptions walk;
+  PolicyOption policy;
   CompareOptions compare;
   bool require = false;
   std::string trace;
@@ -98,7 +102,41 @@ std::string describe_verdict(const WalkComparison& result) {
 constexpr const char* kHint =
     "\nPhysics or engine? --verdict judges the gaps from several starts, against margins that are stated.\n";
 
+void require_parity(const CompareCommand& options, const Comparison& comparison) {
+  const std::vector<std::string> missed = missed_parity(comparison);
+  if (options.require && !missed.empty())
+    throw std::runtime_error(fmt::format("parity is required, and missed by {}", fmt::join(missed, "; ")));
+}
+
+void run_policy(const CompareCommand& options) {
+  if (options.compare.verdict)
+    throw ConfigError("command line", "--verdict", "a walk; `crossgait verdict --policy` judges policies",
+                      options.policy.policy);
+  const LoadedEnv environment = options.policy.environment(options.walk);
+  const std::uint64_t seed = environment.config.terrain_seed;
+  const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
+  if (engines.size() < 2)
+    throw ConfigError("compare", "engines", "two or more", fmt::format("{}", fmt::join(engines, ",")));
+  check_required(options, engines);
+  const Provenance provenance = options.json.provenance(
+      {policy_subject(environment, {options.policy.policy}, seed), engines, {{"--engines", engines}}});
+  options.page.check(environment.config);
+  const WorldSpec world = EnvModel::make(environment)->world;
+  std::vector<RunRecording> recordings = recordings_of(options, world, engines);
+  ProgressLine progress(short_name(options.policy.policy));
+  WalkComparison result;
+  result.comparison = compare_episodes(
+      environment, options.policy.policy, engines, seed, options.compare.tolerances,
+      [&](double share) { progress.update(share); }, sinks_of(recordings));
+  for (RunRecording& recording : recordings) recording.finish_trace();
+  if (result.comparison.interrupted) throw EndedEarly("nothing is written");
+  if (options.page.asked()) options.page.write(page_of(result, world, recordings), provenance);
+  options.json.emit(describe(result.comparison), report(result), provenance);
+  require_parity(options, result.comparison);
+}
+
 void run(const CompareCommand& options) {
+  if (options.policy.asked()) return run_policy(options);
   const LoadedWalk loaded = options.walk.make();
   const WalkConfig& config = loaded.config;
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
@@ -119,9 +157,7 @@ void run(const CompareCommand& options) {
     throw EndedEarly(
         how_far(result.comparison.runs.front().summary.simulated_seconds, config.timing.seconds));
   }
-  const std::vector<std::string> missed = missed_parity(result.comparison);
-  if (options.require && !missed.empty())
-    throw std::runtime_error(fmt::format("parity is required, and missed by {}", fmt::join(missed, "; ")));
+  require_parity(options, result.comparison);
 }
 
 }  // namespace
@@ -134,11 +170,13 @@ void add_compare_command(CLI::App& program, Invocation& invocation) {
       "  crossgait compare\n"
       "  crossgait compare --terrain rough --seed 7 --seconds 10\n"
       "  crossgait compare --engines mujoco,bullet --friction .4 --json parity.json\n"
-      "  crossgait compare --engines mujoco,bullet:matched --require");
+      "  crossgait compare --engines mujoco,bullet:matched --require\n"
+      "  crossgait compare --policy serial_joints --engines mujoco,bullet --seconds 5");
   auto options = std::make_shared<CompareCommand>();
   command->add_option("--engines", options->engines, "Comma-separated; all that are built in by default")
       ->delimiter(',');
   options->walk.add_to(*command);
+  options->policy.add_to(*command);
   command
       ->add_option("--position-tolerance", options->compare.tolerances.position,
                    "When two engines count as apart, m (engines with the same contact law: 1e-6)")

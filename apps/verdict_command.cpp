@@ -9,10 +9,10 @@
 #include "apps/env_options.h"
 #include "apps/interruption.h"
 #include "apps/page_option.h"
+#include "apps/policy_option.h"
 #include "apps/walk_options.h"
 #include "backends/registry.h"
 #include "physics/core/error.h"
-#include "policy/bundled_policies.h"
 #include "report/verdict_document.h"
 #include "study/engine_comparison.h"
 #include "study/run_store.h"
@@ -26,20 +26,19 @@ struct VerdictCommand {
   StartRanges starts;
   JudgeOptions judge;
   std::vector<std::string> margins;
-  std::string margin_file, policy, config, require;
+  std::string margin_file, require;
+  PolicyOption policy;
   PageOption page;
   JsonOption json;
 };
 
 LoadedBehaviour behaviour(const VerdictCommand& options) {
-  const LoadedWalk walk = options.walk.make();
-  const std::uint64_t seed = walk.config.terrain_seed;
-  if (options.policy.empty()) return {walk, options.starts, seed};
-  const std::string file = environment_file(options.config, options.policy);
-  const EnvConfig config = file.empty() ? walk.config.environment() : load_env_config(file);
-  const bool same_robot = config.robot == walk.config.robot;
-  const LoadedEnv environment = same_robot ? LoadedEnv(config, walk.world.robot) : LoadedEnv(config);
-  return {environment, options.policy, options.starts, seed};
+  if (!options.policy.asked()) {
+    const LoadedWalk walk = options.walk.make();
+    return {walk, options.starts, walk.config.terrain_seed};
+  }
+  return {options.policy.environment(options.walk), options.policy.policy, options.starts,
+          options.walk.config.terrain_seed};
 }
 
 std::vector<std::string> chosen_engines(const std::vector<std::string>& asked) {
@@ -191,17 +190,7 @@ void add_verdict_command(CLI::App& program, Invocation& invocation) {
   options->walk.add_to(*command);
   options->judge.verdict.workers = EpisodeOptions::default_workers();
   add_judge_options(*command, *options);
-  CLI::Option* policy =
-      command
-          ->add_option("--policy", options->policy,
-                       "Judge a policy in the environment that the other options describe, not a walk")
-          ->type_name("zero|random|FILE.safetensors|FILE.yaml");
-  CLI::Option* config =
-      command->add_option("--config", options->config, "The policy's environment as YAML")->needs(policy);
-  for (const char* other : {"--robot", "--terrain", "--friction", "--contact", "--physics-dt", "--gait",
-                            "--set", "--speed", "--command", "--seconds", "--control-dt", "--settle",
-                            "--terminations", "--no-compensation", "--no-heading-hold"})
-    config->excludes(command->get_option(other));
+  options->policy.add_to(*command);
   command->add_flag("--explain", options->judge.explain,
                     "Also say what the gap comes from, one modelling factor at a time");
   command

@@ -2,11 +2,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/env_options.h"
 #include "apps/interruption.h"
 #include "apps/page_option.h"
+#include "apps/policy_option.h"
 #include "apps/walk_options.h"
 #include "backends/registry.h"
 #include "parity/report.h"
+#include "study/policy_walk.h"
 #include "study/walk.h"
 
 namespace crossgait::apps {
@@ -17,12 +20,38 @@ std::string first_available() { return available_engines().empty() ? "none" : av
 struct WalkCommand {
   std::string engine = first_available();
   WalkOptions walk;
+  PolicyOption policy;
   std::string trace;
   PageOption page;
   JsonOption json;
 };
 
+void run_policy(const WalkCommand& options) {
+  const LoadedEnv environment = options.policy.environment(options.walk);
+  const std::uint64_t seed = environment.config.terrain_seed;
+  const Provenance provenance =
+      options.json.provenance({policy_subject(environment, {options.policy.policy}, seed),
+                               {options.engine},
+                               {{"--engine", {options.engine}}}});
+  options.page.check(environment.config);
+  std::vector<RunRecording> recordings;
+  recordings.emplace_back(environment.robot, options.trace, options.page.asked());
+  ProgressLine progress(fmt::format("{} in {}", short_name(options.policy.policy), options.engine));
+  TraceSinks sinks;
+  if (TraceSink* const sink = recordings.front().sink()) sinks.push_back(sink);
+  const Comparison result = compare_episodes(
+      environment, options.policy.policy, {options.engine}, seed, {},
+      [&](double share) { progress.update(share); }, sinks);
+  recordings.front().finish_trace();
+  if (result.interrupted) throw EndedEarly("nothing is written");
+  if (options.page.asked())
+    options.page.write(page_of_walks(EnvModel::make(environment)->world, result.runs, {}, recordings),
+                       provenance);
+  options.json.emit(describe(result.runs.front()), report(result.runs.front()), provenance);
+}
+
 void run(const WalkCommand& options) {
+  if (options.policy.asked()) return run_policy(options);
   const LoadedWalk loaded = options.walk.make();
   const WalkConfig& config = loaded.config;
   const Provenance provenance = options.json.provenance(
@@ -50,11 +79,13 @@ void add_walk_command(CLI::App& program, Invocation& invocation) {
       "\nExamples:\n"
       "  crossgait walk\n"
       "  crossgait walk --engine bullet --terrain rough --seed 3 --seconds 10\n"
-      "  crossgait walk --set step_length=.08 --set cycle_time=1 --trace walk.csv --json -");
+      "  crossgait walk --set step_length=.08 --set cycle_time=1 --trace walk.csv --json -\n"
+      "  crossgait walk --policy serial_joints --seconds 5");
   auto options = std::make_shared<WalkCommand>();
   command->add_option("--engine", options->engine, "Engine and mode (see `crossgait engines`)")
       ->capture_default_str();
   options->walk.add_to(*command);
+  options->policy.add_to(*command);
   add_output_option(*command, "--trace", options->trace,
                     "Write state, targets and contacts of every control step as CSV");
   options->page.add_to(*command);

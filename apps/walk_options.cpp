@@ -20,14 +20,6 @@ void add_world(CLI::App& command, WalkConfig& config) {
   command.add_option("--physics-dt", config.physics_dt, "Physics time step, s")->capture_default_str();
 }
 
-std::optional<VelocityCommand> make_command(const WalkOptions& options) {
-  if (!options.velocity.empty()) {
-    const auto v = parse_numbers(options.velocity, 3, "--command", "VX,VY,YAWRATE in m/s, m/s, rad/s");
-    return VelocityCommand{v[0], v[1], v[2]};
-  }
-  return options.speed ? std::optional(VelocityCommand{*options.speed, 0, 0}) : std::nullopt;
-}
-
 }  // namespace
 
 void WalkOptions::add_to(CLI::App& command) {
@@ -72,6 +64,14 @@ void WalkOptions::add_to(CLI::App& command) {
                    "Do not steer: walk in open loop, and turn wherever the feet happened to slip");
 }
 
+std::optional<VelocityCommand> WalkOptions::velocity_command() const {
+  if (!velocity.empty()) {
+    const auto v = parse_numbers(velocity, 3, "--command", "VX,VY,YAWRATE in m/s, m/s, rad/s");
+    return VelocityCommand{v[0], v[1], v[2]};
+  }
+  return speed ? std::optional(VelocityCommand{*speed, 0, 0}) : std::nullopt;
+}
+
 LoadedWalk WalkOptions::make() const {
   WalkConfig made = config;
   made.contact = contact.make();
@@ -86,9 +86,9 @@ LoadedWalk WalkOptions::make() const {
   if (const std::string loop = servo_loop_warning(*robot, config.physics_dt); !loop.empty())
     print_notes({loop});
   const GaitScale scale = gait_scale(*robot);
-  made.gait = choose_gait(gait, settings, make_command(*this), scale);
+  made.gait = choose_gait(gait, settings, velocity_command(), scale);
   print_notes(outside_ranges(made.gait.parameters,
-                             choose_gait(gait, {}, make_command(*this), scale).parameters,
+                             choose_gait(gait, {}, velocity_command(), scale).parameters,
                              scaled(AdaptationRanges(), scale)));
   made.compensation = !plain_servos;
   made.heading_hold = !open_loop;

@@ -23,6 +23,8 @@ struct WalkOptions {
   /// Reads robot and ground, for everything that the command does with them.
   /// @throws ConfigError also for an unknown gait or parameter
   LoadedWalk make() const;
+  /// Of --command or --speed. @throws ConfigError
+  std::optional<VelocityCommand> velocity_command() const;
   /// What a walk looks at, for its provenance.
   static nlohmann::json subject(const LoadedWalk& walk);
 };

@@ -1,0 +1,83 @@
+#include "study/policy_walk.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "physics/core/error.h"
+
+namespace crossgait {
+namespace {
+
+struct Episode {
+  WalkRun run;
+  Trace trace;
+};
+
+void check_each_once(const std::vector<std::string>& engines) {
+  std::vector<std::string> sorted = engines;
+  std::sort(sorted.begin(), sorted.end());
+  if (engines.empty() || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+    throw ConfigError("compare", "engines", "each engine once", fmt::format("{}", fmt::join(engines, ",")));
+}
+
+Episode record(LoadedEnv environment, const std::string& policy, const std::string& engine,
+               std::uint64_t seed, const Progress& progress, TraceSink* sink) {
+  environment.config.engine = engine;
+  const auto env = env_factory(environment)();
+  const auto own = find_policy(policy).make(env->interface());
+  TraceRecorder recorder;
+  int steps = 0;
+  const auto observe = [&](const QuadrupedEnv& e) {
+    const TraceSample sample(e.world(), e.targets());
+    recorder.add(sample);
+    if (sink != nullptr) sink->add(sample);
+    if (progress) progress(static_cast<double>(++steps) / e.model().max_steps);
+    return true;
+  };
+  const EpisodeSummary summary = run_episode(*env, *own, derived_seed(seed, 0), observe);
+  const std::string name = short_name(policy);
+  return {{env->world().info(), env->world().spec().terrain.name(), name, summary.motion, false},
+          recorder.take()};
+}
+
+PairDifference compared(const Episode& a, const Episode& b, const DivergenceTolerances& tolerances) {
+  const bool same_laws = a.run.engine.laws == b.run.engine.laws;
+  PairDifference pair =
+      compare_traces(a.trace, b.trace, same_laws ? DivergenceTolerances::exact() : tolerances);
+  pair.a = a.run.engine.name;
+  pair.b = b.run.engine.name;
+  pair.same_laws = same_laws;
+  return pair;
+}
+
+}  // namespace
+
+Comparison compare_episodes(const LoadedEnv& environment, const std::string& policy,
+                            const std::vector<std::string>& engines, std::uint64_t seed,
+                            const DivergenceTolerances& tolerances, const Progress& progress,
+                            const TraceSinks& sinks) {
+  check_each_once(engines);
+  Comparison result;
+  std::vector<Episode> episodes;
+  const auto count = static_cast<double>(engines.size());
+  try {
+    for (std::size_t i = 0; i < engines.size(); ++i) {
+      const auto part = static_cast<double>(i);
+      episodes.push_back(record(environment, policy, engines[i], seed,
+                                part_of(progress, part / count, (part + 1) / count),
+                                sinks.empty() ? nullptr : sinks.at(i)));
+    }
+  } catch (const Interrupted&) {
+    result.interrupted = true;
+  }
+  for (std::size_t i = 0; i < episodes.size(); ++i) {
+    result.runs.push_back(episodes[i].run);
+    for (std::size_t k = i + 1; k < episodes.size(); ++k)
+      result.pairs.push_back(compared(episodes[i], episodes[k], tolerances));
+  }
+  return result;
+}
+
+}  // namespace crossgait
