@@ -38,8 +38,13 @@ enum class ServoSource {
   kRule,  ///< the rule (servo_rule), whatever they say. Torque limits stay theirs
 };
 
+/// Where robots have their gains from unless who reads them says: `kFile` until it is set, once, by a program
+/// before it reads any (`--servos`).
+ServoSource servo_source() noexcept;
+void set_servo_source(ServoSource source) noexcept;
+
 /// As `load_robot`, with what was inferred and why.
-LoadedRobot load_robot_with_report(const std::string& path, ServoSource servos = ServoSource::kFile);
+LoadedRobot load_robot_with_report(const std::string& path, ServoSource servos = servo_source());
 
 /// The whole robot.yaml: with it beside the robot's file nothing is inferred, and the robot is the same but
 /// for rounding in the 17th digit. @param file  what the key of its format says
