@@ -20,7 +20,10 @@ void print_notes(const std::vector<std::string>& notes) {
 }
 
 RobotDescription load_robot_with_warnings(const std::string& robot) {
-  LoadedRobot loaded = load_robot_with_report(find_robot(robot));
+  const std::string file = find_robot(robot);
+  if (!is_robot_file(robot) && !file.starts_with(models_dir()))
+    print_notes({fmt::format("{}: {}", robot, file)});
+  LoadedRobot loaded = load_robot_with_report(file, servo_source());
   if (const std::size_t count = robot_warnings(loaded, {}).size(); count > 0) {
     print_notes({fmt::format("{}: {} on what its file holds: crossgait robots {}", loaded.robot.source,
                              counted(count, "warning"), robot)});
@@ -32,6 +35,20 @@ void add_robot_option(CLI::App& command, std::string& robot) {
   command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file")
       ->type_name("NAME|FILE.yaml|FILE.urdf|FILE.xml")
       ->capture_default_str();
+  add_servos_option(command);
+}
+
+void add_servos_option(CLI::App& command) {
+  command
+      .add_option_function<std::string>(
+          "--servos",
+          [](const std::string& servos) {
+            set_servo_source(servos == "rule" ? ServoSource::kRule : ServoSource::kFile);
+          },
+          "Gains: those of the robot's files, or those of the rule for robots of its mass and height "
+          "(docs/robots.md)")
+      ->check(CLI::IsMember({"file", "rule"}))
+      ->type_name("file|rule");
 }
 
 std::string problem_with_seed(const std::string& text) {

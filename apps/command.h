@@ -26,6 +26,7 @@ namespace crossgait::apps {
   COMMAND(engines)                  \
   COMMAND(conformance)              \
   COMMAND(robots)                   \
+  COMMAND(stand)                    \
   COMMAND(terrain)                  \
   COMMAND(ik)                       \
   COMMAND(gait)                     \
@@ -58,8 +59,11 @@ void print_notes(const std::vector<std::string>& notes);
 /// @throws ConfigError
 RobotDescription load_robot_with_warnings(const std::string& robot);
 
-/// A name with `--robot`'s meaning: a bundled robot's name or a file. Adds the option alone.
+/// A name with `--robot`'s meaning: a bundled robot's name or a file. Adds it and `--servos`.
 void add_robot_option(CLI::App& command, std::string& robot);
+/// `--servos`, which sets where robots that are read from then on have their gains from. Part of
+/// `add_robot_option`.
+void add_servos_option(CLI::App& command);
 /// What is wrong with a seed, empty if nothing is.
 std::string problem_with_seed(const std::string& text);
 /// A whole number from 0 to 2^64 - 1; anything else is refused, instead of wrapping around.

@@ -13,8 +13,12 @@
 #include "physics/core/schema.h"
 #include "physics/core/table.h"
 #include "physics/robot_files/data_path.h"
+#include "physics/robot_files/installed_robots.h"
 #include "physics/robot_files/robot_formats.h"
 #include "physics/robot_files/robot_report.h"
+#include "study/robot_difference.h"
+#include "study/robot_findings.h"
+#include "study/robot_lint.h"
 #include "study/robot_quantities.h"
 #include "study/trial_walk.h"
 
@@ -24,9 +28,9 @@ namespace {
 using nlohmann::ordered_json;
 
 struct RobotsCommand {
-  std::string robot;
-  bool yaml = false, check = false;
-  std::string servos = "file";
+  std::vector<std::string> robots;
+  std::string against, format, baseline, fail_on = "error";
+  bool yaml = false, check = false, list = false;
   JsonOption json;
 };
 
@@ -41,7 +45,7 @@ ordered_json summary(const RobotDescription& robot) {
           {"home_height_m", robot.home_height}};
 }
 
-void list_robots(const JsonOption& json) {
+void list_robots(const JsonOption& json, bool installed) {
   Table table({"robot", "mass, kg", "bodies", "joints", "servos", "loops", "home height, m"});
   ordered_json robots = ordered_json::array();
   for (const std::string& robot_name : robot_names()) {
@@ -51,7 +55,18 @@ void list_robots(const JsonOption& json) {
                    std::to_string(robot.loops.size()), fmt::format("{:.4f}", robot.home_height)});
     robots.push_back(summary(robot));
   }
-  json.emit(table.str(), with_schema("robots", {{"robots", std::move(robots)}}));
+  ordered_json result{{"robots", std::move(robots)}};
+  std::string text = table.str();
+  if (installed) {
+    Table found({"robot", "from", "file"});
+    result["installed"] = ordered_json::array();
+    for (const InstalledRobot& robot : installed_robots()) {
+      found.add_row({robot.name, robot.from, robot.file});
+      result["installed"].push_back({{"name", robot.name}, {"from", robot.from}, {"file", robot.file}});
+    }
+    text += "\nInstalled, by name for --robot (docs/robots.md):\n" + found.str();
+  }
+  json.emit(text, with_schema("robots", result));
 }
 
 ordered_json body_list(const RobotDescription& robot, Table& table) {
@@ -128,18 +143,19 @@ ordered_json home_of(const RobotDescription& robot) {
 }
 
 LoadedRobot load(const RobotsCommand& options) {
-  return load_robot_with_report(find_robot(options.robot),
-                                options.servos == "rule" ? ServoSource::kRule : ServoSource::kFile);
+  return load_robot_with_report(find_robot(options.robots.front()));
 }
 
 /// What was inferred and what is doubtful, as lines.
-std::string remarks(const RobotReport& report, const std::vector<std::string>& warnings) {
+std::string remarks(const RobotReport& report, const std::vector<std::string>& warnings,
+                    const std::vector<RobotFinding>& findings) {
   std::string text;
   if (!report.inferred.empty()) text += "\nInferred, and why (a robot.yaml overrides any of it):\n";
   for (const Inference& i : report.inferred)
     text += fmt::format("  {}: {}\n      {}\n", i.what, i.value, i.reason);
   for (const std::string& warning : warnings) text += fmt::format("\nwarning: {}", warning);
-  return warnings.empty() ? text : text + "\n";
+  if (!warnings.empty()) text += "\n";
+  return findings.empty() ? text : text + "\nHeld against the robot's own size:\n" + describe(findings);
 }
 
 void show(const RobotsCommand& options) {
@@ -170,6 +186,8 @@ void show(const RobotsCommand& options) {
   const std::vector<std::string> warnings = robot_warnings(loaded, world);
   result["quantities"] = to_json(quantities);
   result["warnings"] = warnings;
+  const std::vector<RobotFinding> findings = robot_findings(loaded);
+  result["findings"] = to_json(all_findings(loaded, world));
   result["body_list"] = body_list(robot, bodies);
   const std::string total = fmt::format(
       "\n{:.4f} kg in all, {}, base {:.4f} m above ground at home; gaits scale with {:.4g} m and {:.3g} s; "
@@ -177,15 +195,15 @@ void show(const RobotsCommand& options) {
       "{}\n",
       robot.total_mass(), counted(robot.loops.size(), "loop"), robot.home_height, h, time, robot.source);
   options.json.emit(bodies.str() + "\n" + legs.str() + total + "\n" + describe(quantities) +
-                        remarks(loaded.report, warnings),
+                        remarks(loaded.report, warnings, findings),
                     with_schema("robots", result), options.json.provenance(of_robot(robot)));
 }
 
 /// Whether it walks with the servos of the rule where it does not with those of its file. Empty if that says
 /// nothing of the gains.
 std::string blame_gains(const RobotsCommand& options, const LoadedRobot& loaded, const Trial& trial) {
-  if (trial.passed() || options.servos == "rule") return "";
-  const LoadedRobot by_rule = load_robot_with_report(find_robot(options.robot), ServoSource::kRule);
+  if (trial.passed() || servo_source() == ServoSource::kRule) return "";
+  const LoadedRobot by_rule = load_robot_with_report(find_robot(options.robots.front()), ServoSource::kRule);
   const Joint& file = loaded.robot.joint((*loaded.robot.legs)[Leg::FL].servos.back());
   const Joint& rule = by_rule.robot.joint((*by_rule.robot.legs)[Leg::FL].servos.back());
   if (file.kp == rule.kp && file.kd == rule.kd) return "";
@@ -207,17 +225,79 @@ std::string blame_gains(const RobotsCommand& options, const LoadedRobot& loaded,
 /// Walks it. @throws std::runtime_error if something is wrong
 void check(const RobotsCommand& options) {
   const LoadedRobot loaded = load(options);
-  const Trial trial = try_robot(std::make_shared<const RobotDescription>(loaded.robot), available_engines());
-  const std::string cause = blame_gains(options, loaded, trial);
+  Trial trial = try_robot(std::make_shared<const RobotDescription>(loaded.robot), available_engines());
+  const std::vector<RobotFinding> findings = robot_findings(loaded);
+  const bool is_real = findings.empty() || findings.front().severity != Severity::kError;
+  if (!is_real) trial = without_advice(std::move(trial));
+  // What no real machine has explains more than gains do.
+  const std::string cause =
+      is_real || trial.passed()
+          ? blame_gains(options, loaded, trial)
+          : fmt::format(
+                "First of all: {}: {}{}.", findings.front().of, findings.front().what,
+                findings.front().likely.empty() ? "" : fmt::format("; likely {}", findings.front().likely));
   const std::vector<std::string> warnings = robot_warnings(loaded, {});
   ordered_json result{{"name", loaded.robot.name}, {"file", loaded.robot.source}};
   result.update(to_json(trial));
   if (!cause.empty()) result["cause"] = cause;
   result["warnings"] = warnings;
+  result["findings"] = to_json(all_findings(loaded, {}));
   std::string text = describe(trial) + (cause.empty() ? "" : cause + "\n");
   for (const std::string& warning : warnings) text += fmt::format("warning: {}\n", warning);
+  text += describe(findings);
   options.json.emit(text, with_schema("robots", result), options.json.provenance(of_robot(loaded.robot)));
   if (!trial.passed()) throw std::runtime_error("it does not walk as it should: see above");
+}
+
+/// Two descriptions of one robot.
+void compare(const RobotsCommand& options) {
+  const LoadedRobot a = load(options), b = load_robot_with_report(find_robot(options.against));
+  const std::vector<std::string> engines = available_engines();
+  const WalkGaps gaps = walk_gaps(try_robot(std::make_shared<const RobotDescription>(a.robot), engines),
+                                  try_robot(std::make_shared<const RobotDescription>(b.robot), engines));
+  const RobotDifference difference = robot_difference(a.robot, b.robot);
+  ordered_json result{{"name", a.robot.name}, {"file", a.robot.source}, {"against", b.robot.source}};
+  result.update(to_json(difference, gaps));
+  options.json.emit(describe(difference, gaps), with_schema("robots", result),
+                    options.json.provenance(of_robot(a.robot)));
+}
+
+/// Findings of many files, for programs. @throws RequirementMissed if there are new ones
+void lint(const RobotsCommand& options) {
+  static const std::map<std::string, LintFormat> kFormats{{"", LintFormat::kText},
+                                                          {"text", LintFormat::kText},
+                                                          {"json", LintFormat::kJson},
+                                                          {"sarif", LintFormat::kSarif},
+                                                          {"junit", LintFormat::kJunit}};
+  LintReport report;
+  if (!options.baseline.empty()) report.known = read_baseline(options.baseline);
+  for (const std::string& robot : options.robots)
+    report.robots.push_back(lint_robot(find_robot(robot), available_engines()));
+  print_data(report.text(kFormats.at(options.format)));
+  const std::size_t count =
+      report.count_new(options.fail_on == "warning" ? Severity::kWarning : Severity::kError);
+  if (count > 0)
+    throw RequirementMissed(1,
+                            fmt::format("{} of the findings fail it (--fail-on {})", count, options.fail_on));
+}
+
+void add_lint_options(CLI::App& command, RobotsCommand& options) {
+  command
+      .add_option(
+          "--format", options.format,
+          "With --check: the findings of every file named, for people or programs; exit code 1 if one of "
+          "them fails it")
+      ->check(CLI::IsMember({"text", "json", "sarif", "junit"}))
+      ->needs("--check");
+  command
+      .add_option("--baseline", options.baseline,
+                  "Findings that are known and fail nothing: what `--check --format json` printed before")
+      ->type_name("FILE.json")
+      ->needs("--check");
+  command.add_option("--fail-on", options.fail_on, "From which severity on a new finding fails it")
+      ->check(CLI::IsMember({"error", "warning"}))
+      ->capture_default_str()
+      ->needs("--check");
 }
 
 }  // namespace
@@ -233,24 +313,34 @@ void add_robots_command(CLI::App& program, Invocation& invocation) {
       "changed where a guess is wrong.\n"
       "\nExamples:\n  crossgait robots\n  crossgait robots scara_quadruped\n  crossgait robots my.urdf\n"
       "  crossgait robots my.urdf --yaml > robot.yaml\n"
-      "  crossgait robots my.xml --check");
+      "  crossgait robots my.xml --check\n"
+      "  crossgait robots my.urdf --against my.xml\n"
+      "  crossgait robots *.urdf --check --format sarif > robots.sarif");
   auto options = std::make_shared<RobotsCommand>();
-  command->add_option("robot,--robot", options->robot,
-                      fmt::format("A bundled robot's name or a {} file to show", robot_files_in_words()));
+  command->add_option("robot,--robot", options->robots,
+                      fmt::format("A bundled robot's name or a {} file to show; several with --check",
+                                  robot_files_in_words()));
+  command->add_flag("--list", options->list, "List those of installed packages, too, by name")
+      ->excludes("--robot");
   command->add_flag("--check", options->check, "Walk it two seconds in every engine and say what is wrong")
       ->needs("--robot");
   command->add_flag("--yaml", options->yaml, "Print the whole robot.yaml instead")->needs("--robot");
+  add_servos_option(*command);
   command
-      ->add_option(
-          "--servos", options->servos,
-          "Gains: those of the robot's files, or those of the rule for robots of its mass and height "
-          "(docs/robots.md)")
-      ->check(CLI::IsMember({"file", "rule"}))
-      ->capture_default_str()
+      ->add_option("--against", options->against,
+                   "Hold it against another description of the same robot: what is unlike, and whether that "
+                   "matters more than the engine")
+      ->type_name("NAME|FILE")
       ->needs("--robot");
+  add_lint_options(*command, *options);
   options->json.add_to(*command, invocation);
   on_run(*command, [options] {
-    if (options->robot.empty()) return list_robots(options->json);
+    if (options->robots.empty()) return list_robots(options->json, options->list);
+    const bool lints = !options->format.empty() || !options->baseline.empty();
+    if (options->check && (lints || options->robots.size() > 1)) return lint(*options);
+    if (options->robots.size() > 1)
+      throw ConfigError("command line", "robot", "one robot, or --check", "several");
+    if (!options->against.empty()) return compare(*options);
     options->check ? check(*options) : show(*options);
   });
 }

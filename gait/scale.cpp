@@ -20,7 +20,7 @@ GaitParameters scaled(const GaitParameters& parameters, const GaitScale& scale) 
 
 Gait scaled(const Gait& gait, const GaitScale& scale) noexcept {
   Gait result = gait;
-  if (scale.linkage == LegLinkage::kSerial && gait.preferred_serial)
+  if (scale.linkage != LegLinkage::kFiveBar && gait.preferred_serial)
     result.preferred = *gait.preferred_serial;
   result.preferred = scaled(result.preferred, scale);
   result.preferred.stance_offset += scale.stance_offset;

@@ -43,6 +43,14 @@ Matrix3 jacobian(const LeastSquaresLegGeometry& g, const PlacedChain& chain) {
   return J;
 }
 
+/// Which joint is the hip: of the two before the knee the one that is more nearly parallel to it at zero.
+int hip_of(const LeastSquaresLegGeometry& g) {
+  if (g.count == 2) return 0;
+  const Matrix3 R_01 = g.links[1].R, R_12 = g.links[2].R;
+  const Vector3 knee = R_01 * R_12 * g.links[2].axis;  // in the first joint's frame
+  return std::abs(knee.dot(g.links[0].axis)) > std::abs(knee.dot(R_01 * g.links[1].axis)) ? 0 : 1;
+}
+
 /// +1 if the knee's axis points towards +y at zero angles, else -1.
 double knee_axis_sign(const LeastSquaresLegGeometry& g) {
   Matrix3 R = Matrix3::Identity();
@@ -194,7 +202,7 @@ IkStatus shortfall(const LeastSquaresLegGeometry& g, const Vector3& target, cons
   const Found unlimited = search(g, on_side(g, none, best.q, side), target, best.q, iterations);
   if (unlimited.error <= kConverged) return IkStatus::kClampedJointLimit;
   const PlacedChain& chain = unlimited.chain;
-  const Vector3 leg = chain.foot - chain.origins[slot(g.count - 2)];
+  const Vector3 leg = chain.foot - chain.origins[slot(hip_of(g))];
   const double along = (target - chain.foot).dot(leg) / (unlimited.error * leg.norm());
   if (std::abs(along) > 0.5) return along > 0 ? IkStatus::kClampedTooFar : IkStatus::kClampedTooNear;
   if (g.count == 2) return IkStatus::kClampedTooFar;  // beside the surface that the foot moves on
@@ -210,20 +218,17 @@ LeastSquaresLegGeometry least_squares_leg_geometry(const RobotDescription& robot
   validate(robot, leg, joints);
   const LegFrames frames(robot, leg, 0);
   LeastSquaresLegGeometry g;
-  const bool has_abduction = joints.abduction != -1;
-  const std::array<int, 3> chain = has_abduction
-                                       ? std::array<int, 3>{joints.abduction, joints.hip, joints.knee}
-                                       : std::array<int, 3>{joints.hip, joints.knee, -1};
-  g.count = has_abduction ? 3 : 2;
+  const SerialChain chain = chain_of(joints);
+  g.count = chain.count;
   g.p_foot = joints.p_BF;
   for (int i = 0; i < g.count; ++i) {
-    const Body& body = frames.at(chain[slot(i)] + 1);
-    g.links[slot(i)] = {body.X_PB.linear(), body.X_PB.translation(), body.joint.axis,
-                        frames.limits(chain[slot(i)])};
+    const int joint = chain.joints[slot(i)];
+    const Body& body = frames.at(joint + 1);
+    g.links[slot(i)] = {body.X_PB.linear(), body.X_PB.translation(), body.joint.axis, frames.limits(joint)};
   }
   // The links are still placed in the base frame.
   const PlacedChain zero = place_chain(g, LegJointAngles::Zero());
-  const auto hip = slot(g.count - 2);
+  const auto hip = slot(chain.hip);
   g.p_BL = zero.origins[hip] + zero.axes[hip] * zero.axes[hip].dot(zero.foot - zero.origins[hip]);
   g.links[0].p -= g.p_BL;
 
@@ -257,6 +262,7 @@ LeastSquaresSolution solve_least_squares(const LeastSquaresLegGeometry& g, const
   const Vector3 p = target.cwiseMax(-kFar).cwiseMin(kFar);
 
   const double side = side_of(g, from);
+  const int hip = hip_of(g);
   const auto search_from = [&](const LegJointAngles& q) {
     const Limits limits = on_side(g, limits_of(g), q, side);
     return search(g, limits, p, clamped(g, limits, q), solution.iterations);
@@ -266,7 +272,7 @@ LeastSquaresSolution solve_least_squares(const LeastSquaresLegGeometry& g, const
   for (const double turn : {0.0, 1.5, -1.5, 3.0}) {
     if (best.error <= kConverged) break;
     LegJointAngles other = with_bend(g, from, side * M_PI_2);
-    other[g.count - 2] += turn;
+    other[hip] += turn;
     const Found found = search_from(fitted(g, other));
     if (found.error < best.error) best = found;
   }

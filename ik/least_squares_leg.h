@@ -16,7 +16,8 @@ struct LegLink {
   JointLimits limits;
 };
 
-/// Joint angles in the order abduction, hip, knee; of a leg without abduction hip, knee and a zero.
+/// Joint angles in the order of the chain: abduction, hip, knee; hip, abduction, knee; or hip, knee and a
+/// zero.
 using LegJointAngles = Vector3;
 
 struct LeastSquaresLegGeometry {

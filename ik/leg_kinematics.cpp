@@ -21,9 +21,9 @@ LegKinematics::LegKinematics(const FiveBarGeometry& geometry, const LegModel& mo
 
 LegKinematics::LegKinematics(const Kind& kind, const SerialLegJoints& joints, LegBranch home)
     : leg_(kind), home_(home) {
-  if (joints.abduction != -1) joints_[static_cast<std::size_t>(servo_count_++)] = joints.abduction;
-  joints_[static_cast<std::size_t>(servo_count_++)] = joints.hip;
-  joints_[static_cast<std::size_t>(servo_count_++)] = joints.knee;
+  const SerialChain chain = chain_of(joints);
+  servo_count_ = chain.count;
+  std::copy_n(chain.joints.begin(), chain.count, joints_.begin());
 }
 
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg) {
@@ -47,10 +47,8 @@ LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg, const 
                       fmt::format("{}", robot.home.size()));
   }
   LegJointAngles home = LegJointAngles::Zero();
-  Eigen::Index i = 0;
-  if (joints.abduction != -1) home[i++] = robot.home[joints.abduction];
-  home[i++] = robot.home[joints.hip];
-  home[i] = robot.home[joints.knee];
+  const SerialChain chain = chain_of(joints);
+  for (int i = 0; i < chain.count; ++i) home[i] = robot.home[chain.joints[static_cast<std::size_t>(i)]];
   const LeastSquaresLegGeometry geometry = least_squares_leg_geometry(robot, leg, joints, home);
   return {geometry, joints, branch(knee_bend(geometry, home))};
 }

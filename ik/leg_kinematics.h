@@ -18,7 +18,8 @@ enum class LegKind { kFiveBar, kSerial, kLeastSquares };
 std::string_view name(LegKind kind) noexcept;
 
 /// Angles of the driven joints, in the order tilt, shoulder_left, shoulder_right or abduction (if any), hip,
-/// knee, and of the passive ones, elbow_left and elbow_right or none; rad. Inline storage.
+/// knee (hip, abduction, knee where the hip comes first), and of the passive ones, elbow_left and elbow_right
+/// or none; rad. Inline storage.
 using ServoVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
 using PassiveVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1>;
 

@@ -40,21 +40,28 @@ SerialPosture posture(const SerialLegGeometry& g, const SerialAngles& q) {
 }  // namespace
 
 SerialLegJoints serial_leg_joints(const LegModel& model) {
-  return {model.joint("abduction"), model.joint("hip"), model.joint("knee"), model.foot_body, model.p_BF};
+  return {model.joint("abduction"), model.joint("hip"), model.joint("knee"),
+          model.foot_body,          model.p_BF,         model.linkage == LegLinkage::kHipFirst};
+}
+
+SerialChain chain_of(const SerialLegJoints& joints) {
+  if (joints.abduction == -1) return {{joints.hip, joints.knee, -1}, 2, 0};
+  if (joints.hip_first) return {{joints.hip, joints.abduction, joints.knee}, 3, 0};
+  return {{joints.abduction, joints.hip, joints.knee}, 3, 1};
 }
 
 void validate(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints) {
   const LegFrames frames(robot, leg, 0);
-  int parent = 0;
-  if (joints.abduction != -1) {
-    frames.require_joint(joints.abduction, "abduction");
-    frames.require_parent(joints.abduction, 0);
-    parent = joints.abduction + 1;
-  }
+  if (joints.abduction != -1) frames.require_joint(joints.abduction, "abduction");
   frames.require_joint(joints.hip, "hip");
   frames.require_joint(joints.knee, "knee");
-  frames.require_parent(joints.hip, parent);
-  frames.require_parent(joints.knee, joints.hip + 1);
+  const SerialChain chain = chain_of(joints);
+  int parent = 0;
+  for (int i = 0; i < chain.count; ++i) {
+    const int joint = chain.joints[static_cast<std::size_t>(i)];
+    frames.require_parent(joint, parent);
+    parent = joint + 1;
+  }
   if (joints.foot_body != joints.knee + 1) {
     frames.fail("foot", "on the body that the knee moves, " + frames.at(joints.knee + 1).name,
                 fmt::format("on body {}", joints.foot_body));
@@ -64,7 +71,8 @@ void validate(const RobotDescription& robot, Leg leg, const SerialLegJoints& joi
 bool is_serial_leg(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints, double tolerance) {
   validate(robot, leg, joints);
   const LegFrames frames(robot, leg, tolerance);
-  return (joints.abduction == -1 || frames.is_along(joints.abduction, Vector3::UnitX())) &&
+  return !joints.hip_first &&
+         (joints.abduction == -1 || frames.is_along(joints.abduction, Vector3::UnitX())) &&
          frames.is_along(joints.hip, Vector3::UnitY()) && frames.is_along(joints.knee, Vector3::UnitY());
 }
 
@@ -72,6 +80,7 @@ SerialLegGeometry serial_leg_geometry(const RobotDescription& robot, Leg leg, co
                                       double tolerance) {
   validate(robot, leg, joints);
   const LegFrames frames(robot, leg, tolerance);
+  if (joints.hip_first) frames.fail("joints", "an abduction before the hip", "one behind it");
   SerialLegGeometry g;
   g.side = side_sign(leg);
   g.has_abduction = joints.abduction != -1;

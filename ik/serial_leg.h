@@ -3,6 +3,8 @@
 // ik/tilt_mount.h and ik/two_link_chain.h, hip and knee being shoulder and elbow.
 #pragma once
 
+#include <array>
+
 #include "ik/tilt_mount.h"
 #include "physics/robot/leg.h"
 #include "physics/robot/robot.h"
@@ -21,13 +23,22 @@ struct SerialLegJoints {
   int hip = -1, knee = -1;
   int foot_body = -1;              ///< index of the body that carries the foot: the knee's
   Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m
+  bool hip_first = false;          ///< the abduction is between hip and knee
 };
+
+/// The joints in a row from the base, two or three of them, and which of these is the hip.
+struct SerialChain {
+  std::array<int, 3> joints{-1, -1, -1};
+  int count = 0, hip = 0;
+};
+SerialChain chain_of(const SerialLegJoints& joints);
 
 /// Those of a leg that is serial.
 SerialLegJoints serial_leg_joints(const LegModel& model);
 
-/// @throws ConfigError naming file, leg and joint unless the joints are `robot`'s, hang on each other, the
-///   first on the base, and the foot is on the knee's body
+/// @throws ConfigError naming file, leg and joint unless the joints are `robot`'s, hang on each other in
+/// their
+///   row, the first on the base, and the foot is on the knee's body
 void validate(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);
 
 /// Without an abduction joint the leg's plane is y = 0 of the leg frame, and nothing but p_BL and `side` is
@@ -45,8 +56,8 @@ struct SerialLegGeometry : TiltMount {
 inline constexpr double kSerialAlignment = 1e-4;
 
 /// Whether the axes of the joints are those of a serial leg, each within `tolerance` (rad): abduction along
-/// +-x, hip and knee along +-y of the base, at zero angles. @throws ConfigError if they do not hang on each
-/// other
+/// +-x, hip and knee along +-y of the base, at zero angles, and the abduction first. @throws ConfigError if
+/// they do not hang on each other
 bool is_serial_leg(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints,
                    double tolerance = kSerialAlignment);
 

@@ -22,6 +22,8 @@ constexpr double kLeastSpeed = 0.7, kMostSpeed = 1.3;  // of the commanded one
 constexpr double kMostTilt = 5, kMostTurn = 10;        // deg, RMS and largest
 constexpr double kMostSwingContact = 0.2, kMostSaturation = 0.1;
 
+constexpr const char* kAdvice = ": stiffer servos (kp)?";
+
 // The statistics that tell how well a robot walks, 0 where a walk has none.
 struct Column {
   StatisticSource source;
@@ -50,8 +52,8 @@ std::vector<std::string> complaints_of(const TrialWalk& walk) {
   if (s.heading_error_deg.value_or(0) > kMostTurn)
     list.push_back(fmt::format("it turned by {:.0f} deg", *s.heading_error_deg));
   if (s.swing_contact_ratio.value_or(0) > kMostSwingContact)
-    list.push_back(fmt::format("its feet dragged for {:.0f} % of their swings: stiffer servos (kp)?",
-                               100 * *s.swing_contact_ratio));
+    list.push_back(fmt::format("its feet dragged for {:.0f} % of their swings{}",
+                               100 * *s.swing_contact_ratio, kAdvice));
   if (walk.torque_limit_fraction > kMostSaturation)
     list.push_back(fmt::format("servos were at their torque limit for {:.0f} % of the time (effort)",
                                100 * walk.torque_limit_fraction));
@@ -102,6 +104,15 @@ Trial try_robot(std::shared_ptr<const RobotDescription> robot, const std::vector
     if (steps > 0) walk.torque_limit_fraction = static_cast<double>(at_limit) / static_cast<double>(steps);
     walk.failures = complaints_of(walk);
     trial.walks.push_back(std::move(walk));
+  }
+  return trial;
+}
+
+Trial without_advice(Trial trial) {
+  for (TrialWalk& walk : trial.walks) {
+    for (std::string& failure : walk.failures) {
+      if (failure.ends_with(kAdvice)) failure.erase(failure.size() - std::string_view(kAdvice).size());
+    }
   }
   return trial;
 }

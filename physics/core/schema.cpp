@@ -24,6 +24,7 @@ constexpr auto kSchemas = std::to_array<std::string_view>({
     "robots",
     "report",
     "rollout",
+    "stand",
     "terrain",
     "transfer",
     "tune",

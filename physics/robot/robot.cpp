@@ -14,12 +14,15 @@ constexpr std::array<LegRole, 5> kFiveBarRoles{{{"tilt", -1, true},
                                                 {"elbow_left", 1, false},
                                                 {"elbow_right", 2, false}}};
 constexpr std::array<LegRole, 3> kSerialRoles{{{"abduction", -1, true}, {"hip", 0, true}, {"knee", 1, true}}};
+constexpr std::array<LegRole, 3> kHipFirstRoles{
+    {{"hip", -1, true}, {"abduction", 0, true}, {"knee", 1, true}}};
 constexpr std::array<LegRole, 2> kHipKneeRoles{{{"hip", -1, true}, {"knee", 0, true}}};
 
 }  // namespace
 
 std::span<const LegRole> LegModel::roles() const noexcept {
   if (linkage == LegLinkage::kFiveBar) return kFiveBarRoles;
+  if (linkage == LegLinkage::kHipFirst) return kHipFirstRoles;
   return servos.size() == kHipKneeRoles.size() ? std::span<const LegRole>(kHipKneeRoles) : kSerialRoles;
 }
 

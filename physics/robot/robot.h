@@ -112,8 +112,9 @@ struct LoopClosure {
 
 /// How the joints of a leg are arranged.
 enum class LegLinkage {
-  kFiveBar,  ///< two chains of shoulder and elbow on a tilt joint, joined at the foot by a loop
-  kSerial,   ///< hip and knee, on an abduction joint or on the base
+  kFiveBar,   ///< two chains of shoulder and elbow on a tilt joint, joined at the foot by a loop
+  kSerial,    ///< hip and knee, on an abduction joint or on the base
+  kHipFirst,  ///< hip, abduction, knee: the abduction turns with the hip
 };
 
 /// A joint of a leg: what it is called, and the role (its index) that it hangs on; -1: on the base.
@@ -126,7 +127,8 @@ struct LegRole {
 /// One leg: its joints (indices into joint vectors) in the order of its roles, and its foot.
 struct LegModel {
   LegLinkage linkage = LegLinkage::kFiveBar;
-  std::vector<int> servos;         ///< tilt, shoulder_left, shoulder_right; or abduction (if any), hip, knee
+  std::vector<int> servos;         ///< tilt, shoulder_left, shoulder_right; or abduction (if any), hip, knee;
+                                   ///< or hip, abduction, knee
   std::vector<int> passive;        ///< elbow_left, elbow_right; or none
   int foot_body = -1;              ///< index of the body that carries the foot
   Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m

@@ -10,6 +10,7 @@
 
 #include "physics/core/error.h"
 #include "physics/core/find_row.h"
+#include "physics/robot_files/installed_robots.h"
 #include "physics/robot_files/robot_formats.h"
 
 namespace crossgait {
@@ -78,8 +79,12 @@ std::string find_robot(std::string_view text, std::string_view built_in) {
     throw ConfigError(text, "file", fmt::format("an expanded URDF: xacro {} > robot.urdf", text), "xacro");
   }
   const std::vector<std::string> names = robot_names(built_in);
-  if (std::find(names.begin(), names.end(), text) == names.end())
-    fail_unknown_name(text, names, "robot", "name", fmt::format(", or a {} file", robot_files_in_words()));
+  if (std::find(names.begin(), names.end(), text) == names.end()) {
+    if (const auto installed = find_installed_robot(text)) return installed->file;
+    fail_unknown_name(text, names, "robot", "name",
+                      fmt::format(", one of those that `crossgait robots --list` finds, or a {} file",
+                                  robot_files_in_words()));
+  }
   return (fs::path(models_dir(built_in)) / "robots" / path / "robot.yaml").string();
 }
 

@@ -30,7 +30,8 @@ std::vector<std::string> robot_names(std::string_view built_in = CROSSGAIT_MODEL
 bool is_robot_file(std::string_view text);
 
 /// The file to give to `load_robot`: `text` itself if it is the path of one, else robot.yaml of the robot of
-/// that name. @throws ConfigError listing the known names
+/// that name; else that of an installed package (installed_robots.h). @throws ConfigError listing the bundled
+/// names
 std::string find_robot(std::string_view text, std::string_view built_in = CROSSGAIT_MODELS_DIR);
 
 }  // namespace crossgait

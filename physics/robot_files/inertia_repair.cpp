@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "physics/robot/robot_check.h"
+#include "physics/robot/shape_box.h"
 
 namespace crossgait {
 namespace {
@@ -18,35 +19,6 @@ constexpr double kMargin = 1e-3;
 constexpr double kTriangleRounding = 1e-9;
 constexpr double kLeastGyration = 1e-6;  // m; less is the rounding of zeros that were turned
 constexpr double kWater = 1000;          // kg/m^3
-
-/// The box along the axes of its body that holds a shape.
-Eigen::AlignedBox3d box_around(const CollisionShape& shape) {
-  const Matrix3 R = shape.X_BG.linear();
-  const Vector3 axis = R.col(2);
-  Eigen::AlignedBox3d box;
-  Vector3 half = Vector3::Zero();
-  switch (shape.type) {
-    case ShapeType::kSphere:
-      half.setConstant(shape.size[0]);
-      break;
-    case ShapeType::kCylinder: {
-      const Vector3 across = (Vector3::Ones() - axis.cwiseAbs2()).cwiseMax(0).cwiseSqrt();
-      half = shape.size[1] * axis.cwiseAbs() + shape.size[0] * across;
-      break;
-    }
-    case ShapeType::kCapsule:
-      half = shape.size[1] * axis.cwiseAbs() + Vector3::Constant(shape.size[0]);
-      break;
-    case ShapeType::kBox:
-      half = R.cwiseAbs() * shape.size;
-      break;
-    case ShapeType::kHull:
-      for (const Vector3& vertex : shape.vertices) box.extend(shape.X_BG * vertex);
-      return box;
-  }
-  const Vector3 centre = shape.X_BG.translation();
-  return {centre - half, centre + half};
-}
 
 /// Edges of the box along the body's axes that holds all shapes, m.
 Vector3 bounding_box(const std::vector<CollisionShape>& shapes) {
@@ -86,7 +58,8 @@ std::string_view repair_inertia(SpatialInertia& inertia, const std::vector<Colli
   const Matrix3& R = eigen.eigenvectors();
   inertia.I_C = R * after.asDiagonal() * R.transpose();
   inertia.I_C = 0.5 * (inertia.I_C + inertia.I_C.transpose()).eval();
-  return "whose small principal moments are raised to what a real body has: ";
+  return before[0] < 0 ? "with negative principal moments, raised to what a real body has: "
+                       : "whose small principal moments are raised to what a real body has: ";
 }
 
 }  // namespace crossgait

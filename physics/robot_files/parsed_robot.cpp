@@ -16,14 +16,15 @@ void move_vertices(ParsedRobot& robot, const std::string& shape, const Pose& X) 
 
 }  // namespace
 
-ParsedRobot lock_joints(ParsedRobot robot, const std::set<std::string>& joints) {
+ParsedRobot lock_joints(ParsedRobot robot, const std::map<std::string, double>& joints) {
   std::vector<int> index(robot.bodies.size(), 0);                // of the body that each becomes part of
   std::vector<Pose> X(robot.bodies.size(), Pose::Identity());    // and its pose there
   std::vector<std::size_t> first_shape(robot.bodies.size(), 0);  // and where its shapes are
   std::vector<Body> kept;
   for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
     Body& body = robot.bodies[i];
-    const bool locked = i > 0 && joints.count(body.joint.name) > 0;
+    const auto held = i > 0 ? joints.find(body.joint.name) : joints.end();
+    const bool locked = held != joints.end();
     if (i > 0) {
       const auto parent = static_cast<std::size_t>(body.parent);
       body.X_PB = X[parent] * body.X_PB;
@@ -36,7 +37,7 @@ ParsedRobot lock_joints(ParsedRobot robot, const std::set<std::string>& joints) 
     }
     Body& host = kept[static_cast<std::size_t>(body.parent)];
     index[i] = body.parent;
-    X[i] = body.X_PB;
+    X[i] = body.X_PB * Eigen::AngleAxisd(held->second, body.joint.axis);
     first_shape[i] = host.shapes.size();
     host.inertia = combine(host.inertia, moved(X[i], body.inertia));
     for (CollisionShape& shape : body.shapes) {

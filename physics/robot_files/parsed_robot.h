@@ -2,7 +2,6 @@
 #pragma once
 
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -47,8 +46,9 @@ struct ParsedRobot {
   ContactOfFile contact;
 };
 
-/// Fixes joints at zero angle: what they move becomes part of what they hang on. @param joints  their names
-ParsedRobot lock_joints(ParsedRobot robot, const std::set<std::string>& joints);
+/// Fixes joints: what they move becomes part of what they hang on. @param joints  by name, the angle of each,
+/// rad
+ParsedRobot lock_joints(ParsedRobot robot, const std::map<std::string, double>& joints);
 
 /// Turns the base's own axes: what was along `R` x of the base is along x afterwards. @param R_BA  rotation
 /// whose columns are the new forward, left and up in the file's base frame

@@ -1,6 +1,7 @@
 // A robot made step by step of what its files say. Private to robot_files.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -41,8 +42,13 @@ class RobotBuilder {
   /// Index of the body that a joint of the file moves, in the file's order, or -1.
   int moved_body(const std::string& joint) const;
   int moved_body(const YamlValue& value, const std::string& joint) const;
-  void take_legs(const LegArray<LegChain>& chains);
+  void take_legs(const LegArray<FoundChain>& chains);
+  /// The joints that a robot.yaml locks: a list of names, or angles by name.
+  std::map<std::string, double> read_locked(const YamlValue& locked) const;
+  void lock(const std::map<std::string, double>& joints);
   void read_legs(const YamlValue& legs);
+  /// Whether the abduction of a leg hangs on its hip.
+  bool is_hip_first(const YamlValue& leg) const;
   /// Bodies of the legs first, leg by leg and role by role, then the rest in the file's order.
   void order_bodies(LegArray<LegModel> models, const LegArray<std::vector<int>>& legs);
   void name_servos();
@@ -53,6 +59,9 @@ class RobotBuilder {
   // robot_feet.cpp
   void read_feet();
   void infer_foot(Leg leg);
+  /// By a wheel, collision shapes, visual ones or links, whichever there is first. @throws ConfigError if
+  /// none
+  FootPlace find_foot_on(int body_index);
   /// A link with one collision sphere, or a point of a link: `{link, point, radius}`.
   void read_foot(const YamlValue& value, Leg leg);
   Body& set_foot(Leg leg, int body_index, const Vector3& p_BF, double radius);
@@ -80,6 +89,9 @@ class RobotBuilder {
   ParsedRobot parsed_;
   std::vector<int> body_index_;  ///< from the file's order of bodies to the robot's
   std::set<int> unknown_effort_;
+  std::map<std::string, HeldWheel> wheels_;  ///< what was held that is one, by its link
+  /// Bodies without collision shapes whose foot was found otherwise, by its radius and how.
+  std::map<std::string, std::vector<std::string>> assumed_feet_;
   std::size_t left_out_ = 0;  ///< shapes around feet, and whose the first was
   std::string first_left_out_;
   RobotDescription robot_;

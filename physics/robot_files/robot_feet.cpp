@@ -3,7 +3,9 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "physics/core/error.h"
 #include "physics/robot_files/robot_builder.h"
 
 namespace crossgait {
@@ -14,11 +16,16 @@ void RobotBuilder::read_feet() {
     const auto foot = legs ? legs->at(name(leg)).find("foot") : std::nullopt;
     if (foot) {
       read_foot(*foot, leg);
-    } else if ((*robot_.legs)[leg].linkage == LegLinkage::kSerial) {
+    } else if ((*robot_.legs)[leg].linkage != LegLinkage::kFiveBar) {
       infer_foot(leg);
     } else {
       static_cast<void>(legs->at(name(leg)).at("foot"));  // throws
     }
+  }
+  for (const auto& [what, bodies] : assumed_feet_) {
+    report_.warnings.push_back(
+        fmt::format("no collision shape where legs end: feet are assumed, of radius {} ('{}')", what,
+                    fmt::join(bodies, "', '")));
   }
   if (left_out_ > 0) {
     report_.warnings.push_back(
@@ -31,8 +38,36 @@ void RobotBuilder::infer_foot(Leg leg) {
   LegModel& model = (*robot_.legs)[leg];
   const int last = model.servos.back() + 1;
   const auto in_file = std::find(body_index_.begin(), body_index_.end(), last) - body_index_.begin();
-  const FootPlace foot = find_foot(parsed_, static_cast<int>(in_file), leg, robot_.source, report_.inferred);
+  const FootPlace foot = find_foot_on(static_cast<int>(in_file));
+  const Vector3& p = foot.p_BF;
+  infer(fmt::format("legs.{}.foot", name(leg)),
+        fmt::format("sphere of radius {:.4g} m at ({:.4g}, {:.4g}, {:.4g}) m of '{}'", foot.radius, p.x(),
+                    p.y(), p.z(), parsed_.bodies[static_cast<std::size_t>(in_file)].name),
+        foot.reason);
   put_foot(leg, last, foot.p_BF, foot.radius);
+}
+
+FootPlace RobotBuilder::find_foot_on(int body_index) {
+  const Body& body = parsed_.bodies[static_cast<std::size_t>(body_index)];
+  for (const auto& [link, wheel] : wheels_) {
+    const LinkPlacement& placement = parsed_.links.at(link);
+    if (placement.body == body_index)
+      return {placement.X_BL * wheel.centre, wheel.radius, -1, fmt::format("the wheel '{}', held", link)};
+  }
+  if (auto foot = find_foot(parsed_, body)) return *foot;
+  if (auto foot = find_seen_foot(body)) {
+    assumed_feet_[fmt::format("{:.3g} m, from what they look like", foot->radius)].push_back(body.name);
+    return *foot;
+  }
+  if (auto foot = find_foot_link(parsed_, body_index)) {
+    assumed_feet_[fmt::format("{:.3g} m, at the origins of links fixed to them", foot->radius)].push_back(
+        body.name);
+    return *foot;
+  }
+  throw ConfigError(robot_.source, fmt::format("link '{}'", body.name),
+                    "a collision shape to find the foot by, a visual one, a link fixed to it, or `foot` in a "
+                    "robot.yaml",
+                    "none");
 }
 
 void RobotBuilder::read_foot(const YamlValue& value, Leg leg) {

@@ -57,7 +57,7 @@ void RobotBuilder::read_heights_and_home() {
 
 void RobotBuilder::infer_home(bool has_height) {
   for (const LegModel& leg : *robot_.legs) {
-    if (leg.linkage != LegLinkage::kSerial) static_cast<void>(yaml_->at("home"));  // throws
+    if (leg.linkage == LegLinkage::kFiveBar) static_cast<void>(yaml_->at("home"));  // throws
   }
   double length = 0;
   for (const Leg leg : kLegs) length += leg_lengths(robot_, leg).sum() / kLegCount;
@@ -76,7 +76,7 @@ bool RobotBuilder::take_home_of_file() {
   JointVector q = JointVector::Zero(robot_.joint_count());
   for (int i = 0; i < robot_.joint_count(); ++i) q[i] = parsed_.home.at(joint(i).name);
   const bool is_serial = std::all_of(robot_.legs->begin(), robot_.legs->end(),
-                                     [](const LegModel& leg) { return leg.linkage == LegLinkage::kSerial; });
+                                     [](const LegModel& leg) { return leg.linkage != LegLinkage::kFiveBar; });
   const std::string problem = is_serial ? problem_with_stance(robot_, q) : "";
   if (!problem.empty()) {
     report_.warnings.push_back(
@@ -143,7 +143,7 @@ double RobotBuilder::home_depth() const {
   double depth = 0;
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot_.legs)[leg];
-    const int hip = model.joint(model.linkage == LegLinkage::kSerial ? "hip" : "shoulder_left");
+    const int hip = model.joint(model.linkage == LegLinkage::kFiveBar ? "shoulder_left" : "hip");
     depth +=
         (poses[static_cast<std::size_t>(hip) + 1].translation().z() - foot_position(robot_, leg, poses).z()) /
         kLegCount;

@@ -6,31 +6,61 @@
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/robot_files/inference/leg_roles.h"
 #include "physics/robot_files/robot_builder.h"
 
 namespace crossgait {
 
 void RobotBuilder::read_frame_and_legs() {
   const auto legs = find("legs"), frame = find("frame"), locked = find("locked");
+  if (frame) report_.R_BA = read_frame(*frame);
+  if (locked) lock(read_locked(*locked));
   LegSearch search;
-  if (!legs) search = find_legs(parsed_, robot_.source, report_.inferred, report_.warnings);
-  if (frame) search.R_BA = read_frame(*frame);
-  if (locked) {
-    search.locked.clear();
-    for (const YamlValue& joint : locked->items()) {
-      static_cast<void>(moved_body(joint, joint.text()));
-      search.locked.insert(joint.text());
-    }
+  if (!legs) {
+    search = find_legs(parsed_, robot_.source, frame ? std::optional(report_.R_BA) : std::nullopt,
+                       report_.inferred, report_.warnings);
+    report_.R_BA = search.R_BA;
+    // Who says what is locked says it of all joints but those that a leg has beyond its roles.
+    if (locked) search.locked.clear();
+    for (const FoundChain& leg : search.legs) search.locked.insert(leg.held.begin(), leg.held.end());
+    lock(search.locked);
   }
-  parsed_ = lock_joints(std::move(parsed_), search.locked);
-  if (!search.R_BA.isIdentity(0)) parsed_ = turn_base(std::move(parsed_), search.R_BA);
-  report_.locked = std::move(search.locked);
-  report_.R_BA = search.R_BA;
+  if (!report_.R_BA.isIdentity(0)) parsed_ = turn_base(std::move(parsed_), report_.R_BA);
   if (legs) {
     read_legs(*legs);
   } else {
     take_legs(search.legs);
   }
+}
+
+std::map<std::string, double> RobotBuilder::read_locked(const YamlValue& locked) const {
+  std::map<std::string, double> joints;
+  if (locked.is_mapping()) {
+    for (const auto& [joint, angle] : locked.entries()) {
+      const Joint& limits = parsed_.bodies[static_cast<std::size_t>(moved_body(angle, joint))].joint;
+      joints[joint] = angle.number();
+      if (!(joints[joint] >= limits.lower && joints[joint] <= limits.upper))
+        angle.fail(fmt::format("an angle in {:.4g}..{:.4g} rad", limits.lower, limits.upper),
+                   fmt::format("{}", joints[joint]));
+    }
+    return joints;
+  }
+  for (const YamlValue& joint : locked.items()) {
+    const int body = moved_body(joint, joint.text());
+    joints[joint.text()] = held_angle(parsed_, parsed_.bodies[static_cast<std::size_t>(body)].joint);
+  }
+  return joints;
+}
+
+void RobotBuilder::lock(const std::map<std::string, double>& joints) {
+  for (const auto& [joint, angle] : joints) {
+    const int body = moved_body(joint);
+    const std::string& link = parsed_.bodies[static_cast<std::size_t>(body)].name;
+    if (const auto wheel = wheel_of(parsed_, body))
+      wheels_[link] = {joint, link, wheel->centre, wheel->radius};
+  }
+  parsed_ = lock_joints(std::move(parsed_), joints);
+  report_.locked.insert(joints.begin(), joints.end());
 }
 
 Matrix3 RobotBuilder::read_frame(const YamlValue& frame) {
@@ -61,15 +91,22 @@ int RobotBuilder::moved_body(const YamlValue& value, const std::string& joint) c
   return body;
 }
 
-void RobotBuilder::take_legs(const LegArray<LegChain>& chains) {
+void RobotBuilder::take_legs(const LegArray<FoundChain>& chains) {
   LegArray<std::vector<int>> bodies;
   LegArray<LegModel> models;
   for (const Leg leg : kLegs) {
-    models[leg].linkage = LegLinkage::kSerial;
-    models[leg].servos.resize(chains[leg].size(), -1);
-    for (const std::string& joint : chains[leg]) bodies[leg].push_back(moved_body(joint));
+    models[leg].linkage = chains[leg].linkage;
+    models[leg].servos.resize(chains[leg].joints.size(), -1);
+    for (const std::string& joint : chains[leg].joints) bodies[leg].push_back(moved_body(joint));
   }
   order_bodies(std::move(models), bodies);
+}
+
+bool RobotBuilder::is_hip_first(const YamlValue& leg) const {
+  const auto abduction = leg.find("abduction"), hip = leg.find("hip");
+  if (!abduction || !hip) return false;
+  const int body = moved_body(*abduction, abduction->text());
+  return parsed_.bodies[static_cast<std::size_t>(body)].parent == moved_body(*hip, hip->text());
 }
 
 void RobotBuilder::read_legs(const YamlValue& legs) {
@@ -88,6 +125,7 @@ void RobotBuilder::read_legs(const YamlValue& legs) {
       values.allow_keys({"abduction", "hip", "knee", "foot"});
       model.linkage = LegLinkage::kSerial;
       model.servos.resize(values.find("abduction") ? 3 : 2, -1);
+      if (is_hip_first(values)) model.linkage = LegLinkage::kHipFirst;
     }
     for (const LegRole& role : model.roles()) {
       const YamlValue value = values.at(role.name);

@@ -1,6 +1,7 @@
 // Which files a robot is made of: a robot.yaml and the file that it names, or a file with or without one.
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -85,7 +86,15 @@ std::optional<YamlValue> yaml_beside(const std::string& path) {
   return root;
 }
 
+std::atomic<ServoSource>& source_of_servos() {
+  static std::atomic<ServoSource> source = ServoSource::kFile;
+  return source;
+}
+
 }  // namespace
+
+ServoSource servo_source() noexcept { return source_of_servos(); }
+void set_servo_source(ServoSource source) noexcept { source_of_servos() = source; }
 
 LoadedRobot load_robot_with_report(const std::string& path, ServoSource servos) {
   const fs::path file(path);

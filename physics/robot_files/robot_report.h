@@ -14,10 +14,10 @@ namespace crossgait {
 
 struct RobotReport {
   std::vector<Inference> inferred;
-  std::vector<std::string> warnings;   ///< of the reader and of the inference, each once
-  std::string file;                    ///< of one of the formats (robot_formats.h)
-  std::set<std::string> locked;        ///< joints held at zero
-  Matrix3 R_BA = Matrix3::Identity();  ///< columns: forward, left and up in the file's base frame
+  std::vector<std::string> warnings;     ///< of the reader and of the inference, each once
+  std::string file;                      ///< of one of the formats (robot_formats.h)
+  std::map<std::string, double> locked;  ///< joints that are held, and at which angle, rad
+  Matrix3 R_BA = Matrix3::Identity();    ///< columns: forward, left and up in the file's base frame
   /// Joints with the numbers of the robot's file alone, by name; 0 is not given.
   std::map<std::string, Joint> joints_of_file;
   /// Why a joint has a number that it has, by joint and number (joint_numbers.h); of those that are not there
@@ -38,8 +38,13 @@ enum class ServoSource {
   kRule,  ///< the rule (servo_rule), whatever they say. Torque limits stay theirs
 };
 
+/// Where robots have their gains from unless who reads them says: `kFile` until it is set, once, by a program
+/// before it reads any (`--servos`).
+ServoSource servo_source() noexcept;
+void set_servo_source(ServoSource source) noexcept;
+
 /// As `load_robot`, with what was inferred and why.
-LoadedRobot load_robot_with_report(const std::string& path, ServoSource servos = ServoSource::kFile);
+LoadedRobot load_robot_with_report(const std::string& path, ServoSource servos = servo_source());
 
 /// The whole robot.yaml: with it beside the robot's file nothing is inferred, and the robot is the same but
 /// for rounding in the 17th digit. @param file  what the key of its format says

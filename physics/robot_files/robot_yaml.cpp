@@ -119,8 +119,9 @@ std::string to_yaml(const LoadedRobot& loaded, const std::string& file) {
   out += fmt::format("frame: {{forward: {}, up: {}}}  # in the base frame of that file\n",
                      yaml_vector(report.R_BA.col(0)), yaml_vector(report.R_BA.col(2)));
   std::vector<std::string> locked;
-  for (const std::string& joint : report.locked) locked.push_back(yaml_quoted(joint));
-  out += fmt::format("locked: [{}]  # joints held at zero\n", fmt::join(locked, ", "));
+  for (const auto& [joint, angle] : report.locked)
+    locked.push_back(fmt::format("{}: {}", yaml_quoted(joint), angle));
+  out += fmt::format("locked: {{{}}}  # joints that are held, rad\n", fmt::join(locked, ", "));
   if (!robot.contact.is_empty()) out += fmt::format("contact: {}\n", yaml_of(robot.contact));
   out += yaml_joints(robot) + yaml_softness("friction_softness", robot.friction_softness) + yaml_legs(robot) +
          yaml_loops(robot) + yaml_home(robot);

@@ -114,6 +114,8 @@ std::vector<Case> cases() {
       {"ik", "ik --robot serial_quadruped --target 0,0,-.3"},
       {"robots", "robots serial_quadruped"},
       {"robots", "robots serial_quadruped --check"},
+      {"robots", "robots serial_quadruped --against scara_quadruped"},
+      {"stand", "stand --robot serial_quadruped --seconds .5"},
       {"gait", "gait --list"},
       {"gait", "gait --parameters"},
       {"gait", "gait --seconds .1"},

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -8,16 +7,19 @@
 #include <fmt/format.h>
 
 #include "physics/core/across_axis.h"
-#include "physics/core/error.h"
 #include "physics/robot_files/inference/robot_inference.h"
+#include "physics/robot_files/inference/shape_outline.h"
+#include "physics/robot_files/mesh/mesh_vertices.h"
 
 namespace crossgait {
 namespace {
 
-constexpr double kTip = 0.1;          // of the way from the knee: how much of a mesh's end is its tip
-constexpr double kRoundness = 0.12;   // of a sphere's radius: largest RMS distance of a mesh's tip from it
-constexpr double kLargestFoot = 0.2;  // of the way from the knee: a larger sphere is no foot
-constexpr double kSmallFoot = 0.05;   // likewise, radius of a foot whose shape says nothing
+constexpr double kTip = 0.1;           // of the way from the knee: how much of a mesh's end is its tip
+constexpr double kRoundness = 0.12;    // of a sphere's radius: largest RMS distance of a mesh's tip from it
+constexpr double kLargestFoot = 0.2;   // of the way from the knee: a larger sphere is no foot
+constexpr double kSmallFoot = 0.05;    // likewise, radius of a foot whose shape says nothing
+constexpr double kFarHalf = 0.5;       // likewise: a round nearer than that is the knee's, and no foot
+constexpr double kAcrossTheLeg = 0.9;  // cosine: a cylinder about the knee's axis
 
 struct Ball {
   Vector3 centre;
@@ -46,32 +48,8 @@ std::optional<Ball> fit_ball(const std::vector<Vector3>& points) {
   return rms < kRoundness * ball.radius ? std::optional(ball) : std::nullopt;
 }
 
-/// The ends of a cylinder's axis, or of a capsule's, in the body's frame.
-std::array<Vector3, 2> ends(const CollisionShape& shape) {
-  return {shape.X_BG * Vector3(0, 0, -shape.size[1]), shape.X_BG * Vector3(0, 0, shape.size[1])};
-}
-
-/// Points of a shape among which is its farthest from anywhere: a mesh's or hull's vertices, a box's corners,
-/// the ends of a cylinder's axis (a foot touches with its middle).
-std::vector<Vector3> outline(const ParsedRobot& robot, const CollisionShape& shape) {
-  if (const auto mesh = robot.mesh_vertices.find(shape.name); mesh != robot.mesh_vertices.end())
-    return mesh->second;
-  std::vector<Vector3> points;
-  if (shape.type == ShapeType::kCylinder || shape.type == ShapeType::kCapsule) {
-    for (const Vector3& end : ends(shape)) points.push_back(end);
-  } else if (shape.type == ShapeType::kHull) {
-    for (const Vector3& vertex : shape.vertices) points.push_back(shape.X_BG * vertex);
-  } else {
-    for (int corner = 0; corner < 8; ++corner) {
-      const auto sign = [corner](int bit) { return (corner >> bit & 1) != 0 ? 1.0 : -1.0; };
-      points.push_back(shape.X_BG * Vector3(sign(0), sign(1), sign(2)).cwiseProduct(shape.size));
-    }
-  }
-  return points;
-}
-
 /// The foot of a link without a collision sphere, from what is farthest along it.
-FootPlace foot_at_the_tip(const std::vector<Vector3>& points, const Vector3& axis, std::string& reason) {
+FootPlace foot_at_the_tip(const std::vector<Vector3>& points, const Vector3& axis) {
   const auto along = [&axis](const Vector3& p) { return across(p, axis).norm(); };
   const Vector3 farthest = *std::max_element(
       points.begin(), points.end(), [&](const auto& a, const auto& b) { return along(a) < along(b); });
@@ -82,15 +60,14 @@ FootPlace foot_at_the_tip(const std::vector<Vector3>& points, const Vector3& axi
     if (down.dot(p) > (1 - kTip) * reach) tip.push_back(p);
   }
   if (const auto ball = fit_ball(tip); ball && ball->radius < kLargestFoot * reach) {
-    reason = "no collision sphere: the one through the mesh's vertices at its tip";
-    return {ball->centre, ball->radius, -1};
+    return {ball->centre, ball->radius, -1, "no sphere: the one through the mesh's vertices at its tip"};
   }
   // In the middle of the tip, not at its corner.
   Vector3 middle = Vector3::Zero();
   for (const Vector3& p : tip) middle += p / static_cast<double>(tip.size());
   const double radius = kSmallFoot * reach;
-  reason = "no collision sphere, and no round tip: a small one at the end";
-  return {middle + (reach - radius - down.dot(middle)) * down, radius, -1};
+  return {middle + (reach - radius - down.dot(middle)) * down, radius, -1,
+          "no sphere, and no round tip: a small one at the end"};
 }
 
 /// From a point of its body to a box, cylinder or capsule, m; 0 inside. To a hull: to the nearest vertex.
@@ -114,17 +91,15 @@ double distance_to(const CollisionShape& shape, const Vector3& p_B) {
 
 }  // namespace
 
-FootPlace find_foot(const ParsedRobot& robot, int body_index, Leg leg, const std::string& source,
-                    std::vector<Inference>& inferred) {
-  const Body& body = robot.bodies[static_cast<std::size_t>(body_index)];
-  FootPlace foot, capsule_end;
-  double farthest = -1, farthest_end = -1;
+std::optional<FootPlace> find_foot(const ParsedRobot& robot, const Body& body) {
+  FootPlace foot, round_end;
+  double farthest = -1, farthest_end = -1, reach = 0;
   const auto take_if_farther = [&](const Vector3& p, double radius, int shape, FootPlace& place,
                                    double& most) {
     const double distance = across(p, body.joint.axis).norm();
     if (distance <= most) return;
     most = distance;
-    place = {p, radius, shape};
+    place.p_BF = p, place.radius = radius, place.shape = shape;
   };
   std::vector<Vector3> points;
   for (std::size_t i = 0; i < body.shapes.size(); ++i) {
@@ -133,30 +108,74 @@ FootPlace find_foot(const ParsedRobot& robot, int body_index, Leg leg, const std
       take_if_farther(shape.X_BG.translation(), shape.size[0], static_cast<int>(i), foot, farthest);
       continue;
     }
-    if (shape.type == ShapeType::kCapsule && robot.mesh_vertices.count(shape.name) == 0) {
-      for (const Vector3& end : ends(shape))
-        take_if_farther(end, shape.size[0], -1, capsule_end, farthest_end);
+    const bool is_mesh = robot.mesh_vertices.contains(shape.name);
+    if (shape.type == ShapeType::kCapsule && !is_mesh) {
+      for (const Vector3& end : ends_of(shape))
+        take_if_farther(end, shape.size[0], -1, round_end, farthest_end);
     }
-    const std::vector<Vector3> more = outline(robot, shape);
+    if (shape.type == ShapeType::kCylinder && !is_mesh &&
+        std::abs(shape.X_BG.linear().col(2).dot(body.joint.axis)) > kAcrossTheLeg)
+      take_if_farther(shape.X_BG.translation(), shape.size[0], -1, round_end, farthest_end);
+    const std::vector<Vector3> more = outline_of(robot, shape);
+    for (const Vector3& p : more) reach = std::max(reach, across(p, body.joint.axis).norm());
     points.insert(points.end(), more.begin(), more.end());
   }
-  std::string reason = "the collision sphere farthest from the knee";
-  if (farthest < 0 && farthest_end >= 0) {
-    foot = capsule_end;
-    reason = "no collision sphere: the end of the capsule farthest from the knee";
-  } else if (farthest < 0) {
-    if (points.empty()) {
-      throw ConfigError(source, fmt::format("link '{}'", body.name),
-                        "a collision shape to find the foot by, or `foot` in a robot.yaml", "none");
-    }
-    foot = foot_at_the_tip(points, body.joint.axis, reason);
+  if (farthest >= 0) {
+    foot.reason = "sphere farthest from the knee";
+    return foot;
   }
-  const Vector3& p = foot.p_BF;
-  inferred.push_back({fmt::format("legs.{}.foot", name(leg)),
-                      fmt::format("sphere of radius {:.4g} m at ({:.4g}, {:.4g}, {:.4g}) m of '{}'",
-                                  foot.radius, p.x(), p.y(), p.z(), body.name),
-                      reason});
+  if (farthest_end > kFarHalf * reach) {
+    round_end.reason =
+        "no sphere: the end of the capsule, or the round that lies across, farthest from the knee";
+    return round_end;
+  }
+  if (points.empty() || !(reach > 0)) return std::nullopt;
+  return foot_at_the_tip(points, body.joint.axis);
+}
+
+std::optional<FootPlace> find_seen_foot(const Body& body) {
+  ParsedRobot seen;
+  Body looks = body;
+  looks.shapes.clear();
+  for (std::size_t i = 0; i < body.visuals.size(); ++i) {
+    const VisualShape& visual = body.visuals[i];
+    CollisionShape shape;
+    shape.name = std::to_string(i);
+    shape.size = visual.size;
+    shape.X_BG = visual.X_BG;
+    if (visual.type == VisualType::kMesh) {
+      if (!is_mesh_format(visual.mesh)) continue;
+      std::vector<Vector3> vertices = read_mesh_vertices(visual.mesh);
+      for (Vector3& vertex : vertices) vertex = visual.X_BG * vertex.cwiseProduct(visual.scale);
+      shape.type = ShapeType::kHull;
+      seen.mesh_vertices[shape.name] = std::move(vertices);
+    } else {
+      shape.type = visual.type == VisualType::kSphere     ? ShapeType::kSphere
+                   : visual.type == VisualType::kBox      ? ShapeType::kBox
+                   : visual.type == VisualType::kCylinder ? ShapeType::kCylinder
+                                                          : ShapeType::kCapsule;
+    }
+    looks.shapes.push_back(std::move(shape));
+  }
+  std::optional<FootPlace> foot = find_foot(seen, looks);
+  if (foot) foot->shape = -1;  // it does not touch: there is none yet
   return foot;
+}
+
+std::optional<FootPlace> find_foot_link(const ParsedRobot& robot, int body_index) {
+  const Body& body = robot.bodies[static_cast<std::size_t>(body_index)];
+  FootPlace foot;
+  double farthest = 0;
+  for (const auto& [name, link] : robot.links) {
+    const double distance = across(link.X_BL.translation(), body.joint.axis).norm();
+    if (link.body != body_index || distance <= farthest) continue;
+    farthest = distance;
+    foot.p_BF = link.X_BL.translation();
+    foot.radius = kSmallFoot * distance;
+    foot.reason = fmt::format(
+        "no shape: the origin of '{}', the link fixed to it that is farthest from the knee", name);
+  }
+  return farthest > 0 ? std::optional(foot) : std::nullopt;
 }
 
 std::size_t leave_out_around(const ParsedRobot& urdf, const Vector3& p_BF, double radius, Body& body) {

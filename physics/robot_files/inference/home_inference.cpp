@@ -45,16 +45,7 @@ std::optional<double> within(double angle, const Joint& joint) {
 class PlanarLeg {
  public:
   PlanarLeg(const RobotDescription& robot, Leg leg) : robot_(robot), model_((*robot.legs)[leg]) {
-    if (const int abduction = model_.joint("abduction"); abduction >= 0) {
-      const Joint& joint = robot.joint(abduction);
-      const Body& base = body(abduction);
-      const Vector3 hip_axis = base.X_PB.linear() * body(hip()).X_PB.linear() * robot.joint(hip()).axis;
-      abduction_ =
-          std::clamp(levelling_angle(base.X_PB.linear() * joint.axis, hip_axis), joint.lower, joint.upper);
-      X_ = base.X_PB * Eigen::AngleAxisd(abduction_, joint.axis);
-    }
-    X_ = X_ * body(hip()).X_PB;
-    const Pose X_knee = X_ * body(knee()).X_PB;
+    const Pose X_knee = model_.linkage == LegLinkage::kHipFirst ? place_hip_first() : place_abduction_first();
     axis_ = X_.linear() * robot.joint(hip()).axis;
     hip_sign_ = axis_.y() < 0 ? -1 : 1;  // about the axis that points left
     axis_ *= hip_sign_;
@@ -80,10 +71,41 @@ class PlanarLeg {
     const auto knee_angle = within(knee_sign_ * turned, robot_.joint(knee()));
     if (!hip_angle || !knee_angle) return std::nullopt;
     if (model_.servos.size() == 2) return std::vector<double>{*hip_angle, *knee_angle};
+    if (model_.linkage == LegLinkage::kHipFirst)
+      return std::vector<double>{*hip_angle, abduction_, *knee_angle};
     return std::vector<double>{abduction_, *hip_angle, *knee_angle};
   }
 
  private:
+  /// Levels the hip's axis by the abduction before it. @returns the knee's frame in the base
+  Pose place_abduction_first() {
+    if (const int abduction = model_.joint("abduction"); abduction >= 0) {
+      const Joint& joint = robot_.joint(abduction);
+      const Body& base = body(abduction);
+      const Vector3 hip_axis = base.X_PB.linear() * body(hip()).X_PB.linear() * robot_.joint(hip()).axis;
+      abduction_ =
+          std::clamp(levelling_angle(base.X_PB.linear() * joint.axis, hip_axis), joint.lower, joint.upper);
+      X_ = base.X_PB * Eigen::AngleAxisd(abduction_, joint.axis);
+    }
+    X_ = X_ * body(hip()).X_PB;
+    return X_ * body(knee()).X_PB;
+  }
+
+  /// Brings the knee's axis along the hip's, as near as it gets, by the abduction between them: then both
+  /// move the foot in one plane. @returns the knee's frame in the base
+  Pose place_hip_first() {
+    const int abduction = model_.joint("abduction");
+    const Joint& joint = robot_.joint(abduction);
+    X_ = body(hip()).X_PB;
+    const Pose X_abduction = body(abduction).X_PB, &X_knee = body(knee()).X_PB;
+    const Vector3 hip_axis = across(X_abduction.linear().transpose() * robot_.joint(hip()).axis, joint.axis);
+    const Vector3 knee_axis = across(X_knee.linear() * robot_.joint(knee()).axis, joint.axis);
+    const double one = turn_between(knee_axis, hip_axis, joint.axis);
+    const double other = turn_between(knee_axis, -hip_axis, joint.axis);
+    abduction_ = std::clamp(std::abs(one) < std::abs(other) ? one : other, joint.lower, joint.upper);
+    return X_ * X_abduction * Eigen::AngleAxisd(abduction_, joint.axis) * X_knee;
+  }
+
   int hip() const { return model_.joint("hip"); }
   int knee() const { return model_.joint("knee"); }
   const Body& body(int joint) const { return robot_.bodies[static_cast<std::size_t>(joint) + 1]; }

@@ -1,211 +1,263 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <functional>
 #include <optional>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "physics/core/error.h"
+#include "physics/robot_files/inference/leg_frame.h"
+#include "physics/robot_files/inference/leg_roles.h"
+#include "physics/robot_files/inference/leg_tree.h"
 #include "physics/robot_files/inference/robot_inference.h"
 
 namespace crossgait {
 namespace {
 
-// Axes this near to a direction count as along it: files written with two or three decimals are.
-constexpr double kAxisRounding = 0.02;
-constexpr std::size_t kMostServos = 3;
+// Directions (cosines) that differ by less are alike: legs of one robot may be written by hand, or mirrored.
+constexpr double kAlike = 0.1;
 
-struct Branch {
-  std::vector<int> bodies;  // in the file's order: the first hangs on the base
-  int tips = 0;
-  std::vector<std::array<int, 3>> axes;  // |axis| in the base frame at zero angles, rounded
+using Chains = std::vector<JointChain>;
+using AreAlike = std::function<bool(const JointChain&, const JointChain&)>;
+
+/// What tells two chains with equally many joints apart: the largest difference of the angles between their
+/// axes, and between which joints it is.
+struct Unlikeness {
+  double most = 0;
+  std::size_t i = 0, j = 0;
+  double angle_a = 0, angle_b = 0;  // rad
 };
 
-class Tree {
- public:
-  explicit Tree(const ParsedRobot& robot) : robot_(robot), poses_(robot.bodies.size(), Pose::Identity()) {
-    for (std::size_t i = 1; i < robot.bodies.size(); ++i)
-      poses_[i] = poses_[static_cast<std::size_t>(robot.bodies[i].parent)] * robot.bodies[i].X_PB;
-  }
-
-  const Body& body(int i) const { return robot_.bodies[static_cast<std::size_t>(i)]; }
-  Vector3 origin(int i) const { return poses_[static_cast<std::size_t>(i)].translation(); }
-  Vector3 axis(int i) const { return poses_[static_cast<std::size_t>(i)].linear() * body(i).joint.axis; }
-
-  std::vector<Branch> branches() const {
-    std::vector<Branch> all;
-    std::vector<int> of(robot_.bodies.size(), -1);  // the branch that each body belongs to
-    for (std::size_t i = 1; i < robot_.bodies.size(); ++i) {
-      const auto parent = static_cast<std::size_t>(robot_.bodies[i].parent);
-      if (parent == 0) {
-        of[i] = static_cast<int>(all.size());
-        all.emplace_back();
-      } else {
-        of[i] = of[parent];
-      }
-      Branch& branch = all[static_cast<std::size_t>(of[i])];
-      const auto index = static_cast<int>(i);
-      branch.bodies.push_back(index);
-      const Vector3 a = axis(index).cwiseAbs();
-      const auto rounded = [](double v) { return static_cast<int>(std::lround(10 * v)); };
-      branch.axes.push_back({rounded(a.x()), rounded(a.y()), rounded(a.z())});
-      const bool has_child = std::any_of(robot_.bodies.begin(), robot_.bodies.end(),
-                                         [index](const Body& other) { return other.parent == index; });
-      branch.tips += !has_child;
+Unlikeness unlikeness(const JointTree& tree, const std::vector<int>& a, const std::vector<int>& b) {
+  Unlikeness found;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = i + 1; j < a.size(); ++j) {
+      const auto cosine = [&](const std::vector<int>& chain) {
+        return std::min(1.0, std::abs(tree.axis(chain[i]).dot(tree.axis(chain[j]))));
+      };
+      const double of_a = cosine(a), of_b = cosine(b), difference = std::abs(of_a - of_b);
+      if (difference >= found.most) found = {difference, i, j, std::acos(of_a), std::acos(of_b)};
     }
-    return all;
+  }
+  return found;
+}
+
+bool have_one_shape(const JointChain& a, const JointChain& b) {
+  return a.bodies.size() == b.bodies.size() && a.tips == b.tips;
+}
+
+std::vector<Chains> groups_of(const Chains& chains, const AreAlike& are_alike) {
+  std::vector<Chains> groups;
+  for (const JointChain& chain : chains) {
+    const auto group =
+        std::ranges::find_if(groups, [&](const Chains& other) { return are_alike(other.front(), chain); });
+    group == groups.end() ? groups.push_back({chain}) : group->push_back(chain);
+  }
+  std::ranges::stable_sort(groups, [](const Chains& a, const Chains& b) {
+    return a.front().bodies.size() > b.front().bodies.size();
+  });
+  return groups;
+}
+
+Vector3 normal_of(const JointTree& tree, const Chains& chains) {
+  std::vector<int> hips;
+  for (const JointChain& chain : chains) hips.push_back(chain.bodies.front());
+  return normal_of_hips(tree, hips);
+}
+
+class LegFinder {
+ public:
+  LegFinder(const JointTree& tree, const std::string& source)
+      : tree_(tree), source_(source), branches_(tree.branches()), ends_(tree.ends()) {}
+
+  FoundLegs find() const {
+    refuse_eight_chains();
+    const AreAlike by_directions = [this](const JointChain& a, const JointChain& b) {
+      return have_one_shape(a, b) && point_alike(a, b);
+    };
+    const AreAlike by_angles = [this](const JointChain& a, const JointChain& b) {
+      return have_one_shape(a, b) && unlikeness(tree_, a.bodies, b.bodies).most < kAlike;
+    };
+    if (const auto legs = first_four(groups_of(branches_, by_directions))) return *legs;
+    if (const auto legs = first_four(groups_of(branches_, by_angles))) return *legs;
+    // Legs in pairs on a spine: what hangs on no more than two bodies.
+    if (const auto legs = first_four(groups_of(ends_, by_angles))) return *legs;
+    if (const auto legs = first_four(groups_of(ends_, alike_in_their_roles()))) return *legs;
+    refuse(groups_of(branches_, by_directions));
   }
 
  private:
-  const ParsedRobot& robot_;
-  std::vector<Pose> poses_;
+  bool point_alike(const JointChain& a, const JointChain& b) const {
+    for (std::size_t i = 0; i < a.bodies.size(); ++i) {
+      const Vector3 difference = tree_.axis(a.bodies[i]).cwiseAbs() - tree_.axis(b.bodies[i]).cwiseAbs();
+      if (difference.cwiseAbs().maxCoeff() > kAlike) return false;
+    }
+    return true;
+  }
+
+  /// Two legs with an ankle and two without are alike in the joints that have a role.
+  AreAlike alike_in_their_roles() const {
+    const Vector3 up = normal_of(tree_, ends_);
+    return [this, up](const JointChain& a, const JointChain& b) {
+      const auto of_a = roles_of(tree_, a, up), of_b = roles_of(tree_, b, up);
+      return of_a && of_b && of_a->linkage == of_b->linkage && of_a->servos.size() == of_b->servos.size() &&
+             unlikeness(tree_, of_a->servos, of_b->servos).most < kAlike;
+    };
+  }
+
+  std::optional<FoundLegs> first_four(const std::vector<Chains>& groups) const {
+    for (const Chains& group : groups) {
+      if (group.size() != kLegCount) continue;
+      if (const auto legs = legs_of(group)) return legs;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<FoundLegs> legs_of(const Chains& four) const {
+    const Vector3 up = normal_of(tree_, four);
+    FoundLegs legs;
+    std::set<int> parents;
+    for (std::size_t i = 0; i < four.size(); ++i) {
+      const auto joints = four[i].tips == 1 ? roles_of(tree_, four[i], up) : std::nullopt;
+      if (!joints) return std::nullopt;
+      parents.insert(four[i].parent);
+      legs[i] = {four[i], *joints};
+    }
+    return parents.size() <= 2 ? std::optional(legs) : std::nullopt;
+  }
+
+  const std::string& first_joint(const JointChain& chain) const {
+    return tree_.joint(chain.bodies.front()).name;
+  }
+
+  void refuse_eight_chains() const {
+    const auto pairs = std::ranges::count_if(
+        branches_, [](const JointChain& b) { return b.bodies.size() == 2 && b.tips == 1; });
+    if (pairs != 2 * kLegCount) return;
+    throw ConfigError(source_, "legs",
+                      "in a robot.yaml beside it `legs` (tilt, shoulder_left, shoulder_right, elbow_left, "
+                      "elbow_right, foot) and `loops` (models/README.md)",
+                      "eight chains of two joints, of which no one can tell how they make four legs");
+  }
+
+  [[noreturn]] void refuse(const std::vector<Chains>& groups) const {
+    for (const Chains& group : groups) {
+      if (group.size() != kLegCount) continue;
+      const JointChain& leg = group.front();
+      const std::string element = fmt::format("legs, from '{}'", first_joint(leg));
+      if (leg.tips != 1) throw ConfigError(source_, element, "chains", "legs that branch");
+      const std::size_t joints = leg.bodies.size();
+      throw ConfigError(source_, element,
+                        "2 or 3 moving joints in each: (abduction,) hip, knee, the last two about parallel "
+                        "axes; and at most two more, to be held",
+                        joints == 2 || joints == 3 ? fmt::format("{}, of which no two are parallel", joints)
+                                                   : std::to_string(joints));
+    }
+    throw ConfigError(source_, "legs",
+                      "four branches of the base that are alike, or a robot.yaml that names them", listed());
+  }
+
+  std::string listed() const {
+    std::vector<std::string> texts;
+    for (const JointChain& b : branches_)
+      texts.push_back(fmt::format("{} joint{} from '{}'", b.bodies.size(), b.bodies.size() == 1 ? "" : "s",
+                                  first_joint(b)));
+    if (texts.empty()) return "none that moves";
+    return fmt::format("{}{}", fmt::join(texts, ", "), what_is_unlike());
+  }
+
+  /// Of three branches or more with equally many joints, where one differs.
+  std::string what_is_unlike() const {
+    for (const Chains& same : groups_of(branches_, have_one_shape)) {
+      if (same.size() < kLegCount - 1 || same.front().tips != 1 || same.front().bodies.size() < 2) continue;
+      for (const JointChain& other : same) {
+        const Unlikeness u = unlikeness(tree_, same.front().bodies, other.bodies);
+        if (u.most < kAlike) continue;
+        return fmt::format("; joints {} and {} from '{}' are at {:.0f} degrees, from '{}' at {:.0f}", u.i + 1,
+                           u.j + 1, first_joint(same.front()), u.angle_a * 180 / M_PI, first_joint(other),
+                           u.angle_b * 180 / M_PI);
+      }
+    }
+    return "";
+  }
+
+  const JointTree& tree_;
+  const std::string& source_;
+  Chains branches_, ends_;
 };
 
-std::string listed(const Tree& tree, const std::vector<Branch>& branches) {
+std::string names_and_angles(const std::map<std::string, double>& joints) {
   std::vector<std::string> texts;
-  for (const Branch& b : branches)
-    texts.push_back(fmt::format("{} joint{} from '{}'", b.bodies.size(), b.bodies.size() == 1 ? "" : "s",
-                                tree.body(b.bodies.front()).joint.name));
-  return texts.empty() ? "none that moves" : fmt::format("{}", fmt::join(texts, ", "));
+  for (const auto& [joint, angle] : joints)
+    texts.push_back(angle == 0 ? joint : fmt::format("{} at {:.3g} rad", joint, angle));
+  return fmt::format("{}", fmt::join(texts, ", "));
 }
 
-/// The four that are alike; of several fours those with most joints.
-std::vector<Branch> four_alike(const Tree& tree, const std::string& source) {
-  const std::vector<Branch> all = tree.branches();
-  std::map<std::tuple<std::size_t, int, std::vector<std::array<int, 3>>>, std::vector<Branch>> groups;
-  for (const Branch& b : all) groups[{b.bodies.size(), b.tips, b.axes}].push_back(b);
-  const std::vector<Branch>* legs = nullptr;
-  for (const auto& [signature, group] : groups) {
-    if (group.size() == 4) legs = &group;  // ascending: the last one has most joints
-    if (group.size() == 8 && group[0].bodies.size() == 2) {
-      throw ConfigError(source, "legs",
-                        "in a robot.yaml beside it `legs` (tilt, shoulder_left, shoulder_right, elbow_left, "
-                        "elbow_right, foot) and `loops` (models/README.md)",
-                        "eight chains of two joints, of which no one can tell how they make four legs");
+void warn_of_held(const LegSearch& search, std::vector<std::string>& warnings) {
+  std::map<std::string, double> wheels, ankles;
+  double radius = 0;
+  for (const Leg leg : kLegs) {
+    for (const auto& [joint, angle] : search.legs[leg].held) {
+      const bool is_wheel = search.legs[leg].wheel && joint == search.legs[leg].wheel->joint;
+      (is_wheel ? wheels : ankles)[joint] = angle;
+      if (is_wheel) radius = search.legs[leg].wheel->radius;
     }
   }
-  if (legs == nullptr) {
-    throw ConfigError(source, "legs",
-                      "four branches of the base that are alike, or a robot.yaml that names them",
-                      listed(tree, all));
-  }
-  const Branch& leg = legs->front();
-  const std::string first = tree.body(leg.bodies.front()).joint.name;
-  if (leg.tips != 1)
-    throw ConfigError(source, fmt::format("legs, from '{}'", first), "chains", "legs that branch");
-  if (leg.bodies.size() < 2 || leg.bodies.size() > kMostServos) {
-    throw ConfigError(source, fmt::format("legs, from '{}'", first),
-                      "2 or 3 moving joints in each: (abduction,) hip, knee",
-                      std::to_string(leg.bodies.size()));
-  }
-  return *legs;
-}
-
-/// Forward, left and up of a robot whose knees turn about `lateral` (the file's base frame).
-Matrix3 frame_of(const Tree& tree, const std::vector<Branch>& legs, std::vector<Inference>& inferred) {
-  const Vector3 lateral = tree.axis(legs.front().bodies.back());
-  if (std::abs(std::abs(lateral.y()) - 1) < kAxisRounding) {
-    inferred.push_back({"frame", "x forward, y left, z up", "knees turn about y, as REP-103 has it"});
-    return Matrix3::Identity();
-  }
-  Vector3 middle = Vector3::Zero(), feet = Vector3::Zero();
-  for (const Branch& leg : legs) {
-    middle += tree.origin(leg.bodies.front()) / 4;
-    feet += tree.origin(leg.bodies.back()) / 4;
-  }
-  Matrix3 spread = Matrix3::Zero();
-  for (const Branch& leg : legs) {
-    Vector3 d = tree.origin(leg.bodies.front()) - middle;
-    d -= d.dot(lateral) * lateral;
-    spread += d * d.transpose();
-  }
-  Vector3 forward = Eigen::SelfAdjointEigenSolver<Matrix3>(spread).eigenvectors().col(2);
-  // Of the two signs that of the file's nearest axis: it cannot be seen.
-  Eigen::Index nearest = 0;
-  forward.cwiseAbs().maxCoeff(&nearest);
-  if (forward[nearest] < 0) forward = -forward;
-  Vector3 left = lateral;
-  if (const Vector3 up = forward.cross(left); up.dot(feet - middle) > 0) left = -left;  // knees hang below
-  Matrix3 R;
-  R << forward, left, forward.cross(left);
-  inferred.push_back(
-      {"frame",
-       fmt::format("forward ({:.2g}, {:.2g}, {:.2g}), up ({:.2g}, {:.2g}, {:.2g})", R(0, 0), R(1, 0), R(2, 0),
-                   R(0, 2), R(1, 2), R(2, 2)),
-       "knees do not turn about y: forward is along the hips' main spread; its sign is a guess"});
-  return R;
-}
-
-/// What a joint's name says of the leg it belongs to: FL, LF, front_left, HL, LH, rear_left...
-std::optional<Leg> leg_in_name(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto has = [&](std::string_view part) { return name.find(part) != std::string::npos; };
-  const bool front = has("front"), rear = has("rear") || has("hind") || has("back");
-  if (front != rear && has("left") != has("right")) {
-    if (front) return has("left") ? Leg::FL : Leg::FR;
-    return has("left") ? Leg::RL : Leg::RR;
-  }
-  static const std::map<std::string_view, Leg> kShort{
-      {"fl", Leg::FL}, {"lf", Leg::FL}, {"fr", Leg::FR}, {"rf", Leg::FR}, {"rl", Leg::RL}, {"lr", Leg::RL},
-      {"hl", Leg::RL}, {"lh", Leg::RL}, {"rr", Leg::RR}, {"hr", Leg::RR}, {"rh", Leg::RR}};
-  const std::string_view begin = std::string_view(name).substr(0, 2);
-  const bool alone =
-      name.size() == 2 || (name.size() > 2 && !std::isalpha(static_cast<unsigned char>(name[2])));
-  const auto known = kShort.find(begin);
-  return alone && known != kShort.end() ? std::optional(known->second) : std::nullopt;
+  if (!wheels.empty())
+    warnings.push_back(
+        fmt::format("wheels do not turn: held are {}, and the feet are spheres of their radius, "
+                    "{:.3g} m",
+                    names_and_angles(wheels), radius));
+  if (!ankles.empty())
+    warnings.push_back(fmt::format("legs have more joints than abduction, hip and knee: held are {}",
+                                   names_and_angles(ankles)));
 }
 
 }  // namespace
 
-LegSearch find_legs(const ParsedRobot& robot, const std::string& source, std::vector<Inference>& inferred,
-                    std::vector<std::string>& warnings) {
-  const Tree tree(robot);
-  const std::vector<Branch> branches = four_alike(tree, source);
+double held_angle(const ParsedRobot& robot, const Joint& joint) {
+  const auto home = robot.home.find(joint.name);
+  return std::clamp(home == robot.home.end() ? 0.0 : home->second, joint.lower, joint.upper);
+}
+
+LegSearch find_legs(const ParsedRobot& robot, const std::string& source, const std::optional<Matrix3>& frame,
+                    std::vector<Inference>& inferred, std::vector<std::string>& warnings) {
+  const JointTree tree(robot);
+  const FoundLegs found = LegFinder(tree, source).find();
+  const PlacedLegs placed = place_legs(tree, found, frame, source, inferred, warnings);
   LegSearch search;
-  search.R_BA = frame_of(tree, branches, inferred);
-  Vector3 middle = Vector3::Zero();
-  const auto place = [&](const Branch& b) {
-    const Vector3 first = tree.origin(b.bodies.front()), knee = tree.origin(b.bodies.back());
-    // Along by where the leg begins, for thighs point ahead or back at zero; across by its plane.
-    const Vector3 p = search.R_BA.transpose() * first;
-    return Vector3(p.x(), (search.R_BA.transpose() * knee).y(), p.z());
-  };
-  for (const Branch& b : branches) middle += place(b) / kLegCount;
+  search.R_BA = placed.R_BA;
   std::set<std::string> used;
-  for (const Branch& b : branches) {
-    const Vector3 p = place(b) - middle;
-    const Leg leg = p.x() > 0 ? (p.y() > 0 ? Leg::FL : Leg::FR) : (p.y() > 0 ? Leg::RL : Leg::RR);
-    if (!search.legs[leg].empty()) {
-      throw ConfigError(source, "legs", "one leg in each quadrant around the middle of the hips",
-                        fmt::format("'{}' and '{}' both {}", search.legs[leg].front(),
-                                    tree.body(b.bodies.front()).joint.name, name(leg)));
-    }
-    for (const int body : b.bodies) {
-      search.legs[leg].push_back(tree.body(body).joint.name);
-      used.insert(search.legs[leg].back());
-    }
-    const std::optional<Leg> named = leg_in_name(search.legs[leg].front());
-    if (named && *named != leg) {
-      warnings.push_back(fmt::format("joint '{}' is named as of {} and stands where {} is",
-                                     search.legs[leg].front(), name(*named), name(leg)));
-    }
-  }
   for (const Leg leg : kLegs) {
-    inferred.push_back({fmt::format("legs.{}", name(leg)),
-                        fmt::format("{}", fmt::join(search.legs[leg], ", ")),
-                        "one of four alike branches of the base, by the quadrant of its hip"});
+    const LegJoints& joints = placed.legs[leg]->joints;
+    FoundChain& chain = search.legs[leg];
+    chain.linkage = joints.linkage;
+    for (const int body : joints.servos) chain.joints.push_back(tree.joint(body).name);
+    used.insert(chain.joints.begin(), chain.joints.end());
+    for (const int body : joints.held) {
+      chain.held[tree.joint(body).name] = held_angle(robot, tree.joint(body));
+      used.insert(tree.joint(body).name);
+    }
+    const int last = placed.legs[leg]->chain.bodies.back();
+    const auto wheel = joints.servos.back() == last ? std::nullopt : wheel_of(robot, last);
+    if (wheel) chain.wheel = {tree.joint(last).name, tree.body(last).name, wheel->centre, wheel->radius};
+    inferred.push_back({fmt::format("legs.{}", name(leg)), fmt::format("{}", fmt::join(chain.joints, ", ")),
+                        chain.linkage == LegLinkage::kHipFirst
+                            ? "one of four alike branches of the base, by the quadrant of its hip; the joint "
+                              "between hip and knee turns it aside"
+                            : "one of four alike branches of the base, by the quadrant of its hip"});
   }
+  warn_of_held(search, warnings);
   for (std::size_t i = 1; i < robot.bodies.size(); ++i) {
-    const std::string& joint = robot.bodies[i].joint.name;
-    if (used.count(joint) == 0) search.locked.insert(joint);
+    const Joint& joint = robot.bodies[i].joint;
+    if (!used.contains(joint.name)) search.locked[joint.name] = held_angle(robot, joint);
   }
   if (!search.locked.empty()) {
     inferred.push_back(
-        {"locked", fmt::format("{}", fmt::join(search.locked, ", ")), "joints of no leg, held at zero"});
+        {"locked", names_and_angles(search.locked),
+         "joints of no leg, held at the file's home pose, else at zero or the limit next to it"});
   }
   return search;
 }

@@ -2,7 +2,8 @@
 // The rules were tried on two dozen real quadrupeds; docs/robots.md has them with what came of each.
 #pragma once
 
-#include <set>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,36 +16,58 @@ struct Inference {
   std::string what, value, reason;
 };
 
-/// The joints of a leg by name, from the base outwards.
-using LegChain = std::vector<std::string>;
+/// The wheel at the end of a leg, which is held.
+struct HeldWheel {
+  std::string joint, link;
+  Vector3 centre = Vector3::Zero();  ///< in the link's frame, m
+  double radius = 0;                 ///< m
+};
+
+/// The joints of a leg by name.
+struct FoundChain {
+  LegLinkage linkage = LegLinkage::kSerial;
+  std::vector<std::string> joints;     ///< those with a role, from the base outwards
+  std::map<std::string, double> held;  ///< the others, and at which angle, rad
+  std::optional<HeldWheel> wheel;
+};
 
 struct LegSearch {
-  LegArray<LegChain> legs;       ///< abduction, hip, knee; or hip, knee
-  std::set<std::string> locked;  ///< every other moving joint
+  LegArray<FoundChain> legs;
+  std::map<std::string, double> locked;  ///< every moving joint of no leg, and at which angle it is held, rad
   /// Columns: forward, left and up of the robot in the file's base frame.
   Matrix3 R_BA = Matrix3::Identity();
 };
 
-/// The legs are the four branches of the base that are alike: as many moving joints, in one chain each, about
-/// axes of as many directions. Which is which follows from where they are.
+/// The legs are the four branches of the base that are alike: as many moving joints, in one chain each, their
+/// axes at the same angles to each other; or four such chains on two bodies, with a spine between them. Roles
+/// follow from axes (leg_roles.h), which leg is which from where they are and what they are called
+/// (leg_frame.h). @param frame  forward, left and up if they are known
 /// @throws ConfigError (naming `source`) that says what was found instead: no four such branches; eight
-///   chains of two joints, of which five-bars are made that only `loops` can say; legs of more than three
-///   joints, or of one; legs that branch; two in one quadrant
-LegSearch find_legs(const ParsedRobot& robot, const std::string& source, std::vector<Inference>& inferred,
-                    std::vector<std::string>& warnings);
+///   chains of two joints, of which five-bars are made that only `loops` can say; legs of too many joints, or
+///   without two parallel ones; legs that branch; two in one quadrant
+LegSearch find_legs(const ParsedRobot& robot, const std::string& source, const std::optional<Matrix3>& frame,
+                    std::vector<Inference>& inferred, std::vector<std::string>& warnings);
+
+/// Where a joint is held that is no servo: at the home pose of the file if that has one, else at zero; within
+/// its limits, rad.
+double held_angle(const ParsedRobot& robot, const Joint& joint);
 
 /// A foot on the last link of a leg.
 struct FootPlace {
   Vector3 p_BF = Vector3::Zero();  ///< centre in the body's frame, m
   double radius = 0;               ///< m
   int shape = -1;                  ///< the collision sphere that it is, or -1: there is none yet
+  std::string reason;
 };
 
 /// The collision sphere farthest from the axis of the body's joint; without one, the end of a capsule that
-/// is; without either, a small sphere at the farthest point of its shapes. @throws ConfigError if the body
-/// has none
-FootPlace find_foot(const ParsedRobot& robot, int body, Leg leg, const std::string& source,
-                    std::vector<Inference>& inferred);
+/// is, or a cylinder across the leg; without these, a small sphere at the farthest point of its shapes.
+/// Nothing without shapes.
+std::optional<FootPlace> find_foot(const ParsedRobot& robot, const Body& body);
+/// The same by what the body looks like.
+std::optional<FootPlace> find_seen_foot(const Body& body);
+/// The origin of the link fixed to a body that is farthest from its joint's axis, and a small radius.
+std::optional<FootPlace> find_foot_link(const ParsedRobot& robot, int body);
 
 /// Removes from a foot's body what would touch the ground along with the foot: meshes, and what lies within a
 /// radius around it. @param urdf  knows which shapes are meshes  @returns how many

@@ -282,7 +282,7 @@ class MjcfTree {
 /// Makes backlash of joints that are the play of the one that they hang on: about the same line, over
 /// hundredths around zero, and driven by nothing. What they move becomes part of what moves them.
 ParsedRobot merge_play(ParsedRobot robot, ReaderWarnings& warnings) {
-  std::set<std::string> play;
+  std::map<std::string, double> play;
   for (std::size_t i = 1; i < robot.bodies.size(); ++i) {
     const Body& body = robot.bodies[i];
     if (body.parent < 1) continue;
@@ -295,7 +295,7 @@ ParsedRobot merge_play(ParsedRobot robot, ReaderWarnings& warnings) {
     if (!one_line || is_driven || !is_range_of_play(joint.lower, joint.upper) ||
         is_range_of_play(driven.lower, driven.upper))
       continue;
-    play.insert(joint.name);
+    play[joint.name] = 0;
     driven.backlash += joint.upper - joint.lower;
     robot.reasons[driven.name]["backlash"] = fmt::format("range of the hinge '{}'", joint.name);
     warnings.count(

@@ -42,7 +42,8 @@ TEST(LockJoints, KeepsWhereLinksAreAndWhatTheyWeighAtZero) {
   const ParsedRobot free = default_robot();
   ParsedRobot with_mesh = free;
   with_mesh.mesh_vertices["FL_foot_collision_0"] = {Vector3::Zero()};
-  const ParsedRobot locked = lock_joints(with_mesh, {"FL_tilt", "FL_elbow_left", "RR_shoulder_right"});
+  const ParsedRobot locked =
+      lock_joints(with_mesh, {{"FL_tilt", 0}, {"FL_elbow_left", 0}, {"RR_shoulder_right", 0}});
   EXPECT_EQ(locked.bodies.size(), free.bodies.size() - 3);
   const auto before = link_poses(free), after = link_poses(locked);
   ASSERT_EQ(before.size(), after.size());

@@ -93,7 +93,7 @@ TEST_F(UrdfVisuals, ThatCannotBeShownAreDroppedAndCounted) {
 
 TEST_F(UrdfVisuals, MoveWithWhatIsLockedOrTurned) {
   const std::string ball = "<visual><geometry><sphere radius='1'/></geometry></visual>";
-  const ParsedRobot locked = lock_joints(read_links(ball, ball, ""), {"j"});
+  const ParsedRobot locked = lock_joints(read_links(ball, ball, ""), {{"j", 0}});
   ASSERT_EQ(locked.bodies.size(), 1U);
   ASSERT_EQ(locked.bodies[0].visuals.size(), 2U);
   EXPECT_EQ(locked.bodies[0].visuals[1].X_BG.translation(), Vector3(1, 0, 0));

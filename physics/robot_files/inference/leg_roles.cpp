@@ -1,0 +1,83 @@
+#include "physics/robot_files/inference/leg_roles.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "physics/core/across_axis.h"
+#include "physics/robot_files/inference/shape_outline.h"
+
+namespace crossgait {
+namespace {
+
+constexpr double kOneDirection = 0.8;  // cosine of the largest angle between axes of one direction
+constexpr double kOffCentre = 0.3;     // of a wheel's radius: its middle off its axis
+constexpr double kWholeTurn = 6.283;   // rad, of limits that are none
+constexpr std::size_t kMostHeld = 2;
+
+bool are_parallel(const Vector3& a, const Vector3& b) { return std::abs(a.dot(b)) > kOneDirection; }
+
+/// The joints of the chain that are parallel to one of them, of most; of equally many those that follow each
+/// other, as hip and knee do and abduction and a rolling ankle do not; else the last ones.
+std::vector<int> in_one_plane(const JointTree& tree, const std::vector<int>& chain) {
+  const auto is_in_a_row = [&](const std::vector<int>& joints) {
+    return joints.size() > 1 && tree.body(joints[1]).parent == joints[0];
+  };
+  std::vector<int> most;
+  for (const int one : chain) {
+    std::vector<int> parallel;
+    std::ranges::copy_if(chain, std::back_inserter(parallel),
+                         [&](int other) { return are_parallel(tree.axis(one), tree.axis(other)); });
+    const bool is_better = parallel.size() == most.size() ? is_in_a_row(parallel) || !is_in_a_row(most)
+                                                          : parallel.size() > most.size();
+    if (is_better) most = std::move(parallel);
+  }
+  return most;
+}
+
+}  // namespace
+
+std::optional<Wheel> wheel_of(const ParsedRobot& robot, int index) {
+  const Body& body = robot.bodies[static_cast<std::size_t>(index)];
+  if (body.joint.upper - body.joint.lower < kWholeTurn) return std::nullopt;
+  Vector3 middle = Vector3::Zero();
+  std::size_t count = 0;
+  for (const CollisionShape& shape : body.shapes) {
+    for (const Vector3& p : outline_of(robot, shape)) middle += (p - middle) / static_cast<double>(++count);
+  }
+  if (count == 0) return std::nullopt;
+  Wheel wheel{middle, 0};
+  for (const CollisionShape& shape : body.shapes) {
+    for (const Vector3& p : outline_of(robot, shape))
+      wheel.radius =
+          std::max(wheel.radius, across(p - middle, body.joint.axis).norm() + rounding_of(robot, shape));
+  }
+  if (across(middle, body.joint.axis).norm() > kOffCentre * wheel.radius) return std::nullopt;
+  return wheel;
+}
+
+std::optional<LegJoints> roles_of(const JointTree& tree, const JointChain& chain, const Vector3& up) {
+  LegJoints leg;
+  std::vector<int> joints = chain.bodies;
+  if (wheel_of(tree.robot(), joints.back())) {
+    leg.held.push_back(joints.back());
+    joints.pop_back();
+  }
+  const std::vector<int> plane = in_one_plane(tree, joints);
+  if (plane.size() < 2) return std::nullopt;
+  const int hip = plane[0], knee = plane[1];
+  int abduction = -1;
+  for (const int joint : joints) {
+    if (joint == knee) break;
+    if (std::ranges::find(plane, joint) != plane.end()) continue;
+    const auto about_up = [&](int j) { return std::abs(tree.axis(j).dot(up)); };
+    if (abduction < 0 || about_up(joint) < about_up(abduction)) abduction = joint;
+  }
+  for (const int joint : joints) {
+    const bool has_role = joint == hip || joint == knee || joint == abduction;
+    (has_role ? leg.servos : leg.held).push_back(joint);
+  }
+  if (abduction >= 0 && leg.servos.front() == hip) leg.linkage = LegLinkage::kHipFirst;
+  return leg.held.size() > kMostHeld ? std::nullopt : std::optional(leg);
+}
+
+}  // namespace crossgait

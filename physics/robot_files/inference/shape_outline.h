@@ -1,0 +1,21 @@
+// Points of a body's shapes among which is its farthest from anywhere. Private to inference.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "physics/robot_files/parsed_robot.h"
+
+namespace crossgait {
+
+/// The ends of a cylinder's axis, or of a capsule's, in the body's frame, m.
+std::array<Vector3, 2> ends_of(const CollisionShape& shape);
+
+/// A mesh's or hull's vertices, a box's corners, the ends of the axis of a cylinder or capsule (a foot
+/// touches with its middle), a sphere's centre; in the body's frame, m.
+std::vector<Vector3> outline_of(const ParsedRobot& robot, const CollisionShape& shape);
+
+/// How far a shape reaches from its outline: the radius of a sphere, cylinder or capsule, 0 of others, m.
+double rounding_of(const ParsedRobot& robot, const CollisionShape& shape);
+
+}  // namespace crossgait

@@ -1,0 +1,265 @@
+#include "study/robot_findings.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "ik/leg_kinematics.h"
+#include "physics/robot/actuator.h"
+#include "physics/robot/shape_box.h"
+#include "study/robot_quantities.h"
+
+namespace crossgait {
+namespace {
+
+using LinkBox = Eigen::AlignedBox3d;
+
+constexpr double kLeastGyration = 0.02, kMostGyration = 0.6, kImpossibleGyration = 1.5;  // of a link's extent
+constexpr double kLeastDensity = 20, kMostDensity = 2e4;                                 // kg/m^3
+constexpr double kLeastHeight = 0.03, kMostHeight = 3;                                   // m
+constexpr double kHugeShape = 10;  // of the standing height
+constexpr double kWidened = 1.5;   // of a link's box, for its centre of mass
+constexpr double kThin = 0.1;      // of the longest side: a box whose volume says nothing
+constexpr double kUnlike = 0.05;   // relative, of left and right
+constexpr double kAtLimit = 0.01;  // rad
+
+/// A unit in which a number would have been right, and by which factor it is too large as it is.
+struct Unit {
+  double factor;
+  const char* words;
+};
+constexpr std::array kInertiaUnits{Unit{1e3, "g m^2"}, Unit{1e4, "kg cm^2"}, Unit{1e6, "kg mm^2"},
+                                   Unit{1e7, "g cm^2"}, Unit{1e9, "g mm^2"}};
+constexpr std::array kLengthUnits{Unit{1e3, "mm"}, Unit{100, "cm"}, Unit{39.37, "inches"}};
+
+/// "moments in kg mm^2": the unit that makes most of being `times` too large, if it is near one.
+template <std::size_t N>
+std::string likely_unit(const char* what, const std::array<Unit, N>& units, double times) {
+  constexpr double kNear = 0.75;  // decades
+  const auto off = [&](const Unit& unit) { return std::abs(std::log10(times / unit.factor)); };
+  const Unit& best = *std::ranges::min_element(units, {}, off);
+  return off(best) < kNear ? fmt::format("{} in {}", what, best.words) : "";
+}
+
+double longest(const LinkBox& box) { return box.isEmpty() ? 0 : box.sizes().maxCoeff(); }
+
+class Findings {
+ public:
+  explicit Findings(const LoadedRobot& loaded) : robot_(loaded.robot), boxes_(robot_.bodies.size()) {
+    for (std::size_t i = 0; i < boxes_.size(); ++i) {
+      const Body& body = robot_.bodies[i];
+      LinkBox& box = boxes_[i];
+      box.extend(Vector3(Vector3::Zero()));
+      for (const CollisionShape& shape : body.shapes) box.extend(box_around(shape));
+      if (body.parent >= 0)
+        boxes_[static_cast<std::size_t>(body.parent)].extend(Vector3(body.X_PB.translation()));
+    }
+    if (!robot_.legs) return;
+    for (const LegModel& leg : *robot_.legs) boxes_[static_cast<std::size_t>(leg.foot_body)].extend(leg.p_BF);
+  }
+
+  std::vector<RobotFinding> list() {
+    check_size();
+    for (std::size_t i = 0; i < robot_.bodies.size(); ++i) check_body(robot_.bodies[i], boxes_[i]);
+    if (robot_.legs) {
+      check_efforts();
+      check_home();
+      compare_sides();
+    }
+    std::ranges::stable_sort(found_, std::ranges::greater{}, &RobotFinding::severity);
+    return std::move(found_);
+  }
+
+ private:
+  void add(Severity severity, std::string of, std::string what, std::string likely = "") {
+    found_.push_back({severity, std::move(of), std::move(what), std::move(likely)});
+  }
+
+  void check_size() {
+    const double h = robot_.standing_height;
+    if (h > kMostHeight || (h > 0 && h < kLeastHeight))
+      add(Severity::kError, "robot",
+          fmt::format("it stands {:.3g} m high, expected {} to {} m", h, kLeastHeight, kMostHeight),
+          h > kMostHeight ? likely_unit("lengths", kLengthUnits, h / 0.3) : "");
+    for (const Body& body : robot_.bodies) {
+      for (const CollisionShape& shape : body.shapes) {
+        const double size = longest(box_around(shape));
+        if (!(size > kHugeShape * h)) continue;
+        add(Severity::kError, fmt::format("link '{}'", body.name),
+            fmt::format("its shape '{}' is {:.3g} m large, of a robot that stands {:.3g} m high", shape.name,
+                        size, h),
+            likely_unit("lengths of the shape", kLengthUnits, size / h));
+      }
+    }
+  }
+
+  void check_body(const Body& body, const LinkBox& box) {
+    const std::string of = fmt::format("link '{}'", body.name);
+    const SpatialInertia& inertia = body.inertia;
+    const double extent = box.sizes().norm();
+    // A link without shapes and ends says nothing of its size.
+    if (!(extent > 1e-6)) return;
+    const double moment =
+        Eigen::SelfAdjointEigenSolver<Matrix3>(inertia.I_C, Eigen::EigenvaluesOnly).eigenvalues()[2];
+    const double gyration = std::sqrt(moment / inertia.mass);
+    if (gyration > kMostGyration * extent || gyration < kLeastGyration * extent) {
+      // Of a rod of that extent.
+      const double times = moment / (inertia.mass * extent * extent / 12);
+      add(gyration > kImpossibleGyration * extent ? Severity::kError : Severity::kWarning, of,
+          fmt::format(
+              "its largest moment of {:.3g} kg m^2 on {:.3g} kg is a radius of gyration of {:.3g} m, of a "
+              "link {:.3g} m large",
+              moment, inertia.mass, gyration, extent),
+          times > 1 ? likely_unit("moments", kInertiaUnits, times) : "");
+    }
+    check_centre(of, inertia.p_BC, box);
+    check_density(of, inertia.mass, box);
+  }
+
+  void check_centre(const std::string& of, const Vector3& p_BC, const LinkBox& box) {
+    // A flat box has no width to widen: by a tenth of its length at least.
+    const Vector3 half =
+        (kWidened / 2 * box.sizes()).cwiseMax(Vector3::Constant(kThin * box.sizes().maxCoeff()));
+    const auto is_inside = [&](const Vector3& p) {
+      return ((p - box.center()).cwiseAbs() - half).maxCoeff() <= 0;
+    };
+    if (is_inside(p_BC)) return;
+    std::string likely;
+    for (const Unit& unit : kLengthUnits) {
+      if (likely.empty() && is_inside(p_BC / unit.factor) && p_BC.norm() > box.sizes().norm())
+        likely = fmt::format("its place in {}", unit.words);
+    }
+    const double off = (p_BC - box.center()).norm();
+    // Twice as far off as the link is large there is nothing to be heavy.
+    add(off > 2 * box.sizes().norm() ? Severity::kError : Severity::kWarning, of,
+        fmt::format(
+            "its centre of mass at ({:.3g}, {:.3g}, {:.3g}) m is {:.3g} m from the middle of a link {:.3g} m "
+            "large",
+            p_BC.x(), p_BC.y(), p_BC.z(), off, box.sizes().norm()),
+        likely);
+  }
+
+  void check_density(const std::string& of, double mass, const LinkBox& box) {
+    const Vector3 sizes = box.sizes();
+    if (sizes.minCoeff() < kThin * sizes.maxCoeff()) return;
+    const double density = mass / sizes.prod();
+    if (density >= kLeastDensity && density <= kMostDensity) return;
+    add(Severity::kWarning, of,
+        fmt::format("{:.3g} kg in a box of {:.3g} x {:.3g} x {:.3g} m is {:.3g} kg/m^3, expected {} to {}",
+                    mass, sizes.x(), sizes.y(), sizes.z(), density, kLeastDensity, kMostDensity),
+        density > kMostDensity ? likely_unit("its mass", std::array{Unit{1e3, "g"}}, density / 1000) : "");
+  }
+
+  void check_efforts() {
+    const double weight = robot_.total_mass() * kGravity;
+    for (const Leg leg : kLegs) {
+      const LegKinematics kinematics = make_leg_kinematics(robot_, leg);
+      LegPosture home;
+      home.servos.resize(kinematics.servo_count());
+      home.passive.resize(kinematics.passive_count());
+      for (int i = 0; i < kinematics.servo_count(); ++i)
+        home.servos[i] = robot_.home[kinematics.servo_joints()[static_cast<std::size_t>(i)]];
+      for (int i = 0; i < kinematics.passive_count(); ++i)
+        home.passive[i] = robot_.home[kinematics.passive_joints()[static_cast<std::size_t>(i)]];
+      // What the ground's push on a foot asks of its servos; the legs' own weight is left out.
+      const Eigen::VectorXd torques =
+          kinematics.jacobian(home).transpose() * Vector3(0, 0, weight / kLegCount);
+      for (int i = 0; i < kinematics.servo_count(); ++i)
+        check_effort(robot_.joint(kinematics.servo_joints()[static_cast<std::size_t>(i)]), torques[i]);
+    }
+  }
+
+  void check_effort(const Joint& joint, double standing) {
+    const double limit = standing > 0 ? negative_effort(joint) : joint.effort_limit,
+                 needed = std::abs(standing);
+    if (limit >= 2 * needed) return;
+    const bool cannot_stand = limit < needed;
+    add(cannot_stand ? Severity::kError : Severity::kWarning, fmt::format("joint '{}'", joint.name),
+        fmt::format(
+            "its torque limit of {:.3g} N m is below the {:.3g} N m that standing on {} legs takes of it",
+            limit, cannot_stand ? needed : 2 * needed, cannot_stand ? "four" : "two"));
+  }
+
+  void check_home() {
+    for (const LegModel& leg : *robot_.legs) {
+      for (const int i : leg.servos) {
+        const Joint& joint = robot_.joint(i);
+        const double room = std::min(robot_.home[i] - joint.lower, joint.upper - robot_.home[i]);
+        if (room > kAtLimit) continue;
+        add(Severity::kWarning, fmt::format("joint '{}'", joint.name),
+            fmt::format("home at {:.3g} rad is at its limit, of {:.3g} to {:.3g} rad", robot_.home[i],
+                        joint.lower, joint.upper));
+      }
+    }
+  }
+
+  void compare(Leg left, Leg right, int role, const char* what, const char* unit, double of_left,
+               double of_right) {
+    if (std::abs(of_left - of_right) <= kUnlike * std::max(std::abs(of_left), std::abs(of_right))) return;
+    const LegModel &a = (*robot_.legs)[left], &b = (*robot_.legs)[right];
+    const auto at = static_cast<std::size_t>(role);
+    add(Severity::kWarning, "legs",
+        fmt::format("left and right are unlike: {} {:.3g} {} at '{}', {:.3g} at '{}'", what, of_left, unit,
+                    robot_.joint(a.joints()[at]).name, of_right, robot_.joint(b.joints()[at]).name));
+  }
+
+  void compare_sides() {
+    for (const auto& [left, right] : {std::pair(Leg::FL, Leg::FR), std::pair(Leg::RL, Leg::RR)}) {
+      const std::vector<int> a = (*robot_.legs)[left].joints(), b = (*robot_.legs)[right].joints();
+      if (a.size() != b.size()) continue;
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        const Body& of_a = robot_.bodies[static_cast<std::size_t>(a[i]) + 1];
+        const Body& of_b = robot_.bodies[static_cast<std::size_t>(b[i]) + 1];
+        const auto role = static_cast<int>(i);
+        compare(left, right, role, "mass", "kg", of_a.inertia.mass, of_b.inertia.mass);
+        compare(left, right, role, "distance from what it hangs on", "m", of_a.X_PB.translation().norm(),
+                of_b.X_PB.translation().norm());
+        if (of_a.joint.actuated && of_b.joint.actuated)
+          compare(left, right, role, "torque limit", "N m", of_a.joint.effort_limit, of_b.joint.effort_limit);
+      }
+    }
+  }
+
+  const RobotDescription& robot_;
+  std::vector<LinkBox> boxes_;  ///< around each body's shapes, its joint, what hangs on it and its foot
+  std::vector<RobotFinding> found_;
+};
+
+}  // namespace
+
+std::string_view name(Severity severity) noexcept {
+  constexpr std::array<std::string_view, 3> kNames{"note", "warning", "error"};
+  return kNames[static_cast<std::size_t>(severity)];
+}
+
+std::vector<RobotFinding> robot_findings(const LoadedRobot& loaded) { return Findings(loaded).list(); }
+
+std::vector<RobotFinding> all_findings(const LoadedRobot& loaded, const WorldSpec& world) {
+  std::vector<RobotFinding> findings = robot_findings(loaded);
+  for (const std::string& warning : robot_warnings(loaded, world))
+    findings.push_back({Severity::kWarning, "robot", warning, ""});
+  return findings;
+}
+
+std::string describe(const std::vector<RobotFinding>& findings) {
+  std::string text;
+  for (const RobotFinding& f : findings)
+    text += fmt::format("{}: {}: {}{}\n", name(f.severity), f.of, f.what,
+                        f.likely.empty() ? "" : fmt::format("; likely {}", f.likely));
+  return text;
+}
+
+nlohmann::ordered_json to_json(const std::vector<RobotFinding>& findings) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const RobotFinding& f : findings)
+    list.push_back({{"severity", name(f.severity)}, {"of", f.of}, {"what", f.what}, {"likely", f.likely}});
+  return list;
+}
+
+}  // namespace crossgait

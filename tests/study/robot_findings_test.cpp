@@ -1,0 +1,184 @@
+// Which numbers are those of no real machine, and what is said of them; findings for programs.
+#include "study/robot_findings.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "physics/core/error.h"
+#include "physics/robot_files/data_path.h"
+#include "study/robot_difference.h"
+#include "study/robot_lint.h"
+#include "tests/physics/core/scratch_folder.h"
+
+namespace crossgait {
+namespace {
+
+LoadedRobot quadruped() { return load_robot_with_report(find_robot("serial_quadruped")); }
+
+Body& shin(LoadedRobot& loaded, Leg leg = Leg::FL) {
+  return loaded.robot.bodies[static_cast<std::size_t>((*loaded.robot.legs)[leg].foot_body)];
+}
+
+const RobotFinding* finding_of(const std::vector<RobotFinding>& findings, const std::string& of,
+                               const std::string& part) {
+  const auto found = std::ranges::find_if(
+      findings, [&](const RobotFinding& f) { return f.of == of && f.what.find(part) != std::string::npos; });
+  return found == findings.end() ? nullptr : &*found;
+}
+
+TEST(RobotFindings, TheBundledRobotsHaveNoErrors) {
+  for (const std::string& name : robot_names()) {
+    for (const RobotFinding& finding : robot_findings(load_robot_with_report(find_robot(name))))
+      EXPECT_NE(finding.severity, Severity::kError) << name << ": " << finding.what;
+  }
+  EXPECT_EQ(describe(robot_findings(quadruped())), "");
+}
+
+// Of a rod the radius of gyration is the extent over sqrt(12); of moments in kg mm^2 a thousand times that.
+TEST(RobotFindings, MomentsInAnotherUnitAreNamed) {
+  for (const auto& [factor, unit] : {std::pair(1e3, "g m^2"), std::pair(1e6, "kg mm^2")}) {
+    LoadedRobot loaded = quadruped();
+    Body& body = shin(loaded);
+    const double length = body.shapes.back().X_BG.translation().norm() + body.shapes.back().size[0];
+    body.inertia.I_C = factor * body.inertia.mass * length * length / 12 * Matrix3::Identity();
+    const auto findings = robot_findings(loaded);
+    const RobotFinding* finding =
+        finding_of(findings, fmt::format("link '{}'", body.name), "radius of gyration");
+    ASSERT_NE(finding, nullptr);
+    EXPECT_EQ(finding->severity, Severity::kError);
+    EXPECT_EQ(finding->likely, std::string("moments in ") + unit);
+    EXPECT_EQ(&findings.front(), finding) << "errors come first";
+  }
+}
+
+TEST(RobotFindings, ACentreOfMassFarFromItsLinkIsOne) {
+  LoadedRobot loaded = quadruped();
+  Body& body = shin(loaded);
+  const std::string of = fmt::format("link '{}'", body.name);
+  body.inertia.p_BC *= 1000;
+  const auto findings = robot_findings(loaded);
+  const RobotFinding* finding = finding_of(findings, of, "centre of mass");
+  ASSERT_NE(finding, nullptr);
+  EXPECT_EQ(finding->severity, Severity::kError);
+  EXPECT_EQ(finding->likely, "its place in mm");
+}
+
+TEST(RobotFindings, AMassInGramsAndALinkOfAirAreTold) {
+  LoadedRobot loaded = quadruped();
+  Body& trunk = loaded.robot.bodies[0];
+  trunk.inertia.mass *= 1000;
+  const std::string of = fmt::format("link '{}'", trunk.name);
+  auto findings = robot_findings(loaded);
+  ASSERT_NE(finding_of(findings, of, "kg/m^3"), nullptr);
+  EXPECT_EQ(finding_of(findings, of, "kg/m^3")->likely, "its mass in g");
+  // Such a weight no servo holds.
+  const Joint& knee = loaded.robot.joint((*loaded.robot.legs)[Leg::FL].joint("knee"));
+  ASSERT_NE(finding_of(findings, fmt::format("joint '{}'", knee.name), "standing on four legs"), nullptr);
+  trunk.inertia.mass /= 1e6;
+  findings = robot_findings(loaded);
+  EXPECT_NE(finding_of(findings, of, "kg/m^3"), nullptr);
+}
+
+TEST(RobotFindings, LengthsInMillimetresAreNamed) {
+  LoadedRobot loaded = quadruped();
+  loaded.robot.standing_height *= 1000;
+  EXPECT_EQ(finding_of(robot_findings(loaded), "robot", "stands")->likely, "lengths in mm");
+  loaded = quadruped();
+  CollisionShape& shape = loaded.robot.bodies[0].shapes.front();
+  shape.size *= 1000;
+  const auto findings = robot_findings(loaded);
+  const RobotFinding* finding =
+      finding_of(findings, fmt::format("link '{}'", loaded.robot.bodies[0].name), "its shape");
+  ASSERT_NE(finding, nullptr);
+  EXPECT_EQ(finding->severity, Severity::kError);
+  EXPECT_EQ(finding->likely, "lengths of the shape in mm");
+}
+
+TEST(RobotFindings, LeftIsHeldAgainstRightAndHomeAgainstLimits) {
+  LoadedRobot loaded = quadruped();
+  shin(loaded, Leg::FR).inertia.mass *= 1.1;
+  const int knee = (*loaded.robot.legs)[Leg::RL].joint("knee");
+  loaded.robot.bodies[static_cast<std::size_t>(knee) + 1].joint.upper = loaded.robot.home[knee] + 0.001;
+  const auto findings = robot_findings(loaded);
+  EXPECT_NE(finding_of(findings, "legs", "left and right are unlike: mass"), nullptr);
+  EXPECT_NE(finding_of(findings, fmt::format("joint '{}'", loaded.robot.joint(knee).name), "at its limit"),
+            nullptr);
+}
+
+TEST(RobotDifference, IsWhatIsUnlikeWhateverItIsCalled) {
+  LoadedRobot a = quadruped(), b = quadruped();
+  for (Body& body : b.robot.bodies) body.joint.name += "_other";
+  EXPECT_TRUE(robot_difference(a.robot, b.robot).unlike.empty());
+  EXPECT_GT(robot_difference(a.robot, b.robot).alike, 100U);
+  const int knee = (*b.robot.legs)[Leg::RR].joint("knee");
+  b.robot.bodies[static_cast<std::size_t>(knee) + 1].joint.effort_limit *= 2;
+  const RobotDifference difference = robot_difference(a.robot, b.robot);
+  ASSERT_EQ(difference.unlike.size(), 1U);
+  EXPECT_EQ(difference.unlike[0].of, "RR knee");
+  EXPECT_EQ(difference.unlike[0].name, "effort");
+  EXPECT_EQ(difference.unlike[0].b, 2 * difference.unlike[0].a);
+}
+
+TEST(WalkGaps, AreTheLargestInOneEngineAndWithOneDescription) {
+  Trial a, b;
+  for (const double ratio : {1.0, 0.9}) a.walks.emplace_back().speed_ratio = ratio;
+  for (const double ratio : {0.7, 0.95}) b.walks.emplace_back().speed_ratio = ratio;
+  EXPECT_DOUBLE_EQ(walk_gaps(a, b).descriptions, 0.3);
+  EXPECT_DOUBLE_EQ(walk_gaps(a, b).engines, 0.25);
+}
+
+class RobotLint : public ScratchFolder {
+ protected:
+  LintReport report() {
+    return {{{"a.urdf", {{Severity::kError, "link 'shin'", "a <moment> of 0.5", "kg mm^2"}}},
+             {"b.urdf", {{Severity::kWarning, "robot", "left out 3 meshes", ""}}},
+             {"c.urdf", {}}},
+            {}};
+  }
+};
+
+TEST_F(RobotLint, FailsByErrorsThatAreNew) {
+  LintReport lint = report();
+  EXPECT_EQ(lint.count_new(Severity::kError), 1U);
+  EXPECT_EQ(lint.count_new(Severity::kWarning), 2U);
+  lint.known = read_baseline(write("known.json", lint.text(LintFormat::kJson)));
+  EXPECT_EQ(lint.count_new(Severity::kWarning), 0U);
+  lint.robots[0].findings[0].what = "a <moment> of 0.4";  // a number alone makes no other finding
+  EXPECT_EQ(lint.count_new(Severity::kWarning), 0U);
+  lint.robots[0].findings[0].of = "link 'thigh'";
+  EXPECT_EQ(lint.count_new(Severity::kWarning), 1U);
+  const std::string other = write("other.json", "[1]");
+  EXPECT_THROW((void)read_baseline(other), ConfigError);
+}
+
+TEST_F(RobotLint, IsWrittenForPeopleAndPrograms) {
+  const LintReport lint = report();
+  EXPECT_NE(
+      lint.text(LintFormat::kText).find("a.urdf: error: link 'shin': a <moment> of 0.5; likely kg mm^2\n"),
+      std::string::npos);
+  const auto json = nlohmann::json::parse(lint.text(LintFormat::kJson));
+  EXPECT_EQ(json.at("files").at(0).at("findings").at(0).at("severity"), "error");
+  EXPECT_EQ(json.at("files").at(0).at("findings").at(0).at("likely"), "kg mm^2");
+  const auto sarif = nlohmann::json::parse(lint.text(LintFormat::kSarif));
+  EXPECT_EQ(sarif.at("version"), "2.1.0");
+  const auto& result = sarif.at("runs").at(0).at("results").at(0);
+  EXPECT_EQ(result.at("level"), "error");
+  EXPECT_EQ(result.at("locations").at(0).at("physicalLocation").at("artifactLocation").at("uri"), "a.urdf");
+  const std::string junit = lint.text(LintFormat::kJunit);
+  EXPECT_NE(junit.find("<testsuite name=\"a.urdf\" tests=\"1\" failures=\"1\">"), std::string::npos);
+  EXPECT_NE(junit.find("a &lt;moment&gt;"), std::string::npos);
+  EXPECT_NE(junit.find("name=\"nothing found\""), std::string::npos);
+}
+
+TEST_F(RobotLint, AFileThatCannotBeReadIsAFinding) {
+  const LintedRobot linted = lint_robot(write("bad.urdf", "<robot/>"), {});
+  ASSERT_EQ(linted.findings.size(), 1U);
+  EXPECT_EQ(linted.findings[0].of, "file");
+  EXPECT_EQ(linted.findings[0].severity, Severity::kError);
+}
+
+}  // namespace
+}  // namespace crossgait
