@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/contact_option.h"
 #include "backends/registry.h"
 #include "physics/core/schema.h"
 #include "study/robot_quantities.h"
@@ -13,7 +14,8 @@ namespace {
 struct StandCommand {
   std::string robot = "scara_quadruped";
   std::vector<std::string> engines;
-  double seconds = 3, physics_dt = 1e-3, friction = 0.6;
+  double seconds = 3, physics_dt = 1e-3;
+  ContactOptions contact;
   JsonOption json;
 };
 
@@ -21,7 +23,7 @@ void run(const StandCommand& options) {
   WorldSpec world;
   world.robot = std::make_shared<const RobotDescription>(load_robot_with_warnings(options.robot));
   world.physics_dt = options.physics_dt;
-  world.contact.friction = options.friction;
+  world.contact = resolve_contact(world.robot->contact, options.contact.make(), "stand");
   world.validate();
   if (const std::string loop = servo_loop_warning(*world.robot, options.physics_dt); !loop.empty())
     print_notes({loop});
@@ -56,8 +58,7 @@ void add_stand_command(CLI::App& program, Invocation& invocation) {
   command->add_option("--seconds", options->seconds, "Simulated time to stand, s, 0.5 to 1000")
       ->capture_default_str();
   command->add_option("--physics-dt", options->physics_dt, "Physics time step, s")->capture_default_str();
-  command->add_option("--friction", options->friction, "Coefficient of friction between feet and ground")
-      ->capture_default_str();
+  ->capture_default_str();
   options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
