@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "physics/core/across_axis.h"
 #include "physics/robot_files/inference/shape_outline.h"
@@ -10,8 +11,10 @@ namespace crossgait {
 namespace {
 
 constexpr double kOneDirection = 0.8;  // cosine of the largest angle between axes of one direction
-constexpr double kOffCentre = 0.3;     // of a wheel's radius: its middle off its axis
-constexpr double kWholeTurn = 6.283;   // rad, of limits that are none
+constexpr double kRound = 0.7;         // of a wheel's radius: the least that it reaches in any direction
+constexpr int kDirections = 8;
+constexpr double kOffCentre = 0.3;    // of a wheel's radius: its middle off its axis
+constexpr double kWholeTurn = 6.283;  // rad, of limits that are none
 constexpr std::size_t kMostHeld = 2;
 
 bool are_parallel(const Vector3& a, const Vector3& b) { return std::abs(a.dot(b)) > kOneDirection; }
@@ -45,13 +48,23 @@ std::optional<Wheel> wheel_of(const ParsedRobot& robot, int index) {
     for (const Vector3& p : outline_of(robot, shape)) middle += (p - middle) / static_cast<double>(++count);
   }
   if (count == 0) return std::nullopt;
-  Wheel wheel{middle, 0};
-  for (const CollisionShape& shape : body.shapes) {
-    for (const Vector3& p : outline_of(robot, shape))
-      wheel.radius =
-          std::max(wheel.radius, across(p - middle, body.joint.axis).norm() + rounding_of(robot, shape));
+  // Of a wheel every direction across the axis is as long as any other; a shin is long in one of them.
+  const Vector3& axis = body.joint.axis;
+  const Vector3 first = axis.unitOrthogonal(), second = axis.cross(first);
+  double most = 0, least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = M_PI * i / kDirections;
+    const Vector3 direction = std::cos(angle) * first + std::sin(angle) * second;
+    double reach = 0;
+    for (const CollisionShape& shape : body.shapes) {
+      for (const Vector3& p : outline_of(robot, shape))
+        reach = std::max(reach, std::abs(direction.dot(p - middle)) + rounding_of(robot, shape));
+    }
+    most = std::max(most, reach);
+    least = std::min(least, reach);
   }
-  if (across(middle, body.joint.axis).norm() > kOffCentre * wheel.radius) return std::nullopt;
+  if (least < kRound * most || across(middle, axis).norm() > kOffCentre * most) return std::nullopt;
+  const Wheel wheel{middle, most};
   return wheel;
 }
 

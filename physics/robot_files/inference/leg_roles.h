@@ -15,8 +15,8 @@ struct Wheel {
   double radius = 0;                 ///< m
 };
 
-/// The wheel that a body is: its joint turns without limits and passes through the middle of its shapes,
-/// across which they reach farther than .3 of that is off it. Nothing for any other body.
+/// The wheel that a body is: its joint turns without limits, and its shapes are round about it, next to alike
+/// in all directions across. Nothing for any other body.
 std::optional<Wheel> wheel_of(const ParsedRobot& robot, int body);
 
 /// Joints of a leg by the bodies that they move.

@@ -178,6 +178,12 @@ TEST_F(LegInference, WheelsAreHeldAndFeetOfTheirRadius) {
     return joints;
   };
   EXPECT_EQ(joints_of(load(urdf).robot, Leg::FL).size(), 3U);
+  // Nor where the middle of its long shin is near it.
+  urdf.foot =
+      "<collision><geometry><sphere radius=\"0.02\"/></geometry></collision><collision><origin xyz=\"0 0 "
+      "0.3\"/>"
+      "<geometry><box size=\"0.02 0.02 0.2\"/></geometry></collision>";
+  EXPECT_EQ(joints_of(load(urdf).robot, Leg::FL).size(), 3U);
 }
 
 TEST_F(LegInference, LockedJointsDoNotCount) {
