@@ -58,7 +58,7 @@ void add_stand_command(CLI::App& program, Invocation& invocation) {
   command->add_option("--seconds", options->seconds, "Simulated time to stand, s, 0.5 to 1000")
       ->capture_default_str();
   command->add_option("--physics-dt", options->physics_dt, "Physics time step, s")->capture_default_str();
-  ->capture_default_str();
+  options->contact.add_to(*command);
   options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }
