@@ -38,7 +38,8 @@ Episode record(LoadedEnv environment, const std::string& policy, const std::stri
   };
   const EpisodeSummary summary = run_episode(*env, *own, derived_seed(seed, 0), observe);
   const std::string name = short_name(policy);
-  return {{env->world().info(), env->world().spec().terrain.name(), name, summary.motion, false},
+  return {{env->world().info(), env->world().spec().terrain.name(), name, env->world().spec().contact,
+           summary.motion, false},
           recorder.take()};
 }
 

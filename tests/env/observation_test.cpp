@@ -48,7 +48,7 @@ TEST_P(Layouts, ReadAsWhatTheirNamesSay) {
   EnvConfig config = adapting(4, true);
   config.terrain = "rough";
   for (const ObservationBlock& block : observation_blocks()) {
-    if (!block.standard && block.name != "terrain") config.observation.emplace_back(block.name);
+    if (!block.standard && block.name != "terrain") scenes::observe(config, block.name);
   }
   config.command = VelocityCommand{0.1, 0.02, 0.3};
   QuadrupedEnv env(config, find_engine(GetParam()));

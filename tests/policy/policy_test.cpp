@@ -129,7 +129,7 @@ TEST_F(MakePolicy, RefusesWhatIsNoPolicy) {
   EXPECT_EQ(error_of("/nowhere/p.safetensors"),
             "/nowhere/p.safetensors: file: expected a readable file, found none");
   const std::string file = write("p.yaml", "kind: clever\n");
-  EXPECT_EQ(error_of(file), file + ": line 1, kind: expected scripted or hierarchical, found 'clever'");
+  EXPECT_EQ(error_of(file), file + ": line 1, kind: expected scripted, hierarchical or onnx, found 'clever'");
 }
 
 TEST_F(MakePolicy, RefusesDescriptionsOfAnotherLayoutVersion) {

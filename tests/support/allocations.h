@@ -12,6 +12,7 @@
 #include "motion/gait_source.h"
 #include "scenes/scenes.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/environments.h"
 
 namespace crossgait {
 
@@ -128,7 +129,7 @@ inline EnvConfig full_environment() {
   EnvConfig config;
   config.terrain = "rough";
   config.observation.clear();
-  for (const ObservationBlock& block : observation_blocks()) config.observation.emplace_back(block.name);
+  for (const ObservationBlock& block : observation_blocks()) scenes::observe(config, block.name);
   config.reward.fill(1);
   return config;
 }

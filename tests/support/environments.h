@@ -16,6 +16,28 @@ inline std::vector<double> random_action(Random& random, std::size_t size) {
   return action;
 }
 
+/// Adds a block, with what it shows where that is a setting: a clock, points of the ground, constants.
+inline void observe(EnvConfig& config, std::string_view block) {
+  config.observation.emplace_back(std::string(block));
+  ObservationSettings& settings = config.observing;
+  if (block.starts_with("clock")) {
+    settings.clock.frequency = 2;
+    settings.clock.phases = {0, 0.5};
+  }
+  if (block == "height_scan") {
+    settings.height_scan.x = {-0.1, 0, 0.1};
+    settings.height_scan.y = {-0.05, 0.05};
+  }
+  if (block == "constants") settings.constants = {0.25, -1};
+}
+
+/// Whether a block shows what an environment has anyway, and no setting.
+inline bool needs_no_setting(const ObservationBlock& block) {
+  EnvConfig config;
+  observe(config, block.name);
+  return config.observing == ObservationSettings();
+}
+
 /// Observations and rewards of `steps` steps under random actions, an ended episode followed by another.
 inline std::vector<double> record(QuadrupedEnv& env, Random& random, int steps) {
   std::vector<double> all, observation(env.observation_size());

@@ -61,8 +61,8 @@ const char* const kDynamics = "<dynamics damping=\"0.02\"/>";
 const char* const kKnee = "<geometry><sphere radius=\"0.005\"/></geometry>";
 const char* const kNoLimit =
     "took limits that are missing or not lower < upper for +-pi rad in 1 joint(s), first in joint 'FL_tilt'";
-const char* const kRaised =
-    "1 moving link(s) whose small principal moments are raised to what a real body has: 'FL_tilt_link'";
+const char* const kNegative =
+    "1 moving link(s) with negative principal moments, raised to what a real body has: 'FL_tilt_link'";
 const char* const kDropped =
     "dropped 1 <collision> without a sphere, box, cylinder, capsule or mesh, first in link 'FL_upper_left'";
 
@@ -105,12 +105,12 @@ const OddInput kOddUrdfs[] = {
      "lower=\"-10\" upper=\"10\"",
      {"took limits beyond +-2 pi rad for +-pi in 1 joint(s), first in joint 'FL_tilt'"}},
     {"JointFriction", kDynamics, "<dynamics damping=\"0.02\" friction=\"0.1\"/>", {}},
-    {"IndefiniteInertia", "iyy=\"1.53e-05\"", "iyy=\"-1.53e-05\"", {kRaised}},
+    {"IndefiniteInertia", "iyy=\"1.53e-05\"", "iyy=\"-1.53e-05\"", {kNegative}},
     {"NonOrthogonalInertia",
      "ixy=\"0\" ixz=\"0\" iyy=\"1.53e-05\"",
      "ixy=\"2e-05\" ixz=\"0\" iyy=\"1.53e-05\"",
-     {kRaised}},
-    {"ImpossibleInertia", "iyy=\"1.53e-05\"", "iyy=\"1.53e-04\"", {kRaised}},
+     {kNegative}},
+    {"ImpossibleInertia", "iyy=\"1.53e-05\"", "iyy=\"1.53e-04\"", {kNegative}},
     {"DuplicateShape",
      "<collision name=\"trunk_rear_left\">",
      "<collision name=\"trunk_front_left\">",
