@@ -61,6 +61,8 @@ const char* const kDynamics = "<dynamics damping=\"0.02\"/>";
 const char* const kKnee = "<geometry><sphere radius=\"0.005\"/></geometry>";
 const char* const kNoLimit =
     "took limits that are missing or not lower < upper for +-pi rad in 1 joint(s), first in joint 'FL_tilt'";
+const char* const kRaised =
+    "1 moving link(s) whose small principal moments are raised to what a real body has: 'FL_tilt_link'";
 const char* const kNegative =
     "1 moving link(s) with negative principal moments, raised to what a real body has: 'FL_tilt_link'";
 const char* const kDropped =
@@ -110,7 +112,7 @@ const OddInput kOddUrdfs[] = {
      "ixy=\"0\" ixz=\"0\" iyy=\"1.53e-05\"",
      "ixy=\"2e-05\" ixz=\"0\" iyy=\"1.53e-05\"",
      {kNegative}},
-    {"ImpossibleInertia", "iyy=\"1.53e-05\"", "iyy=\"1.53e-04\"", {kNegative}},
+    {"ImpossibleInertia", "iyy=\"1.53e-05\"", "iyy=\"1.53e-04\"", {kRaised}},
     {"DuplicateShape",
      "<collision name=\"trunk_rear_left\">",
      "<collision name=\"trunk_front_left\">",
