@@ -542,10 +542,9 @@ def _rl_sar_order(body: Stated, contract: Contract, options: Options) -> None:
     indices = [item.integer() for item in mapping.items()]
     if sorted(indices) != list(range(len(motors))):
         mapping.fail(f"each of 0 to {len(motors) - 1} once", ", ".join(map(str, indices)))
-    order = [motors[i] for i in indices]
     # A policy's own file comes on top of the robot's.
     contract.fields.pop("joints.order", None)
-    contract.say_order(order, mapping.place)
+    contract.say_order([motors[i] for i in indices], mapping.place)
 
 
 def _rl_sar_clip(body: Stated, contract: Contract) -> None:

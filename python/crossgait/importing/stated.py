@@ -274,13 +274,19 @@ class _Classes:
         return dict(stated.raw) if stated is not None and isinstance(stated.raw, dict) else {}
 
 
+def _key_text(key: ast.expr | None) -> str:
+    if key is None:
+        return "**"  # of a mapping that is taken in
+    return key.value if isinstance(key, ast.Constant) and isinstance(key.value, str) else ast.unparse(key)
+
+
 def _of_expression(node: ast.expr, source: str, path: str, known: dict[str, Stated]) -> Stated:
     line = node.lineno
     if isinstance(node, ast.Dict):
         raw: Any = {}
         for key, value in zip(node.keys, node.values, strict=True):
-            text = key.value if isinstance(key, ast.Constant) else ast.unparse(key) if key is not None else "**"
-            raw[str(text)] = _of_expression(value, source, f"{path}.{text}", known)
+            text = _key_text(key)
+            raw[text] = _of_expression(value, source, f"{path}.{text}", known)
         return Stated(raw, source, line, path)
     if isinstance(node, (ast.List, ast.Tuple)):
         return Stated(

@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from crossgait._core import PolicyInterface
+from crossgait._core import MlpNetwork, PolicyInterface
 from crossgait.errors import ConfigError
 from crossgait.importing.network import OnnxNetwork
 from crossgait.importing.stated import Stated
-from crossgait.policies.network import MlpNetwork
 from crossgait.policies.place import Place
 from crossgait.policies.torch_reader import load_script
 
@@ -98,7 +97,8 @@ def _exported(
             warnings.simplefilter("ignore")  # of traces as such: the result is compared with the module
             if memory:
                 module = torch.jit.trace(module, example, check_trace=False)  # type: ignore[no-untyped-call]
-            torch.onnx.export(
+            export: Any = torch.onnx.export  # its types know no buffers, which it takes
+            export(
                 module, example, written, input_names=inputs, output_names=outputs, dynamo=False, opset_version=17
             )
     except ConfigError:
@@ -233,7 +233,8 @@ def _recurrent(state: dict[str, torch.Tensor], agent: Stated) -> torch.nn.LSTM |
     count = len([key for key in own if key.startswith("weight_ih_l")])
     module = _RECURRENT[kind.text().lower()](own["weight_ih_l0"].shape[1], hidden, count)
     module.load_state_dict(own)
-    return module.eval()
+    module.eval()
+    return module
 
 
 def _folded(recurrent: Any, mean: np.ndarray[Any, Any], std: np.ndarray[Any, Any]) -> Any:
