@@ -67,10 +67,10 @@ def test_attributes_are_the_keys_of_the_dict(config: EnvironmentConfig) -> None:
     for key, value in said.items():
         assert getattr(config, key) == value
         assert type(getattr(config, key)) is type(value)
-    unsaid = {"servos": {}, "randomisation": {}, "parameters": {}, "ranges": {}, "delta_scales": {}}
+    unsaid = {"contact": {}, "servos": {}, "randomisation": {}, "parameters": {}, "ranges": {}, "delta_scales": {}}
     of_a_gait = {"gait", "parameters", "adapt", "ranges", "delta_scales", "residual_scale", "heading_hold"}
     keys = {name for name, value in vars(EnvironmentConfig).items() if isinstance(value, property)}
-    assert len(keys) == 26  # of docs/environment.md, but for preset
+    assert len(keys) == 27  # of docs/environment.md, but for preset
     for key in keys - said.keys():
         of_the_other = key == "joints" if config.action == "gait" else key in of_a_gait
         assert getattr(config, key) == (None if of_the_other else unsaid.get(key))

@@ -336,7 +336,7 @@ def test_a_verdict_of_a_sweeps_rows_makes_no_run(tmp_path: Path) -> None:
     assert len(rows.splitlines()) == len(runs)
     assert judged.pairs == crossgait.verdict("trot", **options).pairs
     with file.open("ab") as more:  # runs that failed count as not there
-        more.write(b'{"hash":"0","run":null,"error":"signal SIGSEGV"}\n')
+        more.write(b'{"hash":"0000000000000000","run":null,"error":"signal SIGSEGV"}\n')
     assert crossgait.verdict("trot", runs=file, **options).word == judged.word
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,22 +11,13 @@ import numpy as np
 from crossgait._core import LAYOUT_VERSION, PolicyInterface
 from crossgait.errors import ConfigError
 from crossgait.files import read_bytes, written_whole
+from crossgait.importing.onnx_network import OnnxNetwork
 from crossgait.policies.policy import Policy
 from crossgait.sweep.strict_yaml import write_yaml
 
 #: The core's budget of networks.
 MOST_BYTES = 64 << 20
 _TOLERANCE = 1e-5
-
-
-@dataclass(frozen=True)
-class OnnxNetwork:
-    """An ONNX file's bytes, and which of its inputs and outputs are what."""
-
-    model: bytes
-    observation: str
-    action: str
-    memory: dict[str, str]  #: outputs that are inputs of the next step, by input
 
 
 def write_network(file: str, interface: PolicyInterface, folder: Path, agent: Any = None) -> str:

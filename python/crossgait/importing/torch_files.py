@@ -12,7 +12,7 @@ import numpy as np
 
 from crossgait._core import MlpNetwork, PolicyInterface
 from crossgait.errors import ConfigError
-from crossgait.importing.network import OnnxNetwork
+from crossgait.importing.onnx_network import OnnxNetwork
 from crossgait.importing.stated import Stated
 from crossgait.policies.place import Place
 from crossgait.policies.torch_reader import load_script
@@ -98,9 +98,7 @@ def _exported(
             if memory:
                 module = torch.jit.trace(module, example, check_trace=False)  # type: ignore[no-untyped-call]
             export: Any = torch.onnx.export  # its types know no buffers, which it takes
-            export(
-                module, example, written, input_names=inputs, output_names=outputs, dynamo=False, opset_version=17
-            )
+            export(module, example, written, input_names=inputs, output_names=outputs, dynamo=False, opset_version=17)
     except ConfigError:
         raise
     except Exception as error:  # of no common type
@@ -231,7 +229,7 @@ def _recurrent(state: dict[str, torch.Tensor], agent: Stated) -> torch.nn.LSTM |
     own = {key.removeprefix(prefix): value for key, value in state.items() if key.startswith(prefix)}
     hidden = own["weight_hh_l0"].shape[1]
     count = len([key for key in own if key.startswith("weight_ih_l")])
-    module = _RECURRENT[kind.text().lower()](own["weight_ih_l0"].shape[1], hidden, count)
+    module: torch.nn.LSTM | torch.nn.GRU = _RECURRENT[kind.text().lower()](own["weight_ih_l0"].shape[1], hidden, count)
     module.load_state_dict(own)
     module.eval()
     return module
