@@ -110,7 +110,7 @@ class LegFinder {
   std::optional<FoundLegs> first_four(const std::vector<Chains>& groups) const {
     for (const Chains& group : groups) {
       if (group.size() != kLegCount) continue;
-      if (const auto legs = legs_of(group)) return legs;
+      if (auto legs = legs_of(group)) return legs;
     }
     return std::nullopt;
   }
