@@ -1,6 +1,14 @@
 # Finds PhysX in the Python package sapien, as `scripts/install-dependencies --physx` lays it out: headers, and in lib/ its
 # libraries under the names that they ask each other for. PhysX_ROOT is that folder.
 # Defines PhysX_FOUND, PhysX_VERSION and the target PhysX::PhysX.
+# What was found once may have been removed since.
+if(PhysX_INCLUDE_DIR AND NOT EXISTS ${PhysX_INCLUDE_DIR}/PxPhysicsAPI.h)
+  get_cmake_property(_cached CACHE_VARIABLES)
+  list(FILTER _cached INCLUDE REGEX "^PhysX_(INCLUDE_DIR|.*_LIBRARY)$")
+  foreach(_name ${_cached})
+    unset(${_name} CACHE)
+  endforeach()
+endif()
 find_path(PhysX_INCLUDE_DIR PxPhysicsAPI.h PATH_SUFFIXES sapien/include/physx/include)
 set(_libraries)
 set(_required)
