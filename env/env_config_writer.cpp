@@ -10,6 +10,7 @@
 
 #include "env/env_config_json.h"
 #include "physics/core/yaml_reader.h"
+#include "physics/robot/contact_json.h"
 #include "physics/robot_files/data_path.h"
 
 namespace crossgait {
@@ -173,9 +174,7 @@ void add_contact(Json& out, const ContactSettings& contact) {
   for (const ContactSetting& setting : contact_settings()) {
     const std::vector<double>* numbers = contact.find(setting.name);
     if (numbers == nullptr) continue;
-    Json value = numbers->size() == 1 ? Json(numbers->front()) : Json(*numbers);
-    if (!setting.words.empty()) value = contact_setting_text(setting, *numbers);
-    (setting.name == "friction" ? out : others)[std::string(setting.name)] = std::move(value);
+    (setting.name == "friction" ? out : others)[std::string(setting.name)] = to_json(setting, *numbers);
   }
   add(out, "contact", others);
 }

@@ -63,13 +63,7 @@ std::vector<PairDifference> pairs_of(const std::vector<Runner>& runners,
   std::vector<PairDifference> pairs;
   for (std::size_t i = 0; i < runners.size(); ++i) {
     for (std::size_t k = i + 1; k < runners.size(); ++k) {
-      const EngineInfo &a = runners[i].world.info(), &b = runners[k].world.info();
-      PairDifference pair;
-      pair.a = a.name;
-      pair.b = b.name;
-      pair.same_laws = a.laws == b.laws;
-      pair.tolerances = pair.same_laws ? DivergenceTolerances::exact() : tolerances;
-      pairs.push_back(std::move(pair));
+      pairs.push_back(pair_of(runners[i].world.info(), runners[k].world.info(), tolerances));
     }
   }
   return pairs;
@@ -106,6 +100,15 @@ std::vector<std::string> missed_parity(const Comparison& comparison) {
     if (!why.empty()) found.push_back(fmt::format("{} and {} ({})", pair.a, pair.b, why));
   }
   return found;
+}
+
+PairDifference pair_of(const EngineInfo& a, const EngineInfo& b, const DivergenceTolerances& tolerances) {
+  PairDifference pair;
+  pair.a = a.name;
+  pair.b = b.name;
+  pair.same_laws = a.laws == b.laws;
+  pair.tolerances = pair.same_laws ? DivergenceTolerances::exact() : tolerances;
+  return pair;
 }
 
 Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& worlds, const WalkSetup& setup,

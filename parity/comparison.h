@@ -51,6 +51,10 @@ inline constexpr double kParityHorizon = 1;
 /// (kOneStepTolerance), over the horizon, or at any time where steps were not compared one by one.
 std::vector<std::string> missed_parity(const Comparison& comparison);
 
+/// A pair of which nothing has been compared yet.
+/// @param tolerances  of engines of unlike laws; those of the same are held to `exact()`
+PairDifference pair_of(const EngineInfo& a, const EngineInfo& b, const DivergenceTolerances& tolerances);
+
 /// Makes another world like one of those that are compared, by its place.
 using AnotherWorld = std::function<std::unique_ptr<PhysicsBackend>(std::size_t place)>;
 

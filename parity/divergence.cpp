@@ -60,11 +60,15 @@ double compare_samples(const TraceSample& a, const TraceSample& b, PairDifferenc
   return largest;
 }
 
+void compare_traces(const Trace& a, const Trace& b, PairDifference& result) {
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    static_cast<void>(compare_samples(a[i], b[i], result));
+}
+
 PairDifference compare_traces(const Trace& a, const Trace& b, const DivergenceTolerances& tolerances) {
   PairDifference result;
   result.tolerances = tolerances;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-    static_cast<void>(compare_samples(a[i], b[i], result));
+  compare_traces(a, b, result);
   return result;
 }
 

@@ -67,7 +67,9 @@ double attitude_difference(const Quaternion& a, const Quaternion& b) noexcept;
 /// @returns the largest of its differences of position (m), joints and attitude (rad)
 double compare_samples(const TraceSample& a, const TraceSample& b, PairDifference& result);
 
-/// Compares sample by sample over the time both runs cover.
+/// Compares sample by sample over the time both runs cover, into `result`, which has its tolerances.
+void compare_traces(const Trace& a, const Trace& b, PairDifference& result);
+/// The same of two runs of no engines.
 PairDifference compare_traces(const Trace& a, const Trace& b, const DivergenceTolerances& tolerances);
 
 }  // namespace crossgait

@@ -8,6 +8,7 @@
 
 #include "motion/statistic_rows.h"
 #include "physics/core/table.h"
+#include "physics/robot/contact_json.h"
 
 namespace crossgait {
 namespace {
@@ -122,13 +123,8 @@ std::string sentence(const Comparison& comparison, const PairDifference& pair) {
 
 nlohmann::ordered_json to_json(const ContactSpec& contact) {
   ordered_json json;
-  for (const ContactSetting& setting : contact_settings()) {
-    const std::vector<double> numbers = setting.get(contact);
-    json[std::string(setting.name)] = !setting.words.empty()
-                                          ? ordered_json(contact_setting_text(setting, numbers))
-                                      : numbers.size() == 1 ? ordered_json(numbers.front())
-                                                            : ordered_json(numbers);
-  }
+  for (const ContactSetting& setting : contact_settings())
+    json[std::string(setting.name)] = to_json(setting, setting.get(contact));
   return json;
 }
 

@@ -44,12 +44,8 @@ Episode record(LoadedEnv environment, const std::string& policy, const std::stri
 }
 
 PairDifference compared(const Episode& a, const Episode& b, const DivergenceTolerances& tolerances) {
-  const bool same_laws = a.run.engine.laws == b.run.engine.laws;
-  PairDifference pair =
-      compare_traces(a.trace, b.trace, same_laws ? DivergenceTolerances::exact() : tolerances);
-  pair.a = a.run.engine.name;
-  pair.b = b.run.engine.name;
-  pair.same_laws = same_laws;
+  PairDifference pair = pair_of(a.run.engine, b.run.engine, tolerances);
+  compare_traces(a.trace, b.trace, pair);
   return pair;
 }
 

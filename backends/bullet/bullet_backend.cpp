@@ -224,15 +224,6 @@ std::optional<Engine> find(std::string_view name) {
   return std::nullopt;
 }
 
-EngineFamily family() {
-  EngineFamily family{factor_table().off, factor_table().on, {}, {}};
-  for (const auto& row : factor_table().rows) family.factors.push_back(row.factor);
-  family.with = [](const std::vector<std::string>& names) {
-    std::string changes;
-    for (const std::string& name : names) changes += "+" + name;
-    return matched_engine(changes);
-  };
-  return family;
-}
+EngineFamily family() { return contact::family_of(factor_table(), find); }
 
 }  // namespace crossgait::bullet

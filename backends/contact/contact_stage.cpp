@@ -169,6 +169,11 @@ void ContactStage::apply(const Problem& problem, const ContactPoints& points) no
   contacts_.dropped = points.dropped;
 }
 
+// On the robot's surface, or midway between the surfaces.
+Vector3 ContactStage::place_of_force(const ContactPoint& point) const noexcept {
+  return factors_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
+}
+
 // In turning_ the body's angular velocity per unit of each dof, from how points a metre apart move.
 void ContactStage::find_turning(int body, const Vector3& p_WP) noexcept {
   bodies_.point_jacobian(body, p_WP, turning_);
@@ -188,7 +193,7 @@ void ContactStage::add_turning_contact(PrimalProblemOf<kRows>& problem, const Do
   typename PrimalProblemOf<kRows>::Rows R, b;
   R.template head<3>() = rows.R;
   b.template head<3>() = rows.b;
-  const Vector3 p_WP = factors_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
+  const Vector3 p_WP = place_of_force(point);
   find_turning(point.body, p_WP);
   Vector3 turning_before = Vector3::Zero(), turning = Vector3::Zero();
   for (const int dof : dofs_of(point.body)) {
@@ -216,8 +221,7 @@ void ContactStage::add_turning_contact(PrimalProblemOf<kRows>& problem, const Do
 
 // A contact's rows, and in J_ its Jacobian in its own frame: by the dofs that move the body.
 void ContactStage::describe(const ContactPoint& point, const DofVector& before, ContactRows& rows) noexcept {
-  // On the robot's surface, or midway between the surfaces.
-  const Vector3 p_WP = factors_.surface ? point.p_WP + point.distance / 2 * point.normal : point.p_WP;
+  const Vector3 p_WP = place_of_force(point);
   bodies_.point_jacobian(point.body, p_WP, J_);
   rows.frame = frame_at(point, before);
   rows.velocity_before.setZero();

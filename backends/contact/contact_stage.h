@@ -61,6 +61,7 @@ class ContactStage {
   void describe(const ContactPoint& point, const DofVector& before, ContactRows& rows) noexcept;
   Matrix3 frame_at(const ContactPoint& point, const DofVector& before) const noexcept;
   double set_row(const ContactPoint& point, int axis, ContactRows& rows) const noexcept;
+  Vector3 place_of_force(const ContactPoint& point) const noexcept;
   void find_turning(int body, const Vector3& p_WP) noexcept;
   template <typename Problem>
   void apply(const Problem& problem, const ContactPoints& points) noexcept;

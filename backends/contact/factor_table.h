@@ -1,6 +1,7 @@
 // Names of the settings between two ends of an engine, one switch per factor.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -72,5 +73,18 @@ struct FactorTable {
     }
   }
 };
+
+/// The engines between the two ends of a table. @param find  the engine of a name, of those that it knows
+template <typename Factors>
+EngineFamily family_of(const FactorTable<Factors>& table, std::optional<Engine> (*find)(std::string_view)) {
+  EngineFamily family{table.off, table.on, {}, {}};
+  for (const FactorRow<Factors>& row : table.rows) family.factors.push_back(row.factor);
+  family.with = [off = table.off, find](const std::vector<std::string>& names) {
+    std::string name = off;
+    for (const std::string& factor : names) name += "+" + factor;
+    return *find(name);
+  };
+  return family;
+}
 
 }  // namespace crossgait::contact

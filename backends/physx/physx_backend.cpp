@@ -140,15 +140,6 @@ std::optional<Engine> find(std::string_view name) {
                 }};
 }
 
-EngineFamily family() {
-  EngineFamily family{factor_table().off, factor_table().on, {}, {}};
-  for (const auto& row : factor_table().rows) family.factors.push_back(row.factor);
-  family.with = [](const std::vector<std::string>& names) {
-    std::string changed = factor_table().off;
-    for (const std::string& name : names) changed += "+" + name;
-    return *find(changed);
-  };
-  return family;
-}
+EngineFamily family() { return contact::family_of(factor_table(), find); }
 
 }  // namespace crossgait::physx

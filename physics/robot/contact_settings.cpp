@@ -118,6 +118,12 @@ std::vector<std::string_view> parts_of(std::string_view text, std::string_view s
   }
 }
 
+// From how many dimensions on a setting makes a difference.
+int least_condim(std::string_view setting) {
+  if (setting == "torsional_friction") return 4;
+  return setting == "rolling_friction" ? 6 : 3;
+}
+
 std::size_t place_of(const ContactSetting& setting) {
   return static_cast<std::size_t>(&setting - std::data(kSettings));
 }
@@ -226,8 +232,7 @@ ContactSettings friction_of(double coefficient) {
 ContactSettings all_settings(const ContactSpec& contact) {
   ContactSettings settings;
   for (const ContactSetting& setting : kSettings) {
-    const bool counts = (setting.name != "torsional_friction" || contact.condim >= 4) &&
-                        (setting.name != "rolling_friction" || contact.condim >= 6);
+    const bool counts = contact.condim >= least_condim(setting.name);
     settings.said.push_back(counts ? std::optional(setting.get(contact)) : std::nullopt);
   }
   return settings;
@@ -243,14 +248,13 @@ ContactSpec resolve_contact(const ContactSettings& of_robot, const ContactSettin
   ContactSpec contact;
   of_robot.apply(contact);
   asked.apply(contact);
-  const auto require_condim = [&](std::string_view setting, int condim) {
-    if (asked.find(setting) == nullptr || contact.condim >= condim) return;
-    throw ConfigError(source, fmt::format("contact.{}", setting),
+  for (const ContactSetting& setting : kSettings) {
+    const int condim = least_condim(setting.name);
+    if (contact.condim >= condim || asked.find(setting.name) == nullptr) continue;
+    throw ConfigError(source, fmt::format("contact.{}", setting.name),
                       fmt::format("condim {} with it, or it makes no difference", condim),
                       fmt::format("condim {}", contact.condim));
-  };
-  require_condim("torsional_friction", 4);
-  require_condim("rolling_friction", 6);
+  }
   return contact;
 }
 

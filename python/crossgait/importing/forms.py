@@ -11,6 +11,7 @@ import numpy as np
 from crossgait.errors import ConfigError
 from crossgait.importing import terms
 from crossgait.importing.contract import Contract, by_pattern
+from crossgait.importing.joint_orders import joints_in_order, match_joints
 from crossgait.importing.stated import Stated
 
 
@@ -83,8 +84,6 @@ def _order(options: Options, otherwise: str) -> str:
 
 
 def _motors(root: Stated, contract: Contract, options: Options) -> list[str]:
-    from crossgait.importing.joint_orders import joints_in_order, match_joints
-
     names = root.find("joint_names")
     if names is not None:
         return match_joints(names.texts(), contract.robot, names.place)
@@ -454,11 +453,13 @@ def _isaac_params(value: Stated, block: str, contract: Contract) -> None:
         return
     names, kept = asset.find("joint_names"), asset.find("preserve_order")
     ordered = names is not None and isinstance(names.raw, list) and kept is not None and kept.boolean()
-    if ordered and names is not None and len(names.items()) == len(contract.joints):
-        from crossgait.importing.joint_orders import match_joints
-
-        if match_joints(names.texts(), contract.robot, names.place) != contract.joints:
-            names.fail(f"the order of the action's joints: {', '.join(contract.joints)}", ", ".join(names.texts()))
+    if (
+        ordered
+        and names is not None
+        and len(names.items()) == len(contract.joints)
+        and match_joints(names.texts(), contract.robot, names.place) != contract.joints
+    ):
+        names.fail(f"the order of the action's joints: {', '.join(contract.joints)}", ", ".join(names.texts()))
     asset.skip()
 
 
@@ -525,14 +526,10 @@ def _rl_sar_order(body: Stated, contract: Contract, options: Options) -> None:
         if not contract.joints:
             order = _order(options, "unitree-sdk")
             contract.say("joints.motors", order, f"convention {order}")
-            from crossgait.importing.joint_orders import joints_in_order
-
             motors = joints_in_order(order, contract.robot, body.place)
         else:
             motors = contract.get("joints.listed", contract.joints)
     else:
-        from crossgait.importing.joint_orders import match_joints
-
         motors = match_joints(names.texts(), contract.robot, names.place)
         contract.say("joints.listed", motors, names.place)
     if mapping is None:
