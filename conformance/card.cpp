@@ -136,6 +136,7 @@ nlohmann::ordered_json to_json(const Card& card) {
                                        {"contact_law", engine.laws.contact},
                                        {"loop_law", engine.laws.loops},
                                        {"joint_friction_law", engine.laws.joint_friction},
+                                       {"joint_limit_law", engine.laws.joint_limits},
                                        {"precision", name_of(precision)}}},
                                      {"passed", card.count(Status::kPassed)},
                                      {"failed", card.count(Status::kFailed)},

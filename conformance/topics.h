@@ -18,6 +18,7 @@ std::vector<Check> contact_checks();
 std::vector<Check> shape_checks();
 std::vector<Check> loop_checks();
 std::vector<Check> joint_friction_checks();
+std::vector<Check> joint_limit_checks();
 std::vector<Check> determinism_checks();
 std::vector<Check> parity_checks();
 

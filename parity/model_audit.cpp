@@ -119,6 +119,24 @@ void audit_joint_friction(const PhysicsBackend& a, const PhysicsBackend& b, Find
   friction.append_to(findings);
 }
 
+void audit_joint_limits(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
+  // An engine without them declares it (Laws::joint_limits), and its model is not wrong for that.
+  if (a.info().laws.joint_limits.empty() || b.info().laws.joint_limits.empty()) return;
+  Worst limits("joint limit", "rad", coarser_epsilon(a, b));
+  const JointRanges x = a.joint_limits(), y = b.joint_limits();
+  const auto compare = [&](double of_a, double of_b, int joint) {
+    if (of_a == of_b) return;  // both may be none
+    constexpr double kNone = 1e3;
+    limits.add(std::clamp(of_a, -kNone, kNone), std::clamp(of_b, -kNone, kNone), 1, kRounding,
+               joint_label(a, joint));
+  };
+  for (int i = 0; i < x.lower.size(); ++i) {
+    compare(x.lower[i], y.lower[i], i);
+    compare(x.upper[i], y.upper[i], i);
+  }
+  limits.append_to(findings);
+}
+
 // Whether joints with dry friction are meant to move alike.
 bool same_joint_friction(const PhysicsBackend& a, const PhysicsBackend& b) {
   const bool any = a.robot().has_joint_friction() || b.robot().has_joint_friction();
@@ -283,6 +301,7 @@ const std::vector<std::string>& audited_quantities() {
                                                     "joint axis",
                                                     "armature",
                                                     "joint friction",
+                                                    "joint limit",
                                                     "height of the ground",
                                                     "diagonal of the height field",
                                                     "gravity",
@@ -310,6 +329,7 @@ std::vector<AuditFinding> audit_models(PhysicsBackend& a, PhysicsBackend& b) {
   audit_geometry(a, b, findings);
   audit_armature(a, b, findings);
   audit_joint_friction(a, b, findings);
+  audit_joint_limits(a, b, findings);
   audit_ground(a, b, findings);
   audit_gravity(a, b, findings);
   audit_servos(a, b, findings);

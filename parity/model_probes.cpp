@@ -99,8 +99,9 @@ ServoResponse servo_response(PhysicsBackend& world, int joint) {
     response.joint_damping = -torque_of(world, turning, joint, rest.q[joint]) / kSpeed;
     return response;
   }
-  // From far outside its range every target is far away.
-  const double range = 1e3;
+  // From this far away a target takes all of the torque; further off, what keeps joints within their limits
+  // would throw the robot about.
+  const double range = std::min(1e3, 2 * std::max(of.effort_limit, of.effort_negative) / of.kp);
   RobotState outside = rest;
   outside.q[joint] -= range;
   RobotState outside_turning = outside;

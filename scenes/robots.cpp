@@ -94,6 +94,7 @@ RobotPtr arm(const std::vector<ArmLink>& links) {
     joint.effort_limit = link.effort_limit;
     joint.lower = -link.limit;
     joint.upper = link.limit;
+    joint.limited = link.limited;
     robot.bodies.push_back(body);
   }
   return finished(robot);
@@ -352,6 +353,17 @@ RobotPtr without_loops(const RobotPtr& robot) {
 RobotPtr with_joint_friction(const RobotPtr& robot, double friction) {
   RobotDescription changed = *robot;
   for (std::size_t i = 1; i < changed.bodies.size(); ++i) changed.bodies[i].joint.friction = friction;
+  return std::make_shared<const RobotDescription>(std::move(changed));
+}
+
+RobotPtr with_joint_limits(const RobotPtr& robot, double range) {
+  RobotDescription changed = *robot;
+  for (int i = 0; i < changed.joint_count(); ++i) {
+    Joint& joint = changed.bodies[static_cast<std::size_t>(i) + 1].joint;
+    joint.lower = changed.home[i] - range;
+    joint.upper = changed.home[i] + range;
+    joint.limited = true;
+  }
   return std::make_shared<const RobotDescription>(std::move(changed));
 }
 

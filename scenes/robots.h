@@ -37,7 +37,8 @@ struct ArmLink {
   bool servo = false;
   double kp = 0, kd = 0;    ///< N m/rad, N m s/rad
   double effort_limit = 1;  ///< N m
-  double limit = 3.1;       ///< targets within +-limit, rad
+  double limit = 3.1;       ///< targets within +-limit, rad, and the angle where it is limited
+  bool limited = false;
 
   /// Returns the inertia of the link alone, about its joint, with the armature.
   double joint_inertia() const { return inertia + mass * length * length + armature; }
@@ -82,5 +83,7 @@ RobotPtr finished(RobotDescription robot);
 RobotPtr without_loops(const RobotPtr& robot);
 /// The robot with this dry friction in every joint, N m.
 RobotPtr with_joint_friction(const RobotPtr& robot, double friction);
+/// The robot with every joint, and so its targets, kept within `range` rad of its home, either way.
+RobotPtr with_joint_limits(const RobotPtr& robot, double range);
 
 }  // namespace crossgait::scenes

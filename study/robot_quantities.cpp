@@ -80,12 +80,31 @@ class Quantities {
     }
     if (joint.stiffness > 0)
       add(joint.name, "spring_reference", "rad", file.spring_reference, joint.spring_reference, kOfFile);
-    add(joint.name, "limits", "rad", List{file.lower, file.upper}, List{joint.lower, joint.upper},
-        "targets are clipped to them; engines have no stops");
+    add_limits(joint, file);
     const Joint unlimited;
     if (joint.target_lower != unlimited.target_lower || joint.target_upper != unlimited.target_upper)
       add(joint.name, "target_range", "rad", List{file.target_lower, file.target_upper},
           List{joint.target_lower, joint.target_upper}, reason(joint, "target_range", true));
+  }
+
+  void add_limits(const Joint& joint, const Joint& file) {
+    add(joint.name, "limits", "rad", List{file.lower, file.upper}, List{joint.lower, joint.upper},
+        joint.limited ? "targets are clipped to them, and engines keep the angle within them"
+                      : "targets are clipped to them; the file has the joint turn on");
+    if (!joint.limited) return;
+    const auto solref = [](const Softness& s) { return List{s.time_constant, s.damping_ratio}; };
+    const auto solimp = [](const Softness& s) {
+      return List{s.impedance_min, s.impedance_max, s.impedance_width, s.impedance_midpoint,
+                  s.impedance_power};
+    };
+    const auto row = [&](const char* name, const char* unit, const List& says, const List& used,
+                         const List& usual) {
+      if (says == usual && used == usual) return;
+      add(joint.name, name, unit, says, used, says == used ? kOfFile : "limit_softness of the robot.yaml");
+    };
+    const Softness& of_file = file.limit_softness;
+    row("limit_solref", "s, -", solref(of_file), solref(joint.limit_softness), solref({}));
+    row("limit_solimp", "-, -, rad, -, -", solimp(of_file), solimp(joint.limit_softness), solimp({}));
   }
 
   void add_foot(Leg leg) {

@@ -25,6 +25,7 @@ EngineInfo make_info(const ContactFactors& factors, bool own_code) {
   info.laws = {.contact = contact::law_name(factors) + (factors.sweeps ? way : points),
                .loops = "mujoco",
                .joint_friction = factors.hard_joint_friction ? "hard" + way : "mujoco",
+               .joint_limits = factors.hard_joint_limits ? "hard" + way : "mujoco",
                .contact_family = contact::family_name(factors)};
   if (!own_code) info.own_parts = contact::own_parts();
   if (own_code) {
@@ -159,6 +160,7 @@ class BulletBackend final : public PhysicsBackend {
   }
 
   JointVector do_joint_friction() const override { return solver_->joint_friction(); }
+  JointRanges do_joint_limits() const override { return solver_->joint_limits(); }
 
   void do_save(std::vector<double>& engine) const override {
     const btMultiBody& b = body();

@@ -30,11 +30,12 @@ ConstraintSolver::ConstraintSolver(const WorldSpec& spec, const ContactFactors& 
               factors.speculative ? contact_margins(model.contact_features(), model.body().getNumLinks())
                                   : std::vector<double>()),
       contacts_(spec, factors, bodies_, joints_, factors.sweeps),
-      torque_(JointVector::Zero(spec.robot->joint_count())) {
+      torque_(JointVector::Zero(spec.robot->joint_count())),
+      angles_(torque_) {
   const Eigen::Index n = joints_.inertia().dofs();
   before_.setZero(n);
   correction_.setZero(n);
-  if (own_code_) make_friction_motors();
+  if (own_code_) make_joint_rows();
 }
 
 DofVector ConstraintSolver::bullet_velocity() const noexcept {
@@ -80,13 +81,14 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
     } else {
       finder_.find(bodies_, points_);
     }
-    set_velocity(contacts_.solve(before_, points_));
+    for (int i = 0; i < model_.body().getNumLinks(); ++i) angles_[i] = model_.body().getJointPos(i);
+    set_velocity(contacts_.solve(before_, angles_, points_));
     return;
   }
   correction_ = joints_.velocity() - after_dynamics;
   btMultiBodyConstraintSolver::solveMultiBodyGroup(
-      bodies, body_count, manifolds, manifold_count, constraints, constraint_count, motor_list_.data(),
-      static_cast<int>(motor_list_.size()), info, drawer, dispatcher);
+      bodies, body_count, manifolds, manifold_count, constraints, constraint_count, joint_row_list_.data(),
+      static_cast<int>(joint_row_list_.size()), info, drawer, dispatcher);
   if (!bullet_velocity().allFinite()) {
     finite_ = false;
     set_velocity(DofVector::Zero(before_.size()));
@@ -98,6 +100,15 @@ JointVector ConstraintSolver::joint_friction() const {
   for (const contact::FrictionalJoint& joint : contacts_.frictional_joints())
     friction[joint.joint] = joint.friction;
   return friction;
+}
+
+JointRanges ConstraintSolver::joint_limits() const {
+  JointRanges limits(static_cast<int>(torque_.size()));
+  for (const contact::LimitedJoint& joint : contacts_.limited_joints()) {
+    limits.lower[joint.joint] = joint.lower;
+    limits.upper[joint.joint] = joint.upper;
+  }
+  return limits;
 }
 
 }  // namespace crossgait::bullet

@@ -5,13 +5,14 @@
 #include <memory>
 #include <vector>
 
+#include <BulletDynamics/Featherstone/btMultiBodyConstraint.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
-#include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
 
 #include "backends/bullet/composite_inertia.h"
 #include "backends/bullet/contact_factors.h"
 #include "backends/bullet/multibody_model.h"
 #include "backends/contact/contact_stage.h"
+#include "physics/engine/physics_backend.h"
 
 namespace crossgait::bullet {
 
@@ -36,6 +37,7 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   const ContactList& contacts() const noexcept { return contacts_.contacts(); }
   /// Dry friction of every joint, N m.
   JointVector joint_friction() const;
+  JointRanges joint_limits() const;
 
   void solveMultiBodyGroup(btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
                            int manifold_count, btTypedConstraint** constraints, int constraint_count,
@@ -57,7 +59,8 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
                                          const btContactSolverInfo& info) override;
   void bound_push_out(btMultiBodySolverConstraint& row) const noexcept;
   void refer_to_joint_stage(btMultiBodySolverConstraint& row) noexcept;
-  void make_friction_motors();
+  void make_joint_rows();
+  void bound_return(btMultiBodySolverConstraint& row) const noexcept;
   void report_native_contacts() noexcept;
 
   DofVector bullet_velocity() const noexcept;
@@ -73,13 +76,13 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   contact::ContactFinder finder_;
   contact::ContactPoints points_;
   contact::ContactStage contacts_;
-  std::vector<std::unique_ptr<btMultiBodyJointMotor>> friction_motors_;  // Bullet's own rows: one per joint
-  std::vector<btMultiBodyConstraint*> motor_list_;                       // the same, as Bullet takes them
+  std::vector<std::unique_ptr<btMultiBodyConstraint>> joint_rows_;  // Bullet's own, of friction and limits
+  std::vector<btMultiBodyConstraint*> joint_row_list_;              // the same, as Bullet takes them
   bool pending_ = false, finite_ = true;
 
   DofVector before_;      // velocities before the step
   DofVector correction_;  // of the joint stage to Bullet's velocities
-  JointVector torque_;
+  JointVector torque_, angles_;
   PointJacobian J_;
 };
 

@@ -1,5 +1,5 @@
-// What contact and joint friction of `bullet` are made of, piece by piece, so that a difference from MuJoCo
-// can be traced to one.
+// What contact, joint friction and joint limits of `bullet` are made of, piece by piece, so that a difference
+// from MuJoCo can be traced to one.
 #pragma once
 
 #include "backends/contact/law_factors.h"
@@ -15,7 +15,9 @@ struct ContactFactors : contact::LawFactors {
   /// MuJoCo's contact law in Bullet's dynamics.
   static constexpr ContactFactors matched() { return {}; }
   /// The law of Bullet as it ships.
-  static constexpr ContactFactors native() { return {{true, true, true, true, true, true}, true, true}; }
+  static constexpr ContactFactors native() {
+    return {{true, true, true, true, true, true, true}, true, true};
+  }
 
   bool operator==(const ContactFactors&) const = default;
 };

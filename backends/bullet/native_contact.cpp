@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <BulletDynamics/Featherstone/btMultiBodyJointLimitConstraint.h>
+#include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
+
 #include "backends/bullet/constraint_solver.h"
 #include "backends/bullet/convert.h"
 #include "backends/contact/law_factors.h"
@@ -31,14 +34,18 @@ void scale_alike(btMultiBodySolverConstraint& a, btMultiBodySolverConstraint& b)
 
 }  // namespace
 
-// What Bullet makes of friction in a joint: a motor that wants it at rest. (No world ever holds them, which
-// would leave out those of a robot without colliders.)
-void ConstraintSolver::make_friction_motors() {
-  for (const contact::FrictionalJoint& joint : contacts_.frictional_joints()) {
-    friction_motors_.push_back(std::make_unique<btMultiBodyJointMotor>(&model_.body(), joint.joint, 0,
-                                                                       spec_.physics_dt * joint.friction));
-    friction_motors_.back()->finalizeMultiDof();
-    motor_list_.push_back(friction_motors_.back().get());
+// What Bullet makes of friction in a joint: a motor that wants it at rest; and its limits, which act on
+// angles beyond them. (No world ever holds them, which would leave out those of a robot without colliders.)
+void ConstraintSolver::make_joint_rows() {
+  for (const contact::FrictionalJoint& joint : contacts_.frictional_joints())
+    joint_rows_.push_back(std::make_unique<btMultiBodyJointMotor>(&model_.body(), joint.joint, 0,
+                                                                  spec_.physics_dt * joint.friction));
+  for (const contact::LimitedJoint& joint : contacts_.limited_joints())
+    joint_rows_.push_back(std::make_unique<btMultiBodyJointLimitConstraint>(&model_.body(), joint.joint,
+                                                                            joint.lower, joint.upper));
+  for (const auto& rows : joint_rows_) {
+    rows->finalizeMultiDof();
+    joint_row_list_.push_back(rows.get());
   }
 }
 
@@ -51,6 +58,7 @@ btScalar ConstraintSolver::solveGroupCacheFriendlySetup(btCollisionObject** bodi
       bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info, drawer);
   set_velocity(joints_.velocity());
   for (int i = 0; i < m_multiBodyNonContactConstraints.size(); ++i) {
+    bound_return(m_multiBodyNonContactConstraints[i]);
     refer_to_joint_stage(m_multiBodyNonContactConstraints[i]);
   }
   for (int i = 0; i < m_multiBodyNormalContactConstraints.size(); ++i) {
@@ -72,6 +80,15 @@ void ConstraintSolver::bound_push_out(btMultiBodySolverConstraint& row) const no
   const double depth = -static_cast<double>(p->getDistance());
   const double excess =
       contact::kHardContact.error_reduction * depth / spec_.physics_dt - contact::kHardContact.most_push_out;
+  if (excess > 0) row.m_rhs -= excess * row.m_jacDiagABInv;
+}
+
+// The same for a joint beyond its limit, of which Bullet undoes the same share.
+void ConstraintSolver::bound_return(btMultiBodySolverConstraint& row) const noexcept {
+  const auto* limit = dynamic_cast<const btMultiBodyJointLimitConstraint*>(row.m_orgConstraint);
+  if (limit == nullptr) return;
+  const double beyond = -static_cast<double>(limit->getPosition(row.m_orgDofIndex));
+  const double excess = contact::kLimitErrorReduction * beyond / spec_.physics_dt - contact::kFastestReturn;
   if (excess > 0) row.m_rhs -= excess * row.m_jacDiagABInv;
 }
 

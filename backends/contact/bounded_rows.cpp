@@ -7,15 +7,19 @@
 
 namespace crossgait::contact {
 
-BoundedRows::BoundedRows()
-    : bound(kMaxJoints),
-      A(kMaxJoints, kMaxJoints),
-      C(kMaxJoints, ConeProblem::kMaxRows),
-      b(kMaxJoints),
-      x(kMaxJoints),
-      L_(kMaxJoints, kMaxJoints),
-      LC_(kMaxJoints, ConeProblem::kMaxRows),
-      Lb_(kMaxJoints) {}
+BoundedRows::BoundedRows(int most)
+    : A(most, most),
+      C(most, ConeProblem::kMaxRows),
+      b(most),
+      x(most),
+      L_(most, most),
+      LC_(most, ConeProblem::kMaxRows),
+      Lb_(most) {}
+
+double BoundedRows::clamp(Eigen::Index row, double impulse) const noexcept {
+  const ImpulseBounds& within = bounds[static_cast<std::size_t>(row)];
+  return std::clamp(impulse, within.lower, within.upper);
+}
 
 double BoundedRows::velocity(Eigen::Index row) const noexcept {
   const Eigen::Index contact_rows = 3 * reduced_.contacts;
@@ -26,17 +30,20 @@ double BoundedRows::velocity(Eigen::Index row) const noexcept {
 // On which side a row would be after a step of its own. `tolerance` keeps rows that are just at a bound from
 // changing sides for ever.
 BoundedRows::Side BoundedRows::side_of(Eigen::Index row, double tolerance) const noexcept {
-  const double step = x[row] - velocity(row) / A(row, row), slack = tolerance * bound[row];
+  const ImpulseBounds& within = bounds[static_cast<std::size_t>(row)];
+  const double step = x[row] - velocity(row) / A(row, row);
+  const double largest = std::max(within.upper, -within.lower);
+  const double slack = tolerance * (std::isfinite(largest) ? largest : std::abs(step));
   const Side now = sides_[static_cast<std::size_t>(row)];
-  if (step > bound[row] + (now == Side::kUpper ? -slack : slack)) return Side::kUpper;
-  if (step < -bound[row] - (now == Side::kLower ? -slack : slack)) return Side::kLower;
+  if (step > within.upper + (now == Side::kUpper ? -slack : slack)) return Side::kUpper;
+  if (step < within.lower - (now == Side::kLower ? -slack : slack)) return Side::kLower;
   return Side::kBetween;
 }
 
 // @returns whether a row changed sides
 bool BoundedRows::pivot(bool all, double tolerance) noexcept {
   bool changed = false;
-  std::array<Side, kMaxJoints> next = sides_;
+  std::array<Side, kMaxBoundedRows> next = sides_;
   for (int i = 0; i < count && (all || !changed); ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
     next[k] = side_of(i, tolerance);
@@ -51,7 +58,8 @@ void BoundedRows::eliminate(const ConeProblem& contacts) noexcept {
   between_count_ = 0;
   for (int i = 0; i < count; ++i) {
     const Side side = sides_[static_cast<std::size_t>(i)];
-    x[i] = static_cast<double>(side) * bound[i];
+    const ImpulseBounds& within = bounds[static_cast<std::size_t>(i)];
+    x[i] = side == Side::kUpper ? within.upper : side == Side::kLower ? within.lower : 0;
     if (side == Side::kBetween) between_[static_cast<std::size_t>(between_count_++)] = i;
   }
   const Eigen::Index n = between_count_;
@@ -100,7 +108,7 @@ int BoundedRows::solve(const ConeProblem& contacts, bool coulomb, double toleran
     }
     finish(3 * contacts.contacts);
     if (!pivot(solution <= kBlocks, 10 * tolerance)) {
-      x.head(count) = x.head(count).cwiseMin(bound.head(count)).cwiseMax(-bound.head(count));
+      for (Eigen::Index row = 0; row < count; ++row) x[row] = clamp(row, x[row]);
       return solution;
     }
     if (solution == kMostSolutions) {
@@ -121,7 +129,7 @@ void BoundedRows::sweep(const ConeProblem& contacts, bool coulomb, double tolera
     double change = 0, largest = 0;
     for (Eigen::Index row = 0; row < count; ++row) {
       const double old = x[row];
-      x[row] = std::clamp(old - velocity(row) / A(row, row), -bound[row], bound[row]);
+      x[row] = clamp(row, old - velocity(row) / A(row, row));
       change = std::max(change, std::abs(x[row] - old));
       largest = std::max(largest, std::abs(x[row]));
     }

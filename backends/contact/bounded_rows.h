@@ -1,29 +1,32 @@
-// Single constraint rows with bounded impulses (dry friction in joints), solved along with the contacts.
+// Single constraint rows with bounded impulses (dry friction and limits of joints), solved along with the
+// contacts.
 #pragma once
 
 #include <array>
 
 #include "backends/contact/cone_solver.h"
+#include "backends/contact/impulse_bounds.h"
 
 namespace crossgait::contact {
 
-/// Rows with w = A x + C y + b, where y are the contacts' impulses, such that x = bound where w < 0, x =
-/// -bound where w > 0 and between the two where w = 0: the minimum of 1/2 x'Ax + (C y + b)'x over |x| <=
-/// bound. Friction of stuck joints is stiff against the contacts (with Gauss-Seidel sweeps over both a step
-/// takes four to eight times as long as without friction), so rows between their bounds are eliminated
-/// exactly, and the contacts are solved in what remains.
+/// Rows with w = A x + C y + b, where y are the contacts' impulses, such that x is at its upper bound where w
+/// < 0, at its lower one where w > 0 and between the two where w = 0: the minimum of 1/2 x'Ax + (C y + b)'x
+/// within the bounds. Friction of stuck joints is stiff against the contacts (with Gauss-Seidel sweeps over
+/// both a step takes four to eight times as long as without friction), so rows between their bounds are
+/// eliminated exactly, and the contacts are solved in what remains.
 class BoundedRows {
  public:
   static constexpr int kMostSolutions = 30;
 
-  BoundedRows();
+  /// @param most  rows that there may be, up to kMaxBoundedRows
+  explicit BoundedRows(int most);
 
-  int count = 0;          ///< at most kMaxJoints
-  Eigen::VectorXd bound;  ///< leading `count`, >= 0
-  Eigen::MatrixXd A;      ///< leading `count` square block, symmetric positive definite
-  Eigen::MatrixXd C;      ///< leading count x 3 contacts
-  Eigen::VectorXd b;      ///< leading `count`
-  Eigen::VectorXd x;      ///< result, leading `count`
+  int count = 0;
+  std::array<ImpulseBounds, kMaxBoundedRows> bounds{};  ///< leading `count`
+  Eigen::MatrixXd A;  ///< leading `count` square block, symmetric positive definite
+  Eigen::MatrixXd C;  ///< leading count x 3 contacts
+  Eigen::VectorXd b;  ///< leading `count`
+  Eigen::VectorXd x;  ///< result, leading `count`
 
   /// Solves for x and the contacts together. Which rows are at a bound is found by block principal pivoting
   /// (Judice and Pires 1994): all rows that are on the wrong side change theirs, and where that does not
@@ -45,9 +48,10 @@ class BoundedRows {
   void finish(Eigen::Index contact_rows) noexcept;
   void sweep(const ConeProblem& contacts, bool coulomb, double tolerance, int max_sweeps) noexcept;
   double velocity(Eigen::Index row) const noexcept;
+  double clamp(Eigen::Index row, double impulse) const noexcept;
 
-  std::array<Side, kMaxJoints> sides_{};
-  std::array<Eigen::Index, kMaxJoints> between_{};  ///< rows that are eliminated
+  std::array<Side, kMaxBoundedRows> sides_{};
+  std::array<Eigen::Index, kMaxBoundedRows> between_{};  ///< rows that are eliminated
   Eigen::Index between_count_ = 0;
   Eigen::MatrixXd L_;    ///< of the rows between: their A = L L'
   Eigen::MatrixXd LC_;   ///< L^-1 C of them

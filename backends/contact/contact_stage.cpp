@@ -35,6 +35,8 @@ Matrix3 stock_frame(const Vector3& normal) {
 // mjMINMU of mjmodel.h: MuJoCo's contacts are never quite without friction.
 double at_least_some(double friction) noexcept { return std::max(friction, 1e-5); }
 
+constexpr double kLeastShare = 1e-9;  // of a hard limit's response to itself
+
 template <typename Problem>
 constexpr bool turns = false;
 template <int kRows>
@@ -52,10 +54,12 @@ ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, con
       friction_law_(spec.robot->friction_softness, spec.physics_dt),
       inverse_weights_(translational_inverse_weights(*spec.robot, spec.fixed_base)),
       frictional_joints_(contact::frictional_joints(spec)),
+      limited_joints_(contact::limited_joints(spec)),
       sweeps_(sweeps) {
   loops_.setZero(joints_.inertia().dofs(), 3 * static_cast<Eigen::Index>(spec.robot->loops.size()));
   const bool hard = factors_.hard_normal || factors_.hard_friction ||
-                    (factors_.hard_joint_friction && !frictional_joints_.empty());
+                    (factors_.hard_joint_friction && !frictional_joints_.empty()) ||
+                    (factors_.hard_joint_limits && !limited_joints_.empty());
   const int dofs = joints_.inertia().dofs();
   const FrictionBound bound = factors_.stock     ? FrictionBound::kFrictionlessPyramid
                               : factors_.pyramid ? FrictionBound::kPyramid
@@ -76,16 +80,19 @@ ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, con
   } else if (bound == FrictionBound::kDisc && (sweeps_ || (factors_.coulomb && frictional_joints_.empty()))) {
     sweep_ = std::make_unique<SweepProblem>(dofs, joints_.coupled_dofs(), coefficient());
   } else {
-    dual_ = std::make_unique<DualProblem>(joints_, static_cast<int>(frictional_joints_.size()), bound,
-                                          factors_.stock ? kStockContact.mixing : kHardContact.mixing);
+    dual_ = std::make_unique<DualProblem>(
+        joints_, static_cast<int>(frictional_joints_.size() + limited_joints_.size()), bound,
+        factors_.stock ? kStockContact.mixing : kHardContact.mixing);
   }
   for (int body = 0; body <= spec.robot->joint_count(); ++body)
     dofs_.push_back(joints_.inertia().dofs_of(body));
 }
 
-const DofVector& ContactStage::solve(const DofVector& before, const ContactPoints& points) noexcept {
+const DofVector& ContactStage::solve(const DofVector& before, const JointVector& angles,
+                                     const ContactPoints& points) noexcept {
   velocity_ = joints_.velocity();
-  if (points.count == 0 && frictional_joints_.empty()) return velocity_;
+  find_limits(before, angles);
+  if (points.count == 0 && frictional_joints_.empty() && limit_count_ == 0) return velocity_;
   if (primal_) {
     solve_primal(*primal_, before, points);
   } else if (twisting_) {
@@ -119,6 +126,16 @@ void ContactStage::solve_primal(Primal& problem, const DofVector& before,
   apply(problem, points);
 }
 
+void ContactStage::find_limits(const DofVector& before, const JointVector& angles) noexcept {
+  limit_count_ = 0;
+  for (const LimitedJoint& joint : limited_joints_) {
+    const int dof = 6 + joint.joint;
+    const auto row = limit_row(joint, factors_.hard_joint_limits, angles[joint.joint], before[dof],
+                               velocity_[dof], spec_.physics_dt);
+    if (row) limits_[static_cast<std::size_t>(limit_count_++)] = {dof, *row};
+  }
+}
+
 double ContactStage::coefficient() const noexcept { return at_least_some(spec_.contact.friction); }
 
 void ContactStage::sweep() noexcept {
@@ -143,13 +160,26 @@ void ContactStage::add_rows(Problem& problem, const DofVector& before, const Con
       problem.add_contact(dofs_of(point.body), J_, rows.R, rows.b);
     }
   }
+  add_joint_rows(problem, before);
+}
+
+template <typename Problem>
+void ContactStage::add_joint_rows(Problem& problem, const DofVector& before) noexcept {
   for (const FrictionalJoint& joint : frictional_joints_) {
     const int dof = 6 + joint.joint;
     const auto [R, target] = friction_row(joint, friction_law_, factors_.hard_joint_friction, before[dof]);
     DofVector z = DofVector::Unit(before.size(), dof);
     joints_.inertia().half_solve(z);
-    problem.add_bounded(dofs_of(joint.joint + 1), z, R, velocity_[dof] - target,
-                        spec_.physics_dt * joint.friction);
+    const double bound = spec_.physics_dt * joint.friction;
+    problem.add_bounded(dofs_of(joint.joint + 1), z, R, velocity_[dof] - target, {-bound, bound});
+  }
+  for (int i = 0; i < limit_count_; ++i) {
+    const auto& [dof, row] = limits_[static_cast<std::size_t>(i)];
+    DofVector z = row.away * DofVector::Unit(before.size(), dof);
+    joints_.inertia().half_solve(z);
+    // A hard limit and hard friction of one joint would be the same row twice.
+    const double R = row.R > 0 ? row.R : kLeastShare * z.squaredNorm();
+    problem.add_bounded(dofs_of(dof - 5), z, R, row.away * velocity_[dof] - row.target, kOnlyPushes);
   }
 }
 

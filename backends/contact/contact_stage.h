@@ -1,4 +1,4 @@
-// Contacts and dry friction in joints of one step, by a law made of LawFactors.
+// Contacts, dry friction and limits of joints in one step, by a law made of LawFactors.
 #pragma once
 
 #include <array>
@@ -9,6 +9,7 @@
 #include "backends/contact/contact_points.h"
 #include "backends/contact/dual_problem.h"
 #include "backends/contact/joint_friction.h"
+#include "backends/contact/joint_limit.h"
 #include "backends/contact/law_factors.h"
 #include "backends/contact/primal_problem.h"
 #include "backends/contact/sweep_problem.h"
@@ -31,14 +32,17 @@ class ContactStage {
 
   /// After the joint stage: solves and reports.
   /// @param before  velocities before the step
+  /// @param angles  of the joints before the step, rad
   /// @returns velocities after the step
-  const DofVector& solve(const DofVector& before, const ContactPoints& points) noexcept;
+  const DofVector& solve(const DofVector& before, const JointVector& angles,
+                         const ContactPoints& points) noexcept;
 
   /// @param force,velocity_before  on the robot, N, and of the body at the point, m/s, in W
   void report(const ContactPoint& point, const Vector3& force, const Vector3& velocity_before) noexcept;
   const ContactList& contacts() const noexcept { return contacts_; }
 
   const std::vector<FrictionalJoint>& frictional_joints() const noexcept { return frictional_joints_; }
+  const std::vector<LimitedJoint>& limited_joints() const noexcept { return limited_joints_; }
 
  private:
   struct ContactRows {
@@ -48,11 +52,19 @@ class ContactStage {
     double impedance = 0;     // of soft rows
   };
 
+  struct LimitedDof {
+    int dof = 0;
+    LimitRow row;
+  };
+
   std::span<const int> dofs_of(int body) const noexcept { return dofs_[static_cast<std::size_t>(body)]; }
   double coefficient() const noexcept;
+  void find_limits(const DofVector& before, const JointVector& angles) noexcept;
   void sweep() noexcept;
   template <typename Problem>
   void add_rows(Problem& problem, const DofVector& before, const ContactPoints& points) noexcept;
+  template <typename Problem>
+  void add_joint_rows(Problem& problem, const DofVector& before) noexcept;
   template <int kRows>
   void add_turning_contact(PrimalProblemOf<kRows>& problem, const DofVector& before,
                            const ContactPoint& point, const ContactRows& rows) noexcept;
@@ -73,6 +85,9 @@ class ContactStage {
   SoftLaw contact_law_, friction_law_;
   std::vector<double> inverse_weights_;  // MuJoCo's, by body, 1/kg
   std::vector<FrictionalJoint> frictional_joints_;
+  std::vector<LimitedJoint> limited_joints_;
+  std::array<LimitedDof, kMaxJoints> limits_;  // that count in this step
+  int limit_count_ = 0;
   std::vector<std::vector<int>> dofs_;  // by body: those that move it, rising
 
   bool sweeps_;

@@ -6,7 +6,7 @@
 
 namespace crossgait::contact {
 DualProblem::DualProblem(const JointStage& joints, int most_bounded, FrictionBound bound, double mixing)
-    : joints_(joints), mixing_(mixing) {
+    : joints_(joints), mixing_(mixing), bounded_(most_bounded) {
   cone_.bound = bound;
   const Eigen::Index n = joints.inertia().dofs();
   rows_.setZero(n, ConeProblem::kMaxRows);
@@ -33,7 +33,7 @@ void DualProblem::add_contact(std::span<const int> dofs, const PointJacobian& Z,
 }
 
 void DualProblem::add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,
-                              double bound) noexcept {
+                              const ImpulseBounds& bounds) noexcept {
   const Eigen::Index row = bounded_.count++;
   bounded_rows_.col(row).setZero();
   for (const int dof : dofs) bounded_rows_(dof, row) = z[dof];
@@ -41,7 +41,7 @@ void DualProblem::add_bounded(std::span<const int> dofs, const DofVector& z, dou
   joints_.project(projected_bounded_.col(row));
   bounded_.A(row, row) = R;
   bounded_.b[row] = b;
-  bounded_.bound[row] = bound;
+  bounded_.bounds[static_cast<std::size_t>(row)] = bounds;
 }
 
 void DualProblem::solve(double friction, bool coulomb, double tolerance) noexcept {

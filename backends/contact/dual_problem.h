@@ -1,4 +1,4 @@
-// Contacts and dry friction in joints as a problem in their impulses, solved by sweeps.
+// Contacts, dry friction and limits of joints as a problem in their impulses, solved by sweeps.
 #pragma once
 
 #include <span>
@@ -22,7 +22,8 @@ class DualProblem {
   /// As in PrimalProblem, R >= 0.
   void add_contact(std::span<const int> dofs, const PointJacobian& Z, const Vector3& R,
                    const Vector3& b) noexcept;
-  void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b, double bound) noexcept;
+  void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,
+                   const ImpulseBounds& bounds) noexcept;
 
   /// @param coulomb  the law of ConeProblem::solve_coulomb instead of that of solve
   void solve(double friction, bool coulomb, double tolerance) noexcept;

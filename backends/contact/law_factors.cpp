@@ -26,6 +26,11 @@ const std::vector<FactorRow<LawFactors>>& law_factor_rows() {
         {},
         [](const RobotDescription& robot) { return robot.has_joint_friction(); }},
        &F::hard_joint_friction},
+      {{"hard_joint_limits",
+        "limits stop a joint at once, not like a spring and damper",
+        {},
+        [](const RobotDescription& robot) { return robot.has_joint_limits(); }},
+       &F::hard_joint_limits},
   };
   return kRows;
 }
@@ -34,7 +39,8 @@ std::string law_name(const LawFactors& factors) {
   std::string name = "mujoco";
   bool hard = true;
   for (const FactorRow<LawFactors>& row : law_factor_rows()) {
-    if (row.member == &LawFactors::hard_joint_friction) continue;
+    if (row.member == &LawFactors::hard_joint_friction || row.member == &LawFactors::hard_joint_limits)
+      continue;
     hard &= factors.*row.member;
     if (factors.*row.member) name += "+" + row.factor.name;
   }
@@ -44,7 +50,8 @@ std::string law_name(const LawFactors& factors) {
 }
 
 bool is_solved_by_minimum(const LawFactors& factors) {
-  return !factors.hard_normal && !factors.hard_friction && !factors.coulomb && !factors.hard_joint_friction;
+  return !factors.hard_normal && !factors.hard_friction && !factors.coulomb && !factors.hard_joint_friction &&
+         !factors.hard_joint_limits;
 }
 
 std::string family_name(const LawFactors& factors) { return factors.hard_normal ? "rigid" : "compliant"; }

@@ -1,5 +1,5 @@
-// What a law of contact and joint friction is made of, piece by piece, so that a difference between two can
-// be traced to one.
+// What a law of contact, joint friction and joint limits is made of, piece by piece, so that a difference
+// between two can be traced to one.
 #pragma once
 
 #include <string>
@@ -17,6 +17,7 @@ struct LawFactors {
   bool hard_normal = false;    ///< penetration stops at once and a fifth of it is undone, not like a spring
   bool speculative = false;    ///< points just above the ground count: they may close the gap and no more
   bool hard_joint_friction = false;  ///< dry friction stops a joint at once, not like a damper
+  bool hard_joint_limits = false;    ///< limits stop a joint at once, not like a spring and damper
 
   // Beyond hard contact with Coulomb's disc, with all of the above: laws of their own.
   bool pyramid = false;  ///< friction is bounded along the slip and across it, each by itself
@@ -43,10 +44,11 @@ inline constexpr HardContact kStockContact{0.01, 1e-3, 1e-5};
 const std::vector<FactorRow<LawFactors>>& law_factor_rows();
 
 /// As in Laws::contact, the same for every engine: "mujoco" where all are off, "hard" where all are on, else
-/// "mujoco+surface+coulomb"; "hard+pyramid", "dart" for stock. Dry friction of joints is not of it.
+/// "mujoco+surface+coulomb"; "hard+pyramid", "dart" for stock. Dry friction and limits of joints are not of
+/// it.
 std::string law_name(const LawFactors& factors);
-/// Whether contacts and dry friction are MuJoCo's minimum (PrimalProblem), of which torsion and rolling are a
-/// part: Capabilities::turning_friction.
+/// Whether contacts, dry friction and limits of joints are MuJoCo's minimum (PrimalProblem), of which torsion
+/// and rolling are a part: Capabilities::turning_friction.
 bool is_solved_by_minimum(const LawFactors& factors);
 /// Laws::contact_family: "rigid" where penetration stops at once.
 std::string family_name(const LawFactors& factors);

@@ -10,7 +10,7 @@ template <int kRows>
 PrimalProblemOf<kRows>::PrimalProblemOf(int dofs, const std::vector<std::vector<int>>& coupled,
                                         double friction)
     : friction_(friction),
-      Z_(kRows, (kMaxContacts + kMaxJoints) * dofs),
+      Z_(kRows, (kMaxContacts + kMaxBoundedRows) * dofs),
       constant_(dofs, coupled),
       hessian_(constant_),
       u_(DofVector::Zero(dofs)),
@@ -42,12 +42,12 @@ void PrimalProblemOf<kRows>::add_contact(std::span<const int> dofs, const RowsJa
 
 template <int kRows>
 void PrimalProblemOf<kRows>::add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,
-                                         double bound) noexcept {
+                                         const ImpulseBounds& bounds) noexcept {
   Bounded& row = bounded_[static_cast<std::size_t>(bounded_count_++)];
   row.dofs = dofs;
   row.first = columns_;
   row.scale = 1 / std::sqrt(R);
-  row.bound = bound / row.scale;
+  row.bounds = {bounds.lower / row.scale, bounds.upper / row.scale};
   row.b = row.scale * b;
   for (const int dof : dofs) Z_(0, columns_++) = row.scale * z[dof];
 }
@@ -123,7 +123,7 @@ double PrimalProblemOf<kRows>::evaluate() noexcept {
   for (int i = 0; i < bounded_count_; ++i) {
     Bounded& row = bounded_[static_cast<std::size_t>(i)];
     row.y = row.b + product(row, u_);
-    row.x = std::clamp(-row.y, -row.bound, row.bound);
+    row.x = row.impulse(row.y);
     cost += -row.x * row.y - row.x * row.x / 2;
   }
   return cost;
@@ -178,7 +178,7 @@ void PrimalProblemOf<kRows>::find_hessian() noexcept {
   }
   for (int i = 0; i < bounded_count_; ++i) {
     const Bounded& row = bounded_[static_cast<std::size_t>(i)];
-    if (std::abs(row.y) > row.bound) continue;
+    if (!row.between(row.y)) continue;
     for (std::size_t r = 0; r < row.dofs.size(); ++r) {
       for (std::size_t c = 0; c <= r; ++c)
         hessian_.at(row.dofs[r], row.dofs[c]) +=
@@ -201,8 +201,8 @@ typename PrimalProblemOf<kRows>::Slope PrimalProblemOf<kRows>::slope_at(double a
   for (int i = 0; i < bounded_count_; ++i) {
     const Bounded& row = bounded_[static_cast<std::size_t>(i)];
     const double y = row.y + a * row.step;
-    slope.first -= std::clamp(-y, -row.bound, row.bound) * row.step;
-    if (std::abs(y) <= row.bound) slope.second += row.step * row.step;
+    slope.first -= row.impulse(y) * row.step;
+    if (row.between(y)) slope.second += row.step * row.step;
   }
   return slope;
 }

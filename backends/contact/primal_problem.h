@@ -1,10 +1,13 @@
-// Contacts and dry friction in joints as a problem in the robot's velocities, solved by Newton's method.
+// Contacts, dry friction and limits of joints as a problem in the robot's velocities, solved by Newton's
+// method.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
 
+#include "backends/contact/impulse_bounds.h"
 #include "backends/contact/sparse_symmetric.h"
 #include "physics/robot/state.h"
 
@@ -17,7 +20,7 @@ namespace crossgait::contact {
 /// where u are velocities in units in which the inertia is the identity (JointSpaceInertia::half_solve), E
 /// the loops' rows over the root of their regularisation, and s and h the least costs of impulses x that
 /// their bounds allow: s(y) = max over the cone |tangents| <= friction * normal of -y'x - 1/2 x'Rx, and h
-/// likewise over |x| <= bound. That is the problem MuJoCo's Newton solver has (MuJoCo 2.2 manual,
+/// likewise within the bounds of x. That is the problem MuJoCo's Newton solver has (MuJoCo 2.2 manual,
 /// "Computation > Constraint model", primal problem; Todorov 2014), and the dual of ConeProblem and
 /// BoundedRows. Its Hessian has the size of the robot, however many contacts there are.
 /// @tparam kRows  of a contact: the normal and two tangents, with torsion, with rolling about both tangents:
@@ -40,8 +43,9 @@ class PrimalProblemOf {
   /// @param R     regularisation, > 0, the same for both tangents; of torsion and rolling such that
   ///              coefficient^2 R is as of the tangents, which makes the cone a round one
   void add_contact(std::span<const int> dofs, const RowsJacobian& Z, const Rows& R, const Rows& b) noexcept;
-  /// A row whose impulse is within +-bound, up to kMaxJoints. @param z  by dofs, R > 0
-  void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b, double bound) noexcept;
+  /// A row whose impulse is bounded, up to kMaxBoundedRows. @param z  by dofs, R > 0
+  void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,
+                   const ImpulseBounds& bounds) noexcept;
 
   /// Newton's method with an exact line search, from `guess` or zero, whichever is better.
   /// @param tolerance  stops when u is known to this share of it. (The Hessian is at least the identity: u is
@@ -70,7 +74,11 @@ class PrimalProblemOf {
   struct Bounded {
     std::span<const int> dofs;
     int first;
-    double bound, scale, b, y, step, x;
+    ImpulseBounds bounds;
+    double scale, b, y, step, x;
+
+    double impulse(double at) const noexcept { return std::clamp(-at, bounds.lower, bounds.upper); }
+    bool between(double at) const noexcept { return -at >= bounds.lower && -at <= bounds.upper; }
   };
   struct Slope {
     double first, second;  // derivatives
@@ -90,7 +98,7 @@ class PrimalProblemOf {
   double friction_;
   int columns_ = 0, contact_count_ = 0, bounded_count_ = 0;
   std::array<Contact, kMaxContacts> contacts_;
-  std::array<Bounded, kMaxJoints> bounded_;
+  std::array<Bounded, kMaxBoundedRows> bounded_;
   Eigen::Matrix<double, kRows, Eigen::Dynamic>
       Z_;  // of all rows, one after the other; of a bounded one the first row
   const Eigen::MatrixXd* loops_ = nullptr;

@@ -10,7 +10,7 @@ SweepProblem::SweepProblem(int dofs, const std::vector<std::vector<int>>& couple
       loops_(dofs, coupled),
       reach_(static_cast<std::size_t>(dofs)),
       row_(3, dofs),
-      Z_(3, (kMaxContacts + kMaxJoints) * dofs),
+      Z_(3, (kMaxContacts + kMaxBoundedRows) * dofs),
       w_(DofVector::Zero(dofs)),
       u_(DofVector::Zero(dofs)) {
   for (const std::vector<int>& set : coupled) {
@@ -56,9 +56,9 @@ void SweepProblem::add_contact(std::span<const int> dofs, const PointJacobian& Z
 }
 
 void SweepProblem::add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,
-                               double bound) noexcept {
+                               const ImpulseBounds& bounds) noexcept {
   Bounded& row = bounded_[static_cast<std::size_t>(bounded_count_++)];
-  row = {&reach(dofs), columns_, R, b, bound, 0, 0};
+  row = {&reach(dofs), columns_, R, b, bounds, 0, 0};
   for (const int dof : *row.dofs) row_.col(dof).setZero();
   for (const int dof : dofs) row_(0, dof) = z[dof];
   if (has_loops_) loops_.half_solve_rows(*row.dofs, row_);
@@ -76,7 +76,7 @@ void SweepProblem::sweep_bounded(bool forward, Change& change) noexcept {
     double velocity = row.b + row.R * row.x;
     int column = row.first;
     for (const int dof : *row.dofs) velocity += Z_(0, column++) * w_[dof];
-    const double next = std::clamp(row.x - row.step * velocity, -row.bound, row.bound);
+    const double next = std::clamp(row.x - row.step * velocity, row.bounds.lower, row.bounds.upper);
     const double by = next - row.x;
     row.x = next;
     change.largest = std::max(change.largest, std::abs(next));

@@ -1,4 +1,4 @@
-// Contacts by Coulomb's law and dry friction in joints, solved by projected Gauss-Seidel sweeps over
+// Contacts by Coulomb's law, dry friction and limits of joints, solved by projected Gauss-Seidel sweeps over
 // velocities.
 #pragma once
 
@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "backends/contact/impulse_bounds.h"
 #include "backends/contact/sparse_symmetric.h"
 #include "physics/robot/state.h"
 
@@ -28,7 +29,8 @@ class SweepProblem {
   void begin(const Eigen::MatrixXd& loops) noexcept;
   void add_contact(std::span<const int> dofs, const PointJacobian& Z, const Vector3& R,
                    const Vector3& b) noexcept;
-  void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b, double bound) noexcept;
+  void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,
+                   const ImpulseBounds& bounds) noexcept;
 
   /// From zero, as Bullet does it, until no row's velocity changes by more than `enough` in a sweep, m/s or
   /// rad/s (of two tangents the sum, signs and all: so it is in Bullet), or `max_sweeps` are done.
@@ -52,7 +54,9 @@ class SweepProblem {
   struct Bounded {
     const std::vector<int>* dofs;
     int first;
-    double R, b, bound, step, x;
+    double R, b;
+    ImpulseBounds bounds;
+    double step, x;
   };
   struct Change {
     double velocity = 0, impulse = 0, largest = 0;
@@ -68,7 +72,7 @@ class SweepProblem {
   double friction_;
   int columns_ = 0, contact_count_ = 0, bounded_count_ = 0;
   std::array<Contact, kMaxContacts> contacts_;
-  std::array<Bounded, kMaxJoints> bounded_;
+  std::array<Bounded, kMaxBoundedRows> bounded_;
   bool has_loops_ = false;
   SparseSymmetric loops_;                // 1 + E E', factored
   std::vector<std::vector<int>> reach_;  // by the last dof of a row's

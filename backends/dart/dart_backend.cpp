@@ -32,6 +32,7 @@ EngineInfo make_info(const DartFactors& factors) {
   info.laws = {.contact = contact::law_name(factors),
                .loops = "mujoco",
                .joint_friction = factors.hard_joint_friction ? "hard" : "mujoco",
+               .joint_limits = factors.hard_joint_limits ? "hard" : "mujoco",
                .contact_family = contact::family_name(factors)};
   info.own_parts = contact::own_parts();
   if (factors == kMatched) {
@@ -118,7 +119,7 @@ class DartBackend final : public PhysicsBackend {
     if (!joints_.velocity().allFinite()) return StepStatus::kDiverged;
     points_.clear();
     finder_.find(bodies_, points_);
-    const DofVector& after = contacts_.solve(v_, points_);
+    const DofVector& after = contacts_.solve(v_, q_, points_);
     if (!after.allFinite() || after.lpNorm<Eigen::Infinity>() > kMaxVelocity) return StepStatus::kDiverged;
     v_ = after;
     integrate(h);
@@ -185,6 +186,15 @@ class DartBackend final : public PhysicsBackend {
     for (const contact::FrictionalJoint& joint : contacts_.frictional_joints())
       friction[joint.joint] = joint.friction;
     return friction;
+  }
+
+  JointRanges do_joint_limits() const override {
+    JointRanges limits(robot().joint_count());
+    for (const contact::LimitedJoint& joint : contacts_.limited_joints()) {
+      limits.lower[joint.joint] = joint.lower;
+      limits.upper[joint.joint] = joint.upper;
+    }
+    return limits;
   }
 
   void do_save(std::vector<double>& engine) const override {

@@ -1,4 +1,4 @@
-// What contact and joint friction of `dart` are made of, piece by piece.
+// What contact, joint friction and joint limits of `dart` are made of, piece by piece.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,9 @@ namespace crossgait::dart {
 /// All off: MuJoCo's law in DART's dynamics. All on: hard contact with Coulomb's disc, solved to convergence.
 using DartFactors = contact::LawFactors;
 inline constexpr DartFactors kMatched{};
-inline constexpr DartFactors kHard{true, true, true, true, true, true};
-inline constexpr DartFactors kPyramid{true, true, true, true, true, true, true};
-inline constexpr DartFactors kStock{true, true, true, true, false, true, false, true};
+inline constexpr DartFactors kHard{true, true, true, true, true, true, true};
+inline constexpr DartFactors kPyramid{true, true, true, true, true, true, true, true};
+inline constexpr DartFactors kStock{true, true, true, true, false, true, true, false, true};
 
 /// From "dart:matched" to "dart".
 const contact::FactorTable<DartFactors>& factor_table();

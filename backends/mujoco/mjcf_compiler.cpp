@@ -73,6 +73,9 @@ class Reader {
     joint.limited = m_.jnt_limited[i] != 0;
     joint.lower = m_.jnt_range[2 * i];
     joint.upper = m_.jnt_range[2 * i + 1];
+    std::copy_n(m_.jnt_solref + static_cast<std::ptrdiff_t>(i) * mjNREF, 2, joint.limit_solref.begin());
+    std::copy_n(m_.jnt_solimp + static_cast<std::ptrdiff_t>(i) * mjNIMP, 5, joint.limit_solimp.begin());
+    joint.limit_margin = m_.jnt_margin[i];
     joint.reference = m_.qpos0[q];
     joint.stiffness = m_.jnt_stiffness[i];
     joint.spring_reference = m_.qpos_spring[q];

@@ -43,7 +43,7 @@ std::string placement(const Pose& X) {
   return fmt::format("pos='{}' quat='{}'", numbers(X.translation()), quaternion(X));
 }
 
-// @param suffix of the attributes' names: "" or "friction"
+// @param suffix of the attributes' names: "", "friction" or "limit"
 std::string softness(const Softness& s, std::string_view suffix = "") {
   return fmt::format("solref{}='{:.17g} {:.17g}' solimp{}='{:.17g} {:.17g} {:.17g} {:.17g} {:.17g}'", suffix,
                      s.time_constant, s.damping_ratio, suffix, s.impedance_min, s.impedance_max,
@@ -104,11 +104,13 @@ void add_body(Xml& xml, const WorldSpec& spec, int index) {
   xml.add("<body name='{}' {}>", body_name(index),
           placement(index > 0 ? from_origin(robot, body.parent, body.X_PB) : Pose::Identity()));
   if (index > 0) {
+    const Joint& joint = body.joint;
     xml.add(
         "<joint name='{}' type='hinge' axis='{}' armature='{:.17g}' frictionloss='{:.17g}' {} "
-        "limited='false'/>",
-        joint_name(index - 1), numbers(body.joint.axis), body.joint.armature, body.joint.friction,
-        softness(robot.friction_softness, "friction"));
+        "limited='{}' range='{:.17g} {:.17g}' {}/>",
+        joint_name(index - 1), numbers(joint.axis), joint.armature, joint.friction,
+        softness(robot.friction_softness, "friction"), joint.limited, joint.lower, joint.upper,
+        softness(joint.limit_softness, "limit"));
   } else if (!spec.fixed_base) {
     xml.add("<freejoint/>");
   }
@@ -182,7 +184,7 @@ std::string model_xml(const WorldSpec& spec) {
   // An elliptic cone has a row for each dimension, a pyramid two for each direction of friction.
   const auto dims = static_cast<std::size_t>(spec.contact.condim);
   const std::size_t rows = spec.contact.cone == FrictionCone::kPyramidal ? 2 * (dims - 1) : dims;
-  xml.add("<size nconmax='{}' njmax='{}'/>", kMaxContacts, rows * kMaxContacts + 3 * loops + joints);
+  xml.add("<size nconmax='{}' njmax='{}'/>", kMaxContacts, rows * kMaxContacts + 3 * loops + 2 * joints);
   if (const HeightField* field = spec.terrain.field()) {
     // The second figure is the depth of the solid below the lowest point.
     xml.add("<asset><hfield name='terrain' nrow='{}' ncol='{}' size='{:.17g} {:.17g} {:.17g} 0.1'/></asset>",

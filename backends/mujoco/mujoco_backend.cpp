@@ -33,6 +33,7 @@ EngineInfo make_info(bool loop_bias) {
           {.contact = "mujoco",
            .loops = kHasLoopBias && loop_bias ? "mujoco with velocity bias" : "mujoco",
            .joint_friction = "mujoco",
+           .joint_limits = "mujoco",
            .contact_family = "compliant"},
           {.soft_contact = true,
            .soft_friction = true,
@@ -276,6 +277,17 @@ class MujocoBackend final : public PhysicsBackend {
       friction[static_cast<Eigen::Index>(i)] = model_->dof_frictionloss[v_address_[i]];
     }
     return friction;
+  }
+
+  JointRanges do_joint_limits() const override {
+    JointRanges limits(robot().joint_count());
+    for (int i = 0; i < robot().joint_count(); ++i) {
+      const int id = model_->dof_jntid[v_address_[static_cast<std::size_t>(i)]];
+      if (model_->jnt_limited[id] == 0) continue;
+      limits.lower[i] = model_->jnt_range[2 * id];
+      limits.upper[i] = model_->jnt_range[2 * id + 1];
+    }
+    return limits;
   }
 
   // Positions and velocities alone do not continue bit for bit: the solver starts from the last acceleration.

@@ -97,7 +97,11 @@ void ArticulationModel::add_joint(const Body& body, std::size_t i) {
   px::PxArticulationJointReducedCoordinate& joint = *links_[i]->getInboundJoint();
   const Pose& X_parent = X_BP_[static_cast<std::size_t>(body.parent)];
   joint.setJointType(px::PxArticulationJointType::eREVOLUTE_UNWRAPPED);
-  joint.setMotion(px::PxArticulationAxis::eTWIST, px::PxArticulationMotion::eFREE);
+  joint.setMotion(px::PxArticulationAxis::eTWIST,
+                  body.joint.limited ? px::PxArticulationMotion::eLIMITED : px::PxArticulationMotion::eFREE);
+  if (body.joint.limited)
+    joint.setLimitParams(px::PxArticulationAxis::eTWIST,
+                         {static_cast<float>(body.joint.lower), static_cast<float>(body.joint.upper)});
   joint.setParentPose(transform(joint_frame(X_parent.inverse() * body.X_PB, body.joint.axis)));
   joint.setChildPose(transform(joint_frame(X_BP_[i].inverse(), body.joint.axis)));
   joint.setFrictionCoefficient(0);  // of loads, not a torque
@@ -199,6 +203,14 @@ double ArticulationModel::joint_friction(int joint) const {
   const px::PxArticulationDrive drive =
       link(joint + 1).getInboundJoint()->getDriveParams(px::PxArticulationAxis::eTWIST);
   return drive.damping > 0 ? drive.maxForce : 0;
+}
+
+std::optional<std::pair<double, double>> ArticulationModel::joint_limits(int joint) const {
+  const px::PxArticulationJointReducedCoordinate& own = *link(joint + 1).getInboundJoint();
+  if (own.getMotion(px::PxArticulationAxis::eTWIST) != px::PxArticulationMotion::eLIMITED)
+    return std::nullopt;
+  const px::PxArticulationLimit limits = own.getLimitParams(px::PxArticulationAxis::eTWIST);
+  return std::pair(limits.low, limits.high);
 }
 
 Eigen::MatrixXd ArticulationModel::mass_matrix() {

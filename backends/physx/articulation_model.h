@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <PxPhysicsAPI.h>
@@ -51,6 +53,8 @@ class ArticulationModel {
   SpatialInertia body_inertia(int body) const;
   Eigen::MatrixXd mass_matrix();
   double joint_friction(int joint) const;  ///< N m
+  /// rad; nothing for a joint that turns on.
+  std::optional<std::pair<double, double>> joint_limits(int joint) const;
 
   /// The state, number by number.
   void save(std::vector<double>& numbers) const;

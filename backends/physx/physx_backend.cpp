@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <stdexcept>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -29,6 +30,7 @@ EngineInfo make_info(const Settings& settings) {
   info.laws = {.contact = (settings.temporal ? "patch" : "patch+pyramid") + way,
                .loops = "hard" + way,
                .joint_friction = "hard" + way,
+               .joint_limits = "hard" + way,
                .contact_family = "rigid"};
   info.capabilities.exact_field_query = true;  // the ground is Crossgait's
   info.capabilities.allocates = true;
@@ -106,6 +108,14 @@ class PhysxBackend final : public PhysicsBackend {
   Pose do_body_pose(int body) const override { return model_->body_pose(body); }
   Eigen::MatrixXd do_mass_matrix() const override { return model_->mass_matrix(); }
   SpatialInertia do_body_inertia(int body) const override { return model_->body_inertia(body); }
+
+  JointRanges do_joint_limits() const override {
+    JointRanges ranges(robot().joint_count());
+    for (int i = 0; i < robot().joint_count(); ++i) {
+      if (const auto limits = model_->joint_limits(i)) std::tie(ranges.lower[i], ranges.upper[i]) = *limits;
+    }
+    return ranges;
+  }
 
   JointVector do_joint_friction() const override {
     JointVector friction(robot().joint_count());

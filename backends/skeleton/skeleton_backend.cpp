@@ -18,8 +18,11 @@ EngineInfo make_info(const std::string& version) {
   info.mode = "hard contact, projected Gauss-Seidel, in plain code";
   // Names of one's own, unless the equations are exactly those of another engine: equal names are held to
   // rounding. The loops are: loops.h.
-  info.laws = {
-      .contact = "skeleton", .loops = "mujoco", .joint_friction = "skeleton", .contact_family = "rigid"};
+  info.laws = {.contact = "skeleton",
+               .loops = "mujoco",
+               .joint_friction = "skeleton",
+               .joint_limits = "",
+               .contact_family = "rigid"};
   // Contact is hard; the ground is the description's own; no step allocates.
   info.capabilities = {.sweeps = true, .exact_field_query = true};
   return info;

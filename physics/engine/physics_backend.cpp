@@ -28,6 +28,16 @@ bool is_sane(const RobotState& s) noexcept {
 
 }  // namespace
 
+JointRanges joint_limits(const RobotDescription& robot) {
+  JointRanges limits(robot.joint_count());
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    if (!robot.joint(i).limited) continue;
+    limits.lower[i] = robot.joint(i).lower;
+    limits.upper[i] = robot.joint(i).upper;
+  }
+  return limits;
+}
+
 std::vector<std::string> not_of_law(const ContactSpec& contact, const Capabilities& has) {
   const bool soft = has.soft_contact || has.soft_friction;
   const std::pair<std::string_view, bool> concerns[] = {

@@ -48,6 +48,7 @@ struct Laws {
   std::string contact;         ///< normal force and friction between robot and terrain: "mujoco", "hard"
   std::string loops;           ///< of loop closures: "mujoco" (soft, with its reference acceleration)
   std::string joint_friction;  ///< dry friction in joints: "mujoco" (soft), "hard"; "" for none
+  std::string joint_limits;    ///< of joints that are limited: "mujoco" (soft), "hard"; "" for none
   /// What the law of contact is a relative of: "compliant" (forces from penetration) or "rigid" (impulses
   /// that end it). Relatives count as one opinion where they agree.
   std::string contact_family;
@@ -93,6 +94,17 @@ struct Snapshot {
   std::vector<double> engine;  ///< the engine's own configuration, bit for bit
 };
 
+/// Angles within which joints are kept, by joint, rad.
+struct JointRanges {
+  /// None for any joint.
+  explicit JointRanges(int joints)
+      : lower(JointVector::Constant(joints, -std::numeric_limits<double>::infinity())), upper(-lower) {}
+
+  JointVector lower, upper;
+};
+/// What a robot's description asks for.
+JointRanges joint_limits(const RobotDescription& robot);
+
 /// One instance = one world = one thread. Two instances may run on two threads.
 ///
 /// Public functions validate and share what engines must not differ in (the servo law, divergence checks);
@@ -120,7 +132,8 @@ class PhysicsBackend {
   /// Advances `substeps` physics steps holding `targets`; torques are recomputed every physics step:
   /// tau = clamp(kp (q* - q) - kd qd, +-effort_limit) on servos (with what their drives fall short of:
   /// drives.h), then - damping qd - stiffness (q - spring_reference) on every joint.
-  /// Targets are clamped to the joints' limits. Targets of the wrong size or not finite change nothing and
+  /// Targets are clamped to the joints' limits; where a joint is `limited` its angle is kept within them, by
+  /// the engine's law. Targets of the wrong size or not finite change nothing and
   /// return kInvalidTargets. After kDiverged the state keeps its last good value and every further step
   /// returns kDiverged until reset or restore.
   [[nodiscard]] StepStatus step(const JointTargets& targets, int substeps = 1) noexcept;
@@ -144,6 +157,8 @@ class PhysicsBackend {
   SpatialInertia body_inertia(int body) const;
   /// Dry friction of every joint as the engine holds it, N m; zero where it simulates none.
   JointVector joint_friction() const { return do_joint_friction(); }
+  /// Angles that every joint is kept within as the engine holds them, rad; infinite where there are none.
+  JointRanges joint_limits() const { return do_joint_limits(); }
 
   /// Adds an impulse (N s, in W) at the base's centre of mass, spread over the next physics step.
   /// @throws ConfigError if not finite
@@ -171,6 +186,7 @@ class PhysicsBackend {
   virtual void do_save(std::vector<double>& engine) const = 0;
   virtual void do_restore(const std::vector<double>& engine) = 0;
   virtual JointVector do_joint_friction() const { return JointVector::Zero(robot().joint_count()); }
+  virtual JointRanges do_joint_limits() const { return JointRanges(robot().joint_count()); }
 
   void compute_torques(const JointTargets& targets) noexcept;
   [[nodiscard]] StepStatus advance(const JointTargets& targets) noexcept;

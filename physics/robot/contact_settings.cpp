@@ -30,16 +30,17 @@ void set_number(ContactSpec& contact, Numbers numbers) {
 std::vector<double> get_solref(const ContactSpec& c) {
   return {c.softness.time_constant, c.softness.damping_ratio};
 }
-void set_solref(ContactSpec& c, Numbers n) {
+void take_solref(Softness& softness, Numbers n) {
   // MuJoCo's direct form: -stiffness, -damping. The same spring and damper by time constant and ratio.
   if (n.size() == 2 && n[0] < 0 && n[1] < 0) {
-    c.softness.time_constant = 2 / -n[1];
-    c.softness.damping_ratio = -n[1] / (2 * std::sqrt(-n[0]));
+    softness.time_constant = 2 / -n[1];
+    softness.damping_ratio = -n[1] / (2 * std::sqrt(-n[0]));
     return;
   }
-  c.softness.time_constant = n[0];
-  if (n.size() > 1) c.softness.damping_ratio = n[1];
+  softness.time_constant = n[0];
+  if (n.size() > 1) softness.damping_ratio = n[1];
 }
+void set_solref(ContactSpec& c, Numbers n) { take_solref(c.softness, n); }
 
 constexpr std::array kSolimp{&Softness::impedance_min, &Softness::impedance_max, &Softness::impedance_width,
                              &Softness::impedance_midpoint, &Softness::impedance_power};
@@ -48,9 +49,10 @@ std::vector<double> get_solimp(const ContactSpec& c) {
   for (const auto member : kSolimp) numbers.push_back(c.softness.*member);
   return numbers;
 }
-void set_solimp(ContactSpec& c, Numbers n) {
-  for (std::size_t i = 0; i < n.size(); ++i) c.softness.*kSolimp[i] = n[i];
+void take_solimp(Softness& softness, Numbers n) {
+  for (std::size_t i = 0; i < n.size(); ++i) softness.*kSolimp[i] = n[i];
 }
+void set_solimp(ContactSpec& c, Numbers n) { take_solimp(c.softness, n); }
 
 const ContactSetting kSettings[] = {
     {"friction",
@@ -258,11 +260,38 @@ ContactSpec resolve_contact(const ContactSettings& of_robot, const ContactSettin
   return contact;
 }
 
+Softness softness_of(Numbers solref, Numbers solimp) {
+  Softness softness;
+  take_solref(softness, solref);
+  take_solimp(softness, solimp);
+  return softness;
+}
+
+void validate_softness(const Softness& s, std::string_view source, std::string_view element) {
+  const auto check = [&](bool ok, std::string_view member, std::string_view expected, double found) {
+    require(ok, source, fmt::format("{}.{}", element, member), expected, found);
+  };
+  check(s.time_constant > 0 && s.time_constant <= 10, "time_constant", "a time in (0, 10] s",
+        s.time_constant);
+  check(s.damping_ratio > 0 && s.damping_ratio <= 100, "damping_ratio", "a ratio in (0, 100]",
+        s.damping_ratio);
+  check(s.impedance_min > 0 && s.impedance_min < 1, "impedance_min", "an impedance in (0, 1)",
+        s.impedance_min);
+  // MuJoCo, and the matched modes with it, hold impedances within 0.0001 and 0.9999 of themselves.
+  check(s.impedance_max >= s.impedance_min && s.impedance_max <= 1, "impedance_max",
+        "an impedance in [impedance_min, 1]", s.impedance_max);
+  check(s.impedance_width > 0 && s.impedance_width <= 1, "impedance_width", "a violation in (0, 1]",
+        s.impedance_width);
+  check(s.impedance_midpoint > 0 && s.impedance_midpoint < 1, "impedance_midpoint", "a share in (0, 1)",
+        s.impedance_midpoint);
+  check(s.impedance_power >= 1 && s.impedance_power <= 100, "impedance_power", "a power in [1, 100]",
+        s.impedance_power);
+}
+
 void validate_contact(const ContactSpec& contact, std::string_view source) {
   const auto check = [source](bool ok, std::string_view setting, std::string_view expected, double found) {
     require(ok, source, setting, expected, found);
   };
-  const Softness& s = contact.softness;
   check(contact.friction >= 0 && contact.friction <= 10, "contact.friction", "a coefficient in [0, 10]",
         contact.friction);
   check(contact.torsional_friction >= 0 && contact.torsional_friction <= 10, "contact.torsional_friction",
@@ -273,21 +302,7 @@ void validate_contact(const ContactSpec& contact, std::string_view source) {
         contact.condim);
   check(contact.impratio > 0 && contact.impratio <= 1000, "contact.impratio", "a ratio in (0, 1000]",
         contact.impratio);
-  check(s.time_constant > 0 && s.time_constant <= 10, "contact.softness.time_constant", "a time in (0, 10] s",
-        s.time_constant);
-  check(s.damping_ratio > 0 && s.damping_ratio <= 100, "contact.softness.damping_ratio",
-        "a ratio in (0, 100]", s.damping_ratio);
-  check(s.impedance_min > 0 && s.impedance_min < 1, "contact.softness.impedance_min",
-        "an impedance in (0, 1)", s.impedance_min);
-  // MuJoCo, and the matched modes with it, hold impedances within 0.0001 and 0.9999 of themselves.
-  check(s.impedance_max >= s.impedance_min && s.impedance_max <= 1, "contact.softness.impedance_max",
-        "an impedance in [impedance_min, 1]", s.impedance_max);
-  check(s.impedance_width > 0 && s.impedance_width <= 1, "contact.softness.impedance_width",
-        "a length in (0, 1] m", s.impedance_width);
-  check(s.impedance_midpoint > 0 && s.impedance_midpoint < 1, "contact.softness.impedance_midpoint",
-        "a share in (0, 1)", s.impedance_midpoint);
-  check(s.impedance_power >= 1 && s.impedance_power <= 100, "contact.softness.impedance_power",
-        "a power in [1, 100]", s.impedance_power);
+  validate_softness(contact.softness, source, "contact.softness");
 }
 
 }  // namespace crossgait

@@ -15,7 +15,7 @@ namespace crossgait {
 struct Softness {
   double time_constant = 0.02;  ///< s, at least two physics steps
   double damping_ratio = 1.0;
-  double impedance_min = 0.9, impedance_max = 0.95, impedance_width = 0.001;  ///< -, -, m
+  double impedance_min = 0.9, impedance_max = 0.95, impedance_width = 0.001;  ///< -, -, m (rad)
   double impedance_midpoint = 0.5, impedance_power = 2;                       ///< -, -
 };
 
@@ -82,6 +82,13 @@ std::string contact_setting_text(const ContactSetting& setting, std::span<const 
 /// nothing
 ContactSpec resolve_contact(const ContactSettings& of_robot, const ContactSettings& asked,
                             std::string_view source);
+
+/// Reads MuJoCo's numbers, solref in either form.
+Softness softness_of(std::span<const double> solref, std::span<const double> solimp);
+
+/// @param element  whose it is, for the message: "contact.softness"
+/// @throws ConfigError naming `source` and the member
+void validate_softness(const Softness& softness, std::string_view source, std::string_view element);
 
 /// @throws ConfigError naming `source` and the setting
 void validate_contact(const ContactSpec& contact, std::string_view source);

@@ -60,6 +60,10 @@ bool RobotDescription::has_joint_friction() const noexcept {
   return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.joint.friction > 0; });
 }
 
+bool RobotDescription::has_joint_limits() const noexcept {
+  return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.joint.limited; });
+}
+
 void RobotDescription::validate() const {
   check_structure(*this);
   check_home(*this);

@@ -67,14 +67,16 @@ struct VisualShape {
 struct Joint {
   std::string name;
   Vector3 axis = Vector3::UnitZ();  ///< unit axis in the body frame (equal to the joint frame); right-handed
-  double lower =
-      -3.14159265358979323846;  ///< rad; limits bound commanded targets, engines do not enforce them
-  double upper = 3.14159265358979323846;  ///< rad
-  double damping = 0;                     ///< viscous, N m s/rad; explicit on every engine
-  double stiffness = 0;                   ///< of a spring beside the servo, N m/rad; explicit on every engine
-  double spring_reference = 0;            ///< angle at which that spring is at rest, rad
-  double friction = 0;                    ///< dry (Coulomb), N m; a law of the engine's (docs/conventions.md)
-  double armature = 0;                    ///< rotor inertia reflected to the joint, kg m^2
+  double lower = -3.14159265358979323846;  ///< rad; these limits bound commanded targets, and the angle
+  double upper = 3.14159265358979323846;   ///< rad  where the joint is `limited`
+  /// Engines keep the angle within the limits, each by its law (Laws::joint_limits).
+  bool limited = false;
+  Softness limit_softness;      ///< of that law where it is soft; violations are in rad. MuJoCo's defaults
+  double damping = 0;           ///< viscous, N m s/rad; explicit on every engine
+  double stiffness = 0;         ///< of a spring beside the servo, N m/rad; explicit on every engine
+  double spring_reference = 0;  ///< angle at which that spring is at rest, rad
+  double friction = 0;          ///< dry (Coulomb), N m; a law of the engine's (docs/conventions.md)
+  double armature = 0;          ///< rotor inertia reflected to the joint, kg m^2
   bool actuated = false;
   double kp = 0;               ///< servo stiffness, N m/rad
   double kd = 0;               ///< servo damping, N m s/rad, inside the effort clamp
@@ -169,6 +171,8 @@ struct RobotDescription {
   double total_mass() const;  ///< kg
   /// Whether any joint has dry friction.
   bool has_joint_friction() const noexcept;
+  /// Whether any joint is limited.
+  bool has_joint_limits() const noexcept;
 
   /// Checks every invariant stated above (finite, positive masses, physical inertias, tree order, loops
   /// closed at home, unique names). @throws ConfigError naming `source` and the element.

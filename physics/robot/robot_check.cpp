@@ -98,21 +98,6 @@ void check_loops(const RobotDescription& robot) {
   }
 }
 
-// MuJoCo manual: time constant and damping ratio positive, impedances inside (0, 1).
-void check_softness(const Softness& soft, std::string_view source, std::string element) {
-  const Reporter report(source, std::move(element));
-  report.positive(soft.time_constant, "time_constant (s)", 10);  // as of contacts (world_spec.cpp)
-  report.positive(soft.damping_ratio, "damping_ratio", 100);
-  report.positive(soft.impedance_width, "impedance_width (m)", 1);
-  report.require(soft.impedance_midpoint > 0 && soft.impedance_midpoint < 1, "0 < impedance_midpoint < 1",
-                 fmt::format("{}", soft.impedance_midpoint));
-  report.require(soft.impedance_power >= 1 && soft.impedance_power <= 100, "1 <= impedance_power <= 100",
-                 fmt::format("{}", soft.impedance_power));
-  report.require(soft.impedance_min > 0 && soft.impedance_min <= soft.impedance_max && soft.impedance_max < 1,
-                 "0 < impedance_min <= impedance_max < 1",
-                 fmt::format("{} and {}", soft.impedance_min, soft.impedance_max));
-}
-
 /// Name of a body, also of one that does not exist.
 std::string body_name(const RobotDescription& robot, int body) {
   const bool exists = body >= 0 && body <= robot.joint_count();
@@ -196,6 +181,7 @@ void check_joint(const Joint& joint, std::string_view source) {
                  fmt::format("{} and {}", joint.lower, joint.upper));
   report.at_most(joint.lower, "limits (rad)", kLargestAngle);
   report.at_most(joint.upper, "limits (rad)", kLargestAngle);
+  validate_softness(joint.limit_softness, source, fmt::format("joint '{}': limit_softness", joint.name));
   report.require(joint.target_lower <= joint.target_upper, "target_lower <= target_upper (rad)",
                  fmt::format("{} and {}", joint.target_lower, joint.target_upper));
   report.at_most(joint.target_lower, "range of targets (rad)", kLargestAngle);
@@ -246,8 +232,8 @@ void check_structure(const RobotDescription& robot) {
   ContactSpec contact;
   robot.contact.apply(contact);
   validate_contact(contact, source_of(robot));
-  check_softness(robot.loop_softness, source_of(robot), "loop_softness");
-  check_softness(robot.friction_softness, source_of(robot), "friction_softness");
+  validate_softness(robot.loop_softness, source_of(robot), "loop_softness");
+  validate_softness(robot.friction_softness, source_of(robot), "friction_softness");
 }
 
 void check_finite(const RobotDescription& robot) {

@@ -39,8 +39,9 @@ consteval std::size_t count() {
   }
 }
 
-// What of a joint is no row of kJointNumbers: name, axis, actuated, and the angles, which have a sign.
-static_assert(count<Joint>() == kJointNumbers.size() + 8,
+// What of a joint is no row of kJointNumbers: name, axis, actuated, the angles, which have a sign, and how
+// they limit it.
+static_assert(count<Joint>() == kJointNumbers.size() + 10,
               "a new member of Joint is a row of kJointNumbers, or visited by name below");
 
 }  // namespace members
@@ -70,7 +71,8 @@ void for_each_member(T& shape, Visit&& visit) {
 template <MaybeConst<Joint> T, typename Visit>
 void for_each_member(T& joint, Visit&& visit) {
   visit("name", joint.name), visit("axis", joint.axis), visit("actuated", joint.actuated);
-  visit("lower", joint.lower), visit("upper", joint.upper);
+  visit("lower", joint.lower), visit("upper", joint.upper), visit("limited", joint.limited);
+  visit("limit_softness", joint.limit_softness);
   visit("target_lower", joint.target_lower), visit("target_upper", joint.target_upper);
   visit("spring_reference", joint.spring_reference);
   for (const JointNumber& number : kJointNumbers) visit(number.name, joint.*number.member);

@@ -16,12 +16,14 @@ void set_limits(double lower, double upper, std::string_view element, Joint& joi
   const bool low = lower<-kLargestLimit, high = upper> kLargestLimit;
   joint.lower = low ? unlimited.lower : lower;
   joint.upper = high ? unlimited.upper : upper;
+  joint.limited = !(low && high);
   if (low || high) {
     warnings.count("took limits beyond +-2 pi rad for +-pi in ", " joint(s)", element);
   }
   if (joint.lower >= joint.upper) {
     joint.lower = unlimited.lower;
     joint.upper = unlimited.upper;
+    joint.limited = false;
     warnings.count("took limits that are missing or not lower < upper for +-pi rad in ", " joint(s)",
                    element);
   }

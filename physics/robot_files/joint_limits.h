@@ -8,8 +8,9 @@
 
 namespace crossgait {
 
-/// Limits beyond +-2 pi rad, missing ones and those with lower >= upper are placeholders: each becomes +-pi,
-/// and is counted. @param element  of the joint, for the warning
+/// Limits the joint. Limits beyond +-2 pi rad are placeholders: each becomes +-pi, and is counted. Where both
+/// are, where they are missing, or lower >= upper, commanded targets alone are kept within +-pi.
+/// @param element  of the joint, for the warning
 void set_limits(double lower, double upper, std::string_view element, Joint& joint, ReaderWarnings& warnings);
 
 }  // namespace crossgait

@@ -32,6 +32,7 @@ LoadedRobot RobotBuilder::load() {
   read_loops();
   read_softness("loop_softness", robot_.loop_softness);
   read_softness("friction_softness", robot_.friction_softness);
+  for (Body& body : robot_.bodies) read_softness("limit_softness", body.joint.limit_softness);
   read_feet();
   robot_.contact = contact_of_feet(robot_, report_);
   if (const auto contact = find("contact")) robot_.contact.add(read_contact_settings(*contact));

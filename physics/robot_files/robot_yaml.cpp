@@ -37,6 +37,15 @@ std::string yaml_softness(std::string_view key, const Softness& softness) {
   return fmt::format("{}: {{{}}}\n", key, fmt::join(values, ", "));
 }
 
+/// If all joints have one that is not the usual one: else it is their file's.
+std::string yaml_limit_softness(const RobotDescription& robot) {
+  std::vector<std::string> written;
+  for (int i = 0; i < robot.joint_count(); ++i)
+    written.push_back(yaml_softness("limit_softness", robot.joint(i).limit_softness));
+  const bool alike = std::equal(written.begin() + 1, written.end(), written.begin());
+  return alike && written.front() != yaml_softness("limit_softness", {}) ? written.front() : "";
+}
+
 std::string yaml_loops(const RobotDescription& robot) {
   if (robot.loops.empty()) return "";
   std::string out = "loops:\n";
@@ -123,8 +132,8 @@ std::string to_yaml(const LoadedRobot& loaded, const std::string& file) {
     locked.push_back(fmt::format("{}: {}", yaml_quoted(joint), angle));
   out += fmt::format("locked: {{{}}}  # joints that are held, rad\n", fmt::join(locked, ", "));
   if (!robot.contact.is_empty()) out += fmt::format("contact: {}\n", yaml_of(robot.contact));
-  out += yaml_joints(robot) + yaml_softness("friction_softness", robot.friction_softness) + yaml_legs(robot) +
-         yaml_loops(robot) + yaml_home(robot);
+  out += yaml_joints(robot) + yaml_softness("friction_softness", robot.friction_softness) +
+         yaml_limit_softness(robot) + yaml_legs(robot) + yaml_loops(robot) + yaml_home(robot);
   return out + fmt::format(
                    "standing_height: {}  # m, of hips or shoulders above the feet: the scale of gaits\n"
                    "stance_offset: {}  # m, of the feet ahead of the hips\n",

@@ -12,6 +12,7 @@ nb::dict laws(const EngineInfo& info) {
   result["contact"] = info.laws.contact;
   result["loops"] = info.laws.loops;
   result["joint_friction"] = info.laws.joint_friction;
+  result["joint_limits"] = info.laws.joint_limits;
   result["contact_family"] = info.laws.contact_family;
   return result;
 }

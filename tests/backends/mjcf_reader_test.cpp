@@ -93,8 +93,29 @@ TEST_F(MjcfReader, RangesAreLimitsUnlessTheFileSaysNot) {
   MadeMjcf mjcf;
   mjcf.hip_joint = "range=\"-90 45\" limited=\"false\"";
   EXPECT_EQ(body(tree(mjcf), "FL_thigh").joint.upper, Joint().upper);
+  EXPECT_FALSE(body(tree(mjcf), "FL_thigh").joint.limited);
+  mjcf.hip_joint = "range=\"-90 45\"";
+  EXPECT_TRUE(body(tree(mjcf), "FL_thigh").joint.limited);
+  mjcf.hip_joint = "";
+  EXPECT_FALSE(body(tree(mjcf), "FL_thigh").joint.limited);
   mjcf.hip_joint = "range=\"-900 45\"";
   EXPECT_TRUE(warns(tree(mjcf).warnings, "took limits beyond +-2 pi rad for +-pi in 4 joint(s)"));
+}
+
+TEST_F(MjcfReader, LimitsAreAsSoftAsTheFileSays) {
+  MadeMjcf mjcf;
+  mjcf.compiler = "<compiler angle=\"radian\"/>";
+  mjcf.hip_joint = "range=\"-1.5 1\"";
+  EXPECT_EQ(body(tree(mjcf), "FL_thigh").joint.limit_softness.time_constant, 0.02);
+  // The direct form: stiffness 400, damping 30.
+  mjcf.hip_joint = R"(range="-1.5 1" solreflimit="-400 -30" solimplimit=".8 .9 .01 .4 3" margin=".125")";
+  const Joint joint = body(tree(mjcf), "FL_thigh").joint;
+  EXPECT_DOUBLE_EQ(joint.limit_softness.time_constant, 2.0 / 30);
+  EXPECT_DOUBLE_EQ(joint.limit_softness.damping_ratio, 30 / (2 * 20.0));
+  EXPECT_EQ(joint.limit_softness.impedance_max, 0.9);
+  EXPECT_EQ(joint.limit_softness.impedance_power, 3);
+  EXPECT_EQ(joint.lower, -1.375);  // it acts from its margin on
+  EXPECT_EQ(joint.upper, 0.875);
 }
 
 TEST_F(MjcfReader, ClassesAreInherited) {

@@ -87,8 +87,11 @@ TEST(Registry, AnUnknownNameListsTheKnownOnes) {
 TEST(Registry, FamiliesLeadFromOneEndToTheOther) {
   const WorldSpec spec = scenes::world_of(scenes::sled());
   // Every law that an engine has and MuJoCo 2.2.2 has not is the end of a family.
-  const Laws first{
-      .contact = "mujoco", .loops = "mujoco", .joint_friction = "mujoco", .contact_family = "compliant"};
+  const Laws first{.contact = "mujoco",
+                   .loops = "mujoco",
+                   .joint_friction = "mujoco",
+                   .joint_limits = "mujoco",
+                   .contact_family = "compliant"};
   for (const std::string& name : own_engines()) {
     const bool is_end = std::any_of(engine_families().begin(), engine_families().end(),
                                     [&name](const EngineFamily& f) { return f.to == name; });

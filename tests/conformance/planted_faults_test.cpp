@@ -38,6 +38,13 @@ Change of_joints(double Joint::*member, double factor) {
   return of_bodies([=](Body& body) { body.joint.*member *= factor; });
 }
 
+Change of_limits(double factor) {
+  return of_bodies([=](Body& body) {
+    body.joint.lower *= factor;
+    body.joint.upper *= factor;
+  });
+}
+
 Change of_shapes(double factor) {
   return of_bodies([=](Body& body) {
     for (CollisionShape& shape : body.shapes) shape.size.x() *= factor;
@@ -145,6 +152,11 @@ std::vector<Planted> of_contact() {
          body.joint.friction *= 0.01;
          body.joint.damping = body.joint.kd = 0;  // nothing else brings it to rest
        })},
+      {"joint_limit_rest", of_limits(0.99)},
+      {"joint_limit_stop", of_limits(1.1)},
+      {"joint_limit_return", of_bodies([](Body& body) { body.joint.limited = false; })},
+      {"joint_limit_none", of_bodies([](Body& body) { body.joint.limited = true; })},
+      {"joint_limits_reported", of_limits(1.001)},
       {"model_audit", of_joints(&Joint::armature, 1.01)},
       {"same_swing", of_joints(&Joint::armature, 1.01)},
       {"same_trot_flat", of_joints(&Joint::armature, 1.01)},

@@ -175,6 +175,57 @@ TEST_P(MatchedPair, JointFrictionOfAnySoftnessIsTheSame) {
   }
 }
 
+// Two seconds against both limits of a pendulum that hangs between them, and of the joint above it.
+TEST_P(MatchedPair, LimitsStopAPendulumAlike) {
+  for (const double friction : {0.0, 0.02}) {
+    SCOPED_TRACE(friction);
+    const scenes::ArmLink limited{.friction = friction, .limit = 0.3, .limited = true};
+    for (const auto& links : {std::vector{limited}, std::vector{limited, limited}}) {
+      WorldSpec spec = scenes::world_of(scenes::arm(links));
+      spec.fixed_base = true;
+      RobotState start = home_of(spec);
+      start.q.setConstant(-0.25);
+      start.qd.setConstant(3);
+      const Difference d = run(
+          spec, &start, [](double) { return JointTargets{}; }, 2);
+      EXPECT_LT(d.joints, 1e-9);  // rounding of 2000 steps, through a dozen stops
+    }
+  }
+}
+
+TEST_P(MatchedPair, LimitsStopATrotAlike) {
+  for (const scenes::RobotPtr& robot :
+       {scenes::quadruped(), scenes::with_joint_friction(scenes::quadruped(), 0.02)}) {
+    const Difference d = trot(scenes::world_of(scenes::with_joint_limits(robot, 0.1)), 2);
+    EXPECT_LT(d.position, kLength);
+    EXPECT_LT(d.joints, kAngle);
+    EXPECT_LT(d.attitude, kAngle);
+  }
+}
+
+/// Two engines of hard limits, however they solve their contacts.
+class HardLimits : public MatchedPair {};
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(HardLimits);
+INSTANTIATE_TEST_SUITE_P(Engines, HardLimits, ::testing::ValuesIn(pairs_of([](const Laws& a, const Laws& b) {
+                           const auto hard = [](const Laws& laws) {
+                             return laws.joint_limits == "hard" || laws.joint_limits == "hard/sweeps";
+                           };
+                           return hard(a) && hard(b);
+                         })),
+                         pair_name);
+
+TEST_P(HardLimits, StopAPendulumAlike) {
+  WorldSpec spec = scenes::world_of(scenes::arm({{.limit = 0.3, .limited = true}}));
+  spec.fixed_base = true;
+  RobotState start = home_of(spec);
+  start.q[0] = -0.25;
+  start.qd[0] = 3;
+  EXPECT_LT(run(
+                spec, &start, [](double) { return JointTargets{}; }, 2)
+                .joints,
+            1e-9);  // rounding of 2000 steps
+}
+
 TEST_P(MatchedPair, FollowsTheSettingsOfContact) {
   for (const char* settings :
        {"impratio=10", "impratio=100", "solref=0.005:1,solimp=0.8:0.99:0.002:0.3:3", "solref=-2000:-80",

@@ -2,6 +2,7 @@
 // interface of plug-ins.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,7 +40,10 @@ struct MjcfJoint {
   int body = 0;
   Vector3 p_BJ = Vector3::Zero(), axis = Vector3::UnitZ();  ///< in the body's frame, m and unit
   bool limited = false;
-  double lower = 0, upper = 0;                                    ///< rad
+  double lower = 0, upper = 0;  ///< rad
+  std::array<double, 2> limit_solref{0.02, 1};
+  std::array<double, 5> limit_solimp{0.9, 0.95, 0.001, 0.5, 2};
+  double limit_margin = 0;                                        ///< rad, before a limit, from where it acts
   double reference = 0;                                           ///< angle at which the body is at X_PB, rad
   double stiffness = 0, damping = 0, friction = 0, armature = 0;  ///< SI; friction is dry, N m
   double spring_reference = 0;                                    ///< rad

@@ -222,7 +222,12 @@ class MjcfTree {
     joint.name = source.name;
     joint.axis = source.axis.normalized();
     const std::string place = mjcf_place(joint_element(source), path_);
-    if (source.limited) set_limits(source.lower, source.upper, place, joint, warnings_);
+    if (source.limited) {
+      // MuJoCo's margin is where a limit acts from: the same as a limit there.
+      const double margin = source.limit_margin;
+      set_limits(source.lower + margin, source.upper - margin, place, joint, warnings_);
+      joint.limit_softness = softness_of(source.limit_solref, source.limit_solimp);
+    }
     joint.damping = source.damping;
     joint.armature = source.armature;
     joint.friction = source.friction;

@@ -12,7 +12,7 @@ namespace crossgait::contact {
 namespace {
 
 struct Problem {
-  BoundedRows rows;
+  BoundedRows rows{kMaxBoundedRows};
   ConeProblem cones;
   Eigen::MatrixXd whole;  // A of rows, then contacts
   Eigen::VectorXd b;
@@ -36,7 +36,11 @@ Problem random_problem(std::mt19937& random, int count, int contacts, double sti
   problem.rows.A.topLeftCorner(count, count) = problem.whole.topLeftCorner(count, count);
   problem.rows.C.topLeftCorner(count, 3 * contacts) = problem.whole.topRightCorner(count, 3 * contacts);
   problem.rows.b.head(count) = problem.b.head(count);
-  for (int i = 0; i < count; ++i) problem.rows.bound[i] = 0.1 / stiffness * std::exp(normal(random));
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const double bound = 0.1 / stiffness * std::exp(normal(random));
+    // Every third one only pushes, as a limit does.
+    problem.rows.bounds[i] = i % 3 == 2 ? kOnlyPushes : ImpulseBounds{-bound, bound};
+  }
   problem.cones.contacts = contacts;
   problem.cones.friction = 0.6;
   problem.cones.A.topLeftCorner(3 * contacts, 3 * contacts) =
@@ -58,14 +62,17 @@ TEST(BoundedRows, KeepTheirConditions) {
     const Eigen::VectorXd w = p.whole * x + p.b;
     const double scale = p.b.head(count).cwiseAbs().maxCoeff();
     for (int i = 0; i < count; ++i) {
-      const double bound = p.rows.bound[i];
-      ASSERT_LE(std::abs(x[i]), bound);
-      if (std::abs(x[i]) < bound * (1 - 1e-9)) {
+      const ImpulseBounds& bounds = p.rows.bounds[static_cast<std::size_t>(i)];
+      ASSERT_LE(x[i], bounds.upper);
+      ASSERT_GE(x[i], bounds.lower);
+      const double kJust = 1e-9 * std::abs(x[i]);
+      if (x[i] + kJust < bounds.upper && x[i] - kJust > bounds.lower) {
         ++between;
         ASSERT_NEAR(w[i] / scale, 0, 1e-9) << n << ", row " << i;
       } else {
         ++at_a_bound;
-        ASSERT_LT(w[i] * x[i] / (scale * bound), 1e-9) << n << ", row " << i;
+        const double away = x[i] + kJust >= bounds.upper ? -w[i] : w[i];
+        ASSERT_GT(away / scale, -1e-9) << n << ", row " << i;
       }
     }
     // The contacts solve what the rows leave: the same problem with the rows' impulses given.
@@ -91,13 +98,13 @@ TEST(BoundedRows, KeepTheirConditionsWithMoreRowsThanDegreesOfFreedom) {
     const Eigen::MatrixXd J = Eigen::MatrixXd::NullaryExpr(kRows, 18, [&] { return normal(random); });
     const Eigen::MatrixXd A = J * J.transpose();
     const Eigen::VectorXd b = J * Eigen::VectorXd::NullaryExpr(18, [&] { return normal(random); });
-    BoundedRows rows;
+    BoundedRows rows(kCount);
     ConeProblem cones;
     rows.count = kCount;
     rows.A.topLeftCorner(kCount, kCount) = A.topLeftCorner(kCount, kCount);
     rows.C.topLeftCorner(kCount, 3 * kContacts) = A.topRightCorner(kCount, 3 * kContacts);
     rows.b.head(kCount) = b.head(kCount);
-    rows.bound.head(kCount).setConstant(0.2);
+    std::fill_n(rows.bounds.begin(), kCount, ImpulseBounds{-0.2, 0.2});
     cones.contacts = kContacts;
     cones.friction = 0.6;
     cones.A.topLeftCorner(3 * kContacts, 3 * kContacts) = A.bottomRightCorner(3 * kContacts, 3 * kContacts);
@@ -117,13 +124,19 @@ TEST(BoundedRows, KeepTheirConditionsWithMoreRowsThanDegreesOfFreedom) {
 }
 
 TEST(BoundedRows, OneAloneIsTheHuberLaw) {
-  BoundedRows row;
+  BoundedRows row(1);
   ConeProblem none;
   row.count = 1;
   row.A(0, 0) = 2;
-  row.bound[0] = 0.5;
+  row.bounds[0] = {-0.5, 0.5};
   for (const auto& [b, x] :
        {std::pair{0.0, 0.0}, {0.4, -0.2}, {-0.9, 0.45}, {1.0, -0.5}, {7.0, -0.5}, {-7.0, 0.5}}) {
+    row.b[0] = b;
+    row.solve(none, false, 1e-12, 100);
+    EXPECT_NEAR(row.x[0], x, 1e-15);
+  }
+  row.bounds[0] = kOnlyPushes;
+  for (const auto& [b, x] : {std::pair{1.0, 0.0}, {0.0, 0.0}, {-0.9, 0.45}, {-7.0, 3.5}}) {
     row.b[0] = b;
     row.solve(none, false, 1e-12, 100);
     EXPECT_NEAR(row.x[0], x, 1e-15);

@@ -27,7 +27,8 @@ struct Machine {
 
 struct Drawn {
   Eigen::MatrixXd loops, Z;  // dofs x loops; 3 contacts, then bounded rows, x dofs
-  Eigen::VectorXd R, b, bound;
+  Eigen::VectorXd R, b;
+  std::vector<ImpulseBounds> bounds;  // of all rows; not used of contacts
   int contacts = 0;
 
   Eigen::MatrixXd A() const {
@@ -55,7 +56,11 @@ Drawn draw(const Machine& machine, std::mt19937& random, int contacts, int bound
   drawn.Z = Eigen::MatrixXd::Zero(rows, Machine::kDofs);
   drawn.R = Eigen::VectorXd::Constant(rows, R);
   drawn.b = Eigen::VectorXd::NullaryExpr(rows, [&] { return normal(random); });
-  drawn.bound = Eigen::VectorXd::NullaryExpr(rows, [&] { return 0.3 * std::exp(normal(random)); });
+  for (int row = 0; row < rows; ++row) {
+    const double bound = 0.3 * std::exp(normal(random));
+    // Every third one only pushes, as a limit does.
+    drawn.bounds.push_back(row % 3 == 2 ? kOnlyPushes : ImpulseBounds{-bound, bound});
+  }
   for (int row = 0; row < rows; ++row) {
     const int body = row < 3 * contacts ? row / 3 : row;
     for (const int dof : machine.bodies[static_cast<std::size_t>(body) % 5])
@@ -68,7 +73,7 @@ Drawn draw(const Machine& machine, std::mt19937& random, int contacts, int bound
   }
   for (int row = 3 * contacts; row < rows; ++row) {
     problem.add_bounded(machine.bodies[static_cast<std::size_t>(row) % 5], drawn.Z.row(row).transpose(),
-                        drawn.R[row], drawn.b[row], drawn.bound[row]);
+                        drawn.R[row], drawn.b[row], drawn.bounds[static_cast<std::size_t>(row)]);
   }
   return drawn;
 }
@@ -109,13 +114,15 @@ TEST(SweepProblem, SatisfiesTheLawItStates) {
       }
     }
     for (Eigen::Index i = 3 * drawn.contacts; i < x.size(); ++i) {
-      ASSERT_LE(std::abs(x[i]), drawn.bound[i]);
-      if (std::abs(x[i]) < drawn.bound[i]) {
+      const ImpulseBounds& bounds = drawn.bounds[static_cast<std::size_t>(i)];
+      ASSERT_LE(x[i], bounds.upper);
+      ASSERT_GE(x[i], bounds.lower);
+      if (x[i] < bounds.upper && x[i] > bounds.lower) {
         ++between;
         ASSERT_NEAR(w[i], 0, 1e-10);
       } else {
         ++at_bound;
-        ASSERT_LT(w[i] * x[i], 1e-10);
+        ASSERT_GT(x[i] == bounds.upper ? -w[i] : w[i], -1e-10);
       }
     }
     // What it says of the robot's velocity is what these impulses do.

@@ -132,6 +132,14 @@ TEST(RobotLoader, ReadsTheSoftnessOfLoops) {
   EXPECT_EQ(robot.friction_softness.time_constant, 0.02);
   EXPECT_EQ(robot.friction_softness.impedance_min, RobotDescription().friction_softness.impedance_min);
   EXPECT_EQ(robot.loop_softness.time_constant, 0.004);
+  EXPECT_EQ(robot.joint(0).limit_softness.time_constant, 0.02);
+  scratch.replace("robot.yaml", "loop_softness:", "limit_softness: {time_constant: 0.01}\nloop_softness:");
+  const LoadedRobot changed = load_robot_with_report(scratch.path("robot.yaml"));
+  for (int i = 0; i < changed.robot.joint_count(); ++i) {
+    EXPECT_EQ(changed.robot.joint(i).limit_softness.time_constant, 0.01);
+    EXPECT_EQ(changed.robot.joint(i).limit_softness.impedance_max, 0.95);
+  }
+  EXPECT_NE(to_yaml(changed, "robot.urdf").find("limit_softness: {time_constant: 0.01"), std::string::npos);
 }
 
 TEST(RobotLoader, PutsFurtherJointsBehindTheLegs) {

@@ -104,6 +104,24 @@ TEST(UrdfReader, ReadsJoints) {
   EXPECT_EQ(rod.inertia.I_C(2, 0), 0.02);
 }
 
+TEST(UrdfReader, LimitsRevoluteJointsWhoseLimitsAreMeant) {
+  const auto joint = [](const std::string& type, const std::string& limits) {
+    std::string text = kFixedPair;
+    text.replace(text.find("continuous"), 10, type);
+    const std::string damping = R"(<dynamics damping="0.5"/>)";
+    text.insert(text.find(damping), "<limit effort=\"1\" velocity=\"1\" " + limits + "/>");
+    return read(text).bodies.at(1).joint;
+  };
+  const Joint limited = joint("revolute", "lower=\"-0.5\" upper=\"0.25\"");
+  EXPECT_TRUE(limited.limited);
+  EXPECT_EQ(limited.lower, -0.5);
+  EXPECT_EQ(limited.upper, 0.25);
+  EXPECT_TRUE(joint("revolute", "lower=\"-0.5\" upper=\"100\"").limited);
+  EXPECT_FALSE(joint("revolute", "lower=\"-100\" upper=\"100\"").limited);
+  EXPECT_FALSE(joint("revolute", "").limited);
+  EXPECT_FALSE(joint("continuous", "lower=\"-0.5\" upper=\"0.25\"").limited);
+}
+
 TEST(UrdfReader, ReadsADecimalPointInEveryLocale) {
   struct Comma : std::numpunct<char> {
     char do_decimal_point() const override { return ','; }
