@@ -78,11 +78,21 @@ class SetupReader {
     }
     setup_.text = fmt::format("{}", fmt::join(texts, ","));
     check_condim();
-    setup_.b.validate();
+    blaming_setup([this] { setup_.b.validate(); });
     return std::move(setup_);
   }
 
  private:
+  // What the changes make wrong is not the file's that A came from.
+  template <typename Step>
+  void blaming_setup(const Step& step) const {
+    try {
+      step();
+    } catch (const ConfigError& error) {
+      throw ConfigError(source_, error.element(), error.expected(), error.found());
+    }
+  }
+
   std::string add_quantity(const std::string& text, const std::string& name) {
     const std::vector<std::string> known = quantity_names();
     if (std::find(known.begin(), known.end(), name) == known.end())
@@ -97,7 +107,9 @@ class SetupReader {
                      {},
                      [change](WorldSpec& w) { change.apply(w); }};
     const std::string from = made.from;
-    if (!add(std::move(made)))
+    bool changes = false;
+    blaming_setup([&] { changes = add(std::move(made)); });
+    if (!changes)
       throw ConfigError(source_, name, "what is not so already",
                         fmt::format("'{}' (it is {})", text, from.empty() ? "the same" : from));
     setup_.changes.back().to = quantity_text(quantity, setup_.b);

@@ -59,7 +59,8 @@ TEST(Setup, RefusesWhatIsNoChange) {
   expect_refused("friction=0.4,", "found ''");
   expect_refused("torsional_friction=0.01", "condim");
   expect_refused("physics_dt=1", "time step");
-  expect_refused("mass=0", "mass");
+  expect_refused("mass=0", "--against: body 'trunk': expected mass");
+  expect_refused("slope=100", "--against: slope: expected an angle");
   expect_refused("robot=", "robot=FILE");
   expect_refused("robot=scara_quadruped", "a file that says otherwise");
   expect_refused("robot=serial_quadruped", "bodies");
