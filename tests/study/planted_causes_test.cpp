@@ -120,7 +120,7 @@ Found plant(const scenes::RobotPtr& robot, const std::string& gait, const Names&
   Names changes = beside(causes, number);
   changes.insert(changes.begin() + static_cast<std::ptrdiff_t>(number % 3), causes.begin(), causes.end());
   const Attribution attribution = attribute_planted(robot, gait, changes);
-  const Found found = look(attribution, causes);
+  Found found = look(attribution, causes);
   EXPECT_EQ(found.wrong, 0) << robot->name << ", " << gait << ", "
                             << fmt::format("{}", fmt::join(changes, ",")) << "\n"
                             << describe(attribution);
