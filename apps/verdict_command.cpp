@@ -13,6 +13,7 @@
 #include "apps/walk_options.h"
 #include "backends/registry.h"
 #include "physics/core/error.h"
+#include "physics/engine/world_quantities.h"
 #include "report/verdict_document.h"
 #include "study/engine_comparison.h"
 #include "study/run_store.h"
@@ -27,6 +28,7 @@ struct VerdictCommand {
   JudgeOptions judge;
   std::vector<std::string> margins;
   std::string margin_file, require;
+  std::optional<std::string> against;  ///< another setup
   PolicyOption policy;
   PageOption page;
   JsonOption json;
@@ -41,9 +43,15 @@ LoadedBehaviour behaviour(const VerdictCommand& options) {
           options.walk.config.terrain_seed};
 }
 
-std::vector<std::string> chosen_engines(const std::vector<std::string>& asked) {
+// @param alone  one engine is enough: it is held against itself under another setup
+std::vector<std::string> chosen_engines(const std::vector<std::string>& asked, bool alone) {
   std::vector<std::string> engines = asked;
   const std::vector<std::string> all = available_engines();
+  if (alone) {
+    if (engines.empty() && !all.empty()) engines = {all.front()};
+    if (engines.empty()) throw ConfigError("command line", "--engines", "one engine or more", "none");
+    return engines;
+  }
   if (engines.empty() && !all.empty()) {
     // The first one, and the first that solves other laws.
     const Laws laws = find_engine(all.front()).info.laws;
@@ -91,15 +99,17 @@ int exit_code(Word found, const std::string& required) {
 }
 
 void run(const VerdictCommand& options) {
-  const std::vector<std::string> engines = chosen_engines(options.engines);
+  const std::vector<std::string> engines = chosen_engines(options.engines, options.against.has_value());
   options.page.check();
   const LoadedBehaviour loaded = behaviour(options);
+  JudgeOptions judge = options.judge;
+  if (options.against) judge.against = read_setup(*options.against, loaded.world());
   const Provenance provenance =
       options.json.provenance({loaded.described, engines, {{"--engines", engines}}});
   Stages stages;
   std::optional<EngineComparison> judged;
   try {
-    judged = judge_engines(loaded, engines, options.judge, stages.progress());
+    judged = judge_engines(loaded, engines, judge, stages.progress());
   } catch (const Interrupted&) {
     throw EndedEarly(what_is_kept(options.judge.stored_runs));
   }
@@ -110,6 +120,17 @@ void run(const VerdictCommand& options) {
     throw RequirementMissed(
         code, fmt::format("'{}' is required, and the word is '{}'", options.require, name(word)));
   }
+}
+
+std::string against_help() {
+  std::string names;
+  for (const WorldQuantity& quantity : world_quantities())
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", quantity.name);
+  return fmt::format(
+      "Hold an engine (or several, each) against itself under another setup: the same world with these "
+      "changes, each a "
+      "value or a factor (mass=x1.1). Quantities: {}; and robot=FILE, another file of the same robot",
+      names);
 }
 
 void add_judge_options(CLI::App& command, VerdictCommand& options) {
@@ -175,6 +196,7 @@ void add_verdict_command(CLI::App& program, Invocation& invocation) {
       "\nExamples:\n"
       "  crossgait verdict\n"
       "  crossgait verdict --explain\n"
+      "  crossgait verdict --against friction=0.4,mass=x1.1,delay=0.004 --explain\n"
       "  crossgait verdict --engines mujoco,bullet,dart+pyramid,dart+stock\n"
       "  crossgait verdict --gait gallop --terrain rough --starts 24 --json verdict.json\n"
       "  crossgait verdict --margin distance_m=5% --margin slip_m=0.05 --require agrees\n"
@@ -185,14 +207,17 @@ void add_verdict_command(CLI::App& program, Invocation& invocation) {
   command
       ->add_option("--engines", options->engines,
                    "Two or more, comma-separated; by default the first that there is, and the first of other "
-                   "laws. Of more than two: which agree, and whether one stands apart")
+                   "laws, and with --against the first alone. Of more than two: which agree, and whether one "
+                   "stands apart")
       ->delimiter(',');
+  command->add_option("--against", options->against, against_help())->type_name("NAME=VALUE,...");
   options->walk.add_to(*command);
   options->judge.verdict.workers = EpisodeOptions::default_workers();
   add_judge_options(*command, *options);
   options->policy.add_to(*command);
-  command->add_flag("--explain", options->judge.explain,
-                    "Also say what the gap comes from, one modelling factor at a time");
+  command->add_flag(
+      "--explain", options->judge.explain,
+      "Also say what the gap comes from, one modelling factor, or change of --against, at a time");
   command
       ->add_option(
           "--require", options->require,

@@ -3,12 +3,13 @@
 #include <bit>
 #include <cmath>
 #include <memory>
-#include <vector>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
 #include "physics/core/find_row.h"
+#include "physics/engine/world_quantities.h"
 
 namespace crossgait {
 namespace {
@@ -50,10 +51,16 @@ static_assert(
     }(),
     "one row for each of Randomised, in its order");
 
-void scale_mass(Body& body, double factor) {
-  body.inertia.mass *= factor;
-  body.inertia.I_C *= factor;
-}
+// Which quantities of a world a row scales.
+constexpr std::pair<Randomised, std::string_view> kScaled[] = {
+    {kFriction, "friction"},
+    {kTrunkMass, "trunk_mass"},
+    {kServoStiffness, "kp"},
+    {kServoStiffness, "kd"},
+    {kJointDamping, "damping"},
+    {kEffortLimit, "effort"},
+    {kJointFriction, "joint_friction"},
+};
 
 }  // namespace
 
@@ -124,20 +131,11 @@ Pushes pushes_of(const Randomisation& randomisation, const RandomDraw& draw, con
 WorldSpec randomised_world(const WorldSpec& nominal, const Randomisation& randomisation,
                            const RandomDraw& draw, Random& random) {
   WorldSpec world = nominal;
-  world.contact.friction *= draw[kFriction];
   auto robot = std::make_shared<RobotDescription>(*nominal.robot);
-  scale_mass(robot->bodies[0], draw[kTrunkMass]);
+  for (const auto& [what, quantity] : kScaled)
+    find_world_quantity(quantity, "randomisation").scale(world, *robot, draw[what]);
   const Range& mass = randomisation[kMass];
-  for (std::size_t i = 1; i < robot->bodies.size(); ++i) {
-    Body& body = robot->bodies[i];
-    scale_mass(body, random.uniform(mass.min, mass.max));
-    body.joint.kp *= draw[kServoStiffness];
-    body.joint.kd *= draw[kServoStiffness];
-    body.joint.damping *= draw[kJointDamping];
-    body.joint.friction *= draw[kJointFriction];
-    body.joint.effort_limit *= draw[kEffortLimit];
-    body.joint.effort_negative *= draw[kEffortLimit];
-  }
+  for (Body& body : std::span(robot->bodies).subspan(1)) scale_mass(body, random.uniform(mass.min, mass.max));
   world.robot = std::move(robot);
   return world;
 }

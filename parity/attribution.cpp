@@ -305,13 +305,18 @@ Cause Attribution::cause(std::size_t s) const {
   const auto helps = [&](const GroupEffect* g) {
     return g->effect[s].estimate * whole > 0 && !g->effect[s].contains(0);
   };
-  const auto largest = std::find_if(order.begin(), order.end(), helps);
-  cause.kind = largest == order.end() ? Cause::Kind::kNoSingle : Cause::Kind::kLeading;
   cause.sentence = fmt::format("{}: {}", of, fmt::join(parts, ", "));
-  if (largest == order.end()) {
-    cause.sentence += ", none of which can be told from zero";
+  // A smaller effect that is known better is not to blame for what the largest may do.
+  const auto largest = std::find_if(order.begin(), order.end(),
+                                    [&](const GroupEffect* g) { return g->effect[s].estimate * whole > 0; });
+  if (largest == order.end() || !helps(*largest)) {
+    cause.kind = Cause::Kind::kNoSingle;
+    cause.sentence += std::any_of(order.begin(), order.end(), helps)
+                          ? ", the largest of which cannot be told from zero"
+                          : ", none of which can be told from zero";
     return cause;
   }
+  cause.kind = Cause::Kind::kLeading;
   const Interval& most = (*largest)->effect[s];
   for (const GroupEffect* group : order) {
     const Interval& own = group->effect[s];

@@ -41,7 +41,7 @@ struct Cause {
   enum class Kind {
     kNothing,   ///< the gap is within its margin, or cannot be told from zero
     kLeading,   ///< one group, or several as large as it, with the sign of the gap
-    kNoSingle,  ///< effects of both signs nearly cancel, or none can be told from zero
+    kNoSingle,  ///< effects of both signs nearly cancel, or the largest cannot be told from zero
   };
   Kind kind = Kind::kNothing;
   std::vector<std::string> leading;  ///< groups, the largest first
@@ -67,8 +67,8 @@ struct Attribution {
   bool has_traces = false;  ///< whether `first_divergence` was looked for
 
   /// Names what is to blame for a statistic: the group of largest effect *with the sign of the gap*, and
-  /// those whose effect cannot be told from it in size. There is no single cause where the groups' effects
-  /// sum to more than twice the gap without their signs.
+  /// those whose effect cannot be told from it in size. There is no single cause where that effect cannot be
+  /// told from zero, and where the groups' effects sum to more than twice the gap without their signs.
   Cause cause(std::size_t statistic) const;
 };
 

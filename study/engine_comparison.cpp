@@ -89,7 +89,7 @@ Progress progress_of(const StageProgress& progress, const std::string& stage) {
 
 namespace {
 
-std::vector<Engine> find_engines(const std::vector<std::string>& names) {
+std::vector<Engine> find_engines(const std::vector<std::string>& names, const JudgeOptions& options) {
   std::vector<Engine> engines;
   for (const std::string& name : names) {
     engines.push_back(find_engine(name));
@@ -97,19 +97,36 @@ std::vector<Engine> find_engines(const std::vector<std::string>& names) {
     if (std::count_if(engines.begin(), engines.end(), same) > 1)
       throw ConfigError("verdict", "engines", "different ones", fmt::format("'{}' twice", name));
   }
+  if (options.against) {
+    std::vector<Engine> both;
+    for (const Engine& engine : engines) {
+      both.push_back(engine);
+      both.push_back(with_setup(engine, *options.against));
+    }
+    engines = std::move(both);
+  }
   if (engines.size() < 2)
     throw ConfigError("verdict", "engines", "two or more", fmt::format("{}", engines.size()));
   return engines;
 }
 
 // Of every pair; those without one are none, unless no pair has one.
-std::vector<std::optional<EngineFamily>> find_families(const std::vector<Engine>& engines) {
+std::vector<std::optional<EngineFamily>> find_families(const std::vector<Engine>& engines,
+                                                       const JudgeOptions& options) {
   std::vector<std::optional<EngineFamily>> families;
   std::optional<ConfigError> none;
   bool any = false;
   for (std::size_t i = 0; i < engines.size(); ++i) {
     for (std::size_t k = i + 1; k < engines.size(); ++k) {
       families.emplace_back();
+      if (options.against) {
+        // Each engine is followed by itself under the setup. Of others the factors are those of plain worlds.
+        if (i % 2 == 0 && k == i + 1) {
+          families.back() = setup_family(engines[i], *options.against);
+          any = true;
+        }
+        if (i % 2 == 1 || k % 2 == 1) continue;
+      }
       try {
         families.back() = find_family(engines[i], engines[k]);
         any = true;
@@ -145,12 +162,11 @@ void explain(EngineComparison& result, const std::vector<std::optional<EngineFam
 
 // How many starts a store has been asked for before, as asked and in all engines; 0 if none, or all of them.
 std::size_t starts_held(const RunStore& store, const LoadedBehaviour& loaded,
-                        const std::vector<std::string>& names, std::size_t starts) {
+                        const std::vector<Engine>& engines, std::size_t starts) {
   std::size_t held = 0;
   for (std::size_t k = 0; k < starts; ++k) {
-    const bool all = std::all_of(names.begin(), names.end(), [&](const std::string& name) {
-      return store
-          .find(describe_run(loaded.described, find_engine(name).info, nominal_variation(), k, kToTheEnd))
+    const bool all = std::all_of(engines.begin(), engines.end(), [&](const Engine& engine) {
+      return store.find(describe_run(loaded.described, engine.info, nominal_variation(), k, kToTheEnd))
           .has_value();
     });
     held += all ? 1 : 0;
@@ -166,9 +182,9 @@ EngineComparison judge_engines(const LoadedBehaviour& loaded, const std::vector<
   if (options.stored_runs.empty())
     return judge_engines(behaviour, loaded.world(), engines, options, progress);
   options.verdict.validate();
-  find_engines(engines);  // before a file is made
+  const std::vector<Engine> found = find_engines(engines, options);  // before a file is made
   const auto store = std::make_shared<RunStore>(options.stored_runs);
-  const std::size_t held = starts_held(*store, loaded, engines, options.verdict.starts);
+  const std::size_t held = starts_held(*store, loaded, found, options.verdict.starts);
   EngineComparison result =
       judge_engines(with_store(behaviour, loaded, store), loaded.world(), engines, options, progress);
   result.starts_held = held;
@@ -179,12 +195,13 @@ EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& worl
                                const std::vector<std::string>& names, const JudgeOptions& options,
                                const StageProgress& progress) {
   options.verdict.validate();
-  const std::vector<Engine> engines = find_engines(names);
+  const std::vector<Engine> engines = find_engines(names, options);
   std::vector<std::optional<EngineFamily>> families;
-  if (options.explain) families = find_families(engines);
+  if (options.explain) families = find_families(engines, options);
 
   EngineComparison result;
   result.contact = world.contact;
+  result.against = options.against;
   std::vector<std::unique_ptr<PhysicsBackend>> worlds;
   for (const Engine& engine : engines) {
     const Laws& laws = engine.info.laws;

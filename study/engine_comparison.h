@@ -12,6 +12,7 @@
 #include "parity/model_audit.h"
 #include "parity/verdict.h"
 #include "study/run_spec.h"
+#include "study/setup.h"
 
 namespace crossgait {
 
@@ -19,6 +20,9 @@ struct JudgeOptions {
   VerdictOptions verdict;
   bool explain = false;          ///< also say what the gap comes from
   std::string stored_runs = {};  ///< file of runs to take and to add to (RunStore); empty: none
+  /// Every engine also under another setup of the world: each of them is followed by another "engine", itself
+  /// with the setup. One engine is enough.
+  std::optional<WorldSetup> against = {};
 };
 
 /// What belongs to a pair's verdict.
@@ -33,6 +37,7 @@ struct EngineComparison {
   std::vector<JudgedEngine> engines;
   std::vector<EngineInfo> infos;  ///< of the same
   ContactSpec contact;
+  std::optional<WorldSetup> against;  ///< under which every second engine is the one before it
   Verdicts verdicts;
   /// One for each pair. Attributions are of pairs that do not agree and lie at the ends of a family; pairs at
   /// the ends of one family share theirs.

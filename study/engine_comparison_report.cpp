@@ -137,13 +137,17 @@ nlohmann::ordered_json to_json(const EngineComparison& comparison) {
                     {"variations", verdicts.variations},
                     {"left_out", verdicts.left_out},
                     {"contact", to_json(comparison.contact)},
+                    {"against", comparison.against ? to_json(*comparison.against) : ordered_json(nullptr)},
                     {"not_of_law", ordered_json::object()},
                     {"engines", ordered_json::array()},
                     {"outcomes", ordered_json::object()},
                     {"clusters", ordered_json::array()},
                     {"bridges", ordered_json::array()}};
-  for (const EngineInfo& engine : comparison.infos) {
-    const std::vector<std::string> ignored = not_of_law(comparison.contact, engine.capabilities);
+  for (std::size_t i = 0; i < comparison.infos.size(); ++i) {
+    const EngineInfo& engine = comparison.infos[i];
+    const ContactSpec& contact =
+        comparison.against && i % 2 == 1 ? comparison.against->b.contact : comparison.contact;
+    const std::vector<std::string> ignored = not_of_law(contact, engine.capabilities);
     if (!ignored.empty()) json["not_of_law"][engine.name] = ignored;
   }
   for (const JudgedEngine& engine : comparison.engines) {
@@ -167,6 +171,7 @@ nlohmann::ordered_json to_json(const EngineComparison& comparison) {
 std::string describe(const EngineComparison& comparison) {
   const bool two = comparison.verdicts.pairs.size() == 1;
   std::string text = fmt::format("{}\n\n", summary(comparison));
+  if (comparison.against) text += fmt::format("{}\n", describe(*comparison.against));
   text += two ? fmt::format("{}\n{}", describe(comparison.verdicts.pairs.front()),
                             describe_background(comparison.backgrounds.front()))
               : describe_many(comparison);

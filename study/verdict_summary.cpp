@@ -89,7 +89,8 @@ std::string cause(const Verdict& verdict, const PairBackground& background) {
                      found.sentence);
 }
 
-std::string pair_sentence(const Verdict& v) {
+// @param what  two of which are held against each other: "engine"
+std::string pair_sentence(const Verdict& v, std::string_view what) {
   const auto agree = with_word(v, Word::kAgrees), differ = with_word(v, Word::kDiffers),
              step = with_word(v, Word::kStepDependent), open = with_word(v, Word::kUnresolved);
   switch (v.word) {
@@ -103,8 +104,8 @@ std::string pair_sentence(const Verdict& v) {
       return fmt::format("{} and {} differ in {}{}.", v.a, v.b, gaps(differ), rest);
     }
     case Word::kStepDependent:
-      return fmt::format("Whether {} and {} agree in {} depends on the time step, not on the engine.", v.a,
-                         v.b, listed(names(step)));
+      return fmt::format("Whether {} and {} agree in {} depends on the time step, not on the {}.", v.a, v.b,
+                         listed(names(step)), what);
     case Word::kUnresolved:
       break;
   }
@@ -127,7 +128,8 @@ std::string summary(const EngineComparison& comparison) {
   const std::vector<Verdict>& pairs = comparison.verdicts.pairs;
   const std::string behaviour = pairs.front().behaviour;
   if (pairs.size() == 1) {
-    return fmt::format("{}: {} {}{}", behaviour, pair_sentence(pairs.front()),
+    return fmt::format("{}: {} {}{}", behaviour,
+                       pair_sentence(pairs.front(), comparison.against ? "setup" : "engine"),
                        failures(pairs.front(), comparison.verdicts.starts, comparison.verdicts.options.looks),
                        cause(pairs.front(), comparison.backgrounds.front()));
   }
@@ -135,7 +137,7 @@ std::string summary(const EngineComparison& comparison) {
   const auto worst = std::find_if(pairs.begin(), pairs.end(),
                                   [&](const Verdict& v) { return v.word == word_of(comparison); });
   if (worst->word != Word::kAgrees) {
-    text += fmt::format(" {}", pair_sentence(*worst));
+    text += fmt::format(" {}", pair_sentence(*worst, "engine"));
     text += cause(*worst, comparison.backgrounds[static_cast<std::size_t>(worst - pairs.begin())]);
   }
   if (!comparison.consensus.outlier.empty())

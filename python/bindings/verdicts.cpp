@@ -1,5 +1,6 @@
 // `crossgait verdict` as a function, of walks and of policies.
 #include <map>
+#include <optional>
 #include <tuple>
 
 #include <nanobind/stl/map.h>
@@ -18,12 +19,25 @@
 namespace crossgait::python {
 namespace {
 
-// `verdict(...)`'s options: starts, looks, confidence, margins as text, workers, explain, runs.
+// `verdict(...)`'s options: starts, looks, confidence, margins as text, workers, explain, runs, the setup to
+// hold it against as text.
 using HowToJudge = std::tuple<std::size_t, std::size_t, double, std::map<std::string, std::string>,
-                              std::size_t, bool, std::string>;
+                              std::size_t, bool, std::string, std::optional<std::string>>;
 
-JudgeOptions judge_options(const HowToJudge& how) {
-  const auto& [starts, looks, confidence, margins, workers, explain, runs] = how;
+struct JudgeCall {
+  JudgeOptions options;
+  std::optional<std::string> against;  ///< read when there is a world
+
+  /// In the thread that judges, which is the one whose files are recorded.
+  JudgeOptions in(const WorldSpec& world) const {
+    JudgeOptions read = options;
+    if (against) read.against = read_setup(*against, world, "against");
+    return read;
+  }
+};
+
+JudgeCall judge_call(const HowToJudge& how) {
+  const auto& [starts, looks, confidence, margins, workers, explain, runs, against] = how;
   JudgeOptions options;
   options.verdict.starts = starts;
   options.verdict.looks = looks;
@@ -32,7 +46,7 @@ JudgeOptions judge_options(const HowToJudge& how) {
   for (const auto& [key, text] : margins) options.verdict.margins[key] = parse_margin(text, "margins", key);
   options.explain = explain;
   options.stored_runs = runs;
-  return options;
+  return {options, against};
 }
 
 // The document of `crossgait verdict`.
@@ -42,11 +56,12 @@ Report report_of(const EngineComparison& judged, const Json& made) {
   return {json, describe(judged)};
 }
 
-Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines, const JudgeOptions& options,
+Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines, const JudgeCall& call,
            const nb::object& progress) {
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
         const LoadedBehaviour loaded = spec;
+        const JudgeOptions options = call.in(loaded.world());
         return report_of(judge_engines(loaded, engines, options, told),
                          provenance(loaded.described, engines));
       },
@@ -61,11 +76,12 @@ void refuse_stored_runs(const JudgeOptions& options) {
 }
 
 Pair judge(const PythonController& behaviour, const StartRanges& starts_from, std::uint64_t seed,
-           const std::vector<std::string>& engines, const JudgeOptions& options, const nb::object& progress) {
-  refuse_stored_runs(options);
+           const std::vector<std::string>& engines, const JudgeCall& call, const nb::object& progress) {
+  refuse_stored_runs(call.options);
   return to_python(run_job(
       [=](const StageProgress& told) -> Report {
         const LoadedWalk loaded = behaviour.walk;
+        const JudgeOptions options = call.in(loaded.world);
         return report_of(judge_engines(make_behaviour(loaded, behaviour.setup(), starts_from, seed),
                                        loaded.world, engines, options, told),
                          provenance(subject_json(behaviour, loaded), engines));
@@ -74,19 +90,20 @@ Pair judge(const PythonController& behaviour, const StartRanges& starts_from, st
 }
 
 Pair judge(const EnvConfig& environment, const PythonPolicy& policy, const StartRanges& starts_from,
-           std::uint64_t seed, const std::vector<std::string>& engines, const JudgeOptions& options,
+           std::uint64_t seed, const std::vector<std::string>& engines, const JudgeCall& call,
            const nb::object& progress) {
-  refuse_stored_runs(options);
+  refuse_stored_runs(call.options);
   return to_python(run_job(
       [=](const StageProgress& told) {
         return with_policies(
             {policy}, told, [&](const auto& policies, const StageProgress& listening) -> Report {
               const LoadedEnv loaded = environment;
+              const WorldSpec world = EnvModel::make(loaded)->world;
+              const JudgeOptions options = call.in(world);
               const Behaviour behaviour =
                   policy_behaviour(loaded, policies.front().make, policies.front().name, starts_from, seed);
-              return report_of(
-                  judge_engines(behaviour, EnvModel::make(loaded)->world, engines, options, listening),
-                  provenance({{"python", policy.name}}, engines));
+              return report_of(judge_engines(behaviour, world, engines, options, listening),
+                               provenance({{"python", policy.name}}, engines));
             });
       },
       progress));
@@ -112,10 +129,10 @@ void bind_verdicts(nb::module_& m) {
       "_judge_walk",
       [](const Subject& walk, const std::vector<std::string>& engines, const StartRanges& starts_from,
          std::uint64_t seed, const HowToJudge& how, const nb::object& progress) {
-        const JudgeOptions options = judge_options(how);
+        const JudgeCall call = judge_call(how);
         if (const auto* config = std::get_if<WalkConfig>(&walk))
-          return judge({*config, starts_from, seed}, engines, options, progress);
-        return judge(std::get<PythonController>(walk), starts_from, seed, engines, options, progress);
+          return judge({*config, starts_from, seed}, engines, call, progress);
+        return judge(std::get<PythonController>(walk), starts_from, seed, engines, call, progress);
       },
       nb::arg("walk"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"), nb::arg("how"),
       kProgress);
@@ -124,11 +141,10 @@ void bind_verdicts(nb::module_& m) {
       [](const EnvConfig& environment, const PolicyChoice& policy, const std::vector<std::string>& engines,
          const StartRanges& starts_from, std::uint64_t seed, const HowToJudge& how,
          const nb::object& progress) {
-        const JudgeOptions options = judge_options(how);
+        const JudgeCall call = judge_call(how);
         if (const auto* text = std::get_if<std::string>(&policy))
-          return judge({PolicyConfig{environment, *text}, starts_from, seed}, engines, options, progress);
-        return judge(environment, std::get<PythonPolicy>(policy), starts_from, seed, engines, options,
-                     progress);
+          return judge({PolicyConfig{environment, *text}, starts_from, seed}, engines, call, progress);
+        return judge(environment, std::get<PythonPolicy>(policy), starts_from, seed, engines, call, progress);
       },
       nb::arg("environment"), nb::arg("policy"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"),
       nb::arg("how"), kProgress);

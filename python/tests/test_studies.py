@@ -138,6 +138,24 @@ def test_verdicts_of_many_are_the_command() -> None:
         crossgait.verdict("trot", engines=engines[:1])
 
 
+def test_verdicts_between_setups_are_the_command() -> None:
+    changes = {"gravity": "x0.5", "solref": (0.01, 1)}
+    judged = crossgait.verdict("trot", against=changes, explain=True, starts=6, seconds=0.3)
+    text = "gravity=x0.5,solref=0.01:1"
+    written = command("verdict", "--against", text, "--explain", "--starts", "6", "--seconds", ".3")
+    assert judged.pairs == written["pairs"]
+    assert judged.to_dict()["against"]["changes"] == written["against"]["changes"]
+    name = crossgait.available_engines()[0]
+    assert judged.pairs[0]["engines"][0] == name
+    assert judged.pairs[0]["engines"][1].startswith(f"{name} with gravity=x0.5,solref=0.01:1")
+    leading = {name for row in judged.pairs[0]["attribution"]["statistics"] for name in row["cause"]["leading"]}
+    assert "gravity" in leading <= {"gravity", "solref"}
+    with pytest.raises(ConfigError, match=r"did you mean friction\?"):
+        crossgait.verdict("trot", against="frction=0.4", seconds=0.1)
+    with pytest.raises(ConfigError, match="quantity"):
+        crossgait.verdict("trot", against={}, seconds=0.1)
+
+
 def test_a_course_is_the_command() -> None:
     config = EnvironmentConfig.parse("{engine: bullet}")
     runs = crossgait.course("zero", config, sections=["speed-1.0"], engines=["mujoco", "bullet"], episodes=1)

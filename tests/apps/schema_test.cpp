@@ -126,6 +126,9 @@ std::vector<Case> cases() {
       {"env", "env --yaml"},
       {"bench", "bench --quick --only analytic --engines " + engines.front()},
   };
+  all.push_back(
+      {"verdict", "verdict --seconds .1 --starts 4 --explain --against friction=0.3,kp=x0.5 --engines " +
+                      engines.front()});
   if (engines.size() > 1) {
     all.push_back({"compare", "compare --seconds .1 " + two});
     all.push_back({"compare", "compare --seconds .1 --verdict " + two});

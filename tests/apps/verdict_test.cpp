@@ -37,6 +37,7 @@ bool has_two_engines() { return available_engines().size() >= 2; }
 TEST(VerdictCommand, KeepsItsContract) {
   if (!has_two_engines()) GTEST_SKIP() << "one engine alone";
   const json verdict = run_json("verdict" + kShort);
+  EXPECT_TRUE(verdict["against"].is_null());
   EXPECT_FALSE(verdict["summary"].get<std::string>().empty());
   const json& pair = verdict["pairs"][0];
   EXPECT_EQ(pair["engines"][0], available_engines().front());
@@ -136,6 +137,35 @@ TEST(VerdictCommand, ExplainsWhereThereIsAFamily) {
     EXPECT_NEAR(effects, gap, 1e-9 * (1 + std::abs(gap))) << s["name"];
     EXPECT_NEAR(steps, gap, 1e-9 * (1 + std::abs(gap))) << s["name"];
   }
+}
+
+// One engine under two setups, from stored runs too, which setups do not share.
+TEST(VerdictCommand, HoldsTwoSetupsAgainstEachOther) {
+  const std::string engine = available_engines().front(), file = "verdict_setups.jsonl";
+  std::filesystem::remove(file);
+  const std::string arguments = "verdict --explain --runs " + file + kShort + " --against ";
+  const json verdict = run_json(arguments + "gravity=x0.5,inertia=x1.01");
+  EXPECT_EQ(verdict["engines"][0]["name"], engine);
+  EXPECT_EQ(verdict["engines"][1]["name"], engine + " with gravity=x0.5,inertia=x1.01");
+  EXPECT_EQ(verdict["against"]["changes"][0]["from"], "9.81");
+  const json& pair = verdict["pairs"][0];
+  EXPECT_EQ(pair["models"][0]["quantity"], "inertia");
+  EXPECT_EQ(pair["attribution"]["factors"][0]["name"], "gravity");
+  EXPECT_EQ(pair["attribution"]["factors"][1]["name"], "inertia");
+  const std::string runs = read_file(file);
+  EXPECT_EQ(run_json(arguments + "gravity=x0.5,inertia=x1.01"), verdict);
+  EXPECT_EQ(read_file(file), runs);
+  const json other = run_json(arguments + "gravity=x0.6,inertia=x1.01");
+  EXPECT_NE(other["pairs"][0]["statistics"], pair["statistics"]);
+  std::filesystem::remove(file);
+}
+
+TEST(VerdictCommand, RefusesSetupsThatAreNone) {
+  expect_bad_input("verdict --against frction=0.4" + kShort, {"--against", "did you mean friction?"});
+  expect_bad_input("verdict --against friction=0.6" + kShort, {"friction", "not so already"});
+  expect_bad_input("verdict --against delay=0.0005" + kShort, {"delay", "0.0005"});
+  expect_bad_input("verdict --against robot=nowhere.urdf" + kShort, {"nowhere.urdf"});
+  expect_bad_input("verdict --against physics_dt=0.003" + kShort, {"control_dt"});
 }
 
 // The user's margins are what is judged against, and stand in the result.

@@ -126,6 +126,23 @@ TEST(Attribute, BlamesNothingThatOpposesTheGap) {
             Cause::Kind::kNoSingle);
 }
 
+// Most of the gap is an effect that may be none, and a small one is known well.
+TEST(Attribute, BlamesNoSmallEffectForALargeOneThatIsUncertain) {
+  Attribution result;
+  result.statistics = {{"value", "value", "-", {0, 0.1, false, ""}}};
+  result.margin = {0.1};
+  result.interactions = {std::nullopt};
+  result.gap = {{1, 0.5, 1.5}};
+  result.groups = {{"large", {0}, {{0.8, -0.1, 1.7}}}, {"small", {1}, {{0.2, 0.1, 0.3}}}};
+  const Cause uncertain = result.cause(0);
+  EXPECT_EQ(uncertain.kind, Cause::Kind::kNoSingle);
+  EXPECT_TRUE(uncertain.leading.empty());
+  EXPECT_EQ(uncertain.sentence,
+            "of +1: large +0.8, small +0.2, the largest of which cannot be told from zero");
+  result.groups[0].effect[0].low = 0.1;
+  EXPECT_EQ(result.cause(0).leading.front(), "large");
+}
+
 // Falls with a: the share of failures has a cause, too, and all runs of a start are cut at the first.
 TEST(Attribute, SaysWhatMakesRunsFail) {
   Behaviour behaviour = play();

@@ -13,6 +13,7 @@ from crossgait.studies.choices import (
     Policy,
     ProgressShown,
     Subject,
+    default_engine,
     environment_or_default,
     several_engines,
     walk_or_behaviour,
@@ -21,10 +22,27 @@ from crossgait.studies.choices import (
 from crossgait.studies.results import Verdict
 
 
+def _setup_text(against: str | Mapping[str, str | float | Sequence[float]] | None) -> str | None:
+    """Write a setup as `--against` takes it; None for none."""
+    if against is None or isinstance(against, str):
+        return against
+
+    def number_text(number: float) -> str:
+        return repr(float(number)).removesuffix(".0")
+
+    def value_text(value: str | float | Sequence[float]) -> str:
+        if isinstance(value, str):
+            return value
+        return ":".join(number_text(number) for number in ([value] if isinstance(value, (int, float)) else value))
+
+    return ",".join(f"{name}={value_text(value)}" for name, value in against.items())
+
+
 def verdict(
     subject: Subject | Policy = "trot",
     *,
     engines: Sequence[str] | None = None,
+    against: str | Mapping[str, str | float | Sequence[float]] | None = None,
     environment: EnvironmentConfig | None = None,
     explain: bool = False,
     starts: int = 12,
@@ -44,6 +62,8 @@ def verdict(
         subject: as `walk`; with an `environment` a policy: a name, a file, or a `FunctionPolicy`.
         engines: two or more, none of which is run twice; the first that there is and the first of other laws by
             default.
+        against: another setup of the same world, under which each of `engines` (by default the first alone) is held
+            against itself: {"friction": 0.4, "mass": "x1.1", "robot": "other.yaml"}, or text as `--against` takes it.
         environment: of a policy.
         explain: also say what gaps come from, of pairs that do not agree and whose differences are known.
         starts: from which every engine runs, at least 4; words are given from 6 on.
@@ -62,8 +82,8 @@ def verdict(
     stated = {
         key: margin if isinstance(margin, str) else repr(float(margin)) for key, margin in (margins or {}).items()
     }
-    how = (starts, looks, confidence, stated, worker_count(workers), explain, os.fspath(runs))
-    names = several_engines(engines)
+    how = (starts, looks, confidence, stated, worker_count(workers), explain, os.fspath(runs), _setup_text(against))
+    names = several_engines(engines) if against is None else list(engines or [default_engine()])
     ranges = start_ranges if start_ranges is not None else StartRanges()
     if environment is None and isinstance(subject, str) and _core.environment_of_policy(subject) is not None:
         environment = environment_or_default(None, subject)
