@@ -114,6 +114,11 @@ double PairedShares::p_below(double limit) const {
   return PairedShares(pairs_, only_b_, only_a_).p_above(-limit);
 }
 
+bool PairedShares::rejects_at_most(double limit, double tail) const {
+  if (pairs_ <= kExact) return p_above(limit) <= tail;
+  return wide_lower_limit(pairs_, {only_a_, only_b_}, tail) > limit;
+}
+
 double PairedShares::lower_limit(double tail) const {
   if (pairs_ > kExact) return wide_lower_limit(pairs_, {only_a_, only_b_}, tail);
   return bisect([this](double limit) { return p_above(limit); }, tail, estimate());
@@ -129,10 +134,11 @@ std::optional<std::size_t> PairedShares::enough(double margin, double tail_withi
   const bool inside = std::abs(estimate()) < margin;
   const auto fits = [&](std::size_t count) {
     const double times = static_cast<double>(count) / n;
-    const PairedShares more(count,
-                            static_cast<std::size_t>(std::lround(times * static_cast<double>(only_a_))),
-                            static_cast<std::size_t>(std::lround(times * static_cast<double>(only_b_))));
-    return inside ? more.p_within(margin) <= tail_within : more.p_beyond(margin) <= 2 * tail_beyond;
+    const auto a = static_cast<std::size_t>(std::lround(times * static_cast<double>(only_a_))),
+               b = static_cast<std::size_t>(std::lround(times * static_cast<double>(only_b_)));
+    const PairedShares up(count, a, b), down(count, b, a);
+    if (inside) return up.rejects_at_most(-margin, tail_within) && down.rejects_at_most(-margin, tail_within);
+    return up.rejects_at_most(margin, tail_beyond) || down.rejects_at_most(margin, tail_beyond);
   };
   for (std::size_t count = pairs_ + 1; count <= kMostStarts; count += std::max<std::size_t>(1, count / 16)) {
     if (fits(count)) return count;
