@@ -129,7 +129,7 @@ def smallest_seen(rows, n):
     """The least size of one kind from which on it is seen, among those that were tried."""
     for place, row in enumerate(rows):
         if all(of(later["seen"], n) >= SEEN for later in rows[place:]):
-            return size_text(row)
+            return size_text(row) + (" or less" if place == 0 else "")
     return f"beyond {size_text(rows[-1])}"
 
 
@@ -150,9 +150,9 @@ def _power(rows, starts):
     pool = sorted({r["starts"] for r in rows})
     return (f"## What is seen\n\nOne of two worlds of `mujoco` is changed, and the controller does not know: friction of the ground; mass and inertia of every body; "
             f"stiffness of the servos; damping of servos and\njoints; delay of the drives; the direction of gravity (a slope along x) and its size. The least of the "
-            f"sizes that were tried that is found to *differ* in {SEEN:.0%} of trials, and every larger one\n(trials of each size: {', '.join(map(str, trials))}, drawn "
-            f"of {', '.join(map(str, pool))} starts; sizes beyond one that 6 starts see in 99 % are not run), against the margins as they are: what is not seen "
-            "changes nothing by more than they.\n\n"
+            f"sizes that were tried that is found to *differ* in {100 * SEEN:.0f} % of trials, and every larger one\n(trials of each size: {', '.join(map(str, trials))}, drawn "
+            f"of {', '.join(map(str, pool))} starts; sizes beyond one that 6 starts see in 99 % are not run), against the margins as they are: what "
+            "changes no statistic by more is not meant to be seen. 2 s each; where starts hardly differ, on the plane, more of them see no more.\n\n"
             + table(["", *(f"{b}: {n}" for b in behaviours for n in starts), "most often in"], lines)
             + "\n![Share of trials that are found to differ, over the size of what is planted](pictures/verdict-power.svg)\n")
 

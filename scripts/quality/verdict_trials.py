@@ -14,6 +14,10 @@ ROBOTS = {"scara_quadruped": 1.0, "scara_quadruped_long": 1.23, "serial_quadrupe
 GAITS = ("trot", "walk", "pace", "bound", "pronk", "gallop", "trot:guide", "walk:guide", "gallop:guide")
 
 
+class Failed(Exception):
+    """The program, or the tool, did not do what it was asked to."""
+
+
 def upper_limit(hits, trials, error=0.05):
     """Above this a share gives so few hits with a probability below `error` (Clopper and Pearson 1934)."""
     if hits >= trials:
@@ -131,7 +135,7 @@ class Program:
                    "--runs", runs, "--workers", str(self.workers), "--json", "-"]
         done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False)
         if done.returncode != 0:
-            raise SystemExit(f"{' '.join(map(str, command))}: {done.stderr.strip()}")
+            raise Failed(f"{' '.join(map(str, command))}: {done.stderr.strip()}")
         return json.loads(done.stdout)
 
     def engines(self):
@@ -161,7 +165,7 @@ class Judge:
         self.process.stdin.flush()
         answer = self.process.stdout.readline()
         if not answer:
-            raise SystemExit("crossgait_judge_starts ended: what it said is above")
+            raise Failed("crossgait_judge_starts ended: what it said is above")
         return json.loads(answer)
 
 

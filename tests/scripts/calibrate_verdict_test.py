@@ -124,6 +124,7 @@ class Power(unittest.TestCase):
 
         self.assertEqual(page.smallest_seen(rows(0.1, 0.8, 0.9), 6), "+2 %")
         self.assertEqual(page.smallest_seen(rows(0.9, 0.1, 0.9), 6), "+5 %")
+        self.assertEqual(page.smallest_seen(rows(0.8, 0.9, 0.9), 6), "+1 % or less")
         self.assertEqual(page.smallest_seen(rows(0.1, 0.1, 0.7), 6), "beyond +5 %")
         drawn = page.picture([row | {"behaviour": "trot", "kind": "mass"} for row in rows(0.1, 0.8, 0.9)], (6,))
         self.assertEqual(drawn.count("<circle"), 3)

@@ -260,12 +260,15 @@ int serve(const std::string& store_file, std::size_t workers) {
 int main(int count, char** arguments) {
   std::string store;
   std::size_t workers = 1;
-  for (int i = 1; i + 1 < count; i += 2) {
-    const std::string option = arguments[i];
-    if (option == "--runs") store = arguments[i + 1];
-    if (option == "--workers") workers = std::stoul(arguments[i + 1]);
-  }
   try {
+    for (int i = 1; i < count; i += 2) {
+      const std::string option = arguments[i];
+      if ((option != "--runs" && option != "--workers") || i + 1 == count)
+        throw crossgait::ConfigError("command line", option, "--runs STORE.jsonl or --workers N",
+                                     "something else");
+      if (option == "--runs") store = arguments[i + 1];
+      if (option == "--workers") workers = std::stoul(arguments[i + 1]);
+    }
     if (store.empty()) throw crossgait::ConfigError("command line", "--runs", "a file", "none");
     return crossgait::serve(store, workers);
   } catch (const std::exception& error) {
