@@ -26,6 +26,13 @@ struct Discordant {
   std::size_t only_a, only_b;
 };
 
+// base^0 to base^most; a base that rounding takes below zero is zero.
+std::vector<double> powers(double base, std::size_t most) {
+  std::vector<double> result(most + 1, 1.0);
+  for (std::size_t k = 1; k <= most; ++k) result[k] = result[k - 1] * std::max(0.0, base);
+  return result;
+}
+
 // P value against "at most limit": of the tables that score as much or more, the probability at the limit,
 // at the worst share of `a` alone.
 double exact_p(std::size_t pairs, Discordant seen, double limit) {
@@ -33,28 +40,31 @@ double exact_p(std::size_t pairs, Discordant seen, double limit) {
   constexpr double kTie = 1e-9;  // of scores that differ by rounding
   const double least =
       score(n, static_cast<double>(seen.only_a), static_cast<double>(seen.only_b), limit) - kTie;
-  std::vector<Discordant> tables;
-  std::vector<double> ways;  // logarithms of multinomial coefficients
+  struct Table {
+    Discordant seen;
+    double ways;  // multinomial coefficient, 3^100 at most
+  };
+  std::vector<Table> tables;
   for (std::size_t a = 0; a <= pairs; ++a) {
     for (std::size_t b = 0; a + b <= pairs; ++b) {
       const auto x = static_cast<double>(a), y = static_cast<double>(b);
       if (score(n, x, y, limit) < least) continue;
-      tables.push_back({a, b});
-      ways.push_back(std::lgamma(n + 1) - std::lgamma(x + 1) - std::lgamma(y + 1) -
-                     std::lgamma(n - x - y + 1));
+      const double ways =
+          std::lgamma(n + 1) - std::lgamma(x + 1) - std::lgamma(y + 1) - std::lgamma(n - x - y + 1);
+      tables.push_back({{a, b}, std::exp(ways)});
     }
   }
   // Shares of `a` alone for which that of `b` alone, and of neither alone, are shares.
   const double from = std::max(0.0, -limit), to = (1 - limit) / 2;
   double worst = 0;
   for (int i = 0; i <= kShares; ++i) {
-    const double p_a = from + (to - from) * i / kShares, p_b = p_a + limit, rest = 1 - p_a - p_b;
-    const double log_a = std::log(std::max(p_a, 1e-300)), log_b = std::log(std::max(p_b, 1e-300)),
-                 log_rest = std::log(std::max(rest, 1e-300));
+    const double share = from + (to - from) * i / kShares;
+    const std::vector<double> a = powers(share, pairs), b = powers(share + limit, pairs),
+                              neither = powers(1 - 2 * share - limit, pairs);
     double sum = 0;
-    for (std::size_t k = 0; k < tables.size(); ++k) {
-      const auto a = static_cast<double>(tables[k].only_a), b = static_cast<double>(tables[k].only_b);
-      sum += std::exp(ways[k] + a * log_a + b * log_b + (n - a - b) * log_rest);
+    for (const auto& [seen_there, ways] : tables) {
+      const auto [only_a, only_b] = seen_there;
+      sum += ways * a[only_a] * b[only_b] * neither[pairs - only_a - only_b];
     }
     worst = std::max(worst, sum);
   }
@@ -104,6 +114,11 @@ double PairedShares::p_below(double limit) const {
   return PairedShares(pairs_, only_b_, only_a_).p_above(-limit);
 }
 
+bool PairedShares::rejects_at_most(double limit, double tail) const {
+  if (pairs_ <= kExact) return p_above(limit) <= tail;
+  return wide_lower_limit(pairs_, {only_a_, only_b_}, tail) > limit;
+}
+
 double PairedShares::lower_limit(double tail) const {
   if (pairs_ > kExact) return wide_lower_limit(pairs_, {only_a_, only_b_}, tail);
   return bisect([this](double limit) { return p_above(limit); }, tail, estimate());
@@ -119,10 +134,11 @@ std::optional<std::size_t> PairedShares::enough(double margin, double tail_withi
   const bool inside = std::abs(estimate()) < margin;
   const auto fits = [&](std::size_t count) {
     const double times = static_cast<double>(count) / n;
-    const PairedShares more(count,
-                            static_cast<std::size_t>(std::lround(times * static_cast<double>(only_a_))),
-                            static_cast<std::size_t>(std::lround(times * static_cast<double>(only_b_))));
-    return inside ? more.p_within(margin) <= tail_within : more.p_beyond(margin) <= 2 * tail_beyond;
+    const auto a = static_cast<std::size_t>(std::lround(times * static_cast<double>(only_a_))),
+               b = static_cast<std::size_t>(std::lround(times * static_cast<double>(only_b_)));
+    const PairedShares up(count, a, b), down(count, b, a);
+    if (inside) return up.rejects_at_most(-margin, tail_within) && down.rejects_at_most(-margin, tail_within);
+    return up.rejects_at_most(margin, tail_beyond) || down.rejects_at_most(margin, tail_beyond);
   };
   for (std::size_t count = pairs_ + 1; count <= kMostStarts; count += std::max<std::size_t>(1, count / 16)) {
     if (fits(count)) return count;

@@ -27,6 +27,9 @@ class PairedShares final : public PairedTest {
   double p_above(double limit) const override;
   double p_below(double limit) const override;
   double lower_limit(double tail) const;
+  /// Whether the P value against "at most `limit`" is `tail` or less, without looking for it where it is
+  /// found from limits.
+  bool rejects_at_most(double limit, double tail) const;
 
   std::size_t pairs_, only_a_, only_b_;
 };

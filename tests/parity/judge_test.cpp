@@ -152,6 +152,24 @@ TEST(Judge, AStepThatTakesTheGapAwayIsNamed) {
   EXPECT_EQ(judged({.gap = 0.05, .half = 0.01}).word, Word::kAgrees) << "within the margin at both";
 }
 
+// One run of six that strays as asked and at half the step does not is chance: two halves of one engine's
+// runs do that.
+TEST(Judge, ASingleRunThatIsNotThereAtHalfTheStepIsNoDependence) {
+  StatisticRuns runs = shares(6, 1);
+  runs.at_step = runs.as_asked;
+  runs.at_half = shares(6, 0).as_asked;
+  EXPECT_EQ(judge({runs}, {}).front().word, Word::kUnresolved);
+  runs = runs_of({.gap = 0.02, .half = 0.02});
+  runs.as_asked.b[3] += 1.5;  // the mean is beyond the margin
+  runs.at_step = runs.as_asked;
+  EXPECT_EQ(judge({runs}, {}).front().word, Word::kUnresolved);
+  // All that stray do so because of the step.
+  runs = shares(12, 6);
+  runs.at_step = runs.as_asked;
+  runs.at_half = shares(12, 0).as_asked;
+  EXPECT_EQ(judge({runs}, {}).front().word, Word::kStepDependent);
+}
+
 // Never into *agrees*.
 TEST(Judge, AStepMakesNothingAgree) {
   Random random(4);

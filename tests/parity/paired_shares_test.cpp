@@ -1,6 +1,7 @@
 // Exact tests of paired shares: known cases, and how often they are wrong.
 #include "parity/paired_shares.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -37,6 +38,23 @@ TEST(PairedShares, WhereNothingHappensExcludeWhatManyStartsExclude) {
   const auto enough = PairedShares(12, 0, 0).enough(0.1, 0.05, 0.025);
   ASSERT_TRUE(enough.has_value());
   EXPECT_NEAR(static_cast<double>(*enough), std::log(0.05) / std::log(0.9), 2);  // 28.4
+}
+
+// Beyond what is exact, too, so many would be enough by their P value, and a tenth fewer would not.
+TEST(PairedShares, SayHowManyWouldBeEnoughAsTheirPValuesDo) {
+  const auto more = [](std::size_t pairs, std::size_t only_b) {
+    const double times = static_cast<double>(pairs) / 100;
+    return PairedShares(pairs, static_cast<std::size_t>(std::lround(2 * times)),
+                        static_cast<std::size_t>(std::lround(static_cast<double>(only_b) * times)));
+  };
+  const auto within = PairedShares(100, 2, 8).enough(0.1, 0.05, 0.025),
+             beyond = PairedShares(100, 2, 18).enough(0.1, 0.05, 0.025);
+  ASSERT_TRUE(within && beyond);
+  EXPECT_GT(std::min(*within, *beyond), 100U);
+  EXPECT_LE(more(*within, 8).p_within(0.1), 0.05);
+  EXPECT_GT(more(*within * 9 / 10, 8).p_within(0.1), 0.05);
+  EXPECT_LE(more(*beyond, 18).p_beyond(0.1), 0.05);
+  EXPECT_GT(more(*beyond * 9 / 10, 18).p_beyond(0.1), 0.05);
 }
 
 // One tail, at the margin: 2.5 % for *differs* on its side, 5 % for *agrees*, whatever the shares.
