@@ -50,13 +50,12 @@ std::vector<double> rest(const Subject& subject) {
   const double torque = link.mass * kGravity * link.length * std::cos(kLimit);
   const double beyond = -kLimit - world->state().q[0], before = world->state().q[0];
   advance(*world, {}, 1000);
-  return {beyond / soft_rest(link, torque), std::max(-beyond, 0.0),
-          std::abs(world->state().q[0] - before)};
+  return {beyond / soft_rest(link, torque), std::max(-beyond, 0.0), std::abs(world->state().q[0] - before)};
 }
 
-/// Runs into the upper limit. MuJoCo's law: r'' = -(2 r' / T + r / T^2), critically damped, which only pushes:
-/// r = v t exp(-t / T) is largest at T, v T / e, and the joint is let go where it would be pulled, at 2 T with
-/// v / e^2.
+/// Runs into the upper limit. MuJoCo's law: r'' = -(2 r' / T + r / T^2), critically damped, which only
+/// pushes: r = v t exp(-t / T) is largest at T, v T / e, and the joint is let go where it would be pulled, at
+/// 2 T with v / e^2.
 std::vector<double> stop(const Subject& subject) {
   constexpr double kSpeed = 2;
   const auto world = limited_arm(subject, limited_link(), Vector3::Zero(), 0, kSpeed);
@@ -103,7 +102,8 @@ std::vector<double> limits_reported(const Subject& subject) {
   if (found.lower.size() != expected.lower.size()) return {HUGE_VAL};
   double worst = 0;
   for (Eigen::Index i = 0; i < expected.lower.size(); ++i) {
-    for (const auto& [x, y] : {std::pair(found.lower[i], expected.lower[i]), {found.upper[i], expected.upper[i]}})
+    for (const auto& [x, y] :
+         {std::pair(found.lower[i], expected.lower[i]), {found.upper[i], expected.upper[i]}})
       if (x != y) worst = std::max(worst, std::abs(x / y - 1));
   }
   return {std::isnan(worst) ? HUGE_VAL : worst};
@@ -121,7 +121,8 @@ std::vector<Check> joint_limit_checks() {
        "What presses a joint against its limit leaves it there",
        {at_most(1.001, "beyond the limit, over what the law allows", "", law),
         with_rounding(at_most(1e-9, "short of it", "rad", "nothing holds it before"), 10),
-        with_rounding(at_most(1e-9, "moves in a second", "rad", "it is at rest; rounding of 1000 steps"), 1000)},
+        with_rounding(at_most(1e-9, "moves in a second", "rad", "it is at rest; rounding of 1000 steps"),
+                      1000)},
        rest,
        precondition},
       {"joint_limit_stop",

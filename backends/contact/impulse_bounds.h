@@ -7,8 +7,8 @@
 
 namespace crossgait::contact {
 
-/// Bounds of the impulse of a constraint row, N m s: dry friction's on either side, of a limit one is 0 and the
-/// other infinite. 0 lies within them.
+/// Bounds of the impulse of a constraint row, N m s: dry friction's on either side, of a limit one is 0 and
+/// the other infinite. 0 lies within them.
 struct ImpulseBounds {
   double lower, upper;
 };

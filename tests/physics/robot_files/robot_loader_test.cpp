@@ -5,6 +5,7 @@
 
 #include "physics/robot/multibody.h"
 #include "physics/robot/robot.h"
+#include "physics/robot_files/robot_report.h"
 #include "tests/physics/core/config_error.h"
 #include "tests/physics/robot_files/scratch_robot.h"
 
@@ -308,8 +309,8 @@ const BadInput kBadYamls[] = {
     {"LoopOnOneLink", "link_b: FL_lower_right", "link_b: FL_foot", "legs.FL",
      "a loop between the two lower links", "none"},
     {"DuplicateLoop", "name: FR_tip", "name: FL_tip", "loop 'FL_tip'", "a unique name", "second"},
-    {"SoftnessOutOfRange", "impedance_max: 0.99", "impedance_max: 1.5", "loop_softness", "impedance_max < 1",
-     "1.5"},
+    {"SoftnessOutOfRange", "impedance_max: 0.99", "impedance_max: 1.5", "loop_softness.impedance_max",
+     "[impedance_min, 1]", "1.5"},
     {"UnknownSoftness", "impedance_max: 0.99", "impedance: 0.99", "loop_softness.impedance",
      "one of the keys", "unknown key 'impedance'"},
     {"HomeThatCannotClose", "shoulder_left: 0.8606149458496", "shoulder_left: 2.5", "home",
