@@ -16,8 +16,16 @@ say how the rule does on such data, and not how other behaviours do.
 """
 
 
+def word(bound):
+    """Of a coverage whose limit is below what is promised, though the trials cannot exclude that: no more than that."""
+    if not bound["kept"]:
+        return "MISSED"
+    below = bound["part"] == "coverage" and 100 * bound["limit"] < float(bound["promised"].split()[2])
+    return "not excluded" if below else "kept"
+
+
 def sentence(bound):
-    return (f"{'kept' if bound['kept'] else 'MISSED':6} {'(known) ' if bound['known'] else ''}{bound['part']}: {bound['what']}: {bound['hits']} of {bound['trials']}, "
+    return (f"{word(bound):6} {'(known) ' if bound['known'] else ''}{bound['part']}: {bound['what']}: {bound['hits']} of {bound['trials']}, "
             f"{_side(bound)} {_percent(bound['limit'])} (promised: {bound['promised']})")
 
 
@@ -57,7 +65,7 @@ def _side(bound):
 
 def _bounds(bounds):
     rows = [[b["part"], b["what"], f"{b['hits']} of {b['trials']} ({_percent(b['hits'] / b['trials'])})",
-             f"{_side(b)} {_percent(b['limit'])}", b["promised"], "kept" if b["kept"] else "**missed**"] for b in bounds]
+             f"{_side(b)} {_percent(b['limit'])}", b["promised"], {"MISSED": "**missed**"}.get(word(b), word(b))] for b in bounds]
     reasons = dict.fromkeys(b["known"] for b in bounds if b["known"])
     return table(["part", "what", "found", "limit", "promised", ""], rows) + "".join(f"\nWhat is missed: {reason}.\n" for reason in reasons)
 
@@ -126,8 +134,8 @@ def _coverage(rows, starts):
                  f"({worst[n][0]} {_percent(1 - worst[n][1] / row['trials'])})" for n in starts]
         lines.append([row["pool"], f"{row['cut']} of {row['starts']}", str(row["trials"]), *cells])
     return ("## Coverage\n\nHow often all intervals of a verdict together hold the true gaps (the mean or the median of the pool, as the trial judges), and how "
-            "often those of regular\ndifferences do; in brackets the statistic that is missed most often. A bound is kept where the trials cannot tell it from "
-            "93 %: single pools may lie\nfurther below.\n\n" + table(["pool", "pairs that end early", "trials", *(f"{n} starts" for n in starts)], lines))
+            "often those of regular\ndifferences do; in brackets the statistic that is missed most often. A bound that the trials cannot tell from "
+            "93 % is not excluded: single pools may lie\nfurther below.\n\n" + table(["pool", "pairs that end early", "trials", *(f"{n} starts" for n in starts)], lines))
 
 
 def size_text(row):
