@@ -58,14 +58,10 @@ std::string problem_with_seed(const std::string& text) {
 std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& option,
                                   const std::string& expected) {
   std::vector<double> numbers;
-  std::size_t begin = 0;
-  while (true) {
-    const std::size_t comma = text.find(',', begin);
-    const auto number = parse_number(text.substr(begin, comma == std::string::npos ? comma : comma - begin));
+  for (const std::string_view part : parts_of(text, ",")) {
+    const auto number = parse_number(part);
     if (!number) throw ConfigError("command line", option, expected, fmt::format("\"{}\"", text));
     numbers.push_back(*number);
-    if (comma == std::string::npos) break;
-    begin = comma + 1;
   }
   if (numbers.size() != count)
     throw ConfigError("command line", option, expected, fmt::format("\"{}\"", text));

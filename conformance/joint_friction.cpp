@@ -13,6 +13,8 @@ using scenes::ArmLink;
 
 constexpr double kFriction = 0.05;  // N m, a tenth of the pendulum's weight at its length
 
+const Vector3 kDown(0, 0, -kGravity);
+
 double weight_torque(const ArmLink& link) { return link.mass * kGravity * link.length; }
 
 /// Speed at which MuJoCo's friction gives way to `torque` in a joint of this link alone: aref = -B v has to
@@ -37,19 +39,6 @@ double next_rest(const ArmLink& link, double from) {
   return side * moving;
 }
 
-std::unique_ptr<PhysicsBackend> frictional_arm(const Subject& subject, const ArmLink& link, double gravity,
-                                               double angle, double speed = 0) {
-  WorldSpec spec = scenes::world_of(scenes::arm({link}));
-  spec.fixed_base = true;
-  spec.gravity = {0, 0, -gravity};
-  auto world = subject.make(spec);
-  RobotState start = world->home_state();
-  start.q[0] = angle;
-  start.qd[0] = speed;
-  world->reset(start);
-  return world;
-}
-
 /// How far it moves in a second, rad.
 double creep(PhysicsBackend& world) {
   const double before = world.state().q[0];
@@ -60,7 +49,7 @@ double creep(PhysicsBackend& world) {
 std::vector<double> friction_pendulum(const Subject& subject) {
   const ArmLink link{.friction = kFriction};
   double from = 1.2, worst = 0;
-  const auto world = frictional_arm(subject, link, kGravity, from);
+  const auto world = swinging_arm(subject, link, kDown, from);
   int swings = 0;
   for (; weight_torque(link) * std::abs(std::sin(from)) > kFriction; ++swings) {
     if (swings == 20) throw std::runtime_error("the pendulum does not come to rest");
@@ -79,7 +68,7 @@ std::vector<double> friction_pendulum(const Subject& subject) {
 
 std::vector<double> coasting(const Subject& subject) {
   const ArmLink link{.armature = 1e-3, .friction = kFriction};
-  const auto world = frictional_arm(subject, link, 0, 0, 2);
+  const auto world = swinging_arm(subject, link, Vector3::Zero(), 0, 2);
   const double deceleration = kFriction / link.joint_inertia();  // 3.2 rad/s^2
   double speed = 0;
   for (int i = 1; i <= 500; ++i) {
@@ -95,14 +84,12 @@ std::vector<double> holding(const Subject& subject) {
   const ArmLink link{.friction = kFriction};
   double worst = 0;
   for (const double share : {0.1, 0.5, 0.95}) {
-    const auto world =
-        frictional_arm(subject, link, kGravity, std::asin(share * kFriction / weight_torque(link)));
+    const auto world = swinging_arm(subject, link, kDown, std::asin(share * kFriction / weight_torque(link)));
     worst = std::max(worst, creep(*world) / soft_creep(link, share * kFriction));
   }
   // A tenth of the friction above it: the mean of ten steps is of (n + 1) h / 2, and the angle has changed
   // little.
-  const auto moving =
-      frictional_arm(subject, link, kGravity, std::asin(1.1 * kFriction / weight_torque(link)));
+  const auto moving = swinging_arm(subject, link, kDown, std::asin(1.1 * kFriction / weight_torque(link)));
   advance(*moving, {}, 10);
   return {worst, -moving->state().qd[0] / (0.1 * kFriction / link.joint_inertia() * 0.01)};
 }
@@ -136,9 +123,7 @@ std::vector<double> stays_still(const Subject& subject) {
 }  // namespace
 
 std::vector<Check> joint_friction_checks() {
-  const Precondition precondition{"Laws::joint_friction is not empty", [](const Subject& subject) {
-                                    return !subject.engine.info.laws.joint_friction.empty();
-                                  }};
+  const Precondition precondition = has_law<&Laws::joint_friction>("joint_friction");
   const std::string creeps = "of the soft law: R f / B; hard friction does not give way";
   return {
       {"joint_friction_pendulum",

@@ -14,19 +14,6 @@ constexpr double kLimit = 0.5;  // rad
 
 ArmLink limited_link() { return {.limit = kLimit, .limited = true}; }
 
-std::unique_ptr<PhysicsBackend> limited_arm(const Subject& subject, const ArmLink& link,
-                                            const Vector3& gravity, double angle, double speed) {
-  WorldSpec spec = scenes::world_of(scenes::arm({link}));
-  spec.fixed_base = true;
-  spec.gravity = gravity;
-  auto world = subject.make(spec);
-  RobotState start = world->home_state();
-  start.q[0] = angle;
-  start.qd[0] = speed;
-  world->reset(start);
-  return world;
-}
-
 /// How far beyond the limit MuJoCo's law lets a joint of this link alone rest under `torque`, rad: the spring
 /// K imp r, through R = (1 - imp) / imp / inertia, carries it. Impedance rises with r.
 double soft_rest(const ArmLink& link, double torque) {
@@ -45,7 +32,7 @@ double soft_rest(const ArmLink& link, double torque) {
 /// Gravity along x presses it against its lower limit.
 std::vector<double> rest(const Subject& subject) {
   const ArmLink link = limited_link();
-  const auto world = limited_arm(subject, link, {kGravity, 0, 0}, -0.3, 0);
+  const auto world = swinging_arm(subject, link, {kGravity, 0, 0}, -0.3, 0);
   advance(*world, {}, 2000);
   const double torque = link.mass * kGravity * link.length * std::cos(kLimit);
   const double beyond = -kLimit - world->state().q[0], before = world->state().q[0];
@@ -58,7 +45,7 @@ std::vector<double> rest(const Subject& subject) {
 /// 2 T with v / e^2.
 std::vector<double> stop(const Subject& subject) {
   constexpr double kSpeed = 2;
-  const auto world = limited_arm(subject, limited_link(), Vector3::Zero(), 0, kSpeed);
+  const auto world = swinging_arm(subject, limited_link(), Vector3::Zero(), 0, kSpeed);
   double furthest = 0, lowest = kSpeed;
   for (int i = 0; i < 500; ++i) {
     advance(*world, {});
@@ -73,7 +60,7 @@ std::vector<double> stop(const Subject& subject) {
 
 /// Begins far beyond.
 std::vector<double> comes_back(const Subject& subject) {
-  const auto world = limited_arm(subject, limited_link(), Vector3::Zero(), kLimit + 0.1, 0);
+  const auto world = swinging_arm(subject, limited_link(), Vector3::Zero(), kLimit + 0.1, 0);
   double fastest = 0;
   int steps = 0;
   for (; world->state().q[0] > kLimit + 1e-3 && steps < 1000; ++steps) {
@@ -86,7 +73,7 @@ std::vector<double> comes_back(const Subject& subject) {
 std::vector<double> unlimited(const Subject& subject) {
   ArmLink link = limited_link();
   link.limited = false;
-  const auto world = limited_arm(subject, link, Vector3::Zero(), 0, 2);
+  const auto world = swinging_arm(subject, link, Vector3::Zero(), 0, 2);
   advance(*world, {}, 1000);
   return {std::abs(world->state().q[0] - 2)};
 }
@@ -112,9 +99,7 @@ std::vector<double> limits_reported(const Subject& subject) {
 }  // namespace
 
 std::vector<Check> joint_limit_checks() {
-  const Precondition precondition{"Laws::joint_limits is not empty", [](const Subject& subject) {
-                                    return !subject.engine.info.laws.joint_limits.empty();
-                                  }};
+  const Precondition precondition = has_law<&Laws::joint_limits>("joint_limits");
   const std::string law = "of the soft law; a hard limit lets nothing beyond it";
   return {
       {"joint_limit_rest",

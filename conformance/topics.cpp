@@ -15,6 +15,19 @@ void advance(PhysicsBackend& world, const JointTargets& targets, int steps) {
   throw std::runtime_error(fmt::format("{} diverged after {:.4g} s", world.robot().name, world.state().time));
 }
 
+std::unique_ptr<PhysicsBackend> swinging_arm(const Subject& subject, const scenes::ArmLink& link,
+                                             const Vector3& gravity, double angle, double speed) {
+  WorldSpec spec = scenes::world_of(scenes::arm({link}));
+  spec.fixed_base = true;
+  spec.gravity = gravity;
+  auto world = subject.make(spec);
+  RobotState start = world->home_state();
+  start.q[0] = angle;
+  start.qd[0] = speed;
+  world->reset(start);
+  return world;
+}
+
 WorldSpec world_on(const char* terrain, const scenes::RobotPtr& robot) {
   WorldSpec spec = scenes::world_of(robot);
   spec.terrain = make_terrain(terrain);

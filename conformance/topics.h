@@ -25,6 +25,17 @@ std::vector<Check> parity_checks();
 /// @throws std::runtime_error if the engine does not take the step
 void advance(PhysicsBackend& world, const JointTargets& targets, int steps = 1);
 
+/// An arm of this one link on a fixed base, let go. @param gravity,angle,speed  m/s^2 in W, rad, rad/s
+std::unique_ptr<PhysicsBackend> swinging_arm(const Subject& subject, const scenes::ArmLink& link,
+                                             const Vector3& gravity, double angle, double speed = 0);
+
+/// That the engine has a law of this kind. @param law  its member's name
+template <std::string Laws::*kLaw>
+Precondition has_law(std::string_view law) {
+  return {"Laws::" + std::string(law) + " is not empty",
+          [](const Subject& subject) { return !(subject.engine.info.laws.*kLaw).empty(); }};
+}
+
 /// A world of `robot` on a terrain of this name.
 WorldSpec world_on(const char* terrain, const scenes::RobotPtr& robot);
 

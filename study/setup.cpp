@@ -12,6 +12,7 @@
 #include "physics/core/error.h"
 #include "physics/core/find_row.h"
 #include "physics/core/table.h"
+#include "physics/core/text.h"
 #include "physics/engine/world_quantities.h"
 #include "physics/robot/robot_identity.h"
 #include "physics/robot_files/data_path.h"
@@ -28,17 +29,6 @@ bool is_same_world(const WorldSpec& a, const WorldSpec& b) {
                   [&](const ContactSetting& s) { return s.get(a.contact) == s.get(b.contact); });
   return same_contact && a.physics_dt == b.physics_dt && a.gravity == b.gravity &&
          identity_text(*a.robot) == identity_text(*b.robot);
-}
-
-// What stands between commas.
-std::vector<std::string> parts_of(std::string_view text) {
-  std::vector<std::string> parts;
-  for (;;) {
-    const std::size_t end = text.find(',');
-    parts.emplace_back(text.substr(0, end));
-    if (end == std::string_view::npos) return parts;
-    text.remove_prefix(end + 1);
-  }
 }
 
 std::vector<std::string> quantity_names() {
@@ -65,12 +55,13 @@ class SetupReader {
   }
 
   WorldSetup read(const std::string& text) {
-    std::vector<std::string> texts, names, parts = parts_of(text);
-    const auto name_of = [](const std::string& part) { return part.substr(0, part.find('=')); };
+    std::vector<std::string> texts, names;
+    std::vector<std::string_view> parts = parts_of(text, ",");
+    const auto name_of = [](std::string_view part) { return part.substr(0, part.find('=')); };
     std::stable_partition(parts.begin(), parts.end(),
-                          [&](const std::string& part) { return name_of(part) == kRobot; });
-    for (const std::string& part : parts) {
-      const std::string name = name_of(part);
+                          [&](std::string_view part) { return name_of(part) == kRobot; });
+    for (const std::string_view each : parts) {
+      const std::string part(each), name(name_of(each));
       if (std::find(names.begin(), names.end(), name) != names.end())
         throw ConfigError(source_, name, "one value", "a second one");
       names.push_back(name);

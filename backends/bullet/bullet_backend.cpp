@@ -104,7 +104,9 @@ class BulletBackend final : public PhysicsBackend {
     }
   }
 
-  void do_read_contacts(ContactList& contacts) const noexcept override { contacts = solver_->contacts(); }
+  void do_read_contacts(ContactList& contacts) const noexcept override {
+    contacts = solver_->contact_stage().contacts();
+  }
 
   double do_terrain_height(double x, double y) const override { return world_->terrain_height(x, y); }
 
@@ -159,8 +161,8 @@ class BulletBackend final : public PhysicsBackend {
     return from_principal(link.m_mass, {X, vector(link.m_inertiaLocal)});
   }
 
-  JointVector do_joint_friction() const override { return solver_->joint_friction(); }
-  JointRanges do_joint_limits() const override { return solver_->joint_limits(); }
+  JointVector do_joint_friction() const override { return solver_->contact_stage().joint_friction(); }
+  JointRanges do_joint_limits() const override { return solver_->contact_stage().joint_limits(); }
 
   void do_save(std::vector<double>& engine) const override {
     const btMultiBody& b = body();

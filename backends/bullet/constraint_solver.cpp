@@ -95,20 +95,4 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
   }
 }
 
-JointVector ConstraintSolver::joint_friction() const {
-  JointVector friction = JointVector::Zero(torque_.size());
-  for (const contact::FrictionalJoint& joint : contacts_.frictional_joints())
-    friction[joint.joint] = joint.friction;
-  return friction;
-}
-
-JointRanges ConstraintSolver::joint_limits() const {
-  JointRanges limits(static_cast<int>(torque_.size()));
-  for (const contact::LimitedJoint& joint : contacts_.limited_joints()) {
-    limits.lower[joint.joint] = joint.lower;
-    limits.upper[joint.joint] = joint.upper;
-  }
-  return limits;
-}
-
 }  // namespace crossgait::bullet

@@ -12,7 +12,6 @@
 #include "backends/bullet/contact_factors.h"
 #include "backends/bullet/multibody_model.h"
 #include "backends/contact/contact_stage.h"
-#include "physics/engine/physics_backend.h"
 
 namespace crossgait::bullet {
 
@@ -34,10 +33,7 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   /// False if the step produced a value that is not finite (velocities were then zeroed so that Bullet's
   /// broadphase never sees one).
   bool finite() const noexcept { return finite_; }
-  const ContactList& contacts() const noexcept { return contacts_.contacts(); }
-  /// Dry friction of every joint, N m.
-  JointVector joint_friction() const;
-  JointRanges joint_limits() const;
+  const contact::ContactStage& contact_stage() const noexcept { return contacts_; }
 
   void solveMultiBodyGroup(btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
                            int manifold_count, btTypedConstraint** constraints, int constraint_count,
@@ -57,10 +53,9 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
                                         const btContactSolverInfo& info, btIDebugDraw* drawer) override;
   btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
                                          const btContactSolverInfo& info) override;
-  void bound_push_out(btMultiBodySolverConstraint& row) const noexcept;
+  void bound_correction(btMultiBodySolverConstraint& row, double violation, double fastest) const noexcept;
   void refer_to_joint_stage(btMultiBodySolverConstraint& row) noexcept;
   void make_joint_rows();
-  void bound_return(btMultiBodySolverConstraint& row) const noexcept;
   void report_native_contacts() noexcept;
 
   DofVector bullet_velocity() const noexcept;

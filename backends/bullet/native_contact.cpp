@@ -58,12 +58,17 @@ btScalar ConstraintSolver::solveGroupCacheFriendlySetup(btCollisionObject** bodi
       bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info, drawer);
   set_velocity(joints_.velocity());
   for (int i = 0; i < m_multiBodyNonContactConstraints.size(); ++i) {
-    bound_return(m_multiBodyNonContactConstraints[i]);
-    refer_to_joint_stage(m_multiBodyNonContactConstraints[i]);
+    btMultiBodySolverConstraint& row = m_multiBodyNonContactConstraints[i];
+    if (const auto* limit = dynamic_cast<const btMultiBodyJointLimitConstraint*>(row.m_orgConstraint))
+      bound_correction(row, -static_cast<double>(limit->getPosition(row.m_orgDofIndex)),
+                       contact::kFastestReturn);
+    refer_to_joint_stage(row);
   }
   for (int i = 0; i < m_multiBodyNormalContactConstraints.size(); ++i) {
-    bound_push_out(m_multiBodyNormalContactConstraints[i]);
-    refer_to_joint_stage(m_multiBodyNormalContactConstraints[i]);
+    btMultiBodySolverConstraint& row = m_multiBodyNormalContactConstraints[i];
+    const auto* point = static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
+    bound_correction(row, -static_cast<double>(point->getDistance()), contact::kHardContact.most_push_out);
+    refer_to_joint_stage(row);
   }
   for (int i = 0; i < m_multiBodyFrictionContactConstraints.size(); ++i) {
     refer_to_joint_stage(m_multiBodyFrictionContactConstraints[i]);
@@ -74,21 +79,10 @@ btScalar ConstraintSolver::solveGroupCacheFriendlySetup(btCollisionObject** bodi
   return result;
 }
 
-// Takes from a row what its penetration would push out beyond the speed that hard contact allows.
-void ConstraintSolver::bound_push_out(btMultiBodySolverConstraint& row) const noexcept {
-  const auto* p = static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
-  const double depth = -static_cast<double>(p->getDistance());
-  const double excess =
-      contact::kHardContact.error_reduction * depth / spec_.physics_dt - contact::kHardContact.most_push_out;
-  if (excess > 0) row.m_rhs -= excess * row.m_jacDiagABInv;
-}
-
-// The same for a joint beyond its limit, of which Bullet undoes the same share.
-void ConstraintSolver::bound_return(btMultiBodySolverConstraint& row) const noexcept {
-  const auto* limit = dynamic_cast<const btMultiBodyJointLimitConstraint*>(row.m_orgConstraint);
-  if (limit == nullptr) return;
-  const double beyond = -static_cast<double>(limit->getPosition(row.m_orgDofIndex));
-  const double excess = contact::kLimitErrorReduction * beyond / spec_.physics_dt - contact::kFastestReturn;
+// Takes from a row what undoes its violation (m or rad) beyond the speed that hard contacts or limits allow.
+void ConstraintSolver::bound_correction(btMultiBodySolverConstraint& row, double violation,
+                                        double fastest) const noexcept {
+  const double excess = contact::kHardContact.error_reduction * violation / spec_.physics_dt - fastest;
   if (excess > 0) row.m_rhs -= excess * row.m_jacDiagABInv;
 }
 

@@ -126,6 +126,21 @@ void ContactStage::solve_primal(Primal& problem, const DofVector& before,
   apply(problem, points);
 }
 
+JointVector ContactStage::joint_friction() const {
+  JointVector friction = JointVector::Zero(spec_.robot->joint_count());
+  for (const FrictionalJoint& joint : frictional_joints_) friction[joint.joint] = joint.friction;
+  return friction;
+}
+
+JointRanges ContactStage::joint_limits() const {
+  JointRanges limits(spec_.robot->joint_count());
+  for (const LimitedJoint& joint : limited_joints_) {
+    limits.lower[joint.joint] = joint.lower;
+    limits.upper[joint.joint] = joint.upper;
+  }
+  return limits;
+}
+
 void ContactStage::find_limits(const DofVector& before, const JointVector& angles) noexcept {
   limit_count_ = 0;
   for (const LimitedJoint& joint : limited_joints_) {

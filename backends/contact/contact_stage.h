@@ -13,6 +13,7 @@
 #include "backends/contact/law_factors.h"
 #include "backends/contact/primal_problem.h"
 #include "backends/contact/sweep_problem.h"
+#include "physics/engine/physics_backend.h"
 
 namespace crossgait::contact {
 
@@ -41,6 +42,9 @@ class ContactStage {
   void report(const ContactPoint& point, const Vector3& force, const Vector3& velocity_before) noexcept;
   const ContactList& contacts() const noexcept { return contacts_; }
 
+  /// Dry friction of every joint, N m.
+  JointVector joint_friction() const;
+  JointRanges joint_limits() const;
   const std::vector<FrictionalJoint>& frictional_joints() const noexcept { return frictional_joints_; }
   const std::vector<LimitedJoint>& limited_joints() const noexcept { return limited_joints_; }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "backends/contact/law_factors.h"
 #include "physics/robot/multibody.h"
 
 namespace crossgait::contact {
@@ -29,7 +30,7 @@ std::optional<LimitRow> limit_row(const LimitedJoint& joint, bool hard, double a
   if (hard) {
     if (gap + away * ahead > kReach) return std::nullopt;
     const double target =
-        gap > 0 ? -gap / step : std::min(-kLimitErrorReduction * gap / step, kFastestReturn);
+        gap > 0 ? -gap / step : std::min(-kHardContact.error_reduction * gap / step, kFastestReturn);
     return LimitRow{away, 0, target};
   }
   if (gap >= 0) return std::nullopt;

@@ -18,9 +18,8 @@ struct LimitedJoint {
 };
 std::vector<LimitedJoint> limited_joints(const WorldSpec& spec);
 
-/// Share of a violation that hard limits undo in a step, as of contacts (HardContact), and the speed at which
-/// they do at most, rad/s: a robot that begins 0.1 rad beyond a limit is not thrown about.
-inline constexpr double kLimitErrorReduction = 0.2;
+/// Hard limits undo the share of a violation that hard contacts do (kHardContact), at this speed at most,
+/// rad/s: a robot that begins 0.1 rad beyond a limit is not thrown about.
 inline constexpr double kFastestReturn = 1;
 
 /// What a limit asks of the speed at which a joint goes away from it.

@@ -181,21 +181,8 @@ class DartBackend final : public PhysicsBackend {
 
   SpatialInertia do_body_inertia(int body) const override { return model_.inertia(body); }
 
-  JointVector do_joint_friction() const override {
-    JointVector friction = JointVector::Zero(robot().joint_count());
-    for (const contact::FrictionalJoint& joint : contacts_.frictional_joints())
-      friction[joint.joint] = joint.friction;
-    return friction;
-  }
-
-  JointRanges do_joint_limits() const override {
-    JointRanges limits(robot().joint_count());
-    for (const contact::LimitedJoint& joint : contacts_.limited_joints()) {
-      limits.lower[joint.joint] = joint.lower;
-      limits.upper[joint.joint] = joint.upper;
-    }
-    return limits;
-  }
+  JointVector do_joint_friction() const override { return contacts_.joint_friction(); }
+  JointRanges do_joint_limits() const override { return contacts_.joint_limits(); }
 
   void do_save(std::vector<double>& engine) const override {
     engine = {p_WC_.x(), p_WC_.y(), p_WC_.z(), q_WB_.w(), q_WB_.x(), q_WB_.y(), q_WB_.z()};

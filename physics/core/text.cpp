@@ -94,6 +94,16 @@ std::string read_text_file(const std::string& path, const ReadBudget& budget) {
   return text;
 }
 
+std::vector<std::string_view> parts_of(std::string_view text, std::string_view separators) {
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const std::size_t end = text.find_first_of(separators);
+    parts.push_back(text.substr(0, end));
+    if (end == std::string_view::npos) return parts;
+    text.remove_prefix(end + 1);
+  }
+}
+
 std::optional<double> parse_number(std::string_view text) noexcept {
   if (text.starts_with('+')) {
     text.remove_prefix(1);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "physics/core/read_budget.h"
 
@@ -13,6 +14,9 @@ namespace crossgait {
 /// Contents of a regular file. Folders, devices and pipes, which may never end, are refused unread.
 /// @throws ConfigError naming the file if it cannot be read, is no regular file, or is larger than the budget
 std::string read_text_file(const std::string& path, const ReadBudget& budget);
+
+/// What stands between any of the separators; nothing is left out, and parts may be empty.
+std::vector<std::string_view> parts_of(std::string_view text, std::string_view separators);
 
 /// The finite number that the whole of `text` spells, with a decimal point in any locale; empty for anything
 /// else.

@@ -109,17 +109,6 @@ const ContactSetting kSettings[] = {
     {"solimp", "-, -, m, -, -", "impedances, width, midpoint, power", 1, 5, {}, get_solimp, set_solimp},
 };
 
-// What stands between any of the separators; nothing is left out.
-std::vector<std::string_view> parts_of(std::string_view text, std::string_view separators) {
-  std::vector<std::string_view> parts;
-  for (;;) {
-    const std::size_t end = text.find_first_of(separators);
-    parts.push_back(text.substr(0, end));
-    if (end == std::string_view::npos) return parts;
-    text.remove_prefix(end + 1);
-  }
-}
-
 // From how many dimensions on a setting makes a difference.
 int least_condim(std::string_view setting) {
   if (setting == "torsional_friction") return 4;

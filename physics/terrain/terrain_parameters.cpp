@@ -32,13 +32,7 @@ TerrainValues::TerrainValues(std::span<const TerrainParameter> table,
     : source_(std::move(source)) {
   for (const TerrainParameter& parameter : table) values_[parameter.name] = parameter.value;
   if (!list) return;
-  std::string_view rest = *list;
-  while (true) {
-    const std::size_t comma = rest.find(',');
-    read(table, rest.substr(0, comma));
-    if (comma == std::string_view::npos) return;
-    rest.remove_prefix(comma + 1);
-  }
+  for (const std::string_view item : parts_of(*list, ",")) read(table, item);
 }
 
 void TerrainValues::read(std::span<const TerrainParameter> table, std::string_view item) {

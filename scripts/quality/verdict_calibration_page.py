@@ -20,8 +20,7 @@ def word(bound):
     """Of a coverage whose limit is below what is promised, though the trials cannot exclude that: no more than that."""
     if not bound["kept"]:
         return "MISSED"
-    below = bound["part"] == "coverage" and 100 * bound["limit"] < float(bound["promised"].split()[2])
-    return "not excluded" if below else "kept"
+    return "not excluded" if bound["below"] else "kept"
 
 
 def sentence(bound):

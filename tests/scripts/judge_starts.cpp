@@ -17,11 +17,9 @@
 // which neither does, are not run; without "steps" nor is half of it, as where a control step is no whole
 // number of such steps.
 #include <array>
-#include <cmath>
 #include <iostream>
 #include <map>
 #include <mutex>
-#include <numbers>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -30,6 +28,8 @@
 #include "backends/registry.h"
 #include "parity/verdict_runs.h"
 #include "physics/core/error.h"
+#include "physics/core/find_row.h"
+#include "physics/engine/world_quantities.h"
 #include "study/run_store.h"
 
 namespace crossgait {
@@ -37,57 +37,21 @@ namespace {
 
 using Json = nlohmann::json;
 
-// What can be planted: a factor, or an amount where it says so.
+// What can be planted: quantities of a world (world_quantities) by a factor, or set where it says so.
 struct Plant {
-  const char* name;
-  void (*change)(WorldSpec& spec, double value);
+  std::string_view name;
+  std::vector<std::string_view> quantities;
+  bool is_value = false;
 };
 
-template <typename Change>
-void change_robot(WorldSpec& spec, const Change& change) {
-  auto robot = std::make_shared<RobotDescription>(*spec.robot);
-  for (Body& body : robot->bodies) change(body);
-  spec.robot = std::move(robot);
-}
+const std::vector<Plant> kPlants{{"friction", {"friction"}}, {"mass", {"mass"}},
+                                 {"stiffness", {"kp"}},      {"damping", {"kd", "damping"}},
+                                 {"delay", {"delay"}, true}, {"slope", {"slope"}, true},
+                                 {"gravity", {"gravity"}}};
 
-bool is_driven(const Joint& joint) { return joint.kp > 0; }
-
-constexpr std::array kPlants{
-    Plant{"friction", [](WorldSpec& spec, double f) { spec.contact.friction *= f; }},
-    Plant{"mass",  // and inertia, of every body
-          [](WorldSpec& spec, double f) {
-            change_robot(spec, [f](Body& body) {
-              body.inertia.mass *= f;
-              body.inertia.I_C *= f;
-            });
-          }},
-    Plant{"stiffness",
-          [](WorldSpec& spec, double f) { change_robot(spec, [f](Body& body) { body.joint.kp *= f; }); }},
-    Plant{"damping",  // of servos and of joints
-          [](WorldSpec& spec, double f) {
-            change_robot(spec, [f](Body& body) {
-              body.joint.kd *= f;
-              body.joint.damping *= f;
-            });
-          }},
-    Plant{"delay",  // s, of every drive
-          [](WorldSpec& spec, double s) {
-            change_robot(spec, [s](Body& body) { body.joint.delay += is_driven(body.joint) ? s : 0; });
-          }},
-    Plant{"slope",  // deg, uphill along x: gravity is turned, so that attitudes are still those to the ground
-          [](WorldSpec& spec, double deg) {
-            const double angle = deg * std::numbers::pi / 180, g = spec.gravity.norm();
-            spec.gravity = {-g * std::sin(angle), 0, -g * std::cos(angle)};
-          }},
-    Plant{"gravity", [](WorldSpec& spec, double f) { spec.gravity *= f; }},
-};
-
-const Plant& find_plant(const std::string& name) {
-  for (const Plant& plant : kPlants) {
-    if (name == plant.name) return plant;
-  }
-  throw ConfigError("request", "planted", "friction, mass, stiffness, damping, delay, slope or gravity",
-                    name);
+void plant(const Plant& what, double value, WorldSpec& world) {
+  for (const std::string_view quantity : what.quantities)
+    QuantityChange{&find_world_quantity(quantity, "request"), {value}, !what.is_value}.apply(world);
 }
 
 // Keys are taken out as they are read: what is left over nobody knows.
@@ -162,8 +126,9 @@ class Pool {
     Json described = describe_run(loaded_.described, engine.info, variation, start, horizon);
     for (const auto& [name, value] : planted.items()) {
       described["planted"] = planted;
-      engine = with_change(std::move(engine), [&plant = find_plant(name), value = value.get<double>()](
-                                                  WorldSpec& spec) { plant.change(spec, value); });
+      engine = with_change(std::move(engine),
+                           [&what = find_row(kPlants, name, "request", "planted"),
+                            value = value.get<double>()](WorldSpec& spec) { plant(what, value, spec); });
     }
     if (const auto stored = store_->find(described); stored && stored->keys == keys_) return stored->run;
     BehaviourRun made = behaviour_.run(engine, variation, start, horizon);
