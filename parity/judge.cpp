@@ -23,6 +23,15 @@ struct Row {
   bool rejected = false;                   // by them
 };
 
+// Why the median is judged and not the mean; empty where it is not.
+std::string reason_for_median(const StatisticRuns& runs, double margin) {
+  if (runs.is_share) return "";
+  if (std::find(runs.ends_early.begin(), runs.ends_early.end(), true) != runs.ends_early.end())
+    return "runs end early";
+  const Shape shape = shape_of(runs.as_asked.differences(), margin);
+  return shape == Shape::kRegular ? "" : std::string(name(shape));
+}
+
 Row begin(const StatisticRuns& runs) {
   Row row;
   row.runs = &runs;
@@ -32,16 +41,15 @@ Row begin(const StatisticRuns& runs) {
   v.pairs = runs.as_asked.a.size();
   if (v.pairs == 0) return row;
   v.margin = margin_of(runs.statistic, runs.as_asked, Estimand::kMean, runs.seconds);
-  const Shape shape = runs.is_share ? Shape::kRegular : shape_of(runs.as_asked.differences(), v.margin);
-  if (shape != Shape::kRegular) {
+  if (const std::string why = reason_for_median(runs, v.margin); !why.empty()) {
     v.estimand = Estimand::kMedian;
     v.margin = margin_of(runs.statistic, runs.as_asked, v.estimand, runs.seconds);
-    add_reason(v, fmt::format("{}: the median is judged", name(shape)));
+    add_reason(v, fmt::format("{}: the median is judged", why));
   }
   v.value_a = estimate_of(runs.as_asked.a, v.estimand);
   v.value_b = estimate_of(runs.as_asked.b, v.estimand);
   if (v.pairs < 2) return row;
-  row.test = row_test(runs.as_asked, runs.is_share, v.estimand);
+  row.test = row_test(runs.as_asked, runs.is_share, v.estimand, v.margin);
   if (v.pairs >= kFewestStarts && !runs.is_cut_short) row.p = row.test->p_beyond(v.margin);
   return row;
 }
@@ -97,7 +105,15 @@ void find_word(Row& row, double tail, double error) {
     if (v.word == Word::kUnresolved) add_reason(v, "it lies within the margin, and single starts far beyond");
   } else {
     add_reason(v, "the interval crosses the margin");
-    if (is_median) return;  // how many starts a median needs, its spread does not say
+    if (is_median) {
+      // How many starts a median needs, its spread does not say; but with too few there is no test.
+      const std::size_t fewest = fewest_for_median(row.level);
+      if (v.pairs < fewest) {
+        v.starts_needed = fewest;
+        add_reason(v, fmt::format("with fewer than {} starts a median is not known so surely", fewest));
+      }
+      return;
+    }
     v.starts_needed = row.test->enough(v.margin, tail, row.level / 2);
   }
 }

@@ -28,6 +28,8 @@ struct StatisticRuns {
   /// Whether any run as asked, of either engine, has a value: a robot that stays where it is has no heading.
   bool is_defined = false;
   PairedValues as_asked;
+  /// Of each pair as asked: whether a run of it ended early, so that it is compared up to then.
+  std::vector<bool> ends_early;
   /// The same starts over the time that both engines last at both steps; empty where it was not run.
   PairedValues at_step, at_half, at_quarter;
   /// Whether values are 1 or 0, for an outcome that came about or did not.

@@ -82,12 +82,17 @@ Shape shape_of(const std::vector<double>& sample, double margin) {
   return has_heavy_tails(sorted) ? Shape::kHeavyTails : Shape::kRegular;
 }
 
-PairedDifferences::PairedDifferences(std::vector<double> differences, Estimand estimand)
+std::size_t fewest_for_median(double error) noexcept {
+  return static_cast<std::size_t>(std::ceil(1 - std::log2(error)));
+}
+
+PairedDifferences::PairedDifferences(std::vector<double> differences, Estimand estimand, double resolution)
     : sorted_(std::move(differences)), estimand_(estimand) {
   std::sort(sorted_.begin(), sorted_.end());
   const Moments m = moments(sorted_.begin(), sorted_.end());
   mean_ = m.mean;
   deviation_ = std::sqrt(m.variance);
+  allowance_ = std::min(resolution, deviation_);
 }
 
 double PairedDifferences::estimate() const noexcept {
@@ -98,7 +103,8 @@ Interval PairedDifferences::interval(double confidence) const {
   const std::size_t n = sorted_.size();
   if (estimand_ == Estimand::kMean) {
     const double half = student_quantile((1 + confidence) / 2, static_cast<double>(n - 1)) * deviation_ /
-                        std::sqrt(static_cast<double>(n));
+                            std::sqrt(static_cast<double>(n)) +
+                        allowance_;
     return {mean_, mean_ - half, mean_ + half};
   }
   // Between the k-th from below and from above: a median lies outside if fewer than k + 1 are on one side.
@@ -110,7 +116,8 @@ Interval PairedDifferences::interval(double confidence) const {
 double PairedDifferences::p_past(double limit, double side) const {
   const std::size_t n = sorted_.size();
   if (estimand_ == Estimand::kMean) {
-    const double error = deviation_ / std::sqrt(static_cast<double>(n)), way = side * (mean_ - limit);
+    const double error = deviation_ / std::sqrt(static_cast<double>(n)),
+                 way = side * (mean_ - limit) - allowance_;
     if (error == 0) return way > 0 ? 0 : 1;
     return student_tail(way / error, static_cast<double>(n - 1));
   }
@@ -121,7 +128,7 @@ double PairedDifferences::p_past(double limit, double side) const {
 
 std::optional<std::size_t> PairedDifferences::enough(double margin, double tail_within,
                                                      double tail_beyond) const {
-  const double room = std::abs(margin - std::abs(mean_));
+  const double room = std::abs(margin - std::abs(mean_)) - allowance_;
   const double tail = std::abs(mean_) < margin ? tail_within : tail_beyond;
   const auto fits = [&](std::size_t n) {
     const auto count = static_cast<double>(n);

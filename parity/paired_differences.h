@@ -37,12 +37,22 @@ std::string_view name(Shape shape) noexcept;
 /// 12, 4 and 1 % (tests/parity/paired_differences_test.cpp).
 Shape shape_of(const std::vector<double>& sample, double margin);
 
+/// Fewest differences of which the sign test can tell a median from a limit with an error of at most `error`,
+/// both sides together: 2 / 2^n. With fewer the interval is the range of the sample, and holds less often.
+std::size_t fewest_for_median(double error) noexcept;
+
 /// Differences of pairs, of which all are independent draws. The median's interval is the narrowest between
-/// order statistics that has the confidence; the whole range where none has.
+/// order statistics that has the confidence; the whole range where none has (`fewest_for_median`).
+///
+/// A mean's interval is Student's, wider by an allowance at either end: the resolution, or the sample's
+/// deviation where that is less. Differences that are skewed or tied make Student's intervals too short by a
+/// share of their deviation; where that is small beside the resolution nobody can care, so it is allowed for.
 class PairedDifferences final : public PairedTest {
  public:
   /// @param differences  two or more
-  explicit PairedDifferences(std::vector<double> differences, Estimand estimand = Estimand::kMean);
+  /// @param resolution   what is too small to matter, in the unit of the differences
+  explicit PairedDifferences(std::vector<double> differences, Estimand estimand = Estimand::kMean,
+                             double resolution = 0);
 
   double estimate() const noexcept override;
   Interval interval(double confidence) const override;
@@ -57,6 +67,7 @@ class PairedDifferences final : public PairedTest {
   std::vector<double> sorted_;
   Estimand estimand_;
   double mean_ = 0, deviation_ = 0;  ///< of the sample
+  double allowance_ = 0;             ///< of the mean
 };
 
 }  // namespace crossgait

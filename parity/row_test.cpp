@@ -20,9 +20,11 @@ std::unique_ptr<const PairedTest> shares_of(const PairedValues& values) {
 
 }  // namespace
 
-std::unique_ptr<const PairedTest> row_test(const PairedValues& values, bool is_share, Estimand estimand) {
+std::unique_ptr<const PairedTest> row_test(const PairedValues& values, bool is_share, Estimand estimand,
+                                           double margin) {
+  constexpr double kResolution = 0.05;  // of the margin
   if (is_share) return shares_of(values);
-  return std::make_unique<const PairedDifferences>(values.differences(), estimand);
+  return std::make_unique<const PairedDifferences>(values.differences(), estimand, kResolution * margin);
 }
 
 double margin_of(const Statistic& statistic, const PairedValues& values, Estimand estimand, double seconds) {

@@ -10,7 +10,9 @@ namespace crossgait {
 
 /// Tests values, or shares of runs.
 /// @param values  of two starts or more; 1 or 0 where `is_share`
-std::unique_ptr<const PairedTest> row_test(const PairedValues& values, bool is_share, Estimand estimand);
+/// @param margin  that they are held against: differences of a twentieth of it are too small to matter
+std::unique_ptr<const PairedTest> row_test(const PairedValues& values, bool is_share, Estimand estimand,
+                                           double margin = 0);
 
 /// The margin for a statistic of the size that `values` have, after so many seconds.
 double margin_of(const Statistic& statistic, const PairedValues& values, Estimand estimand, double seconds);

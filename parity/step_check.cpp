@@ -43,14 +43,14 @@ void check_step(const StatisticRuns& runs, const RowErrors& errors, StatisticVer
   if (v.pairs < kFewestStarts || runs.is_cut_short) return;
   if (runs.at_half.a.size() < kFewestStarts) return add_reason(v, "half the time step was not compared");
   const double g = row_test(runs.at_step, runs.is_share, v.estimand)->estimate();
-  const auto half = row_test(runs.at_half, runs.is_share, v.estimand);
+  const double margin = margin_of(runs.statistic, runs.at_step, v.estimand, runs.step_seconds);
+  const auto half = row_test(runs.at_half, runs.is_share, v.estimand, margin);
   StepCheck step;
   step.half = half->interval(1 - errors.simultaneous);
   step.change =
       PairedDifferences(changes(runs.at_step, runs.at_half), v.estimand).interval(1 - errors.simultaneous);
   extrapolate(runs, g, v.estimand, step);
   v.step = step;
-  const double margin = margin_of(runs.statistic, runs.at_step, v.estimand, runs.step_seconds);
   const bool alike = is_alike(runs.is_share, runs.at_half);
   const bool half_within = half->p_within(margin) <= errors.tail || alike,
              half_beyond = half->p_beyond(margin) <= errors.level;

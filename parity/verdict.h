@@ -53,8 +53,9 @@ struct OwnChange {
 };
 
 /// The rule. Both engines run from every start k; d_k = b_k - a_k is their difference. The **gap** is what
-/// lies behind the d_k: their mean, or their median where `shape_of` finds heavy tails or two humps. How far
-/// the starts lie apart has no part in it. Against the statistic's margin the word is
+/// lies behind the d_k: their mean, or their median where a run ended early, or `shape_of` finds heavy tails
+/// or two humps. Without either it is that of runs that do not end early. How far the starts lie apart has no
+/// part in it. Against the statistic's margin the word is
 /// - **agrees** if the 90 % interval of the gap lies within the margin: two one-sided tests at 5 %
 ///   (Schuirmann 1987);
 /// - **differs** if the gap is beyond the margin, by tests that hold for all statistics of all pairs together

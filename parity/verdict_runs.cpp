@@ -59,6 +59,8 @@ void VerdictRuns::add(const EnginePair& pair, std::size_t starts, bool quarter, 
   for (std::size_t k = 0; k < starts; ++k) {
     number(nominal, {nominal}, k, row.as_asked);
     if (const Both runs = at(nominal, {nominal}, k)) {
+      if (row.ends_early.size() < row.as_asked.a.size())
+        row.ends_early.push_back(campaign_.ended_early(*runs.a) || campaign_.ended_early(*runs.b));
       seconds.push_back((runs.a->seconds + runs.b->seconds) / 2);
       row.is_defined = row.is_defined || number_of(*runs.a) || number_of(*runs.b);
     }

@@ -24,7 +24,7 @@ def word(bound):
 
 
 def sentence(bound):
-    return (f"{word(bound):6} {'(known) ' if bound['known'] else ''}{bound['part']}: {bound['what']}: {bound['hits']} of {bound['trials']}, "
+    return (f"{word(bound):6} {bound['part']}: {bound['what']}: {bound['hits']} of {bound['trials']}, "
             f"{_side(bound)} {_percent(bound['limit'])} (promised: {bound['promised']})")
 
 
@@ -65,8 +65,7 @@ def _side(bound):
 def _bounds(bounds):
     rows = [[b["part"], b["what"], f"{b['hits']} of {b['trials']} ({_percent(b['hits'] / b['trials'])})",
              f"{_side(b)} {_percent(b['limit'])}", b["promised"], {"MISSED": "**missed**"}.get(word(b), word(b))] for b in bounds]
-    reasons = dict.fromkeys(b["known"] for b in bounds if b["known"])
-    return table(["part", "what", "found", "limit", "promised", ""], rows) + "".join(f"\nWhat is missed: {reason}.\n" for reason in reasons)
+    return table(["part", "what", "found", "limit", "promised", ""], rows)
 
 
 def _same_law(rows, _starts):
@@ -103,16 +102,16 @@ def _margin(rows, starts):
             unseen.append([row["pool"], *(_percent(of(row["agrees"], n)["failures"] / row["trials"]) for n in starts)])
         odd = [key for key in of(row["agrees"], starts[0]) if key not in row["regular"] and key != "failures"]
         irregular += [f"{row['pool']}: {', '.join(odd)}"] if odd else []
-    text = ("## At the margin\n\nEvery statistic's margin is its true gap, the mean of its pool: *agrees* is wrong, and may come in 5 % of cases (in brackets "
-            "the statistic in which it came most\noften); so is *differs*, which may come in any of them in 5 %. Without the check of the time step, which "
+    text = ("## At the margin\n\nEvery statistic's margin is its true gap, the mean of its pool, or the median where runs of the pool end early: *agrees* is wrong, and may come in "
+            "5 % of cases (in brackets the statistic in which it came most\noften); so is *differs*, which may come in any of them in 5 %. Without the check of the time step, which "
             f"only takes words of *agrees* away. {rows[0]['trials']} trials each.\n\n"
             + table(["pool", *(f"agrees, {n}" for n in starts), *(f"differs, {n}" for n in starts)], lines))
     text += ("\nOver all of these together: " + ", ".join(_all_that_agree(rows, n, failures=False) for n in starts) + "; with failures (below): "
-             + ", ".join(_all_that_agree(rows, n, failures=True) for n in starts) + ". That the bounds above\ntell regular differences from others, and leave "
-             "failures out, was decided after a first look at such numbers.\n")
+             + ", ".join(_all_that_agree(rows, n, failures=True) for n in starts) + ". That the bounds above\nleave failures out was decided after a first look "
+             "at such numbers.\n")
     if irregular:
-        text += ("\nWhere differences are skewed (a third standardised moment of 1 or more in the pool) or tied (one value makes up a tenth of them), Student's "
-                 f"intervals hold less often\nthan promised ([limits](verdict.md#limits)): {'; '.join(irregular)}.\n")
+        text += ("\nDifferences that are skewed (a third standardised moment of 1 or more in the pool) or tied (one value makes up a tenth of them), which Student's "
+                 f"intervals alone would\nhold less often than promised: {'; '.join(irregular)}.\n")
     if unseen:
         text += ("\nShares of runs that fail are another matter. Where no start fails in one engine alone the row agrees and says what so many starts exclude, "
                  "22 % with 12\n([rule](verdict-rule.md#failures-and-other-outcomes)). So with the margin at the true difference of a few per cent *agrees* comes "
@@ -132,8 +131,9 @@ def _coverage(rows, starts):
         cells = [f"{_percent(of(row['held'], n) / row['trials'])}, {_percent(of(row['regular'], n) / row['trials'])} "
                  f"({worst[n][0]} {_percent(1 - worst[n][1] / row['trials'])})" for n in starts]
         lines.append([row["pool"], f"{row['cut']} of {row['starts']}", str(row["trials"]), *cells])
-    return ("## Coverage\n\nHow often all intervals of a verdict together hold the true gaps (the mean or the median of the pool, as the trial judges), and how "
-            "often those of regular\ndifferences do; in brackets the statistic that is missed most often. A bound that the trials cannot tell from "
+    return ("## Coverage\n\nHow often all intervals of a verdict together hold the true gaps (the mean or the median of the pool, as the trial judges; of a trial in "
+            "which no run ends early, of its pairs in which none does), and how often those of regular\ndifferences do; in brackets the statistic that is missed most often. "
+            "Of medians of fewer starts than their test needs nothing is claimed ([rule](verdict-rule.md#estimand)), and nothing counted. A bound that the trials cannot tell from "
             "93 % is not excluded: single pools may lie\nfurther below.\n\n" + table(["pool", "pairs that end early", "trials", *(f"{n} starts" for n in starts)], lines))
 
 

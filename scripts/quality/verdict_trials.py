@@ -63,6 +63,25 @@ def median(values):
     return ordered[half] if len(values) % 2 else (ordered[half - 1] + ordered[half]) / 2
 
 
+class Truth:
+    """What a pool of differences of one statistic is, for the trials that are drawn of it.
+
+    Samples in which a run ends early are judged by the median of all; others speak of the pairs in which none does."""
+
+    def __init__(self, differences, early):
+        whole = [value for value, ends in zip(differences, early, strict=True) if not ends] or differences
+        self.all = {"mean": mean(differences), "median": median(differences)}
+        self.whole = {"mean": mean(whole), "median": median(whole)}
+        self.regular = is_regular(differences)
+
+    def of(self, statistic, found):
+        """What this trial's interval has to hold. Shares of outcomes are of all pairs."""
+        return (self.all if statistic["is_share"] or found["cut_pairs"] else self.whole)[statistic["estimand"]]
+
+    def planted(self, ends_early):
+        return self.all["median" if ends_early else "mean"]
+
+
 def is_regular(values):
     """Neither skewed (by a third standardised moment of 1 or more) nor so tied that one value makes up a tenth of them."""
     middle = mean(values)

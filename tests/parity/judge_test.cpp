@@ -10,7 +10,7 @@
 namespace crossgait {
 namespace {
 
-constexpr double kMargin = 0.1;
+constexpr double kMargin = 0.1, kResolution = kMargin / 20;
 
 /// Twelve starts that lie `apart` from one another; the second engine is `gap` further, give or take `noise`.
 struct Truth {
@@ -102,9 +102,9 @@ TEST(Judge, AMarginMayBeAShareOrGrowWithTime) {
 // Holm (1979), by hand: of three with P values below .05 / 3, .05 / 2 and above .05 the first two differ.
 TEST(Judge, TestsTogetherAsHolmDoes) {
   std::vector<StatisticRuns> rows;
-  for (const double gap : {0.5, 0.1046, 0.05}) rows.push_back(runs_of({.gap = gap, .noise = 0.015}));
+  for (const double gap : {0.5, 0.1096, 0.05}) rows.push_back(runs_of({.gap = gap, .noise = 0.015}));
   const std::vector<StatisticVerdict> all = judge(rows, {});
-  const PairedDifferences second(rows[1].as_asked.differences());
+  const PairedDifferences second(rows[1].as_asked.differences(), Estimand::kMean, kResolution);
   ASSERT_LE(second.p_beyond(kMargin), 0.05 / 2) << "take another gap to tell by";
   ASSERT_GT(second.p_beyond(kMargin), 0.05 / 3) << "take another gap to tell by";
   EXPECT_EQ(all[0].word, Word::kDiffers);
@@ -112,7 +112,8 @@ TEST(Judge, TestsTogetherAsHolmDoes) {
   EXPECT_EQ(all[2].word, Word::kAgrees);
   // Intervals that hold together whatever is rejected (Bonferroni).
   for (std::size_t i = 0; i < 3; ++i) {
-    const Interval expected = PairedDifferences(rows[i].as_asked.differences()).interval(1 - 0.05 / 3);
+    const Interval expected = PairedDifferences(rows[i].as_asked.differences(), Estimand::kMean, kResolution)
+                                  .interval(1 - 0.05 / 3);
     EXPECT_NEAR(all[i].gap.low, expected.low, 1e-12);
     EXPECT_NEAR(all[i].gap.high, expected.high, 1e-12);
   }
@@ -123,12 +124,43 @@ TEST(Judge, TestsTogetherAsHolmDoes) {
 }
 
 TEST(Judge, LooksShareTheError) {
-  const Truth truth{.gap = 0.107, .noise = 0.02};
-  const PairedDifferences d(runs_of(truth).as_asked.differences());
+  const Truth truth{.gap = 0.112, .noise = 0.02};
+  const PairedDifferences d(runs_of(truth).as_asked.differences(), Estimand::kMean, kResolution);
   ASSERT_LE(d.p_beyond(kMargin), 0.05);
   ASSERT_GT(d.p_beyond(kMargin), 0.05 / 4) << "take another gap to tell by";
   EXPECT_EQ(judge({runs_of(truth)}, {}).front().word, Word::kDiffers);
   EXPECT_EQ(judge({runs_of(truth)}, {.looks = 4}).front().word, Word::kUnresolved);
+}
+
+// A twentieth of the margin is too small to matter: what lies nearer to it than that is not told apart from
+// it.
+TEST(Judge, KeepsATwentiethOfTheMarginOff) {
+  EXPECT_EQ(judged({.gap = 0.094, .noise = 1e-3}).word, Word::kAgrees);
+  EXPECT_EQ(judged({.gap = 0.0962, .noise = 2e-2, .starts = 200}).word, Word::kUnresolved);
+  EXPECT_EQ(judged({.gap = 0.1038, .noise = 2e-2, .starts = 200}).word, Word::kUnresolved);
+  EXPECT_EQ(judged({.gap = 0.115, .noise = 1e-3}).word, Word::kDiffers);
+  const StatisticVerdict same = judged({.gap = 1e-12, .noise = 1e-13});
+  EXPECT_LT(same.gap.half_width(), 1e-12) << "engines of one law are known better than that";
+}
+
+// Whoever fails now and then makes differences of two kinds: the median of all of them is judged, by an exact
+// test, and with so few starts that it has none nothing differs.
+TEST(Judge, WhereRunsEndEarlyTheMedianIsJudged) {
+  StatisticRuns runs = runs_of({.gap = 0.3});
+  runs.ends_early.assign(runs.as_asked.a.size(), false);
+  EXPECT_EQ(judge({runs}, {}).front().estimand, Estimand::kMean);
+  runs.ends_early[3] = true;
+  const StatisticVerdict v = judge({runs}, {}).front();
+  EXPECT_EQ(v.estimand, Estimand::kMedian);
+  EXPECT_EQ(v.word, Word::kDiffers);
+  EXPECT_NE(v.reason.find("end early"), std::string::npos) << v.reason;
+
+  StatisticRuns few = runs_of({.gap = 0.3, .starts = 6});
+  few.ends_early.assign(6, true);
+  EXPECT_EQ(judge({few}, {}).front().word, Word::kDiffers) << "2 / 2^6 is below 5 %";
+  const std::vector<StatisticVerdict> two = judge({few, few}, {});
+  EXPECT_EQ(two.front().word, Word::kUnresolved) << "and not below 2.5 %";
+  EXPECT_EQ(two.front().starts_needed, 7U);
 }
 
 TEST(Judge, AStepThatTakesTheGapAwayIsNamed) {

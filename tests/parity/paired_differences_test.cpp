@@ -35,7 +35,7 @@ TEST(PairedDifference, TestsAndIntervalsSayTheSame) {
   Random random(3);
   for (const Estimand estimand : {Estimand::kMean, Estimand::kMedian}) {
     for (int r = 0; r < 200; ++r) {
-      const PairedDifferences d(normals(random, 14, random.uniform(-2, 2)), estimand);
+      const PairedDifferences d(normals(random, 14, random.uniform(-2, 2)), estimand, 0.1);
       EXPECT_EQ(d.p_beyond(0.5) <= 0.05, d.interval(0.95).beyond(0.5));
       EXPECT_EQ(d.p_within(1.5) <= 0.05, d.interval(0.9).within(1.5));
     }
@@ -53,6 +53,45 @@ TEST(PairedMedian, LiesBetweenOrderStatistics) {
   EXPECT_EQ(d.interval(0.999).low, 1);  // 2 / 4096 = .05 %
   EXPECT_EQ(d.interval(0.99999).low, 1) << "no wider one";
   EXPECT_NEAR(d.p_beyond(0.5), 2.0 / 4096, 1e-12);
+}
+
+// Student's interval, further out at either end by what is too small to matter, if the sample has that much
+// of a deviation.
+TEST(PairedMean, KeepsOffByItsResolution) {
+  const std::vector<double> sample{1, 2, 4, 4, 9};
+  const PairedDifferences students(sample);
+  const double half = students.interval(0.95).half_width();
+  const auto with = [&](double resolution) { return PairedDifferences(sample, Estimand::kMean, resolution); };
+  EXPECT_NEAR(with(0.5).interval(0.95).half_width(), half + 0.5, 1e-12);
+  EXPECT_NEAR(with(100).interval(0.95).half_width(), half + std::sqrt(9.5), 1e-12);
+  EXPECT_NEAR(with(0.5).p_within(9.5), students.p_within(9), 1e-12);
+  EXPECT_NEAR(with(0.5).p_beyond(1.5), students.p_beyond(2), 1e-12);
+  EXPECT_GT(with(0.5).enough(5, 0.05, 0.05), students.enough(5, 0.05, 0.05));
+}
+
+// Skewed differences, an exponential distribution here, make Student's intervals hold less often than
+// promised; not where their spread is no more than what is allowed for.
+TEST(PairedMean, HoldsSkewedDifferencesWhereTheyHardlyMatter) {
+  Random random(17);
+  constexpr int kRepetitions = 2000;
+  int students = 0, allowed = 0;
+  for (int r = 0; r < kRepetitions; ++r) {
+    std::vector<double> sample;
+    for (int i = 0; i < 12; ++i) sample.push_back(-std::log(1 - random.uniform(0, 1)));
+    students += PairedDifferences(sample).interval(0.95).contains(1);
+    allowed += PairedDifferences(sample, Estimand::kMean, 1).interval(0.95).contains(1);
+  }
+  EXPECT_LT(students, 0.93 * kRepetitions);
+  EXPECT_GT(allowed, 0.97 * kRepetitions);
+}
+
+TEST(PairedMedian, OfTooFewHasNoTest) {
+  EXPECT_EQ(fewest_for_median(0.05), 6U);  // 2 / 2^6 = 3.1 %, 2 / 2^5 = 6.3 %
+  EXPECT_EQ(fewest_for_median(2.1 / 1024), 10U);
+  for (const std::size_t n : {9U, 10U}) {
+    const PairedDifferences d(std::vector<double>(n, 1), Estimand::kMedian);
+    EXPECT_EQ(d.p_beyond(0.5) <= 2.1 / 1024, n == 10);
+  }
 }
 
 TEST(PairedMean, WithoutSpreadIsCertain) {

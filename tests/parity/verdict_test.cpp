@@ -84,6 +84,8 @@ TEST(ReachVerdicts, CutsEveryPairAtItsEarlierFailure) {
   const Verdict v = reach_verdicts(truth.behaviour(), kTwo, {.starts = 24}).pairs.front();
   EXPECT_EQ(v.statistics[0].word, Word::kAgrees) << v.statistics[0].reason;
   EXPECT_NEAR(v.statistics[0].gap.estimate, 0, 1e-12);
+  EXPECT_EQ(v.statistics[0].estimand, Estimand::kMedian);
+  EXPECT_EQ(v.statistics.back().estimand, Estimand::kMean) << "outcomes are of all runs, as they end";
   EXPECT_EQ(v.statistics.back().word, Word::kDiffers);
   EXPECT_EQ(v.word, Word::kDiffers);
   ASSERT_TRUE(v.cut.has_value());

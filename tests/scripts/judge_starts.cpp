@@ -9,13 +9,14 @@
 //    "a": {"engine": "mujoco"}, "b": {"engine": "mujoco", "planted": {"friction": 0.9}},
 //    "starts_a": [0, 1, ...], "starts_b": [5, 6, ...], "margins": {"slip_m": 0.1}, "steps": true,
 //    "differences": false}
-// Pair i is start starts_a[i] in `a` and starts_b[i] in `b`, so that the same starts may be drawn again, and
-// two sets of starts of one engine be judged as if they were two engines. What is planted changes the world
-// of that engine and nothing else. Everything behind that is the program's: VerdictRuns cuts and pairs,
-// `judge` gives the words. Runs are kept as `crossgait verdict --runs` keeps them, and those of engines as
-// they are are shared with it. Settings of contact, which change no word, and a quarter of the time step,
-// which neither does, are not run; without "steps" nor is half of it, as where a control step is no whole
-// number of such steps.
+// With "differences" the answer holds those of every statistic, and of each whether a run of the pair ended
+// early. Pair i is start starts_a[i] in `a` and starts_b[i] in `b`, so that the same starts may be drawn
+// again, and two sets of starts of one engine be judged as if they were two engines. What is planted changes
+// the world of that engine and nothing else. Everything behind that is the program's: VerdictRuns cuts and
+// pairs, `judge` gives the words. Runs are kept as `crossgait verdict --runs` keeps them, and those of
+// engines as they are are shared with it. Settings of contact, which change no word, and a quarter of the
+// time step, which neither does, are not run; without "steps" nor is half of it, as where a control step is
+// no whole number of such steps.
 #include <array>
 #include <iostream>
 #include <map>
@@ -197,7 +198,10 @@ Json judge_request(Json request, Pool& pool, std::size_t workers) {
   Json statistics = Json::array();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     statistics.push_back(answer(judged[i]));
-    if (with_differences) statistics.back()["differences"] = rows[i].as_asked.differences();
+    statistics.back()["is_share"] = rows[i].is_share;
+    if (!with_differences) continue;
+    statistics.back()["differences"] = rows[i].as_asked.differences();
+    statistics.back()["early"] = rows[i].ends_early;
   }
   const std::optional<PairCut> cut = runs.cut({0, 1}, options.starts);
   return {
