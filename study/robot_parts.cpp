@@ -102,6 +102,8 @@ void copy_part(std::string_view part, const RobotDescription& from, RobotDescrip
   } else if (part == kSoftness) {
     to.loop_softness = from.loop_softness;
     to.friction_softness = from.friction_softness;
+    for (std::size_t i = 1; i < to.bodies.size(); ++i)
+      to.bodies[i].joint.limit_softness = from.bodies[i].joint.limit_softness;
   } else {
     copy_numbers(part, from, to);
   }

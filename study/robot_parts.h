@@ -15,8 +15,8 @@ namespace crossgait {
 RobotDescription in_order_of(const RobotDescription& a, const RobotDescription& b);
 
 /// Parts that a description is taken apart into: "mass properties", those of joint numbers by the groups of
-/// world_quantities ("gains", "effort", "damping", ...), "softness" of loops and dry friction, and
-/// "geometry", which is all that no other part has: lengths, axes, limits, shapes, feet, home pose.
+/// world_quantities ("gains", "effort", "damping", ...), "softness" of loops, dry friction and joint limits,
+/// and "geometry", which is all that no other part has: lengths, axes, limits, shapes, feet, home pose.
 std::vector<std::string> robot_parts();
 /// Those in which two descriptions are not the same but for rounding (a share of 1e-9). @param b  in the
 /// order of `a`

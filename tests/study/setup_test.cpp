@@ -184,6 +184,7 @@ TEST(RobotParts, AreNamedByWhatDiffers) {
   EXPECT_EQ(parts([](R& b) { b.bodies[1].X_PB.translation().x() += 0.1; }), Names{"geometry"});
   EXPECT_EQ(parts([](R& b) { b.standing_height += 0.1; }), Names{"geometry"});
   EXPECT_EQ(parts([](R& b) { b.friction_softness.time_constant *= 2; }), Names{"softness"});
+  EXPECT_EQ(parts([](R& b) { b.bodies[3].joint.limit_softness.time_constant *= 2; }), Names{"softness"});
 }
 
 // Parts leave nothing out: one after the other they make the one robot of the other.
