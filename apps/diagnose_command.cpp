@@ -1,6 +1,4 @@
 // crossgait diagnose: why a policy does not do here what it was trained for.
-#include <filesystem>
-
 #include "diagnosis/diagnosis.h"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -21,21 +19,6 @@ struct DiagnoseCommand {
   JsonOption json;
 };
 
-// What nobody said, by the table that an import left in the policy's folder; nothing where there is none.
-std::vector<std::string> unstated_in(const std::string& policy) {
-  const std::string file = (std::filesystem::path(policy) / "import.json").string();
-  if (!std::filesystem::is_regular_file(file)) return {};
-  const auto table = read_result(file).result;
-  const auto unstated = table.find("unstated");
-  if (unstated == table.end() || !unstated->is_array()) throw ConfigError(file, "unstated", "a list", "none");
-  std::vector<std::string> fields;
-  for (const auto& field : *unstated) {
-    if (!field.is_string()) throw ConfigError(file, "unstated", "names of fields", field.dump());
-    fields.push_back(field.get<std::string>());
-  }
-  return fields;
-}
-
 LoadedEnv environment_of(const DiagnoseCommand& options, const std::string& policy) {
   const std::string file = environment_file(options.env, policy);
   if (file.empty())
@@ -55,7 +38,6 @@ void run(const DiagnoseCommand& options) {
   const LoadedEnv environment = environment_of(options, policy);
   DiagnosisOptions how = options.how;
   how.search = !options.no_search;
-  how.unstated = unstated_in(policy);
   if (!options.home_engine.empty()) how.home_engine = options.home_engine;
   const Provenance provenance =
       options.json.provenance({{{"behaviour", {{"environment", to_yaml(environment.config)}}},

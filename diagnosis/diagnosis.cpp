@@ -5,6 +5,7 @@
 #include <numeric>
 #include <set>
 
+#include "diagnosis/import_table.h"
 #include <fmt/format.h>
 
 #include "backends/registry.h"
@@ -96,15 +97,36 @@ std::vector<Candidate> search_pairs(Search& search, const std::vector<Candidate>
   return walk_best(search, std::move(best), part_of(progress, 0.8, 1));
 }
 
+// Changes of one field; of two where none cures, or leaves a score that only policies of bad habits have.
+std::vector<Candidate> search_all(Search& search, const Progress& progress) {
+  constexpr double kDoubtful = 0.5;
+  std::vector<Candidate> glanced;
+  std::vector<Candidate> found = search_singles(search, glanced, part_of(progress, 0, 0.4));
+  const auto settles = [&search](const Candidate& candidate) {
+    return cures(candidate, search) && candidate.whole->mean() < kDoubtful;
+  };
+  if (std::any_of(found.begin(), found.end(), settles)) return found;
+  std::vector<Candidate> pairs = search_pairs(search, glanced, part_of(progress, 0.4, 1));
+  found.insert(found.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
+  return found;
+}
+
 std::set<std::string> fields_of(const Candidate& candidate) {
   return {candidate.fields.begin(), candidate.fields.end()};
+}
+
+// What two changes have to be better by than one, since two always fit better.
+constexpr double kSecondChange = 0.15;
+
+double ranking_score(const Candidate& candidate) {
+  return candidate.whole->mean() + (candidate.fields.size() > 1 ? kSecondChange : 0);
 }
 
 // One of every field, or pair of fields: cures first, then by score.
 std::vector<Candidate> rank(std::vector<Candidate> candidates, const Search& search) {
   std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
     const bool cures_a = cures(a, search), cures_b = cures(b, search);
-    return cures_a != cures_b ? cures_a : a.whole->mean() < b.whole->mean();
+    return cures_a != cures_b ? cures_a : ranking_score(a) < ranking_score(b);
   });
   std::vector<Candidate> ranked;
   std::set<std::set<std::string>> seen;
@@ -157,8 +179,27 @@ RankedChange ranked_change(const Candidate& candidate, const WalkResult& patient
   return change;
 }
 
-// Scores that lie so near are one: what the tolerance of a command leaves open.
-constexpr double kSameScore = 0.02;
+// Scores that lie so near are one: so much a field that is right takes away of a healthy policy's score when
+// it is changed.
+constexpr double kSameScore = 0.06;
+
+// Cures that explain as much as the first of the ranking.
+std::size_t count_rivals(const std::vector<Candidate>& ranked, double spread, const Search& search) {
+  std::size_t count = 0;
+  while (count < ranked.size() && cures(ranked[count], search) &&
+         ranking_score(ranked[count]) - ranking_score(ranked.front()) < std::max(spread, kSameScore))
+    ++count;
+  return count;
+}
+
+// Of cures that explain as much, suspect ones come first. @returns how many then are as likely as the first
+std::size_t put_suspects_first(std::vector<Candidate>& ranked, double spread, const Search& search) {
+  const std::size_t rivals = count_rivals(ranked, spread, search);
+  const auto end = ranked.begin() + static_cast<std::ptrdiff_t>(rivals);
+  const auto others = std::stable_partition(ranked.begin(), end,
+                                            [](const Candidate& candidate) { return candidate.suspect; });
+  return others == ranked.begin() ? rivals : static_cast<std::size_t>(others - ranked.begin());
+}
 
 // The walk in which two explanations differ most.
 std::string telling_walk(const Candidate& a, const Candidate& b, const WalkTest& test) {
@@ -183,11 +224,11 @@ std::string in_words(const RankedChange& change) {
   return fmt::format("{}: {} in the place of {}", change.field, change.to, change.from);
 }
 
-void conclude_cured(Diagnosis& result, std::vector<Candidate>& ranked, const Search& search) {
+// @param rivals  how many of the ranking are as likely as its first
+void conclude_cured(Diagnosis& result, const std::vector<Candidate>& ranked, std::size_t rivals,
+                    const Search& search) {
   const RankedChange& first = result.ranking.front();
-  const bool rivals = result.ranking.size() > 1 && result.ranking[1].cures &&
-                      result.ranking[1].score - first.score < std::max(result.spread, kSameScore);
-  if (rivals && result.ranking[1].unstated == first.unstated) {
+  if (rivals > 1) {
     result.abstained = true;
     result.experiment = telling_walk(ranked[0], ranked[1], search.whole_test());
     result.summary = fmt::format("The policy {}; {} and {} explain it as well as one another.",
@@ -197,13 +238,6 @@ void conclude_cured(Diagnosis& result, std::vector<Candidate>& ranked, const Sea
   result.cause = first.physics ? CauseKind::kPhysics : CauseKind::kContract;
   result.summary = fmt::format("The policy {} because of its {}: it does what it is asked with {}.",
                                result.complaint, name(*result.cause), in_words(first));
-}
-
-// A change that nobody said goes before one that a file said, where both explain as much.
-void prefer_unstated(std::vector<Candidate>& ranked, double spread, const Search& search) {
-  if (ranked.size() < 2 || ranked[0].unstated || !ranked[1].unstated || !cures(ranked[1], search)) return;
-  if (ranked[1].whole->mean() - ranked[0].whole->mean() < std::max(spread, kSameScore))
-    std::swap(ranked[0], ranked[1]);
 }
 
 // Nothing cures it: what the home engine says.
@@ -253,6 +287,7 @@ Diagnosis diagnose(const LoadedEnv& environment, const std::string& policy_text,
   result.environment = environment.config;
   result.tests = run_standing_tests(environment, policy, options.seed);
   Suspicion suspicion{options.unstated, {}};
+  for (std::string& field : unstated_fields(policy_text)) suspicion.unstated.push_back(std::move(field));
   for (const StandingTest& test : result.tests)
     if (test.judged && !test.passed)
       suspicion.suspects.insert(suspicion.suspects.end(), test.suspects.begin(), test.suspects.end());
@@ -270,26 +305,19 @@ Diagnosis diagnose(const LoadedEnv& environment, const std::string& policy_text,
     result.summary = fmt::format("The policy {}.", result.complaint);
     return result;
   }
-  std::vector<Candidate> glanced;
-  std::vector<Candidate> found = search_singles(search, glanced, part_of(progress, 0, 0.4));
-  const auto cured = [&search](const Candidate& candidate) { return cures(candidate, search); };
-  if (std::none_of(found.begin(), found.end(), cured)) {
-    std::vector<Candidate> pairs = search_pairs(search, glanced, part_of(progress, 0.4, 1));
-    found.insert(found.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
-  }
-  std::vector<Candidate> ranked = rank(std::move(found), search);
+  std::vector<Candidate> ranked = rank(search_all(search, progress), search);
+  std::size_t rivals = 0;
   if (!ranked.empty()) {
     const std::size_t seeds = search.whole_test().seeds;
     result.spread = quantile(seeds) * deviation(ranked.front().whole->by_seed(seeds));
-    prefer_unstated(ranked, result.spread, search);
+    rivals = put_suspects_first(ranked, result.spread, search);
   }
   const std::vector<double> shares = shares_of_first(ranked, options.seed);
   for (std::size_t i = 0; i < ranked.size(); ++i)
     result.ranking.push_back(ranked_change(ranked[i], patient, shares[i], search));
   if (!result.ranking.empty()) result.environment = result.ranking.front().config;
-  if (!result.ranking.empty() && result.ranking.front().cures &&
-      result.ranking.front().effect > result.spread) {
-    conclude_cured(result, ranked, search);
+  if (rivals > 0 && result.ranking.front().effect > result.spread) {
+    conclude_cured(result, ranked, rivals, search);
   } else {
     conclude_uncured(result, environment, policy, search, options);
   }

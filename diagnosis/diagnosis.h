@@ -16,7 +16,8 @@ namespace crossgait {
 struct DiagnosisOptions {
   std::size_t workers = 1;  ///< threads; results do not depend on them
   std::uint64_t seed = 0;
-  std::vector<std::string> unstated = {};       ///< fields that nobody said, as imports list them
+  std::vector<std::string> unstated =
+      {};  ///< fields that nobody said, beside those that the policy's folder lists
   std::optional<std::string> home_engine = {};  ///< in which the policy was trained, where that is known
   bool search = true;                           ///< else it is only seen whether it does what it is asked
 };
