@@ -63,7 +63,7 @@ nlohmann::ordered_json to_json(const Diagnosis& d, const std::string& file) {
            {"environment_file", file.empty() ? Json() : Json(file)}};
   for (const StandingTest& test : d.tests) out["tests"].push_back(to_json(test));
   for (const RankedChange& change : d.ranking) out["ranking"].push_back(to_json(change));
-  return with_schema("diagnose", std::move(out));
+  return with_schema("diagnose", out);
 }
 
 std::string describe(const Diagnosis& d) {

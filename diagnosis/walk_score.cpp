@@ -196,15 +196,15 @@ std::string what_is_wrong(const WalkResult& result, const WalkTest& test, const 
   return words;
 }
 
-WalkResult run_walks(const LoadedEnv& environment, const RelabelledPolicy& relabelled, const WalkTest& test,
+WalkResult run_walks(const LoadedEnv& environment, const RelabelledPolicy& policy, const WalkTest& test,
                      std::uint64_t seed) {
   WalkResult result;
   for (const WalkCommand& command : test.commands) {
     const LoadedEnv loaded = environment.with(tested(environment.config, test, command.velocity));
     const auto env = env_factory(loaded)();
-    const auto policy = relabelled.make(env->interface());
+    const auto own = policy.make(env->interface());
     for (std::size_t k = 0; k < test.seeds; ++k) {
-      result.walks.push_back(run_walk(*env, *policy, derived_seed(seed, test.first + k), test.seconds));
+      result.walks.push_back(run_walk(*env, *own, derived_seed(seed, test.first + k), test.seconds));
       result.scores.push_back(walk_score(result.walks.back()));
     }
   }

@@ -2,12 +2,14 @@
 // line.
 #include "diagnosis/diagnosis.h"
 
+#include "diagnosis/joint_orders.h"
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include "python/bindings/bindings.h"
 #include "python/bindings/job.h"
+#include "python/bindings/robot.h"
 #include "python/bindings/study_report.h"
 
 namespace crossgait::python {
@@ -26,9 +28,22 @@ Pair diagnose_policy(const EnvConfig& config, const std::string& policy, const D
   return nb::make_tuple(to_python(report), *environment);
 }
 
+// The servos in the order of every convention, by its name.
+nb::dict orders_of(const Robot& robot) {
+  const std::vector<ServoPlace> servos = servo_places(*robot.description);
+  nb::dict orders;
+  for (const JointOrder& order : joint_orders())
+    orders[nb::str(order.name.data(), order.name.size())] = nb::cast(joints_in_order(order, servos));
+  return orders;
+}
+
 }  // namespace
 
 void bind_diagnosis(nb::module_& m) {
+  m.def("joint_orders", &orders_of, nb::arg("robot"),
+        nb::sig("def joint_orders(robot: Robot) -> dict[str, list[str]]"),
+        "The robot's servos in the order of every convention that files mean without saying so, by its name "
+        "(docs/importing.md).");
   m.def(
       "_diagnose",
       [](const EnvConfig& config, const std::string& policy, const std::vector<std::string>& unstated,
