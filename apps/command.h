@@ -37,6 +37,7 @@ namespace crossgait::apps {
   COMMAND(rollout)                  \
   COMMAND(transfer)                 \
   COMMAND(import)                   \
+  COMMAND(diagnose)                 \
   COMMAND(course)                   \
   COMMAND(tune)                     \
   COMMAND(rerun)

@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 # Headers say "physics/x.h" in the tree and "crossgait/physics/x.h" where they are installed: what is around them there is
 # somebody else's.
 set(_headers)
-foreach(folder physics ik gait motion policy env parity study report scenes benchmarks conformance)
+foreach(folder physics ik gait motion policy env parity study diagnosis report scenes benchmarks conformance)
   file(GLOB_RECURSE _folder_headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.h)
   list(APPEND _headers ${_folder_headers})
 endforeach()

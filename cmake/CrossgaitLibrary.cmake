@@ -6,7 +6,7 @@
 # "build/x.h" is no include. Whoever uses Crossgait writes "crossgait/physics/robot/leg.h": from an installation, whose
 # headers say so too (CrossgaitInstall.cmake), and in what the tree holds for copying (backends/skeleton, examples).
 set(CROSSGAIT_INCLUDES ${PROJECT_BINARY_DIR}/include)
-set(CROSSGAIT_CODE_FOLDERS physics backends ik gait motion policy env parity study report view scenes benchmarks conformance
+set(CROSSGAIT_CODE_FOLDERS physics backends ik gait motion policy env parity study diagnosis report view scenes benchmarks conformance
                            apps python tests)
 file(MAKE_DIRECTORY ${CROSSGAIT_INCLUDES}/crossgait)
 foreach(_folder ${CROSSGAIT_CODE_FOLDERS})

@@ -84,9 +84,9 @@ void OnnxPolicy::do_act(std::span<const double> observation, std::span<double> a
     std::ranges::copy(run_.output(output), run_.input(input).begin());
 }
 
-std::unique_ptr<Policy> make_onnx_policy(const YamlValue& root, const PolicyInterface& interface) {
-  root.allow_keys(
-      {"kind", "layout_version", "layout_hash", "policy_dt", "network", "observation", "action", "memory"});
+namespace {
+
+void check_onnx_interface(const YamlValue& root, const PolicyInterface& interface) {
   const YamlValue hash = root.at("layout_hash");
   const std::string expected = layout_hash(interface.observation, interface.action);
   if (hash.text() != expected)
@@ -95,6 +95,18 @@ std::unique_ptr<Policy> make_onnx_policy(const YamlValue& root, const PolicyInte
   if (const auto dt = root.find("policy_dt"); dt && std::abs(dt->number() - interface.policy_dt) > 1e-9)
     dt->fail(fmt::format("the environment's {:g} s between two actions", interface.policy_dt),
              fmt::format("{:g} s", dt->number()));
+}
+
+}  // namespace
+
+std::unique_ptr<Policy> make_onnx_policy(const YamlValue& root, const PolicyInterface& interface) {
+  check_onnx_interface(root, interface);
+  return make_relabelled_onnx_policy(root, interface);
+}
+
+std::unique_ptr<Policy> make_relabelled_onnx_policy(const YamlValue& root, const PolicyInterface& interface) {
+  root.allow_keys(
+      {"kind", "layout_version", "layout_hash", "policy_dt", "network", "observation", "action", "memory"});
   OnnxPolicyPorts ports{root.at("observation").text(), root.at("action").text(), {}};
   if (const auto memory = root.find("memory")) {
     for (const auto& [input, output] : memory->entries()) ports.memory.emplace_back(input, output.text());

@@ -43,5 +43,8 @@ class OnnxPolicy final : public Policy {
 
 /// From a description of kind `onnx` (docs/policies.md).
 std::unique_ptr<Policy> make_onnx_policy(const YamlValue& root, const PolicyInterface& interface);
+/// The same network for any interface of its sizes: what the description says of layout and time between two
+/// actions is not asked.
+std::unique_ptr<Policy> make_relabelled_onnx_policy(const YamlValue& root, const PolicyInterface& interface);
 
 }  // namespace crossgait

@@ -20,6 +20,7 @@ void bind_environment(nb::module_& m);
 void bind_vector_environment(nb::module_& m);
 void bind_policy(nb::module_& m);
 void bind_studies(nb::module_& m);
+void bind_diagnosis(nb::module_& m);
 void bind_run_spec(nb::module_& m);
 
 }  // namespace crossgait::python

@@ -19,6 +19,7 @@ NB_MODULE(_core, m) {
   bind_vector_environment(m);
   bind_policy(m);
   bind_studies(m);
+  bind_diagnosis(m);
   bind_run_spec(m);
   bind_kinematics(m);
   bind_gait(m);  // of the walks of studies

@@ -182,6 +182,26 @@ def test_transfer_and_tune_come_back_as_objects() -> None:
     assert tuning.plot().axes
 
 
+def test_a_diagnosis_is_the_command() -> None:
+    found = crossgait.diagnose("serial_joints", seed=3)
+    assert found.healthy
+    assert found.cause is None
+    assert not found.abstained
+    assert found.ranking == []
+    assert without_the_run(command("diagnose", "serial_joints", "--seed", "3")) == without_the_run(found.to_dict())
+    assert found.environment is not None
+    assert found.summary in repr(found)
+
+
+def test_a_diagnosis_of_a_policy_that_does_nothing() -> None:
+    config = EnvironmentConfig.load(f"{crossgait.models_dir()}/policies/serial_joints/environment.yaml")
+    found = crossgait.diagnose("zero", config, search=False)
+    assert not found.healthy
+    assert found.cause is None
+    with pytest.raises(ConfigError, match="action"):
+        crossgait.diagnose("zero", EnvironmentConfig())
+
+
 def test_a_gait_is_tuned_for_a_course(tmp_path: Path) -> None:
     course = tmp_path / "two.yaml"
     course.write_text("seconds: .3\nsections: {even: {terrain: flat, speed: .2}, high: {terrain: stairs, speed: .3}}\n")

@@ -100,6 +100,7 @@ std::vector<Case> cases() {
       {"rollout", "rollout --episodes 1 --episode-seconds .05 --command 0,0,0"},
       {"transfer", "transfer --episodes 1 --episode-seconds .1"},
       {"course", "course --sections speed-1.0,pushed --episodes 1"},
+      {"diagnose", "diagnose serial_joints --engine " + engines.front()},
       {"tune", "tune --iterations 1 --population 4 --terrains 1 --unseen 1 --episode-seconds .1"},
       {"engines", "engines"},
       {"conformance", "conformance --only free_fall,soft_friction,hard_friction --engine " + engines.front()},

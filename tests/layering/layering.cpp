@@ -21,8 +21,8 @@ struct Folder {
 };
 
 const std::vector<std::string_view> kEverything{
-    "physics", "backends", "ik",   "gait", "motion", "policy",     "env",         "parity",
-    "study",   "report",   "view", "apps", "tests",  "benchmarks", "conformance", "scenes"};
+    "physics",   "backends", "ik",   "gait", "motion", "policy",     "env",         "parity", "study",
+    "diagnosis", "report",   "view", "apps", "tests",  "benchmarks", "conformance", "scenes"};
 
 /// Programs that measure speed stand beside what they measure and may use what tests do.
 constexpr std::string_view kPrograms = "benchmarks/programs";
@@ -45,6 +45,7 @@ const std::vector<Folder>& folders() {
       {"apps", kEverything},
       {"tests", kEverything},
       {"study", {"physics", "backends", "ik", "gait", "motion", "policy", "env", "parity"}},
+      {"diagnosis", {"physics", "backends", "ik", "gait", "motion", "policy", "env", "parity", "study"}},
       {"report", {"physics", "ik", "gait", "motion", "policy", "env", "parity", "study"}},
       {"view", {"physics", "ik", "gait", "motion", "policy", "env", "parity", "study", "report"}},
       {"scenes", {"physics", "ik"}},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from crossgait.studies.choices import Policy, Subject
+from crossgait.studies.diagnosing import diagnose
 from crossgait.studies.episodes import course, rollout, transfer, tune
 from crossgait.studies.judging import verdict
 from crossgait.studies.measuring import bench, conformance
@@ -11,6 +12,7 @@ from crossgait.studies.results import (
     CompareResult,
     Conformance,
     CourseResult,
+    Diagnosis,
     Result,
     Rollout,
     Transfer,
@@ -25,6 +27,7 @@ __all__ = [
     "CompareResult",
     "Conformance",
     "CourseResult",
+    "Diagnosis",
     "Policy",
     "Result",
     "Rollout",
@@ -37,6 +40,7 @@ __all__ = [
     "compare",
     "conformance",
     "course",
+    "diagnose",
     "rollout",
     "transfer",
     "tune",

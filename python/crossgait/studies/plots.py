@@ -161,6 +161,19 @@ def plot_course(document: Json) -> Figure:
     return figure
 
 
+def plot_diagnosis(document: Json) -> Figure:
+    """What every change takes away of the score, with its interval."""
+    ranking = document["ranking"]
+    figure, (ax,) = _new(1, 1.5 + 0.3 * len(ranking))
+    for i, change in enumerate(ranking):
+        ends = [[change["effect"] - change["low"]], [change["high"] - change["effect"]]]
+        ax.errorbar(change["effect"], i, xerr=ends, fmt="o", color=_PALETTE[0 if change["cures"] else 1])
+    ax.set_yticks(range(len(ranking)), [change["field"] for change in ranking])
+    ax.invert_yaxis()
+    ax.set_xlabel(f"taken away of a score of {document['score']:.2f} (bars: 95 % over seeds)")
+    return figure
+
+
 def plot_tuning(document: Json) -> Figure:
     """Best score over generations."""
     figure, (ax,) = _new(1, 3.5)

@@ -347,6 +347,55 @@ class Tuning(Result):
 
 
 @dataclass(frozen=True, repr=False)
+class Diagnosis(Result):
+    """Why a policy does not do what it is asked."""
+
+    environment: EnvironmentConfig | None = None  #: with the first of the ranking; as it is if there is none
+
+    _row_name = "field"
+
+    @property
+    def summary(self) -> str:
+        """What a colleague can repeat."""
+        summary: str = self.document["summary"]
+        return summary
+
+    @property
+    def healthy(self) -> bool:
+        """Whether it does what it is asked."""
+        return bool(self.document["healthy"])
+
+    @property
+    def cause(self) -> str | None:
+        """`contract`, `physics` or `policy`; None if it is healthy, or if none is named (see `abstained`)."""
+        cause: str | None = self.document["cause"]
+        return cause
+
+    @property
+    def abstained(self) -> bool:
+        """Whether explanations fit as well as one another, or none does."""
+        return bool(self.document["abstained"])
+
+    @property
+    def ranking(self) -> list[Json]:
+        """Changes, best first: `field`, `from`, `to`, `effect`, `low`, `high`, `confidence`, `cures`."""
+        ranking: list[Json] = self.document["ranking"]
+        return ranking
+
+    def plot(self) -> Figure:
+        """Draw what every change takes away of the score, with its interval."""
+        from crossgait.studies import plots
+
+        return plots.plot_diagnosis(self.document)
+
+    def _rows(self) -> list[Json]:
+        return self.ranking
+
+    def _headline(self) -> str:
+        return self.summary
+
+
+@dataclass(frozen=True, repr=False)
 class Bench(Result):
     """Speed and accuracy of the engines on the same motions."""
 

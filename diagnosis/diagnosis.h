@@ -1,0 +1,78 @@
+// Why a policy does not do here what it was trained for: its contract, the physics, or itself.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "diagnosis/search.h"
+#include "diagnosis/standing_tests.h"
+#include <nlohmann/json_fwd.hpp>
+
+namespace crossgait {
+
+/// How to look for a cause.
+struct DiagnosisOptions {
+  std::size_t workers = 1;  ///< threads; results do not depend on them
+  std::uint64_t seed = 0;
+  std::vector<std::string> unstated =
+      {};  ///< fields that nobody said, beside those that the policy's folder lists
+  std::optional<std::string> home_engine = {};  ///< in which the policy was trained, where that is known
+  bool search = true;                           ///< else it is only seen whether it does what it is asked
+};
+
+/// What a wrong walk comes from.
+enum class CauseKind {
+  kContract,  ///< a field of the environment
+  kPhysics,   ///< the contact law or the engine
+  kPolicy,    ///< nothing around it
+};
+/// "contract", "physics", "policy".
+std::string_view name(CauseKind kind) noexcept;
+
+/// A change of one field, or of two, and what it does to the score (walk_score, mean over all walks).
+struct RankedChange {
+  std::string field;     ///< "servos.kp"; of two "history + servos.kp"
+  std::string from, to;  ///< in words
+  double score = 0;      ///< with it
+  double effect = 0, low = 0,
+         high = 0;          ///< what it takes away of the score, with its 95 % interval over seeds
+  double confidence = 0;    ///< share of resamplings of the walks in which it is the best of this list
+  bool physics = false;     ///< of the contact law or the engine
+  bool unstated = false;    ///< nobody said the field
+  bool cures = false;       ///< with it the policy does what it is asked
+  std::string leaves = {};  ///< what is still wrong, in words
+  EnvConfig config = {};    ///< with it
+};
+
+struct Diagnosis {
+  std::string summary;             ///< a sentence
+  std::optional<CauseKind> cause;  ///< nothing where it is healthy, or where the diagnosis abstains
+  bool healthy = false;            ///< it does what it is asked
+  bool abstained = false;
+  std::string experiment;  ///< that would decide, where it abstains
+  std::string complaint;   ///< what is wrong, in words
+  double score = 0;        ///< of the patient
+  double spread = 0;       ///< 95 % of the scores of the best change lie so near to their mean, over seeds
+  std::vector<StandingTest> tests;
+  std::vector<RankedChange> ranking;  ///< cures first, then by score; one of every field
+  EnvConfig environment;              ///< with the first of the ranking, as it is if there is none
+  std::size_t configurations = 0;     ///< that were run
+};
+
+/// Examines a policy in its environment; where it does not do what it is asked, looks for the change of one
+/// field, or of two, with which it does.
+/// @param policy  as `make_policy` takes it; what its file states of its layout is a test, no condition
+/// @throws ConfigError for an environment that does not command joints, a policy of other sizes, or a home
+/// engine that is not there
+/// @throws Interrupted from `progress`
+Diagnosis diagnose(const LoadedEnv& environment, const std::string& policy, const DiagnosisOptions& options,
+                   const Progress& progress = {});
+
+/// Keys as in docs/schemas/diagnose.json. @param file  that `environment` was written to; empty: none
+nlohmann::ordered_json to_json(const Diagnosis& diagnosis, const std::string& file = {});
+/// The summary, the tests and the ranking, as text.
+std::string describe(const Diagnosis& diagnosis);
+
+}  // namespace crossgait

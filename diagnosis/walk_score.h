@@ -1,0 +1,82 @@
+// How well a policy does what it is asked, as one number: not falls alone, since half of all wrong interfaces
+// never make a robot fall.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "env/loaded_env.h"
+#include "policy/relabelled_policy.h"
+
+namespace crossgait {
+
+/// One walk: what was asked, and what came of it after the first second, in which the robot sets off.
+struct WalkMeasure {
+  VelocityCommand asked;
+  double speed_error = 0;     ///< |mean velocity in the heading's frame - asked|, m/s
+  double yaw_rate_error = 0;  ///< |mean yaw rate - asked|, rad/s
+  double jitter = 0;          ///< mean |second difference of servo targets| over policy_dt^2, rad/s^2
+  double effort = 0;          ///< mean power of the servos over weight and reference speed
+  double tilt = 0;            ///< root mean square of roll and pitch together, rad
+  double lasted = 1;          ///< share of the walk before a fall or another end; 1: all of it
+  bool fell = false;          ///< it ended before its time
+};
+
+/// Walks by command: straight, turning left and right, standing.
+struct WalkCommand {
+  std::string name;
+  VelocityCommand velocity;
+};
+
+/// What a policy is asked.
+struct WalkTest {
+  std::vector<WalkCommand> commands;
+  std::size_t seeds = 1;  ///< of each command: another heading and a little tilt at the start
+  double seconds = 3;     ///< of a walk
+  std::size_t first = 0;  ///< the first of the seeds
+};
+
+/// Straight ahead, to both sides and standing, about what `config` asks for.
+/// @returns speeds in m/s: its own forward speed (half a metre a second if that is less than a tenth), turns
+///          of .4 rad/s
+std::vector<WalkCommand> walk_commands(const EnvConfig& config);
+
+/// Bounds within which a walk counts as what was asked.
+struct WalkTolerance {
+  double speed_share = 0.2, speed = 0.05;        ///< of what is asked, and m/s on top of it
+  double yaw_rate_share = 0.2, yaw_rate = 0.12;  ///< the same, rad/s on top of it
+};
+
+/// Score of a walk, 0 for what was asked to the letter without effort. The sum of
+///   speed error over the larger of the command and .3 m/s, at most 1,
+///   yaw rate error over the larger of the command and .4 rad/s, at most 1,
+///   .3 jitter over 500 rad/s^2, .2 effort over 3 and .3 tilt over .2 rad, each at most 1,
+/// for a walk that lasts, and 3 plus the share of the time that was left for one that does not.
+double walk_score(const WalkMeasure& walk) noexcept;
+
+/// Walks of one configuration.
+struct WalkResult {
+  std::vector<WalkMeasure> walks;  ///< command by command, seed by seed
+  std::vector<double> scores;      ///< of the same
+
+  double mean() const noexcept;  ///< of the scores
+  /// Means over commands, seed by seed.
+  std::vector<double> by_seed(std::size_t seeds) const;
+  std::size_t falls() const noexcept;
+};
+
+/// Whether every command was done: no walk fell, and the mean of the seeds of each is within the tolerance.
+bool does_what_is_asked(const WalkResult& result, std::size_t seeds, const WalkTolerance& tolerance = {});
+/// What is worst about it, in words: "falls in 3 of 8 walks", "walks straight ahead at 0.2 m/s instead of
+/// 0.5".
+std::string what_is_wrong(const WalkResult& result, const WalkTest& test,
+                          const WalkTolerance& tolerance = {});
+
+/// Runs every command and seed of `test` in this configuration, in its engine, on the caller's thread. What
+/// it randomises is replaced by the test's own starts.
+/// @throws ConfigError for a configuration that cannot be
+WalkResult run_walks(const LoadedEnv& environment, const RelabelledPolicy& policy, const WalkTest& test,
+                     std::uint64_t seed);
+
+}  // namespace crossgait

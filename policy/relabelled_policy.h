@@ -1,0 +1,28 @@
+// A policy's network where what its numbers mean is in question.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "policy/policy.h"
+
+namespace crossgait {
+
+/// A network that runs on any interface of its sizes.
+struct RelabelledPolicy {
+  /// Makes it for an interface. @throws ConfigError for another size
+  std::function<std::unique_ptr<Policy>(const PolicyInterface&)> make;
+  std::optional<std::string> layout_hash;             ///< of what it states that it was made for
+  std::optional<double> policy_dt;                    ///< s, the same
+  Eigen::VectorXd observation_mean, observation_std;  ///< of its normaliser; empty where that is not known
+};
+
+/// Reads a bundle or a description of kind onnx; names, units and times that they state are not held against
+/// the interface. Of all else that `make_policy` takes it makes what that makes. @throws ConfigError
+RelabelledPolicy read_relabelled_policy(const std::string& text);
+
+}  // namespace crossgait

@@ -1,0 +1,58 @@
+// A diagnosis as a function: what it returns is what `--json` writes, without the provenance of a command
+// line.
+#include "diagnosis/diagnosis.h"
+
+#include "diagnosis/joint_orders.h"
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "python/bindings/bindings.h"
+#include "python/bindings/job.h"
+#include "python/bindings/robot.h"
+#include "python/bindings/study_report.h"
+
+namespace crossgait::python {
+namespace {
+
+Pair diagnose_policy(const EnvConfig& config, const std::string& policy, const DiagnosisOptions& options,
+                     const nb::object& progress) {
+  const auto environment = std::make_shared<EnvConfig>();
+  const Report report = run_job(
+      [=](const StageProgress& told) -> Report {
+        const Diagnosis found = diagnose(config, policy, options, progress_of(told, "diagnosing"));
+        *environment = found.environment;
+        return {to_json(found), describe(found)};
+      },
+      progress);
+  return nb::make_tuple(to_python(report), *environment);
+}
+
+// The servos in the order of every convention, by its name.
+nb::dict orders_of(const Robot& robot) {
+  const std::vector<ServoPlace> servos = servo_places(*robot.description);
+  nb::dict orders;
+  for (const JointOrder& order : joint_orders())
+    orders[nb::str(order.name.data(), order.name.size())] = nb::cast(joints_in_order(order, servos));
+  return orders;
+}
+
+}  // namespace
+
+void bind_diagnosis(nb::module_& m) {
+  m.def("joint_orders", &orders_of, nb::arg("robot"),
+        nb::sig("def joint_orders(robot: Robot) -> dict[str, list[str]]"),
+        "The robot's servos in the order of every convention that files mean without saying so, by its name "
+        "(docs/importing.md).");
+  m.def(
+      "_diagnose",
+      [](const EnvConfig& config, const std::string& policy, const std::vector<std::string>& unstated,
+         const std::optional<std::string>& home_engine, bool search, std::size_t workers, std::uint64_t seed,
+         const nb::object& progress) {
+        return diagnose_policy(config, policy, {workers, seed, unstated, home_engine, search}, progress);
+      },
+      nb::arg("environment"), nb::arg("policy"), nb::arg("unstated"), nb::arg("home_engine").none(),
+      nb::arg("search"), nb::arg("workers"), nb::arg("seed"), kProgress);
+}
+
+}  // namespace crossgait::python

@@ -1,0 +1,134 @@
+#include "diagnosis/diagnosis.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "physics/core/error.h"
+#include "policy/bundled_policies.h"
+
+namespace crossgait {
+namespace {
+
+// A policy that is trained and walks, with one thing or two of its environment wrong.
+LoadedEnv patient(const std::string& fault = "{}") {
+  const EnvConfig config = load_env_config(*environment_of_policy("serial_joints"));
+  return override_env_config(config, fault, "patient.yaml");
+}
+
+Diagnosis diagnosis_of(const std::string& fault, DiagnosisOptions options = {}) {
+  options.workers = 2;
+  return diagnose(patient(fault), "serial_joints", options);
+}
+
+const StandingTest& test_of(const Diagnosis& diagnosis, const std::string& name) {
+  for (const StandingTest& test : diagnosis.tests)
+    if (test.name == name) return test;
+  throw std::out_of_range(name);
+}
+
+TEST(Diagnose, NamesNothingOfAPolicyThatDoesWhatItIsAsked) {
+  const Diagnosis found = diagnosis_of("{}");
+  EXPECT_TRUE(found.healthy);
+  EXPECT_FALSE(found.cause);
+  EXPECT_FALSE(found.abstained);
+  EXPECT_TRUE(found.ranking.empty());
+  for (const StandingTest& test : found.tests) EXPECT_TRUE(test.passed) << test.name << ": " << test.found;
+  EXPECT_EQ(to_json(found).at("cause"), nullptr);
+}
+
+TEST(Diagnose, NamesAWrongScaleOfActions) {
+  const Diagnosis found = diagnosis_of("joints: {scale: 1}");
+  ASSERT_TRUE(found.cause);
+  EXPECT_EQ(*found.cause, CauseKind::kContract);
+  ASSERT_FALSE(found.ranking.empty());
+  const RankedChange& first = found.ranking.front();
+  EXPECT_EQ(first.field, "joints.scale");
+  EXPECT_TRUE(first.cures);
+  EXPECT_GT(first.low, 0);
+  EXPECT_GT(first.effect, found.spread);
+  // What is written walks as the healthy one does: the scale that it was trained with is .5.
+  for (const auto& [joint, scale] : found.environment.joints.scale.by_name) EXPECT_NEAR(scale, 0.5, 0.1);
+}
+
+TEST(Diagnose, NamesAVelocityInTheWrongFrame) {
+  const Diagnosis found = diagnosis_of(
+      "observation: [base_linear_velocity, base_angular_velocity_local, gravity, joint_offsets, "
+      "joint_velocities, last_action, command]");
+  EXPECT_FALSE(test_of(found, "yaw invariance").passed);
+  ASSERT_TRUE(found.cause);
+  EXPECT_EQ(*found.cause, CauseKind::kContract);
+  EXPECT_EQ(found.ranking.front().field, "observation.base_linear_velocity");
+}
+
+TEST(Diagnose, NamesTwoFaultsAtOnce) {
+  const Diagnosis found = diagnosis_of("joints: {scale: .25}\nservos: {kp: 30}");
+  ASSERT_TRUE(found.cause);
+  EXPECT_EQ(found.ranking.front().field, "joints.scale + servos.kp");
+}
+
+TEST(Diagnose, AbstainsOnAPolicyThatCannotWalkUntilItsHomeEngineIsKnown) {
+  DiagnosisOptions options;
+  options.workers = 2;
+  const Diagnosis unknown = diagnose(patient(), "zero", options);
+  EXPECT_FALSE(unknown.cause);
+  EXPECT_TRUE(unknown.abstained);
+  EXPECT_NE(unknown.experiment.find("--home-engine"), std::string::npos);
+  options.home_engine = patient().config.engine;
+  const Diagnosis known = diagnose(patient(), "zero", options);
+  ASSERT_TRUE(known.cause);
+  EXPECT_EQ(*known.cause, CauseKind::kPolicy);
+  EXPECT_FALSE(known.abstained);
+}
+
+TEST(Diagnose, OnlyExaminesIfAsked) {
+  DiagnosisOptions options;
+  options.search = false;
+  const Diagnosis found = diagnosis_of("joints: {scale: 1}", options);
+  EXPECT_FALSE(found.healthy);
+  EXPECT_TRUE(found.ranking.empty());
+  EXPECT_EQ(found.configurations, 1U);
+}
+
+TEST(Diagnose, RefusesWhatItCannotLookAt) {
+  EnvConfig gait;
+  EXPECT_THROW(diagnose(gait, "zero", {}), ConfigError);
+  EXPECT_THROW(diagnosis_of("{}", {.workers = 1, .seed = 0, .unstated = {}, .home_engine = "nowhere"}),
+               ConfigError);
+  EXPECT_THROW(diagnosis_of("observation: [gravity]"), ConfigError);  // a network of 48 numbers
+}
+
+TEST(Diagnose, StopsWhenItIsInterrupted) {
+  DiagnosisOptions options;
+  EXPECT_THROW(
+      diagnose(patient("joints: {scale: 1}"), "serial_joints", options, [](double) { throw Interrupted(); }),
+      Interrupted);
+}
+
+TEST(StandingTests, SeeAPoseThatDoesNotHold) {
+  DiagnosisOptions options;
+  options.search = false;
+  const Diagnosis found = diagnosis_of("servos: {kp: 2, kd: .1}", options);
+  EXPECT_FALSE(test_of(found, "hold").passed);
+}
+
+TEST(StandingTests, SeeScalesBeyondTheNormaliser) {
+  DiagnosisOptions options;
+  options.search = false;
+  const Diagnosis found = diagnosis_of(
+      "observation: [base_linear_velocity_local, base_angular_velocity_local, gravity, joint_offsets, "
+      "{block: "
+      "joint_velocities, scale: 20}, last_action, command]",
+      options);
+  EXPECT_FALSE(test_of(found, "range of observations").passed);
+  EXPECT_FALSE(test_of(found, "stated layout").passed);
+}
+
+TEST(StandingTests, SeeServosThatSwing) {
+  DiagnosisOptions options;
+  options.search = false;
+  const Diagnosis found = diagnosis_of("servos: {kd: 60}\nphysics_dt: .002", options);
+  EXPECT_FALSE(test_of(found, "servo stability").passed);
+}
+
+}  // namespace
+}  // namespace crossgait
