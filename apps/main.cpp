@@ -96,7 +96,11 @@ int run(std::vector<std::string> arguments, Invocation& invocation) {
     if (!unknown.empty())
       return report_error(
           fmt::format("{} {}", unknown, hint.empty() ? "`crossgait --help` lists them." : hint), kBadInput);
-    tell(program, error);
+    if (const std::string extra = unexpected(program); !extra.empty())
+      return report_error(fmt::format("not expected: {}. {}", extra,
+                                      hint.empty() ? "`--help` lists what is." : hint),
+                          kBadInput);
+    report_error(error.what(), kBadInput);
     return hint.empty() ? kBadInput : report_error(hint, kBadInput);
   }
   return 0;

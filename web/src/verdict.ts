@@ -113,17 +113,17 @@ export function openVerdict(a: string, b: string): void {
 export function verdictSection(verdict: Verdict, folded: boolean): HTMLElement {
   const axis = new Axis(verdict);
   const [a, b] = verdict.engines;
-  const header = ["statistic", a, b, "gap", "from", "to", "margin", "gap in margins", "half the step", "word"];
+  const header = ["statistic", "word", a, b, "gap", "from", "to", "margin", "gap in margins", "half the step"];
   const rows = verdict.statistics.map((s) =>
     h(
       "tr",
       {},
       h("th", { scope: "row" }, s.unit === "-" ? s.name : `${s.name}, ${s.unit}`),
+      h("td", { title: s.reason }, h("span", { class: `word ${s.word}` }, s.word)),
       ...[...s.values, s.gap, s.low, s.high].map((value) => h("td", {}, digits(value))),
       h("td", { title: s.margin_rule }, digits(s.margin)),
       h("td", { class: "picture" }, axis.picture(s)),
       h("td", {}, s.gap_half === null ? "\u2013" : digits(s.gap_half)),
-      h("td", { title: s.reason }, h("span", { class: `word ${s.word}` }, s.word)),
     ),
   );
   const reasons = verdict.statistics
@@ -132,9 +132,9 @@ export function verdictSection(verdict: Verdict, folded: boolean): HTMLElement {
   const scale = h(
     "tr",
     { class: "scale" },
-    h("td", { colspan: 7 }),
+    h("td", { colspan: 8 }),
     h("td", { class: "picture" }, axis.scale()),
-    h("td", { colspan: 2 }),
+    h("td"),
   );
   const models = verdict.models.map((m) =>
     h(
