@@ -1,5 +1,6 @@
 #include "apps/command.h"
 
+#include <atomic>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -68,6 +69,16 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count, co
   return numbers;
 }
 
+namespace {
+std::atomic<bool> progress_is_shown = false;
+}  // namespace
+
+void clear_progress() noexcept {
+  if (!progress_is_shown.exchange(false)) return;
+  std::fputs("\r\033[K", stderr);
+  std::fflush(stderr);
+}
+
 ProgressLine::ProgressLine(std::string label)
     : label_(std::move(label)),
       terminal_(isatty(STDERR_FILENO) == 1),
@@ -75,9 +86,7 @@ ProgressLine::ProgressLine(std::string label)
   listen_for_interruption();
 }
 
-ProgressLine::~ProgressLine() {
-  if (shown_) std::fputs("\r\033[K", stderr);
-}
+ProgressLine::~ProgressLine() { clear_progress(); }
 
 void ProgressLine::update(double share) {
   check_interruption();
@@ -88,7 +97,7 @@ void ProgressLine::update(double share) {
   fmt::print(stderr, "\r\033[K{}: {:3.0f} %, {:.0f} s left", printable_text(label_, std::string::npos),
              100 * share, left);
   std::fflush(stderr);
-  shown_ = true;
+  progress_is_shown = true;
 }
 
 std::function<void(const std::string&, double)> Stages::progress() {

@@ -20,6 +20,7 @@ namespace crossgait::apps {
 #define CROSSGAIT_COMMANDS(COMMAND) \
   COMMAND(walk)                     \
   COMMAND(compare)                  \
+  COMMAND(demo)                     \
   COMMAND(view)                     \
   COMMAND(bench)                    \
   COMMAND(verdict)                  \
@@ -40,7 +41,8 @@ namespace crossgait::apps {
   COMMAND(diagnose)                 \
   COMMAND(course)                   \
   COMMAND(tune)                     \
-  COMMAND(rerun)
+  COMMAND(rerun)                    \
+  COMMAND(completion)
 
 /// Each adds itself to the program: its options, its help and what it does.
 #define CROSSGAIT_DECLARE_COMMAND(NAME) void add_##NAME##_command(CLI::App& program, Invocation& invocation);
@@ -79,6 +81,9 @@ CLI::Option* add_seed_option(CLI::App& command, const std::string& name, Seed& s
 std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& option,
                                   const std::string& expected);
 
+/// Takes the line of progress away, if there is one: before anything else is said.
+void clear_progress() noexcept;
+
 /// One line on standard error that says how far a long job is. Silent unless that is a terminal, and for the
 /// first two seconds. From its making on, a signal ends the job: `update` throws Interrupted then.
 class ProgressLine {
@@ -92,7 +97,6 @@ class ProgressLine {
  private:
   std::string label_;
   bool terminal_;
-  bool shown_ = false;
   std::chrono::steady_clock::time_point begin_;
 };
 

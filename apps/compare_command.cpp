@@ -13,6 +13,7 @@
 #include "apps/policy_option.h"
 #include "apps/walk_options.h"
 #include "backends/registry.h"
+#include "parity/answer.h"
 #include "parity/report.h"
 #include "physics/core/error.h"
 #include "report/verdict_document.h"
@@ -28,7 +29,7 @@ struct CompareCommand {
   WalkOptions walk;
   PolicyOption policy;
   CompareOptions compare;
-  bool require = false;
+  bool require = false, brief = false;
   std::string trace;
   PageOption page;
   JsonOption json;
@@ -70,7 +71,9 @@ TraceSinks sinks_of(std::vector<RunRecording>& recordings) {
 ReportPage page_of(const WalkComparison& result, const WorldSpec& world,
                    std::vector<RunRecording>& recordings) {
   ReportPage page = page_of_walks(world, result.comparison.runs, result.comparison.pairs, recordings);
-  page.sentences = describe_pairs(result.comparison);
+  page.summary = summary(result.comparison);
+  page.groups = describe_groups(result.comparison);
+  page.sentences = describe_parity(result.comparison);
   if (result.verdict) verdict_document(to_json(*result.verdict), "verdict").add_to(page);
   return page;
 }
@@ -97,6 +100,10 @@ std::string describe_verdict(const WalkComparison& result) {
         pair.a, pair.b);
   }
   return text;
+}
+
+std::string text_of(const CompareCommand& options, const Comparison& comparison) {
+  return options.brief ? describe_briefly(comparison) : describe(comparison);
 }
 
 constexpr const char* kHint =
@@ -131,7 +138,7 @@ void run_policy(const CompareCommand& options) {
   for (RunRecording& recording : recordings) recording.finish_trace();
   if (result.comparison.interrupted) throw EndedEarly("nothing is written");
   if (options.page.asked()) options.page.write(page_of(result, world, recordings), provenance);
-  options.json.emit(describe(result.comparison), report(result), provenance);
+  options.json.emit(text_of(options, result.comparison), report(result), provenance);
   require_parity(options, result.comparison);
 }
 
@@ -150,9 +157,10 @@ void run(const CompareCommand& options) {
       compare_walks(loaded, engines, options.compare, stages.progress(), sinks_of(recordings));
   for (RunRecording& recording : recordings) recording.finish_trace();
   if (options.page.asked()) options.page.write(page_of(result, loaded.world, recordings), provenance);
-  options.json.emit(
-      describe(result.comparison) + (options.compare.verdict ? describe_verdict(result) : kHint),
-      report(result), provenance);
+  options.json.emit(text_of(options, result.comparison) + (options.compare.verdict ? describe_verdict(result)
+                                                           : options.brief         ? ""
+                                                                                   : kHint),
+                    report(result), provenance);
   if (result.interrupted) {
     throw EndedEarly(
         how_far(result.comparison.runs.front().summary.simulated_seconds, config.timing.seconds));
@@ -194,6 +202,8 @@ void add_compare_command(CLI::App& program, Invocation& invocation) {
   add_output_option(*command, "--trace", options->trace,
                     "Write one CSV per engine: FILE.csv becomes FILE.<engine>.csv");
   options->page.add_to(*command);
+  command->add_flag("--brief", options->brief, "Print the answer and the groups of engines alone")
+      ->group(kExecution);
   command->add_flag("--require", options->require,
                     "Exit code 1 if engines of the same laws are not the same: in any control step from the "
                     "same state, within 1e-9 m and rad, and over the first second, within 1e-6. Later chaos "

@@ -178,6 +178,7 @@ void run(const GaitCommand& options) {
     GaitGenerator again = make_generator(of);
     const std::string text = targets_csv(options, again, rows);
     options.csv == "-" ? print_data(text) : write_file_atomically(options.csv, text);
+    if (options.csv != "-") print_written(options.csv);
   }
   if (options.csv.empty() || !options.json.path.empty()) print_targets(options, provenance, generator, rows);
 }

@@ -11,10 +11,12 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/child_process.h"
 #include "apps/command.h"
+#include "apps/help.h"
 #include "apps/interruption.h"
 #include "apps/suggestion.h"
 #include "physics/core/error.h"
@@ -54,32 +56,51 @@ int tell(const CLI::App& program, const CLI::Error& said) {
 
 constexpr const char* kDescription =
     "Runs the same quadruped gait in several physics engines and says how far they agree.\n"
-    "Start with:  crossgait compare --terrain rough\n";
+    "Start with:  crossgait demo\n";
 constexpr const char* kFooter =
-    "\nUnits are SI, angles radians unless a name says otherwise. Exit codes: 0 done, 1 failed, 2 bad "
-    "input,\n130 interrupted.\n"
+    "\nUnits are SI, angles radians unless a name says otherwise.\n"
+    "Exit codes: 0 done, 1 failed, 2 bad input, 130 interrupted.\n"
     "`crossgait COMMAND --help` explains each command.";
+
+/// What people type for help and versions, as the program has it: nothing at all, `help COMMAND`, and
+/// `COMMAND --version`.
+std::vector<std::string> usual_spelling(std::vector<std::string> arguments) {
+  if (arguments.empty()) return {"--help"};
+  if (arguments.front() == "help") {
+    arguments.erase(arguments.begin());
+    arguments.emplace_back("--help");
+  }
+  if (arguments.size() == 2 && (arguments[1] == "--version" || arguments[1] == "-V")) return {"--version"};
+  return arguments;
+}
 
 /// Does what the arguments say. @returns the exit code
 int run(std::vector<std::string> arguments, Invocation& invocation) {
   CLI::App program(kDescription, "crossgait");
+  set_help_style(program);
   program.footer(kFooter);
-  program.set_version_flag("--version", std::string(crossgait_version()));
+  program.set_version_flag("-V,--version", std::string(crossgait_version()));
   program.require_subcommand(1);
 #define CROSSGAIT_ADD_COMMAND(NAME) add_##NAME##_command(program, invocation);
   CROSSGAIT_COMMANDS(CROSSGAIT_ADD_COMMAND)
 #undef CROSSGAIT_ADD_COMMAND
+  group_help(program);
   std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
   try {
     program.parse(std::move(arguments));
   } catch (const CLI::Success& help) {
-    return tell(program, help);
+    const std::string unknown = unknown_command(program);
+    return unknown.empty() ? tell(program, help) : report_error(unknown, kBadInput);
   } catch (const CLI::ParseError& error) {
     const std::string hint = suggestion(program), unknown = unknown_command(program);
     if (!unknown.empty())
       return report_error(
           fmt::format("{} {}", unknown, hint.empty() ? "`crossgait --help` lists them." : hint), kBadInput);
-    tell(program, error);
+    if (const std::string extra = unexpected(program); !extra.empty())
+      return report_error(fmt::format("not expected: {}. {}", extra,
+                                      hint.empty() ? "`--help` lists what is." : hint),
+                          kBadInput);
+    report_error(error.what(), kBadInput);
     return hint.empty() ? kBadInput : report_error(hint, kBadInput);
   }
   return 0;
@@ -93,10 +114,14 @@ int main_of(const std::vector<std::string>& arguments) {
     std::signal(SIGXFSZ, SIG_IGN);
     check_text(arguments);
     Invocation first;
-    int code = run(arguments, first);
-    if (!first.next.empty()) {
-      Invocation second{{}, std::move(first.recorded)};
-      code = run(first.next, second);
+    int code = run(usual_spelling(arguments), first);
+    for (const NextCommand& next : first.next) {
+      if (code != 0) break;
+      if (!next.words.empty())
+        print(fmt::format("\n{}\n$ crossgait {}\n\n", next.words, fmt::join(next.arguments, " ")));
+      flush_standard_output();
+      Invocation following{{}, first.recorded};
+      code = run(next.arguments, following);
     }
     flush_standard_output();
     return code;

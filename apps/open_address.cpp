@@ -1,8 +1,10 @@
 #include "apps/open_address.h"
 
 #include <array>
+#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
+#include <stdexcept>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -26,7 +28,38 @@ bool open_file(std::string file) {
   return ::waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
+bool is_set(const char* variable) {
+  const char* const value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "HOST";
+}
+
 }  // namespace
+
+std::string temporary_file(const std::string& name) {
+  std::string folder = (std::filesystem::temp_directory_path() / "crossgait.XXXXXX").string();
+  if (::mkdtemp(folder.data()) == nullptr)
+    throw std::runtime_error(
+        fmt::format("{}: no folder can be made: {}", folder, std::generic_category().message(errno)));
+  return folder + "/" + name;
+}
+
+void open_page(const std::string& path) {
+  const std::string file = std::filesystem::absolute(path).string();
+  if (is_set("SSH_CONNECTION") || is_set("SSH_TTY")) {
+    print_notes(
+        {fmt::format("this is a session over SSH; where your browser is: scp {}:'{}' . and open the copy",
+                     host_name(), file)});
+  } else if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY")) {
+    print_notes({fmt::format("there is no display here: open {} in a browser", file)});
+  } else if (!open_file(file)) {
+    print_notes({fmt::format("xdg-open could not open it: open {} in a browser", file)});
+  }
+}
 
 OpenedAddress::OpenedAddress(const std::string& address) {
   std::string folder = (std::filesystem::temp_directory_path() / "crossgait-view.XXXXXX").string();

@@ -2,16 +2,20 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "apps/command.h"
 #include "apps/results.h"
+#include "apps/terminal.h"
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
+#include "physics/core/fit_text.h"
 
 namespace crossgait::apps {
 namespace {
@@ -96,6 +100,7 @@ void check_apart(const std::vector<NamedFile>& outputs, const NamedFile& input) 
 }
 
 void write_to_standard_output(const std::string& bytes) {
+  clear_progress();
   if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size()) fail_on_standard_output(errno);
 }
 
@@ -131,15 +136,34 @@ void check_outputs_apart(const CLI::App& command, const std::vector<DerivedOutpu
   }
 }
 
-void print(const std::string& text) { write_to_standard_output(printable_text(text, std::string::npos)); }
+void print(const std::string& text) {
+  std::string shown = printable_text(text, std::string::npos);
+  if (const std::optional<std::size_t> width = terminal_width()) shown = fit_text(shown, *width);
+  write_to_standard_output(takes_colours(STDOUT_FILENO) ? with_colours(shown) : shown);
+}
 
 void print_data(const std::string& bytes) {
-  ::isatty(STDOUT_FILENO) == 1 ? print(bytes) : write_to_standard_output(bytes);
+  ::isatty(STDOUT_FILENO) == 1 ? write_to_standard_output(printable_text(bytes, std::string::npos))
+                               : write_to_standard_output(bytes);
+}
+
+void print_written(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return;
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error) return;
+  const auto bytes = static_cast<double>(size);
+  const std::string text = bytes < 1e3   ? fmt::format("{} bytes", size)
+                           : bytes < 1e6 ? fmt::format("{:.1f} kB", bytes / 1e3)
+                                         : fmt::format("{:.1f} MB", bytes / 1e6);
+  print_error(fmt::format("wrote {} ({})\n", path, text));
 }
 
 void print_error(const std::string& text) {
+  clear_progress();
   // Standard error may be closed, and there is nowhere left to say so.
-  std::fputs(printable_text(text, std::string::npos).c_str(), stderr);
+  const std::string shown = printable_text(text, std::string::npos);
+  std::fputs((takes_colours(STDERR_FILENO) ? message_with_colours(shown) : shown).c_str(), stderr);
 }
 
 void flush_standard_output() {

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "apps/open_address.h"
+#include "parity/answer.h"
 #include "parity/report.h"
 #include "physics/core/atomic_file.h"
 #include "physics/core/error.h"
@@ -12,7 +14,11 @@
 namespace crossgait::apps {
 
 CLI::Option* PageOption::add_to(CLI::App& command, const std::string& help) {
-  return add_output_option(command, "--report", path_, help)->type_name("FILE.html");
+  command_ = command.get_name();
+  CLI::Option* option = add_output_option(command, "--report", path_, help)->type_name("FILE.html");
+  command.add_flag("--open", open_, "Open that page in the browser; without --report it is a temporary file")
+      ->group(kOutputs);
+  return option;
 }
 
 void PageOption::check(const WalkConfig& config) const {
@@ -38,12 +44,16 @@ void PageOption::check_length(double seconds, double dt, const char* of, const c
 
 void PageOption::write(ReportPage page, const Provenance& provenance) const {
   page.provenances.push_back(to_json(with_files_read(provenance)));
-  write_file_atomically(path_, report_html(page));
+  const std::string path = path_.empty() ? temporary_file(command_ + ".html") : path_;
+  write_file_atomically(path, report_html(page));
+  print_written(path);
+  if (open_) open_page(path);
 }
 
 RunRecording::RunRecording(std::shared_ptr<const RobotDescription> robot, const std::string& trace,
                            bool page) {
   if (!trace.empty()) file_ = std::make_unique<TraceWriter>(std::move(robot), trace);
+  trace_ = trace;
   if (page) samples_.emplace(kMaxPageSteps);
 }
 
@@ -53,7 +63,9 @@ void RunRecording::add(const TraceSample& sample) {
 }
 
 void RunRecording::finish_trace() {
-  if (file_) file_->finish();
+  if (!file_) return;
+  file_->finish();
+  print_written(trace_);
 }
 
 ReportPage page_of_walks(const WorldSpec& world, const std::vector<WalkRun>& walked,
@@ -64,7 +76,11 @@ ReportPage page_of_walks(const WorldSpec& world, const std::vector<WalkRun>& wal
   Motion motion{world.robot, world.terrain, {}, pairs};
   for (std::size_t i = 0; i < walked.size(); ++i) {
     const EngineInfo& engine = walked[i].engine;
-    motion.runs.push_back({engine.name, engine.library + " " + engine.version, recordings[i].take_samples()});
+    const MotionSummary& summary = walked[i].summary;
+    RecordedRun run{engine.name, engine.library + " " + engine.version, recordings[i].take_samples()};
+    run.outcome = outcome_phrase(summary);
+    run.outcome_at_s = summary.first_at_s[static_cast<std::size_t>(summary.outcome)];
+    motion.runs.push_back(std::move(run));
   }
   page.tables.push_back(statistics_table(page.title, walked));
   page.motion = std::move(motion);

@@ -20,18 +20,20 @@ class PageOption {
   CLI::Option* add_to(
       CLI::App& command,
       const std::string& help = "Write a page that replays it in 3D, with plots, as one HTML file");
-  bool asked() const { return !path_.empty(); }
+  bool asked() const { return open_ || !path_.empty(); }
 
   /// Before anything long. @throws ConfigError if no page could be made, or of so long a walk
   void check(const WalkConfig& config) const;
   void check(const EnvConfig& config) const;
   void check() const;
+  /// Where --report says, or where temporary files are; says so, and opens it if that was asked for.
   void write(ReportPage page, const Provenance& provenance) const;
 
  private:
   void check_length(double seconds, double dt, const char* of, const char* option) const;
 
-  std::string path_;
+  std::string path_, command_;
+  bool open_ = false;
 };
 
 /// Takes the steps of one walk for `--trace` and `--report`.
@@ -51,6 +53,7 @@ class RunRecording final : public TraceSink {
 
  private:
   std::unique_ptr<TraceWriter> file_;
+  std::string trace_;
   std::optional<TraceRecorder> samples_;
 };
 

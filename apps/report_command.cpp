@@ -126,7 +126,7 @@ void run(const ReportCommand& options, const CLI::App& program, Invocation& invo
   const std::string kind = results.size() == 1 && traces.empty() ? schema_of(results.front()) : "";
   if (kind == "bench") {
     // A measurement cannot be made again: it is shown as it was measured.
-    invocation.next = {"bench", "--from=" + results.front().file, "--report=" + options.out};
+    invocation.next = {{"", {"bench", "--from=" + results.front().file, "--report=" + options.out}}};
     return;
   }
   if (kMadeAgain.contains(kind)) {
@@ -135,7 +135,7 @@ void run(const ReportCommand& options, const CLI::App& program, Invocation& invo
     if (again.front() != kind)
       throw ConfigError(results.front().file, "provenance.command", kind, again.front());
     again.push_back("--report=" + options.out);
-    invocation = {std::move(again), std::move(results.front())};
+    invocation = {{{"", std::move(again)}}, std::move(results.front())};
     return;
   }
   ReportPage page;
@@ -144,8 +144,9 @@ void run(const ReportCommand& options, const CLI::App& program, Invocation& invo
   page.title = title_of(page);
   const std::string html = report_html(page);
   write_file_atomically(options.out, html);
-  print(fmt::format("{}: {}, {} and {} in {}\n", options.out, page.title, counted(traces.size(), "trace"),
-                    counted(results.size(), "result"), size_in_words(html.size())));
+  print(fmt::format("{}: {}, {} and {}\n", options.out, page.title, counted(traces.size(), "trace"),
+                    counted(results.size(), "result")));
+  print_written(options.out);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ void add_rerun_command(CLI::App& program, Invocation& invocation) {
         throw ConfigError("command line", word, "a file that is not read", *file);
       again.push_back(word);
     }
-    invocation = {std::move(again), std::move(recorded)};
+    invocation = {{{"", std::move(again)}}, std::move(recorded)};
   });
 }
 

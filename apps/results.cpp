@@ -141,6 +141,7 @@ void JsonOption::emit(const std::string& text, ordered_json json, const Provenan
   const std::string bytes = json.dump(2) + "\n";
   if (!path.empty() && !to_stdout()) write_file_atomically(path, bytes);
   to_stdout() ? print_data(bytes) : print(text);
+  if (!path.empty() && !to_stdout()) print_written(path);
   if (const std::optional<Recorded>& recorded = invocation_->recorded) {
     flush_standard_output();
     compare_with_recorded(*recorded, json);

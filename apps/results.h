@@ -71,10 +71,17 @@ struct Recorded {
 /// @throws ConfigError if the file is no JSON object, or beyond kResultBudget
 Recorded read_result(const std::string& file);
 
+/// A command line that the program runs after another.
+struct NextCommand {
+  std::string words;  ///< what it is for; printed before it, with the command line. Empty: nothing is printed
+  std::vector<std::string> arguments;
+};
+
 /// One command line that the program runs, and what becomes of it.
 struct Invocation {
-  std::vector<std::string> next;     ///< the command line to be run after this one, by a callback; or empty
-  std::optional<Recorded> recorded;  ///< the result that this one makes again, or `next` is to
+  /// Command lines to be run after this one, by a callback; up to the first that does not end with 0.
+  std::vector<NextCommand> next = {};
+  std::optional<Recorded> recorded = {};  ///< the result that this one makes again, or those of `next` are to
 };
 
 /// `--json FILE|-`. With "-" the JSON is all that is written to standard output.
@@ -103,6 +110,8 @@ struct JsonOption {
 void print(const std::string& text);
 /// Prints for programs (JSON, CSV, YAML): as it is, but on a terminal as `print`. @throws as `print`
 void print_data(const std::string& bytes);
+/// Says on standard error which file was written, and how large it is. Nothing of what is no regular file.
+void print_written(const std::string& path);
 /// Prints on standard error, as `print`; says nothing if that is closed.
 void print_error(const std::string& text);
 

@@ -38,6 +38,7 @@ ReportPage page_of(const Rollout& rollout, const LoadedEnv& environment,
   page.tables.push_back(table(rollout));
   page.title = page.tables.front().rows().front().front();
   page.motion = watch_episodes(episodes, rollout.seed);
+  page.summary = summary(rollout);
   page.sentences.push_back(fmt::format("Replayed: the first of {}, with what every policy step earned.",
                                        counted(rollout.policies.front().all.episodes, "episode")));
   return page;

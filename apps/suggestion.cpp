@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "physics/core/nearest.h"
 
@@ -46,6 +47,11 @@ std::string suggestion(const CLI::App& program) {
     if (!near.empty()) return fmt::format("Did you mean {}?", near);
   }
   return "";
+}
+
+std::string unexpected(const CLI::App& program) {
+  const auto parsed = program.get_subcommands();
+  return fmt::format("{}", fmt::join((parsed.empty() ? program : *parsed.front()).remaining(), " "));
 }
 
 std::string unknown_command(const CLI::App& program) {

@@ -63,7 +63,10 @@ void run(const TuneCommand& options) {
                                {{"--engine", {start.engine}}, {"--engines", engines}}});
   ProgressLine progress("tuning");
   const Tuning tuning = tune_gait(method, engines, how, [&](double share) { progress.update(share); });
-  if (!options.out.empty()) write_file_atomically(options.out, to_yaml(tuning.tuned));
+  if (!options.out.empty()) {
+    write_file_atomically(options.out, to_yaml(tuning.tuned));
+    print_written(options.out);
+  }
   if (options.page.asked()) options.page.write(page_of(tuning, method, options.tune.seed), provenance);
   options.json.emit(describe(tuning), to_json(tuning), provenance);
   if (tuning.interrupted) {

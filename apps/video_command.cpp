@@ -24,6 +24,7 @@ struct VideoCommand {
   double frames_per_second = 30, slow = 1;
   int width = 640, height = 480;
   double azimuth = 130, elevation = -20;
+  bool shared_camera = false;
 };
 
 /// A folder for traces, gone at the end.
@@ -83,6 +84,7 @@ void run(const VideoCommand& options) {
   command.push_back(fmt::format("--height={}", options.height));
   command.push_back(fmt::format("--azimuth={}", options.azimuth));
   command.push_back(fmt::format("--elevation={}", options.elevation));
+  if (options.shared_camera) command.emplace_back("--shared-camera");
   command.emplace_back("--");
   command.insert(command.end(), traces.begin(), traces.end());
   print(run_python_module(kModule, command).out);
@@ -100,7 +102,7 @@ void add_video_command(CLI::App& program, Invocation& /*invocation*/) {
       "  crossgait video rough.gif --terrain rough --engines mujoco,bullet --seconds 3 --slow 4\n"
       "  crossgait video walk.mp4 walk.mujoco.csv walk.bullet.csv --terrain rough");
   auto options = std::make_shared<VideoCommand>();
-  add_output_option(*command, "out", options->out, "The film")->type_name("FILE.mp4|gif")->required();
+  add_output_option(*command, "out", options->out, "The film")->type_name("FILE.mp4|gif|webp")->required();
   command->add_option("traces", options->traces, "What `walk --trace` wrote; without any the options walk")
       ->type_name("TRACE.csv");
   command->add_option("--engines,--engine", options->engines, "Comma-separated; the first by default")
@@ -121,6 +123,8 @@ void add_video_command(CLI::App& program, Invocation& /*invocation*/) {
   command->add_option("--azimuth", options->azimuth, "The camera's look, deg: 90 is along the world's y")
       ->capture_default_str();
   command->add_option("--elevation", options->elevation, "The camera's look, deg")->capture_default_str();
+  command->add_flag("--shared-camera", options->shared_camera,
+                    "All panels look at the middle of all robots, from where all are seen");
   on_run(*command, [options] { run(*options); });
 }
 

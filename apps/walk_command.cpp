@@ -8,6 +8,7 @@
 #include "apps/policy_option.h"
 #include "apps/walk_options.h"
 #include "backends/registry.h"
+#include "parity/answer.h"
 #include "parity/report.h"
 #include "study/policy_walk.h"
 #include "study/walk.h"
@@ -25,6 +26,12 @@ struct WalkCommand {
   PageOption page;
   JsonOption json;
 };
+
+ReportPage page_of_walk(const WorldSpec& world, const WalkRun& run, std::vector<RunRecording>& recordings) {
+  ReportPage page = page_of_walks(world, {run}, {}, recordings);
+  page.summary = summary(run);
+  return page;
+}
 
 void run_policy(const WalkCommand& options) {
   const LoadedEnv environment = options.policy.environment(options.walk);
@@ -45,7 +52,7 @@ void run_policy(const WalkCommand& options) {
   recordings.front().finish_trace();
   if (result.interrupted) throw EndedEarly("nothing is written");
   if (options.page.asked())
-    options.page.write(page_of_walks(EnvModel::make(environment)->world, result.runs, {}, recordings),
+    options.page.write(page_of_walk(EnvModel::make(environment)->world, result.runs.front(), recordings),
                        provenance);
   options.json.emit(describe(result.runs.front()), report(result.runs.front()), provenance);
 }
@@ -65,8 +72,7 @@ void run(const WalkCommand& options) {
   const WalkRun run = record_walk(
       *world, config.setup(), [&](double share) { progress.update(share); }, recordings.front().sink());
   recordings.front().finish_trace();
-  if (options.page.asked())
-    options.page.write(page_of_walks(loaded.world, {run}, {}, recordings), provenance);
+  if (options.page.asked()) options.page.write(page_of_walk(loaded.world, run, recordings), provenance);
   options.json.emit(describe(run), report(run), provenance);
   if (run.interrupted) throw EndedEarly(how_far(run.summary.simulated_seconds, config.timing.seconds));
 }

@@ -14,19 +14,19 @@ using L = OutcomeLimits;
 
 // NOLINTNEXTLINE(readability-function-size): a table
 constexpr std::array kOutcomeRows{
-    OutcomeRow{Outcome::kDiverged, "diverged", "diverged", true,
+    OutcomeRow{Outcome::kDiverged, "diverged", "diverged", "diverged", true,
                [](const L&) -> std::string { return "the engine's state is not finite or has run away"; },
                "340 m/s, 10 000 rad/s or 1000 km are beyond any legged machine"},
-    OutcomeRow{Outcome::kLoopViolated, "loop_violated", "loop violated", true,
+    OutcomeRow{Outcome::kLoopViolated, "loop_violated", "loop violated", "violated a loop", true,
                [](const L& l) { return fmt::format("a loop opens beyond {:g} leg lengths", l.loop_gap); },
                "the numbers no longer describe the machine"},
-    OutcomeRow{Outcome::kFell, "fell", "fell", true,
+    OutcomeRow{Outcome::kFell, "fell", "fell", "fell", true,
                [](const L& l) {
                  return fmt::format("roll or pitch beyond {:g} degrees (`tilt_limit_deg`)", l.tilt_deg);
                },
                "no gait leans so far, and none comes back"},
     OutcomeRow{
-        Outcome::kCollapsed, "collapsed", "collapsed", true,
+        Outcome::kCollapsed, "collapsed", "collapsed", "collapsed", true,
         [](const L& l) {
           return fmt::format(
               "for {:g} s without a break the base is below {:g} of the height it was put down at, or bodies "
@@ -34,10 +34,10 @@ constexpr std::array kOutcomeRows{
               l.low_seconds, l.low_height, l.nonfoot_contact_load, l.load_smoothing);
         },
         "it lies, rather than stands on its feet; a stumble is shorter"},
-    OutcomeRow{Outcome::kLeftTerrain, "left_terrain", "left the terrain", true,
+    OutcomeRow{Outcome::kLeftTerrain, "left_terrain", "left the terrain", "left the terrain", true,
                [](const L&) -> std::string { return "the base is off the height field"; },
                "there is nothing to walk on"},
-    OutcomeRow{Outcome::kSlid, "slid", "slid", false,
+    OutcomeRow{Outcome::kSlid, "slid", "slid", "slid {}", false,
                [](const L& l) {
                  return fmt::format(
                      "loaded stance feet slid more than {:g} of the way that the base made "
@@ -45,7 +45,7 @@ constexpr std::array kOutcomeRows{
                      l.slip, l.slip_path);
                },
                "a glide is 1.00 to 1.03, a trot 0.03 to 0.08, the worst gallop 0.52"},
-    OutcomeRow{Outcome::kNoProgress, "no_progress", "no progress", false,
+    OutcomeRow{Outcome::kNoProgress, "no_progress", "no progress", "made no progress ({})", false,
                [](const L& l) {
                  return fmt::format(
                      "of the way asked for (more than {:g} leg lengths) less than {:g} was made, in "
@@ -54,7 +54,7 @@ constexpr std::array kOutcomeRows{
                      l.commanded_path, l.no_progress, l.no_progress_speed, l.commanded_turn, l.no_progress);
                },
                "next to nothing, for what was asked and for the robot: 4 cm/s on legs of 7 cm"},
-    OutcomeRow{Outcome::kBackward, "backward", "backward", false,
+    OutcomeRow{Outcome::kBackward, "backward", "backward", "went {}", false,
                [](const L& l) {
                  return fmt::format(
                      "the way made is within {:g} degrees of the opposite of the command's direction; "
@@ -62,13 +62,13 @@ constexpr std::array kOutcomeRows{
                      l.strayed_deg);
                },
                "more backward than sideways"},
-    OutcomeRow{Outcome::kStrayed, "strayed", "strayed", false,
+    OutcomeRow{Outcome::kStrayed, "strayed", "strayed", "strayed {}", false,
                [](const L& l) {
                  return fmt::format("the way made is more than {:g} degrees off the command's direction",
                                     l.strayed_deg);
                },
                "more sideways than forward"},
-    OutcomeRow{Outcome::kTooSlow, "too_slow", "too slow", false,
+    OutcomeRow{Outcome::kTooSlow, "too_slow", "too slow", "was too slow ({})", false,
                [](const L& l) {
                  return fmt::format(
                      "less than {:g} of the way asked for was made along the command, or less than "
@@ -76,7 +76,7 @@ constexpr std::array kOutcomeRows{
                      l.too_slow, l.too_slow);
                },
                "nearer to standing than to what was asked for"},
-    OutcomeRow{Outcome::kWalked, "walked", "walked", false,
+    OutcomeRow{Outcome::kWalked, "walked", "walked", "walked {}", false,
                [](const L&) -> std::string { return "none of these"; }, ""},
 };
 static_assert(

@@ -35,7 +35,9 @@ struct OutcomeRow {
   Outcome outcome;
   std::string_view name;   ///< in JSON and YAML: "loop_violated"
   std::string_view words;  ///< in tables: "loop violated"
-  bool at_once;            ///< known the moment it happens, and may end a motion; the others at its end alone
+  /// In sentences, after a subject; {} is how far it came: "made no progress ({})".
+  std::string_view phrase;
+  bool at_once;  ///< known the moment it happens, and may end a motion; the others at its end alone
   std::string (*holds)(const OutcomeLimits& limits);  ///< says when, in the documents
   std::string_view reason;                            ///< of the limits, in the documents
 };

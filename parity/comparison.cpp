@@ -59,11 +59,11 @@ std::vector<PairWork> work_of(const std::vector<Runner>& runners, const std::vec
 }
 
 std::vector<PairDifference> pairs_of(const std::vector<Runner>& runners,
-                                     const DivergenceTolerances& tolerances) {
+                                     const DivergenceTolerances& tolerances, double leg_length) {
   std::vector<PairDifference> pairs;
   for (std::size_t i = 0; i < runners.size(); ++i) {
     for (std::size_t k = i + 1; k < runners.size(); ++k) {
-      pairs.push_back(pair_of(runners[i].world.info(), runners[k].world.info(), tolerances));
+      pairs.push_back(pair_of(runners[i].world.info(), runners[k].world.info(), tolerances, leg_length));
     }
   }
   return pairs;
@@ -102,12 +102,14 @@ std::vector<std::string> missed_parity(const Comparison& comparison) {
   return found;
 }
 
-PairDifference pair_of(const EngineInfo& a, const EngineInfo& b, const DivergenceTolerances& tolerances) {
+PairDifference pair_of(const EngineInfo& a, const EngineInfo& b, const DivergenceTolerances& tolerances,
+                       double leg_length) {
   PairDifference pair;
   pair.a = a.name;
   pair.b = b.name;
   pair.same_laws = a.laws == b.laws;
   pair.tolerances = pair.same_laws ? DivergenceTolerances::exact() : tolerances;
+  pair.parting = PartingWatch(leg_length);
   return pair;
 }
 
@@ -123,7 +125,8 @@ Comparison compare_engines(const std::vector<std::unique_ptr<PhysicsBackend>>& w
          {}});
   }
   Comparison result;
-  result.pairs = pairs_of(runners, tolerances);
+  if (!worlds.empty()) result.leg_length_m = worlds.front()->spec().robot->home_height;
+  result.pairs = pairs_of(runners, tolerances, result.leg_length_m);
   const double physics_dt = worlds.empty() ? 1 : worlds.front()->spec().physics_dt;
   const int substeps = static_cast<int>(std::lround(setup.timing.control_dt / physics_dt));
   std::vector<PairWork> work = work_of(runners, result.pairs, substeps, another);

@@ -25,6 +25,7 @@ struct WalkRun {
 struct Comparison {
   std::vector<WalkRun> runs;
   std::vector<PairDifference> pairs;  ///< every two runs, in order
+  double leg_length_m = 0;            ///< of the robot (Parting)
   bool interrupted = false;           ///< all runs in the same step, as WalkRun
 };
 
@@ -53,7 +54,9 @@ std::vector<std::string> missed_parity(const Comparison& comparison);
 
 /// A pair of which nothing has been compared yet.
 /// @param tolerances  of engines of unlike laws; those of the same are held to `exact()`
-PairDifference pair_of(const EngineInfo& a, const EngineInfo& b, const DivergenceTolerances& tolerances);
+/// @param leg_length  of the robot (Parting), m
+PairDifference pair_of(const EngineInfo& a, const EngineInfo& b, const DivergenceTolerances& tolerances,
+                       double leg_length);
 
 /// Makes another world like one of those that are compared, by its place.
 using AnotherWorld = std::function<std::unique_ptr<PhysicsBackend>(std::size_t place)>;

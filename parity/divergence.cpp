@@ -38,6 +38,7 @@ double compare_samples(const TraceSample& a, const TraceSample& b, PairDifferenc
   result.max_position_difference_m = std::max(result.max_position_difference_m, position);
   result.max_joint_difference_rad = std::max(result.max_joint_difference_rad, joint);
   result.max_attitude_difference_rad = std::max(result.max_attitude_difference_rad, attitude);
+  result.parting.add(sa, sb);
   const double largest = std::max({position, joint, attitude});
   if (result.first_divergence) return largest;
 

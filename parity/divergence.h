@@ -7,6 +7,7 @@
 
 #include "motion/trace.h"
 #include "parity/growth.h"
+#include "parity/parting.h"
 
 namespace crossgait {
 
@@ -58,6 +59,7 @@ struct PairDifference {
   std::optional<OneStepDifference> one_step;  ///< of engines of the same laws, where it was asked for
   std::optional<DifferenceGrowth> growth;     ///< of the largest of the three; empty where they do not grow
   std::optional<FirstDivergence> first_divergence;  ///< earliest of those watched; empty if all stayed within
+  PartingWatch parting{0};  ///< of robots of that leg length; of none nothing is found
 };
 
 /// Angle of the rotation between two orientations, in [0, pi], rad. Accurate near zero.

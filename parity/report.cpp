@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "motion/statistic_rows.h"
+#include "parity/answer.h"
 #include "physics/core/table.h"
 #include "physics/robot/contact_json.h"
 
@@ -22,6 +23,10 @@ ordered_json per_leg(const LegArray<T>& values) {
   return result;
 }
 
+ordered_json or_null(const std::optional<double>& value) {
+  return value ? ordered_json(*value) : ordered_json(nullptr);
+}
+
 ordered_json to_json(const PairDifference& pair) {
   ordered_json result{{"a", pair.a},
                       {"b", pair.b},
@@ -31,7 +36,10 @@ ordered_json to_json(const PairDifference& pair) {
                       {"max_attitude_difference_rad", pair.max_attitude_difference_rad},
                       {"one_step", nullptr},
                       {"growth", nullptr},
-                      {"first_divergence", nullptr}};
+                      {"first_divergence", nullptr},
+                      {"standing_difference_m", pair.parting.found().standing_m},
+                      {"standing_difference_rad", pair.parting.found().standing_rad},
+                      {"parted_at_s", or_null(pair.parting.found().time_s)}};
   if (const auto& step = pair.one_step) {
     result["one_step"] = {{"position_m", step->position_m},
                           {"joint_rad", step->joint_rad},
@@ -50,10 +58,6 @@ ordered_json to_json(const PairDifference& pair) {
         {"quantity", first->quantity}, {"time_s", first->time_s}, {"tolerance", first->tolerance}};
   }
   return result;
-}
-
-ordered_json or_null(const std::optional<double>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
 }
 
 // The value of a statistic, of the type that its row says.
@@ -80,43 +84,47 @@ std::string heading(const WalkRun& run) {
   return fmt::format("{} on {}, {:.3g} s", run.gait, run.terrain, run.summary.simulated_seconds);
 }
 
-const WalkRun& run_named(const Comparison& comparison, const std::string& engine) {
-  for (const WalkRun& run : comparison.runs) {
-    if (run.engine.name == engine) return run;
+// What the other group has to the first: a share where that says something, which across a change of sign, or
+// of what is shown as nothing, it does not.
+std::string change(const StatisticRow& row, const MotionSummary& a, const MotionSummary& b) {
+  const std::optional<double> x = number_of(row, a), y = number_of(row, b);
+  if (!x || !y) return "";
+  const double shown_as_nothing = 0.5 * std::pow(10.0, -row.text.digits) / row.text.factor;
+  if (*x * *y < 0 || std::abs(*x) <= 10 * shown_as_nothing) return "";
+  constexpr double kShare = 10;  // as a percentage it would be a long number
+  if (std::abs(*y) >= kShare * std::abs(*x)) return fmt::format("x{:.3g}", *y / *x);
+  const double percent = 100 * (*y - *x) / std::abs(*x);
+  return std::abs(percent) < 0.05 ? "" : fmt::format("{:+.1f} %", percent);
+}
+
+// A column per group, which stands for all of its runs, and of two groups what the other has to the first.
+Table groups_table(const Comparison& comparison) {
+  const std::vector<RunGroup> groups = groups_of(comparison);
+  std::vector<std::string> header{heading(comparison.runs.front())};
+  for (const RunGroup& group : groups) header.push_back(group.name);
+  if (groups.size() == 2) header.emplace_back("B to A");
+  Table table(header);
+  const auto motion = [&](const RunGroup& group) -> const MotionSummary& {
+    return comparison.runs[group.runs.front()].summary;
+  };
+  std::vector<std::string> outcomes{"outcome"};
+  for (const RunGroup& group : groups) outcomes.push_back(outcome_in_words(motion(group)));
+  table.add_row(outcomes);
+  for (const StatisticRow* row : shown_statistics()) {
+    std::vector<std::string> cells{std::string(row->text.label)};
+    for (const RunGroup& group : groups) cells.push_back(text_of(*row, motion(group)));
+    if (groups.size() == 2) cells.push_back(change(*row, motion(groups[0]), motion(groups[1])));
+    table.add_row(cells);
   }
-  return comparison.runs.front();
-}
-
-std::string percent_apart(double a, double b) {
-  if (std::abs(a) < 1e-3) return fmt::format("{:+.4f} m", b - a);
-  return fmt::format("{:+.2f} %", 100 * (b - a) / std::abs(a));
-}
-
-std::string in_steps(const PairDifference& pair) {
-  if (!pair.one_step || pair.one_step->steps == 0) return "";
-  return fmt::format(" One control step from the same state: {:.1g} apart at most.",
-                     pair.one_step->largest());
-}
-
-std::string growth(const PairDifference& pair) {
-  if (!pair.growth) return "";
-  return fmt::format(" Differences grow x{:.2g} per half second.", pair.growth->per_half_second);
-}
-
-std::string sentence(const Comparison& comparison, const PairDifference& pair) {
-  const std::string text = fmt::format(
-      "{} and {}: base {:.2g} m apart at most, joints {:.2g} rad, attitude {:.2g} rad; ", pair.a, pair.b,
-      pair.max_position_difference_m, pair.max_joint_difference_rad, pair.max_attitude_difference_rad);
-  const std::string how = in_steps(pair) + growth(pair);
-  if (!pair.first_divergence) {
-    return text + fmt::format("the same within {:.0e} m and {:.0e} rad.{}", pair.tolerances.position,
-                              pair.tolerances.joint, how);
+  std::vector<std::string> times{"wall time, s"};
+  for (const RunGroup& group : groups) {
+    std::vector<std::string> all;
+    for (const std::size_t i : group.runs)
+      all.push_back(fmt::format("{:.2f}", comparison.runs[i].summary.wall_seconds));
+    times.push_back(fmt::format("{}", fmt::join(all, ", ")));
   }
-  const double a = run_named(comparison, pair.a).summary.distance_m;
-  const double b = run_named(comparison, pair.b).summary.distance_m;
-  return text + fmt::format("distance {}; {} left its tolerance of {:.0e} first, at {:.3f} s.{}",
-                            percent_apart(a, b), pair.first_divergence->quantity,
-                            pair.first_divergence->tolerance, pair.first_divergence->time_s, how);
+  table.add_row(times);
+  return table;
 }
 
 }  // namespace
@@ -172,7 +180,11 @@ nlohmann::ordered_json to_json(const WalkRun& run) {
 }
 
 nlohmann::ordered_json to_json(const Comparison& comparison) {
-  ordered_json result{{"runs", ordered_json::array()}, {"pairs", ordered_json::array()}};
+  ordered_json result{{"summary", summary(comparison)},
+                      {"groups", groups_json(comparison)},
+                      {"parted_beyond_m", kPartedLegs * comparison.leg_length_m},
+                      {"runs", ordered_json::array()},
+                      {"pairs", ordered_json::array()}};
   for (const WalkRun& run : comparison.runs) result["runs"].push_back(to_json(run));
   for (const PairDifference& pair : comparison.pairs) result["pairs"].push_back(to_json(pair));
   return result;
@@ -196,19 +208,21 @@ Table statistics_table(const std::string& heading, const std::vector<WalkRun>& r
 
 std::string describe(const WalkRun& run) {
   const std::string contact = describe_contact(run.contact, {run.engine});
-  return statistics_table(heading(run), {run}).str() + (contact.empty() ? "" : "\n" + contact);
+  return summary(run) + "\n\n" + statistics_table(heading(run), {run}).str() +
+         (contact.empty() ? "" : "\n" + contact);
 }
 
-std::vector<std::string> describe_pairs(const Comparison& comparison) {
-  std::vector<std::string> sentences;
-  for (const PairDifference& pair : comparison.pairs) sentences.push_back(sentence(comparison, pair));
-  return sentences;
+std::string describe_briefly(const Comparison& comparison) {
+  std::string text = summary(comparison) + "\n";
+  if (!comparison.runs.empty()) text += fmt::format("\n{}\n", fmt::join(describe_groups(comparison), "\n"));
+  return text;
 }
 
 std::string describe(const Comparison& comparison) {
-  if (comparison.runs.empty()) return "nothing to compare\n";
-  std::string text = statistics_table(heading(comparison.runs.front()), comparison.runs).str() + "\n";
-  for (const std::string& line : describe_pairs(comparison)) text += line + "\n";
+  std::string text = describe_briefly(comparison);
+  if (comparison.runs.empty()) return text;
+  text += fmt::format("\n{}\n", groups_table(comparison).str());
+  for (const std::string& line : describe_parity(comparison)) text += line + "\n";
   std::vector<EngineInfo> engines;
   for (const WalkRun& run : comparison.runs) engines.push_back(run.engine);
   return text + describe_contact(comparison.runs.front().contact, engines);

@@ -27,11 +27,12 @@ std::string outcome_in_words(const MotionSummary& motion);
 /// What the texts below hold: a row per statistic, its label (with the unit) and then a cell per run, which
 /// the header names behind `heading`.
 Table statistics_table(const std::string& heading, const std::vector<WalkRun>& runs);
-/// A table of one run's statistics.
+/// One run: what it comes to (answer.h), then its statistics.
 std::string describe(const WalkRun& run);
-/// How far each pair lies apart, a sentence per pair.
-std::vector<std::string> describe_pairs(const Comparison& comparison);
-/// Statistics of all runs side by side, then how far each pair lies apart, in words.
+/// What it comes to (answer.h), groups of engines that did the same, their statistics side by side, and what
+/// engines of the same laws kept.
 std::string describe(const Comparison& comparison);
+/// The same without statistics and parity.
+std::string describe_briefly(const Comparison& comparison);
 
 }  // namespace crossgait

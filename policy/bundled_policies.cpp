@@ -73,7 +73,8 @@ std::optional<std::string> environment_of_policy(const std::string& text) {
 }
 
 std::string environment_file(const std::string& given, const std::string& policy) {
-  return given.empty() ? environment_of_policy(policy).value_or("") : given;
+  return given.empty() ? environment_of_policy(policy).value_or("")
+                       : environment_of_policy(given).value_or(given);
 }
 
 }  // namespace crossgait

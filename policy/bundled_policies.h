@@ -19,7 +19,8 @@ std::string find_policy_file(const std::string& text);
 
 /// The environment.yaml of that folder; nothing for any other text.
 std::optional<std::string> environment_of_policy(const std::string& text);
-/// `given` if it names a file, else that environment; empty if there is neither.
+/// `given`, which is a file or a policy whose environment is meant; without one that of `policy`, empty if it
+/// has none.
 std::string environment_file(const std::string& given, const std::string& policy);
 
 }  // namespace crossgait

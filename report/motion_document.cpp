@@ -56,6 +56,12 @@ ordered_json planned_contacts_of(const RecordedRun& run) {
   });
 }
 
+/// A time since the motion began as the page has it, or null.
+ordered_json at_page_time(const RecordedRun& run, const std::optional<double>& since_begin) {
+  if (!since_begin) return nullptr;
+  return run.samples.front().state.time + *since_begin;
+}
+
 /// Fills in where the feet are.
 ordered_json run_document(const RecordedRun& run, const Motion& motion, RunFrames& frames,
                           PageNumbers& numbers) {
@@ -81,6 +87,8 @@ ordered_json run_document(const RecordedRun& run, const Motion& motion, RunFrame
           {"feet", numbers.add(feet)},
           {"forces", numbers.add(forces)},
           {"force_directions", run.force_directions},
+          {"outcome", run.outcome},
+          {"outcome_at_s", at_page_time(run, run.outcome_at_s)},
           {"contact", contacts_of(run, motion.shortest_contact)},
           {"planned", planned_contacts_of(run)}};
 }
@@ -129,9 +137,14 @@ PairPanels pair_panels(const Trace& a, const Trace& b, std::size_t rows,
   return panels;
 }
 
-ordered_json divergence_document(const std::optional<FirstDivergence>& first) {
-  if (!first) return nullptr;
-  return {{"quantity", first->quantity}, {"time_s", first->time_s}, {"tolerance", first->tolerance}};
+ordered_json parting_document(const RecordedRun& run, const Parting& parting) {
+  return {{"standing_m", parting.standing_m}, {"time_s", at_page_time(run, parting.time_s)}};
+}
+
+bool is_same(const PairDifference& pair) {
+  const DivergenceTolerances bounds = DivergenceTolerances::exact();
+  return pair.max_position_difference_m <= bounds.position && pair.max_joint_difference_rad <= bounds.joint &&
+         pair.max_attitude_difference_rad <= bounds.attitude;
 }
 
 }  // namespace
@@ -173,11 +186,15 @@ nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& number
         continue;
       }
       PairDifference found;
+      found.parting = PartingWatch(robot.home_height);
       panels.add_pair(
           i, k, pair_panels(motion.runs[i].samples, motion.runs[k].samples, rows, frames[i].rows, found));
       const PairDifference& known = motion.pairs.empty() ? found : motion.pairs[pair];
-      pairs.push_back(
-          {{"a", i}, {"b", k}, {"first_divergence", divergence_document(known.first_divergence)}});
+      pairs.push_back({{"a", i},
+                       {"b", k},
+                       {"same", rows == motion.runs[i].samples.size() &&
+                                    rows == motion.runs[k].samples.size() && is_same(found)},
+                       {"parting", parting_document(motion.runs[i], known.parting.found())}});
     }
   }
   return {{"scene", scene_document(robot, motion.terrain, way_of(motion.runs), numbers)},

@@ -52,6 +52,8 @@ void require_page() {
 nlohmann::ordered_json report_document(const ReportPage& page, PageNumbers& numbers) {
   ordered_json document{{"title", page.title},
                         {"crossgait", crossgait_version()},
+                        {"summary", page.summary},
+                        {"groups", page.groups},
                         {"sentences", page.sentences},
                         {"motion", page.motion ? motion_document(*page.motion, numbers) : ordered_json()},
                         {"tables", ordered_json::array()},

@@ -15,7 +15,9 @@ namespace crossgait {
 
 struct ReportPage {
   std::string title;
-  std::vector<std::string> sentences;  ///< what was found, in words
+  std::string summary;                 ///< the answer, to repeat to a colleague; empty if there is none
+  std::vector<std::string> groups;     ///< a line each for engines that did the same
+  std::vector<std::string> sentences;  ///< what else was found, in words
   std::optional<Motion> motion;
   std::vector<Table> tables;                        ///< their headers: first the heading, then a name per run
   std::vector<Charts> charts;                       ///< what is no plot over the motion's time

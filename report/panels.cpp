@@ -61,6 +61,12 @@ std::optional<double> parameter_of(const RecordedRun& run, std::size_t row, std:
   return std::nullopt;
 }
 
+// A robot that rolls over goes on beyond 180 degrees, rather than back across the whole plot.
+void add_unwrapped(std::vector<double>& degrees, double next) {
+  if (!degrees.empty()) next += 360 * std::round((degrees.back() - next) / 360);
+  degrees.push_back(next);
+}
+
 /// None of a vector that a run does not know.
 std::optional<double> element(const JointVector& values, std::size_t i) {
   if (values.size() == 0) return std::nullopt;
@@ -121,7 +127,7 @@ void PanelMaker::add_base() {
       const RobotState& state = motion_.runs[run].samples[row].state;
       const Vector3 rpy = roll_pitch_yaw(state.q_WB);
       const double c = std::cos(rpy.z()), s = std::sin(rpy.z());
-      roll.back().values.push_back(kDegreesPerRadian * rpy.x());
+      add_unwrapped(roll.back().values, kDegreesPerRadian * rpy.x());
       pitch.back().values.push_back(kDegreesPerRadian * rpy.y());
       forward.back().values.push_back(c * state.v_WB.x() + s * state.v_WB.y());
       left.back().values.push_back(c * state.v_WB.y() - s * state.v_WB.x());

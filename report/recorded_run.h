@@ -31,6 +31,9 @@ struct RecordedRun {
   Trace samples;                     ///< every control step
   std::vector<Column> columns = {};  ///< rewards, and the parameters that a file names
   bool force_directions = true;      ///< false: of the forces on feet only the size is known, as `load`
+  std::string outcome = {};          ///< "fell at 1.25 s"; empty where that is not known
+  /// When that was, s since the motion began, of an outcome that is known at once.
+  std::optional<double> outcome_at_s = {};
 
   /// Returns null if there is none of that name.
   const std::vector<double>* column(std::string_view its_name) const noexcept;

@@ -20,6 +20,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
+/// Radius of a stick that stands in for a link, standing heights.
+constexpr double kStick = 0.04;
+
 /// Most samples of the ground in one page, 2 MB of them; more are thinned.
 constexpr int kMaxGroundSamples = 400'000;
 
@@ -48,10 +51,14 @@ class Shapes {
 
   ordered_json of(const Body& body) {
     ordered_json shapes = ordered_json::array();
+    bool dropped = false;
     for (const VisualShape& visual : body.visuals) {
       if (visual.type == VisualType::kMesh && !is_mesh_format(visual.mesh)) {
-        notes_.push_back(fmt::format("{} of {} is no STL or OBJ mesh and not shown",
-                                     std::filesystem::path(visual.mesh).filename().string(), body.name));
+        notes_.push_back(fmt::format("{} of {} is no STL or OBJ mesh: {}",
+                                     std::filesystem::path(visual.mesh).filename().string(), body.name,
+                                     body.shapes.empty() ? "it is not shown, and there is no collision shape"
+                                                         : "collision shapes stand in for it"));
+        dropped = true;
         continue;
       }
       ordered_json shape = placed(name(visual.type), visual.size, visual.X_BG);
@@ -63,7 +70,7 @@ class Shapes {
       }
       shapes.push_back(std::move(shape));
     }
-    if (!shapes.empty()) return shapes;
+    if (!shapes.empty() && !dropped) return shapes;
     for (const CollisionShape& collision : body.shapes) {
       ordered_json shape = placed(name(collision.type), collision.size, collision.X_BG);
       if (collision.type == ShapeType::kHull)
@@ -73,6 +80,32 @@ class Shapes {
     return shapes;
   }
   ordered_json meshes() { return std::move(meshes_); }
+
+  /// Draws the links of a body that has no shape as sticks: from its origin to where the next bodies hang,
+  /// and to its foot.
+  ordered_json sticks(const RobotDescription& robot, std::size_t body) {
+    std::vector<Vector3> ends;
+    for (const Body& other : robot.bodies) {
+      if (other.parent == static_cast<int>(body)) ends.emplace_back(other.X_PB.translation());
+    }
+    if (robot.legs) {
+      for (const Leg leg : kLegs) {
+        const LegModel& model = (*robot.legs)[leg];
+        if (model.foot_body == static_cast<int>(body)) ends.push_back(model.p_BF);
+      }
+    }
+    const double radius = kStick * (robot.standing_height > 0 ? robot.standing_height : 0.2);
+    ordered_json shapes = ordered_json::array();
+    for (const Vector3& end : ends) {
+      const double length = end.norm();
+      if (length <= radius) continue;
+      Pose X_BG = Pose::Identity();
+      X_BG.translation() = 0.5 * end;
+      X_BG.linear() = Quaternion::FromTwoVectors(Vector3::UnitZ(), end).toRotationMatrix();
+      shapes.push_back(placed("capsule", Vector3(radius, 0.5 * length, 0), X_BG));
+    }
+    return shapes;
+  }
 
  private:
   std::size_t index_of(const std::string& file) {
@@ -164,12 +197,17 @@ nlohmann::ordered_json scene_document(const RobotDescription& robot, const Terra
                                       const PathBounds& path, PageNumbers& numbers) {
   ordered_json notes = ordered_json::array(), bodies = ordered_json::array();
   Shapes shapes(numbers, notes);
-  for (const Body& body : robot.bodies) {
+  const bool no_visuals = std::all_of(robot.bodies.begin(), robot.bodies.end(),
+                                      [](const Body& body) { return body.visuals.empty(); });
+  for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
+    const Body& body = robot.bodies[i];
     const Vector3& com = body.inertia.p_BC;
+    ordered_json its = shapes.of(body);
+    if (no_visuals && its.empty()) its = shapes.sticks(robot, i);
     bodies.push_back({{"name", body.name},
                       {"mass", body.inertia.mass},
                       {"centre_of_mass", {com.x(), com.y(), com.z()}},
-                      {"shapes", shapes.of(body)}});
+                      {"shapes", std::move(its)}});
   }
   // About two lengths of a quadruped, whose legs are half as long as it is.
   const double reach = robot.standing_height > 0 ? 8 * robot.standing_height : 1;

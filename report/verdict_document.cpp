@@ -142,6 +142,10 @@ VerdictDocument verdict_document(const nlohmann::json& verdict, const std::strin
 
 void VerdictDocument::add_to(ReportPage& page) && {
   if (words) page.tables.push_back(std::move(*words));
+  if (page.summary.empty() && !sentences.empty()) {
+    page.summary = std::move(sentences.front());
+    sentences.erase(sentences.begin());
+  }
   std::move(sentences.begin(), sentences.end(), std::back_inserter(page.sentences));
   std::move(pairs.begin(), pairs.end(), std::back_inserter(page.verdicts));
 }

@@ -74,6 +74,8 @@ CourseResult run_course(const Course& course, const LoadedEnv& method, const Nam
                         const std::vector<std::string>& engines, const EpisodeOptions& options,
                         const Progress& progress = {});
 
+/// How much of the way it made in which engine, and on which section engines differ most.
+std::string summary(const CourseResult& result);
 /// Keys as in docs/schemas/course.json.
 nlohmann::ordered_json to_json(const CourseResult& result);
 Table table(const CourseResult& result);

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "parity/answer.h"
 #include "physics/core/schema.h"
 #include "physics/core/table.h"
 #include "study/course.h"
@@ -40,10 +42,48 @@ std::vector<std::string> engines_of(const CourseResult& result) {
   return engines;
 }
 
+std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+
+// " They differ most on pushed: 100 % in mujoco, 0 % in bullet."; empty where they differ by less than the
+// percent that is told.
+std::string largest_difference(const CourseResult& r) {
+  constexpr double kTold = 0.01;
+  std::map<std::string, std::vector<const CourseCell*>> sections;
+  for (const CourseCell& cell : r.cells) sections[cell.section.name].push_back(&cell);
+  double largest = kTold;
+  std::string text;
+  for (const auto& [name, cells] : sections) {
+    const auto score = [](const CourseCell* cell) { return mean_and_deviation(cell->scores).mean; };
+    const auto [low, high] = std::minmax_element(
+        cells.begin(), cells.end(), [&](const auto* a, const auto* b) { return score(a) < score(b); });
+    if (score(*high) - score(*low) <= largest) continue;
+    largest = score(*high) - score(*low);
+    text = fmt::format(" They differ most on {}: {} in {}, {} in {}.", name, percent(score(*high)),
+                       (*high)->engine, percent(score(*low)), (*low)->engine);
+  }
+  return text;
+}
+
 }  // namespace
 
+std::string summary(const CourseResult& r) {
+  const std::vector<std::string> engines = engines_of(r);
+  if (engines.empty())
+    return fmt::format("{} finished no section of course {}.", short_name(r.policy), r.course);
+  std::vector<std::string> parts;
+  for (const std::string& engine : engines) {
+    parts.push_back(fmt::format("{}{} in {}", percent(r.score(engine).mean),
+                                parts.empty() ? fmt::format(" of course {}", r.course) : "", engine));
+  }
+  return fmt::format("{} made {}.{}", short_name(r.policy), listed(parts), largest_difference(r));
+}
+
 nlohmann::ordered_json to_json(const CourseResult& r) {
-  ordered_json json{{"course", r.course}, {"policy", r.policy}, {"seed", r.seed}, {"runs", r.runs}};
+  ordered_json json{{"summary", summary(r)},
+                    {"course", r.course},
+                    {"policy", r.policy},
+                    {"seed", r.seed},
+                    {"runs", r.runs}};
   json["cells"] = ordered_json::array();
   for (const CourseCell& cell : r.cells) {
     const MeanAndDeviation s = mean_and_deviation(cell.scores);
@@ -80,6 +120,6 @@ Table table(const CourseResult& r) {
   return rows;
 }
 
-std::string describe(const CourseResult& r) { return table(r).str(); }
+std::string describe(const CourseResult& r) { return summary(r) + "\n\n" + table(r).str(); }
 
 }  // namespace crossgait

@@ -1,7 +1,11 @@
+#include <algorithm>
+#include <optional>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "parity/answer.h"
 #include "parity/report.h"
 #include "parity/verdict_report.h"
 #include "physics/core/schema.h"
@@ -23,14 +27,29 @@ ordered_json outlier_json(const EngineComparison& comparison, const std::vector<
   return {{"name", outlier_name(comparison, outlier)}, {"engines", names_of(comparison, outlier)}};
 }
 
+// Of a cluster of one: what is not known of it yet, else that it stands apart.
+std::string alone(const EngineComparison& comparison, std::size_t engine) {
+  const std::string& own = comparison.engines[engine].name;
+  std::vector<std::string> open;
+  std::optional<std::size_t> starts;
+  for (const Verdict& pair : comparison.verdicts.pairs) {
+    if ((pair.a != own && pair.b != own) || pair.word != Word::kUnresolved) continue;
+    open.push_back(pair.a == own ? pair.b : pair.a);
+    if (pair.starts_needed) starts = std::max(starts.value_or(0), *pair.starts_needed);
+  }
+  if (open.empty()) return "agrees with no other";
+  return fmt::format("undecided against {}{}", listed(open),
+                     starts ? fmt::format(" (about {} starts would tell)", *starts) : "");
+}
+
 // Clusters, and the outlier or why none is named.
 std::vector<std::string> sentences(const EngineComparison& comparison) {
   const Consensus& consensus = comparison.consensus;
   std::vector<std::string> found;
   for (const std::vector<std::size_t>& cluster : consensus.clusters) {
-    const auto names = names_of(comparison, cluster);
-    found.push_back(cluster.size() == 1 ? fmt::format("Alone: {}.", names.front())
-                                        : fmt::format("Agree with one another: {}.", fmt::join(names, ", ")));
+    found.push_back(fmt::format(
+        "{} = {}: {}.", group_name(found.size()), fmt::join(names_of(comparison, cluster), ", "),
+        cluster.size() == 1 ? alone(comparison, cluster.front()) : std::string("agree with one another")));
   }
   for (const std::size_t p : consensus.bridges) {
     const Verdict& pair = comparison.verdicts.pairs[p];
@@ -91,7 +110,11 @@ const OutcomeCounts& outcomes_of(const EngineComparison& comparison, const std::
 }
 
 std::string describe_many(const EngineComparison& comparison) {
-  std::string text = words_table(comparison).str() + "\n";
+  std::string text = fmt::format("{}\n\nOutcomes:", fmt::join(sentences(comparison), "\n"));
+  for (const JudgedEngine& engine : comparison.engines)
+    text += fmt::format(" {}: {};", engine.name, describe(outcomes_of(comparison, engine.name)));
+  text.back() = '.';
+  text += fmt::format("\n\n{}\n", words_table(comparison).str());
   for (std::size_t p = 0; p < comparison.verdicts.pairs.size(); ++p) {
     const Verdict& v = comparison.verdicts.pairs[p];
     const auto& models = comparison.backgrounds[p].models;
@@ -99,11 +122,6 @@ std::string describe_many(const EngineComparison& comparison) {
         fmt::format("{} against {}: {}{}{}.{}\n", v.b, v.a, name(v.word), v.word == Word::kAgrees ? "" : ": ",
                     differences(v), models.empty() ? "" : fmt::format(" Models: {}.", describe(models)));
   }
-  text += "\nOutcomes:";
-  for (const JudgedEngine& engine : comparison.engines)
-    text += fmt::format(" {}: {};", engine.name, describe(outcomes_of(comparison, engine.name)));
-  text.back() = '.';
-  text += fmt::format("\n\n{}\n", fmt::join(sentences(comparison), "\n"));
   for (std::size_t p = 0; p < comparison.verdicts.pairs.size(); ++p) {
     const auto& attribution = comparison.backgrounds[p].attribution;
     const Verdict& v = comparison.verdicts.pairs[p];

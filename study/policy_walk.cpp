@@ -43,8 +43,9 @@ Episode record(LoadedEnv environment, const std::string& policy, const std::stri
           recorder.take()};
 }
 
-PairDifference compared(const Episode& a, const Episode& b, const DivergenceTolerances& tolerances) {
-  PairDifference pair = pair_of(a.run.engine, b.run.engine, tolerances);
+PairDifference compared(const Episode& a, const Episode& b, const DivergenceTolerances& tolerances,
+                        double leg_length) {
+  PairDifference pair = pair_of(a.run.engine, b.run.engine, tolerances, leg_length);
   compare_traces(a.trace, b.trace, pair);
   return pair;
 }
@@ -57,6 +58,7 @@ Comparison compare_episodes(const LoadedEnv& environment, const std::string& pol
                             const TraceSinks& sinks) {
   check_each_once(engines);
   Comparison result;
+  result.leg_length_m = environment.robot->home_height;
   std::vector<Episode> episodes;
   const auto count = static_cast<double>(engines.size());
   try {
@@ -72,7 +74,7 @@ Comparison compare_episodes(const LoadedEnv& environment, const std::string& pol
   for (std::size_t i = 0; i < episodes.size(); ++i) {
     result.runs.push_back(episodes[i].run);
     for (std::size_t k = i + 1; k < episodes.size(); ++k)
-      result.pairs.push_back(compared(episodes[i], episodes[k], tolerances));
+      result.pairs.push_back(compared(episodes[i], episodes[k], tolerances, result.leg_length_m));
   }
   return result;
 }

@@ -87,6 +87,8 @@ inline Transfer transfer_policy(const LoadedEnv& environment, const std::string&
 /// @throws ConfigError
 EnvFactory env_factory(const LoadedEnv& environment);
 
+/// How fast every policy went, and how its episodes ended.
+std::string summary(const Rollout& rollout);
 /// Keys as in docs/schemas.
 nlohmann::ordered_json to_json(const Evaluation& evaluation);
 nlohmann::ordered_json to_json(const EpisodeSummary& episode);

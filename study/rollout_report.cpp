@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "parity/answer.h"
 #include "parity/report.h"
 #include "physics/core/schema.h"
 #include "physics/core/table.h"
@@ -106,8 +107,19 @@ nlohmann::ordered_json to_json(const EpisodeSummary& e) {
   return json;
 }
 
+std::string summary(const Rollout& r) {
+  if (r.policies.empty()) return fmt::format("No episode on {} in {}.", r.config.terrain, r.config.engine);
+  std::vector<std::string> parts;
+  for (const PolicyEpisodes& run : r.policies) {
+    parts.push_back(fmt::format("{} went {:.3g} m/s ({})", short_name(run.policy), run.all.mean_speed(),
+                                outcomes_in_words(run.all)));
+  }
+  return fmt::format("On {} in {}, {}.", r.config.terrain, r.config.engine, listed(parts));
+}
+
 nlohmann::ordered_json to_json(const Rollout& r) {
-  ordered_json json{{"engine", r.config.engine},
+  ordered_json json{{"summary", summary(r)},
+                    {"engine", r.config.engine},
                     {"terrain", r.config.terrain},
                     {"gait", r.config.action == ActionKind::kGait ? ordered_json(r.config.gait) : nullptr},
                     {"seed", r.seed},
@@ -189,7 +201,7 @@ Table table(const Transfer& t) {
   return rows;
 }
 
-std::string describe(const Rollout& r) { return table(r).str(); }
+std::string describe(const Rollout& r) { return summary(r) + "\n\n" + table(r).str(); }
 std::string describe(const Transfer& t) { return table(t).str(); }
 
 }  // namespace crossgait

@@ -4,19 +4,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "parity/answer.h"
 #include "parity/distributions.h"
 #include "parity/verdict_report.h"
 #include "study/engine_comparison.h"
 
 namespace crossgait {
 namespace {
-
-// "a, b and c"
-std::string listed(const std::vector<std::string>& parts) {
-  if (parts.size() < 2) return parts.empty() ? "" : parts.front();
-  const std::vector<std::string> first(parts.begin(), parts.end() - 1);
-  return fmt::format("{} and {}", fmt::join(first, ", "), parts.back());
-}
 
 std::vector<const StatisticVerdict*> with_word(const Verdict& verdict, Word word) {
   std::vector<const StatisticVerdict*> found;

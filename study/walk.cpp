@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "backends/registry.h"
+#include "parity/answer.h"
 #include "parity/report.h"
 #include "parity/verdict_report.h"
 #include "physics/core/error.h"
@@ -69,7 +70,11 @@ WalkComparison compare_walks(const LoadedWalk& loaded, const std::vector<std::st
   return result;
 }
 
-nlohmann::ordered_json report(const WalkRun& run) { return with_schema("walk", to_json(run)); }
+nlohmann::ordered_json report(const WalkRun& run) {
+  nlohmann::ordered_json json{{"summary", summary(run)}};
+  json.update(to_json(run));
+  return with_schema("walk", json);
+}
 
 nlohmann::ordered_json report(const WalkComparison& result) {
   nlohmann::ordered_json json = with_schema("compare", to_json(result.comparison));

@@ -15,7 +15,9 @@ std::size_t width(const std::string& utf8) {
 
 // Numbers line up at their right ends, words at their left.
 bool is_number(const std::string& cell) {
-  return !cell.empty() && std::string_view("+-.0123456789").find(cell.front()) != std::string_view::npos;
+  constexpr std::string_view kDigits = ".0123456789";
+  const std::size_t first = cell.starts_with('+') || cell.starts_with('-') ? 1 : 0;
+  return cell == "-" || (cell.size() > first && kDigits.find(cell[first]) != std::string_view::npos);
 }
 
 }  // namespace

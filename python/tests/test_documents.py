@@ -149,7 +149,7 @@ def prepare(folder: Path) -> None:
 
 
 # Commands of a second or two, whatever their options.
-QUICK = {"walk", "compare", "engines", "ik", "gait", "workspace", "robots", "env", "rerun", "terrain"}
+QUICK = {"walk", "compare", "demo", "engines", "ik", "gait", "workspace", "robots", "env", "rerun", "terrain"}
 
 
 def commands(page: Path) -> list[str]:

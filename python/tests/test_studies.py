@@ -273,7 +273,14 @@ def test_results_show_themselves(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "walk.json").read_text()) == walked.document
     assert walked.plot().axes
     compared = crossgait.compare("trot", seconds=0.5, trace=True)
-    assert len(compared.plot().axes) == 4
+    figure = compared.plot()
+    assert len(figure.axes) == 5  # how far from the first, then the walks themselves
+    assert figure.axes[0].get_yscale() == "log"
+    assert len(figure.axes[0].lines) == len(compared.engines) - 1
+    assert compared.summary in compared._repr_html_()
+    assert compared._repr_html_().count(compared.summary) == 1  # the answer once, then groups and statistics
+    assert sorted(name for group in compared.groups for name in group["engines"]) == sorted(compared.engines)
+    assert all(group["sentence"] in str(compared) for group in compared.groups)
     with pytest.raises(ConfigError, match="trace"):
         crossgait.walk("trot", seconds=0.1).plot()
 

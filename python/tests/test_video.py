@@ -55,8 +55,25 @@ def test_a_trace_that_ends_sooner_stands_still(
     assert still < 0.2 * moving  # not zero: a GIF's palette differs by frame
 
 
+def test_a_shared_camera_shows_where_robots_are_to_each_other(
+    walked: list[crossgait.Trace], scara: crossgait.Robot, tmp_path: Path
+) -> None:
+    # The same robot twice, once 0.3 m ahead: its own camera shows both alike, a shared one in different places.
+    trace = walked[0]
+    ahead = trace.values.copy()
+    ahead[:, trace.names.index("p_WB.x")] += 0.3
+    pair = [trace, crossgait.Trace(trace.names, ahead, name=trace.name)]
+    apart = []
+    for shared in (False, True):
+        film = tmp_path / "pair.webp"
+        video.write(pair, film, scara, fps=5, width=160, height=120, azimuth=90, shared_camera=shared)
+        left, right = np.split(imageio.v3.imread(film)[..., :3].astype(int), 2, axis=2)
+        apart.append(np.abs(left - right).mean())
+    assert apart[1] > 3 * apart[0]  # not zero: squares of the floor, and what is lost in packing
+
+
 def test_bad_input_leaves_no_film(walked: list[crossgait.Trace], scara: crossgait.Robot, tmp_path: Path) -> None:
-    with pytest.raises(crossgait.ConfigError, match=r"\.mp4 or \.gif"):
+    with pytest.raises(crossgait.ConfigError, match=r"\.mp4 or \.gif or \.webp"):
         video.write(walked, tmp_path / "walk.avi", scara)
     with pytest.raises(crossgait.ConfigError, match="robot"):
         walked[0].to_video(tmp_path / "walk.mp4", "serial_quadruped")
@@ -79,7 +96,7 @@ def test_the_command_walks_and_draws(tmp_path: Path) -> None:
 def test_the_command_says_what_is_wrong(tmp_path: Path) -> None:
     (tmp_path / "bad.csv").write_text("time,q.a\n0,1\n")
     for arguments, words in [
-        (["walk.avi", "--seconds", "0.1"], ".mp4 or .gif"),
+        (["walk.avi", "--seconds", "0.1"], ".mp4 or .gif or .webp"),
         (["walk.mp4", "bad.csv"], "expected the robot that walked"),
         (["walk.mp4", "missing.csv"], "missing.csv"),
     ]:

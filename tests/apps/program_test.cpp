@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -12,6 +13,7 @@
 #include "gait/parameters.h"
 #include "physics/core/read_budget.h"
 #include "physics/core/text.h"
+#include "report/page_template.h"
 #include "tests/apps/run_program.h"
 
 namespace crossgait {
@@ -34,8 +36,123 @@ TEST(Program, HelpTeachesEveryCommand) {
     EXPECT_EQ(own.exit_code, 0) << command;
     EXPECT_NE(own.out.find("--json"), std::string::npos) << command;
   }
-  EXPECT_EQ(run_program("").exit_code, 2);
   EXPECT_EQ(run_program("fly").exit_code, 2);
+}
+
+TEST(Program, TakesWhatPeopleTypeForHelpAndVersion) {
+  const ProgramResult help = run_program("--help"), walk = run_program("walk --help"),
+                      version = run_program("--version");
+  for (const char* spelling : {"", "help"}) {
+    EXPECT_EQ(run_program(spelling).out, help.out) << spelling;
+    EXPECT_EQ(run_program(spelling).exit_code, 0) << spelling;
+  }
+  EXPECT_EQ(run_program("help walk").out, walk.out);
+  for (const char* spelling : {"-V", "walk --version", "compare -V"}) {
+    EXPECT_EQ(run_program(spelling).out, version.out) << spelling;
+    EXPECT_EQ(run_program(spelling).exit_code, 0) << spelling;
+  }
+  EXPECT_EQ(run_program("help fly").exit_code, 2);
+}
+
+TEST(Program, HelpSaysWhatAValueIsAndNothingOfTheParser) {
+  for (const char* command : {"", "walk ", "compare ", "verdict ", "view ", "tune ", "course "}) {
+    const std::string help = run_program(std::string(command) + "--help").out;
+    for (const char* words : {"Excludes:", "Needs:", "UINT", "FLOAT", "INT in ["})
+      EXPECT_EQ(help.find(words), std::string::npos) << command << words;
+  }
+  const std::string verdict = run_program("verdict --help").out;
+  EXPECT_NE(verdict.find("--starts N "), std::string::npos) << verdict;
+  EXPECT_NE(verdict.find("[4 to 10000; default 12]"), std::string::npos) << verdict;
+  const std::string walk = run_program("walk --help").out;
+  EXPECT_LT(walk.find("Robot and ground:"), walk.find("What moves it:"));
+  const std::string all = run_program("--help").out;
+  EXPECT_LT(all.find("Begin:"), all.find("Engines:"));
+}
+
+TEST(Program, DemoRunsCommandsThatItPrints) {
+  const std::vector<std::string> engines = available_engines();
+  for (const char* engine : {"mujoco", "bullet:matched", "bullet"}) {
+    if (std::find(engines.begin(), engines.end(), engine) == engines.end())
+      GTEST_SKIP() << engine << " is not there";
+  }
+  const ProgramResult demo = run_program("demo --report demo_page.html");
+  ASSERT_EQ(demo.exit_code, 0) << demo.err;
+  // What README shows: the pace climbs under one law and slides down under the other, whatever the impratio.
+  const std::regex answer(
+      R"(pace on slope:angle=17 walked 1\.0\d m in mujoco and bullet:matched, but slid 1\.5\d m back in bullet\.)");
+  EXPECT_EQ(
+      std::distance(std::sregex_iterator(demo.out.begin(), demo.out.end(), answer), std::sregex_iterator()),
+      2)
+      << demo.out;
+  const std::string first = demo.out.substr(demo.out.find("pace on"), demo.out.find('\n', demo.out.find("pace on")) - demo.out.find("pace on"));
+  for (const char* page : {"/README.md", "/docs/first-ten-minutes.md"})
+    EXPECT_NE(read_file(CROSSGAIT_SOURCE_DIR + std::string(page)).find(first), std::string::npos) << page << "\n" << first;
+  EXPECT_NE(demo.out.find("impratio=1 "), std::string::npos);
+  EXPECT_NE(demo.out.find("impratio=100 "), std::string::npos);
+  const std::regex policy(R"(scara_adaptive on slope:angle=20 walked 1\.9\d? m in all 3 engines)");
+  EXPECT_TRUE(std::regex_search(demo.out, policy)) << demo.out;
+  if (!page_template().empty()) {
+    EXPECT_NE(demo.err.find("wrote demo_page.html ("), std::string::npos) << demo.err;
+    EXPECT_EQ(document_of("demo_page.html").at("motion").at("runs").size(), 3U);
+    EXPECT_EQ(document_of("demo_page-policy.html").at("motion").at("runs").size(), 3U);
+  }
+  // A command of it, as it is printed.
+  const std::size_t at = demo.out.find("$ crossgait ") + 12;
+  std::string command = demo.out.substr(at, demo.out.find('\n', at) - at);
+  command.resize(command.find(" --report"));
+  const std::string again = run_program(command).out;
+  EXPECT_NE(demo.out.find(again), std::string::npos) << again;
+}
+
+TEST(Program, SaysWhatToDoWhereAPageCannotBeOpened) {
+  if (page_template().empty()) GTEST_SKIP() << "no page";
+  const std::string walk = "walk --seconds .1 --settle .1 --open";
+  const std::string bare = "unset DISPLAY WAYLAND_DISPLAY SSH_CONNECTION SSH_TTY; TMPDIR=$PWD ";
+  const ProgramResult none = run_program(walk, bare);
+  ASSERT_EQ(none.exit_code, 0) << none.err;
+  EXPECT_NE(none.err.find("/walk.html ("), std::string::npos) << none.err;
+  EXPECT_NE(none.err.find("no display"), std::string::npos) << none.err;
+  const ProgramResult ssh = run_program(walk + " --report opened.html", "SSH_CONNECTION='1 2 3 4' ");
+  EXPECT_NE(ssh.err.find("over SSH"), std::string::npos) << ssh.err;
+  EXPECT_NE(ssh.err.find("scp "), std::string::npos) << ssh.err;
+  EXPECT_NE(ssh.err.find("/opened.html"), std::string::npos) << ssh.err;
+  // With a display it is xdg-open's.
+  write_file("xdg-open", "#!/bin/sh\nprintf %s \"$1\" >opened_by\n");
+  const ProgramResult opened =
+      run_program(walk + " --report opened.html",
+                  "chmod +x xdg-open; unset SSH_CONNECTION SSH_TTY; DISPLAY=:7 PATH=$PWD:$PATH ");
+  EXPECT_EQ(opened.exit_code, 0) << opened.err;
+  EXPECT_TRUE(read_file("opened_by").ends_with("/opened.html")) << opened.err;
+  std::filesystem::remove("xdg-open");
+}
+
+TEST(Program, CompletesCommandsOptionsAndValues) {
+  const std::string script = run_program("completion bash").out;
+  write_file("completion.bash", script);
+  const auto completed = [](const std::string& words) {
+    const std::string shell =
+        "set -e; source completion.bash; COMP_WORDS=(" + words +
+        "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _crossgait; printf '%s\\n' \"${COMPREPLY[@]}\"";
+    write_file("complete.bash", shell);
+    FILE* pipe = popen("bash complete.bash 2>&1", "r");
+    std::string text;
+    for (int c = 0; (c = std::fgetc(pipe)) != EOF;) text += static_cast<char>(c);
+    EXPECT_EQ(pclose(pipe), 0) << text;
+    return text;
+  };
+  EXPECT_EQ(completed("crossgait comp"), "compare\ncompletion\n");
+  EXPECT_EQ(completed("crossgait walk --gait pr"), "pronk\n");
+  EXPECT_EQ(completed("crossgait walk --terminat"), "--terminations\n");
+  const std::string engine = available_engines().front();
+  EXPECT_EQ(completed("crossgait compare --engines none," + engine), "none," + engine + "\n")
+      << "behind a comma, too";
+  const std::string fish = run_program("completion fish").out, manual = run_program("completion man").out;
+  for (const char* command : {"walk", "compare", "verdict", "completion"}) {
+    EXPECT_NE(fish.find(std::string("__fish_use_subcommand -f -a ") + command), std::string::npos) << command;
+    EXPECT_NE(manual.find(std::string(".SS crossgait ") + command), std::string::npos) << command;
+  }
+  EXPECT_NE(manual.find("\\fB\\-\\-terrain\\fR"), std::string::npos);
+  expect_bad_input("completion tcsh", {"bash"});
 }
 
 TEST(Program, EnginesListsWhatIsBuiltIn) {

@@ -51,7 +51,7 @@ TEST_F(Report, TracesOfSeveralRunsAreReplayedTogether) {
   const json document = document_of("report_traces.html");
   EXPECT_EQ(document.at("motion").at("runs").at(1).at("name"), "report_b");
   EXPECT_FALSE(document.at("motion").at("runs").at(0).at("force_directions"));
-  EXPECT_FALSE(document.at("motion").at("pairs").at(0).at("first_divergence").is_null());
+  EXPECT_FALSE(document.at("motion").at("pairs").at(0).at("parting").at("time_s").is_null());
   EXPECT_FALSE(document.at("motion").at("scene").at("ground").is_null());
   EXPECT_EQ(document.at("tables").at(0).at("header").size(), 2U);
 }
@@ -81,9 +81,23 @@ TEST_F(Report, AComparisonShowsWhatItSays) {
              result = json::parse(read_file("report_compare.json"));
   const json& pairs = document.at("motion").at("pairs");
   ASSERT_EQ(pairs.size(), result.at("pairs").size());
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    EXPECT_EQ(pairs[i].at("first_divergence"), result.at("pairs")[i].at("first_divergence"));
-  EXPECT_EQ(document.at("sentences").size(), pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const json& pair = result.at("pairs")[i];
+    EXPECT_EQ(pairs[i].at("parting").at("standing_m"), pair.at("standing_difference_m"));
+    EXPECT_EQ(pairs[i].at("parting").at("time_s").is_null(), pair.at("parted_at_s").is_null());
+  }
+  EXPECT_EQ(document.at("summary"), result.at("summary"));
+  const json& groups = document.at("groups");
+  ASSERT_EQ(groups.size(), result.at("groups").size());
+  for (std::size_t i = 0; i < groups.size(); ++i) EXPECT_EQ(groups[i], result.at("groups")[i].at("sentence"));
+  // Engines that are one group are those that the page draws once.
+  std::size_t same = 0, grouped = 0;
+  for (const json& pair : pairs) same += pair.at("same").get<bool>();
+  for (const json& group : result.at("groups")) {
+    const std::size_t n = group.at("engines").size();
+    grouped += n * (n - 1) / 2;
+  }
+  EXPECT_EQ(same, grouped);
 }
 
 TEST_F(Report, AVerdictAndItsResultGiveTheSamePage) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "parity/answer.h"
 #include "tests/support/table_rows.h"
 
 namespace crossgait {
@@ -61,7 +62,8 @@ WalkRun some_walk(const std::string& engine, const MotionSummary& motion) {
 
 TEST(WalkReport, HasEveryStatistic) {
   EXPECT_EQ(table_rows(describe(some_walk("one", some_motion()))),
-            (std::vector<Cells>{{"trot on rough, 2.5 s", "one"},
+            (std::vector<Cells>{{"trot on rough fell at 1.25 s in one (2.5 s)."},
+                                {"trot on rough, 2.5 s", "one"},
                                 {"outcome", "fell at 1.25 s"},
                                 {"simulated time, s", "2.50"},
                                 {"distance, m", "0.3125"},
@@ -205,25 +207,34 @@ Comparison some_comparison() {
   return c;
 }
 
-TEST(ComparisonReport, PutsRunsSideBySideAndSaysHowFarPairsLieApart) {
-  const std::string text = describe(some_comparison());
+TEST(ComparisonReport, BeginsWithTheAnswerAndPutsGroupsSideBySide) {
+  const Comparison c = some_comparison();
+  const std::string text = describe(c);
+  EXPECT_TRUE(text.starts_with(summary(c) + "\n\nA = one: ")) << text;
   const std::vector<Cells> rows = table_rows(text);
-  ASSERT_EQ(rows.size(), 20U + 3);
-  EXPECT_EQ(rows[0], (Cells{"trot on rough, 2.5 s", "one", "two", "three"}));
-  EXPECT_EQ(rows[3], (Cells{"distance, m", "0.3125", "0.3750", "-0.0005"}));
-  EXPECT_EQ(rows[20], (Cells{"one and two: base 0.012 m apart at most, joints 0.34 rad, attitude 0.056 rad; "
-                             "distance +20.00 %; joint left its tolerance of 1e-02 first, at 0.125 s."}));
-  // No share of next to nothing.
-  EXPECT_EQ(rows[21],
-            (Cells{"three and one: base 0.012 m apart at most, joints 0.34 rad, attitude 0.056 rad; "
-                   "distance +0.3130 m; position left its tolerance of 1e-02 first, at 0.125 s."}));
-  EXPECT_EQ(
-      rows[22],
-      (Cells{"three and one: base 0.012 m apart at most, joints 0.34 rad, attitude 0.056 rad; "
-             "the same within 1e-06 m and 1e-05 rad. One control step from the same state: 3e-12 apart at "
-             "most. Differences grow x15 per half second."}));
-  EXPECT_NE(text.find("\n\none and two: base"), std::string::npos) << "an empty line parts them\n" << text;
-  EXPECT_EQ(describe(Comparison{}), "nothing to compare\n");
+  const auto row = [&](const std::string& label) {
+    const auto at =
+        std::find_if(rows.begin(), rows.end(), [&](const Cells& r) { return r.front() == label; });
+    return at == rows.end() ? Cells{} : *at;
+  };
+  EXPECT_EQ(row("trot on rough, 2.5 s"), (Cells{"trot on rough, 2.5 s", "A", "B", "C"}));
+  EXPECT_EQ(row("distance, m"), (Cells{"distance, m", "0.3125", "0.3750", "-0.0005"}));
+  EXPECT_EQ(describe(Comparison{}), "Nothing to compare.\n");
+}
+
+TEST(ComparisonReport, SaysSharesOfTwoGroupsWhereTheyMeanSomething) {
+  Comparison c = some_comparison();
+  c.runs.pop_back();
+  c.pairs.resize(1);
+  c.runs[1].summary.lateral_m = 0.0625;     // across zero
+  c.runs[0].summary.max_loop_gap_m = 2e-7;  // shown as 0.000 mm
+  const std::vector<Cells> rows = table_rows(describe(c));
+  const auto has = [&](const Cells& row) { return std::count(rows.begin(), rows.end(), row) == 1; };
+  EXPECT_TRUE(has({"trot on rough, 2.5 s", "A", "B", "B to A"}));
+  EXPECT_TRUE(has({"distance, m", "0.3125", "0.3750", "+20.0 %"}));
+  EXPECT_TRUE(has({"drift to the left, m", "-0.0625", "0.0625"})) << describe(c);
+  EXPECT_TRUE(has({"largest loop gap, mm", "0.000", "2.500"})) << describe(c);
+  EXPECT_TRUE(has({"RMS roll, deg", "1.125", "1.125"})) << "no share of no change";
 }
 
 TEST(ComparisonReport, AsJsonHasEveryRunAndPair) {
@@ -241,14 +252,20 @@ TEST(ComparisonReport, AsJsonHasEveryRunAndPair) {
       {"max_attitude_difference_rad", 0.056},
       {"one_step", nullptr},
       {"growth", nullptr},
-      {"first_divergence", {{"quantity", "joint"}, {"time_s", 0.125}, {"tolerance", 1e-2}}}};
+      {"first_divergence", {{"quantity", "joint"}, {"time_s", 0.125}, {"tolerance", 1e-2}}},
+      {"standing_difference_m", 0.0},
+      {"standing_difference_rad", 0.0},
+      {"parted_at_s", nullptr}};
   EXPECT_EQ(json["pairs"][0].dump(1), expected.dump(1));
   EXPECT_EQ(json["pairs"][2]["same_laws"], true);
   EXPECT_TRUE(json["pairs"][2]["first_divergence"].is_null());
   EXPECT_EQ(json["pairs"][2]["one_step"]["joint_rad"], 3e-12);
   EXPECT_EQ(json["pairs"][2]["one_step"]["steps"], 1000);
   EXPECT_EQ(json["pairs"][2]["growth"]["per_half_second"], 15);
-  EXPECT_EQ(to_json(Comparison{}).dump(), R"({"runs":[],"pairs":[]})");
+  EXPECT_EQ(json["summary"], summary(c));
+  EXPECT_EQ(json["groups"], groups_json(c));
+  EXPECT_EQ(to_json(Comparison{}).dump(),
+            R"({"summary":"Nothing to compare.","groups":[],"parted_beyond_m":0.0,"runs":[],"pairs":[]})");
 }
 
 }  // namespace

@@ -45,6 +45,7 @@ TEST_F(BundledPolicies, AreFoldersWithAFileOfTheirName) {
   EXPECT_EQ(environment_of_policy("plan"), path("policies/plan/environment.yaml"));
   EXPECT_EQ(environment_file("", "plan"), path("policies/plan/environment.yaml"));
   EXPECT_EQ(environment_file("mine.yaml", "plan"), "mine.yaml");
+  EXPECT_EQ(environment_file("plan", "zero"), path("policies/plan/environment.yaml"));
   EXPECT_EQ(environment_file("", "zero"), "");
   for (const char* text : {"zero", "other", "empty", "walker.safetensors", "", "../policies/walker"}) {
     EXPECT_EQ(find_policy_file(text), text);

@@ -2,6 +2,7 @@
 import uPlot from "uplot";
 import type { Chart, Numbers, ReportDocument } from "./document";
 import { digits, h } from "./dom";
+import { saveButtons, savePng, saveSvg, type Legend, type SvgContext } from "./figure_file";
 import { AXIS, POWERS, short } from "./plots";
 import { theme } from "./theme";
 
@@ -95,6 +96,7 @@ class ChartFigure {
   private readonly marks: { element: HTMLElement; colour: number }[];
   private readonly shades: HTMLCanvasElement | null;
   private plot: uPlot | null = null;
+  private readonly title: string;
 
   /** @param brightest  of the shades of all charts that stand together */
   constructor(
@@ -117,15 +119,21 @@ class ChartFigure {
           ),
         ]
       : [];
-    const title = [chart.title, chart.y_label].filter(Boolean).join(": ");
+    this.title = [chart.title, chart.y_label].filter(Boolean).join(": ");
     this.element = h(
       "figure",
       { class: "panel" },
       h(
         "figcaption",
         {},
-        h("b", {}, title),
-        h("span", { class: "keys" }, ...this.marks.map((m) => m.element), ...scale),
+        h("b", {}, this.title),
+        h(
+          "span",
+          { class: "keys" },
+          ...this.marks.map((m) => m.element),
+          ...scale,
+          saveButtons((how) => this.save(how)),
+        ),
       ),
       this.holder,
     );
@@ -234,6 +242,40 @@ class ChartFigure {
     };
   }
 
+  private save(how: "png" | "svg"): void {
+    if (!this.plot) return;
+    const legend: Legend[] = [...this.chart.boxes, ...this.chart.series]
+      .filter((s) => s.label)
+      .map((s) => ({ label: s.label, colour: theme.colour(s.colour), dash: undefined }));
+    if (how === "png") savePng(this.plot, this.title, legend);
+    else saveSvg(this.plot, this.title, legend, (context) => this.drawSvg(this.plot!, context));
+  }
+  private drawSvg(u: uPlot, context: SvgContext): void {
+    const { chart } = this;
+    const at = ([x, y]: [number, number]): [number, number] => [u.valToPos(x, "x"), u.valToPos(y, "y")];
+    if (chart.shades && this.shades) {
+      const [left, right, bottom, top] = shadesIn(u, chart.shades, false);
+      context.image(this.shades.toDataURL("image/png"), left, top, right - left, bottom - top);
+    }
+    for (const { colour, filled, boxes } of chart.boxes) {
+      [context.fillStyle, context.strokeStyle, context.lineWidth] = [theme.colour(colour), theme.colour(colour), 2];
+      for (const [x0, y0, x1, y1] of boxes) {
+        const [[left, one], [right, other]] = [at([x0, y0]), at([x1, y1])];
+        context.rectangle(left, Math.min(one, other), Math.max(1, right - left), Math.abs(one - other), filled);
+      }
+    }
+    for (const series of chart.series) {
+      const points = series.points.filter((p) => drawable(chart, p)).map(at);
+      [context.fillStyle, context.strokeStyle, context.lineWidth] = [
+        theme.colour(series.colour),
+        theme.colour(series.colour),
+        1.5,
+      ];
+      if (series.style !== "dots" && points.length > 1) context.line(points);
+      if (series.style !== "path") for (const [x, y] of points) context.dot(x, y, points.length > MANY ? 2 : 3.5);
+    }
+  }
+
   // Beneath lines and dots.
   private drawUnder(u: uPlot): void {
     const { chart } = this;
@@ -248,11 +290,8 @@ class ChartFigure {
     paths.forEach((path, i) => this.drawPath(u, path, path.label ? lineWidth(paths.length - 1 - i) : 1));
     u.ctx.restore();
   }
-  private drawShades(u: uPlot, { min, max, count }: NonNullable<Chart["shades"]>, image: HTMLCanvasElement): void {
-    // Grid points are the middles of pixels.
-    const half = [0, 1].map((axis) => (max[axis]! - min[axis]!) / (count[axis]! - 1) / 2);
-    const [left, right] = [u.valToPos(min[0] - half[0]!, "x", true), u.valToPos(max[0] + half[0]!, "x", true)];
-    const [bottom, top] = [u.valToPos(min[1] - half[1]!, "y", true), u.valToPos(max[1] + half[1]!, "y", true)];
+  private drawShades(u: uPlot, shades: NonNullable<Chart["shades"]>, image: HTMLCanvasElement): void {
+    const [left, right, bottom, top] = shadesIn(u, shades, true);
     u.ctx.imageSmoothingEnabled = false;
     u.ctx.drawImage(image, left, top, right - left, bottom - top);
   }
@@ -274,6 +313,19 @@ class ChartFigure {
     for (const [x, y] of points) u.ctx.lineTo(u.valToPos(x, "x", true), u.valToPos(y, "y", true));
     u.ctx.stroke();
   }
+}
+
+/** Left, right, bottom and top of shades, px of the canvas or of the page within the axes. */
+function shadesIn(
+  u: uPlot,
+  { min, max, count }: NonNullable<Chart["shades"]>,
+  inCanvas: boolean,
+): [number, number, number, number] {
+  // Grid points are the middles of pixels.
+  const half = [0, 1].map((axis) => (max[axis]! - min[axis]!) / (count[axis]! - 1) / 2);
+  const [left, right] = [u.valToPos(min[0] - half[0]!, "x", inCanvas), u.valToPos(max[0] + half[0]!, "x", inCanvas)];
+  const [bottom, top] = [u.valToPos(min[1] - half[1]!, "y", inCanvas), u.valToPos(max[1] + half[1]!, "y", inCanvas)];
+  return [left, right, bottom, top];
 }
 
 /** Curves that agree lie on each other: those behind are wider. */

@@ -55,6 +55,8 @@ export interface RunDocument {
   feet: Reference;
   forces: Reference;
   force_directions: boolean;
+  outcome: string;
+  outcome_at_s: number | null;
   contact: number[][] | null;
   planned: number[][] | null;
 }
@@ -62,7 +64,8 @@ export interface RunDocument {
 export interface Pair {
   a: number;
   b: number;
-  first_divergence: { quantity: string; time_s: number; tolerance: number } | null;
+  same: boolean;
+  parting: { standing_m: number; time_s: number | null };
 }
 
 export interface Panel {
@@ -178,6 +181,8 @@ export interface ReportDocument {
   schema: { name: "report"; version: "draft" };
   title: string;
   crossgait: string;
+  summary: string;
+  groups: string[];
   sentences: string[];
   motion: Motion | null;
   tables: { header: string[]; rows: string[][] }[];

@@ -1,6 +1,7 @@
 // Paths of the feet beside the robot, as charts: where each went in its leg's frame, seen from the side.
 import { Matrix4, Quaternion, Vector3 } from "three";
 import type { Chart, Motion, Run } from "./document";
+import { theme } from "./theme";
 
 const MILLIMETRES = 1e3;
 const PATH_COLOUR = 4; // of one run alone; several have their own
@@ -38,7 +39,7 @@ export function footPaths(motion: Motion, runs: Run[]): Chart[] {
         MILLIMETRES * (p.x - x0),
         MILLIMETRES * (p.z - z0),
       ]);
-      if (several) return [{ label: run.name, colour: run.index, style: "path", points }];
+      if (several) return [{ label: run.name, colour: theme.run(run.index).slot, style: "path", points }];
       return [
         { label: "path", colour: PATH_COLOUR, style: "path", points },
         // A chart's dots are in the order of x.

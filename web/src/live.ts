@@ -120,7 +120,7 @@ export class LivePage {
       { class: "transport" },
       stop,
       this.pause,
-      button("stand up", "Back to the start, standing (u)", () => this.link.send({ do: "stand" })),
+      button("stand up", "stand up: back to the start (u)", () => this.link.send({ do: "stand" })),
       this.record,
       this.save,
       this.clock,

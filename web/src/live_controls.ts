@@ -99,7 +99,7 @@ class Readout {
       (DEGREES * robot.pitch).toFixed(1),
     ];
     this.name.textContent = robot.engine;
-    this.name.style.borderLeft = `4px solid ${theme.colour(this.index)}`;
+    this.name.style.borderLeft = `4px solid ${theme.runColour(this.index)}`;
     this.cells.forEach((cell, i) => (cell.textContent = (texts[i] ?? "").replace("-", "\u2212")));
     this.lamps.forEach((lamp, i) => {
       lamp.classList.toggle("down", robot.contact[i]);
@@ -250,7 +250,7 @@ export class Controls {
       h(
         "table",
         { class: "readout" },
-        h("thead", {}, h("tr", {}, ...heads.map((head) => h("th", {}, head)))),
+        h("thead", {}, h("tr", {}, ...heads.map((head) => (head ? h("th", { scope: "col" }, head) : h("td"))))),
         this.rows,
       ),
     );

@@ -27,6 +27,8 @@ export class LiveRun implements Run {
       feet: nowhere,
       forces: nowhere,
       force_directions: true,
+      outcome: "",
+      outcome_at_s: null,
       contact: null,
       planned: null,
     };

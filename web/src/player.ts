@@ -18,6 +18,10 @@ export class Player {
   get end(): number {
     return this.frames[this.frames.length - 1] as number;
   }
+  /** A time as it is told, since the motion began: runs stand a while before. */
+  since(time: number): number {
+    return time - this.begin;
+  }
   onChange(listener: () => void): void {
     this.listeners.push(listener);
   }

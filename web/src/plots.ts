@@ -3,10 +3,12 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Motion, Numbers, Panel, Run } from "./document";
 import { digits, h } from "./dom";
+import { saveButtons, savePng, saveSvg, svgOf, type Legend, type SvgContext } from "./figure_file";
 import type { Player } from "./player";
 import { theme } from "./theme";
 
 const HEIGHT = 150; // px
+const TARGET = [5, 4]; // px: dashes of what is meant, beside what is
 const NOTHING = {
   mousedown: () => null,
   mouseup: () => null,
@@ -24,13 +26,42 @@ interface Key {
   element: HTMLElement;
   value: HTMLElement;
   colour: () => string;
+  title: string;
+  dash: number[] | undefined;
 }
 
-function key(label: string, dashed: boolean, colour: () => string, title = label, hidden = false): Key {
+function key(
+  label: string,
+  dash: number[] | undefined,
+  colour: () => string,
+  title = label,
+  hidden: boolean = false,
+): Key {
   const value = h("output", { "aria-label": title }, "");
-  const mark = h("i", { class: dashed ? "mark dashed" : "mark" });
+  const mark = h("i", { class: dash ? "mark dashed" : "mark" });
   const element = h("span", { class: "key", title, hidden }, mark, label ? `${label} ` : "", value);
-  return { element, value, colour };
+  return { element, value, colour, title, dash };
+}
+
+/** Smallest ranges of what is plotted, by unit: below them is what nobody would act on. */
+const FLOORS: Record<string, number> = {
+  deg: 0.1,
+  "deg/s": 1,
+  rad: 1e-3,
+  m: 1e-3,
+  mm: 0.1,
+  "m/s": 1e-3,
+  N: 0.1,
+  "N m": 1e-3,
+};
+
+/** What an axis shows of values from `low` to `high`. */
+export function rangeOf(low: number | null, high: number | null, floor: number): [number, number] {
+  if (low === null || high === null) return [0, floor || 1];
+  if (high - low >= floor && high > low) return uPlot.rangeNum(low, high, 0.1, true) as [number, number];
+  const half = 0.5 * Math.max(floor, high - low) || 0.5;
+  const middle = 0.5 * (low + high);
+  return Math.abs(middle) < half ? [-half, half] : [middle - half, middle + half];
 }
 
 /** How every axis looks. */
@@ -57,9 +88,20 @@ export const POWERS: uPlot.Axis = {
   values: (_, at) => at.map((v) => v.toExponential(0).replace("-", "\u2212")),
 };
 
-function axes(unit: string): uPlot.Axis[] {
+/** @param begin  of the motion, since which time is told */
+function axes(unit: string, begin: number): uPlot.Axis[] {
   const common = AXIS;
-  const time = { ...common, size: 24, gap: 2, values: (_: uPlot, at: number[]) => at.map((t) => `${+t.toFixed(4)} s`) };
+  const time: uPlot.Axis = {
+    ...common,
+    size: 24,
+    gap: 2,
+    splits: (_u, _axis, low, high, apart) => {
+      const at: number[] = [];
+      for (let k = Math.ceil((low - begin) / apart - 1e-6); begin + k * apart <= high; ++k) at.push(begin + k * apart);
+      return at;
+    },
+    values: (_, at) => at.map((t) => `${+(t - begin).toFixed(4)} s`),
+  };
   return [time, { ...common, size: unit === "legs" ? 34 : 52, gap: 3, values: (_, at) => at.map(short) }];
 }
 
@@ -68,6 +110,7 @@ abstract class TimePlot {
   readonly element: HTMLElement;
   protected readonly holder = h("div", { class: "plot" });
   protected plot: uPlot | null = null;
+  private readonly title: string;
   visible = false;
 
   constructor(
@@ -78,17 +121,41 @@ abstract class TimePlot {
     protected readonly marks: number[],
     protected readonly height = HEIGHT,
   ) {
+    this.title = unit ? `${title}, ${unit}` : title;
     const heading = h(
       "figcaption",
       {},
-      h("b", {}, unit ? `${title}, ${unit}` : title),
-      h("span", { class: "keys" }, ...keys.map((k) => k.element)),
+      h("b", {}, this.title),
+      h(
+        "span",
+        { class: "keys" },
+        ...keys.map((k) => k.element),
+        saveButtons((how) => this.save(how)),
+      ),
     );
     this.element = h("figure", { class: "panel" }, heading, this.holder);
     this.holder.style.height = `${height}px`;
   }
 
   protected abstract make(width: number): uPlot;
+  /** What lies within the axes. */
+  protected abstract drawSvg(u: uPlot, context: SvgContext): void;
+
+  /** As a file; null before it is drawn. */
+  svg(): string | null {
+    return this.plot && svgOf(this.plot, this.title, this.legend(), (context) => this.drawSvg(this.plot!, context));
+  }
+  private save(how: "png" | "svg"): void {
+    this.ensure();
+    if (!this.plot) return;
+    if (how === "png") savePng(this.plot, this.title, this.legend());
+    else saveSvg(this.plot, this.title, this.legend(), (context) => this.drawSvg(this.plot!, context));
+  }
+  private legend(): Legend[] {
+    return this.keys
+      .filter((k) => !k.element.hidden && k.title)
+      .map((k) => ({ label: k.title, colour: k.colour(), dash: k.dash }));
+  }
 
   ensure(): void {
     if (this.plot || this.holder.clientWidth === 0) return;
@@ -139,7 +206,7 @@ abstract class TimePlot {
       padding: [6, 18, 0, 0],
       legend: { show: false },
       cursor: { y: false, points: { show: false }, drag: { x: false, y: false }, bind: NOTHING },
-      axes: axes(unit),
+      axes: axes(unit, this.player.begin),
       series: [],
       ...rest,
       hooks: { ...rest.hooks, draw: [...(rest.hooks?.draw ?? []), (u) => this.drawMarks(u)] },
@@ -204,12 +271,15 @@ class SeriesPlot extends TimePlot {
     const several = runs.length > 1;
     const keys = panel.series.map((s, i) => {
       const name = runs[s.run]!.name;
+      // Of a difference the other engine is the one that is looked at.
+      const whose = s.other ?? s.run;
       // Engines are known by their colours, which the gait diagram and the list below the robot name.
       const label = several && s.other === undefined && !s.dashed ? "" : s.label;
-      const colour = s.other === undefined ? () => theme.colour(s.run) : () => theme.colour(i);
       // Of targets one entry will do: they are beside the angles of the same colour.
       const again = s.dashed && panel.series.findIndex((other) => other.dashed) < i;
-      return key(label, s.dashed, colour, `${s.label} ${s.other === undefined ? name : ""}`.trim(), again);
+      const dash = s.dashed ? TARGET : theme.run(whose).dash;
+      const title = `${s.label} ${s.other === undefined ? name : ""}`.trim();
+      return key(label, dash, () => theme.runColour(whose), title, again);
     });
     super(
       player,
@@ -228,16 +298,41 @@ class SeriesPlot extends TimePlot {
       stroke: () => this.keys[i]!.colour(),
       // Engines that agree lie on each other: those behind are wider.
       width: s.dashed ? 1 : several ? 1.1 + 0.8 * Math.max(0, count - 1 - i) : 1.4,
-      ...(s.dashed ? { dash: [5, 4] } : {}),
+      ...(this.keys[i]!.dash ? { dash: this.keys[i]!.dash! } : {}),
       points: { show: false },
       spanGaps: !this.panel.log,
     }));
     const options = this.options(width, this.panel.unit, {
-      scales: { x: { time: false }, y: this.panel.log ? { distr: 3 } : {} },
+      scales: {
+        x: { time: false },
+        y: this.panel.log ? { distr: 3 } : { range: (_, low, high) => rangeOf(low, high, this.floor) },
+      },
       series: [{}, ...series],
     });
     if (this.panel.log) Object.assign(options.axes![1]!, POWERS);
     return new uPlot(options, this.data as uPlot.AlignedData, this.holder);
+  }
+  /** Smallest range of the axis; values of less than a hundredth of it are told as zero. */
+  private get floor(): number {
+    return this.panel.log ? 0 : (FLOORS[this.panel.unit] ?? 0);
+  }
+  protected drawSvg(u: uPlot, context: SvgContext): void {
+    this.panel.series.forEach((s, i) => {
+      context.strokeStyle = this.keys[i]!.colour();
+      context.lineWidth = s.dashed ? 1 : 1.5;
+      context.dash = this.keys[i]!.dash ?? [];
+      let piece: [number, number][] = [];
+      this.data[i + 1]!.forEach((value, k) => {
+        if (typeof value === "number") {
+          piece.push([u.valToPos(this.data[0]![k]!, "x"), u.valToPos(value, "y")]);
+          return;
+        }
+        // A gap of a logarithmic plot, where the value is none.
+        if (this.panel.log && piece.length > 1) context.line(piece);
+        if (this.panel.log) piece = [];
+      });
+      if (piece.length > 1) context.line(piece);
+    });
   }
   protected showValues(): void {
     const times = this.data[0]!;
@@ -250,7 +345,8 @@ class SeriesPlot extends TimePlot {
     }
     this.keys.forEach((k, i) => {
       const value = this.data[i + 1]![low];
-      k.value.textContent = value === null || value === undefined ? "\u2013" : digits(value);
+      const none = value === null || value === undefined;
+      k.value.textContent = none ? "\u2013" : digits(Math.abs(value) < 0.01 * this.floor ? 0 : value);
     });
   }
 }
@@ -278,8 +374,10 @@ class GaitPlot extends TimePlot {
     marks: number[],
   ) {
     const several = runs.length > 1;
-    const keys = runs.map((run) => key(several ? run.name : "on the ground", false, () => theme.colour(run.index)));
-    if (runs[0]!.document.planned) keys.push(key("planned stance", false, () => theme.variable("--planned")));
+    const keys = runs.map((run) =>
+      key(several ? run.name : "on the ground", theme.run(run.index).dash, () => theme.runColour(run.index)),
+    );
+    if (runs[0]!.document.planned) keys.push(key("planned stance", undefined, () => theme.variable("--planned")));
     const shortest = motion.shortest_contact;
     const leftOut = shortest > 0 ? ` (touches and gaps under ${+(1e3 * shortest).toFixed(1)} ms left out)` : "";
     super(
@@ -307,29 +405,47 @@ class GaitPlot extends TimePlot {
   }
 
   private drawBars(u: uPlot): void {
-    const { legs } = this.motion.scene;
-    const bar = (times: number[] | undefined, top: number, bottom: number, colour: string) => {
-      u.ctx.fillStyle = colour;
-      const [y0, y1] = [u.valToPos(top, "y", true), u.valToPos(bottom, "y", true)];
-      for (let i = 0; i + 1 < (times?.length ?? 0); i += 2) {
-        const [x0, x1] = [u.valToPos(times![i]!, "x", true), u.valToPos(times![i + 1]!, "x", true)];
-        u.ctx.fillRect(x0, y0, Math.max(1, x1 - x0), y1 - y0);
-      }
-    };
     u.ctx.save();
     u.ctx.beginPath();
     u.ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
     u.ctx.clip();
+    this.bars(u, true, (x, y, width, height, colour) => {
+      u.ctx.fillStyle = colour;
+      u.ctx.fillRect(x, y, width, height);
+    });
+    u.ctx.restore();
+  }
+  protected drawSvg(u: uPlot, context: SvgContext): void {
+    this.bars(u, false, (x, y, width, height, colour) => {
+      context.fillStyle = colour;
+      context.rectangle(x, y, width, height);
+    });
+  }
+  /** @param inCanvas  in its pixels, else in those of the page within the axes */
+  private bars(
+    u: uPlot,
+    inCanvas: boolean,
+    draw: (x: number, y: number, width: number, height: number, colour: string) => void,
+  ): void {
+    const { legs } = this.motion.scene;
+    const bar = (times: number[] | undefined, top: number, bottom: number, colour: string) => {
+      const [y0, y1] = [u.valToPos(top, "y", inCanvas), u.valToPos(bottom, "y", inCanvas)];
+      for (let i = 0; i + 1 < (times?.length ?? 0); i += 2) {
+        const [x0, x1] = [u.valToPos(times![i]!, "x", inCanvas), u.valToPos(times![i + 1]!, "x", inCanvas)];
+        draw(x0, y0, Math.max(1, x1 - x0), y1 - y0, colour);
+      }
+    };
     legs.forEach((_, leg) => {
       const top = legs.length - leg;
       bar(this.runs[0]!.document.planned?.[leg], top - 0.06, top - 0.94, theme.variable("--planned"));
       const share = 0.68 / this.runs.length;
       this.runs.forEach((run, i) => {
         const y = top - 0.16 - i * share;
-        bar(run.document.contact?.[leg], y - 0.06 * share, y - 0.94 * share, theme.colour(run.index));
+        // What is dashed as a line is a thinner bar.
+        const thin = theme.run(run.index).dash ? 0.3 : 0.06;
+        bar(run.document.contact?.[leg], y - thin * share, y - (1 - thin) * share, theme.runColour(run.index));
       });
     });
-    u.ctx.restore();
   }
 }
 
@@ -348,12 +464,22 @@ export class Plots {
   private readonly legs: { name: string; elements: HTMLElement[] }[] = [];
 
   constructor(motion: Motion, runs: Run[], numbers: Numbers, player: Player) {
-    const marks = motion.pairs.flatMap((pair) => (pair.first_divergence ? [pair.first_divergence.time_s] : []));
+    const isLike = (i: number) => motion.pairs.some((pair) => pair.b === i && pair.same);
+    const marks = motion.pairs.flatMap(({ a, b, parting: { time_s: at } }) =>
+      a === 0 && at !== null && !isLike(b) ? [at] : [],
+    );
     const gait = this.add(new GaitPlot(player, motion, runs, marks));
     this.element.append(h("section", { class: "group wide" }, gait));
     for (const { name } of motion.scene.legs) this.legs.push({ name, elements: [] });
     for (const [group, title] of GROUPS) {
-      const panels = motion.panels.filter((panel) => panel.group === group);
+      // Differences are those from the first engine, of engines that are not like another.
+      const panels = motion.panels
+        .filter((panel) => panel.group === group)
+        .map((panel) => ({
+          ...panel,
+          series: panel.series.filter((s) => s.other === undefined || (s.run === 0 && !isLike(s.other))),
+        }))
+        .filter((panel) => panel.series.length > 0);
       if (panels.length === 0) continue;
       const grid = h("div", { class: "grid" });
       for (const panel of panels) {

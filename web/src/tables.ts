@@ -1,9 +1,17 @@
 // What was found, in words and tables, and where it comes from.
 import type { Motion, Provenance, ReportDocument } from "./document";
-import { digits, h } from "./dom";
+import { button, digits, h } from "./dom";
+import { openVerdict } from "./verdict";
 
 /** Of verdicts. */
 const WORDS = new Set(["agrees", "differs", "step-dependent", "unresolved"]);
+
+/** In a table of all pairs it opens that of its engines. */
+function word(text: string, a: string, b: string): HTMLElement {
+  const open = button(text, `${text}: ${a} and ${b}, open their verdict`, () => openVerdict(a, b));
+  open.className = `word ${text}`;
+  return open;
+}
 
 function table(header: string[], rows: string[][]): HTMLElement {
   const cells = (row: string[], tag: "th" | "td") =>
@@ -11,7 +19,7 @@ function table(header: string[], rows: string[][]): HTMLElement {
       h(
         i === 0 ? "th" : tag,
         { scope: tag === "th" ? "col" : i === 0 ? "row" : false },
-        WORDS.has(text) ? h("span", { class: `word ${text}` }, text) : text,
+        WORDS.has(text) ? word(text, row[0]!, header[i]!) : text,
       ),
     );
   return h(

@@ -1,9 +1,9 @@
 // Light or dark, as the system has it or as was chosen; and the colours of engines in either.
 
-// Okabe and Ito's palette (2008), which people with any colour vision tell apart;
-// its brighter half on dark ground.
-const LIGHT = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"];
-const DARK = ["#56b4e9", "#f0803c", "#2cc79c", "#dd9cc2", "#a5b1ff", "#f0c04a"];
+// palette.json is Okabe and Ito's palette (2008), which people with any colour vision tell apart; its brighter half is for
+// dark ground.
+import palette from "./palette.json";
+import { engineStyles, type Style } from "./styles";
 
 type Name = "light" | "dark";
 
@@ -11,6 +11,7 @@ class Theme {
   private readonly system = matchMedia("(prefers-color-scheme: dark)");
   private chosen: Name | null = null;
   private printing = false;
+  private runs: Style[] = [];
   private readonly listeners: (() => void)[] = [];
 
   constructor() {
@@ -32,10 +33,21 @@ class Theme {
     this.listeners.push(listener);
     return () => void this.listeners.splice(this.listeners.indexOf(listener), 1);
   }
+  /** Of the palette. */
+  colour(slot: number): string {
+    const colours = palette[this.name];
+    return colours[slot % colours.length] as string;
+  }
+  /** Before anything is drawn: the runs of the page, by name. */
+  setRuns(names: string[]): void {
+    this.runs = engineStyles(names);
+  }
   /** Of the n-th run. */
-  colour(index: number): string {
-    const palette = this.name === "dark" ? DARK : LIGHT;
-    return palette[index % palette.length] as string;
+  run(index: number): Style {
+    return this.runs[index] ?? { slot: index, dash: undefined };
+  }
+  runColour(index: number): string {
+    return this.colour(this.run(index).slot);
   }
   variable(name: string): string {
     return getComputedStyle(document.documentElement).getPropertyValue(name).trim();

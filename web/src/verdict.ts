@@ -95,20 +95,35 @@ function attribution(verdict: Verdict): HTMLElement | null {
   );
 }
 
-export function verdictSection(verdict: Verdict): HTMLElement {
+/** Where the verdict of two engines is on the page, either way round. */
+export function verdictPlace(a: string, b: string): string {
+  return `verdict ${[a, b].sort().join(" ")}`;
+}
+
+/** Opens the verdict of two engines, and goes there. */
+export function openVerdict(a: string, b: string): void {
+  const section = document.getElementById(verdictPlace(a, b));
+  const details = section?.querySelector("details");
+  if (!section || !details) return;
+  details.open = true;
+  section.scrollIntoView();
+}
+
+/** @param folded  until it is opened */
+export function verdictSection(verdict: Verdict, folded: boolean): HTMLElement {
   const axis = new Axis(verdict);
   const [a, b] = verdict.engines;
-  const header = ["statistic", a, b, "gap", "from", "to", "margin", "gap in margins", "half the step", "word"];
+  const header = ["statistic", "word", a, b, "gap", "from", "to", "margin", "gap in margins", "half the step"];
   const rows = verdict.statistics.map((s) =>
     h(
       "tr",
       {},
       h("th", { scope: "row" }, s.unit === "-" ? s.name : `${s.name}, ${s.unit}`),
+      h("td", { title: s.reason }, h("span", { class: `word ${s.word}` }, s.word)),
       ...[...s.values, s.gap, s.low, s.high].map((value) => h("td", {}, digits(value))),
       h("td", { title: s.margin_rule }, digits(s.margin)),
       h("td", { class: "picture" }, axis.picture(s)),
       h("td", {}, s.gap_half === null ? "\u2013" : digits(s.gap_half)),
-      h("td", { title: s.reason }, h("span", { class: `word ${s.word}` }, s.word)),
     ),
   );
   const reasons = verdict.statistics
@@ -117,9 +132,9 @@ export function verdictSection(verdict: Verdict): HTMLElement {
   const scale = h(
     "tr",
     { class: "scale" },
-    h("td", { colspan: 7 }),
+    h("td", { colspan: 8 }),
     h("td", { class: "picture" }, axis.scale()),
-    h("td", { colspan: 2 }),
+    h("td"),
   );
   const models = verdict.models.map((m) =>
     h(
@@ -128,10 +143,8 @@ export function verdictSection(verdict: Verdict): HTMLElement {
       `${m.quantity} of ${m.element}: ${digits(m.a)} and ${digits(m.b)}${m.unit === "-" ? "" : ` ${m.unit}`}`,
     ),
   );
-  return h(
-    "section",
-    { class: "group verdict" },
-    h("h2", {}, `${a} and ${b} `, h("span", { class: `word ${verdict.word}` }, verdict.word)),
+  const heading = h("h2", {}, `${a} and ${b} `, h("span", { class: `word ${verdict.word}` }, verdict.word));
+  const parts = [
     h(
       "p",
       {},
@@ -157,5 +170,8 @@ export function verdictSection(verdict: Verdict): HTMLElement {
       ? h("div", {}, h("h3", {}, "The two engines hold different machines"), h("ul", {}, ...models))
       : null,
     attribution(verdict),
-  );
+  ].filter((part) => part !== null);
+  const id = verdictPlace(a, b);
+  if (!folded) return h("section", { class: "group verdict", id }, heading, ...parts);
+  return h("section", { class: "group verdict", id }, h("details", {}, h("summary", {}, heading), ...parts));
 }

@@ -1,5 +1,6 @@
 // The robots in 3D: ground, light, camera, and what of them is shown.
 import {
+  Box3,
   BufferAttribute,
   BufferGeometry,
   Color,
@@ -19,6 +20,7 @@ import {
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Ground, Live, Motion, Numbers, Run } from "./document";
 import { RobotParts, RobotView } from "./robot";
+import { Tags, type Tagged } from "./tags";
 import { theme } from "./theme";
 
 export type Preset = "quarter" | "side" | "front" | "top";
@@ -36,7 +38,13 @@ const DIRECTIONS: Record<Preset, [number, number, number]> = {
   top: [-0.001, -0.001, 1],
 };
 
-function fieldGeometry(ground: Ground, numbers: Numbers, low: number, high: number): BufferGeometry {
+/** Corners of the field and what lies between them. */
+function fieldGeometry(
+  ground: Ground,
+  numbers: Numbers,
+  low: number,
+  high: number,
+): { geometry: BufferGeometry; points: Float32Array; rows: number } {
   const heights = numbers.floats(ground.heights);
   // Rows within [low, high] along y, two at least.
   const first = Math.max(0, Math.min(ground.rows - 2, Math.floor((low - ground.y) / ground.cell_y)));
@@ -75,6 +83,25 @@ function fieldGeometry(ground: Ground, numbers: Numbers, low: number, high: numb
   geometry.setAttribute("color", new BufferAttribute(shades, 3));
   geometry.setIndex(new BufferAttribute(triangles, 1));
   geometry.computeVertexNormals();
+  return { geometry, points, rows };
+}
+
+/** Lines at every `apart` or so, along the corners of a field, so that it can be seen who moves over it. */
+function fieldGrid(ground: Ground, points: Float32Array, rows: number, apart: number): BufferGeometry {
+  const { columns } = ground;
+  const [overX, overY] = [ground.cell_x, ground.cell_y].map((cell) => Math.max(1, Math.round(apart / cell)));
+  const [firstX, firstY] = [ground.x / ground.cell_x, points[1]! / ground.cell_y].map(Math.round);
+  const index: number[] = [];
+  for (let r = 0; r < rows; ++r) {
+    for (let c = 0; c < columns; ++c) {
+      const at = r * columns + c;
+      if ((firstY! + r) % overY! === 0 && c + 1 < columns) index.push(at, at + 1);
+      if ((firstX! + c) % overX! === 0 && r + 1 < rows) index.push(at, at + columns);
+    }
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(points, 3));
+  geometry.setIndex(new BufferAttribute(new Uint32Array(index), 1));
   return geometry;
 }
 
@@ -96,6 +123,24 @@ function gridGeometry(x0: number, x1: number, y0: number, y1: number, apart: num
   return geometry;
 }
 
+/** Of the box around them. */
+function middleOf(places: Vector3[]): Vector3 {
+  return new Box3().setFromPoints(places).getCenter(new Vector3());
+}
+
+const SMOOTH = 0.3; // s, either way: about a stride
+/** Mean height of the base around a frame. */
+function smoothHeight(run: Run, frame: number): number {
+  const { time, poses } = run;
+  const stride = poses.length / time.length;
+  const now = time[frame] as number;
+  let [sum, count] = [0, 0];
+  for (let i = frame; i >= 0 && now - (time[i] as number) <= SMOOTH; --i, ++count) sum += poses[i * stride + 2]!;
+  for (let i = frame + 1; i < time.length && (time[i] as number) - now <= SMOOTH; ++i, ++count)
+    sum += poses[i * stride + 2]!;
+  return sum / count;
+}
+
 export class View {
   readonly three = new ThreeScene();
   readonly camera = new PerspectiveCamera(36, 1, 0.01, 500);
@@ -112,11 +157,25 @@ export class View {
   private ground: Group | null = null;
   /** Of every run, made when they first stand side by side: the ground around it, and where along y its middle is. */
   private strips: { ground: Group; middle: number }[] = [];
-  private readonly groundMaterial = new MeshLambertMaterial({ vertexColors: true });
+  // Behind the lines on it.
+  private readonly groundMaterial = new MeshLambertMaterial({
+    vertexColors: true,
+    polygonOffset: true,
+    polygonOffsetFactor: 1,
+    polygonOffsetUnits: 2,
+  });
   private readonly gridMaterial = new LineBasicMaterial();
   private readonly sun = new DirectionalLight(0xffffff, 2.2);
   private readonly sky = new HemisphereLight(0xffffff, 0x8d8a80, 1.5);
-  private readonly watched = new Vector3();
+  private readonly tags = new Tags();
+  private readonly ghosts: boolean[] = [];
+  private watched: Vector3[] = [];
+  private time = 0;
+  private lit = 0;
+  /** The last that was asked for, until the view is turned by hand. */
+  preset: Preset | null = "quarter";
+  /** Called when the view is turned by hand, or looks elsewhere. */
+  onLook: () => void = () => {};
   private pending = false;
   private disposed = false;
   private readonly endings: (() => void)[] = [];
@@ -128,6 +187,7 @@ export class View {
     readonly canvas: HTMLCanvasElement,
   ) {
     this.shown = runs.map(() => true);
+    theme.setRuns(runs.map((run) => run.name));
     // Kept after drawing, so that it can be printed and copied.
     this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
     this.renderer.shadowMap.enabled = true;
@@ -136,17 +196,21 @@ export class View {
     this.build();
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
-    this.watched.copy(this.base());
-    this.look("quarter");
+    this.controls.addEventListener("start", () => (this.preset = null));
+    this.controls.addEventListener("end", () => this.onLook());
+    canvas.parentElement!.append(this.tags.element);
     this.paint();
+    this.watched = this.places();
+    this.resize();
+    this.look("quarter");
     const observer = new ResizeObserver(() => this.resize());
     observer.observe(canvas.parentElement!);
     this.endings.push(
       theme.onChange(() => this.paint()),
       () => observer.disconnect(),
       () => this.controls.dispose(),
+      () => this.tags.element.remove(),
     );
-    this.resize();
   }
 
   /** Gives up the canvas, which nothing can draw on any more. */
@@ -183,17 +247,8 @@ export class View {
     const [, y0, , y1] = scene.path;
     this.ground = this.groundOf(y0 - scene.reach, y1 + scene.reach);
     this.three.add(this.ground);
-    const reach = 6 * this.size;
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(1024, 1024);
-    Object.assign(this.sun.shadow.camera, {
-      left: -reach,
-      right: reach,
-      top: reach,
-      bottom: -reach,
-      near: 0.01,
-      far: 12 * reach,
-    });
     this.sun.shadow.normalBias = 0.01 * this.size;
     this.sky.position.set(0, 0, 1);
     this.three.add(this.sun, this.sun.target, this.sky);
@@ -203,13 +258,17 @@ export class View {
     const { ground, path, reach } = this.motion.scene;
     const group = new Group();
     const [x0, x1] = [path[0] - reach, path[2] + reach];
+    // A line every tenth of a metre for a robot of a span, every metre for one of a man's height.
+    const apart = this.size < 0.3 ? 0.1 : 1;
     if (ground) {
-      group.add(new Mesh(fieldGeometry(ground, this.numbers, y0, y1), this.groundMaterial));
+      const field = fieldGeometry(ground, this.numbers, y0, y1);
+      group.add(
+        new Mesh(field.geometry, this.groundMaterial),
+        new LineSegments(fieldGrid(ground, field.points, field.rows, apart), this.gridMaterial),
+      );
     } else {
       const plane = new PlaneGeometry(x1 - x0, y1 - y0).translate((x0 + x1) / 2, (y0 + y1) / 2, 0);
       plane.setAttribute("color", new BufferAttribute(new Float32Array(12).fill(1), 3));
-      // A line every tenth of a metre for a robot of a span, every metre for one of a man's height.
-      const apart = this.size < 0.3 ? 0.1 : 1;
       group.add(
         new Mesh(plane, this.groundMaterial),
         new LineSegments(gridGeometry(x0, x1, y0, y1, apart), this.gridMaterial),
@@ -244,7 +303,9 @@ export class View {
     for (const i of left) {
       const old = this.strips[i]!.ground;
       this.groups[i]!.remove(old);
-      old.traverse((part) => part instanceof Mesh && (part.geometry as BufferGeometry).dispose());
+      old.traverse(
+        (part) => (part instanceof Mesh || part instanceof LineSegments) && (part.geometry as BufferGeometry).dispose(),
+      );
       this.strips[i] = this.stripOf(i);
     }
     if (left.length > 0) this.paint();
@@ -263,14 +324,15 @@ export class View {
     if (inStrips && this.strips.length === 0) this.strips = this.groups.map((_, i) => this.stripOf(i));
     if (this.ground) this.ground.visible = !inStrips;
     for (const strip of this.strips) strip.ground.visible = inStrips;
-    const seen = this.shown.flatMap((shown, i) => (shown ? [i] : []));
+    const seen = this.drawn();
     this.groups.forEach((group, i) => {
-      group.visible = this.shown[i]!;
+      group.visible = seen.includes(i);
       const place = seen.indexOf(i);
       const middle = inStrips && this.motion.live ? this.strips[i]!.middle : 0;
       group.position.y = this.sideBySide ? ((seen.length - 1) / 2 - place) * apart - middle : 0;
       const robot = this.robots[i]!;
-      robot.paint(theme.colour(i), !several, several && !this.sideBySide && place > 0);
+      this.ghosts[i] = this.isGhost(i);
+      robot.paint(theme.runColour(i), !several, this.ghosts[i]!);
       robot.arrows.visible = this.forces;
       robot.trails.visible = this.trails;
       robot.support.visible = this.support;
@@ -278,7 +340,25 @@ export class View {
     this.draw();
   }
 
+  /** The first run that is shown and does the same as this one. */
+  standsFor(i: number): number {
+    const same = (k: number) => this.motion.pairs.some((pair) => pair.a === k && pair.b === i && pair.same);
+    const first = this.runs.findIndex((_, k) => k < i && this.shown[k] && same(k));
+    return first < 0 ? i : first;
+  }
+  /** Runs that are drawn: of those that do the same the first alone. */
+  private drawn(): number[] {
+    return this.runs.flatMap((_, i) => (this.shown[i] && this.standsFor(i) === i ? [i] : []));
+  }
+  /** Over another robot, of which something would be hidden. */
+  private isGhost(i: number): boolean {
+    const first = this.drawn()[0] ?? i;
+    if (i === first || this.sideBySide) return false;
+    return this.placeOf(i).distanceTo(this.placeOf(first)) < 2 * this.size;
+  }
+
   show(time: number, exact: boolean): void {
+    this.time = time;
     this.robots.forEach((robot, i) => {
       const run = this.runs[i]!;
       const frame = run.frameAt(time);
@@ -289,17 +369,55 @@ export class View {
       robot.show(frame, share);
     });
     if (this.inStrips && this.motion.live) this.moveStrips();
-    const base = this.base();
-    if (this.follow) {
-      const moved = base.clone().sub(this.watched);
-      this.camera.position.add(moved);
-      this.controls.target.add(moved);
-    }
-    this.watched.copy(base);
+    const places = this.places();
+    const base = middleOf(places);
+    if (this.follow) this.goAlong(places);
+    this.watched = places;
     if (this.motion.endless) this.carryGround(base);
-    this.sun.target.position.copy(base);
-    this.sun.position.copy(base).add(new Vector3(0.35, -0.5, 1).multiplyScalar(20 * this.size));
+    this.light(base, places);
+    const several = this.runs.length > 1;
+    for (const i of this.drawn()) {
+      const ghost = this.isGhost(i);
+      if (ghost !== this.ghosts[i]) this.robots[i]!.paint(theme.runColour(i), !several, ghost);
+      this.ghosts[i] = ghost;
+    }
     this.draw();
+  }
+
+  /** With the robots, and back as they part, so that all are in the picture. */
+  private goAlong(places: Vector3[]): void {
+    const [before, now] = [middleOf(this.watched), middleOf(places)];
+    const further = this.distanceFor(places) / this.distanceFor(this.watched);
+    const offset = this.camera.position.clone().sub(this.controls.target).multiplyScalar(further);
+    this.controls.target.add(now.sub(before));
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.camera.updateMatrixWorld();
+  }
+  /** How far from their middle the camera sees all robots, m, in the direction that it looks in. */
+  private distanceFor(places: Vector3[]): number {
+    const middle = middleOf(places);
+    const turned = this.camera.quaternion.clone().invert();
+    let [wide, high, deep] = [0, 0, 0];
+    for (const place of places) {
+      const seen = place.clone().sub(middle).applyQuaternion(turned);
+      wide = Math.max(wide, Math.abs(seen.x));
+      high = Math.max(high, Math.abs(seen.y));
+      deep = Math.max(deep, Math.abs(seen.z));
+    }
+    const slope = Math.tan((this.camera.fov * Math.PI) / 360);
+    const room = 1.6 * this.size; // of a robot around its place
+    return deep + Math.max(11 * this.size, (wide + room) / (slope * this.camera.aspect), (high + room) / slope);
+  }
+  /** Shadows reach as far as the robots do. */
+  private light(base: Vector3, places: Vector3[]): void {
+    const reach = 6 * this.size + Math.max(0, ...places.map((place) => place.distanceTo(base)));
+    this.sun.target.position.copy(base);
+    this.sun.position.copy(base).add(new Vector3(0.35, -0.5, 1).multiplyScalar(3.4 * reach));
+    if (Math.abs(reach - this.lit) < 0.05 * reach) return;
+    this.lit = reach;
+    const sides = { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.01, far: 12 * reach };
+    Object.assign(this.sun.shadow.camera, sides);
+    this.sun.shadow.camera.updateProjectionMatrix();
   }
 
   /** By whole metres, so that its lines stay where they are. */
@@ -308,14 +426,41 @@ export class View {
   }
 
   look(preset: Preset): void {
-    const wide = this.sideBySide ? 1 + 0.6 * (this.shown.filter(Boolean).length - 1) : 1;
-    const target = this.base().sub(new Vector3(0, 0, 0.35 * this.size));
-    if (this.sideBySide && !this.motion.endless) target.y = 0;
-    const direction = new Vector3(...DIRECTIONS[preset]).normalize();
+    this.lookFrom(new Vector3(...DIRECTIONS[preset]).normalize(), 1);
+    this.preset = preset;
+    this.onLook();
+  }
+  /** @param direction  to the camera, of length one  @param nearer  than where all robots are in the picture */
+  private lookFrom(direction: Vector3, nearer: number): void {
+    const places = this.places();
+    const target = middleOf(places).sub(new Vector3(0, 0, 0.35 * this.size));
     this.controls.target.copy(target);
-    this.camera.position.copy(target).addScaledVector(direction, 11 * wide * this.size);
+    this.camera.position.copy(target).add(direction);
+    this.camera.lookAt(target);
+    this.camera.position.copy(target).addScaledVector(direction, this.distanceFor(places) / nearer);
+    this.watched = places;
     this.controls.update();
     this.draw();
+  }
+  /** As `look` or by hand: a preset, or azimuth and elevation, deg, and how much nearer. */
+  get direction(): string {
+    if (this.preset) return this.preset;
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const [azimuth, elevation] = [Math.atan2(offset.y, offset.x), Math.asin(offset.z / offset.length())];
+    const degrees = [azimuth, elevation].map((angle) => Math.round((180 / Math.PI) * angle));
+    return [...degrees, (this.distanceFor(this.places()) / offset.length()).toFixed(2)].join(",");
+  }
+  set direction(words: string) {
+    const preset = PRESETS.find(([name]) => name === words)?.[0];
+    if (preset) {
+      this.look(preset);
+      return;
+    }
+    const [azimuth, elevation, nearer] = words.split(",").map(Number);
+    if (![azimuth, elevation, nearer].every(Number.isFinite) || nearer! <= 0) return;
+    const [a, e] = [(Math.PI / 180) * azimuth!, (Math.PI / 180) * Math.min(89, Math.max(-5, elevation!))];
+    this.lookFrom(new Vector3(Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)), nearer!);
+    this.preset = null;
   }
   /** By angles (rad) around the robot, and nearer by a factor. */
   turn(azimuth: number, elevation: number, nearer: number): void {
@@ -326,6 +471,8 @@ export class View {
     offset.set(Math.cos(height) * Math.cos(heading), Math.cos(height) * Math.sin(heading), Math.sin(height));
     this.camera.position.copy(this.controls.target).addScaledVector(offset, radius);
     this.controls.update();
+    this.preset = null;
+    this.onLook();
     this.draw();
   }
 
@@ -336,21 +483,43 @@ export class View {
     requestAnimationFrame(() => {
       if (this.disposed) return;
       this.pending = false;
-      this.renderer.render(this.three, this.camera);
+      this.drawNow();
     });
   }
   drawNow(): void {
     this.renderer.render(this.three, this.camera);
+    this.outside = this.tags.show(this.tagged(), this.camera, this.canvas.clientWidth, this.canvas.clientHeight);
   }
+  /** Robots that are out of sight. */
+  outside = 0;
 
-  /** Of the first robot that is shown; its height is smoothed away: the camera is not to nod with it. */
-  private base(): Vector3 {
-    const run = Math.max(0, this.shown.indexOf(true));
-    const { poses } = this.runs[run]!;
-    const object = this.robots[run]?.bodies[0];
-    const x = object ? object.position : new Vector3().fromArray(poses, 0);
+  /** Names, and what became of those whose motion has come to it. */
+  private tagged(): Tagged[] {
+    if (this.runs.length < 2) return [];
+    return this.drawn().map((i) => {
+      const { outcome, outcome_at_s: at } = this.runs[i]!.document;
+      const names = this.runs.flatMap((run, k) => (this.shown[k] && this.standsFor(k) === i ? [run.name] : []));
+      // What is known at the end alone is told then.
+      const over = this.time >= (at ?? this.runs[i]!.time[this.runs[i]!.time.length - 1]! - 0.01);
+      return {
+        words: names.join(" = ") + (over && outcome ? `: ${outcome}` : ""),
+        colour: theme.runColour(i),
+        place: this.placeOf(i).add(new Vector3(0, 0, 0.9 * this.size)),
+      };
+    });
+  }
+  /** Where bases are in the picture, their heights smoothed: the camera is not to nod with them. */
+  private places(): Vector3[] {
+    const drawn = this.drawn();
+    return (drawn.length > 0 ? drawn : [0]).map((i) => this.placeOf(i));
+  }
+  private placeOf(i: number): Vector3 {
+    const run = this.runs[i]!;
+    const object = this.robots[i]!.bodies[0]!;
+    const y = this.groups[i]!.position.y;
     // In its strip a live robot is where the strip is.
-    return new Vector3(x.x, this.inStrips && this.motion.live ? 0 : x.y, poses[2]);
+    const along = this.inStrips && this.motion.live ? y + this.strips[i]!.middle : y + object.position.y;
+    return new Vector3(object.position.x, along, smoothHeight(run, run.frameAt(this.time)));
   }
   private resize(): void {
     const box = this.canvas.parentElement!.getBoundingClientRect();

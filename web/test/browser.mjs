@@ -40,9 +40,11 @@ export class Browser {
     rmSync(this.profile, { recursive: true, force: true });
   }
 
-  /** Opens a page; whatever it complains of or asks for that it may not is among the problems. */
-  async open(address, { width = 1440, height = 900, scheme = "light" } = {}) {
+  /** Opens a page; whatever it complains of or asks for that it may not is among the problems.
+   *  @param before  is run in the page before anything of it */
+  async open(address, { width = 1440, height = 900, scheme = "light", before = null } = {}) {
     const page = await this.context.newPage();
+    if (before) await page.addInitScript(before);
     page.setDefaultTimeout(300_000); // pictures take their time without a graphics card, on a machine that has other things to do
     await page.setViewportSize({ width, height });
     await page.emulateMedia({ colorScheme: scheme });

@@ -11,12 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from crossgait.errors import ConfigError
+from crossgait.studies.palette import COLOURS, engine_styles
 from crossgait.traces import Numbers, Trace
 
 Json = dict[str, Any]
 
-# Okabe and Ito's palette (2008): told apart by the colour-blind, too.
-_PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00")
 _WORDS = {"agrees": "#009E73", "differs": "#D55E00", "step-dependent": "#E69F00", "unresolved": "#888888"}
 _LEGS = ("FL", "FR", "RL", "RR")
 
@@ -41,32 +40,57 @@ def roll_pitch_yaw(trace: Trace) -> Numbers:
 
 
 def _draw_traces(traces: Sequence[Trace], title: str) -> Figure:
-    figure, axes = _new(4, 8, share_x=True)
-    for colour, trace in zip(_PALETTE, traces, strict=False):
+    several = len(traces) > 1
+    figure, axes = _new(5 if several else 4, 10 if several else 8, share_x=True)
+    if several:
+        _draw_distances(axes[0], traces)
+    way, height, angles, feet = axes[-4:]
+    styles = engine_styles([trace.name for trace in traces])
+    for i, trace in enumerate(traces):
+        colour, line = styles[trace.name]
+        # Engines that agree lie on each other: those behind are wider.
+        style: Json = {"color": colour, "linestyle": line, "linewidth": 1.2 + 0.8 * (len(traces) - 1 - i)}
         attitude = roll_pitch_yaw(trace)
-        axes[0].plot(trace.time, trace["p_WB.x"], color=colour, label=trace.name)
-        axes[1].plot(trace.time, 1e3 * trace["p_WB.z"], color=colour)
-        axes[2].plot(trace.time, attitude[:, 0], color=colour)
-        axes[2].plot(trace.time, attitude[:, 1], color=colour, linestyle="--")
-    axes[0].set_ylabel("way, m")
-    axes[1].set_ylabel("height of base, mm")
-    axes[2].set_ylabel("roll (solid),\npitch (dashed), deg")
-    _draw_contacts(axes[3], traces)
-    axes[3].set_xlabel("time, s")
-    axes[0].legend(frameon=False, ncols=len(traces))
+        way.plot(trace.time, trace["p_WB.x"], label=trace.name, **style)
+        height.plot(trace.time, 1e3 * trace["p_WB.z"], **style)
+        angles.plot(trace.time, attitude[:, 0], **style)
+        angles.plot(trace.time, attitude[:, 1], alpha=0.5, **style)
+    way.set_ylabel("way, m")
+    height.set_ylabel("height of base, mm")
+    angles.set_ylabel("roll,\npitch (pale), deg")
+    _draw_contacts(feet, traces)
+    feet.set_xlabel("time, s")
+    figure.legend(*way.get_legend_handles_labels(), loc="outside lower center", frameon=False, ncols=len(traces))
     figure.suptitle(title)
     return figure
+
+
+def _draw_distances(ax: Axes, traces: Sequence[Trace]) -> None:
+    """Draw how far every other base is from the first's, from a nanometre on."""
+    first = traces[0]
+    styles = engine_styles([trace.name for trace in traces])
+    place = np.stack([first[f"p_WB.{axis}"] for axis in "xyz"])
+    for trace in traces[1:]:
+        rows = min(len(first.time), len(trace.time))
+        other = np.stack([trace[f"p_WB.{axis}"] for axis in "xyz"])
+        distance = np.linalg.norm(other[:, :rows] - place[:, :rows], axis=0)
+        colour, line = styles[trace.name]
+        ax.plot(trace.time[:rows], np.maximum(distance, 1e-9), color=colour, linestyle=line)
+    ax.set_yscale("log")
+    ax.set_ylabel(f"from {first.name}, m")
 
 
 def _draw_contacts(ax: Axes, traces: Sequence[Trace]) -> None:
     """Draw bars where feet touch, one line per leg and engine."""
     height = 0.8 / len(traces)
-    for k, (colour, trace) in enumerate(zip(_PALETTE, traces, strict=False)):
+    styles = engine_styles([trace.name for trace in traces])
+    for k, trace in enumerate(traces):
+        colour, line = styles[trace.name]
         for i, leg in enumerate(_LEGS):
             touches = np.concatenate([[0], trace[f"contact.{leg}"], [0]])
             begins, ends = np.flatnonzero(np.diff(touches) > 0), np.flatnonzero(np.diff(touches) < 0) - 1
             bars = [(trace.time[b], trace.time[e] - trace.time[b]) for b, e in zip(begins, ends, strict=True)]
-            ax.broken_barh(bars, (i - 0.4 + k * height, height), color=colour)
+            ax.broken_barh(bars, (i - 0.4 + k * height, height), color=colour, alpha=1 if line == "-" else 0.5)
     ax.set_yticks(range(len(_LEGS)), _LEGS)
     ax.invert_yaxis()
     ax.set_ylabel("feet on\nthe ground")
@@ -112,7 +136,7 @@ def plot_rollout(document: Json) -> Figure:
     for i, run in enumerate(runs):
         for ax, key in zip(axes, ("mean_speed_mps", "total_reward"), strict=True):
             values = [episode[key] for episode in run["episodes"]]
-            ax.plot(values, np.full(len(values), i), "o", alpha=0.7, color=_PALETTE[i % len(_PALETTE)])
+            ax.plot(values, np.full(len(values), i), "o", alpha=0.7, color=COLOURS[i % len(COLOURS)])
             ax.plot([float(np.mean(values))], [i], "|", markersize=18, color="black")
     for ax, label in zip(axes, ("mean speed, m/s", "return"), strict=True):
         ax.set_yticks(range(len(runs)), [run["policy"] for run in runs])
@@ -126,7 +150,7 @@ def plot_transfer(document: Json) -> Figure:
     cells = document["cells"]
     figure, (ax,) = _new(1, 1.5 + 0.45 * len(cells))
     for i, cell in enumerate(cells):
-        for key, shift, colour in (("baseline", 0.12, "#888888"), ("policy", -0.12, _PALETTE[0])):
+        for key, shift, colour in (("baseline", 0.12, "#888888"), ("policy", -0.12, COLOURS[0])):
             speed = cell[key]["mean_speed_mps"]
             label = {"baseline": "without", "policy": document["policy"]}[key] if i == 0 else None
             ax.errorbar(speed["mean"], i + shift, xerr=speed["deviation"], fmt="o", color=colour, label=label)
@@ -142,6 +166,7 @@ def plot_course(document: Json) -> Figure:
     cells = document["cells"]
     sections = list(dict.fromkeys(cell["section"]["name"] for cell in cells))
     engines = list(dict.fromkeys(cell["engine"] for cell in cells))
+    styles = engine_styles(engines)
     figure, (ax,) = _new(1, 1.5 + 0.3 * len(sections))
     for i, cell in enumerate(cells):
         engine = engines.index(cell["engine"])
@@ -150,7 +175,8 @@ def plot_course(document: Json) -> Figure:
             sections.index(cell["section"]["name"]) + 0.15 * (engine - (len(engines) - 1) / 2),
             xerr=cell["score"]["deviation"],
             fmt="o",
-            color=_PALETTE[engine % len(_PALETTE)],
+            color=styles[cell["engine"]][0],
+            markerfacecolor=styles[cell["engine"]][0] if styles[cell["engine"]][1] == "-" else "none",
             label=cell["engine"] if i < len(engines) else None,
         )
     ax.set_yticks(range(len(sections)), sections)
@@ -177,7 +203,7 @@ def plot_diagnosis(document: Json) -> Figure:
 def plot_tuning(document: Json) -> Figure:
     """Best score over generations."""
     figure, (ax,) = _new(1, 3.5)
-    ax.step(range(len(document["history"])), document["history"], where="post", color=_PALETTE[0])
+    ax.step(range(len(document["history"])), document["history"], where="post", color=COLOURS[0])
     ax.set_xlabel("generation")
     ax.set_ylabel("best score" if "course" in document else "best score, m/s")
     return figure
@@ -190,12 +216,13 @@ def plot_bench(rows: Sequence[Json]) -> Figure:
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
     engines = list(dict.fromkeys(row["engine"] for row in rows))
     figure, (ax,) = _new(1, 4)
-    for colour, engine in zip(_PALETTE, engines, strict=False):
+    for engine, (colour, line) in engine_styles(engines).items():
         ratio = {row["scene"]: row["ratio"] for row in rows if row["engine"] == engine}
         ax.plot(
             range(len(scenes)),
             [ratio.get(scene, np.nan) for scene in scenes],
-            "o-",
+            marker="o",
+            linestyle=line,
             color=colour,
             label=engine,
         )

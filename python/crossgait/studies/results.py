@@ -64,7 +64,11 @@ class Result:
         return f"<crossgait.{type(self).__name__}: {self._headline()}>"
 
     def _repr_html_(self) -> str:
-        return f"<p><b>{html.escape(self._headline())}</b></p><pre>{html.escape(self.text)}</pre>"
+        # The text begins with the answer, as the headline does: once is enough.
+        answer, _, rest = self.text.partition("\n\n")
+        if answer != self.document.get("summary"):
+            answer, rest = self._headline(), self.text
+        return f"<p><b>{html.escape(answer)}</b></p><pre>{html.escape(rest)}</pre>"
 
 
 def _flat(summary: Json) -> Json:
@@ -108,11 +112,7 @@ class WalkResult(Result):
         return [_flat(self.document)]
 
     def _headline(self) -> str:
-        d = self.document
-        return (
-            f"{d['gait']} on {d['terrain']} in {d['engine']}: {d['outcome']}, "
-            f"{d['mean_speed_mps']:.3f} m/s over {d['simulated_seconds']:g} s"
-        )
+        return str(self.document["summary"])
 
 
 @dataclass(frozen=True, repr=False)
@@ -145,10 +145,19 @@ class CompareResult(Result):
     def _rows(self) -> list[Json]:
         return [_flat(run) for run in self.document["runs"]]
 
+    @property
+    def summary(self) -> str:
+        """What came out in which engine, to repeat to a colleague."""
+        return str(self.document["summary"])
+
+    @property
+    def groups(self) -> list[Json]:
+        """Engines that did the same: `name`, `engines`, `outcome`, `apart_m` and the printed `sentence`."""
+        groups: list[Json] = self.document["groups"]
+        return groups
+
     def _headline(self) -> str:
-        run = self.document["runs"][0]
-        apart = ", ".join(f"{p['a']} and {p['b']} {p['max_position_difference_m']:.2g} m" for p in self.pairs)
-        return f"{run['gait']} on {run['terrain']}, largest differences: {apart}"
+        return self.summary
 
 
 @dataclass(frozen=True, repr=False)
@@ -267,9 +276,7 @@ class Rollout(Result):
         ]
 
     def _headline(self) -> str:
-        names = ", ".join(run["policy"] for run in self.document["policies"])
-        episodes = len(self.document["policies"][0]["episodes"])
-        return f"{episodes} episodes of {names}"
+        return str(self.document["summary"])
 
 
 @dataclass(frozen=True, repr=False)
@@ -318,8 +325,7 @@ class CourseResult(Result):
         ]
 
     def _headline(self) -> str:
-        scores = ", ".join(f"{s['mean']:.3f} in {s['engine']}" for s in self.document["scores"])
-        return f"{self.document['policy']} on course {self.document['course']}: {scores}"
+        return str(self.document["summary"])
 
 
 @dataclass(frozen=True, repr=False)

@@ -47,7 +47,7 @@ class Trace(TraceTable):
     def to_video(
         self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None, **how: Any
     ) -> None:
-        """Write FILE.mp4 or FILE.gif: see `crossgait.traces.video.write` for the rest of the arguments.
+        """Write FILE.mp4, FILE.gif or FILE.webp: see `crossgait.traces.video.write` for the rest of the arguments.
 
         Raises:
             ConfigError: if it was another robot, or for another ending.

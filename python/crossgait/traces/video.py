@@ -16,7 +16,7 @@ from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 from crossgait.progress import ProgressBar, shown
 from crossgait.traces.scene import the_robot
-from crossgait.traces.table import TraceTable
+from crossgait.traces.table import Numbers, TraceTable
 from crossgait.viewing import film
 from crossgait.viewing.mujoco_scene import Frame
 from crossgait.viewing.rendering import Renderer
@@ -43,13 +43,14 @@ def write(
     height: int = 480,
     azimuth: float = 130,
     elevation: float = -20,
+    shared_camera: bool = False,
     progress: Any = None,
 ) -> None:
-    """Write walks as a film, one panel a trace, each with its name.
+    """Write walks as a film, one panel a trace, each with its name and how far it came.
 
     Args:
         traces: of one robot; those that end sooner stand still at their end.
-        path: FILE.mp4 (H.264) or FILE.gif; appears whole or not at all.
+        path: FILE.mp4 (H.264), FILE.gif or FILE.webp; appears whole or not at all.
         robot: that walked.
         terrain: that it walked on; flat by default.
         fps: frames per second.
@@ -58,6 +59,8 @@ def write(
         height: of a panel, pixels, made even.
         azimuth: direction of the cameras' look, deg: 90 is along the world's y.
         elevation: of the cameras' look, deg.
+        shared_camera: all panels look at the middle of all robots, from where all are seen, so that one that slides
+            back does not look like one that walks.
         progress: as `crossgait.walk` takes it.
 
     Raises:
@@ -77,7 +80,7 @@ def write(
     told = shown(progress)
     try:
         with written_whole(path) as beside, film.writer(beside, fps) as sink:
-            for frame in _frames(traces, robot, renderers, fps * slow, told):
+            for frame in _frames(traces, robot, renderers, fps * slow, shared_camera, told):
                 sink.append_data(frame)
     finally:
         for renderer in renderers:
@@ -87,7 +90,12 @@ def write(
 
 
 def _frames(
-    traces: Sequence[TraceTable], robot: _core.Robot, renderers: Sequence[Renderer], per_second: float, told: Any
+    traces: Sequence[TraceTable],
+    robot: _core.Robot,
+    renderers: Sequence[Renderer],
+    per_second: float,
+    shared_camera: bool,
+    told: Any,
 ) -> Iterator[Frame]:
     """Panels beside each other, `per_second` for each simulated second."""
     begin = min(float(trace.time[0]) for trace in traces)
@@ -95,13 +103,27 @@ def _frames(
     count = max(1, round((end - begin) * per_second))
     for number in range(count):
         now = begin + number / per_second
+        states = [_state(trace, robot, now) for trace in traces]
+        look = _shared_look(states) if shared_camera else (None, 0.0)
         panels = [
-            _named(renderer.frame(_state(trace, robot, now)), trace.name if len(traces) > 1 else "")
-            for trace, renderer in zip(traces, renderers, strict=True)
+            _named(renderer.frame(state, *look), _words(trace, state) if len(traces) > 1 else "")
+            for trace, state, renderer in zip(traces, states, renderers, strict=True)
         ]
         yield np.concatenate(panels, axis=1)
         if told is not None:
             told("drawing", (number + 1) / count)
+
+
+def _shared_look(states: Sequence[_core.State]) -> tuple[Numbers, float]:
+    """Middle of all bases, and how much further away all are seen: by what they lie apart."""
+    places = np.stack([state.p_WB for state in states])
+    low, high = places.min(axis=0), places.max(axis=0)
+    return (low + high) / 2, float(np.linalg.norm(high - low))
+
+
+def _words(trace: TraceTable, state: _core.State) -> str:
+    """Name and the way forward along x since the trace began."""
+    return f"{trace.name} {state.p_WB[0] - trace['p_WB.x'][0]:+.2f} m"
 
 
 def _state(trace: TraceTable, robot: _core.Robot, now: float) -> _core.State:
@@ -129,7 +151,7 @@ def _named(frame: Frame, name: str) -> Frame:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m crossgait.traces.video", description=__doc__)
     parser.add_argument("traces", nargs="+", metavar="TRACE.csv")
-    parser.add_argument("--out", required=True, metavar="FILE.mp4|gif")
+    parser.add_argument("--out", required=True, metavar="FILE.mp4|gif|webp")
     parser.add_argument("--robot", default="scara_quadruped")
     parser.add_argument("--terrain", default="flat")
     parser.add_argument("--seed", type=int, default=0, help="of a random terrain")
@@ -139,6 +161,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--height", type=int, default=480)
     parser.add_argument("--azimuth", type=float, default=130)
     parser.add_argument("--elevation", type=float, default=-20)
+    parser.add_argument("--shared-camera", action="store_true")
     return parser
 
 
@@ -158,6 +181,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             height=options.height,
             azimuth=options.azimuth,
             elevation=options.elevation,
+            shared_camera=options.shared_camera,
             progress=None,
         )
     except (ConfigError, OSError) as error:

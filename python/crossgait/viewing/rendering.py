@@ -13,8 +13,11 @@ import os
 import threading
 import time
 import weakref
+from collections.abc import Sequence
 from types import TracebackType
 from typing import Any
+
+import numpy as np
 
 from crossgait import _core
 from crossgait.viewing.mujoco_scene import Frame, has_display, mujoco, reach_of, scene_of
@@ -54,18 +57,28 @@ class Renderer:
         self._data = mujoco.MjData(self._model)
         self._camera = mujoco.MjvCamera()
         self._camera.azimuth, self._camera.elevation = azimuth, elevation
-        self._camera.distance = 4.5 * reach_of(robot)
+        self._distance = self._camera.distance = 4.5 * reach_of(robot)
         self._offscreen: mujoco.Renderer | None = None
         self._window: Any = None
         self._shown = -1.0  # time of the state that the window shows, s
         self._started = 0.0  # on the clock, when the episode that it shows began, s
 
-    def frame(self, state: _core.State) -> Frame:
-        """Draw the robot in `state`: height x width x 3, the camera looking at its base.
+    def frame(self, state: _core.State, look_at: Sequence[float] | None = None, wider: float = 0) -> Frame:
+        """Draw the robot in `state`: height x width x 3.
 
-        Raises RuntimeError where no graphics context can be made.
+        Args:
+            state: of the robot.
+            look_at: where the camera looks, m; at the robot's base by default.
+            wider: how much further the camera is away, m.
+
+        Raises:
+            RuntimeError: where no graphics context can be made.
+
         """
         self._pose(state)
+        if look_at is not None:
+            self._camera.lookat = np.asarray(look_at, dtype=float)
+        self._camera.distance = self._distance + wider
         if self._offscreen is None:
             self._offscreen = self._make_offscreen()
         self._offscreen.update_scene(self._data, self._camera)

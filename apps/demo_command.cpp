@@ -1,0 +1,82 @@
+// crossgait demo: one gait on one slope in three engines, and a policy on a steeper one, by commands to
+// repeat.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/command.h"
+#include "report/page_template.h"
+
+namespace crossgait::apps {
+namespace {
+
+struct DemoCommand {
+  std::string page = "crossgait-demo.html";
+  bool open = false;
+};
+
+// demo.html -> demo-policy.html
+std::string policy_page(const std::string& page) {
+  const std::filesystem::path p(page);
+  return (p.parent_path() / (p.stem().string() + "-policy" + p.extension().string())).string();
+}
+
+using Arguments = std::vector<std::string>;
+
+// What every number of the demo depends on is said, also where it is the default.
+Arguments compare(const Arguments& what, const std::string& engines, const std::string& impratio) {
+  Arguments arguments{"compare"};
+  arguments.insert(arguments.end(), what.begin(), what.end());
+  for (const std::string& argument :
+       {"--engines=" + engines, std::string("--robot=scara_quadruped"), std::string("--seed=0"),
+        std::string("--seconds=6"), std::string("--friction=0.6"),
+        "--contact=cone=elliptic,impratio=" + impratio, std::string("--brief")})
+    arguments.push_back(argument);
+  return arguments;
+}
+
+// Its environment says which robot that is.
+Arguments of_policy(Arguments arguments) {
+  std::erase(arguments, "--robot=scara_quadruped");
+  return arguments;
+}
+
+std::vector<NextCommand> steps(const DemoCommand& options) {
+  const Arguments gait{"--gait=pace", "--terrain=slope:angle=17"};
+  const std::string engines = "mujoco,bullet:matched,bullet";
+  Arguments first = compare(gait, engines, "1");
+  Arguments policy =
+      of_policy(compare({"--policy=scara_adaptive", "--terrain=slope:angle=20"}, engines, "1"));
+  if (!page_template().empty()) {
+    first.push_back("--report=" + options.page);
+    if (options.open) first.emplace_back("--open");
+    policy.push_back("--report=" + policy_page(options.page));
+  }
+  return {{"A gait on a slope of 17 degrees: the same robot, gait and seed in three engines.", first},
+          {"The same with stiffer friction, which is a setting and not a law: the answer stands.",
+           compare(gait, engines, "100")},
+          {"On 20 degrees the plain gait, at the speed that the policy below is asked for ...",
+           of_policy(compare({"--policy=zero", "--config=scara_adaptive", "--terrain=slope:angle=20"},
+                             engines, "1"))},
+          {"... and a learned policy that adapts it.", policy}};
+}
+
+}  // namespace
+
+void add_demo_command(CLI::App& program, Invocation& invocation) {
+  CLI::App* command = program.add_subcommand(
+      "demo", "One gait on one slope, which climbs in one engine and slides in another; with a page");
+  command->footer(
+      "\nRuns commands that it prints, to be repeated and changed. Takes some ten seconds.\n"
+      "\nExamples:\n"
+      "  crossgait demo --open");
+  auto options = std::make_shared<DemoCommand>();
+  add_output_option(*command, "--report", options->page,
+                    "The page that replays it; that of the policy is beside it, FILE-policy.html")
+      ->type_name("FILE.html")
+      ->capture_default_str();
+  command->add_flag("--open", options->open, "Open the page in the browser")->group(kExecution);
+  on_run(*command, [options, &invocation] { invocation.next = steps(*options); });
+}
+
+}  // namespace crossgait::apps
