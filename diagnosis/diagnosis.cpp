@@ -192,13 +192,20 @@ std::size_t count_rivals(const std::vector<Candidate>& ranked, double spread, co
   return count;
 }
 
-// Of cures that explain as much, suspect ones come first. @returns how many then are as likely as the first
-std::size_t put_suspects_first(std::vector<Candidate>& ranked, double spread, const Search& search) {
-  const std::size_t rivals = count_rivals(ranked, spread, search);
+// Of cures that explain as much those come first that a test without walking points at, or else those that
+// nobody stated. @returns how many then are as likely as the first
+std::size_t put_suspects_first(std::vector<Candidate>& ranked, std::size_t rivals) {
   const auto end = ranked.begin() + static_cast<std::ptrdiff_t>(rivals);
-  const auto others = std::stable_partition(ranked.begin(), end,
-                                            [](const Candidate& candidate) { return candidate.suspect; });
-  return others == ranked.begin() ? rivals : static_cast<std::size_t>(others - ranked.begin());
+  for (const auto is_likelier : {&Candidate::suspect, &Candidate::unstated}) {
+    const auto others = std::stable_partition(
+        ranked.begin(), end, [is_likelier](const Candidate& candidate) { return candidate.*is_likelier; });
+    if (others != ranked.begin()) return static_cast<std::size_t>(others - ranked.begin());
+  }
+  return rivals;
+}
+
+double spread_of(const Candidate& candidate, std::size_t seeds) {
+  return quantile(seeds) * deviation(candidate.whole->by_seed(seeds));
 }
 
 // The walk in which two explanations differ most.
@@ -228,6 +235,13 @@ std::string in_words(const RankedChange& change) {
 void conclude_cured(Diagnosis& result, const std::vector<Candidate>& ranked, std::size_t rivals,
                     const Search& search) {
   const RankedChange& first = result.ranking.front();
+  if (first.effect <= result.spread) {
+    result.abstained = true;
+    result.experiment = "walk it from other starts (--seed): its scores differ as much from start to start";
+    result.summary = fmt::format("The policy {}, which {} cures, but by no more than starts differ by.",
+                                 result.complaint, first.field);
+    return;
+  }
   if (rivals > 1) {
     result.abstained = true;
     result.experiment = telling_walk(ranked[0], ranked[1], search.whole_test());
@@ -309,14 +323,14 @@ Diagnosis diagnose(const LoadedEnv& environment, const std::string& policy_text,
   std::size_t rivals = 0;
   if (!ranked.empty()) {
     const std::size_t seeds = search.whole_test().seeds;
-    result.spread = quantile(seeds) * deviation(ranked.front().whole->by_seed(seeds));
-    rivals = put_suspects_first(ranked, result.spread, search);
+    rivals = put_suspects_first(ranked, count_rivals(ranked, spread_of(ranked.front(), seeds), search));
+    result.spread = spread_of(ranked.front(), seeds);
   }
   const std::vector<double> shares = shares_of_first(ranked, options.seed);
   for (std::size_t i = 0; i < ranked.size(); ++i)
     result.ranking.push_back(ranked_change(ranked[i], patient, shares[i], search));
   if (!result.ranking.empty()) result.environment = result.ranking.front().config;
-  if (rivals > 0 && result.ranking.front().effect > result.spread) {
+  if (rivals > 0) {
     conclude_cured(result, ranked, rivals, search);
   } else {
     conclude_uncured(result, environment, policy, search, options);

@@ -20,8 +20,7 @@ bool Suspicion::is_unstated(const std::string& field) const {
 }
 
 bool Suspicion::is_suspect(const std::string& field) const {
-  return is_unstated(field) ||
-         std::any_of(suspects.begin(), suspects.end(),
+  return std::any_of(suspects.begin(), suspects.end(),
                      [&](const std::string& beginning) { return field.starts_with(beginning); });
 }
 
@@ -153,8 +152,8 @@ std::vector<Candidate> best_of_fields(std::vector<Candidate> candidates,
   std::map<std::string, std::size_t> taken;
   for (Candidate& candidate : candidates) {
     const std::size_t of_field = taken[candidate.field]++;
-    const bool suspect = candidate.suspect && of_field == 0;
-    if (suspect || (best.size() < most && of_field < each)) best.push_back(std::move(candidate));
+    const bool looked_at = (candidate.suspect || candidate.unstated) && of_field == 0;
+    if (looked_at || (best.size() < most && of_field < each)) best.push_back(std::move(candidate));
   }
   return best;
 }

@@ -32,7 +32,7 @@ struct Suspicion {
   std::vector<std::string> suspects;  ///< what names begin with that a test without walking points at
 
   bool is_unstated(const std::string& field) const;
-  bool is_suspect(const std::string& field) const;  ///< unstated ones are
+  bool is_suspect(const std::string& field) const;
 };
 
 /// The walks of a diagnosis. A patient's environment, with the joints' numbers stated, is the base of all.
@@ -75,7 +75,7 @@ class Search {
 };
 
 /// The best first, at most `each` of a field and `most` in all, by the scores of `result`; and the best of
-/// each suspect field.
+/// each field that is suspect or unstated.
 std::vector<Candidate> best_of_fields(std::vector<Candidate> candidates,
                                       std::optional<WalkResult> Candidate::*result, std::size_t each,
                                       std::size_t most);
