@@ -97,9 +97,9 @@ int run(std::vector<std::string> arguments, Invocation& invocation) {
       return report_error(
           fmt::format("{} {}", unknown, hint.empty() ? "`crossgait --help` lists them." : hint), kBadInput);
     if (const std::string extra = unexpected(program); !extra.empty())
-      return report_error(fmt::format("not expected: {}. {}", extra,
-                                      hint.empty() ? "`--help` lists what is." : hint),
-                          kBadInput);
+      return report_error(
+          fmt::format("not expected: {}. {}", extra, hint.empty() ? "`--help` lists what is." : hint),
+          kBadInput);
     report_error(error.what(), kBadInput);
     return hint.empty() ? kBadInput : report_error(hint, kBadInput);
   }

@@ -74,6 +74,18 @@ class Page(HTMLParser):
             self.loads.append(values.get("src") or values.get("href", ""))
 
 
+def search(package: Path) -> None:
+    """Puts the script by which pages search from disk beside them, in place of its address in the network."""
+    place = HTML / "assets/javascripts/iframe-worker.js"
+    licence = " ".join((package / "LICENSE").read_text().split())
+    place.write_text(f"/* {licence} */\n{(package / 'shim/index.js').read_text()}")
+    for file in HTML.rglob("*.html"):
+        text = file.read_text()
+        here = text.replace("https://unpkg.com/iframe-worker/shim", os.path.relpath(place, file.parent))
+        if here != text:
+            file.write_text(here)
+
+
 def check() -> None:
     """Ends with what is broken: links, anchors, what comes from the network, public names that are not there."""
     files = {file.resolve(): Page(file) for file in HTML.rglob("*.html")}
@@ -105,4 +117,9 @@ def check() -> None:
 
 
 if __name__ == "__main__":
-    gather(Path(sys.argv[2])) if sys.argv[1] == "gather" else check()
+    if sys.argv[1] == "gather":
+        gather(Path(sys.argv[2]))
+    elif sys.argv[1] == "search":
+        search(Path(sys.argv[2]))
+    else:
+        check()

@@ -50,6 +50,7 @@ std::string largest_difference(const CourseResult& r) {
   constexpr double kTold = 0.01;
   std::map<std::string, std::vector<const CourseCell*>> sections;
   for (const CourseCell& cell : r.cells) sections[cell.section.name].push_back(&cell);
+  if (sections.size() < 2) return "";
   double largest = kTold;
   std::string text;
   for (const auto& [name, cells] : sections) {
@@ -70,10 +71,16 @@ std::string summary(const CourseResult& r) {
   const std::vector<std::string> engines = engines_of(r);
   if (engines.empty())
     return fmt::format("{} finished no section of course {}.", short_name(r.policy), r.course);
+  const auto elsewhere = [&](const CourseCell& cell) {
+    return cell.section.name != r.cells.front().section.name;
+  };
+  const std::string of = std::none_of(r.cells.begin(), r.cells.end(), elsewhere)
+                             ? fmt::format("{} of course {}", r.cells.front().section.name, r.course)
+                             : fmt::format("course {}", r.course);
   std::vector<std::string> parts;
   for (const std::string& engine : engines) {
     parts.push_back(fmt::format("{}{} in {}", percent(r.score(engine).mean),
-                                parts.empty() ? fmt::format(" of course {}", r.course) : "", engine));
+                                parts.empty() ? fmt::format(" of {}", of) : "", engine));
   }
   return fmt::format("{} made {}.{}", short_name(r.policy), listed(parts), largest_difference(r));
 }

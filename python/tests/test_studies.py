@@ -163,7 +163,7 @@ def test_a_course_is_the_command() -> None:
     assert without_the_run(command("course", *options)) == without_the_run(runs.to_dict())
     assert list(runs.to_frame().index) == ["speed-1.0"] * 2
     assert runs.score() == runs.score("mujoco") != runs.score("bullet")
-    assert "on course hard" in repr(runs)
+    assert "of speed-1.0 of course hard in mujoco and" in repr(runs)
     assert runs.plot().axes
     with pytest.raises(ConfigError, match="speed-3"):
         crossgait.course("zero", config, sections=["speed-3"])

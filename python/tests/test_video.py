@@ -9,6 +9,7 @@ from pathlib import Path
 import imageio.v3
 import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 
 import crossgait
 from crossgait.traces import video
@@ -25,6 +26,14 @@ def walked() -> list[crossgait.Trace]:
     return [trace for trace in traces if trace is not None]
 
 
+def frames_of(film: Path) -> np.ndarray:
+    """Every frame: N x height x width x 3."""
+    if film.suffix == ".mp4":
+        return np.asarray(imageio.v3.imread(film, plugin="FFMPEG"))
+    with Image.open(film) as pictures:
+        return np.stack([np.asarray(picture.convert("RGB")) for picture in ImageSequence.Iterator(pictures)])
+
+
 def both() -> list[str]:
     return crossgait.available_engines()[:2]
 
@@ -37,7 +46,7 @@ def test_a_film_has_its_frames_and_something_moves(
 ) -> None:
     film = tmp_path / f"walk{kind}"
     video.write(walked, film, scara, fps=20, slow=2, width=160, height=121)
-    frames = imageio.v3.imread(film, **({"plugin": "FFMPEG"} if kind == ".mp4" else {}))
+    frames = frames_of(film)
     assert frames.shape == (round(SECONDS * 2 * 20), 120, 160 * len(walked), 3)
     changed = np.abs(frames[-1].astype(int) - frames[0].astype(int)).max(axis=2) > 30
     for panel in np.split(changed, len(walked), axis=1):
@@ -58,7 +67,7 @@ def test_a_trace_that_ends_sooner_stands_still(
 def test_a_shared_camera_shows_where_robots_are_to_each_other(
     walked: list[crossgait.Trace], scara: crossgait.Robot, tmp_path: Path
 ) -> None:
-    # The same robot twice, once 0.3 m ahead: its own camera shows both alike, a shared one in different places.
+    # The same robot twice, once 0.3 m ahead: a shared camera shows one ground, and two robots in different places.
     trace = walked[0]
     ahead = trace.values.copy()
     ahead[:, trace.names.index("p_WB.x")] += 0.3
@@ -67,9 +76,10 @@ def test_a_shared_camera_shows_where_robots_are_to_each_other(
     for shared in (False, True):
         film = tmp_path / "pair.webp"
         video.write(pair, film, scara, fps=5, width=160, height=120, azimuth=90, shared_camera=shared)
-        left, right = np.split(imageio.v3.imread(film)[..., :3].astype(int), 2, axis=2)
+        left, right = np.split(frames_of(film).astype(int), 2, axis=2)
         apart.append(np.abs(left - right).mean())
-    assert apart[1] > 3 * apart[0]  # not zero: squares of the floor, and what is lost in packing
+    # Of cameras of their own the squares of the floor differ all over the picture; it was 9.4 and 4.4.
+    assert 1 < apart[1] < 0.7 * apart[0]
 
 
 def test_bad_input_leaves_no_film(walked: list[crossgait.Trace], scara: crossgait.Robot, tmp_path: Path) -> None:

@@ -84,9 +84,12 @@ TEST(Program, DemoRunsCommandsThatItPrints) {
       std::distance(std::sregex_iterator(demo.out.begin(), demo.out.end(), answer), std::sregex_iterator()),
       2)
       << demo.out;
-  const std::string first = demo.out.substr(demo.out.find("pace on"), demo.out.find('\n', demo.out.find("pace on")) - demo.out.find("pace on"));
+  const std::string first = demo.out.substr(
+      demo.out.find("pace on"), demo.out.find('\n', demo.out.find("pace on")) - demo.out.find("pace on"));
   for (const char* page : {"/README.md", "/docs/first-ten-minutes.md"})
-    EXPECT_NE(read_file(CROSSGAIT_SOURCE_DIR + std::string(page)).find(first), std::string::npos) << page << "\n" << first;
+    EXPECT_NE(read_file(CROSSGAIT_SOURCE_DIR + std::string(page)).find(first), std::string::npos)
+        << page << "\n"
+        << first;
   EXPECT_NE(demo.out.find("impratio=1 "), std::string::npos);
   EXPECT_NE(demo.out.find("impratio=100 "), std::string::npos);
   const std::regex policy(R"(scara_adaptive on slope:angle=20 walked 1\.9\d? m in all 3 engines)");

@@ -151,6 +151,30 @@ TEST(CourseScores, AreTheShareOfTheWayAskedFor) {
   EXPECT_EQ(course_score(made(std::nan("")), course, section), 0);
 }
 
+TEST(CourseReport, BeginsWithTheShareOfTheWayAndWhereEnginesDifferMost) {
+  const auto cell = [](const std::string& section, const std::string& engine, double score) {
+    CourseCell made;
+    made.section.name = section;
+    made.engine = engine;
+    made.scores = {score, score};
+    return made;
+  };
+  CourseResult result;
+  result.course = "hard";
+  result.policy = "policies/mine.safetensors";
+  result.runs = 2;
+  EXPECT_EQ(summary(result), "mine.safetensors finished no section of course hard.");
+  result.cells = {cell("up", "one", 0.5), cell("up", "two", 0.25)};
+  EXPECT_EQ(summary(result), "mine.safetensors made 50 % of up of course hard in one and 25 % in two.");
+  result.cells.push_back(cell("down", "one", 1));
+  result.cells.push_back(cell("down", "two", 0.5));
+  EXPECT_EQ(summary(result),
+            "mine.safetensors made 75 % of course hard in one and 38 % in two. They differ most on down: 100 "
+            "% in one, "
+            "50 % in two.");  // 0.375 is a binary fraction: to even
+  EXPECT_TRUE(describe(result).starts_with(summary(result) + "\n\n"));
+}
+
 TEST(CourseScores, AreTheMeanOverSectionsOfOneEngine) {
   CourseResult result;
   result.runs = 2;

@@ -82,6 +82,8 @@ class Renderer:
         if self._offscreen is None:
             self._offscreen = self._make_offscreen()
         self._offscreen.update_scene(self._data, self._camera)
+        # Shadows are drawn around the robot; on ground far from it they would be specks.
+        self._offscreen.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = look_at is None
         frame: Frame = self._offscreen.render()
         return frame.copy()
 
