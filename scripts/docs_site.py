@@ -81,7 +81,7 @@ def search(package: Path) -> None:
     place.write_text(f"/* {licence} */\n{(package / 'shim/index.js').read_text()}")
     for file in HTML.rglob("*.html"):
         text = file.read_text()
-        here = text.replace("https://unpkg.com/iframe-worker/shim", os.path.relpath(place, file.parent))
+        here = re.sub(r"https://[^\"']*/iframe-worker/shim", os.path.relpath(place, file.parent), text)
         if here != text:
             file.write_text(here)
 
