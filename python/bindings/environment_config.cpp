@@ -1,8 +1,10 @@
 // Configurations of environments: the keys of their YAML as keywords, attributes and a dict.
+#include <filesystem>
 #include <string>
 
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 
 #include "env/env_config_json.h"
@@ -153,7 +155,9 @@ void bind_making(nb::class_<EnvConfig>& c) {
        "begins "
        "with what policies that command joints use, `preset=\"guide\"` with the guide's environment. Raises "
        "ConfigError.")
-      .def_static("load", &load_env_config, nb::arg("path"), "Of a YAML file. Raises ConfigError.")
+      .def_static(
+          "load", [](const std::filesystem::path& path) { return load_env_config(path.string()); },
+          nb::arg("path"), "Of a YAML file. Raises ConfigError.")
       .def_static("parse", &parse_env_config, nb::arg("text"), nb::arg("source") = "environment",
                   "Of YAML or JSON; `source` stands for the file in messages. Raises ConfigError.")
       .def_static(

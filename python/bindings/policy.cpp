@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include <nanobind/eigen/dense.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
@@ -185,10 +187,14 @@ void bind_bundle(nb::module_& m) {
            "Weights and biases are rounded to single precision, as files hold them; golden pairs are of its "
            "own choice. `source` stands for the file in messages. Raises ConfigError unless the network "
            "fits the interface and is finite.")
-      .def_static("read", &read_policy_bundle, nb::arg("path"),
-                  "Raises ConfigError unless everything is there.")
+      .def_static(
+          "read", [](const std::filesystem::path& path) { return read_policy_bundle(path.string()); },
+          nb::arg("path"), "Raises ConfigError unless everything is there.")
       .def(
-          "write", [](const PolicyBundle& b, const std::string& path) { write_policy_bundle(path, b); },
+          "write",
+          [](const PolicyBundle& b, const std::filesystem::path& path) {
+            write_policy_bundle(path.string(), b);
+          },
           nb::arg("path"), "Whole or not at all. Raises ConfigError.")
       .def(
           "with_golden_pairs",

@@ -1,8 +1,10 @@
 #include "python/bindings/robot.h"
 
+#include <filesystem>
 #include <map>
 
 #include <nanobind/eigen/dense.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
@@ -99,7 +101,8 @@ nb::list inferences(const Robot& robot) {
 void bind_robot(nb::module_& m) {
   nb::class_<Robot>(m, "Robot", "A robot, read from its URDF, MJCF or robot.yaml. Immutable.")
       .def_static(
-          "load", &load, nb::arg("name_or_file"),
+          "load", [](const std::filesystem::path& path) { return load(path.string()); },
+          nb::arg("name_or_file"),
           "A bundled robot by its name (`crossgait.robots()`), or the robot of a .urdf, .xml (MJCF) or .yaml "
           "file. What the file does not say is inferred: see `inferred`. Raises ConfigError.")
       .def_prop_ro("name", [](const Robot& r) { return r.description->name; })

@@ -39,9 +39,7 @@ CONFIGS = {
         robot="serial_quadruped", action="joints", joints={"scale": 0.3, "limit": 2, "delay": 0.004}, reward={}
     ),
 } | {
-    folder.name: EnvironmentConfig.load(str(folder / "environment.yaml"))
-    for folder in POLICIES.iterdir()
-    if folder.is_dir()
+    folder.name: EnvironmentConfig.load(folder / "environment.yaml") for folder in POLICIES.iterdir() if folder.is_dir()
 }
 
 

@@ -119,7 +119,7 @@ def test_golden_pairs_may_be_given_and_have_to_be_what_the_network_does(tmp_path
     observations = np.random.default_rng(1).normal(0, 1, (5, OBSERVATIONS))
     actions = bundle.network.evaluate(observations)
     bundle.with_golden_pairs(observations, actions).write(str(tmp_path / "p.safetensors"))
-    read = PolicyBundle.read(str(tmp_path / "p.safetensors"))
+    read = PolicyBundle.read(tmp_path / "p.safetensors")
     assert np.array_equal(read.golden_observation, observations)
     assert np.array_equal(read.golden_action, actions)
     assert read.policy_dt == interface.policy_dt

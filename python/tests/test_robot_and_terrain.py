@@ -26,11 +26,11 @@ def test_a_urdf_is_inferred_and_its_yaml_infers_nothing(tmp_path: Path) -> None:
     urdf = next(folder.glob("*.urdf"))
     bare = tmp_path / urdf.name
     bare.write_text(urdf.read_text())
-    robot = Robot.load(str(bare))
+    robot = Robot.load(bare)
     assert robot.inferred
     assert all(what and value and reason for what, value, reason in robot.inferred)
     (tmp_path / "robot.yaml").write_text(robot.to_yaml())
-    stated = Robot.load(str(tmp_path / "robot.yaml"))
+    stated = Robot.load(tmp_path / "robot.yaml")
     assert stated.inferred == []
     assert np.allclose(stated.home, robot.home, atol=1e-15)  # a file's last digit
 

@@ -25,7 +25,7 @@ def make_config(action: str, config: ConfigLike, keys: Mapping[str, Any]) -> Env
     elif isinstance(config, EnvironmentConfig):
         made = config
     else:
-        made = EnvironmentConfig.load(os.fspath(config))
+        made = EnvironmentConfig.load(config)
     if made.action != action:
         raise ConfigError("config", "action", f"{action}, which this environment is of", made.action)
     given = {key: value for key, value in keys.items() if value is not None}

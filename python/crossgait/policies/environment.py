@@ -22,5 +22,5 @@ def environment_of(policies: Sequence[str], given: str | None) -> EnvironmentCon
             return EnvironmentConfig.load(own)
         beside = Path(policy).parent / ENVIRONMENT
         if policy.endswith((".safetensors", ".yaml")) and beside.exists():
-            return EnvironmentConfig.load(str(beside))
+            return EnvironmentConfig.load(beside)
     raise ConfigError(", ".join(policies), "environment", f"{ENVIRONMENT} beside a policy, or --environment", "none")

@@ -37,7 +37,7 @@ def interface_of(environment: Any) -> PolicyInterface:
     if isinstance(environment, PolicyInterface):
         return environment
     if isinstance(environment, (str, os.PathLike)):
-        environment = EnvironmentConfig.load(os.fspath(environment))
+        environment = EnvironmentConfig.load(environment)
     config = environment
     if not isinstance(config, EnvironmentConfig):
         config = getattr(getattr(environment, "unwrapped", environment), "config", None)

@@ -193,7 +193,7 @@ def plot_diagnosis(document: Json) -> Figure:
     figure, (ax,) = _new(1, 1.5 + 0.3 * len(ranking))
     for i, change in enumerate(ranking):
         ends = [[change["effect"] - change["low"]], [change["high"] - change["effect"]]]
-        ax.errorbar(change["effect"], i, xerr=ends, fmt="o", color=_PALETTE[0 if change["cures"] else 1])
+        ax.errorbar(change["effect"], i, xerr=ends, fmt="o", color=COLOURS[0 if change["cures"] else 1])
     ax.set_yticks(range(len(ranking)), [change["field"] for change in ranking])
     ax.invert_yaxis()
     ax.set_xlabel(f"taken away of a score of {document['score']:.2f} (bars: 95 % over seeds)")
