@@ -73,6 +73,7 @@ TEST(Answer, DoesNotNameTheLawWhereTheOutcomesAreAlike) {
   c.runs[2].summary.distance_m = 1.05;
   EXPECT_EQ(summary(c), "pace on slope walked 1.02 to 1.05 m in all 3 engines, up to 2.7 m apart.");
   c.runs.pop_back();
+  c.pairs.resize(1);
   EXPECT_EQ(summary(c), "pace on slope walked 1.02 m in one and two:soft, the same to 1.3e-10 m.");
   c.runs[1].summary.distance_m = 0.5;
   c.pairs[0].max_position_difference_m = 0.52;
