@@ -33,7 +33,7 @@ void require_page();
 /// `motion` as `motion_document` makes it, or null. Numbers of it are in `numbers`.
 nlohmann::ordered_json report_document(const ReportPage& page, PageNumbers& numbers);
 
-/// `json` in a form that a <script> element can hold: it ends no element and begins no comment, whatever it
+/// `json` in a form that a `script` element can hold: it ends no element and begins no comment, whatever it
 /// says.
 std::string script_text(const nlohmann::ordered_json& json);
 
