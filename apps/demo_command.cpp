@@ -24,29 +24,20 @@ std::string policy_page(const std::string& page) {
 using Arguments = std::vector<std::string>;
 
 // What every number of the demo depends on is said, also where it is the default.
-Arguments compare(const Arguments& what, const std::string& engines, const std::string& impratio) {
+// @param what  the robot, unless an environment says which that is, what moves it, and the slope
+Arguments compare(const Arguments& what, const std::string& impratio) {
   Arguments arguments{"compare"};
   arguments.insert(arguments.end(), what.begin(), what.end());
-  for (const std::string& argument :
-       {"--engines=" + engines, std::string("--robot=scara_quadruped"), std::string("--seed=0"),
-        std::string("--seconds=6"), std::string("--friction=0.6"),
-        "--contact=cone=elliptic,impratio=" + impratio, std::string("--brief")})
-    arguments.push_back(argument);
-  return arguments;
-}
-
-// Its environment says which robot that is.
-Arguments of_policy(Arguments arguments) {
-  std::erase(arguments, "--robot=scara_quadruped");
+  arguments.insert(arguments.end(),
+                   {"--engines=mujoco,bullet:matched,bullet", "--seed=0", "--seconds=6", "--friction=0.6",
+                    "--contact=cone=elliptic,impratio=" + impratio, "--brief"});
   return arguments;
 }
 
 std::vector<NextCommand> steps(const DemoCommand& options) {
-  const Arguments gait{"--gait=pace", "--terrain=slope:angle=17"};
-  const std::string engines = "mujoco,bullet:matched,bullet";
-  Arguments first = compare(gait, engines, "1");
-  Arguments policy =
-      of_policy(compare({"--policy=scara_adaptive", "--terrain=slope:angle=20"}, engines, "1"));
+  const Arguments gait{"--robot=scara_quadruped", "--gait=pace", "--terrain=slope:angle=17"};
+  Arguments first = compare(gait, "1");
+  Arguments policy = compare({"--policy=scara_adaptive", "--terrain=slope:angle=20"}, "1");
   if (!page_template().empty()) {
     first.push_back("--report=" + options.page);
     if (options.open) first.emplace_back("--open");
@@ -54,10 +45,9 @@ std::vector<NextCommand> steps(const DemoCommand& options) {
   }
   return {{"A gait on a slope of 17 degrees: the same robot, gait and seed in three engines.", first},
           {"The same with stiffer friction, which is a setting and not a law: the answer stands.",
-           compare(gait, engines, "100")},
+           compare(gait, "100")},
           {"On 20 degrees the plain gait, at the speed that the policy below is asked for ...",
-           of_policy(compare({"--policy=zero", "--config=scara_adaptive", "--terrain=slope:angle=20"},
-                             engines, "1"))},
+           compare({"--policy=zero", "--config=scara_adaptive", "--terrain=slope:angle=20"}, "1")},
           {"... and a learned policy that adapts it.", policy}};
 }
 

@@ -25,9 +25,7 @@ LoadedEnv environment_of(const DiagnoseCommand& options, const std::string& poli
     throw ConfigError("command line", "--env", "the environment of a policy that is no folder", "none");
   EnvConfig config = load_env_config(file);
   if (!options.engine.empty()) config.engine = options.engine;
-  return {config, config.at_its_place(config.robot, [&config] {
-            return std::make_shared<const RobotDescription>(load_robot_with_warnings(config.robot));
-          })};
+  return load_with_warnings(config);
 }
 
 void run(const DiagnoseCommand& options) {

@@ -73,11 +73,15 @@ LoadedEnv EnvOptions::make(const std::string& policy) const {
   if (policy_dt) c.policy_dt = *policy_dt;
   if (episode_seconds) c.episode_seconds = *episode_seconds;
   c.validate("command line");
-  LoadedEnv environment(c, c.at_its_place(c.robot, [&c] {
-    return std::make_shared<const RobotDescription>(load_robot_with_warnings(c.robot));
-  }));
+  LoadedEnv environment = load_with_warnings(c);
   print_notes(notes_on(environment));
   return environment;
+}
+
+LoadedEnv load_with_warnings(const EnvConfig& config) {
+  return {config, config.at_its_place(config.robot, [&config] {
+            return std::make_shared<const RobotDescription>(load_robot_with_warnings(config.robot));
+          })};
 }
 
 // Options of gaits say nothing where actions command joints.

@@ -40,6 +40,9 @@ struct EnvOptions {
   void require_gait(const EnvConfig& c) const;
 };
 
+/// Reads the robot of a configuration, with its warnings. @throws ConfigError
+LoadedEnv load_with_warnings(const EnvConfig& config);
+
 /// A sentence for every parameter that begins outside its range: one that adapts, or one that is not as the
 /// gait prefers it.
 std::vector<std::string> notes_on(const LoadedEnv& environment);

@@ -12,6 +12,7 @@
 #include "apps/results.h"
 #include "backends/registry.h"
 #include "gait/gait.h"
+#include "physics/core/text.h"
 #include "physics/robot_files/data_path.h"
 #include "physics/terrain/terrain.h"
 #include "policy/bundled_policies.h"
@@ -162,11 +163,7 @@ std::vector<std::string> values_of(const CLI::Option& option) {
   if (type.find('|') == std::string::npos ||
       type.find_first_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ[,:") != std::string::npos)
     return spelled;
-  for (std::size_t from = 0; from <= type.size();) {
-    const std::size_t end = std::min(type.find('|', from), type.size());
-    spelled.push_back(type.substr(from, end - from));
-    from = end + 1;
-  }
+  for (const std::string_view part : parts_of(type, "|")) spelled.emplace_back(part);
   return spelled;
 }
 

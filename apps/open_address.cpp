@@ -42,7 +42,7 @@ std::string host_name() {
 
 std::string temporary_file(const std::string& name) {
   std::string folder = (std::filesystem::temp_directory_path() / "crossgait.XXXXXX").string();
-  if (::mkdtemp(folder.data()) == nullptr)
+  if (::mkdtemp(folder.data()) == nullptr)  // for its owner alone
     throw std::runtime_error(
         fmt::format("{}: no folder can be made: {}", folder, std::generic_category().message(errno)));
   return folder + "/" + name;
@@ -62,11 +62,12 @@ void open_page(const std::string& path) {
 }
 
 OpenedAddress::OpenedAddress(const std::string& address) {
-  std::string folder = (std::filesystem::temp_directory_path() / "crossgait-view.XXXXXX").string();
   bool opened = false;
-  if (::mkdtemp(folder.data()) != nullptr) {  // for its owner alone
-    folder_ = folder;
-    file_ = folder + "/open.html";
+  try {
+    file_ = temporary_file("open.html");
+  } catch (const std::runtime_error&) {  // whoever cannot have one is told to do it by hand
+  }
+  if (!file_.empty()) {
     write_file_atomically(
         file_, fmt::format("<!doctype html><meta http-equiv=\"refresh\" content=\"0; url={}\">\n", address));
     opened = open_file(file_);
@@ -76,7 +77,8 @@ OpenedAddress::OpenedAddress(const std::string& address) {
 
 OpenedAddress::~OpenedAddress() {
   std::error_code nothing_to_be_done;
-  if (!folder_.empty()) std::filesystem::remove_all(folder_, nothing_to_be_done);
+  if (!file_.empty())
+    std::filesystem::remove_all(std::filesystem::path(file_).parent_path(), nothing_to_be_done);
 }
 
 }  // namespace crossgait::apps

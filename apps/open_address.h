@@ -24,7 +24,7 @@ class OpenedAddress {
   OpenedAddress& operator=(const OpenedAddress&) = delete;
 
  private:
-  std::string folder_, file_;
+  std::string file_;
 };
 
 }  // namespace crossgait::apps

@@ -38,9 +38,7 @@ LoadedEnv PolicyOption::environment(const WalkOptions& walk) const {
   if (given("--seconds")) made.episode_seconds = walk.config.timing.seconds;
   if (const auto velocity = walk.velocity_command()) made.command = velocity;
   made.validate("command line");
-  LoadedEnv loaded(made, made.at_its_place(made.robot, [&made] {
-    return std::make_shared<const RobotDescription>(load_robot_with_warnings(made.robot));
-  }));
+  LoadedEnv loaded = load_with_warnings(made);
   print_notes(notes_on(loaded));
   return loaded;
 }

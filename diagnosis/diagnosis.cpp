@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 
 #include "diagnosis/import_table.h"
 #include <fmt/format.h>
 
 #include "backends/registry.h"
-#include "parity/distributions.h"
+#include "parity/paired_differences.h"
 #include "physics/core/error.h"
 #include "physics/core/random.h"
 
@@ -19,16 +18,10 @@ namespace {
 constexpr double kConfidence = 0.95;
 constexpr std::size_t kRanked = 10;
 
-double deviation(const std::vector<double>& values) {
-  const double n = static_cast<double>(values.size());
-  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
-  double squares = 0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  return std::sqrt(squares / (n - 1));
-}
-
-double quantile(std::size_t seeds) {
-  return student_quantile(0.5 + kConfidence / 2, static_cast<double>(seeds - 1));
+// Puts all of `more` behind the others.
+void append(std::vector<Candidate> more, std::vector<Candidate>& candidates) {
+  candidates.insert(candidates.end(), std::make_move_iterator(more.begin()),
+                    std::make_move_iterator(more.end()));
 }
 
 void add_strengths(const Candidate& candidate, std::initializer_list<double> strengths,
@@ -43,8 +36,7 @@ void tune(Search& search, std::vector<Candidate>& candidates, std::size_t most, 
   for (std::size_t i = 0; i < candidates.size() && i < most; ++i)
     add_strengths(candidates[i], {0.6, 0.8, 1.25, 1.6}, others);
   search.glance(others, progress);
-  candidates.insert(candidates.end(), std::make_move_iterator(others.begin()),
-                    std::make_move_iterator(others.end()));
+  append(std::move(others), candidates);
 }
 
 bool cures(const Candidate& candidate, const Search& search) {
@@ -62,7 +54,7 @@ std::vector<Candidate> walk_best(Search& search, std::vector<Candidate> glanced,
   for (std::size_t i = 0; i < best.size() && i < kFiner; ++i)
     add_strengths(best[i], {0.7, 0.87, 1.15, 1.4}, finer);
   search.once(finer, part_of(progress, 0.5, 0.7));
-  best.insert(best.end(), std::make_move_iterator(finer.begin()), std::make_move_iterator(finer.end()));
+  append(std::move(finer), best);
   best = best_of_fields(std::move(best), &Candidate::once, 1, kWhole);
   search.whole(best, part_of(progress, 0.7, 1));
   return best;
@@ -92,7 +84,7 @@ std::vector<Candidate> search_pairs(Search& search, const std::vector<Candidate>
     seconds = best_of_fields(std::move(seconds), &Candidate::glance, 1, kEach);
     tune(search, seconds, kTuned, part_of(progress, done + 0.6 / kFirst, done + 0.8 / kFirst));
     done += 0.8 / kFirst;
-    best.insert(best.end(), std::make_move_iterator(seconds.begin()), std::make_move_iterator(seconds.end()));
+    append(std::move(seconds), best);
   }
   return walk_best(search, std::move(best), part_of(progress, 0.8, 1));
 }
@@ -106,8 +98,7 @@ std::vector<Candidate> search_all(Search& search, const Progress& progress) {
     return cures(candidate, search) && candidate.whole->mean() < kDoubtful;
   };
   if (std::any_of(found.begin(), found.end(), settles)) return found;
-  std::vector<Candidate> pairs = search_pairs(search, glanced, part_of(progress, 0.4, 1));
-  found.insert(found.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
+  append(search_pairs(search, glanced, part_of(progress, 0.4, 1)), found);
   return found;
 }
 
@@ -164,12 +155,12 @@ RankedChange ranked_change(const Candidate& candidate, const WalkResult& patient
   std::vector<double> effects = patient.by_seed(seeds);
   const std::vector<double> with = candidate.whole->by_seed(seeds);
   for (std::size_t k = 0; k < seeds; ++k) effects[k] -= with[k];
-  const double half = quantile(seeds) * deviation(effects) / std::sqrt(static_cast<double>(seeds));
+  const Interval effect = PairedDifferences(effects).interval(kConfidence);
   RankedChange change{.field = candidate.field, .from = candidate.from, .to = candidate.to};
   change.score = candidate.whole->mean();
-  change.effect = patient.mean() - change.score;
-  change.low = change.effect - half;
-  change.high = change.effect + half;
+  change.effect = effect.estimate;
+  change.low = effect.low;
+  change.high = effect.high;
   change.confidence = confidence;
   change.physics = candidate.physics;
   change.unstated = candidate.unstated;
@@ -204,8 +195,10 @@ std::size_t put_suspects_first(std::vector<Candidate>& ranked, std::size_t rival
   return rivals;
 }
 
+// By how much a score may differ from the mean: the interval is that of the mean.
 double spread_of(const Candidate& candidate, std::size_t seeds) {
-  return quantile(seeds) * deviation(candidate.whole->by_seed(seeds));
+  const Interval mean = PairedDifferences(candidate.whole->by_seed(seeds)).interval(kConfidence);
+  return mean.half_width() * std::sqrt(static_cast<double>(seeds));
 }
 
 // The walk in which two explanations differ most.

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "diagnosis/joint_orders.h"
+#include "diagnosis/walk_score.h"
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -42,11 +43,9 @@ class Stand {
 
  private:
   static EnvConfig at(EnvConfig config, const VelocityCommand& command, double heading) {
-    config.randomisation = {};
+    constexpr double kSeconds = 2;
+    config = test_episode(std::move(config), command, kSeconds);
     config.randomisation[Randomised::kStartYaw] = {heading, heading};
-    config.command = command;
-    config.episode_seconds = std::ceil(2 / config.policy_dt) * config.policy_dt;
-    config.terminations = OutcomeSet::of_episodes();
     return config;
   }
 

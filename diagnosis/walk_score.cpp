@@ -14,10 +14,9 @@
 namespace crossgait {
 namespace {
 
-constexpr double kSetOffSeconds = 1;       // in which a robot comes from standing to its speed
-constexpr double kReferenceSpeed = 0.3;    // m/s, where next to none is asked for
-constexpr double kReferenceTurn = 0.4;     // rad/s
-constexpr double kStandardGravity = 9.81;  // m/s^2, of weights
+constexpr double kSetOffSeconds = 1;     // in which a robot comes from standing to its speed
+constexpr double kReferenceSpeed = 0.3;  // m/s, where next to none is asked for
+constexpr double kReferenceTurn = 0.4;   // rad/s
 
 double capped(double value, double most) { return std::min(1.0, value / most); }
 
@@ -26,11 +25,11 @@ class WalkMeter {
  public:
   explicit WalkMeter(const QuadrupedEnv& env)
       : dt_(env.config().policy_dt),
-        weight_(env.model().world.robot->total_mass() * kStandardGravity),
+        weight_(env.model().world.robot->total_mass() * kGravity),
         last_(env.targets().joints.q),
         before_(last_) {}
 
-  bool add(const QuadrupedEnv& env) {
+  void add(const QuadrupedEnv& env) {
     const JointVector& targets = env.targets().joints.q;
     if (++steps_ > 2) {
       jitter_ += (targets - 2 * last_ + before_).cwiseAbs().mean() / (dt_ * dt_);
@@ -42,13 +41,12 @@ class WalkMeter {
     const Vector3 rpy = roll_pitch_yaw(state.q_WB);
     power_ += env.info().power;
     tilt_squares_ += rpy.x() * rpy.x() + rpy.y() * rpy.y();
-    if (env.info().time < kSetOffSeconds) return true;
-    const double c = std::cos(rpy.z()), s = std::sin(rpy.z());
-    vx_ += c * state.v_WB.x() + s * state.v_WB.y();
-    vy_ += c * state.v_WB.y() - s * state.v_WB.x();
+    if (env.info().time < kSetOffSeconds) return;
+    const Vector3 velocity = in_heading_frame(state.v_WB, rpy.z());
+    vx_ += velocity.x();
+    vy_ += velocity.y();
     yaw_rate_ += state.w_WB.z();
     ++walked_;
-    return true;
   }
 
   WalkMeasure measure(const VelocityCommand& asked, double seconds, bool fell) const {
@@ -76,13 +74,10 @@ class WalkMeter {
 // what is seen in the wrong frame shows.
 EnvConfig tested(EnvConfig config, const WalkTest& test, const VelocityCommand& command) {
   constexpr double kTilt = 0.05;  // rad
-  config.randomisation = {};
+  config = test_episode(std::move(config), command, test.seconds);
   config.randomisation[Randomised::kStartYaw] = {-M_PI, M_PI};
   config.randomisation[Randomised::kStartRoll] =
       config.randomisation[Randomised::kStartPitch] = {-kTilt, kTilt};
-  config.command = command;
-  config.episode_seconds = std::ceil(test.seconds / config.policy_dt) * config.policy_dt;
-  config.terminations = OutcomeSet::of_episodes();
   return config;
 }
 
@@ -101,6 +96,14 @@ WalkMeasure run_walk(QuadrupedEnv& env, Policy& policy, std::uint64_t seed, doub
 }
 
 }  // namespace
+
+EnvConfig test_episode(EnvConfig config, const VelocityCommand& command, double seconds) {
+  config.randomisation = {};
+  config.command = command;
+  config.episode_seconds = std::ceil(seconds / config.policy_dt) * config.policy_dt;
+  config.terminations = OutcomeSet::of_episodes();
+  return config;
+}
 
 std::vector<WalkCommand> walk_commands(const EnvConfig& config) {
   constexpr double kSpeed = 0.5, kLeastSpeed = 0.1, kTurn = 0.4;

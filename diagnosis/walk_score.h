@@ -23,6 +23,10 @@ struct WalkMeasure {
   bool fell = false;          ///< it ended before its time
 };
 
+/// The environment for one episode of a test: of so long (s, whole policy steps), under one command, ended by
+/// failures alone. Nothing is randomised.
+EnvConfig test_episode(EnvConfig config, const VelocityCommand& command, double seconds);
+
 /// Walks by command: straight, turning left and right, standing.
 struct WalkCommand {
   std::string name;

@@ -92,12 +92,14 @@ static_assert(
 
 std::span<const OutcomeRow> outcome_rows() { return kOutcomeRows; }
 
-std::string_view name(Outcome outcome) noexcept {
-  return kOutcomeRows[static_cast<std::size_t>(outcome)].name;
+const OutcomeRow& outcome_row(Outcome outcome) noexcept {
+  return kOutcomeRows[static_cast<std::size_t>(outcome)];
 }
 
+std::string_view name(Outcome outcome) noexcept { return outcome_row(outcome).name; }
+
 bool is_failure(Outcome outcome) noexcept {
-  return kOutcomeRows[static_cast<std::size_t>(outcome)].at_once && outcome != Outcome::kLeftTerrain;
+  return outcome_row(outcome).at_once && outcome != Outcome::kLeftTerrain;
 }
 
 Outcome find_outcome(std::string_view name) {

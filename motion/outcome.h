@@ -44,6 +44,7 @@ struct OutcomeRow {
 
 /// The table, in the order of the enumeration.
 std::span<const OutcomeRow> outcome_rows();
+const OutcomeRow& outcome_row(Outcome outcome) noexcept;
 std::string_view name(Outcome outcome) noexcept;
 /// Fell, collapsed, came apart or diverged: whatever ends a motion but leaving the ground.
 bool is_failure(Outcome outcome) noexcept;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -24,12 +23,9 @@ const PairDifference* pair_between(const Comparison& comparison, std::size_t i, 
   return nullptr;
 }
 
-bool is_same(const Comparison& comparison, std::size_t i, std::size_t k) {
-  constexpr auto kSame = DivergenceTolerances::exact;
+bool are_same(const Comparison& comparison, std::size_t i, std::size_t k) {
   const PairDifference* const pair = pair_between(comparison, i, k);
-  return pair != nullptr && pair->max_position_difference_m <= kSame().position &&
-         pair->max_joint_difference_rad <= kSame().joint &&
-         pair->max_attitude_difference_rad <= kSame().attitude &&
+  return pair != nullptr && is_same(*pair) &&
          comparison.runs[i].summary.physics_steps == comparison.runs[k].summary.physics_steps;
 }
 
@@ -40,9 +36,7 @@ std::string length(double metres) {
                                     : fmt::format("{:.2g} m", metres);
 }
 
-bool known_at_once(const MotionSummary& m) {
-  return outcome_rows()[static_cast<std::size_t>(m.outcome)].at_once;
-}
+bool known_at_once(const MotionSummary& m) { return outcome_row(m.outcome).at_once; }
 
 // The number that a phrase has: when, s, or how far, m.
 double number_in(const MotionSummary& m) {
@@ -61,12 +55,12 @@ std::string direction(const MotionSummary& m) {
 std::string turn(const MotionSummary& m) {
   if (known_at_once(m) || std::abs(m.yaw_rad) <= kNoticedTurn) return "";
   return fmt::format(" and ended {:.0f} deg to the {} of its heading",
-                     180 / std::numbers::pi * std::abs(m.yaw_rad), m.yaw_rad > 0 ? "left" : "right");
+                     kDegreesPerRadian * std::abs(m.yaw_rad), m.yaw_rad > 0 ? "left" : "right");
 }
 
 /// @param low, high  of `number_in` of those that the phrase is for
 std::string phrase(const MotionSummary& m, double low, double high, const std::string& turned) {
-  const OutcomeRow& row = outcome_rows()[static_cast<std::size_t>(m.outcome)];
+  const OutcomeRow& row = outcome_row(m.outcome);
   const auto digits = [&](double x) {
     return fmt::format(fmt::runtime(known_at_once(m) ? "{:.2f}" : "{:.3g}"), x);
   };
@@ -121,7 +115,7 @@ std::vector<std::string> engine_names(const Comparison& comparison, const std::v
 // "walked 1.15 m in mujoco and 0.922 m in bullet": of two runs each has its own number.
 std::string both(const Comparison& comparison, const Told& told) {
   const MotionSummary &a = comparison.runs[told[0]].summary, &b = comparison.runs[told[1]].summary;
-  const OutcomeRow& row = outcome_rows()[static_cast<std::size_t>(a.outcome)];
+  const OutcomeRow& row = outcome_row(a.outcome);
   const std::string first = phrase(a, ""), second = phrase(b, "");
   if (first == second || known_at_once(a) || !row.phrase.ends_with(" {}")) return "";
   const std::size_t verb = row.phrase.size() - 2;  // up to the number
@@ -166,6 +160,15 @@ std::string from_first(const PairDifference& pair) {
   if (pair.growth)
     text += fmt::format("; differences grow x{:.2g} per half second", pair.growth->per_half_second);
   return text;
+}
+
+std::string describe(const Comparison& comparison, const RunGroup& group) {
+  std::string line =
+      fmt::format("{} = {}: {}", group.name, fmt::join(engine_names(comparison, group.runs), ", "),
+                  outcome_phrase(comparison.runs[group.runs.front()].summary));
+  if (group.runs.size() > 1) line += fmt::format(", the same to {}", length(group.apart_m));
+  if (group.from_first != nullptr) line += "; " + from_first(*group.from_first);
+  return line;
 }
 
 // What each pair of the same laws kept, summed up by law.
@@ -218,7 +221,7 @@ std::vector<RunGroup> groups_of(const Comparison& comparison) {
   for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
     const auto home = std::find_if(groups.begin(), groups.end(), [&](const RunGroup& group) {
       return std::all_of(group.runs.begin(), group.runs.end(),
-                         [&](std::size_t k) { return is_same(comparison, k, i); });
+                         [&](std::size_t k) { return are_same(comparison, k, i); });
     });
     if (home == groups.end()) {
       const PairDifference* const from = groups.empty() ? nullptr : pair_between(comparison, 0, i);
@@ -251,11 +254,10 @@ std::string summary(const Comparison& comparison) {
                         : fmt::format("{} {}", told_phrase(comparison, some), in_engines(comparison, some)));
   }
   std::string text = fmt::format("{} on {} ", first.gait, first.terrain);
-  if (told.size() == 2)
-    return text + fmt::format("{}, but {}.", parts[0], parts[1]) +
-           law_sentence(comparison, groups_of(comparison));
-  text += listed(parts);
   const std::vector<RunGroup> groups = groups_of(comparison);
+  if (told.size() == 2)
+    return text + fmt::format("{}, but {}.", parts[0], parts[1]) + law_sentence(comparison, groups);
+  text += listed(parts);
   if (told.size() > 1) return text + "." + law_sentence(comparison, groups);
   if (groups.size() == 1) return text + fmt::format(", the same to {}.", length(groups.front().apart_m));
   double apart = 0;
@@ -265,14 +267,7 @@ std::string summary(const Comparison& comparison) {
 
 std::vector<std::string> describe_groups(const Comparison& comparison) {
   std::vector<std::string> lines;
-  for (const RunGroup& group : groups_of(comparison)) {
-    std::string line =
-        fmt::format("{} = {}: {}", group.name, fmt::join(engine_names(comparison, group.runs), ", "),
-                    outcome_phrase(comparison.runs[group.runs.front()].summary));
-    if (group.runs.size() > 1) line += fmt::format(", the same to {}", length(group.apart_m));
-    if (group.from_first != nullptr) line += "; " + from_first(*group.from_first);
-    lines.push_back(line);
-  }
+  for (const RunGroup& group : groups_of(comparison)) lines.push_back(describe(comparison, group));
   return lines;
 }
 
@@ -293,13 +288,12 @@ std::vector<std::string> describe_parity(const Comparison& comparison) {
 
 nlohmann::ordered_json groups_json(const Comparison& comparison) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  const std::vector<std::string> lines = describe_groups(comparison);
   for (const RunGroup& group : groups_of(comparison)) {
     json.push_back({{"name", group.name},
                     {"engines", engine_names(comparison, group.runs)},
                     {"outcome", name(comparison.runs[group.runs.front()].summary.outcome)},
                     {"apart_m", group.apart_m},
-                    {"sentence", lines[json.size()]}});
+                    {"sentence", describe(comparison, group)}});
   }
   return json;
 }

@@ -6,6 +6,12 @@
 
 namespace crossgait {
 
+bool is_same(const PairDifference& pair) noexcept {
+  const DivergenceTolerances bounds = DivergenceTolerances::exact();
+  return pair.max_position_difference_m <= bounds.position && pair.max_joint_difference_rad <= bounds.joint &&
+         pair.max_attitude_difference_rad <= bounds.attitude;
+}
+
 double attitude_difference(const Quaternion& a, const Quaternion& b) noexcept {
   const Quaternion relative = a.conjugate() * b;
   return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));

@@ -62,6 +62,9 @@ struct PairDifference {
   PartingWatch parting{0};  ///< of robots of that leg length; of none nothing is found
 };
 
+/// Whether all that was compared of them lies within `DivergenceTolerances::exact()`.
+bool is_same(const PairDifference& pair) noexcept;
+
 /// Angle of the rotation between two orientations, in [0, pi], rad. Accurate near zero.
 double attitude_difference(const Quaternion& a, const Quaternion& b) noexcept;
 

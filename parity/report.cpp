@@ -156,7 +156,7 @@ std::string describe_contact(const ContactSpec& contact, const std::vector<Engin
 }
 
 std::string outcome_in_words(const MotionSummary& m) {
-  const OutcomeRow& row = outcome_rows()[static_cast<std::size_t>(m.outcome)];
+  const OutcomeRow& row = outcome_row(m.outcome);
   const std::optional<double>& at = m.first_at_s[static_cast<std::size_t>(m.outcome)];
   return at ? fmt::format("{} at {:.2f} s", row.words, *at) : std::string(row.words);
 }

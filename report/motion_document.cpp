@@ -141,12 +141,6 @@ ordered_json parting_document(const RecordedRun& run, const Parting& parting) {
   return {{"standing_m", parting.standing_m}, {"time_s", at_page_time(run, parting.time_s)}};
 }
 
-bool is_same(const PairDifference& pair) {
-  const DivergenceTolerances bounds = DivergenceTolerances::exact();
-  return pair.max_position_difference_m <= bounds.position && pair.max_joint_difference_rad <= bounds.joint &&
-         pair.max_attitude_difference_rad <= bounds.attitude;
-}
-
 }  // namespace
 
 std::vector<std::size_t> frame_rows(const std::vector<double>& time) {

@@ -126,11 +126,11 @@ void PanelMaker::add_base() {
     for (const std::size_t row : frames_[run].rows) {
       const RobotState& state = motion_.runs[run].samples[row].state;
       const Vector3 rpy = roll_pitch_yaw(state.q_WB);
-      const double c = std::cos(rpy.z()), s = std::sin(rpy.z());
+      const Vector3 velocity = in_heading_frame(state.v_WB, rpy.z());
       add_unwrapped(roll.back().values, kDegreesPerRadian * rpy.x());
       pitch.back().values.push_back(kDegreesPerRadian * rpy.y());
-      forward.back().values.push_back(c * state.v_WB.x() + s * state.v_WB.y());
-      left.back().values.push_back(c * state.v_WB.y() - s * state.v_WB.x());
+      forward.back().values.push_back(velocity.x());
+      left.back().values.push_back(velocity.y());
     }
   }
   add("base", "Roll", "deg", roll);

@@ -42,8 +42,7 @@ const Column kColumns[] = {{&MotionSummary::rms_roll_deg, "roll, deg", 2},
 std::vector<std::string> complaints_of(const TrialWalk& walk) {
   std::vector<std::string> list;
   const MotionSummary& s = walk.summary;
-  if (s.outcome != Outcome::kWalked)
-    list.push_back(fmt::format("it {}", outcome_rows()[static_cast<std::size_t>(s.outcome)].words));
+  if (s.outcome != Outcome::kWalked) list.push_back(fmt::format("it {}", outcome_row(s.outcome).words));
   if (!(walk.speed_ratio >= kLeastSpeed && walk.speed_ratio <= kMostSpeed))
     list.push_back(fmt::format("it went {:.2f} of the speed it was told", walk.speed_ratio));
   if (s.rms_roll_deg > kMostTilt || s.rms_pitch_deg > kMostTilt)
@@ -140,8 +139,7 @@ std::string describe(const Trial& trial) {
   std::string wrong;
   for (const TrialWalk& walk : trial.walks) {
     const MotionSummary& s = walk.summary;
-    std::vector<std::string> cells{walk.engine,
-                                   std::string(outcome_rows()[static_cast<std::size_t>(s.outcome)].words),
+    std::vector<std::string> cells{walk.engine, std::string(outcome_row(s.outcome).words),
                                    fmt::format("{:.2f}", walk.speed_ratio)};
     for (const Column& column : kColumns)
       cells.push_back(fmt::format("{:.{}f}", column.value(s), column.digits));

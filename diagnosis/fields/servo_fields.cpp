@@ -1,5 +1,4 @@
 // Servos, drives and what joints lose.
-#include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
@@ -8,6 +7,8 @@
 #include "diagnosis/fields/changes.h"
 #include "diagnosis/fields/fields.h"
 #include <fmt/format.h>
+
+#include "physics/core/find_row.h"
 
 namespace crossgait::fields {
 namespace {
@@ -43,9 +44,8 @@ CandidateField servo_field(const Context& context, std::size_t row) {
 }
 
 std::size_t servo_row(std::string_view name) {
-  return static_cast<std::size_t>(std::find_if(kJointNumbers.begin(), kJointNumbers.end(),
-                                               [&](const auto& n) { return n.name == name; }) -
-                                  kJointNumbers.begin());
+  return static_cast<std::size_t>(&find_row(kJointNumbers, name, "diagnosis", "servos") -
+                                  kJointNumbers.data());
 }
 
 }  // namespace

@@ -5,18 +5,14 @@
 #include <utility>
 #include <vector>
 
+#include "physics/core/text.h"
+
 namespace crossgait {
 namespace {
 
 constexpr std::size_t kNarrowest = 20;
 constexpr std::size_t kFewestOfWords = 16;  // of a last column: below that it stands on lines of its own
 constexpr std::string_view kGap = "  ";
-
-bool begins_character(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }
-
-std::size_t width_of(std::string_view utf8) {
-  return static_cast<std::size_t>(std::count_if(utf8.begin(), utf8.end(), begins_character));
-}
 
 // The byte at which a character begins, or the end.
 std::size_t byte_at(std::string_view line, std::size_t character) {

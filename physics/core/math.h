@@ -38,6 +38,11 @@ inline Pose make_pose(const Quaternion& q, const Vector3& p) {
 Vector3 roll_pitch_yaw(const Quaternion& q);
 /// Inverse of `roll_pitch_yaw`.
 Quaternion from_roll_pitch_yaw(double roll, double pitch, double yaw);
+/// A vector of the world in the frame of a heading `yaw` (rad): forward, to the left, up.
+inline Vector3 in_heading_frame(const Vector3& v_W, double yaw) {
+  const double c = std::cos(yaw), s = std::sin(yaw);
+  return {c * v_W.x() + s * v_W.y(), c * v_W.y() - s * v_W.x(), v_W.z()};
+}
 /// The least rotation that takes z to `axis` (unit); about x where that is -z.
 Quaternion rotation_of_z_to(const Vector3& axis);
 

@@ -5,13 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "physics/core/text.h"
+
 namespace crossgait {
 namespace {
-
-std::size_t width(const std::string& utf8) {
-  return static_cast<std::size_t>(std::count_if(
-      utf8.begin(), utf8.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
-}
 
 // Numbers line up at their right ends, words at their left.
 bool is_number(const std::string& cell) {
@@ -36,7 +33,7 @@ void Table::add_row(std::vector<std::string> cells) {
 std::string Table::str() const {
   std::vector<std::size_t> widths(rows_.front().size(), 0);
   for (const auto& row : rows_) {
-    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], width(row[c]));
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], width_of(row[c]));
   }
   std::vector<bool> right(widths.size(), false);
   for (std::size_t c = 1; c < widths.size(); ++c) {
@@ -47,7 +44,7 @@ std::string Table::str() const {
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     std::string line;
     for (std::size_t c = 0; c < widths.size(); ++c) {
-      const std::string padding(widths[c] - width(rows_[r][c]), ' ');
+      const std::string padding(widths[c] - width_of(rows_[r][c]), ' ');
       if (c > 0) line += "  ";
       line += right[c] ? padding + rows_[r][c] : rows_[r][c] + padding;
     }

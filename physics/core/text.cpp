@@ -94,6 +94,10 @@ std::string read_text_file(const std::string& path, const ReadBudget& budget) {
   return text;
 }
 
+std::size_t width_of(std::string_view utf8) noexcept {
+  return static_cast<std::size_t>(std::count_if(utf8.begin(), utf8.end(), begins_character));
+}
+
 std::vector<std::string_view> parts_of(std::string_view text, std::string_view separators) {
   std::vector<std::string_view> parts;
   for (;;) {

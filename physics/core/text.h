@@ -1,6 +1,7 @@
 // Reading text: whole files, and numbers that mean the same in every locale.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,6 +15,13 @@ namespace crossgait {
 /// Contents of a regular file. Folders, devices and pipes, which may never end, are refused unread.
 /// @throws ConfigError naming the file if it cannot be read, is no regular file, or is larger than the budget
 std::string read_text_file(const std::string& path, const ReadBudget& budget);
+
+/// Whether a byte of UTF-8 begins a character.
+constexpr bool begins_character(char byte) noexcept {
+  return (static_cast<unsigned char>(byte) & 0xC0) != 0x80;
+}
+/// Characters of a text in UTF-8.
+std::size_t width_of(std::string_view utf8) noexcept;
 
 /// What stands between any of the separators; nothing is left out, and parts may be empty.
 std::vector<std::string_view> parts_of(std::string_view text, std::string_view separators);

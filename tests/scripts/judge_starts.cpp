@@ -199,6 +199,10 @@ Json judge_request(Json request, Pool& pool, std::size_t workers) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     statistics.push_back(answer(judged[i]));
     statistics.back()["is_share"] = rows[i].is_share;
+    // A median of too few has no interval of that confidence, and none is claimed.
+    const double error = (1 - options.confidence) / static_cast<double>(rows.size());
+    statistics.back()["has_interval"] =
+        judged[i].estimand == Estimand::kMean || judged[i].pairs >= fewest_for_median(error);
     if (!with_differences) continue;
     statistics.back()["differences"] = rows[i].as_asked.differences();
     statistics.back()["early"] = rows[i].ends_early;

@@ -86,8 +86,21 @@ def _flat(summary: Json) -> Json:
     return row
 
 
+class Answer(Result):
+    """A result that begins with a sentence."""
+
+    @property
+    def summary(self) -> str:
+        """What came out, to repeat to a colleague."""
+        summary: str = self.document["summary"]
+        return summary
+
+    def _headline(self) -> str:
+        return self.summary
+
+
 @dataclass(frozen=True, repr=False)
-class WalkResult(Result):
+class WalkResult(Answer):
     """One walk in one engine. Its numbers are attributes too: `result.mean_speed_mps`."""
 
     trace: Trace | None = None  #: if it was asked for
@@ -111,12 +124,9 @@ class WalkResult(Result):
     def _rows(self) -> list[Json]:
         return [_flat(self.document)]
 
-    def _headline(self) -> str:
-        return str(self.document["summary"])
-
 
 @dataclass(frozen=True, repr=False)
-class CompareResult(Result):
+class CompareResult(Answer):
     """The same walk in several engines."""
 
     traces: dict[str, Trace] = field(default_factory=dict)  #: by engine, if they were asked for
@@ -146,22 +156,14 @@ class CompareResult(Result):
         return [_flat(run) for run in self.document["runs"]]
 
     @property
-    def summary(self) -> str:
-        """What came out in which engine, to repeat to a colleague."""
-        return str(self.document["summary"])
-
-    @property
     def groups(self) -> list[Json]:
         """Engines that did the same: `name`, `engines`, `outcome`, `apart_m` and the printed `sentence`."""
         groups: list[Json] = self.document["groups"]
         return groups
 
-    def _headline(self) -> str:
-        return self.summary
-
 
 @dataclass(frozen=True, repr=False)
-class Verdict(Result):
+class Verdict(Answer):
     """Whether a behaviour depends on the engine (docs/verdict.md), in two engines or more."""
 
     _row_name = "key"
@@ -171,12 +173,6 @@ class Verdict(Result):
         """`agrees`, `differs`, `step-dependent` or `unresolved`: of all pairs together."""
         word: str = self.document["word"]
         return word
-
-    @property
-    def summary(self) -> str:
-        """What a colleague can repeat."""
-        summary: str = self.document["summary"]
-        return summary
 
     @property
     def outcomes(self) -> dict[str, dict[str, int]]:
@@ -257,7 +253,7 @@ class Verdict(Result):
 
 
 @dataclass(frozen=True, repr=False)
-class Rollout(Result):
+class Rollout(Answer):
     """Whole episodes of policies in one engine."""
 
     _row_name = "policy"
@@ -274,9 +270,6 @@ class Rollout(Result):
             for run in self.document["policies"]
             for episode in run["episodes"]
         ]
-
-    def _headline(self) -> str:
-        return str(self.document["summary"])
 
 
 @dataclass(frozen=True, repr=False)
@@ -300,7 +293,7 @@ class Transfer(Result):
 
 
 @dataclass(frozen=True, repr=False)
-class CourseResult(Result):
+class CourseResult(Answer):
     """A policy on every section of a course."""
 
     _row_name = "section"
@@ -323,9 +316,6 @@ class CourseResult(Result):
             {"section": cell["section"]["name"], **_flat({k: v for k, v in cell.items() if k != "section"})}
             for cell in self.document["cells"]
         ]
-
-    def _headline(self) -> str:
-        return str(self.document["summary"])
 
 
 @dataclass(frozen=True, repr=False)
@@ -353,18 +343,12 @@ class Tuning(Result):
 
 
 @dataclass(frozen=True, repr=False)
-class Diagnosis(Result):
+class Diagnosis(Answer):
     """Why a policy does not do what it is asked."""
 
     environment: EnvironmentConfig | None = None  #: with the first of the ranking; as it is if there is none
 
     _row_name = "field"
-
-    @property
-    def summary(self) -> str:
-        """What a colleague can repeat."""
-        summary: str = self.document["summary"]
-        return summary
 
     @property
     def healthy(self) -> bool:
@@ -396,9 +380,6 @@ class Diagnosis(Result):
 
     def _rows(self) -> list[Json]:
         return self.ranking
-
-    def _headline(self) -> str:
-        return self.summary
 
 
 @dataclass(frozen=True, repr=False)
