@@ -173,6 +173,17 @@ void add_wrapped(const std::vector<std::string_view>& lines, const std::vector<C
   }
 }
 
+/// The words of `last` on lines of their own below `first`: none of them fits beside it.
+void add_below(const std::vector<std::string_view>& lines, const Column& first, const Column& last,
+               std::size_t width, std::string& text) {
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    text += std::string(trimmed(characters(lines[i], first.first, first.second))) + "\n";
+    const std::string cell(from_first(characters(lines[i], last.first, last.second)));
+    wrap_if_long(std::string(kGap) + cell, width, text);
+    if (i == 0) text += std::string(width, '-') + "\n";
+  }
+}
+
 // All that fits beside each other, then the rest below, behind the first column.
 void stack(const std::vector<std::string_view>& lines, const std::vector<Column>& columns, std::size_t width,
            std::string& text) {
@@ -188,8 +199,10 @@ void stack(const std::vector<std::string_view>& lines, const std::vector<Column>
     }
     if (used <= width) {
       add_columns(lines, beside, text);
-    } else {
+    } else if (wide(beside.front()) + kGap.size() + longest_word(lines, beside.back()) <= width) {
       add_wrapped(lines, {beside.front()}, beside.back(), width, text);
+    } else {
+      add_below(lines, beside.front(), beside.back(), width, text);
     }
   }
 }

@@ -77,6 +77,18 @@ TEST(FitText, WrapsAColumnThatIsWiderThanTheTerminal) {
       << fit_text(table.str(), 24);
 }
 
+// A word that is longer than a line stands on one of its own, with nothing beside it that would be cut.
+TEST(FitText, PutsAWordThatIsTooLongBelowItsRow) {
+  const std::string path = "/home/somebody/" + std::string(30, 'x') + "/engine.so";
+  Table table({"name", "plug-in"});
+  table.add_row({"mujoco", path});
+  table.add_row({"none", "-"});
+  EXPECT_EQ(fit_text(table.str(), 40),
+            "name\n"
+            "  plug-in\n" +
+                std::string(40, '-') + "\nmujoco\n  " + path + "\nnone\n  -\n");
+}
+
 TEST(FitText, CountsCharactersAndNoBytes) {
   const std::string line =
       "\u00b1\u00b1\u00b1\u00b1\u00b1\u00b1\u00b1\u00b1\u00b1\u00b1 "
