@@ -101,7 +101,7 @@ void run(const EnvCommand& options) {
   if (options.list) return list_tables(options);
   const LoadedEnv environment = options.env.make();
   if (options.yaml) {
-    const std::string text = to_yaml(EnvModel::make(environment)->stated());
+    const std::string text = to_yaml(EnvModel::make(environment)->resolved());
     return options.json.emit(text, with_schema("env", {{"yaml", text}}), provenance_of(options, environment));
   }
   describe(options, environment);

@@ -42,12 +42,12 @@ constexpr std::array kRows{
 
 std::span<const FieldRow> field_rows() { return kRows; }
 
-EnvConfig with_joints_stated(const EnvModel& model) {
+EnvConfig with_joints_resolved(const EnvModel& model) {
   EnvConfig config = model.config;
-  const EnvConfig stated = model.stated();
-  config.joints.order = stated.joints.order;
-  config.joints.home = stated.joints.home;
-  config.joints.scale = stated.joints.scale;
+  const EnvConfig resolved = model.resolved();
+  config.joints.order = resolved.joints.order;
+  config.joints.home = resolved.joints.home;
+  config.joints.scale = resolved.joints.scale;
   return config;
 }
 

@@ -49,6 +49,6 @@ struct FieldRow {
 std::span<const FieldRow> field_rows();
 
 /// `config` with order, home and scale of every joint stated.
-EnvConfig with_joints_stated(const EnvModel& model);
+EnvConfig with_joints_resolved(const EnvModel& model);
 
 }  // namespace crossgait

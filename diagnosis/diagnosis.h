@@ -63,7 +63,7 @@ struct Diagnosis {
 
 /// Examines a policy in its environment; where it does not do what it is asked, looks for the change of one
 /// field, or of two, with which it does.
-/// @param policy  as `make_policy` takes it; what its file states of its layout is a test, no condition
+/// @param policy  as `load_policy` takes it; what its file states of its layout is a test, no condition
 /// @throws ConfigError for an environment that does not command joints, a policy of other sizes, or a home
 /// engine that is not there
 /// @throws Interrupted from `progress`

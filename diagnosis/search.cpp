@@ -31,7 +31,7 @@ Search::Search(const LoadedEnv& environment, const RelabelledPolicy& policy, con
       suspicion_(suspicion),
       seed_(seed),
       pool_(workers),
-      base_(with_joints_stated(*EnvModel::make(environment))) {
+      base_(with_joints_resolved(*EnvModel::make(environment))) {
   whole_ = {walk_commands(environment.config), kSeeds, kWholeSeconds, 0};
   once_ = {whole_.commands, 1, kWholeSeconds, 0};
   glance_ = {{whole_.commands.front()}, 1, kGlanceSeconds, 0};

@@ -100,7 +100,7 @@ LoadedEnv EnvModel::loaded() const {
   return own;
 }
 
-EnvConfig EnvModel::stated() const {
+EnvConfig EnvModel::resolved() const {
   EnvConfig whole = config;
   whole.parameters = GaitSettings::all(parameters);
   whole.residual_scale = residual_scale;

@@ -36,8 +36,8 @@ struct EnvModel {
   /// What it was made of, from which others are made without reading the files again.
   LoadedEnv loaded() const;
 
-  /// The configuration with everything stated that follows from the robot.
-  EnvConfig stated() const;
+  /// Returns the configuration with everything set that follows from the robot.
+  EnvConfig resolved() const;
   /// A gait's controller as it is before an episode.
   AdaptiveGaitController make_controller() const;
 };

@@ -32,7 +32,6 @@ EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed
 
 /// Makes what one worker needs. Called once per worker, on the caller's thread.
 using EnvFactory = std::function<std::unique_ptr<QuadrupedEnv>()>;
-using PolicyFactory = std::function<std::unique_ptr<Policy>(const PolicyInterface&)>;
 
 /// Episode k runs with derived_seed(seed, k) for environment and policy, so that two policies meet the same
 /// worlds; results are in that order and the same for any number of workers. If `progress` throws

@@ -10,6 +10,7 @@
 #include "physics/core/error.h"
 #include "physics/core/random.h"
 #include "physics/core/yaml_reader.h"
+#include "policy/bundled_policies.h"
 
 namespace crossgait {
 namespace {
@@ -41,8 +42,26 @@ std::int64_t whole_steps(const std::string& source, double planner_dt, double po
   return std::llround(steps);
 }
 
-std::unique_ptr<Policy> make_member(const YamlValue& yaml, const PolicyInterface& whole,
-                                    std::string_view part, double policy_dt) {
+bool is_hierarchical(const std::string& file) {
+  return file.ends_with(".yaml") && YamlValue::load(file).at("kind").text() == "hierarchical";
+}
+
+PolicyFactory load_member(const YamlValue& yaml) {
+  const YamlValue value = yaml.at("policy");
+  const std::string policy = value.text();
+  if (policy == "zero" || policy == "random") return load_policy(policy);
+  try {
+    const std::string file = find_policy_file(std::filesystem::path(yaml.source()).parent_path() / policy);
+    // A member's action has one of the two parts that a hierarchy needs; it could also be its own member.
+    if (is_hierarchical(file)) value.fail("a policy of one part of the action", "a hierarchy of two");
+    return load_policy(file);
+  } catch (const ConfigError& error) {
+    value.fail(error);
+  }
+}
+
+std::unique_ptr<Policy> make_member(const YamlValue& yaml, const PolicyFactory& make,
+                                    const PolicyInterface& whole, std::string_view part, double policy_dt) {
   std::vector<std::string> observation;
   if (const auto list = yaml.find("observation")) {
     for (const YamlValue& item : list->items()) observation.push_back(item.text());
@@ -50,13 +69,10 @@ std::unique_ptr<Policy> make_member(const YamlValue& yaml, const PolicyInterface
   }
   const std::string source = fmt::format("{}: {}", yaml.source(), yaml.element());
   const PolicyInterface interface = member_interface(whole, observation, part, policy_dt, source);
-  const YamlValue value = yaml.at("policy");
-  const std::string policy = value.text();
-  if (policy == "zero" || policy == "random") return make_policy(policy, interface);
   try {
-    return make_policy(std::filesystem::path(yaml.source()).parent_path() / policy, interface);
+    return make(interface);
   } catch (const ConfigError& error) {
-    value.fail(error);
+    yaml.at("policy").fail(error);
   }
 }
 
@@ -150,14 +166,13 @@ PolicyInterface member_interface(const PolicyInterface& whole, const std::vector
   std::copy_if(whole.action.entries.begin(), whole.action.entries.end(),
                std::back_inserter(interface.action.entries),
                [part](const LayoutEntry& entry) { return entry.name.starts_with(part); });
-  // A member's action has only one of the two parts, so that a description cannot be its own member for ever.
   if (interface.action.entries.empty()) {
     throw ConfigError(source, "action", fmt::format("entries {}*", part), "none");
   }
   return interface;
 }
 
-std::unique_ptr<Policy> make_hierarchical_policy(const YamlValue& root, const PolicyInterface& interface) {
+PolicyFactory load_hierarchical_policy(const YamlValue& root) {
   root.allow_keys({"kind", "layout_version", "planner", "residual", "hold_deltas"});
   const YamlValue planner = root.at("planner"), residual = root.at("residual");
   planner.allow_keys({"policy", "observation", "dt"});
@@ -165,13 +180,17 @@ std::unique_ptr<Policy> make_hierarchical_policy(const YamlValue& root, const Po
   constexpr double kPlannerDt = 0.1;  // s, the guide's 10 Hz
   const auto dt_value = planner.find("dt");
   const double planner_dt = dt_value ? dt_value->number() : kPlannerDt;
-  (void)whole_steps(root.source(), planner_dt, interface.policy_dt);  // here, where the file's path is known
   HierarchicalOptions options;
   if (const auto hold = root.find("hold_deltas")) options.hold_deltas = hold->boolean();
-  return std::make_unique<HierarchicalPolicy>(
-      std::filesystem::path(root.source()).filename(), interface,
-      make_member(planner, interface, kDeltaPrefix, planner_dt),
-      make_member(residual, interface, kResidualPrefix, interface.policy_dt), options);
+  return [planner, residual, planner_dt, options, make_planner = load_member(planner),
+          make_residual = load_member(residual)](const PolicyInterface& interface) {
+    const std::string& source = planner.source();
+    (void)whole_steps(source, planner_dt, interface.policy_dt);  // here, where the file's path is known
+    return std::make_unique<HierarchicalPolicy>(
+        std::filesystem::path(source).filename(), interface,
+        make_member(planner, make_planner, interface, kDeltaPrefix, planner_dt),
+        make_member(residual, make_residual, interface, kResidualPrefix, interface.policy_dt), options);
+  };
 }
 
 }  // namespace crossgait

@@ -64,7 +64,7 @@ class HierarchicalPolicy final : public Policy {
 PolicyInterface member_interface(const PolicyInterface& whole, const std::vector<std::string>& observation,
                                  std::string_view part, double policy_dt, const std::string& source);
 
-/// From a description of kind `hierarchical` (docs/policies.md).
-std::unique_ptr<Policy> make_hierarchical_policy(const YamlValue& root, const PolicyInterface& interface);
+/// Takes a description of kind `hierarchical` and reads its members (docs/policies.md). @throws ConfigError
+PolicyFactory load_hierarchical_policy(const YamlValue& root);
 
 }  // namespace crossgait

@@ -31,9 +31,6 @@ void activate(MlpActivation activation, Eigen::VectorXf& values) noexcept {
 
 }  // namespace
 
-MlpPolicy::MlpPolicy(const std::string& path, const PolicyInterface& interface)
-    : MlpPolicy(read_policy_bundle(path), path, interface) {}
-
 MlpPolicy::MlpPolicy(const PolicyBundle& bundle, const std::string& source, const PolicyInterface& interface)
     : Policy(std::filesystem::path(source).filename(), interface),
       activation_(bundle.network.activation),
@@ -101,6 +98,13 @@ void MlpPolicy::do_act(std::span<const double> observation, std::span<double> ac
   }
   if (output_ == MlpOutput::kTanh) layers_.back().values.array() = layers_.back().values.array().tanh();
   for (std::size_t i = 0; i < action.size(); ++i) action[i] = (*x)[static_cast<Eigen::Index>(i)];
+}
+
+PolicyFactory load_mlp_policy(const std::string& path) {
+  const auto bundle = std::make_shared<const PolicyBundle>(read_policy_bundle(path));
+  return [bundle, path](const PolicyInterface& interface) {
+    return std::make_unique<MlpPolicy>(*bundle, path, interface);
+  };
 }
 
 }  // namespace crossgait

@@ -16,10 +16,8 @@ namespace crossgait {
 /// zero.
 class MlpPolicy final : public Policy {
  public:
-  /// @param path  a policy bundle
-  /// @throws ConfigError if it is none, is for another interface, or does not reproduce its golden pairs
-  MlpPolicy(const std::string& path, const PolicyInterface& interface);
   /// @param source  what stands for the file in messages, and whose last part is the policy's name
+  /// @throws ConfigError if the bundle is for another interface, or does not reproduce its golden pairs
   MlpPolicy(const PolicyBundle& bundle, const std::string& source, const PolicyInterface& interface);
 
  private:
@@ -39,5 +37,8 @@ class MlpPolicy final : public Policy {
   Eigen::VectorXf input_;
   std::vector<Layer> layers_;
 };
+
+/// Reads a policy bundle. @throws ConfigError if it is none
+PolicyFactory load_mlp_policy(const std::string& path);
 
 }  // namespace crossgait

@@ -144,7 +144,9 @@ OnnxNetwork::~OnnxNetwork() {
   OnnxLibrary::get("").function<void(void*)>(Function::kReleaseSession)(session_);
 }
 
-std::shared_ptr<const OnnxNetwork> OnnxNetwork::load(const std::string& path) {
+std::string OnnxNetwork::read(const std::string& path) { return read_text_file(path, kNetworkBudget); }
+
+std::shared_ptr<const OnnxNetwork> OnnxNetwork::of(const std::string& bytes, const std::string& path) {
   struct Known {
     std::string bytes;
     std::shared_ptr<const OnnxNetwork> network;
@@ -154,12 +156,11 @@ std::shared_ptr<const OnnxNetwork> OnnxNetwork::load(const std::string& path) {
   constexpr std::size_t kMostKnown = 4;
   static std::mutex mutex;
   static auto& known = *new std::deque<Known>;
-  std::string bytes = read_text_file(path, kNetworkBudget);
   const std::scoped_lock lock(mutex);
   for (const Known& one : known)
     if (one.bytes == bytes) return one.network;
   std::shared_ptr<const OnnxNetwork> network(new OnnxNetwork(bytes, path));
-  known.push_front({std::move(bytes), network});
+  known.push_front({bytes, network});
   if (known.size() > kMostKnown) known.pop_back();
   return network;
 }

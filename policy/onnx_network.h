@@ -17,13 +17,15 @@ struct OnnxTensor {
   std::size_t size() const noexcept;
 };
 
-/// A file that is read; never changed, and shared by those who compute with it on several threads at once.
+/// A network that is read; never changed, and shared by those who compute with it on several threads at once.
 class OnnxNetwork {
  public:
-  /// One of the last few that were read is not made a second time.
-  /// @throws ConfigError where there is no ONNX Runtime (OnnxLibrary::get), for a file that it refuses, in
-  /// its words, or an input or output that is no tensor of float32
-  static std::shared_ptr<const OnnxNetwork> load(const std::string& path);
+  /// Returns the bytes of a file. @throws ConfigError if it cannot be read
+  static std::string read(const std::string& path);
+  /// Makes a network of them, unless it is one of the last few. @param path  stands for the file in messages
+  /// @throws ConfigError where there is no ONNX Runtime (OnnxLibrary::get), for bytes that it refuses, in its
+  /// words, or an input or output that is no tensor of float32
+  static std::shared_ptr<const OnnxNetwork> of(const std::string& bytes, const std::string& path);
   ~OnnxNetwork();
   OnnxNetwork(const OnnxNetwork&) = delete;
   OnnxNetwork& operator=(const OnnxNetwork&) = delete;

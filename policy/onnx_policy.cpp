@@ -99,12 +99,14 @@ void check_onnx_interface(const YamlValue& root, const PolicyInterface& interfac
 
 }  // namespace
 
-std::unique_ptr<Policy> make_onnx_policy(const YamlValue& root, const PolicyInterface& interface) {
-  check_onnx_interface(root, interface);
-  return make_relabelled_onnx_policy(root, interface);
+PolicyFactory load_onnx_policy(const YamlValue& root) {
+  return [root, make = load_relabelled_onnx_policy(root)](const PolicyInterface& interface) {
+    check_onnx_interface(root, interface);
+    return make(interface);
+  };
 }
 
-std::unique_ptr<Policy> make_relabelled_onnx_policy(const YamlValue& root, const PolicyInterface& interface) {
+PolicyFactory load_relabelled_onnx_policy(const YamlValue& root) {
   root.allow_keys(
       {"kind", "layout_version", "layout_hash", "policy_dt", "network", "observation", "action", "memory"});
   OnnxPolicyPorts ports{root.at("observation").text(), root.at("action").text(), {}};
@@ -112,12 +114,21 @@ std::unique_ptr<Policy> make_relabelled_onnx_policy(const YamlValue& root, const
     for (const auto& [input, output] : memory->entries()) ports.memory.emplace_back(input, output.text());
   }
   const YamlValue file = root.at("network");
+  const std::string path = std::filesystem::path(root.source()).parent_path() / file.text();
+  std::string bytes;
   try {
-    const auto network = OnnxNetwork::load(std::filesystem::path(root.source()).parent_path() / file.text());
-    return std::make_unique<OnnxPolicy>(network, ports, root.source(), interface);
+    bytes = OnnxNetwork::read(path);
   } catch (const ConfigError& error) {
     file.fail(error);
   }
+  return [network = std::make_shared<const std::string>(std::move(bytes)), path, ports,
+          file](const PolicyInterface& interface) {
+    try {
+      return std::make_unique<OnnxPolicy>(OnnxNetwork::of(*network, path), ports, file.source(), interface);
+    } catch (const ConfigError& error) {
+      file.fail(error);
+    }
+  };
 }
 
 }  // namespace crossgait

@@ -41,10 +41,10 @@ class OnnxPolicy final : public Policy {
   std::vector<std::pair<std::size_t, std::size_t>> memory_;  // input and output
 };
 
-/// From a description of kind `onnx` (docs/policies.md).
-std::unique_ptr<Policy> make_onnx_policy(const YamlValue& root, const PolicyInterface& interface);
+/// Takes a description of kind `onnx` and reads its network (docs/policies.md). @throws ConfigError
+PolicyFactory load_onnx_policy(const YamlValue& root);
 /// The same network for any interface of its sizes: what the description says of layout and time between two
 /// actions is not asked.
-std::unique_ptr<Policy> make_relabelled_onnx_policy(const YamlValue& root, const PolicyInterface& interface);
+PolicyFactory load_relabelled_onnx_policy(const YamlValue& root);
 
 }  // namespace crossgait

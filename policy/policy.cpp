@@ -32,18 +32,18 @@ void check_layout_version(const YamlValue& root) {
   throw ConfigError(root.source(), kKey, layout_version_in_words(), *error);
 }
 
-std::unique_ptr<Policy> make_described(const std::string& path, const PolicyInterface& interface) {
+PolicyFactory load_described(const std::string& path) {
   const YamlValue root = YamlValue::load(path);
   const YamlValue kind = root.at("kind");
   constexpr std::array kKinds{
-      std::pair{std::string_view("scripted"), &make_scripted_policy},
-      std::pair{std::string_view("hierarchical"), &make_hierarchical_policy},
-      std::pair{std::string_view("onnx"), &make_onnx_policy},
+      std::pair{std::string_view("scripted"), &load_scripted_policy},
+      std::pair{std::string_view("hierarchical"), &load_hierarchical_policy},
+      std::pair{std::string_view("onnx"), &load_onnx_policy},
   };
-  for (const auto& [name, make] : kKinds) {
+  for (const auto& [name, load] : kKinds) {
     if (kind.text() != name) continue;
     check_layout_version(root);
-    return make(root, interface);
+    return load(root);
   }
   kind.fail("scripted, hierarchical or onnx", "'" + kind.text() + "'");
 }
@@ -68,17 +68,21 @@ void Policy::act(std::span<const double> observation, std::span<double> action) 
   }
 }
 
-std::unique_ptr<Policy> make_policy(const std::string& text, const PolicyInterface& interface) {
-  if (text == "zero") return std::make_unique<ZeroPolicy>(interface);
-  if (text == "random") return std::make_unique<RandomPolicy>(interface);
+PolicyFactory load_policy(const std::string& text) {
+  if (text == "zero") return std::make_unique<ZeroPolicy, const PolicyInterface&>;
+  if (text == "random") return std::make_unique<RandomPolicy, const PolicyInterface&>;
   const std::string file = find_policy_file(text);
   const std::string extension = std::filesystem::path(file).extension();
-  if (extension == ".safetensors") return std::make_unique<MlpPolicy>(file, interface);
-  if (extension == ".yaml") return make_described(file, interface);
+  if (extension == ".safetensors") return load_mlp_policy(file);
+  if (extension == ".yaml") return load_described(file);
   std::vector<std::string> known{"zero", "random"};
   for (std::string& name : policy_names()) known.push_back(std::move(name));
   throw ConfigError("policy", text, fmt::format("{}, FILE.safetensors or FILE.yaml", fmt::join(known, ", ")),
                     "none of these");
+}
+
+std::unique_ptr<Policy> make_policy(const std::string& text, const PolicyInterface& interface) {
+  return load_policy(text)(interface);
 }
 
 }  // namespace crossgait

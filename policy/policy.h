@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -50,11 +51,17 @@ class Policy {
   PolicyInterface interface_;
 };
 
-/// Makes a policy for `interface` from `zero`, `random`, a name of `policy_names()`, a folder
-/// (`find_policy_file`), a policy bundle
-/// (FILE.safetensors) or a policy description (FILE.yaml: scripted, hierarchical or onnx; docs/policies.md).
-/// @throws ConfigError for an unknown name, a file that is no policy, or one for another layout or layout
-/// version, saying what differs
+/// Makes instances of one policy, which differ in nothing but their state. Reads no file, and may be called
+/// from several threads. @throws ConfigError for an interface of another layout, saying what differs
+using PolicyFactory = std::function<std::unique_ptr<Policy>(const PolicyInterface&)>;
+
+/// Reads `zero`, `random`, a name of `policy_names()`, a folder (`find_policy_file`), a policy bundle
+/// (FILE.safetensors) or a policy description (FILE.yaml: scripted, hierarchical or onnx; docs/policies.md),
+/// and every file that it names, so that all instances are of the same bytes.
+/// @throws ConfigError for an unknown name, a file that is no policy, or one of another layout version
+PolicyFactory load_policy(const std::string& text);
+
+/// One instance of it. @throws ConfigError as both do
 std::unique_ptr<Policy> make_policy(const std::string& text, const PolicyInterface& interface);
 
 }  // namespace crossgait

@@ -21,9 +21,7 @@ RelabelledPolicy of_bundle(const std::string& file) {
 
 RelabelledPolicy of_onnx(const YamlValue& root) {
   RelabelledPolicy policy;
-  policy.make = [root](const PolicyInterface& interface) {
-    return make_relabelled_onnx_policy(root, interface);
-  };
+  policy.make = load_relabelled_onnx_policy(root);
   if (const auto hash = root.find("layout_hash")) policy.layout_hash = hash->text();
   if (const auto dt = root.find("policy_dt")) policy.policy_dt = dt->number();
   return policy;
@@ -38,7 +36,7 @@ RelabelledPolicy read_relabelled_policy(const std::string& text) {
     const YamlValue root = YamlValue::load(file);
     if (root.at("kind").text() == "onnx") return of_onnx(root);
   }
-  return {[text](const PolicyInterface& interface) { return make_policy(text, interface); }, {}, {}, {}, {}};
+  return {load_policy(text), {}, {}, {}, {}};
 }
 
 }  // namespace crossgait

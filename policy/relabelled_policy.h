@@ -1,8 +1,6 @@
 // A policy's network where what its numbers mean is in question.
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -14,8 +12,7 @@ namespace crossgait {
 
 /// A network that runs on any interface of its sizes.
 struct RelabelledPolicy {
-  /// Makes it for an interface. @throws ConfigError for another size
-  std::function<std::unique_ptr<Policy>(const PolicyInterface&)> make;
+  PolicyFactory make;                                 ///< of an interface of its sizes
   std::optional<std::string> layout_hash;             ///< of what it states that it was made for
   std::optional<double> policy_dt;                    ///< s, the same
   Eigen::VectorXd observation_mean, observation_std;  ///< of its normaliser; empty where that is not known

@@ -106,7 +106,9 @@ void ScriptedPolicy::do_act(std::span<const double> observation, std::span<doubl
   }
 }
 
-std::unique_ptr<Policy> make_scripted_policy(const YamlValue& root, const PolicyInterface& interface) {
+namespace {
+
+std::unique_ptr<Policy> make(const YamlValue& root, const PolicyInterface& interface) {
   root.allow_keys({"kind", "layout_version", "steps"});
   const YamlValue list = root.at("steps");
   std::vector<ScriptedStep> steps;
@@ -123,5 +125,9 @@ std::unique_ptr<Policy> make_scripted_policy(const YamlValue& root, const Policy
   return std::make_unique<ScriptedPolicy>(std::filesystem::path(root.source()).filename(), interface,
                                           std::move(steps));
 }
+
+}  // namespace
+
+PolicyFactory load_scripted_policy(const YamlValue& root) { return std::bind_front(&make, root); }
 
 }  // namespace crossgait

@@ -38,9 +38,9 @@ class ScriptedPolicy final : public Policy {
   std::size_t begun_ = 0;  // steps whose time has come
 };
 
-/// From a description of kind `scripted` (docs/policies.md).
+/// Takes a description of kind `scripted` (docs/policies.md). What it makes
 /// @throws ConfigError for unknown keys and entries (naming the known ones), values out of range, times that
 /// do not increase
-std::unique_ptr<Policy> make_scripted_policy(const YamlValue& root, const PolicyInterface& interface);
+PolicyFactory load_scripted_policy(const YamlValue& root);
 
 }  // namespace crossgait

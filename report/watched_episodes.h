@@ -15,7 +15,7 @@ namespace crossgait {
 struct WatchedEpisode {
   std::string name;  ///< what the page calls it
   LoadedEnv environment;
-  std::string policy;  ///< as `make_policy` takes it
+  std::string policy;  ///< as `load_policy` takes it
 };
 
 /// Runs the first episode of each again. All are on the ground of the first one.

@@ -22,11 +22,11 @@ void check_each_once(const std::vector<std::string>& engines) {
     throw ConfigError("compare", "engines", "each engine once", fmt::format("{}", fmt::join(engines, ",")));
 }
 
-Episode record(LoadedEnv environment, const std::string& policy, const std::string& engine,
+Episode record(LoadedEnv environment, const NamedPolicy& policy, const std::string& engine,
                std::uint64_t seed, const Progress& progress, TraceSink* sink) {
   environment.config.engine = engine;
   const auto env = env_factory(environment)();
-  const auto own = find_policy(policy).make(env->interface());
+  const auto own = policy.make(env->interface());
   TraceRecorder recorder;
   int steps = 0;
   const auto observe = [&](const QuadrupedEnv& e) {
@@ -37,7 +37,7 @@ Episode record(LoadedEnv environment, const std::string& policy, const std::stri
     return true;
   };
   const EpisodeSummary summary = run_episode(*env, *own, derived_seed(seed, 0), observe);
-  const std::string name = short_name(policy);
+  const std::string name = short_name(policy.name);
   return {{env->world().info(), env->world().spec().terrain.name(), name, env->world().spec().contact,
            summary.motion, false},
           recorder.take()};
@@ -57,6 +57,7 @@ Comparison compare_episodes(const LoadedEnv& environment, const std::string& pol
                             const DivergenceTolerances& tolerances, const Progress& progress,
                             const TraceSinks& sinks) {
   check_each_once(engines);
+  const NamedPolicy loaded = find_policy(policy);
   Comparison result;
   result.leg_length_m = environment.robot->home_height;
   std::vector<Episode> episodes;
@@ -64,7 +65,7 @@ Comparison compare_episodes(const LoadedEnv& environment, const std::string& pol
   try {
     for (std::size_t i = 0; i < engines.size(); ++i) {
       const auto part = static_cast<double>(i);
-      episodes.push_back(record(environment, policy, engines[i], seed,
+      episodes.push_back(record(environment, loaded, engines[i], seed,
                                 part_of(progress, part / count, (part + 1) / count),
                                 sinks.empty() ? nullptr : sinks.at(i)));
     }

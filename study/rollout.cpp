@@ -14,9 +14,7 @@ EnvFactory env_factory(const LoadedEnv& environment) {
   };
 }
 
-NamedPolicy find_policy(const std::string& text) {
-  return {text, [text](const PolicyInterface& interface) { return make_policy(text, interface); }};
-}
+NamedPolicy find_policy(const std::string& text) { return {text, load_policy(text)}; }
 
 Rollout roll_out(const LoadedEnv& environment, const std::vector<std::string>& policies,
                  const EpisodeOptions& options, const Progress& progress) {

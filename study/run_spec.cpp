@@ -7,10 +7,8 @@
 #include "backends/registry.h"
 #include "env/env_model.h"
 #include "physics/core/error.h"
-#include "physics/core/files_read.h"
 #include "physics/core/hash.h"
 #include "physics/robot/robot_identity.h"
-#include "study/rollout.h"
 
 namespace crossgait {
 namespace {
@@ -28,13 +26,10 @@ Json content_of(const std::string& name_or_file) {
   return {{"sha256", file_sha256(name_or_file)}};
 }
 
-// What a policy is made of: its own bytes, and those of the policies that it names.
-Json policy_json(const std::string& name_or_file, const PolicyInterface& interface) {
-  const FilesRead files;
-  static_cast<void>(find_policy(name_or_file).make(interface));
-  if (files.list().empty()) return name_or_file;
+Json policy_json(const LoadedPolicy& loaded) {
+  if (loaded.files.empty()) return loaded.policy.name;
   Json policy{{"sha256", Json::array()}};
-  for (const FileRead& file : files.list()) policy["sha256"].push_back(file.sha256);
+  for (const FileRead& file : loaded.files) policy["sha256"].push_back(file.sha256);
   return policy;
 }
 
@@ -95,7 +90,7 @@ Json to_json(const LoadedWalk& walk) {
 
 Json to_json(const LoadedPolicy& c) {
   // With everything that follows from the robot, so that a default which changes makes another run.
-  EnvConfig config = c.model->stated();
+  EnvConfig config = c.model->resolved();
   // The run says which engine; robot and terrain stand beside it by their contents.
   config.engine.clear();
   config.robot.clear();
@@ -104,7 +99,7 @@ Json to_json(const LoadedPolicy& c) {
           {"robot", identity_of_robot(*c.model->robot)},
           {"terrain", terrain_json(c.model->config.terrain)},
           {"environment", to_yaml(config)},
-          {"policy", policy_json(c.policy, c.model->interface)}};
+          {"policy", policy_json(c)}};
 }
 
 // @param r  stated for its robot
@@ -131,13 +126,21 @@ Json described_in_runs(const LoadedBehaviour& loaded) {
 std::variant<LoadedWalk, LoadedPolicy> loaded_of(const std::variant<WalkConfig, PolicyConfig>& what) {
   if (const auto* walk = std::get_if<WalkConfig>(&what)) return LoadedWalk(*walk);
   const auto& [environment, policy] = std::get<PolicyConfig>(what);
-  return LoadedPolicy{EnvModel::make(environment), policy};
+  return LoadedPolicy(environment, policy);
 }
 
 }  // namespace
 
 Json identity_of_robot(const RobotDescription& robot) {
   return {{"name", robot.name}, {"description", identity_hash(robot)}};
+}
+
+LoadedPolicy::LoadedPolicy(const LoadedEnv& environment, const std::string& name)
+    : model(EnvModel::make(environment)) {
+  const FilesRead read;
+  policy = find_policy(name);
+  static_cast<void>(policy.make(model->interface));  // a bad one before long runs
+  files = read.list();
 }
 
 LoadedBehaviour::LoadedBehaviour(const BehaviourSpec& spec)
@@ -150,9 +153,9 @@ LoadedBehaviour::LoadedBehaviour(const PolicyConfig& policy, const StartRanges& 
                                  std::uint64_t of_starts)
     : LoadedBehaviour(BehaviourSpec{policy, ranges, of_starts}) {}
 
-LoadedBehaviour::LoadedBehaviour(const LoadedEnv& environment, std::string policy, const StartRanges& ranges,
-                                 std::uint64_t of_starts)
-    : what(LoadedPolicy{EnvModel::make(environment), std::move(policy)}),
+LoadedBehaviour::LoadedBehaviour(const LoadedEnv& environment, const std::string& policy,
+                                 const StartRanges& ranges, std::uint64_t of_starts)
+    : what(LoadedPolicy(environment, policy)),
       starts(ranges),
       seed(of_starts),
       described(described_in_runs(*this)) {}
@@ -201,11 +204,9 @@ Behaviour make_behaviour(const LoadedWalk& walk, const WalkSetup& setup, const S
 Behaviour make_behaviour(const LoadedBehaviour& loaded) {
   if (const auto* walk = std::get_if<LoadedWalk>(&loaded.what))
     return make_behaviour(*walk, walk->config.setup(), loaded.starts, loaded.seed);
-  const auto& [model, policy] = std::get<LoadedPolicy>(loaded.what);
-  const PolicyFactory factory = find_policy(policy).make;
-  static_cast<void>(factory(model->interface));  // a bad one before long runs
-  return policy_behaviour(model->loaded(), factory, std::filesystem::path(policy).filename(), loaded.starts,
-                          loaded.seed);
+  const auto& policy = std::get<LoadedPolicy>(loaded.what);
+  return policy_behaviour(policy.model->loaded(), policy.policy.make,
+                          std::filesystem::path(policy.policy.name).filename(), loaded.starts, loaded.seed);
 }
 
 RunResult run(const Behaviour& behaviour, const Engine& engine, const Variation& variation, std::size_t start,

@@ -10,8 +10,10 @@
 #include <nlohmann/json.hpp>
 
 #include "parity/behaviour.h"
+#include "physics/core/files_read.h"
 #include "physics/engine/engine.h"
 #include "study/loaded_walk.h"
+#include "study/rollout.h"
 #include "study/version.h"
 
 namespace crossgait {
@@ -19,7 +21,7 @@ namespace crossgait {
 /// A policy in its environment.
 struct PolicyConfig {
   EnvConfig environment;        ///< its engine is the run's
-  std::string policy = "zero";  ///< as `make_policy` takes it
+  std::string policy = "zero";  ///< as `load_policy` takes it
 };
 
 /// What a verdict, a sweep or a single run is about, in whatever engine.
@@ -29,10 +31,13 @@ struct BehaviourSpec {
   std::uint64_t seed = 0;  ///< of the starts
 };
 
-/// A policy in its environment, whose files are read but for the policy's own.
+/// A policy in its environment, whose files are read.
 struct LoadedPolicy {
+  explicit LoadedPolicy(const LoadedEnv& environment, const std::string& policy);
+
   std::shared_ptr<const EnvModel> model;
-  std::string policy;
+  NamedPolicy policy;
+  std::vector<FileRead> files;  ///< that the policy was made of: its own, and those that it names
 };
 
 /// The same with its robot and ground, read once: whoever describes, judges and runs it means the same one.
@@ -46,7 +51,7 @@ struct LoadedBehaviour {
   LoadedBehaviour(const BehaviourSpec& spec);
   LoadedBehaviour(LoadedWalk walk, const StartRanges& ranges, std::uint64_t of_starts);
   LoadedBehaviour(const PolicyConfig& policy, const StartRanges& ranges, std::uint64_t of_starts);
-  LoadedBehaviour(const LoadedEnv& environment, std::string policy, const StartRanges& ranges,
+  LoadedBehaviour(const LoadedEnv& environment, const std::string& policy, const StartRanges& ranges,
                   std::uint64_t of_starts);
 
   /// That it takes place in: a walk's, or its environment's.

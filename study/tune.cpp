@@ -38,7 +38,7 @@ EnvConfig with_parameters(EnvConfig config, const std::vector<ParameterRow>& row
 }
 
 // The parameters of a configuration that states those that are tuned.
-GaitParameters stated(const EnvConfig& config) {
+GaitParameters parameters_of(const EnvConfig& config) {
   return config.parameters.over(find_gait(config.gait).preferred);
 }
 
@@ -129,7 +129,7 @@ void search(const LoadedEnv& method, const TuneOptions& options, const Progress&
   Distribution distribution;
   // Within the ranges, also where the start is not.
   for (const ParameterRow& row : rows)
-    distribution.mean.push_back(row.normalise(row.clip(stated(start).*row.member)));
+    distribution.mean.push_back(row.normalise(row.clip(parameters_of(start).*row.member)));
   distribution.deviation.assign(rows.size(), 0.5);
   Point best = distribution.mean;
   Random random(options.seed);
@@ -207,7 +207,7 @@ Tuning tune_gait(const LoadedEnv& method, const std::vector<std::string>& engine
     throw ConfigError(start.source, "action", "gait, whose parameters are tuned", name(start.action));
   if (options.aim == TuneFor::kCost && !(start.command && start.command->vx > 0))
     throw ConfigError(start.source, "command", "a speed forward, at which the cost is tuned", "none");
-  const EnvConfig whole = EnvModel::make(method)->stated();
+  const EnvConfig whole = EnvModel::make(method)->resolved();
   Tuning result{whole, whole, options.course ? options.course->name : "", options.aim, 0, {}, engines, {}};
   try {
     result.score = worth(method.with(whole), engines, options);
@@ -232,7 +232,7 @@ nlohmann::ordered_json to_json(const Tuning& t) {
   }
   if (t.interrupted) json["interrupted"] = true;
   for (const ParameterRow& row : rows_of(t.start))
-    json["parameters"][std::string(row.name)] = stated(t.tuned).*row.member;
+    json["parameters"][std::string(row.name)] = parameters_of(t.tuned).*row.member;
   for (const TuneCheck& line : t.checks) {
     for (std::size_t k = 0; k < t.engines.size(); ++k) {
       ordered_json check{{"ground", line.ground}, {"parameters", line.parameters}, {"engine", t.engines[k]}};
@@ -250,8 +250,8 @@ nlohmann::ordered_json to_json(const Tuning& t) {
 std::array<Table, 2> tables(const Tuning& t) {
   Table parameters({"parameter", "default", "tuned", "unit"});
   for (const ParameterRow& row : rows_of(t.start)) {
-    parameters.add_row({std::string(row.name), fmt::format("{:.4f}", stated(t.start).*row.member),
-                        fmt::format("{:.4f}", stated(t.tuned).*row.member), std::string(row.unit)});
+    parameters.add_row({std::string(row.name), fmt::format("{:.4f}", parameters_of(t.start).*row.member),
+                        fmt::format("{:.4f}", parameters_of(t.tuned).*row.member), std::string(row.unit)});
   }
   const bool cost = t.aim == TuneFor::kCost;
   std::string measure = fmt::format("mean speed on {}, m/s", t.start.terrain);

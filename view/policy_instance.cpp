@@ -25,18 +25,21 @@ std::shared_ptr<const EnvModel> model_of(LoadedEnv environment) {
 }  // namespace
 
 PolicyInstance::PolicyInstance(const Engine& engine, const LoadedEnv& environment, const std::string& policy)
-    : name_(policy),
+    : PolicyInstance(engine, environment, load_policy(policy)) {}
+
+PolicyInstance::PolicyInstance(const Engine& engine, const LoadedEnv& environment, PolicyFactory make)
+    : make_(std::move(make)),
       env_(model_of(environment), engine),
-      policy_(make_policy(policy, env_.interface())),
+      policy_(make_(env_.interface())),
       observation_(env_.observation_size()),
       action_(env_.action_size()) {
   stand_up();
 }
 
 PolicyInstance::PolicyInstance(const Engine& engine, const PolicyInstance& other)
-    : name_(other.name_),
+    : make_(other.make_),
       env_(std::make_shared<const EnvModel>(other.env_.model()), engine),
-      policy_(make_policy(name_, env_.interface())),
+      policy_(make_(env_.interface())),
       command_(other.command_),
       observation_(other.observation_),
       action_(other.action_),
@@ -58,7 +61,8 @@ std::unique_ptr<RobotInstance> PolicyInstance::with_terrain(const Engine& engine
   EnvConfig config = env_.config();
   config.terrain = ground.terrain;
   config.terrain_seed = ground.seed;
-  return std::make_unique<PolicyInstance>(engine, env_.model().loaded().with(config), name_);
+  return std::unique_ptr<RobotInstance>(
+      new PolicyInstance(engine, env_.model().loaded().with(config), make_));
 }
 
 void PolicyInstance::step() {

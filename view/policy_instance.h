@@ -13,7 +13,7 @@ namespace crossgait {
 class PolicyInstance final : public RobotInstance {
  public:
   /// Stands and has settled. What `config` randomises is left out, its episodes go on for as long as they
-  /// may, and its command begins at zero. @param policy  as `make_policy` takes it. @throws ConfigError
+  /// may, and its command begins at zero. @param policy  as `load_policy` takes it. @throws ConfigError
   PolicyInstance(const Engine& engine, const LoadedEnv& environment, const std::string& policy);
 
   /// A policy that remembers what it saw begins anew.
@@ -39,9 +39,10 @@ class PolicyInstance final : public RobotInstance {
   Outcome outcome() const noexcept override { return env_.info().outcome; }
 
  private:
+  PolicyInstance(const Engine& engine, const LoadedEnv& environment, PolicyFactory make);
   PolicyInstance(const Engine& engine, const PolicyInstance& other);
 
-  std::string name_;
+  PolicyFactory make_;
   QuadrupedEnv env_;
   std::unique_ptr<Policy> policy_;
   VelocityCommand command_;

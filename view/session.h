@@ -27,7 +27,7 @@ struct EngineProvider {
 /// A policy that drives, and the environment that it is for.
 struct ViewPolicy {
   LoadedEnv environment;
-  std::string policy;  ///< as `make_policy` takes it
+  std::string policy;  ///< as `load_policy` takes it
 };
 
 struct ViewSetup {

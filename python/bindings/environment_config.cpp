@@ -192,8 +192,8 @@ void bind_saying(nb::class_<EnvConfig>& c) {
       .def(
           "to_yaml", [](const EnvConfig& config) { return to_yaml(config); }, "What is set.")
       .def(
-          "stated", [](const EnvConfig& config) { return EnvModel::make(config)->stated(); },
-          "With everything stated that follows from the robot. Raises ConfigError.")
+          "resolved", [](const EnvConfig& config) { return EnvModel::make(config)->resolved(); },
+          "The same with everything set that follows from the robot. Raises ConfigError.")
       .def("__repr__",
            [](const EnvConfig& config) {
              return fmt::format("EnvironmentConfig.from_dict({})",

@@ -110,7 +110,7 @@ def test_the_verdict_is_that_of_the_card(name: str) -> None:
 def test_the_file_that_made_it_is_beside_it(name: str) -> None:
     plan = Plan.load(folder(name) / "train.yaml")
     environment = crossgait.EnvironmentConfig.load(str(folder(name) / "environment.yaml"))
-    assert plan.evaluated.stated() == environment.stated()
+    assert plan.evaluated.resolved() == environment.resolved()
     policy = crossgait.Policy.load(name, environment)
     assert policy.interface.layout_hash == _core.PolicyInterface(environment).layout_hash
     for file in ("card.md", "training.md", "about.json"):

@@ -107,7 +107,7 @@ def test_rollout_is_the_command(tmp_path: Path) -> None:
 
 
 def test_without_an_environment_it_is_the_default() -> None:
-    assert "episode_seconds: 20" in crossgait.EnvironmentConfig.parse("{}").stated().to_yaml()
+    assert "episode_seconds: 20" in crossgait.EnvironmentConfig.parse("{}").resolved().to_yaml()
     with pytest.raises(ConfigError, match="policy"):
         crossgait.rollout("no-such-policy")
     with pytest.raises(ConfigError, match="policy"):

@@ -45,7 +45,7 @@ TEST(CandidateFields, AllRowsHaveChangesOfSomeEnvironment) {
     std::size_t count = 0;
     for (const LoadedEnv& loaded : {environment(), environment(kWithHistory)}) {
       const auto model = EnvModel::make(loaded);
-      const EnvConfig stated = with_joints_stated(*model);
+      const EnvConfig stated = with_joints_resolved(*model);
       for (const CandidateField& field : row.fields({*model, stated, servo_places(*model->world.robot)}))
         count += field.changes.size();
     }

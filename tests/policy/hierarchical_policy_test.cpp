@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <gtest/gtest.h>
 
@@ -169,6 +170,20 @@ TEST_F(HierarchicalPolicyFile, ReadsMembersBesideIt) {
   }
 }
 
+TEST_F(HierarchicalPolicyFile, IsReadOnceWithItsMembers) {
+  const std::string member =
+      write("residual.yaml",
+            "kind: scripted\nlayout_version: 3\nsteps: [{time: 0, action: {residual.FL.z: -0.5}}]\n");
+  const std::string whole = write("h.yaml",
+                                  "kind: hierarchical\nlayout_version: 3\n"
+                                  "planner: {policy: zero}\nresidual: {policy: residual.yaml}\n");
+  const PolicyFactory read = load_policy(whole);
+  std::filesystem::remove(member);
+  std::filesystem::remove(whole);
+  for (int instance = 0; instance < 2; ++instance)
+    EXPECT_EQ(plan_and_act(*read(small_interface())), (std::vector<double>{0, 0, 0, -0.5}));
+}
+
 TEST_F(HierarchicalPolicyFile, PlansAtTenHertzUnlessToldOtherwise) {
   const auto policy = make("planner: {policy: random}\nresidual: {policy: zero}\n");
   EXPECT_EQ(dynamic_cast<const HierarchicalPolicy&>(*policy).planner_period(), 50);
@@ -211,7 +226,8 @@ TEST_F(HierarchicalPolicyFile, RefusesMembersOfAnotherLayoutVersion) {
 
 TEST_F(HierarchicalPolicyFile, CannotBeItsOwnMember) {
   EXPECT_EQ(error_of("planner: {policy: h.yaml}\nresidual: {policy: zero}\n"),
-            "h.yaml: line 4, residual: action: expected entries residual.*, found none");
+            "h.yaml: line 3, planner.policy: expected a policy of one part of the action, found a hierarchy "
+            "of two");
 }
 
 }  // namespace

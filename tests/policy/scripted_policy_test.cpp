@@ -17,8 +17,8 @@ using policy_tests::small_interface;
 
 std::unique_ptr<Policy> parse(const std::string& steps,
                               const PolicyInterface& interface = small_interface()) {
-  return make_scripted_policy(YamlValue::parse("kind: scripted\nsteps: " + steps, "folder/script.yaml"),
-                              interface);
+  return load_scripted_policy(YamlValue::parse("kind: scripted\nsteps: " + steps, "folder/script.yaml"))(
+      interface);
 }
 
 std::vector<double> act_at(Policy& policy, double step_height = 0) {

@@ -4,16 +4,20 @@
 #include "physics/core/error.h"
 #include "physics/robot_files/data_path.h"
 #include "physics/terrain/terrain.h"
+#include "policy/policy_bundle.h"
 #include "study/engine_comparison.h"
 #include "study/rollout.h"
 #include "study/walk.h"
 #include "tests/physics/core/scratch_folder.h"
+#include "tests/policy/policy_interfaces.h"
 #include "tests/support/engine_test.h"
 
 namespace crossgait {
 namespace {
 
 namespace fs = std::filesystem;
+
+using policy_tests::random_network;
 
 class LoadedOnce : public ScratchFolder {
  protected:
@@ -69,6 +73,35 @@ TEST_F(LoadedOnce, SoDoThePolicyAndItsEpisodes) {
   EXPECT_NE(rolled(), "");
   EXPECT_NO_THROW(make());
   EXPECT_EQ(LoadedBehaviour(environment, "zero", {}, 0).world().robot, environment.robot);
+}
+
+TEST_F(LoadedOnce, SoDoesATrainedPolicy) {
+  const std::string engine = available_engines().front();
+  EnvConfig config = walk().environment();
+  config.engine = engine;
+  const PolicyInterface interface = EnvModel::make(config)->interface;
+  const std::string policy = path("files/p.safetensors");
+  write_policy_bundle(policy, random_network(interface, {8}), interface);
+  const LoadedBehaviour loaded(config, policy, {}, 0);
+  const Behaviour behaviour = make_behaviour(loaded);
+  const auto reward = [&](const NamedPolicy& who) {
+    return roll_out(config, std::span(&who, 1), {.episodes = 2, .workers = 2})
+        .policies[0]
+        .all.total_reward.mean;
+  };
+  const auto run = [&] { return behaviour.run(find_engine(engine), variations()[1], 1, kToTheEnd).values; };
+  const NamedPolicy read = find_policy(policy);
+  const double earned = reward(read);
+  const auto before = run();
+  const std::string described = loaded.described.dump();
+  // Another network under the same name is another policy, but not that of who has read the first.
+  MlpNetwork other = random_network(interface, {8});
+  other.layers.back().bias.array() += 0.5;
+  write_policy_bundle(policy, other, interface);
+  EXPECT_EQ(reward(read), earned);
+  EXPECT_EQ(run(), before);
+  EXPECT_NE(reward(find_policy(policy)), earned);
+  EXPECT_NE(LoadedBehaviour(config, policy, {}, 0).described.dump(), described);
 }
 
 TEST_F(LoadedOnce, OtherSettingsReadOnlyWhatTheyNameAnew) {

@@ -54,7 +54,7 @@ TEST(RunSpec, StatesEveryParameterOfAnEnvironment) {
   // another.
   RunSpec sparse = policy_run(), whole = policy_run();
   EnvConfig& environment = policy_of(whole).environment;
-  environment = EnvModel::make(environment)->stated();
+  environment = EnvModel::make(environment)->resolved();
   EXPECT_EQ(run_hash(sparse), run_hash(whole));
   const auto text = Json::parse(canonical_json(sparse))["behaviour"]["environment"].get<std::string>();
   for (const ParameterRow& row : gait_parameters())
