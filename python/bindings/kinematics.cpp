@@ -20,17 +20,18 @@
 namespace crossgait::python {
 namespace {
 
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // N x `columns` numbers, of an array of that shape or of one row.
-Rows rows_of(const nb::object& given, int columns, const char* what) {
+RowMatrix rows_of(const nb::object& given, int columns, const char* what) {
   const auto array = numbers_of(given);
   const bool one = array.ndim() == 1, many = array.ndim() == 2;
   if ((!one && !many) || array.shape(array.ndim() - 1) != static_cast<std::size_t>(columns))
     throw ConfigError(
         "leg", what, "N x " + std::to_string(columns) + " numbers",
         std::to_string(array.ndim()) + " dimensions, " + std::to_string(array.size()) + " numbers");
-  return Eigen::Map<const Rows>(array.data(), one ? 1 : static_cast<Eigen::Index>(array.shape(0)), columns);
+  return Eigen::Map<const RowMatrix>(array.data(), one ? 1 : static_cast<Eigen::Index>(array.shape(0)),
+                                     columns);
 }
 
 /// One leg of a robot.
@@ -46,9 +47,9 @@ std::vector<std::string> servo_names(const RobotLeg& leg) {
   return names;
 }
 
-std::pair<Rows, std::vector<std::string>> inverse(const RobotLeg& leg, const nb::object& targets) {
-  const Rows feet = rows_of(targets, 3, "targets");
-  Rows angles(feet.rows(), leg.kinematics.servo_count());
+std::pair<RowMatrix, std::vector<std::string>> inverse(const RobotLeg& leg, const nb::object& targets) {
+  const RowMatrix feet = rows_of(targets, 3, "targets");
+  RowMatrix angles(feet.rows(), leg.kinematics.servo_count());
   std::vector<std::string> status;
   for (Eigen::Index i = 0; i < feet.rows(); ++i) {
     const LegInverse solved = leg.kinematics.inverse(feet.row(i).transpose());
@@ -58,9 +59,9 @@ std::pair<Rows, std::vector<std::string>> inverse(const RobotLeg& leg, const nb:
   return {angles, status};
 }
 
-Rows forward(const RobotLeg& leg, const nb::object& angles) {
-  const Rows servos = rows_of(angles, leg.kinematics.servo_count(), "angles");
-  Rows feet(servos.rows(), 3);
+RowMatrix forward(const RobotLeg& leg, const nb::object& angles) {
+  const RowMatrix servos = rows_of(angles, leg.kinematics.servo_count(), "angles");
+  RowMatrix feet(servos.rows(), 3);
   for (Eigen::Index i = 0; i < servos.rows(); ++i) {
     const LegForward found = leg.kinematics.forward(servos.row(i).transpose());
     if (!found.closed)
@@ -72,7 +73,7 @@ Rows forward(const RobotLeg& leg, const nb::object& angles) {
 }
 
 LegPosture posture(const RobotLeg& leg, const nb::object& angles) {
-  const Rows servos = rows_of(angles, leg.kinematics.servo_count(), "angles");
+  const RowMatrix servos = rows_of(angles, leg.kinematics.servo_count(), "angles");
   if (servos.rows() != 1) throw ConfigError("leg", "angles", "one posture", std::to_string(servos.rows()));
   LegPosture result{servos.row(0).transpose(), {}};
   result.passive = leg.kinematics.forward(result.servos).passive;

@@ -36,7 +36,7 @@ using LayerArrays = std::pair<Eigen::MatrixXd, Eigen::VectorXd>;    // weight, b
 using Normalisation = std::pair<Eigen::VectorXd, Eigen::VectorXd>;  // mean, std
 
 /// A policy with room for observations of float32.
-struct PythonPolicy {
+struct BoundPolicy {
   std::unique_ptr<Policy> policy;
   std::vector<double> observation = {};
 };
@@ -84,16 +84,16 @@ Eigen::MatrixXd evaluate(const MlpNetwork& network, const Eigen::MatrixXd& obser
   return actions;
 }
 
-PythonPolicy make_from_text(const std::string& text, const PolicyInterface& interface) {
+BoundPolicy make_from_text(const std::string& text, const PolicyInterface& interface) {
   return {make_policy(text, interface)};
 }
 
-PythonPolicy make_from_bundle(const PolicyBundle& bundle, const std::string& source,
-                              const PolicyInterface& interface) {
+BoundPolicy make_from_bundle(const PolicyBundle& bundle, const std::string& source,
+                             const PolicyInterface& interface) {
   return {std::make_unique<MlpPolicy>(bundle, source, interface)};
 }
 
-nb::object act(PythonPolicy& self, const AnyArray& observation) {
+nb::object act(BoundPolicy& self, const AnyArray& observation) {
   const PolicyInterface& interface = self.policy->interface();
   const auto numbers = doubles(observation, interface.observation.size(), "observation", self.observation);
   const NewArray<double> action(interface.action.size());
@@ -229,22 +229,22 @@ void bind_policy(nb::module_& m) {
         "The file of a policy by its name or folder; any other text itself.");
   m.def("environment_of_policy", &environment_of_policy, nb::arg("text"),
         "The environment's file of a policy by its name or folder; None for any other text.");
-  nb::class_<PythonPolicy>(m, "Policy", "One instance serves one environment at a time: it may remember.")
+  nb::class_<BoundPolicy>(m, "Policy", "One instance serves one environment at a time: it may remember.")
       .def(nb::new_(&make_from_text), nb::arg("text"), nb::arg("interface"),
            "zero, random, FILE.safetensors or FILE.yaml (docs/policies.md). Raises ConfigError.")
       .def_static("of_bundle", &make_from_bundle, nb::arg("bundle"), nb::arg("source"), nb::arg("interface"),
                   "Raises ConfigError if the bundle is for another interface or its network does not give "
                   "its golden actions.")
       .def(
-          "reset", [](PythonPolicy& p, std::uint64_t seed) { p.policy->reset(seed); }, nb::arg("seed"),
+          "reset", [](BoundPolicy& p, std::uint64_t seed) { p.policy->reset(seed); }, nb::arg("seed"),
           "An episode begins.")
       .def("act", &act, nb::arg("observation"),
            nb::sig("def act(self, observation: numpy.typing.NDArray[typing.Any]) -> "
                    "numpy.typing.NDArray[numpy.float64]"),
            "The action, in an array of its own, finite and within its bounds. Raises ConfigError for an "
            "observation of another size or type.")
-      .def_prop_ro("name", [](const PythonPolicy& p) { return p.policy->name(); })
-      .def_prop_ro("interface", [](const PythonPolicy& p) { return p.policy->interface(); });
+      .def_prop_ro("name", [](const BoundPolicy& p) { return p.policy->name(); })
+      .def_prop_ro("interface", [](const BoundPolicy& p) { return p.policy->interface(); });
 }
 
 }  // namespace crossgait::python
