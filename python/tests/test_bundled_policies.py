@@ -91,19 +91,13 @@ def test_the_card_is_how_fast_it_goes(name: str) -> None:
     assert f"| `{engine}` | policy | {stored['mean_speed_mps']:.3f} |" in card
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", NAMES)
-def test_the_verdict_is_that_of_the_card(name: str) -> None:
+def test_the_card_says_its_verdict(name: str) -> None:
+    """Which `scripts/quality/nightly policies-NAME` measures again."""
     said = results(name)["verdict"]
-    if set(said["engines"]) - set(crossgait.available_engines()):
-        pytest.skip(f"one of {said['engines']} is not there")
-    environment = crossgait.EnvironmentConfig.load(str(folder(name) / "environment.yaml"))
-    told = crossgait.verdict(name, environment=environment, engines=said["engines"])
-    assert {key: told.document[key] for key in ("word", "summary", "starts", "outcomes")} == {
-        key: said[key] for key in ("word", "summary", "starts", "outcomes")
-    }
-    assert told.pairs[0]["statistics"] == said["statistics"]
-    assert f"**{said['word']}**" in (folder(name) / "card.md").read_text()
+    card = (folder(name) / "card.md").read_text()
+    assert f"**{said['word']}**" in card
+    assert said["summary"] in " ".join(card.split())
 
 
 @pytest.mark.parametrize("name", NAMES)

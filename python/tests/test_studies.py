@@ -77,10 +77,10 @@ def test_verdict_is_the_command() -> None:
     if len({tuple(e.laws.items()) for e in crossgait.engines() if e.available}) < 2:
         pytest.skip("needs engines of two laws")
     verdict = crossgait.verdict(
-        "trot", seconds=0.5, starts=6, explain=True, margins={"slip_m": 0.5, "duty_factor": "9%"}
+        "trot", seconds=0.2, starts=6, explain=True, margins={"slip_m": 0.5, "duty_factor": "9%"}
     )
     margins = ["--margin", "slip_m=0.5", "--margin", "duty_factor=9%"]
-    written = command("verdict", "--seconds", ".5", "--starts", "6", "--explain", *margins)
+    written = command("verdict", "--seconds", ".2", "--starts", "6", "--explain", *margins)
     assert without_the_run(verdict.to_dict()) == without_the_run(written)
     assert files_of(verdict.to_dict()) == files_of(written)
     assert verdict.word in ("agrees", "differs", "step-dependent", "unresolved")
