@@ -71,24 +71,19 @@ std::vector<Candidate> search_singles(Search& search, std::vector<Candidate>& gl
   return walk_best(search, std::move(best), part_of(progress, 0.7, 1));
 }
 
-// Changes of a second field on top of the best first ones, and all those at once that are promising alone:
-// where each fault hides what mending the other does, neither is among the best.
+// Changes of a second field on top of the best first ones.
 std::vector<Candidate> search_pairs(Search& search, const std::vector<Candidate>& glanced,
                                     const Progress& progress) {
-  constexpr std::size_t kFirst = 4, kEach = 6, kTuned = 3, kTogether = 28, kOfField = 2;
-  std::vector<Candidate> best =
-      Search::together(best_of_fields(glanced, &Candidate::glance, kOfField, kTogether));
-  search.glance(best, part_of(progress, 0, 0.15));
-  best = best_of_fields(std::move(best), &Candidate::glance, 1, kEach);
-  tune(search, best, kTuned, part_of(progress, 0.15, 0.2));
-  double done = 0.2;
+  constexpr std::size_t kFirst = 4, kEach = 6, kTuned = 3;
+  std::vector<Candidate> best;
+  double done = 0;
   for (const Candidate& first : best_of_fields(glanced, &Candidate::glance, 1, kFirst)) {
-    if (done > 0.79) break;  // suspect fields come beside those
+    if (done >= 0.8) break;  // suspect fields come beside those
     std::vector<Candidate> seconds = search.changes(&first);
-    search.glance(seconds, part_of(progress, done, done + 0.45 / kFirst));
+    search.glance(seconds, part_of(progress, done, done + 0.6 / kFirst));
     seconds = best_of_fields(std::move(seconds), &Candidate::glance, 1, kEach);
-    tune(search, seconds, kTuned, part_of(progress, done + 0.45 / kFirst, done + 0.6 / kFirst));
-    done += 0.6 / kFirst;
+    tune(search, seconds, kTuned, part_of(progress, done + 0.6 / kFirst, done + 0.8 / kFirst));
+    done += 0.8 / kFirst;
     append(std::move(seconds), best);
   }
   return walk_best(search, std::move(best), part_of(progress, 0.8, 1));

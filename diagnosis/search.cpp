@@ -13,19 +13,6 @@ constexpr std::size_t kSeeds = 3;
 const std::string kAnd = " + ";  // between two changes
 constexpr double kWholeSeconds = 3, kGlanceSeconds = 2;
 
-/// Joins a change to one before it: `second.config` is with both then.
-void join(const Candidate& first, Candidate& second) {
-  second.field = first.field + kAnd + second.field;
-  second.from = first.from + kAnd + second.from;
-  second.to = first.to + kAnd + second.to;
-  second.fields.insert(second.fields.begin(), first.fields.begin(), first.fields.end());
-  second.physics = second.physics || first.physics;
-  second.unstated = second.unstated && first.unstated;
-  second.suspect = second.suspect && first.suspect;
-  second.before = second.config = first.config;
-  second.change.apply(second.config);
-}
-
 }  // namespace
 
 bool Suspicion::is_unstated(const std::string& field) const {
@@ -97,30 +84,22 @@ std::vector<Candidate> Search::changes(const Candidate* before) const {
                       {},
                       {},
                       {}};
-        if (before == nullptr) {
-          change.apply(one.config);
-        } else {
-          join(*before, one);
+        if (before != nullptr) {
+          one.field = before->field + kAnd + one.field;
+          one.from = before->from + kAnd + one.from;
+          one.to = before->to + kAnd + one.to;
+          one.fields = before->fields;
+          one.fields.push_back(field.name);
+          one.physics = one.physics || before->physics;
+          one.unstated = one.unstated && before->unstated;
+          one.suspect = one.suspect && before->suspect;
         }
+        change.apply(one.config);
         if (to_yaml(one.config) != as_it_is) candidates.push_back(std::move(one));
       }
     }
   }
   return candidates;
-}
-
-std::vector<Candidate> Search::together(const std::vector<Candidate>& singles) {
-  std::vector<Candidate> pairs;
-  for (auto first = singles.begin(); first != singles.end(); ++first) {
-    for (auto second = first + 1; second != singles.end(); ++second) {
-      if (second->field == first->field) continue;
-      Candidate pair = *second;
-      pair.glance = pair.once = pair.whole = std::nullopt;
-      join(*first, pair);
-      pairs.push_back(std::move(pair));
-    }
-  }
-  return pairs;
 }
 
 Candidate Search::in_strength(const Candidate& candidate, double strength) {

@@ -51,8 +51,6 @@ class Search {
   /// Every change that the table has for `before`, a candidate or the base, but of fields that it has
   /// changed.
   std::vector<Candidate> changes(const Candidate* before) const;
-  /// Every two of these changes of one field each at once, but of one field.
-  static std::vector<Candidate> together(const std::vector<Candidate>& singles);
   /// The same change of its last field in another strength.
   static Candidate in_strength(const Candidate& candidate, double strength);
 
