@@ -122,6 +122,7 @@ except ImportError as error:
         ("walked.to_frame()", "pandas", "frames"),
         ("walked.trace.to_frame()", "pandas", "frames"),
         ("walked.plot()", "matplotlib", "plot"),
+        ("crossgait.Policy.from_onnx('x.onnx', {})", "onnx", "onnx"),
     ],
 )
 def test_a_missing_package_is_named_with_its_pip_line(call: str, package: str, extra: str) -> None:
