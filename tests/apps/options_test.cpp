@@ -121,7 +121,7 @@ TEST(OptionsOfAnEnvironment, ChangeWhatTheyNameAndNothingElse) {
 
 TEST(OptionsOfAnEnvironment, SetKeysOfAPolicysEnvironment) {
   const std::string base = "walk --policy serial_joints --seconds .1 ";
-  const json finer = run_json(base + "--set physics_dt=.0005 --json -"), plain = run_json(base + "--json -");
+  const json finer = run_json(base + "--set physics_dt=.0005"), plain = run_json(base);
   EXPECT_EQ(finer["physics_steps"], 2 * plain["physics_steps"].get<int>());  // of 1 ms otherwise
   const ProgramResult unknown = run_program(base + "--set physics_td=.0005");
   EXPECT_EQ(unknown.exit_code, 2);
