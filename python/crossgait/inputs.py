@@ -13,13 +13,32 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 from crossgait import _core
 from crossgait._core import Engine, EnvironmentConfig, FunctionPolicy, Robot, Terrain, Walk
 from crossgait.errors import ConfigError
-from crossgait.policies.environment import ENVIRONMENT
-from crossgait.policies.policy import Policy
+
+
+@runtime_checkable
+class PolicyObject(Protocol):
+    """What `crossgait.Policy` is to functions that run policies."""
+
+    @property
+    def name(self) -> str:
+        """For tables."""
+
+    @property
+    def environment(self) -> EnvironmentConfig | None:
+        """That it was made for, if that is known."""
+
+    @property
+    def for_studies(self) -> str | _core._BundlePolicy:
+        """What instances are made of."""
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write its network. Raises ConfigError if it is none."""
+
 
 #: The path of a YAML file, its keys as a mapping, what was made of either, or a walk that the zero policy makes.
 #: An environment that was made (Gymnasium's, or of the core) stands for its configuration.
@@ -28,11 +47,12 @@ EngineLike = str | Engine
 EnginesLike = str | Engine | Sequence[str | Engine]
 RobotLike = str | os.PathLike[str] | Robot
 TerrainLike = str | os.PathLike[str] | Terrain
-PolicyLike = str | os.PathLike[str] | FunctionPolicy | Policy
-POLICY_TYPES = (str, os.PathLike, FunctionPolicy, Policy)  #: the same, for isinstance
+PolicyLike = str | os.PathLike[str] | FunctionPolicy | PolicyObject  #: a PolicyObject is a `crossgait.Policy`
+POLICY_TYPES = (str, os.PathLike, FunctionPolicy, PolicyObject)  #: the same, for isinstance
 #: What the core takes for a policy: a text, a function, or a network in memory.
 CorePolicy = str | FunctionPolicy | _core._BundlePolicy
 
+ENVIRONMENT = "environment.yaml"  #: beside a policy's file: what it was made for
 #: Policies that run in any environment.
 ANYWHERE = ("zero", "random")
 
@@ -57,7 +77,7 @@ def as_environment(value: Any, source: str = "environment") -> EnvironmentConfig
 
 def as_policy(value: Any, source: str = "policy") -> CorePolicy:
     """Any `PolicyLike`, as the core takes it. Raises ConfigError, naming `source`, for anything else."""
-    if isinstance(value, Policy):
+    if isinstance(value, PolicyObject):
         return value.for_studies
     if isinstance(value, (str, os.PathLike)):
         return os.fspath(value)
@@ -95,11 +115,11 @@ def environment_for(environment: Any, *policies: Any, source: str = "environment
         if isinstance(policy, (str, os.PathLike)):
             own = _environment_beside(os.fspath(policy))
         else:
-            own = policy.environment if isinstance(policy, Policy) else None
+            own = policy.environment if isinstance(policy, PolicyObject) else None
         if own is not None:
             return own
     for policy in policies:
-        if isinstance(policy, (FunctionPolicy, Policy)):
+        if isinstance(policy, (FunctionPolicy, PolicyObject)):
             raise ConfigError(policy.name, "environment", "environment=, that the policy is for", "none")
     return EnvironmentConfig()
 

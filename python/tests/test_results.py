@@ -74,6 +74,13 @@ def test_tables_are_told_apart_by_their_index() -> None:
         assert frame.index.is_unique
 
 
+def test_tables_without_rows_are_tables() -> None:
+    healthy = crossgait.diagnose("serial_joints", search=False).to_frame()
+    assert (len(healthy), healthy.index.name) == (0, "field")
+    skipped = crossgait.conformance("mujoco", only="free_fall").to_frame()
+    assert skipped.index.names == ["check", "what"]
+
+
 def test_one_quantity_has_one_name_everywhere() -> None:
     walked = set(crossgait.walk("trot", seconds=0.2).to_frame().columns)
     rolled = set(crossgait.rollout("zero", SHORT, episodes=1).to_frame().columns)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from crossgait import _core
 from crossgait._core import EnvironmentConfig, MlpNetwork, PolicyBundle, PolicyInterface
 from crossgait.errors import ConfigError
+from crossgait.inputs import as_environment, environment_for
 from crossgait.layout import EnvironmentLayout, Layout
 from crossgait.policies import agreement, expression
 
@@ -42,8 +43,6 @@ def interface_of(environment: Any) -> PolicyInterface:
 
 def _home_of(environment: Any) -> tuple[PolicyInterface, EnvironmentConfig | None]:
     """The interface, and the configuration that it is of, where that is known."""
-    from crossgait.inputs import as_environment  # which takes policies from here
-
     if isinstance(environment, PolicyInterface):
         return environment, None
     config = as_environment(environment, "policy")
@@ -83,8 +82,6 @@ class Policy:
             ConfigError: for an unknown name, a bad file, or one for another layout, saying what differs
 
         """
-        from crossgait.inputs import environment_for  # which takes policies from here
-
         interface, config = _home_of(environment_for(None, policy) if environment is None else environment)
         text = os.fspath(policy)
         file = _core.find_policy_file(text)

@@ -9,8 +9,16 @@ from tempfile import TemporaryDirectory
 
 from crossgait import _core
 from crossgait.errors import ConfigError
-from crossgait.inputs import EngineLike, EnvironmentLike, PolicyLike, as_engine, as_names, as_policy, environment_for
-from crossgait.policies.policy import Policy
+from crossgait.inputs import (
+    EngineLike,
+    EnvironmentLike,
+    PolicyLike,
+    PolicyObject,
+    as_engine,
+    as_names,
+    as_policy,
+    environment_for,
+)
 from crossgait.progress import Progress
 from crossgait.studies.choices import ProgressShown, worker_count
 from crossgait.studies.results import Diagnosis
@@ -57,7 +65,7 @@ def _file_of(policy: PolicyLike) -> Iterator[str]:
     chosen = as_policy(policy, "diagnose")
     if isinstance(chosen, str):
         yield chosen
-    elif isinstance(policy, Policy):
+    elif isinstance(policy, PolicyObject):
         with TemporaryDirectory(prefix="crossgait-") as folder:
             file = Path(folder) / f"{Path(policy.name).stem}.safetensors"
             policy.save(file)

@@ -46,7 +46,9 @@ class Result:
         with needed_for("tables", "frames"):
             import pandas as pd
 
-        return pd.DataFrame(self._rows()).set_index(list(self._index))
+        index = list(self._index)
+        rows = [{**dict.fromkeys(index), **row} for row in self._rows()]
+        return pd.DataFrame(rows, columns=None if rows else index).set_index(index)
 
     def plot(self) -> Figure:
         """Draw it with matplotlib."""

@@ -200,8 +200,8 @@ def load(path: str | os.PathLike[str], study: Study | str | os.PathLike[str] | N
 
     Args:
         path: the file of rows.
-        study: that they are of, or its file: then its rows alone, in the order of its grid, and its axes come first,
-            by the names that it has for them (`friction`, `policy`, `step_height`), to group by.
+        study: that they are of, or its file: then its rows alone, in the order of its grid, and what it says comes
+            first, by its own names (`friction`, `policy`, `step_height`), axes before the rest, to group by.
 
     Raises:
         ConfigError: for what is no file of rows, or a study that cannot be read.
@@ -210,12 +210,12 @@ def load(path: str | os.PathLike[str], study: Study | str | os.PathLike[str] | N
     """
     with needed_for("tables", "frames"):
         import pandas as pd
-    axes = None if study is None else _axes_of(study)
+    said_of = None if study is None else _settings_of(study)
     rows: dict[str, dict[str, Any]] = {}
     for _, said in _whole_lines(Path(path)):
-        if axes is not None and said["hash"] not in axes:
+        if said_of is not None and said["hash"] not in said_of:
             continue
-        row: dict[str, Any] = {"hash": said["hash"]} | (axes or {}).get(said["hash"], {})
+        row: dict[str, Any] = {"hash": said["hash"]} | (said_of or {}).get(said["hash"], {})
         run = said.get("run") or {}
         _flat(run | {"behaviour": _environment(run["behaviour"])} if "behaviour" in run else run, "", row)
         result = dict(said.get("result", {}))
@@ -224,14 +224,14 @@ def load(path: str | os.PathLike[str], study: Study | str | os.PathLike[str] | N
         row.update(result)
         row["error"] = said.get("error")
         rows[said["hash"]] = row
-    order = rows if axes is None else [name for name in axes if name in rows]
+    order = rows if said_of is None else [name for name in said_of if name in rows]
     columns = None if rows else ["hash", "error"]
     return pd.DataFrame([rows[name] for name in order], columns=columns).set_index("hash")
 
 
-def _axes_of(study: Study | str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
+def _settings_of(study: Study | str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
     from crossgait.sweep.study import Study  # which needs PyYAML
 
     loaded = study if isinstance(study, Study) else Study.load(study)
-    axes = loaded.axes()
-    return {run.hash: axes[run.hash] for run in loaded.runs()}
+    settings = loaded.settings()
+    return {run.hash: settings[run.hash] for run in loaded.runs()}

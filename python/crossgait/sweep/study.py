@@ -107,8 +107,8 @@ class Study:
         """What moves, each with every seed. Raises ConfigError."""
         return (subject for subject, _ in self._subjects())
 
-    def axes(self) -> dict[str, Json]:
-        """What the study says of each run, by the run's hash: its keys that have several values, by name.
+    def settings(self) -> dict[str, Json]:
+        """What the study says of each run, by the run's hash: its keys, those that have several values first.
 
         Keys of `parameters` and `set` stand under their own names: `step_height`, `friction`. Lists are tuples.
 
@@ -121,8 +121,8 @@ class Study:
         for settings in said.values():
             for key, value in settings.items():
                 values.setdefault(key, set()).add(repr(value))
-        wide = [key for key in values if len(values[key]) > 1]
-        return {name: {key: settings.get(key) for key in wide} for name, settings in said.items()}
+        order = sorted(values, key=lambda key: len(values[key]) < 2)  # stays as it is otherwise
+        return {name: {key: settings.get(key) for key in order} for name, settings in said.items()}
 
     def _subjects(self) -> Iterator[tuple[Subject, Json]]:
         """With what the file says of each, by key."""
