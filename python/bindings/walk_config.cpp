@@ -116,7 +116,7 @@ Velocity command_of(const WalkConfig& config) {
   return c ? Velocity({c->vx, c->vy, c->yaw_rate}) : std::nullopt;
 }
 
-constexpr const char* kConstructor =
+constexpr const char* kWalkConstructor =
     "def __init__(self, gait: str = 'trot', *, command: collections.abc.Sequence[float] | None = None, "
     "parameters: collections.abc.Mapping[str, float | str] = {}, robot: str | os.PathLike[str] | Robot = "
     "'scara_quadruped', terrain: str | os.PathLike[str] | Terrain = 'flat', seed: int = 0, friction: float | "
@@ -188,7 +188,7 @@ void bind_walk_config(nb::module_& m) {
       nb::arg("seed") = 0, nb::arg("friction") = nb::none(), nb::arg("contact") = "",
       nb::arg("seconds") = 5.0, nb::arg("physics_dt") = 1e-3, nb::arg("control_dt") = 2e-3,
       nb::arg("settle") = 0.5, nb::arg("compensation") = true, nb::arg("heading_hold") = true,
-      nb::arg("terminations") = std::vector<std::string>{"left_terrain"}, nb::sig(kConstructor),
+      nb::arg("terminations") = std::vector<std::string>{"left_terrain"}, nb::sig(kWalkConstructor),
       "`gait` by name, or auto with a `command` (forward m/s, left m/s, yaw rate rad/s); `parameters` "
       "change the gait's own, by name (`swing` is bezier or matched); `robot` and `terrain` by name, by file "
       "or as objects; `seed` is of a random terrain; `terminations` are outcomes that end the walk, beside "
