@@ -1,6 +1,9 @@
 #include "apps/env_options.h"
 
+#include <algorithm>
 #include <limits>
+
+#include <fmt/format.h>
 
 #include "backends/registry.h"
 #include "gait/scale.h"
@@ -9,6 +12,24 @@
 #include "study/run_spec.h"
 
 namespace crossgait::apps {
+namespace {
+
+// Options of gaits say nothing where actions command joints.
+void require_gait_of(const EnvConfig& config, const char* option) {
+  if (config.action == ActionKind::kGait) return;
+  throw ConfigError("command line", option, "an environment whose actions adapt a gait",
+                    "action: joints in " + config.source);
+}
+
+bool is_of_gait(std::string_view setting) {
+  const std::string_view name = setting.substr(0, setting.find('='));
+  const auto& rows = gait_parameters();
+  return name == "swing" ||
+         std::any_of(rows.begin(), rows.end(), [name](const ParameterRow& row) { return row.name == name; });
+}
+
+}  // namespace
+
 void EnvOptions::add_to(CLI::App& command, EnvScope scope) {
   command
       .add_option(
@@ -25,7 +46,10 @@ void EnvOptions::add_to(CLI::App& command, EnvScope scope) {
   command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file");
   add_servos_option(command);
   command.add_option("--gait", gait, "The gait, with its preferred parameters (see `crossgait gait --list`)");
-  command.add_option("--set", settings, "Change a gait parameter at the start; may be repeated")
+  command
+      .add_option("--set", settings,
+                  "Change a gait parameter at the start, or any key of the environment (physics_dt=.001, "
+                  "\"randomisation={friction: [.5, 1]}\"); may be repeated")
       ->type_name("NAME=VALUE");
   command.add_option("--adapt", adapt, "Parameters that the action changes, comma-separated")->delimiter(',');
   command
@@ -62,7 +86,7 @@ LoadedEnv EnvOptions::make(const std::string& policy) const {
     static_cast<void>(find_gait(*gait));
     c.parameters = {};
   }
-  for (const std::string& setting : settings) assign(c.parameters, setting);
+  apply_settings(settings, c);
   if (!adapt.empty()) c.adapt = adapt;
   c.observation.insert(c.observation.end(), observe.begin(), observe.end());
   if (!velocity.empty()) {
@@ -78,22 +102,31 @@ LoadedEnv EnvOptions::make(const std::string& policy) const {
   return environment;
 }
 
+void apply_settings(const std::vector<std::string>& settings, EnvConfig& config) {
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (is_of_gait(setting) || equals == std::string::npos) {
+      require_gait_of(config, "--set");
+      assign(config.parameters, setting);
+    } else {
+      const std::string yaml =
+          fmt::format("{{{}: {}}}", setting.substr(0, equals), setting.substr(equals + 1));
+      config = override_env_config(config, yaml, "--set " + setting);
+    }
+  }
+}
+
 LoadedEnv load_with_warnings(const EnvConfig& config) {
   return {config, config.at_its_place(config.robot, [&config] {
             return std::make_shared<const RobotDescription>(load_robot_with_warnings(config.robot));
           })};
 }
 
-// Options of gaits say nothing where actions command joints.
 void EnvOptions::require_gait(const EnvConfig& c) const {
-  if (c.action == ActionKind::kGait) return;
   for (const auto& [given, option] : {std::pair{gait.has_value(), "--gait"},
-                                      {!settings.empty(), "--set"},
                                       {!adapt.empty(), "--adapt"},
                                       {residual_scale.has_value(), "--residual-scale"}}) {
-    if (given)
-      throw ConfigError("command line", option, "an environment whose actions adapt a gait",
-                        "action: joints in " + c.source);
+    if (given) require_gait_of(c, option);
   }
 }
 

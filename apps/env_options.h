@@ -24,7 +24,7 @@ struct EnvOptions {
   std::string config;
   std::optional<std::string> engine, robot, terrain, gait;
   std::optional<std::uint64_t> terrain_seed;
-  std::vector<std::string> settings;  // NAME=VALUE of gait parameters
+  std::vector<std::string> settings;  // NAME=VALUE of gait parameters and of keys
   std::vector<std::string> adapt, observe;
   std::string velocity;
   ContactOptions contact;
@@ -39,6 +39,10 @@ struct EnvOptions {
  private:
   void require_gait(const EnvConfig& c) const;
 };
+
+/// Applies `--set NAME=VALUE`: parameters of the gait, and keys of an environment with values in YAML.
+/// @throws ConfigError
+void apply_settings(const std::vector<std::string>& settings, EnvConfig& config);
 
 /// Reads the robot of a configuration, with its warnings. @throws ConfigError
 LoadedEnv load_with_warnings(const EnvConfig& config);

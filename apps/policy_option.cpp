@@ -26,7 +26,7 @@ LoadedEnv PolicyOption::environment(const WalkOptions& walk) const {
     return {made.config.environment(), made.world.robot};
   }
   const auto given = [this](const char* option) { return command_->get_option(option)->count() > 0; };
-  for (const char* option : {"--robot", "--physics-dt", "--gait", "--set", "--control-dt", "--settle",
+  for (const char* option : {"--robot", "--physics-dt", "--gait", "--control-dt", "--settle",
                              "--terminations", "--no-compensation", "--no-heading-hold"}) {
     if (given(option))
       throw ConfigError("command line", option, fmt::format("no option that {} says", file), "one");
@@ -37,6 +37,7 @@ LoadedEnv PolicyOption::environment(const WalkOptions& walk) const {
   made.contact.add(walk.contact.make());
   if (given("--seconds")) made.episode_seconds = walk.config.timing.seconds;
   if (const auto velocity = walk.velocity_command()) made.command = velocity;
+  apply_settings(walk.settings, made);
   made.validate("command line");
   LoadedEnv loaded = load_with_warnings(made);
   print_notes(notes_on(loaded));

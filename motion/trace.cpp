@@ -1,6 +1,7 @@
 #include "motion/trace.h"
 
 #include <iterator>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -20,18 +21,35 @@ TraceSample::TraceSample(const PhysicsBackend& world, const ControlTargets& cont
     contact[leg] = feet[leg].touching;
     load[leg] = feet[leg].force.norm();
     force[leg] = feet[leg].force;
+    if (feet[leg].touching) p_WP[leg] = feet[leg].p_WP;
   }
 }
 
 TraceColumns::TraceColumns(const RobotDescription& robot, const TraceSample& first)
-    : planned_(first.contact_schedule.has_value()),
+    : torques_(first.torques.size() == robot.joint_count()),
+      planned_(first.contact_schedule.has_value()),
       parameters_(first.parameters.has_value()),
       names_{"time",   "p_WB.x", "p_WB.y", "p_WB.z", "q_WB.w", "q_WB.x", "q_WB.y",
              "q_WB.z", "v_WB.x", "v_WB.y", "v_WB.z", "w_WB.x", "w_WB.y", "w_WB.z"} {
-  for (int i = 0; i < robot.joint_count(); ++i) names_.push_back("q." + robot.joint(i).name);
-  for (const int i : robot.actuated_joints()) names_.push_back("target." + robot.joint(i).name);
+  const auto add_joints = [&](std::string_view what, const std::vector<int>& joints) {
+    for (const int i : joints) names_.push_back(fmt::format("{}.{}", what, robot.joint(i).name));
+  };
+  const auto add_points = [&](std::string_view what) {
+    for (const Leg leg : kLegs) {
+      for (const char axis : {'x', 'y', 'z'})
+        names_.push_back(fmt::format("{}.{}.{}", what, name(leg), axis));
+    }
+  };
+  std::vector<int> joints(static_cast<std::size_t>(robot.joint_count()));
+  std::iota(joints.begin(), joints.end(), 0);
+  add_joints("q", joints);
+  add_joints("qd", joints);
+  add_joints("target", robot.actuated_joints());
+  if (torques_) add_joints("torque", joints);
   for (const Leg leg : kLegs) names_.push_back(fmt::format("contact.{}", name(leg)));
   for (const Leg leg : kLegs) names_.push_back(fmt::format("load.{}", name(leg)));
+  add_points("force");
+  add_points("p_WP");
   for (const Leg leg : kLegs) {
     if (planned_) names_.push_back(fmt::format("planned.{}", name(leg)));
   }
@@ -51,9 +69,13 @@ void TraceColumns::append(const TraceSample& sample, std::vector<double>& number
   put_all(s.v_WB);
   put_all(s.w_WB);
   put_all(s.q);
+  put_all(s.qd);
   put_all(sample.targets.q);
+  if (torques_) put_all(sample.torques);
   for (const Leg leg : kLegs) numbers.push_back(sample.contact[leg] ? 1 : 0);
   for (const Leg leg : kLegs) numbers.push_back(sample.load[leg]);
+  for (const Leg leg : kLegs) put_all(sample.force[leg]);
+  for (const Leg leg : kLegs) put_all(sample.p_WP[leg]);
   for (const Leg leg : kLegs) {
     if (planned_) numbers.push_back(sample.contact_schedule && (*sample.contact_schedule)[leg].swing ? 0 : 1);
   }

@@ -22,6 +22,8 @@ struct TraceSample {
   LegArray<double> load{};  ///< magnitude of the force on each foot, N
   /// On each foot, in W, N.
   LegArray<Vector3> force{{Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), Vector3::Zero()}};
+  /// Deepest contact point of each foot, in W, m; zero of one that does not touch.
+  LegArray<Vector3> p_WP{{Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), Vector3::Zero()}};
   JointVector torques;  ///< of the last physics step, N m; empty in samples that no world made
 
   std::optional<LegArray<ScheduledLeg>>
@@ -36,8 +38,8 @@ struct TraceSample {
 using Trace = std::vector<TraceSample>;
 
 /// What a trace holds as a table: columns time, p_WB.{x,y,z}, q_WB.{w,x,y,z}, v_WB.{x,y,z}, w_WB.{x,y,z},
-/// q.JOINT..., target.JOINT..., contact.LEG, load.LEG, and where its first sample knows them planned.LEG (1:
-/// meant to stand) and param.NAME. SI units.
+/// q.JOINT, qd.JOINT, target.JOINT, contact.LEG, load.LEG, force.LEG.{x,y,z}, p_WP.LEG.{x,y,z}, and where its
+/// first sample knows them torque.JOINT, planned.LEG (1: meant to stand) and param.NAME. SI units.
 class TraceColumns {
  public:
   TraceColumns(const RobotDescription& robot, const TraceSample& first);
@@ -47,7 +49,7 @@ class TraceColumns {
   void append(const TraceSample& sample, std::vector<double>& numbers) const;
 
  private:
-  bool planned_, parameters_;
+  bool torques_, planned_, parameters_;
   std::vector<std::string> names_;
 };
 

@@ -24,11 +24,12 @@ class ColumnReader {
   std::vector<Column> axes(const std::string& prefix, std::string_view names) const;
   std::vector<Column> of_joints(const std::string& prefix, const std::vector<int>& joints) const;
   std::vector<Column> of_legs(const std::string& prefix) const;
+  std::vector<Column> axes_of_legs(std::string_view prefix) const;
 
   const TraceTable& table_;
   const RobotDescription& robot_;
-  std::vector<Column> position_, orientation_, velocity_, turning_, angles_, targets_, torques_, loads_,
-      contacts_, planned_, forces_;
+  std::vector<Column> position_, orientation_, velocity_, turning_, angles_, rates_, targets_, torques_,
+      loads_, contacts_, planned_, forces_, points_;
 };
 
 std::vector<ColumnReader::Column> ColumnReader::axes(const std::string& prefix,
@@ -51,6 +52,14 @@ std::vector<ColumnReader::Column> ColumnReader::of_legs(const std::string& prefi
   return found;
 }
 
+std::vector<ColumnReader::Column> ColumnReader::axes_of_legs(std::string_view prefix) const {
+  std::vector<Column> found;
+  for (const Leg leg : kLegs) {
+    for (const Column column : axes(fmt::format("{}.{}", prefix, name(leg)), "xyz")) found.push_back(column);
+  }
+  return found;
+}
+
 ColumnReader::ColumnReader(const TraceTable& table, const RobotDescription& robot)
     : table_(table), robot_(robot) {
   position_ = axes("p_WB", "xyz");
@@ -70,10 +79,9 @@ ColumnReader::ColumnReader(const TraceTable& table, const RobotDescription& robo
   if (has("target.")) targets_ = of_joints("target.", robot.actuated_joints());
   if (has("torque.")) torques_ = of_joints("torque.", joints);
   if (has("planned.")) planned_ = of_legs("planned.");
-  if (!has("force.")) return;
-  for (const Leg leg : kLegs) {
-    for (const Column column : axes(fmt::format("force.{}", name(leg)), "xyz")) forces_.push_back(column);
-  }
+  if (has("qd.")) rates_ = of_joints("qd.", joints);
+  if (has("force.")) forces_ = axes_of_legs("force");
+  if (has("p_WP.")) points_ = axes_of_legs("p_WP");
 }
 
 TraceSample ColumnReader::sample(std::size_t row) const {
@@ -94,6 +102,7 @@ TraceSample ColumnReader::sample(std::size_t row) const {
   state.v_WB = vector(velocity_);
   state.w_WB = vector(turning_);
   state.q = joints(angles_);
+  state.qd = joints(rates_);
   sample.targets.q = joints(targets_);
   sample.torques = joints(torques_);
   if (!planned_.empty()) sample.contact_schedule.emplace();
@@ -103,6 +112,7 @@ TraceSample ColumnReader::sample(std::size_t row) const {
     sample.contact[leg] = (*contacts_[i])[row] != 0;
     if (!planned_.empty()) (*sample.contact_schedule)[leg].swing = (*planned_[i])[row] == 0;
     if (has_forces()) sample.force[leg] = vector(forces_, 3 * i);
+    if (!points_.empty()) sample.p_WP[leg] = vector(points_, 3 * i);
   }
   return sample;
 }

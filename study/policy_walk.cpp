@@ -52,12 +52,11 @@ PairDifference compared(const Episode& a, const Episode& b, const DivergenceTole
 
 }  // namespace
 
-Comparison compare_episodes(const LoadedEnv& environment, const std::string& policy,
+Comparison compare_episodes(const LoadedEnv& environment, const NamedPolicy& policy,
                             const std::vector<std::string>& engines, std::uint64_t seed,
                             const DivergenceTolerances& tolerances, const Progress& progress,
                             const TraceSinks& sinks) {
   check_each_once(engines);
-  const NamedPolicy loaded = find_policy(policy);
   Comparison result;
   result.leg_length_m = environment.robot->home_height;
   std::vector<Episode> episodes;
@@ -65,7 +64,7 @@ Comparison compare_episodes(const LoadedEnv& environment, const std::string& pol
   try {
     for (std::size_t i = 0; i < engines.size(); ++i) {
       const auto part = static_cast<double>(i);
-      episodes.push_back(record(environment, loaded, engines[i], seed,
+      episodes.push_back(record(environment, policy, engines[i], seed,
                                 part_of(progress, part / count, (part + 1) / count),
                                 sinks.empty() ? nullptr : sinks.at(i)));
     }

@@ -45,17 +45,17 @@ Rollout roll_out(const LoadedEnv& environment, std::span<const NamedPolicy> poli
   return rollout;
 }
 
-void watch_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
+void watch_episode(const LoadedEnv& environment, const NamedPolicy& policy, std::uint64_t seed,
                    const std::function<void(const QuadrupedEnv&)>& observer) {
   const auto env = env_factory(environment)();
-  const auto own = find_policy(policy).make(env->interface());
+  const auto own = policy.make(env->interface());
   run_episode(*env, *own, derived_seed(seed, 0), [&observer](const QuadrupedEnv& e) {
     observer(e);
     return true;
   });
 }
 
-void record_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
+void record_episode(const LoadedEnv& environment, const NamedPolicy& policy, std::uint64_t seed,
                     TraceSink& sink) {
   watch_episode(environment, policy, seed,
                 [&sink](const QuadrupedEnv& env) { sink.add(TraceSample(env.world(), env.targets())); });

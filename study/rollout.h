@@ -52,11 +52,19 @@ Rollout roll_out(const LoadedEnv& environment, const std::vector<std::string>& p
                  const EpisodeOptions& options, const Progress& progress = {});
 
 /// The first episode of a policy once more. @param observer  sees the environment after every policy step
-void watch_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
+void watch_episode(const LoadedEnv& environment, const NamedPolicy& policy, std::uint64_t seed,
                    const std::function<void(const QuadrupedEnv&)>& observer);
+inline void watch_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
+                          const std::function<void(const QuadrupedEnv&)>& observer) {
+  watch_episode(environment, find_policy(policy), seed, observer);
+}
 /// The same episode as a trace: `sink` takes what it is after every policy step.
-void record_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
+void record_episode(const LoadedEnv& environment, const NamedPolicy& policy, std::uint64_t seed,
                     TraceSink& sink);
+inline void record_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
+                           TraceSink& sink) {
+  record_episode(environment, find_policy(policy), seed, sink);
+}
 
 /// One policy, and none, in one engine on one ground.
 struct TransferCell {

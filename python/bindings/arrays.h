@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -64,14 +65,29 @@ struct NewArray {
   }
 };
 
+/// As NumPy writes a shape: (12,), (4, 12).
+inline std::string shape_text(std::span<const std::size_t> shape) {
+  std::string text = "(";
+  for (const std::size_t size : shape) text += (text.size() > 1 ? ", " : "") + std::to_string(size);
+  return text + (shape.size() == 1 ? ",)" : ")");
+}
+
 /// The numbers of `array` as doubles: those of the array itself, or `copy` of float32.
-/// @throws ConfigError naming `what` unless there are `size` of them, of either type
-inline std::span<const double> doubles(const AnyArray& array, std::size_t size, const char* what,
-                                       std::vector<double>& copy) {
+/// @throws ConfigError naming `what` unless it has this `shape` and either type
+template <std::size_t dimensions>
+std::span<const double> doubles(const AnyArray& array, const std::array<std::size_t, dimensions>& shape,
+                                const char* what, std::vector<double>& copy) {
   const auto wrong = [&](const std::string& found) {
-    return ConfigError(what, "array", std::to_string(size) + " numbers, float64 or float32", found);
+    return ConfigError(what, "array", "float64 or float32 of shape " + shape_text(shape), found);
   };
-  if (array.size() != size) throw wrong(std::to_string(array.size()) + " numbers");
+  bool same = array.ndim() == dimensions;
+  for (std::size_t i = 0; same && i < dimensions; ++i) same = array.shape(i) == shape[i];
+  if (!same) {
+    std::vector<std::size_t> found(array.ndim());
+    for (std::size_t i = 0; i < found.size(); ++i) found[i] = array.shape(i);
+    throw wrong("shape " + shape_text(found));
+  }
+  const std::size_t size = array.size();
   if (array.dtype() == nb::dtype<double>()) return {static_cast<const double*>(array.data()), size};
   if (array.dtype() != nb::dtype<float>()) throw wrong("another type");
   copy.resize(size);

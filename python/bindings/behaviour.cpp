@@ -141,7 +141,7 @@ WalkSetup PythonController::setup() const {
 
 const WalkConfig& config_of(const Subject& subject) {
   const auto* behaviour = std::get_if<PythonController>(&subject);
-  return behaviour != nullptr ? behaviour->walk : std::get<WalkConfig>(subject);
+  return behaviour != nullptr ? behaviour->walk : std::get<PythonWalk>(subject);
 }
 
 WalkSetup setup_of(const Subject& subject) {
@@ -153,11 +153,11 @@ void bind_behaviour(nb::module_& m) {
       m, "Controller", "A controller of your own: what `walk`, `compare` and `verdict` take beside gaits.")
       .def(
           "__init__",
-          [](PythonController* self, const nb::callable& make, const WalkConfig& walk,
+          [](PythonController* self, const nb::callable& make, const PythonWalk& walk,
              const std::string& targets, const std::string& name) {
             new (self) PythonController{walk, name, targets_of(targets), SharedObject(make)};
           },
-          nb::arg("make"), nb::arg("walk") = WalkConfig(), nb::kw_only(), nb::arg("targets") = "joints",
+          nb::arg("make"), nb::arg("walk") = PythonWalk(), nb::kw_only(), nb::arg("targets") = "joints",
           nb::arg("name") = "behaviour",
           nb::sig("def __init__(self, make: collections.abc.Callable[[], collections.abc.Callable[[State], "
                   "numpy.typing.ArrayLike]], walk: Walk = ..., *, targets: str = 'joints', name: str = "
@@ -177,7 +177,13 @@ void bind_behaviour(nb::module_& m) {
           "controller must "
           "return the same targets for the same states: verdicts repeat runs.")
       .def_ro("name", &PythonController::name)
-      .def_ro("walk", &PythonController::walk);
+      .def_ro("walk", &PythonController::walk)
+      .def("__repr__", [](nb::handle self) {
+        const auto& c = nb::cast<const PythonController&>(self);
+        return fmt::format("<crossgait.Controller '{}': {}, {}>", c.name,
+                           c.targets == Targets::kJoints ? "joints" : "feet",
+                           nb::repr(self.attr("walk")).c_str());
+      });
 }
 
 }  // namespace crossgait::python

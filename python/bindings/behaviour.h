@@ -9,7 +9,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "study/walk_config.h"
+#include "python/bindings/walk_config.h"
 
 namespace crossgait::python {
 
@@ -45,7 +45,7 @@ enum class Targets { kJoints, kFeet };
 
 /// A controller in Python, in the world and with the timing of `walk`, whose gait is not used.
 struct PythonController {
-  WalkConfig walk;
+  PythonWalk walk;
   std::string name;
   Targets targets = Targets::kJoints;
   SharedObject make;  ///< returns a fresh function of a State, which returns targets
@@ -54,7 +54,7 @@ struct PythonController {
   WalkSetup setup() const;
 };
 
-using Subject = std::variant<WalkConfig, PythonController>;
+using Subject = std::variant<PythonWalk, PythonController>;
 
 const WalkConfig& config_of(const Subject& subject);
 WalkSetup setup_of(const Subject& subject);

@@ -45,7 +45,7 @@ nb::object reset(Environment& self, std::uint64_t seed) {
 }
 
 nb::tuple step(Environment& self, const AnyArray& action) {
-  const auto numbers = doubles(action, self.env->action_size(), "action", self.action);
+  const auto numbers = doubles(action, std::array{self.env->action_size()}, "action", self.action);
   const NewArray<double> observation(self.env->observation_size());
   StepResult result;
   {

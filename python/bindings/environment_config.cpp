@@ -7,10 +7,13 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 
+#include "backends/registry.h"
 #include "env/env_config_json.h"
 #include "env/env_model.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/inputs.h"
 #include "python/bindings/json.h"
+#include "python/bindings/robot.h"
 
 namespace crossgait::python {
 namespace {
@@ -33,7 +36,8 @@ std::string list_text(nb::handle list) {
   return "[" + text + "]";
 }
 
-// Python's own values, NumPy's and paths, as the text that the core reads. @throws ConfigError for others
+// Python's own values, NumPy's, paths, robots, terrains and engines, as the text that the core reads. @throws
+// ConfigError for others
 std::string json_text(nb::handle value) {
   if (value.is_none()) return "null";
   if (nb::isinstance<nb::bool_>(value)) return nb::cast<bool>(value) ? "true" : "false";
@@ -42,6 +46,9 @@ std::string json_text(nb::handle value) {
   if (nb::isinstance<nb::str>(value)) return nlohmann::json(nb::cast<std::string>(value)).dump();
   if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) return list_text(value);
   if (nb::hasattr(value, "keys")) return mapping_text(value);
+  if (nb::isinstance<Terrain>(value)) return nlohmann::json(terrain_text(value, "terrain")).dump();
+  if (nb::isinstance<Robot>(value)) return nlohmann::json(robot_text(value, "robot")).dump();
+  if (nb::isinstance<EngineListing>(value)) return json_text(value.attr("name"));
   if (nb::hasattr(value, "tolist")) return json_text(value.attr("tolist")());
   if (nb::hasattr(value, "__fspath__")) return json_text(value.attr("__fspath__")());
   throw ConfigError("config", nb::repr(value).c_str(), "numbers, text, lists and mappings",
@@ -128,8 +135,9 @@ nb::object attribute(const EnvConfig& config, const Key& key) {
 
 // The keywords, as type checkers see them.
 constexpr const char* kConstructor =
-    "def __init__(self, *, preset: str | None = None, engine: str | None = None, robot: str | "
-    "os.PathLike[str] | None = None, terrain: str | os.PathLike[str] | None = None, terrain_seed: int | None "
+    "def __init__(self, *, preset: str | None = None, engine: str | Engine | None = None, robot: str | "
+    "os.PathLike[str] | Robot | None = None, terrain: str | os.PathLike[str] | Terrain | None = None, "
+    "terrain_seed: int | None "
     "= None, friction: float | None = None, contact: collections.abc.Mapping[str, typing.Any] | None = None, "
     "servos: collections.abc.Mapping[str, typing.Any] | None = None, "
     "action: str | None = None, joints: collections.abc.Mapping[str, typing.Any] | None = None, gait: str | "
@@ -158,8 +166,16 @@ void bind_making(nb::class_<EnvConfig>& c) {
       .def_static(
           "load", [](const std::filesystem::path& path) { return load_env_config(path.string()); },
           nb::arg("path"), "Of a YAML file. Raises ConfigError.")
-      .def_static("parse", &parse_env_config, nb::arg("text"), nb::arg("source") = "environment",
-                  "Of YAML or JSON; `source` stands for the file in messages. Raises ConfigError.")
+      .def_static(
+          "parse",
+          [](nb::handle keys, const std::string& source) {
+            return parse_env_config(
+                nb::isinstance<nb::str>(keys) ? nb::cast<std::string>(keys) : json_text(keys), source);
+          },
+          nb::arg("text"), nb::arg("source") = "environment",
+          nb::sig("def parse(text: str | collections.abc.Mapping[str, typing.Any], source: str = "
+                  "'environment') -> EnvironmentConfig"),
+          "Of YAML, JSON or a mapping; `source` stands for the file in messages. Raises ConfigError.")
       .def_static(
           "from_dict",
           [](nb::handle keys, const std::string& source) {

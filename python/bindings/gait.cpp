@@ -52,7 +52,7 @@ nb::dict parameter_table() {
 /// The foot targets of a walk's gait, without robot dynamics or kinematics.
 class FootTargets {
  public:
-  explicit FootTargets(const WalkConfig& walk) : generator_(make(walk)) {}
+  explicit FootTargets(const PythonWalk& walk) : generator_(make(walk)) {}
 
   nb::tuple update(double dt) {
     if (!(dt > 0 && dt <= WalkTiming::kMaxSeconds))
@@ -104,7 +104,7 @@ void bind_gait(nb::module_& m) {
   nb::class_<FootTargets>(
       m, "GaitGenerator",
       "Foot targets of one gait over time, continuous through every change. It begins in full stride.")
-      .def(nb::init<const WalkConfig&>(), nb::arg("walk") = WalkConfig(),
+      .def(nb::init<const PythonWalk&>(), nb::arg("walk") = PythonWalk(),
            "The gait, parameters, command and robot of a `Walk`. Raises ConfigError for an automatic gait.")
       .def("update", &FootTargets::update, nb::arg("dt"),
            nb::sig("def update(self, dt: float) -> tuple[numpy.typing.NDArray[numpy.float64], "

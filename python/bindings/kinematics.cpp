@@ -6,9 +6,11 @@
 #include <nanobind/eigen/dense.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include "ik/workspace.h"
@@ -124,7 +126,8 @@ nb::dict workspace(const RobotLeg& leg, const std::array<int, 3>& count,
   return result;
 }
 
-nb::dict legs_of(const Robot& robot) {
+nb::dict legs_of(const RobotChoice& chosen) {
+  const Robot robot = robot_of(chosen);
   nb::dict legs;
   for (const Leg leg : kLegs)
     legs[name(leg).data()] = RobotLeg{robot.description, leg, make_leg_kinematics(*robot.description, leg)};
@@ -186,7 +189,8 @@ void bind_kinematics(nb::module_& m) {
            "A grid of targets, x fastest, over a box (min, max; by default all that the links reach): arrays "
            "`target` (N x "
            "3), `reachable`, `status` and the margins. Raises ConfigError.");
-  m.def("legs", &legs_of, nb::arg("robot"), nb::sig("def legs(robot: Robot) -> dict[str, Leg]"),
+  m.def("legs", &legs_of, nb::arg("robot"),
+        nb::sig("def legs(robot: Robot | str | os.PathLike[str]) -> dict[str, Leg]"),
         "The legs FL, FR, RL, RR. Raises ConfigError if the robot has none.");
 }
 

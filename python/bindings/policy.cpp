@@ -95,7 +95,8 @@ BoundPolicy make_from_bundle(const PolicyBundle& bundle, const std::string& sour
 
 nb::object act(BoundPolicy& self, const AnyArray& observation) {
   const PolicyInterface& interface = self.policy->interface();
-  const auto numbers = doubles(observation, interface.observation.size(), "observation", self.observation);
+  const auto numbers =
+      doubles(observation, std::array{interface.observation.size()}, "observation", self.observation);
   const NewArray<double> action(interface.action.size());
   self.policy->act(numbers, {action.data, interface.action.size()});
   return action.array;

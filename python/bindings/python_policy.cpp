@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nanobind/stl/string.h>
 
+#include "policy/mlp_policy.h"
 #include "python/bindings/arrays.h"
 
 namespace crossgait::python {
@@ -62,8 +63,18 @@ NamedPolicy PythonPolicy::named(const std::shared_ptr<FirstFailure>& failure) co
 }
 
 NamedPolicy named(const PolicyChoice& choice, const std::shared_ptr<FirstFailure>& failure) {
-  const auto* text = std::get_if<std::string>(&choice);
-  return text != nullptr ? find_policy(*text) : std::get<PythonPolicy>(choice).named(failure);
+  if (const auto* text = std::get_if<std::string>(&choice)) return find_policy(*text);
+  if (const auto* function = std::get_if<PythonPolicy>(&choice)) return function->named(failure);
+  const auto shared = std::make_shared<const BundlePolicy>(std::get<BundlePolicy>(choice));
+  return {shared->name, [shared](const PolicyInterface& interface) {
+            return std::make_unique<MlpPolicy>(shared->bundle, shared->name, interface);
+          }};
+}
+
+std::string name_of(const PolicyChoice& choice) {
+  if (const auto* text = std::get_if<std::string>(&choice)) return *text;
+  if (const auto* function = std::get_if<PythonPolicy>(&choice)) return function->name;
+  return std::get<BundlePolicy>(choice).name;
 }
 
 StageProgress until(const std::shared_ptr<FirstFailure>& failure, const StageProgress& progress) {
@@ -74,9 +85,8 @@ StageProgress until(const std::shared_ptr<FirstFailure>& failure, const StagePro
 }
 
 void bind_python_policy(nb::module_& m) {
-  nb::class_<PythonPolicy>(
-      m, "FunctionPolicy", nb::type_slots(kHolderSlots<PythonPolicy>),
-      "A policy of your own: what `rollout`, `transfer` and `verdict` take beside files.")
+  nb::class_<PythonPolicy>(m, "FunctionPolicy", nb::type_slots(kHolderSlots<PythonPolicy>),
+                           "A policy of your own: what studies take beside names, files and `Policy`.")
       .def(
           "__init__",
           [](PythonPolicy* self, const nb::callable& make, const std::string& name) {
@@ -91,7 +101,18 @@ void bind_python_policy(nb::module_& m) {
           "its own: of an observation (float64, as the environment gives it) it returns an action. Entries "
           "are clipped "
           "to their bounds; what is not finite counts as zero.")
-      .def_ro("name", &PythonPolicy::name);
+      .def_ro("name", &PythonPolicy::name)
+      .def("__repr__",
+           [](const PythonPolicy& p) { return fmt::format("<crossgait.FunctionPolicy '{}'>", p.name); })
+      .def("__reduce__", [](nb::handle self) {
+        const auto& policy = nb::cast<const PythonPolicy&>(self);
+        return nb::make_tuple(self.type(), nb::make_tuple(policy.make.get(), policy.name));
+      });
+  nb::class_<BundlePolicy>(m, "_BundlePolicy", "A network in memory, as studies take it.")
+      .def(nb::new_([](const PolicyBundle& bundle, const std::string& name) {
+             return BundlePolicy{bundle, name};
+           }),
+           nb::arg("bundle"), nb::arg("name"));
 }
 
 }  // namespace crossgait::python

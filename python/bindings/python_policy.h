@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include "policy/policy_bundle.h"
 #include "python/bindings/behaviour.h"
 #include "study/engine_comparison.h"
 #include "study/rollout.h"
@@ -42,8 +43,17 @@ struct PythonPolicy {
   NamedPolicy named(const std::shared_ptr<FirstFailure>& failure) const;
 };
 
-/// A policy by name or file, or one in Python.
-using PolicyChoice = std::variant<std::string, PythonPolicy>;
+/// A network that is in no file: of a `Policy` in memory.
+struct BundlePolicy {
+  PolicyBundle bundle;
+  std::string name;
+};
+
+/// A policy by name or file, one in Python, or one in memory.
+using PolicyChoice = std::variant<std::string, PythonPolicy, BundlePolicy>;
+
+/// What tables call it.
+std::string name_of(const PolicyChoice& choice);
 
 NamedPolicy named(const PolicyChoice& choice, const std::shared_ptr<FirstFailure>& failure);
 

@@ -98,6 +98,11 @@ nb::list inferences(const Robot& robot) {
 
 }  // namespace
 
+Robot robot_of(const RobotChoice& choice) {
+  const auto* robot = std::get_if<Robot>(&choice);
+  return robot != nullptr ? *robot : load(std::get<std::filesystem::path>(choice).string());
+}
+
 void bind_robot(nb::module_& m) {
   nb::class_<Robot>(m, "Robot", "A robot, read from its URDF, MJCF or robot.yaml. Immutable.")
       .def_static(
@@ -123,6 +128,14 @@ void bind_robot(nb::module_& m) {
           "Of each servo, in their order: its leg (FL, FR, RL, RR) and which of that leg's it is, from "
           "the hip.")
       .def_prop_ro("bodies", [](const Robot& r) { return body_names(*r.description); })
+      .def_prop_ro(
+          "parents",
+          [](const Robot& r) {
+            std::vector<int> parents;
+            for (const Body& body : r.description->bodies) parents.push_back(body.parent);
+            return parents;
+          },
+          "Of each body, in their order: the index of the one that it hangs on; -1 of the base.")
       .def_prop_ro(
           "home", [](const Robot& r) { return Eigen::VectorXd(r.description->home); },
           "Joint angles of the home pose, rad.")

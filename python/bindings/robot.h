@@ -1,8 +1,10 @@
 // Robots as Python holds them.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <variant>
 
 #include "physics/robot_files/robot_report.h"
 
@@ -14,5 +16,10 @@ struct Robot {
   std::shared_ptr<const RobotDescription> description;
   RobotReport report;
 };
+
+/// A robot, or its name or file.
+using RobotChoice = std::variant<Robot, std::filesystem::path>;
+/// @throws ConfigError for one that cannot be read
+Robot robot_of(const RobotChoice& choice);
 
 }  // namespace crossgait::python

@@ -9,6 +9,7 @@
 #include "physics/core/hash.h"
 #include "physics/core/text.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/walk_config.h"
 #include "study/run_maker.h"
 
 namespace crossgait::python {
@@ -27,7 +28,7 @@ void bind_run_spec(nb::module_& m) {
   nb::class_<RunMaker>(m, "_RunMaker", "Runs of one behaviour, whose robot and files are read once.")
       .def_static(
           "of_walk",
-          [](const WalkConfig& walk, const StartRanges& starts_from, std::uint64_t seed) {
+          [](const PythonWalk& walk, const StartRanges& starts_from, std::uint64_t seed) {
             return new RunMaker(BehaviourSpec{walk, starts_from, seed});
           },
           nb::arg("walk"), nb::arg("starts_from"), nb::arg("seed"), nb::rv_policy::take_ownership)

@@ -12,6 +12,7 @@
 #include "python/bindings/job.h"
 #include "python/bindings/python_policy.h"
 #include "python/bindings/study_report.h"
+#include "python/bindings/trace_numbers.h"
 #include "python/bindings/walk_config.h"
 #include "study/course.h"
 #include "study/rollout.h"
@@ -20,19 +21,26 @@
 namespace crossgait::python {
 namespace {
 
+// With traces of every policy's first episode, if they are asked for: made anew, as they come alike.
 Pair rollout(const EnvConfig& config, const std::vector<PolicyChoice>& choices, const EpisodeOptions& options,
-             const nb::object& progress) {
-  return to_python(run_job(
+             bool trace, const nb::object& progress) {
+  const auto kept = std::make_shared<std::vector<TraceNumbers>>();
+  const Report report = run_job(
       [=](const StageProgress& told) {
         return with_policies(choices, told,
                              [&](const auto& policies, const StageProgress& listening) -> Report {
+                               const LoadedEnv loaded = config;
                                const Rollout result =
-                                   roll_out(config, policies, options, progress_of(listening, "rolling out"));
+                                   roll_out(loaded, policies, options, progress_of(listening, "rolling out"));
                                if (result.interrupted) throw Interrupted();
+                               if (trace) kept->resize(policies.size(), TraceNumbers(loaded.robot));
+                               for (std::size_t i = 0; i < kept->size(); ++i)
+                                 record_episode(loaded, policies[i], options.seed, (*kept)[i]);
                                return {to_json(result), describe(result)};
                              });
       },
-      progress));
+      progress);
+  return nb::make_tuple(to_python(report), to_python(kept));
 }
 
 Pair transfer(const EnvConfig& config, const PolicyChoice& choice, const std::vector<std::string>& engines,
@@ -117,11 +125,11 @@ void bind_studies(nb::module_& m) {
   m.def(
       "_rollout",
       [](const EnvConfig& config, const std::vector<PolicyChoice>& policies, std::size_t episodes,
-         std::size_t workers, std::uint64_t seed, const nb::object& progress) {
-        return rollout(config, policies, {episodes, workers, seed}, progress);
+         std::size_t workers, std::uint64_t seed, bool trace, const nb::object& progress) {
+        return rollout(config, policies, {episodes, workers, seed}, trace, progress);
       },
       nb::arg("environment"), nb::arg("policies"), nb::arg("episodes"), nb::arg("workers"), nb::arg("seed"),
-      kProgress);
+      nb::arg("trace"), kProgress);
   m.def(
       "_transfer",
       [](const EnvConfig& config, const PolicyChoice& policy, const std::vector<std::string>& engines,

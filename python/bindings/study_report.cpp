@@ -22,7 +22,7 @@ Json provenance(const nlohmann::json& subject, const std::vector<std::string>& e
 }
 
 nlohmann::json subject_json(const Subject& subject, const LoadedWalk& loaded) {
-  if (std::holds_alternative<WalkConfig>(subject))
+  if (std::holds_alternative<PythonWalk>(subject))
     return {{"behaviour", LoadedBehaviour(loaded, {}, 0).described.at("behaviour")}};
   return {{"python", std::get<PythonController>(subject).name}};
 }

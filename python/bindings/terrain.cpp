@@ -1,12 +1,20 @@
 #include "physics/terrain/terrain.h"
 
 #include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nanobind/eigen/dense.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 
 #include "physics/core/error.h"
 #include "python/bindings/bindings.h"
@@ -54,14 +62,47 @@ Eigen::VectorXd height_at(const Terrain& terrain, const Coordinates& x, const Co
   return z;
 }
 
+void save(const Terrain& terrain, const std::string& path) {
+  if (terrain.field() == nullptr)
+    throw ConfigError(path, "terrain", "one with heights", "the plane, which has none");
+  if (path.ends_with(".csv")) return write_csv(*terrain.field(), path);
+  if (path.ends_with(".png")) return write_png(*terrain.field(), path);
+  throw ConfigError(path, "file", "a name that ends in .csv or .png", "another");
+}
+
+// Name, scale, and of a field: rows, columns, extent along x and y, the bytes of its heights.
+using State = std::tuple<std::string, std::string, int, int, double, double, nb::bytes>;
+
+State state_of(const Terrain& terrain) {
+  const HeightField* field = terrain.field();
+  if (field == nullptr) return {terrain.name(), terrain.scale(), 0, 0, 0.0, 0.0, nb::bytes("", 0)};
+  const std::span heights(field->heights());
+  return {terrain.name(),
+          terrain.scale(),
+          field->rows(),
+          field->columns(),
+          field->size_x(),
+          field->size_y(),
+          nb::bytes(reinterpret_cast<const char*>(heights.data()), heights.size_bytes())};
+}
+
+Terrain of_state(const State& state) {
+  const auto& [name, scale, rows, columns, size_x, size_y, bytes] = state;
+  if (rows == 0) return {name, nullptr, scale};
+  std::vector<float> heights(bytes.size() / sizeof(float));
+  std::memcpy(heights.data(), bytes.c_str(), heights.size() * sizeof(float));
+  return {name, std::make_shared<const HeightField>(columns, rows, size_x, size_y, std::move(heights), name),
+          scale};
+}
+
 }  // namespace
 
 void bind_terrain(nb::module_& m) {
   nb::class_<Terrain>(m, "Terrain", "The ground: an infinite plane or a height field. Immutable.")
       .def(
           "__init__",
-          [](Terrain* self, const std::string& text, std::uint64_t seed) {
-            new (self) Terrain(make_terrain(text, seed));
+          [](Terrain* self, const std::filesystem::path& text, std::uint64_t seed) {
+            new (self) Terrain(make_terrain(text.string(), seed));
           },
           nb::arg("text") = "flat", nb::kw_only(), nb::arg("seed") = 0,
           "`NAME`, `NAME:key=value,...`, `FILE.png` or `FILE.csv`, as `crossgait terrain --list` shows them. "
@@ -87,6 +128,14 @@ void bind_terrain(nb::module_& m) {
           "heights", &heights_of, nb::sig("def heights(self) -> numpy.typing.NDArray[numpy.float32] | None"),
           "Samples in m, rows along y, columns along x, read-only and without a copy; None of the plane.")
       .def("height", &height_at, nb::arg("x"), nb::arg("y"), "Heights in m over points of the world, m.")
+      .def(
+          "save", [](const Terrain& t, const std::filesystem::path& path) { save(t, path.string()); },
+          nb::arg("path"),
+          "Writes FILE.csv, which gives back the same heights with the same size_x and size_y, or FILE.png, "
+          "to half a grey level and with its scale. The file appears whole or not at all. Raises ConfigError "
+          "of the plane, which has no heights, and for another ending.")
+      .def("__getstate__", &state_of)
+      .def("__setstate__", [](Terrain& self, const State& state) { new (&self) Terrain(of_state(state)); })
       .def("__repr__", [](const Terrain& t) { return "<crossgait.Terrain '" + t.name() + "'>"; });
 }
 

@@ -78,7 +78,7 @@ nb::object reset(VectorEnvironment& self, std::uint64_t seed) {
 
 nb::tuple step(VectorEnvironment& self, const AnyArray& actions) {
   const std::size_t count = self.envs->size(), width = self.envs->observation_size();
-  const auto numbers = doubles(actions, count * self.envs->action_size(), "actions", self.actions);
+  const auto numbers = doubles(actions, std::array{count, self.envs->action_size()}, "actions", self.actions);
   const bool keeps_final = self.auto_reset == AutoReset::kSameStep;
   const NewArray<double> observations(count, width), rewards(count), last(keeps_final ? count : 0, width);
   const NewArray<bool> terminated(count), truncated(count);

@@ -3,6 +3,7 @@
 #include <optional>
 #include <tuple>
 
+#include <fmt/format.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -70,8 +71,7 @@ Pair judge(const BehaviourSpec& spec, const std::vector<std::string>& engines, c
 
 void refuse_stored_runs(const JudgeOptions& options) {
   if (!options.stored_runs.empty())
-    throw ConfigError("verdict", "runs",
-                      "none: what a function in Python does has no identity to be found by",
+    throw ConfigError("verdict", "runs", "none: what is in no file has no identity to be found by",
                       options.stored_runs);
 }
 
@@ -89,7 +89,7 @@ Pair judge(const PythonController& behaviour, const StartRanges& starts_from, st
       progress));
 }
 
-Pair judge(const EnvConfig& environment, const PythonPolicy& policy, const StartRanges& starts_from,
+Pair judge(const EnvConfig& environment, const PolicyChoice& policy, const StartRanges& starts_from,
            std::uint64_t seed, const std::vector<std::string>& engines, const JudgeCall& call,
            const nb::object& progress) {
   refuse_stored_runs(call.options);
@@ -103,10 +103,21 @@ Pair judge(const EnvConfig& environment, const PythonPolicy& policy, const Start
               const Behaviour behaviour =
                   policy_behaviour(loaded, policies.front().make, policies.front().name, starts_from, seed);
               return report_of(judge_engines(behaviour, world, engines, options, listening),
-                               provenance({{"python", policy.name}}, engines));
+                               provenance({{"python", name_of(policy)}}, engines));
             });
       },
       progress));
+}
+
+// What it is made of: position_m, heading_rad, push_mps.
+using RangesState = std::tuple<std::optional<double>, double, std::optional<double>>;
+
+std::string repr_of(const StartRanges& r) {
+  const auto text = [](const std::optional<double>& number) {
+    return number ? fmt::format("{}", *number) : "None";
+  };
+  return fmt::format("StartRanges(position_m={}, heading_rad={}, push_mps={})", text(r.position_m),
+                     r.heading_rad, text(r.push_mps));
 }
 
 }  // namespace
@@ -124,13 +135,20 @@ void bind_verdicts(nb::module_& m) {
       .def_ro("position_m", &StartRanges::position_m, "Each way along x and y; None: by the robot's size.")
       .def_ro("heading_rad", &StartRanges::heading_rad, "Each way.")
       .def_ro("push_mps", &StartRanges::push_mps,
-              "The speed that one push would give to the robot; None: by its size.");
+              "The speed that one push would give to the robot; None: by its size.")
+      .def("__repr__", [](const StartRanges& r) { return repr_of(r); })
+      .def("__getstate__",
+           [](const StartRanges& r) { return RangesState(r.position_m, r.heading_rad, r.push_mps); })
+      .def("__setstate__", [](StartRanges& self, const RangesState& state) {
+        const auto& [position_m, heading_rad, push_mps] = state;
+        new (&self) StartRanges{position_m, heading_rad, StartRanges().tilt_rad, push_mps};
+      });
   m.def(
       "_judge_walk",
       [](const Subject& walk, const std::vector<std::string>& engines, const StartRanges& starts_from,
          std::uint64_t seed, const HowToJudge& how, const nb::object& progress) {
         const JudgeCall call = judge_call(how);
-        if (const auto* config = std::get_if<WalkConfig>(&walk))
+        if (const auto* config = std::get_if<PythonWalk>(&walk))
           return judge({*config, starts_from, seed}, engines, call, progress);
         return judge(std::get<PythonController>(walk), starts_from, seed, engines, call, progress);
       },
@@ -144,7 +162,7 @@ void bind_verdicts(nb::module_& m) {
         const JudgeCall call = judge_call(how);
         if (const auto* text = std::get_if<std::string>(&policy))
           return judge({PolicyConfig{environment, *text}, starts_from, seed}, engines, call, progress);
-        return judge(environment, std::get<PythonPolicy>(policy), starts_from, seed, engines, call, progress);
+        return judge(environment, policy, starts_from, seed, engines, call, progress);
       },
       nb::arg("environment"), nb::arg("policy"), nb::arg("engines"), nb::arg("starts_from"), nb::arg("seed"),
       nb::arg("how"), kProgress);

@@ -1,8 +1,12 @@
 // What to walk, said in Python's terms.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <nanobind/nanobind.h>
@@ -10,6 +14,33 @@
 #include "study/walk_config.h"
 
 namespace crossgait::python {
+
+/// What a walk was asked for with: the keywords of `Walk`.
+struct WalkArguments {
+  using Setting = std::variant<double, std::string>;  ///< of a gait parameter; its swing curve goes by name
+
+  std::string gait = "trot";
+  std::optional<std::array<double, 3>> command;  ///< vx, vy, m/s, yaw rate, rad/s
+  std::map<std::string, Setting> parameters;
+  std::string robot = "scara_quadruped", terrain = "flat";
+  std::uint64_t seed = 0;
+  std::optional<double> friction;
+  std::string contact;
+  double seconds = 5, physics_dt = 1e-3, control_dt = 2e-3, settle = 0.5;
+  bool compensation = true, heading_hold = true;
+  std::vector<std::string> terminations = {"left_terrain"};
+
+  bool operator==(const WalkArguments&) const = default;
+};
+
+/// A walk that knows how to be made again.
+struct PythonWalk : WalkConfig {
+  PythonWalk() = default;
+  /// @throws ConfigError
+  explicit PythonWalk(WalkArguments arguments);
+
+  WalkArguments said;
+};
 
 void bind_walk_config(nanobind::module_& m);
 

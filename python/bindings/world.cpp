@@ -1,9 +1,11 @@
 // One world in one engine, to be driven by hand.
 #include <nanobind/eigen/dense.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include "backends/registry.h"
@@ -12,6 +14,7 @@
 #include "python/bindings/arrays.h"
 #include "python/bindings/bindings.h"
 #include "python/bindings/busy.h"
+#include "python/bindings/inputs.h"
 #include "python/bindings/robot.h"
 
 namespace crossgait::python {
@@ -34,13 +37,14 @@ Vector3 vector3(const nb::object& given, const char* what) {
   return {array.data()[0], array.data()[1], array.data()[2]};
 }
 
-std::unique_ptr<PhysicsBackend> make_world(const Robot& robot, const Terrain& terrain,
+std::unique_ptr<PhysicsBackend> make_world(const RobotChoice& chosen, const TerrainChoice& ground,
                                            const std::string& engine, std::optional<double> friction,
                                            const std::string& contact, double physics_dt,
                                            const nb::object& gravity, bool fixed_base) {
   WorldSpec spec;
+  const Robot robot = robot_of(chosen);
   spec.robot = robot.description;
-  spec.terrain = terrain;
+  spec.terrain = terrain_of(ground);
   spec.physics_dt = physics_dt;
   spec.gravity = vector3(gravity, "gravity");
   spec.fixed_base = fixed_base;
@@ -150,11 +154,12 @@ void bind_world(nb::module_& m) {
                              "A robot on a terrain in one engine. For one thread at a time: while one steps "
                              "it, another's call raises "
                              "RuntimeError.")
-      .def(nb::new_(&make_world), nb::arg("robot"), nb::arg("terrain") = Terrain(), nb::arg("engine") = "",
+      .def(nb::new_(&make_world), nb::arg("robot"), nb::arg("terrain") = "flat", nb::arg("engine") = "",
            nb::kw_only(), nb::arg("friction") = nb::none(), nb::arg("contact") = "",
            nb::arg("physics_dt") = 1e-3, nb::arg("gravity") = nb::make_tuple(0.0, 0.0, -9.81),
            nb::arg("fixed_base") = false,
-           "The robot in its home pose. `engine` \"\" is the first that is available; `friction` the Coulomb "
+           "The robot in its home pose; robot and terrain as objects, by name or by file. `engine` \"\" is "
+           "the first that is available; `friction` the Coulomb "
            "coefficient "
            "between robot and ground (None: the robot file's, or 0.6); `contact` says other settings as "
            "`--contact` does, e.g. impratio=100; times in s, gravity in m/s^2. Raises ConfigError.")

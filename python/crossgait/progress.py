@@ -39,7 +39,10 @@ class ProgressBar:
 
 
 def _new_bar(stage: str) -> Any:
-    from tqdm.auto import tqdm
+    try:
+        from tqdm.auto import tqdm
+    except ImportError as error:
+        raise ImportError("bars of progress need tqdm: pip install tqdm", name=error.name) from error
 
     return tqdm(
         total=100,

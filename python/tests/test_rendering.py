@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ import crossgait
 import crossgait.envs
 from crossgait import Robot, Terrain, World
 from crossgait.sb3 import CrossgaitVecEnv
-from crossgait.viewing.mujoco_scene import SQUARE
+from crossgait.viewing.mujoco_scene import SQUARE, mujoco
 from crossgait.viewing.rendering import Renderer
 
 GAIT, JOINTS = "Crossgait/AdaptiveGait-v0", "Crossgait/JointControl-v0"
@@ -112,18 +113,93 @@ def test_collision_shapes_are_drawn_where_there_is_nothing_else(tmp_path: Path) 
     robot = Robot.load(str(tmp_path / "robot.urdf"))
     assert not robot.visuals
     renderer = Renderer(robot)
-    assert renderer._model.ngeom == 1 + len(robot.collisions)
+    hips_and_shins = 8  # of which there are balls for feet, or nothing: sticks
+    assert renderer._model.ngeom == 1 + len(robot.collisions) + hips_and_shins
 
 
-def test_a_mesh_that_cannot_be_read_is_told(tmp_path: Path) -> None:
+def test_links_without_shapes_are_sticks(tmp_path: Path) -> None:
+    """Of a robot that has balls for feet and nothing else: each link from its joint to the next, or to its foot."""
+    source = Path(crossgait.models_dir()) / "robots" / "serial_quadruped"
+    text = re.sub(r"<visual>.*?</visual>", "", (source / "robot.urdf").read_text(), flags=re.DOTALL)
+    text = re.sub(
+        r"<collision(?: [^>]*)?>(?:(?!</collision>).)*<(?:box|cylinder).*?</collision>", "", text, flags=re.DOTALL
+    )
+    (tmp_path / "robot.urdf").write_text(text)
+    robot = Robot.load(tmp_path / "robot.urdf")
+    assert {shape["type"] for shape in robot.collisions} == {"sphere"}
+    renderer = Renderer(robot)
+    state = World(robot).state
+    renderer._pose(state)
+    poses = crossgait.body_poses(robot, state)
+    model, data = renderer._model, renderer._data
+    sticks = [i for i in range(model.ngeom) if model.geom_type[i] == mujoco.mjtGeom.mjGEOM_CAPSULE]
+    ends = [
+        data.geom_xpos[i] + end * model.geom_size[i, 1] * data.geom_xmat[i][2::3] for i in sticks for end in (-1, 1)
+    ]
+    for body, parent in enumerate(robot.parents):
+        for place in [poses[body][:3, 3]] if parent >= 0 else []:
+            assert min(np.linalg.norm(end - place) for end in ends) < 1e-6  # MuJoCo's rotations of fromto round
+    for shape in robot.collisions:
+        foot = (poses[shape["body"]] @ shape["pose"])[:3, 3]
+        assert min(np.linalg.norm(end - foot) for end in ends) < 1e-6
+
+
+def test_a_camera_stands_where_it_is_told() -> None:
+    robot = Robot.load("scara_quadruped")
+    state = World(robot).state
+    away = crossgait.State()
+    away.q, away.p_WB = robot.home, np.array([50.0, 0, 0.06])
+    with Renderer(robot, azimuth=90, elevation=-30, distance=2, look_at=(0, 0, 0.1), **SMALL) as still:
+        beside = still.frame(state)
+        empty = still.frame(away)  # the robot has left, and the camera has not gone with it
+        assert np.abs(beside.astype(int) - empty).mean() > 0.5
+        depth = still.depth(away)
+        assert (depth.shape, depth.dtype) == ((60, 80), np.float32)
+        # A plane 1.1 m below the camera, looked down at by 30 degrees: 1.1 / sin 30 in the middle of the picture,
+        # of which a pixel is 1 / 60 of a picture 45 degrees high.
+        assert depth[30, 40] == pytest.approx(1.1 / np.sin(np.radians(30)), rel=0.03)
+        assert still.depth(state)[30, 40] < depth[30, 40]
+        assert_same_frames(still.frame(state), beside)  # and pictures again
+    for wrong in ({"distance": 0}, {"distance": np.inf}, {"look_at": (0, 0)}, {"look_at": (0, 0, np.nan)}):
+        with pytest.raises(crossgait.ConfigError, match=f"camera: {next(iter(wrong))}: expected"):
+            Renderer(robot, **wrong)
+
+
+def test_environments_take_a_camera() -> None:
+    camera = {"azimuth": 90, "elevation": -10, "distance": 1.0}
+    env = gymnasium.make(GAIT, render_mode="depth_array", camera=camera, **SMALL)
+    env.reset(seed=0)
+    depth = env.render()
+    assert (depth.shape, depth.dtype) == ((60, 80), np.float32)
+    assert depth[30, 40] == pytest.approx(1, abs=0.15)  # the robot is 0.2 m wide
+    env.close()
+    with pytest.raises(crossgait.ConfigError, match="camera: expected keys of azimuth, elevation, distance, look_at"):
+        gymnasium.make(GAIT, camera={"zoom": 2})
+    many = crossgait.envs.AdaptiveGaitVectorEnv(2, render_mode="depth_array", camera=camera, **SMALL)
+    many.reset(seed=0)
+    frames = many.render()
+    assert frames is not None
+    assert [frame.shape for frame in frames] == [(60, 80)] * 2
+    many.close()
+
+
+def test_a_mesh_that_cannot_be_read_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from crossgait.viewing import mujoco_scene
+
+    scara, poses = Robot.load("scara_quadruped"), crossgait.body_poses
+    monkeypatch.setattr(mujoco_scene._core, "body_poses", lambda _, state: poses(scara, state))
 
     class Unreadable:
         """The bundled robot with a Collada mesh for its trunk."""
 
         def __init__(self) -> None:
             robot = Robot.load("scara_quadruped")
-            self.bodies, self.collisions = robot.bodies, robot.collisions
+            self.bodies, self.collisions, self.parents, self.home = (
+                robot.bodies,
+                robot.collisions,
+                robot.parents,
+                robot.home,
+            )
             mesh = {"type": "mesh", "mesh": str(tmp_path / "trunk.dae"), "scale": np.ones(3)}
             self.visuals = [shape for shape in robot.visuals if shape["body"] != 0] + [
                 robot.visuals[0] | mesh,
@@ -134,7 +210,8 @@ def test_a_mesh_that_cannot_be_read_is_told(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match=r"trunk\.dae cannot be drawn .* collision shapes stand in"):
         mujoco_scene._add_robot(spec, Unreadable())  # type: ignore[arg-type]
     trunk = spec.compile().body("body 0")
-    assert trunk.geomnum[0] == sum(shape["body"] == 0 for shape in Unreadable().collisions)
+    balls = sum(shape["body"] == 0 for shape in scara.collisions)
+    assert trunk.geomnum[0] == balls + balls + scara.parents.count(0)  # with a stick to each, and to each leg
 
 
 def test_meshes_and_hulls_are_drawn(tmp_path: Path) -> None:

@@ -377,3 +377,33 @@ def test_a_summary_counts() -> None:
     summary = Summary(runs=10, there_before=2, made=4, seconds=2)
     assert (summary.missing, summary.runs_per_second) == (4, 2)
     assert Summary(runs=1).runs_per_second == 0
+
+
+def test_axes_of_a_study_are_columns_to_group_by(tmp_path: Path) -> None:
+    text = """
+    engines: [mujoco]
+    starts: 2
+    walks: [{gait: trot, seconds: 0.1, settle: 0.1, parameters: {step_height: [0.02, 0.03]}}]
+    policies:
+      - policy: [zero, random]
+        set: {friction: [0.4, 0.8], policy_dt: 0.02, episode_seconds: 0.1, settle_seconds: 0.1, adapt: [[step_length]]}
+    """
+    mine, rows = study(tmp_path, text), tmp_path / "rows.jsonl"
+    sweep(mine.runs(), rows, Serial)
+    rows.write_text("".join(reversed(rows.read_text().splitlines(keepends=True))))
+    other = tmp_path / "other"
+    other.mkdir()
+    sweep(study(other, "engines: [mujoco]\nwalks: [{gait: walk, seconds: 0.1}]").runs(), rows, Serial)
+    table = load(rows, mine)
+    assert list(table.index) == [run.hash for run in mine.runs()]  # its own alone, in its order
+    assert list(load(rows, mine.source).columns) == list(table.columns)
+    axes = list(table.columns[:3])
+    assert sorted(axes) == ["friction", "policy", "step_height"]
+    policies = table[table["policy"].notna()]
+    assert list(policies.groupby(["policy", "friction"]).size()) == [2, 2, 2, 2]
+    assert list(policies["friction"]) == list(policies["behaviour.environment.friction"])
+    assert set(policies["behaviour.environment.adapt"]) == {("step_length",)}
+    assert np.allclose(table["simulated_seconds"], 0.1)
+    assert len(load(rows)) == len(table) + 1
+    for column in table.columns:
+        table.groupby(column).size()  # nothing in it that cannot be grouped

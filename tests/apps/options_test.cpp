@@ -101,6 +101,8 @@ TEST(OptionsOfAnEnvironment, ChangeWhatTheyNameAndNothingElse) {
       {"--terrain rough", {"terrain: 'rough'"}},
       {"--terrain-seed 9", {"terrain_seed: 9"}},
       {"--set step_length=.02", {"  step_length: 0.02"}},
+      {"--set physics_dt=.0005", {"physics_dt: 0.0005"}},
+      {"--set 'command={vx: .1}'", {"command: {vx: 0.1, vy: 0, yaw_rate: 0}"}},
       {"--adapt cycle_time", {"adapt: [cycle_time]"}},
       {"--residual-scale .02", {"residual_scale: 0.02"}},
       {"--policy-dt .02", {"policy_dt: 0.02"}},
@@ -115,6 +117,18 @@ TEST(OptionsOfAnEnvironment, ChangeWhatTheyNameAndNothingElse) {
     EXPECT_EQ(changed.exit_code, 0) << typed << ": " << changed.err;
     EXPECT_EQ(lines_added(plain, changed.out), lines) << typed;
   }
+}
+
+TEST(OptionsOfAnEnvironment, SetKeysOfAPolicysEnvironment) {
+  const std::string base = "walk --policy serial_joints --seconds .1 ";
+  const json finer = run_json(base + "--set physics_dt=.0005"), plain = run_json(base);
+  EXPECT_EQ(finer["physics_steps"], 2 * plain["physics_steps"].get<int>());  // of 1 ms otherwise
+  const ProgramResult unknown = run_program(base + "--set physics_td=.0005");
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("physics_dt"), std::string::npos) << unknown.err;
+  const ProgramResult of_gait = run_program(base + "--set step_length=.05");
+  EXPECT_EQ(of_gait.exit_code, 2);
+  EXPECT_NE(of_gait.err.find("an environment whose actions adapt a gait"), std::string::npos) << of_gait.err;
 }
 
 }  // namespace

@@ -272,7 +272,8 @@ TEST(Program, TraceHasOneRowPerControlStep) {
   std::getline(file, line);
   EXPECT_EQ(line.rfind("time,p_WB.x,p_WB.y,p_WB.z,q_WB.w", 0), 0U);
   const auto columns = std::count(line.begin(), line.end(), ',');
-  EXPECT_EQ(columns + 1, 14 + 20 + 12 + 4 + 4 + 4 + static_cast<int>(gait_parameters().size()));
+  // Base; angles, velocities and torques of joints; targets; contacts, loads and plans; forces and points.
+  EXPECT_EQ(columns + 1, 14 + 3 * 20 + 12 + 3 * 4 + 2 * 12 + static_cast<int>(gait_parameters().size()));
   int rows = 0;
   while (std::getline(file, line)) {
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), columns);

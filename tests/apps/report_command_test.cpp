@@ -50,7 +50,7 @@ TEST_F(Report, TracesOfSeveralRunsAreReplayedTogether) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const json document = document_of("report_traces.html");
   EXPECT_EQ(document.at("motion").at("runs").at(1).at("name"), "report_b");
-  EXPECT_FALSE(document.at("motion").at("runs").at(0).at("force_directions"));
+  EXPECT_TRUE(document.at("motion").at("runs").at(0).at("force_directions"));
   EXPECT_FALSE(document.at("motion").at("pairs").at(0).at("parting").at("time_s").is_null());
   EXPECT_FALSE(document.at("motion").at("scene").at("ground").is_null());
   EXPECT_EQ(document.at("tables").at(0).at("header").size(), 2U);

@@ -112,6 +112,13 @@ TraceSample numbered(double time) {
   s.targets.q = JointVector::Constant(1, 16 + third);
   s.contact[Leg::FR] = s.contact[Leg::RR] = true;
   s.load = {{17 + third, 18 + third, 19 + third, 20 + third}};
+  s.state.qd = JointVector::Zero(2);
+  s.state.qd << 21 + third, 22 + third;
+  for (const Leg leg : kLegs) {
+    const double i = 3.0 * static_cast<double>(index(leg));
+    s.force[leg] = {23 + i + third, 24 + i + third, 25 + i + third};
+    s.p_WP[leg] = {35 + i + third, 36 + i + third, 37 + i + third};
+  }
   return s;
 }
 
@@ -121,25 +128,41 @@ TEST_F(TraceFiles, LoseNothing) {
   (*first.contact_schedule)[Leg::FL].swing = (*first.contact_schedule)[Leg::RR].swing = true;
   first.parameters.emplace();
   first.parameters->cycle_time = 1.0 / 7;
+  first.torques = second.torques = JointVector::Constant(2, 1.0 / 9);
   TraceWriter writer(two_joints(), path("trace.csv"));
   writer.add(first);
   writer.add(second);  // knows neither plan nor parameters: all stand, and the defaults
   EXPECT_FALSE(std::filesystem::exists(path("trace.csv")));
   writer.finish();
   const TraceTable table(path("trace.csv"));
-  std::vector<std::string> names{
-      "time",       "p_WB.x",     "p_WB.y",     "p_WB.z",     "q_WB.w",     "q_WB.x",  "q_WB.y",  "q_WB.z",
-      "v_WB.x",     "v_WB.y",     "v_WB.z",     "w_WB.x",     "w_WB.y",     "w_WB.z",  "q.hip",   "q.knee",
-      "target.hip", "contact.FL", "contact.FR", "contact.RL", "contact.RR", "load.FL", "load.FR", "load.RL",
-      "load.RR",    "planned.FL", "planned.FR", "planned.RL", "planned.RR"};
+  // In the order of their numbers.
+  const std::vector<std::string> base{"p_WB.x", "p_WB.y", "p_WB.z", "q_WB.w", "q_WB.x", "q_WB.y", "q_WB.z",
+                                      "v_WB.x", "v_WB.y", "v_WB.z", "w_WB.x", "w_WB.y", "w_WB.z"};
+  const auto of_feet = [](const std::string& what) {
+    std::vector<std::string> columns;
+    for (const char* leg : {"FL", "FR", "RL", "RR"}) {
+      for (const char* axis : {"x", "y", "z"}) columns.push_back(what + "." + leg + "." + axis);
+    }
+    return columns;
+  };
+  const std::vector<std::string> forces = of_feet("force"), points = of_feet("p_WP");
+  const std::vector<std::string> contacts{"contact.FL", "contact.FR", "contact.RL", "contact.RR"},
+      loads{"load.FL", "load.FR", "load.RL", "load.RR"}, angles{"q.hip", "q.knee"},
+      rates{"qd.hip", "qd.knee"}, targets{"target.hip"}, torques{"torque.hip", "torque.knee"},
+      planned{"planned.FL", "planned.FR", "planned.RL", "planned.RR"};
+  std::vector<std::string> names{"time"};
+  for (const auto* group :
+       {&base, &angles, &rates, &targets, &torques, &contacts, &loads, &forces, &points, &planned})
+    names.insert(names.end(), group->begin(), group->end());
   for (const ParameterRow& row : gait_parameters()) names.push_back("param." + std::string(row.name));
   EXPECT_EQ(table.names(), names);
   EXPECT_EQ(table.time(), (Column{0.1, 0.2}));
-  for (int i = 1; i <= 20; ++i) {
-    // Seventeen columns, then four contacts, then loads.
-    const std::string& name = names[static_cast<std::size_t>(i <= 16 ? i : i + 4)];
-    EXPECT_EQ(table.column(name), Column(2, i + 1.0 / 3)) << name;
+  int number = 0;
+  for (const auto* group : {&base, &angles, &targets, &loads, &rates, &forces, &points}) {
+    for (const std::string& name : *group)
+      EXPECT_EQ(table.column(name), Column(2, ++number + 1.0 / 3)) << name;
   }
+  EXPECT_EQ(table.column("torque.knee"), Column(2, 1.0 / 9));
   EXPECT_EQ(table.column("contact.FL"), Column(2, 0));
   EXPECT_EQ(table.column("contact.FR"), Column(2, 1));
   EXPECT_EQ(table.column("contact.RL"), Column(2, 0));
@@ -168,13 +191,14 @@ TEST_F(TraceFiles, HaveNoColumnsForWhatIsNotKnown) {
   writer.add(numbered(1));
   writer.finish();
   const TraceTable table(path("plain.csv"));
-  EXPECT_EQ(table.names().size(), 25U);
-  EXPECT_EQ(table.names().back(), "load.RR");
+  EXPECT_EQ(table.names().size(), 25U + 2 + 24);  // with velocities of joints, and forces and points of feet
+  EXPECT_EQ(table.names().back(), "p_WP.RR.z");
+  EXPECT_FALSE(table.has("torque.hip"));
   TraceWriter nothing(two_joints(), path("empty.csv"));
   nothing.finish();
   const std::string text = read(path("empty.csv"));
   EXPECT_TRUE(text.starts_with("time,p_WB.x,")) << text;
-  EXPECT_TRUE(text.ends_with(",load.RR\n")) << text;
+  EXPECT_TRUE(text.ends_with(",p_WP.RR.z\n")) << text;
 }
 
 }  // namespace

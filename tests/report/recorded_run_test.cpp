@@ -24,9 +24,16 @@ class RunsOfFiles : public ScratchFolder {
     s.state.v_WB = {4, 5, 6};
     s.state.w_WB = {7, 8, 9};
     s.state.q = JointVector::LinSpaced(robot_->joint_count(), 10, 11);
+    s.state.qd = JointVector::LinSpaced(robot_->joint_count(), 20, 21);
+    s.torques = JointVector::LinSpaced(robot_->joint_count(), 22, 23);
     s.targets.q = JointVector::LinSpaced(static_cast<Eigen::Index>(robot_->actuated_joints().size()), 12, 13);
     s.contact[Leg::FR] = s.contact[Leg::RR] = true;
     s.load = {{14, 15, 16, 17}};
+    for (const Leg leg : kLegs) {
+      const auto i = static_cast<double>(index(leg));
+      s.force[leg] = Vector3(30, 31, 32) + Vector3::Constant(i);
+      s.p_WP[leg] = Vector3(40, 41, 42) + Vector3::Constant(i);
+    }
     s.contact_schedule.emplace();
     (*s.contact_schedule)[Leg::FL].swing = (*s.contact_schedule)[Leg::RR].swing = true;
     s.parameters.emplace().cycle_time = time;
@@ -46,7 +53,7 @@ TEST_F(RunsOfFiles, AreTheSamplesThatWereWritten) {
   const Trace trace{numbered(0.5), numbered(0.75)};
   const RecordedRun run = written_and_read(trace);
   EXPECT_EQ(run.name, "walk");
-  EXPECT_FALSE(run.force_directions) << "a file knows their size alone";
+  EXPECT_TRUE(run.force_directions);
   EXPECT_EQ(run.times(), (std::vector<double>{0.5, 0.75}));
   for (std::size_t i = 0; i < trace.size(); ++i) {
     const TraceSample &a = run.samples.at(i), &b = trace[i];
@@ -55,11 +62,14 @@ TEST_F(RunsOfFiles, AreTheSamplesThatWereWritten) {
     EXPECT_EQ(a.state.v_WB, b.state.v_WB);
     EXPECT_EQ(a.state.w_WB, b.state.w_WB);
     EXPECT_EQ(a.state.q, b.state.q);
+    EXPECT_EQ(a.state.qd, b.state.qd);
     EXPECT_EQ(a.targets.q, b.targets.q);
-    EXPECT_EQ(a.torques.size(), 0) << "there is no column of them";
+    EXPECT_EQ(a.torques, b.torques);
     for (const Leg leg : kLegs) {
       EXPECT_EQ(a.contact[leg], b.contact[leg]);
       EXPECT_EQ(a.load[leg], b.load[leg]);
+      EXPECT_EQ(a.force[leg], b.force[leg]);
+      EXPECT_EQ(a.p_WP[leg], b.p_WP[leg]);
       EXPECT_EQ((*a.contact_schedule)[leg].swing, (*b.contact_schedule)[leg].swing);
     }
   }

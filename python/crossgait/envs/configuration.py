@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from typing import Any
 
 from crossgait._core import EnvironmentConfig, available_engines
 from crossgait.errors import ConfigError
+from crossgait.inputs import EnvironmentLike, as_environment
 
-#: The path of a YAML file, its keys as a mapping, or what was made of either.
-ConfigLike = str | os.PathLike[str] | Mapping[str, Any] | EnvironmentConfig | None
+ConfigLike = EnvironmentLike | None
 
 
 def make_config(action: str, config: ConfigLike, keys: Mapping[str, Any]) -> EnvironmentConfig:
@@ -22,10 +21,8 @@ def make_config(action: str, config: ConfigLike, keys: Mapping[str, Any]) -> Env
     if config is None or isinstance(config, Mapping):
         beginning = {"action": action, "engine": available_engines()[0]} | dict(config or {})
         made = EnvironmentConfig.from_dict(beginning, "config")
-    elif isinstance(config, EnvironmentConfig):
-        made = config
     else:
-        made = EnvironmentConfig.load(config)
+        made = as_environment(config, "config")
     if made.action != action:
         raise ConfigError("config", "action", f"{action}, which this environment is of", made.action)
     given = {key: value for key, value in keys.items() if value is not None}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import gymnasium
@@ -11,9 +12,10 @@ import numpy.typing as npt
 from crossgait import _core
 from crossgait.envs.configuration import ConfigLike, make_config
 from crossgait.envs.not_copyable import NotCopyable
-from crossgait.envs.render_mode import Drawn, known_render_mode
+from crossgait.envs.render_mode import Drawn, known_camera, known_render_mode
 from crossgait.envs.seeds import episode_seed, refuse_options
 from crossgait.envs.spaces import action_space, observation_dtype, observation_space
+from crossgait.inputs import EngineLike, TerrainLike
 from crossgait.layout import EnvironmentLayout
 
 Observation = npt.NDArray[np.float64] | npt.NDArray[np.float32]
@@ -33,7 +35,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
 
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 50}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array", "depth_array"], "render_fps": 50}  # noqa: RUF012
     #: "gait" or "joints".
     action: ClassVar[str]
 
@@ -41,24 +43,28 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         self,
         config: ConfigLike = None,
         *,
-        engine: str | None = None,
-        terrain: str | None = None,
+        engine: EngineLike | None = None,
+        terrain: TerrainLike | None = None,
         dtype: npt.DTypeLike = np.float64,
         render_mode: str | None = None,
         width: int = 640,
         height: int = 480,
+        camera: Mapping[str, Any] | None = None,
         **keys: Any,
     ) -> None:
         """Read the configuration and build the world; nothing moves before `reset`.
 
         Args:
-            config: the path of a YAML file, a mapping of its keys, an `EnvironmentConfig`, or None for the defaults.
+            config: the path of a YAML file, a mapping of its keys, an `EnvironmentConfig`, a `Walk`, or None for the
+                defaults.
             engine: in the place of the configuration's; see `crossgait.available_engines()`.
-            terrain: the same; as `crossgait.Terrain` takes it.
+            terrain: the same; a `Terrain`, or what makes one.
             dtype: of observations, float64 or float32.
-            render_mode: "rgb_array" or "human" (a window).
+            render_mode: "rgb_array", "depth_array" or "human" (a window).
             width: of frames, pixels.
             height: of frames, pixels.
+            camera: `azimuth`, `elevation`, `distance` and `look_at`, as `crossgait.viewing.rendering.Renderer` takes
+                them; {"azimuth": 90} films from the side.
             keys: any other key of the configuration, in the place of what it says.
 
         Raises:
@@ -75,6 +81,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         self.metadata = self.metadata | {"render_fps": max(1, round(1 / made.policy_dt))}
         self.render_mode = known_render_mode(render_mode, self.metadata["render_modes"])
         self._frame_size = (width, height)
+        self._camera = known_camera(camera)
         self._episode_seed: int | None = None
         self._closed = False
 
@@ -127,8 +134,11 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
     def _seen(self, observation: npt.NDArray[np.float64]) -> Observation:
         return observation.astype(np.float32) if self._single else observation
 
-    def render(self) -> npt.NDArray[np.uint8] | None:
-        """A frame (height x width x 3) with "rgb_array"; with "human" into the window."""
+    def render(self) -> npt.NDArray[np.uint8] | npt.NDArray[np.float32] | None:
+        """A frame (height x width x 3) with "rgb_array", distances (height x width, m) with "depth_array".
+
+        With "human" into the window.
+        """
         if self.render_mode is None:
             gymnasium.logger.warn('render() without a render_mode: make the environment with "rgb_array" or "human"')
             return None
@@ -136,7 +146,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         if self.render_mode == "human":
             renderer.show(self.core)
             return None
-        return renderer.frame(self.core)
+        return renderer.depth(self.core) if self.render_mode == "depth_array" else renderer.frame(self.core)
 
     def close(self) -> None:
         """Close window and renderer; `reset` and `step` raise ClosedEnvironmentError afterwards."""

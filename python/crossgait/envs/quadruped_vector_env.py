@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import gymnasium
@@ -16,10 +16,11 @@ from crossgait import _core
 from crossgait.envs.configuration import ConfigLike, make_config
 from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.quadruped_env import Observation
-from crossgait.envs.render_mode import Drawn, known_render_mode
+from crossgait.envs.render_mode import Drawn, known_camera, known_render_mode
 from crossgait.envs.seeds import episode_seed, refuse_options
 from crossgait.envs.spaces import action_space, observation_dtype, observation_space
 from crossgait.errors import ConfigError
+from crossgait.inputs import EngineLike, TerrainLike
 from crossgait.layout import EnvironmentLayout
 
 Flags = npt.NDArray[np.bool_]
@@ -48,7 +49,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012
-        "render_modes": ["rgb_array"],
+        "render_modes": ["rgb_array", "depth_array"],
         "render_fps": 50,
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
@@ -60,8 +61,8 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         num_envs: int = 1,
         config: ConfigLike = None,
         *,
-        engine: str | None = None,
-        terrain: str | None = None,
+        engine: EngineLike | None = None,
+        terrain: TerrainLike | None = None,
         workers: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         max_episode_steps: int | None = None,
@@ -69,22 +70,24 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         render_mode: str | None = None,
         width: int = 640,
         height: int = 480,
+        camera: Mapping[str, Any] | None = None,
         **keys: Any,
     ) -> None:
         """Build `num_envs` worlds; nothing moves before `reset`.
 
         Args:
             num_envs: how many.
-            config: as of `QuadrupedEnv`; so are engine, terrain, dtype, width, height and keys.
+            config: as of `QuadrupedEnv`; so are engine, terrain, dtype, width, height, camera and keys.
             engine: the engine of all.
             terrain: the ground of all.
             workers: threads; as many as the process may use cores, but no more than environments, unless given.
             autoreset_mode: what happens at the end of an episode, NEXT_STEP or SAME_STEP.
             max_episode_steps: ends episodes earlier than the configuration does.
             dtype: of observations.
-            render_mode: "rgb_array".
+            render_mode: "rgb_array" or "depth_array".
             width: of frames, pixels.
             height: of frames, pixels.
+            camera: of every environment.
             keys: keys of the configuration.
 
         Raises:
@@ -114,6 +117,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         }
         self.render_mode = known_render_mode(render_mode, self.metadata["render_modes"])
         self._frame_size = (width, height)
+        self._camera = known_camera(camera)
 
     @property
     def config(self) -> _core.EnvironmentConfig:
@@ -178,12 +182,13 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
     def _seen(self, observations: npt.NDArray[np.float64]) -> Observation:
         return observations.astype(self._dtype, copy=False)
 
-    def render(self) -> tuple[npt.NDArray[np.uint8], ...] | None:
-        """A frame (height x width x 3) of every environment; None without a render_mode."""
+    def render(self) -> tuple[npt.NDArray[Any], ...] | None:
+        """A frame, or distances, of every environment, as `QuadrupedEnv`; None without a render_mode."""
         if self.render_mode is None:
             return None
         renderer = self._open_renderer()
-        return tuple(renderer.frame(self.core.environment(i)) for i in range(self.num_envs))
+        draw = renderer.depth if self.render_mode == "depth_array" else renderer.frame
+        return tuple(draw(self.core.environment(i)) for i in range(self.num_envs))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the renderer."""

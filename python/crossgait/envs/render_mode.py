@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from crossgait.errors import ConfigError
 
@@ -18,17 +18,29 @@ def known_render_mode(mode: str | None, modes: Sequence[str]) -> str | None:
     return mode
 
 
+CAMERA = ("azimuth", "elevation", "distance", "look_at")  #: keywords of `Renderer`
+
+
+def known_camera(camera: Mapping[str, Any] | None) -> Mapping[str, Any] | None:
+    """Return `camera`. Raises ConfigError unless all of its keys are of `CAMERA`."""
+    for key in camera or {}:
+        if key not in CAMERA:
+            raise ConfigError("environment", "camera", f"keys of {', '.join(CAMERA)}", repr(key))
+    return camera
+
+
 class Drawn:
-    """Has a renderer from its first frame on. `_frame_size` is width and height."""
+    """Has a renderer from its first frame on. `_frame_size` is width and height, `_camera` as `known_camera` has it."""
 
     _frame_size: tuple[int, int]
+    _camera: Mapping[str, Any] | None = None
     _renderer: EnvironmentRenderer | None = None
 
     def _open_renderer(self) -> EnvironmentRenderer:
         if self._renderer is None:
             from crossgait.viewing.rendering import EnvironmentRenderer
 
-            self._renderer = EnvironmentRenderer(*self._frame_size)
+            self._renderer = EnvironmentRenderer(*self._frame_size, self._camera)
         return self._renderer
 
     def _close_renderer(self) -> None:

@@ -8,8 +8,7 @@ from pathlib import Path
 from crossgait import _core
 from crossgait._core import EnvironmentConfig
 from crossgait.errors import ConfigError
-
-ENVIRONMENT = "environment.yaml"  #: beside a policy that `crossgait.train` made
+from crossgait.inputs import ENVIRONMENT as ENVIRONMENT
 
 
 def environment_of(policies: Sequence[str], given: str | None) -> EnvironmentConfig:

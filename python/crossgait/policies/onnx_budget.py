@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import onnx
-import onnx.external_data_helper
 
+from crossgait.extras import needed_for
 from crossgait.files import read_bytes
 from crossgait.policies.place import Place
+
+with needed_for("ONNX files", "onnx"):
+    import onnx
+    import onnx.external_data_helper
 
 MOST_BYTES = 64 << 20  #: of a file, and of the files of weights that it names: eight networks of three layers of 1,000
 MOST_NODES = 10_000  #: functions of the model counted where they are called

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +13,7 @@ import numpy.typing as npt
 from crossgait import _core
 from crossgait._core import EnvironmentConfig, MlpNetwork, PolicyBundle, PolicyInterface
 from crossgait.errors import ConfigError
+from crossgait.inputs import as_environment, environment_for
 from crossgait.layout import EnvironmentLayout, Layout
 from crossgait.policies import agreement, expression
 
@@ -28,23 +31,22 @@ def interface_of(environment: Any) -> PolicyInterface:
     """What a policy runs on.
 
     Args:
-        environment: an EnvironmentConfig, its YAML file, a PolicyInterface, or an environment (whose `config` it is)
+        environment: a PolicyInterface, or whatever `crossgait.inputs.as_environment` takes: an EnvironmentConfig, its
+            YAML file, a mapping of its keys, a Walk, or an environment
 
     Raises:
         ConfigError: for anything else, or a configuration that makes no environment
 
     """
+    return _home_of(environment)[0]
+
+
+def _home_of(environment: Any) -> tuple[PolicyInterface, EnvironmentConfig | None]:
+    """The interface, and the configuration that it is of, where that is known."""
     if isinstance(environment, PolicyInterface):
-        return environment
-    if isinstance(environment, (str, os.PathLike)):
-        environment = EnvironmentConfig.load(environment)
-    config = environment
-    if not isinstance(config, EnvironmentConfig):
-        config = getattr(getattr(environment, "unwrapped", environment), "config", None)
-    if not isinstance(config, EnvironmentConfig):
-        found = type(environment).__name__
-        raise ConfigError("policy", "environment", "an EnvironmentConfig, its file or an environment", found)
-    return PolicyInterface(config)
+        return environment, None
+    config = as_environment(environment, "policy")
+    return PolicyInterface(config), config
 
 
 class Policy:
@@ -53,27 +55,41 @@ class Policy:
     One instance serves one environment at a time, from one thread: it may remember what happened since `reset`.
     """
 
-    def __init__(self, core: _core.Policy, bundle: PolicyBundle | None = None) -> None:
+    def __init__(
+        self,
+        core: _core.Policy,
+        bundle: PolicyBundle | None = None,
+        *,
+        text: str | None = None,
+        environment: EnvironmentConfig | None = None,
+    ) -> None:
         self._core = core
         self._bundle = bundle
+        self._text = text
+        self.environment = environment  #: that it was made for; None if only its interface was named
 
     @classmethod
-    def load(cls, policy: str | os.PathLike[str], environment: Any) -> Policy:
+    def load(cls, policy: str | os.PathLike[str], environment: Any = None) -> Policy:
         """A policy by name or file.
 
         Args:
             policy: "zero", "random", one of `crossgait.policy_names()`, a bundle (FILE.safetensors) or a description
                 (FILE.yaml; docs/policies.md)
-            environment: what it runs on, as `interface_of` takes it
+            environment: what it runs on, as `interface_of` takes it; by default its own, which a name has, and a file
+                with an environment.yaml beside it
 
         Raises:
             ConfigError: for an unknown name, a bad file, or one for another layout, saying what differs
 
         """
-        text, interface = _core.find_policy_file(os.fspath(policy)), interface_of(environment)
-        if text.endswith(_BUNDLE):
-            return cls._of_bundle(PolicyBundle.read(text), text, interface)
-        return cls(_core.Policy(text, interface))
+        interface, config = _home_of(environment_for(None, policy) if environment is None else environment)
+        text = os.fspath(policy)
+        file = _core.find_policy_file(text)
+        if not file.endswith(_BUNDLE):
+            return cls(_core.Policy(file, interface), text=text, environment=config)
+        bundle = PolicyBundle.read(file)
+        core = _core.Policy.of_bundle(bundle, file, interface)
+        return cls(core, bundle, text=text, environment=config)
 
     @classmethod
     def from_network(
@@ -84,8 +100,8 @@ class Policy:
         name: str = "network",
     ) -> Policy:
         """Of a network given as arrays. Raises ConfigError unless it fits the environment and is finite."""
-        interface = interface_of(environment)
-        return cls._of_bundle(PolicyBundle(network, interface, name), name, interface)
+        interface, config = _home_of(environment)
+        return cls._of_bundle(PolicyBundle(network, interface, name), name, interface, config)
 
     @classmethod
     def from_sb3(
@@ -112,12 +128,12 @@ class Policy:
         """
         from crossgait.policies import sb3_reader
 
-        interface = interface_of(environment)
+        interface, config = _home_of(environment)
         read = sb3_reader.read(model, interface, vecnormalize)
         bundle = agreement.agreed_bundle(
             read.network, interface, read.run, read.source, "predict()", observations=observations
         )
-        return cls._of_bundle(bundle, read.source, interface)
+        return cls._of_bundle(bundle, read.source, interface, config)
 
     @classmethod
     def from_torch(
@@ -147,7 +163,7 @@ class Policy:
         """
         from crossgait.policies import torch_reader
 
-        interface = interface_of(environment)
+        interface, config = _home_of(environment)
         source = type(module).__name__
         if isinstance(module, (str, os.PathLike)):
             source, module = os.fspath(module), torch_reader.load_script(os.fspath(module))
@@ -156,7 +172,7 @@ class Policy:
         bundle = agreement.agreed_bundle(
             read.network, interface, read.run, source, "the module", half=read.half, observations=observations
         )
-        return cls._of_bundle(bundle, source, interface)
+        return cls._of_bundle(bundle, source, interface, config)
 
     @classmethod
     def from_onnx(
@@ -186,16 +202,25 @@ class Policy:
         """
         from crossgait.policies import onnx_reader
 
-        interface, source = interface_of(environment), os.fspath(file)
+        (interface, config), source = _home_of(environment), os.fspath(file)
         read = onnx_reader.read(source, interface, _seen(interface, normalisation, clip), output)
         bundle = agreement.agreed_bundle(
             read.network, interface, read.run, source, "onnxruntime", half=read.half, observations=observations
         )
-        return cls._of_bundle(bundle, source, interface)
+        return cls._of_bundle(bundle, source, interface, config)
 
     @classmethod
-    def _of_bundle(cls, bundle: PolicyBundle, source: str, interface: PolicyInterface) -> Policy:
-        return cls(_core.Policy.of_bundle(bundle, source, interface), bundle)
+    def _of_bundle(
+        cls, bundle: PolicyBundle, source: str, interface: PolicyInterface, environment: EnvironmentConfig | None
+    ) -> Policy:
+        return cls(_core.Policy.of_bundle(bundle, source, interface), bundle, environment=environment)
+
+    @property
+    def for_studies(self) -> str | _core._BundlePolicy:
+        """What studies make their own instances of: the text that it was loaded by, or its network."""
+        if self._text is not None:
+            return self._text
+        return _core._BundlePolicy(self._needed_bundle("study"), self.name)
 
     @property
     def name(self) -> str:
@@ -221,6 +246,14 @@ class Policy:
     def bundle(self) -> PolicyBundle | None:
         """The network with its layout and golden pairs; None for policies that are no network."""
         return self._bundle
+
+    def made_for(self, environment: Any) -> Policy:
+        """The same for an environment, as `interface_of` takes it: an instance of its own. Raises ConfigError."""
+        if self._text is not None:
+            return Policy.load(self._text, environment)
+        bundle = self._needed_bundle("environment")
+        interface, config = _home_of(environment)
+        return Policy._of_bundle(bundle, self.name, interface, config)
 
     def reset(self, seed: int = 0) -> None:
         """Begin an episode; `seed` is of whatever the policy draws."""
@@ -265,8 +298,28 @@ class Policy:
             raise ConfigError(self.name, what, "a policy that is a network", "one that is not")
         return self._bundle
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Networks travel whole, other policies by the text that they were loaded by."""
+        if self._bundle is None:
+            return Policy.load, (self._text, self.environment)
+        if self.environment is None:
+            raise TypeError(f"policy {self.name} cannot be pickled: it was made for an interface, not an environment")
+        with TemporaryDirectory(prefix="crossgait-") as folder:
+            file = Path(folder) / f"policy{_BUNDLE}"
+            self._bundle.write(file)
+            return _unpickled, (file.read_bytes(), self.name, self.environment)
+
     def __repr__(self) -> str:
         return f"<Policy {self.name}: {len(self.layout.observation)} -> {len(self.layout.action)}>"
+
+
+def _unpickled(bundle: bytes, name: str, environment: EnvironmentConfig) -> Policy:
+    """A network in memory, of the bytes of its bundle."""
+    with TemporaryDirectory(prefix="crossgait-") as folder:
+        file = Path(folder) / f"policy{_BUNDLE}"
+        file.write_bytes(bundle)
+        read = PolicyBundle.read(file)
+    return Policy(_core.Policy.of_bundle(read, name, PolicyInterface(environment)), read, environment=environment)
 
 
 def _seen(interface: PolicyInterface, normalisation: Normalisation | None, clip: float | None) -> expression.Affine:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from crossgait.studies.choices import Policy, Subject
+from crossgait.studies.choices import Subject
 from crossgait.studies.diagnosing import diagnose
 from crossgait.studies.episodes import course, rollout, transfer, tune
 from crossgait.studies.judging import verdict
@@ -28,7 +28,6 @@ __all__ = [
     "Conformance",
     "CourseResult",
     "Diagnosis",
-    "Policy",
     "Result",
     "Rollout",
     "Subject",

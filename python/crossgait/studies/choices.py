@@ -1,29 +1,132 @@
-"""What studies are asked about, and what they take where nothing is said: subjects, engines, environments, threads."""
+"""What studies are asked about, and what they take where nothing is said: subjects, engines, threads."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from crossgait import _core
-from crossgait._core import Controller, EnvironmentConfig, FunctionPolicy, Walk
+from crossgait._core import Controller, EnvironmentConfig, Walk
 from crossgait.errors import ConfigError
+from crossgait.inputs import (
+    ANYWHERE,
+    POLICY_TYPES,
+    CorePolicy,
+    EnginesLike,
+    PolicyLike,
+    as_engines,
+    as_policy,
+    environment_for,
+)
 from crossgait.progress import Progress, ProgressBar, shown
 
-Subject = Walk | Controller | str
-#: A name (zero, random, one of `crossgait.policy_names()`), a file, or a policy of your own. Without an environment a
-#: policy that comes with Crossgait runs in its own.
-Policy = str | FunctionPolicy
+#: A gait's name, a `Walk` or a `Controller`; or a policy in its environment.
+Subject = Walk | Controller | PolicyLike
+
+#: Keywords of `Walk`, which `walk`, `compare` and `verdict` take beside a gait's name.
+WALK_KEYWORDS = (
+    "command",
+    "parameters",
+    "robot",
+    "terrain",
+    "seed",
+    "friction",
+    "contact",
+    "seconds",
+    "physics_dt",
+    "control_dt",
+    "settle",
+    "compensation",
+    "heading_hold",
+    "terminations",
+)
+#: Of them those that an environment calls otherwise.
+_KEYS = {"seed": "terrain_seed", "seconds": "episode_seconds", "settle": "settle_seconds"}
 
 
-def walk_or_behaviour(subject: Subject, options: dict[str, Any]) -> Walk | Controller:
-    """Return the subject, or the `Walk` of a gait by name with these options. Raises ConfigError."""
+@dataclass(frozen=True)
+class PolicyWalk:
+    """A policy in its environment."""
+
+    policy: CorePolicy
+    environment: EnvironmentConfig
+
+
+def subject_of(subject: Any, environment: Any, said: Mapping[str, Any], study: str) -> Walk | Controller | PolicyWalk:
+    """Return what a study is about.
+
+    Args:
+        subject: a `Subject`.
+        environment: of a policy; its own if None.
+        said: arguments of the call, those of `WALK_KEYWORDS` among them; None is not said.
+        study: the function that asks, for messages.
+
+    Raises:
+        ConfigError: for what is no subject, or an environment of what has none.
+        TypeError: for keywords beside a `Walk` or `Controller`, which says all of them itself.
+
+    """
+    options = {key: said[key] for key in WALK_KEYWORDS if said.get(key) is not None}
+    if _is_policy(subject, environment):
+        config = environment_for(environment, subject, source=study)
+        return PolicyWalk(as_policy(subject, study), _with_options(config, options, study))
+    if environment is not None:
+        raise ConfigError(study, "environment", "none beside a gait, a Walk or a Controller", "one")
     if isinstance(subject, str):
-        return Walk(subject, **options)
+        return _walk_of(subject, options, study)
+    if not isinstance(subject, (Walk, Controller)):
+        expected = "a gait's name, a Walk, a Controller, or a policy (a name, a file, a Policy or a FunctionPolicy)"
+        raise ConfigError(study, "subject", expected, type(subject).__name__)
     if options:
         raise TypeError(f"a {type(subject).__name__} says itself what {', '.join(options)} are")
     return subject
+
+
+def _is_policy(subject: Any, environment: Any) -> bool:
+    if not isinstance(subject, str):
+        return isinstance(subject, POLICY_TYPES)
+    if subject in _core.gaits() or subject.startswith("auto"):
+        return False
+    known = subject in ANYWHERE or _core.environment_of_policy(subject) is not None or Path(subject).is_file()
+    return environment is not None or known
+
+
+def _walk_of(gait: str, options: Mapping[str, Any], study: str) -> Walk:
+    try:
+        return Walk(gait, **options)
+    except ConfigError as error:
+        if error.source != "gait" or gait in _core.gaits() or gait.startswith("auto"):
+            raise
+        policies = f"or a policy: zero, random, {', '.join(_core.policy_names())}, a file"
+        raise ConfigError(study, "subject", f"{error.expected}; {policies}", gait) from error
+
+
+def _with_options(config: EnvironmentConfig, options: Mapping[str, Any], study: str) -> EnvironmentConfig:
+    if "compensation" in options:
+        raise ConfigError(study, "compensation", "none beside a policy, whose environment says how it moves", "one")
+    keys: dict[str, Any] = {_KEYS.get(key, key): value for key, value in options.items()}
+    if isinstance(keys.get("contact"), str):
+        keys["contact"] = _contact_settings(keys["contact"])
+    if "command" in keys and not isinstance(keys["command"], Mapping):
+        keys["command"] = dict(zip(("vx", "vy", "yaw_rate"), keys["command"], strict=True))
+    return config.updated(keys, study) if keys else config
+
+
+def _contact_settings(text: str) -> dict[str, Any]:
+    """Settings of contact as `Walk` takes them, impratio=100,solref=0.01:1, as an environment does."""
+    settings: dict[str, Any] = {}
+    for part in text.split(","):
+        name, _, value = part.partition("=")
+        try:
+            numbers = [float(number) for number in value.split(":")]
+        except ValueError:
+            settings[name] = value
+        else:
+            settings[name] = numbers[0] if len(numbers) == 1 else numbers
+    return settings
 
 
 def default_engine() -> str:
@@ -34,28 +137,22 @@ def default_engine() -> str:
     return available[0]
 
 
-def several_engines(engines: Sequence[str] | None) -> list[str]:
+def several_engines(engines: EnginesLike | None, study: str) -> list[str]:
     """Return the engines given; by default the first and the first of other laws. Raises ConfigError for one alone."""
     if engines is None:
         by_name = {engine.name: engine for engine in _core.engines() if engine.available}
         first = default_engine()
-        engines = [first, *(n for n, e in by_name.items() if e.laws != by_name[first].laws)][:2]
-    if len(engines) < 2:
-        raise ConfigError("verdict", "engines", "two or more", ", ".join(engines))
-    return list(engines)
+        names = [first, *(n for n, e in by_name.items() if e.laws != by_name[first].laws)][:2]
+    else:
+        names = as_engines(engines, study)
+    if len(names) < 2:
+        raise ConfigError(study, "engines", "two or more", ", ".join(names))
+    return names
 
 
-def all_engines(engines: Sequence[str] | None) -> list[str]:
+def all_engines(engines: EnginesLike | None, study: str) -> list[str]:
     """Return the engines given, or all that are available."""
-    return list(engines) if engines is not None else _core.available_engines()
-
-
-def environment_or_default(environment: EnvironmentConfig | None, policy: Policy | None = None) -> EnvironmentConfig:
-    """The one given, that of a policy which comes with Crossgait, or the default."""
-    if environment is not None:
-        return environment
-    own = _core.environment_of_policy(policy) if isinstance(policy, str) else None
-    return EnvironmentConfig() if own is None else EnvironmentConfig.load(own)
+    return as_engines(engines, study) if engines is not None else _core.available_engines()
 
 
 def worker_count(workers: int | None) -> int:
@@ -67,7 +164,7 @@ class ProgressShown:
     """Progress of one call; its bar is gone afterwards."""
 
     def __init__(self, progress: Progress | bool | None) -> None:
-        self.progress = shown(progress)
+        self.progress: Callable[[str, float], None] | None = shown(progress)
 
     def __enter__(self) -> Progress | None:
         return self.progress

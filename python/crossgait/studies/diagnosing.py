@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
-import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from crossgait import _core
-from crossgait._core import EnvironmentConfig
+from crossgait.errors import ConfigError
+from crossgait.inputs import (
+    EngineLike,
+    EnvironmentLike,
+    PolicyLike,
+    PolicyObject,
+    as_engine,
+    as_names,
+    as_policy,
+    environment_for,
+)
 from crossgait.progress import Progress
-from crossgait.studies.choices import ProgressShown, environment_or_default, worker_count
+from crossgait.studies.choices import ProgressShown, worker_count
 from crossgait.studies.results import Diagnosis
 
 
 def diagnose(
-    policy: str | os.PathLike[str],
-    environment: EnvironmentConfig | None = None,
+    policy: PolicyLike,
+    environment: EnvironmentLike | None = None,
     *,
-    unstated: list[str] | None = None,
-    home_engine: str | None = None,
+    unstated: str | Sequence[str] | None = None,
+    home_engine: EngineLike | None = None,
     search: bool = True,
     seed: int = 0,
     workers: int | None = None,
@@ -25,8 +38,8 @@ def diagnose(
     """Find what of a policy's environment keeps it from doing what it is asked (docs/diagnosis.md).
 
     Args:
-        policy: a folder that `import_policy` made, a name of `crossgait.policy_names()`, or a file.
-        environment: the folder's by default.
+        policy: a folder that `import_policy` made, a name of `crossgait.policy_names()`, a file, or a `Policy`.
+        environment: the policy's own by default.
         unstated: fields that nobody said, beside those that the import listed in the folder.
         home_engine: the engine that it was trained in, which tells the physics from the policy.
         search: otherwise it is only seen whether it does what it is asked.
@@ -38,10 +51,24 @@ def diagnose(
         ConfigError: for an environment that does not command joints, or a policy of other sizes
 
     """
-    file = os.fspath(policy)
-    config = environment_or_default(environment, file)
-    with ProgressShown(progress) as told:
-        (document, text), found = _core._diagnose(
-            config, file, list(unstated or []), home_engine, search, worker_count(workers), seed, told
-        )
+    config = environment_for(environment, policy, source="diagnose")
+    home = None if home_engine is None else as_engine(home_engine, "diagnose")
+    fields = as_names(unstated or (), "diagnose", "unstated")
+    with ProgressShown(progress) as told, _file_of(policy) as file:
+        (document, text), found = _core._diagnose(config, file, fields, home, search, worker_count(workers), seed, told)
     return Diagnosis(document, text, found)
+
+
+@contextmanager
+def _file_of(policy: PolicyLike) -> Iterator[str]:
+    """What names the policy: its layout is relabelled, which takes a file; a network in memory becomes one."""
+    chosen = as_policy(policy, "diagnose")
+    if isinstance(chosen, str):
+        yield chosen
+    elif isinstance(policy, PolicyObject):
+        with TemporaryDirectory(prefix="crossgait-") as folder:
+            file = Path(folder) / f"{Path(policy.name).stem}.safetensors"
+            policy.save(file)
+            yield str(file)
+    else:
+        raise ConfigError("diagnose", "policy", "a name, a file or a Policy", type(policy).__name__)

@@ -2,70 +2,101 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 
 from crossgait import _core
-from crossgait._core import EnvironmentConfig
+from crossgait.inputs import (
+    EnginesLike,
+    EnvironmentLike,
+    PolicyLike,
+    TerrainLike,
+    as_engines,
+    as_environment,
+    as_names,
+    as_policies,
+    as_policy,
+    environment_for,
+    terrain_texts,
+)
 from crossgait.progress import Progress
-from crossgait.studies.choices import Policy, ProgressShown, all_engines, environment_or_default, worker_count
+from crossgait.studies.choices import ProgressShown, all_engines, worker_count
 from crossgait.studies.results import CourseResult, Rollout, Transfer, Tuning
+from crossgait.studies.walks import traces_of
 
 
 def rollout(
-    policies: Policy | Sequence[Policy] = "zero",
-    environment: EnvironmentConfig | None = None,
+    policies: PolicyLike | Sequence[PolicyLike] = "zero",
+    environment: EnvironmentLike | None = None,
     *,
     episodes: int = 3,
     seed: int = 0,
+    trace: bool = False,
     workers: int | None = None,
     progress: Progress | bool | None = None,
 ) -> Rollout:
     """Run whole episodes of policies, all on the same worlds.
 
     Args:
-        policies: `zero`, `random`, files of policies, or a `FunctionPolicy` of your own.
-        environment: its engine is the one they run in.
+        policies: one or several: `zero`, `random`, names, files, a `Policy`, or a `FunctionPolicy` of your own.
+        environment: an `EnvironmentConfig`, its file, or a mapping of its keys; the first policy's own by default.
+            Its engine is the one they run in.
         episodes: of every policy.
         seed: of the first episode.
+        trace: also keep every step of every policy's first episode.
         workers: as `verdict`.
         progress: as `walk`.
 
     """
-    chosen = [policies] if isinstance(policies, Policy) else list(policies)
-    config = environment_or_default(environment, chosen[0] if chosen else None)
+    chosen = as_policies(policies, "rollout")
+    config = environment_for(environment, *chosen, source="rollout")
+    known = [as_policy(policy, "rollout") for policy in chosen]
     with ProgressShown(progress) as told:
-        document, text = _core._rollout(config, chosen, episodes, worker_count(workers), seed, told)
-    return Rollout(document, text)
+        (document, text), recorded = _core._rollout(config, known, episodes, worker_count(workers), seed, trace, told)
+    return Rollout(document, text, traces_of(recorded, [run["policy"] for run in document["policies"]]))
 
 
 def transfer(
-    policy: Policy,
-    environment: EnvironmentConfig | None = None,
+    policy: PolicyLike,
+    environment: EnvironmentLike | None = None,
     *,
-    engines: Sequence[str] | None = None,
-    terrains: Sequence[str] = ("flat", "rough"),
+    engines: EnginesLike | None = None,
+    terrains: TerrainLike | Sequence[TerrainLike] = ("flat", "rough"),
     episodes: int = 3,
     seed: int = 0,
     workers: int | None = None,
     progress: Progress | bool | None = None,
 ) -> Transfer:
-    """Run one policy, and none, in every engine on every ground."""
-    config = environment_or_default(environment, policy)
-    names = all_engines(engines)
+    """Run one policy, and none, in every engine on every ground.
+
+    Args:
+        policy: as `rollout` takes one.
+        environment: as `rollout`.
+        engines: all that are available by default.
+        terrains: names, files or a `Terrain` each.
+        episodes: in every engine on every ground.
+        seed: of the first episode.
+        workers: as `verdict`.
+        progress: as `walk`.
+
+    """
+    config = environment_for(environment, policy, source="transfer")
+    names = all_engines(engines, "transfer")
+    grounds = terrain_texts(terrains, "transfer")
     with ProgressShown(progress) as told:
         document, text = _core._transfer(
-            config, policy, names, list(terrains), episodes, worker_count(workers), seed, told
+            config, as_policy(policy, "transfer"), names, grounds, episodes, worker_count(workers), seed, told
         )
     return Transfer(document, text)
 
 
 def course(
-    policy: Policy = "zero",
-    environment: EnvironmentConfig | None = None,
+    policy: PolicyLike = "zero",
+    environment: EnvironmentLike | None = None,
     *,
-    course: str = "hard",
-    sections: Sequence[str] = (),
-    engines: Sequence[str] | None = None,
+    course: str | os.PathLike[str] = "hard",
+    sections: str | Sequence[str] = (),
+    engines: EnginesLike | None = None,
     episodes: int = 20,
     seed: int = 0,
     workers: int | None = None,
@@ -85,25 +116,26 @@ def course(
         progress: as `walk`.
 
     """
-    config = environment_or_default(environment, policy)
-    names = [config.engine] if engines is None else list(engines)
+    config = environment_for(environment, policy, source="course")
+    names = [config.engine] if engines is None else as_engines(engines, "course")
+    chosen, of_course = as_policy(policy, "course"), as_names(sections, "course", "sections")
     with ProgressShown(progress) as told:
         document, text = _core._course(
-            config, policy, course, list(sections), names, episodes, worker_count(workers), seed, told
+            config, chosen, os.fspath(course), of_course, names, episodes, worker_count(workers), seed, told
         )
     return CourseResult(document, text)
 
 
 def tune(
-    environment: EnvironmentConfig | None = None,
+    environment: EnvironmentLike | None = None,
     *,
-    engines: Sequence[str] | None = None,
+    engines: EnginesLike | None = None,
     iterations: int = 10,
     population: int = 16,
     terrains: int = 2,
     unseen: int = 3,
     seed: int = 0,
-    course: str | None = None,
+    course: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     progress: Progress | bool | None = None,
 ) -> Tuning:
@@ -112,10 +144,11 @@ def tune(
     With a `course` (a name or a file) search for the score on it instead, in the engine of `engines` where it is the
     lowest; `terrains` and `unseen` are then runs of its sections.
     """
-    config = environment_or_default(environment)
-    names = all_engines(engines)
+    config = as_environment({} if environment is None else environment, "tune")
+    names = all_engines(engines, "tune")
+    of_course = None if course is None else os.fspath(course)
     with ProgressShown(progress) as told:
         (document, text), tuned = _core._tune(
-            config, names, iterations, population, terrains, unseen, worker_count(workers), seed, course, told
+            config, names, iterations, population, terrains, unseen, worker_count(workers), seed, of_course, told
         )
     return Tuning(document, text, tuned)

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from crossgait import _core
-from crossgait._core import EnvironmentConfig, FunctionPolicy, StartRanges
+from crossgait._core import StartRanges, Walk
+from crossgait.inputs import EnginesLike, EnvironmentLike, RobotLike, TerrainLike, as_engines
 from crossgait.progress import Progress
 from crossgait.studies.choices import (
-    Policy,
+    PolicyWalk,
     ProgressShown,
     Subject,
     default_engine,
-    environment_or_default,
     several_engines,
-    walk_or_behaviour,
+    subject_of,
     worker_count,
 )
 from crossgait.studies.results import Verdict
@@ -39,11 +38,11 @@ def _setup_text(against: str | Mapping[str, str | float | Sequence[float]] | Non
 
 
 def verdict(
-    subject: Subject | Policy = "trot",
+    subject: Subject = "trot",
     *,
-    engines: Sequence[str] | None = None,
+    engines: EnginesLike | None = None,
     against: str | Mapping[str, str | float | Sequence[float]] | None = None,
-    environment: EnvironmentConfig | None = None,
+    environment: EnvironmentLike | None = None,
     explain: bool = False,
     starts: int = 12,
     looks: int = 1,
@@ -54,17 +53,29 @@ def verdict(
     workers: int | None = None,
     runs: str | os.PathLike[str] = "",
     progress: Progress | bool | None = None,
-    **options: Any,
+    command: Sequence[float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
+    robot: RobotLike | None = None,
+    terrain: TerrainLike | None = None,
+    friction: float | None = None,
+    contact: str | None = None,
+    seconds: float | None = None,
+    physics_dt: float | None = None,
+    control_dt: float | None = None,
+    settle: float | None = None,
+    compensation: bool | None = None,
+    heading_hold: bool | None = None,
+    terminations: Sequence[str] | None = None,
 ) -> Verdict:
     """Judge whether a behaviour depends on the engine (docs/verdict.md).
 
     Args:
-        subject: as `walk`; with an `environment` a policy: a name, a file, or a `FunctionPolicy`.
+        subject: as `walk`.
         engines: two or more, none of which is run twice; the first that there is and the first of other laws by
             default.
         against: another setup of the same world, under which each of `engines` (by default the first alone) is held
             against itself: {"friction": 0.4, "mass": "x1.1", "robot": "other.yaml"}, or text as `--against` takes it.
-        environment: of a policy.
+        environment: as `walk`; so are the arguments from `command` on.
         explain: also say what gaps come from, of pairs that do not agree and whose differences are known.
         starts: from which every engine runs, at least 4; words are given from 6 on.
         looks: how often to look at most, after as many starts each; it ends with the first that settles every pair.
@@ -76,25 +87,39 @@ def verdict(
         workers: threads; as many as the process may use by default. Results do not depend on them.
         runs: a file of runs to take and to add to; "": none.
         progress: as `walk`.
-        options: as `walk`.
+        command: forward m/s, left m/s, yaw rate rad/s.
+        parameters: of the gait.
+        robot: that walks.
+        terrain: that it walks on.
+        friction: between robot and ground.
+        contact: other settings of contact.
+        seconds: how long at most, s.
+        physics_dt: s.
+        control_dt: s.
+        settle: standing before the first step, s.
+        compensation: make up for the servos' lag and give; not beside a policy.
+        heading_hold: steer to the heading that the command leads to.
+        terminations: outcomes that end it.
 
     """
+    said = locals()
     stated = {
         key: margin if isinstance(margin, str) else repr(float(margin)) for key, margin in (margins or {}).items()
     }
     how = (starts, looks, confidence, stated, worker_count(workers), explain, os.fspath(runs), _setup_text(against))
-    names = several_engines(engines) if against is None else list(engines or [default_engine()])
+    if against is None:
+        names = several_engines(engines, "verdict")
+    else:
+        names = [default_engine()] if engines is None else as_engines(engines, "verdict")
     ranges = start_ranges if start_ranges is not None else StartRanges()
-    if environment is None and isinstance(subject, str) and _core.environment_of_policy(subject) is not None:
-        environment = environment_or_default(None, subject)
+    # The seed is of the starts; of a gait's random terrain, too, and of no Walk, Controller or environment.
+    what = subject_of(subject, environment, said | {"seed": None}, "verdict")
+    if isinstance(subject, str) and isinstance(what, Walk):
+        what = Walk(**what.to_dict() | {"seed": seed})
     with ProgressShown(progress) as told:
-        if environment is None and not isinstance(subject, FunctionPolicy):
-            if isinstance(subject, str):
-                options.setdefault("seed", seed)
-            judged = _core._judge_walk(walk_or_behaviour(subject, options), names, ranges, seed, how, told)
-        elif environment is not None and isinstance(subject, Policy) and not options:
-            judged = _core._judge_policy(environment, subject, names, ranges, seed, how, told)
+        if isinstance(what, PolicyWalk):
+            judged = _core._judge_policy(what.environment, what.policy, names, ranges, seed, how, told)
         else:
-            raise TypeError("a policy is judged in an environment, which says all that options would")
+            judged = _core._judge_walk(what, names, ranges, seed, how, told)
     document, text = judged
     return Verdict(document, text)

@@ -6,9 +6,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib import pyplot as plt
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+
+from crossgait.extras import needed_for
+
+with needed_for("plots", "plot"):
+    from matplotlib import pyplot as plt
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 from crossgait.errors import ConfigError
 from crossgait.studies.palette import COLOURS, engine_styles
@@ -29,6 +33,12 @@ def _new(rows: int, height: float, *, share_x: bool = False) -> tuple[Figure, li
     return figure, column
 
 
+def _from_zero(ax: Axes) -> None:
+    """Let the axis of amounts begin at 0: otherwise half a percent fills the picture as a half would."""
+    low, high = ax.get_xlim()
+    ax.set_xlim(min(low, 0), max(high, 0))
+
+
 def roll_pitch_yaw(trace: Trace) -> Numbers:
     """Attitude of the base, N x 3, degrees (Z-Y-X convention)."""
     w, x, y, z = (trace[f"q_WB.{axis}"] for axis in "wxyz")
@@ -39,7 +49,8 @@ def roll_pitch_yaw(trace: Trace) -> Numbers:
     return attitude
 
 
-def _draw_traces(traces: Sequence[Trace], title: str) -> Figure:
+def plot_traces(traces: Sequence[Trace], title: str) -> Figure:
+    """Way, height, attitude and footfalls over time."""
     several = len(traces) > 1
     figure, axes = _new(5 if several else 4, 10 if several else 8, share_x=True)
     if several:
@@ -97,13 +108,6 @@ def _draw_contacts(ax: Axes, traces: Sequence[Trace]) -> None:
     ax.grid(visible=False)
 
 
-def plot_traces(traces: Sequence[Trace], title: str, study: str) -> Figure:
-    """Way, height, attitude and footfalls over time. Raises ConfigError, naming the study, without a trace."""
-    if not traces:
-        raise ConfigError(study, "trace", "trace=True when it was made", "none")
-    return _draw_traces(traces, title)
-
-
 def plot_verdict(document: Json) -> Figure:
     """Every statistic's gap with its interval, in margins, by pair; shaded: within the margin."""
     pairs = document["pairs"]
@@ -142,6 +146,7 @@ def plot_rollout(document: Json) -> Figure:
         ax.set_yticks(range(len(runs)), [run["policy"] for run in runs])
         ax.set_ylim(len(runs) - 0.5, -0.5)
         ax.set_xlabel(label)
+        _from_zero(ax)
     return figure
 
 
@@ -157,6 +162,7 @@ def plot_transfer(document: Json) -> Figure:
     ax.set_yticks(range(len(cells)), [f"{cell['terrain']}, {cell['engine']}" for cell in cells])
     ax.invert_yaxis()
     ax.set_xlabel("mean speed, m/s (bars: deviation over episodes)")
+    _from_zero(ax)
     ax.legend(frameon=False)
     return figure
 

@@ -6,10 +6,12 @@ import html
 import json
 import os
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from crossgait.errors import ConfigError
+from crossgait.extras import needed_for
 from crossgait.files import written_whole
+from crossgait.studies.walk_numbers import WalkNumbers
 from crossgait.traces import Trace
 
 if TYPE_CHECKING:
@@ -40,16 +42,19 @@ class Result:
             file.write("\n")
 
     def to_frame(self) -> pd.DataFrame:
-        """Return the result's main table."""
-        import pandas as pd
+        """Return the result's main table: columns are keys of the document, indices what tells its rows apart."""
+        with needed_for("tables", "frames"):
+            import pandas as pd
 
-        return pd.DataFrame(self._rows()).set_index(self._row_name)
+        index = list(self._index)
+        rows = [{**dict.fromkeys(index), **row} for row in self._rows()]
+        return pd.DataFrame(rows, columns=None if rows else index).set_index(index)
 
     def plot(self) -> Figure:
         """Draw it with matplotlib."""
         raise NotImplementedError
 
-    _row_name = "name"
+    _index: ClassVar[tuple[str, ...]] = ("name",)
 
     def _rows(self) -> list[Json]:
         raise NotImplementedError
@@ -86,6 +91,16 @@ def _flat(summary: Json) -> Json:
     return row
 
 
+Recorded = TypeVar("Recorded", Trace, dict[str, Trace])
+
+
+def _asked_for(recorded: Recorded | None, study: str) -> Recorded:
+    """Return what was recorded. Raises ConfigError if nothing was."""
+    if recorded is None or recorded == {}:
+        raise ConfigError(study, "trace", "trace=True when it was made", "none")
+    return recorded
+
+
 class Answer(Result):
     """A result that begins with a sentence."""
 
@@ -100,12 +115,17 @@ class Answer(Result):
 
 
 @dataclass(frozen=True, repr=False)
-class WalkResult(Answer):
+class WalkResult(Answer, WalkNumbers):
     """One walk in one engine. Its numbers are attributes too: `result.mean_speed_mps`."""
 
-    trace: Trace | None = None  #: if it was asked for
+    recorded: Trace | None = None  #: the trace, None unless it was asked for
 
-    _row_name = "engine"
+    _index = ("engine",)
+
+    @property
+    def trace(self) -> Trace:
+        """Every control step. Raises ConfigError unless it was asked for."""
+        return _asked_for(self.recorded, "walk")
 
     def __getattr__(self, name: str) -> Any:
         if not name.startswith("_") and name in self.document:
@@ -119,7 +139,7 @@ class WalkResult(Answer):
         """Draw way, height, attitude and footfalls over time."""
         from crossgait.studies import plots
 
-        return plots.plot_traces([] if self.trace is None else [self.trace], self._headline(), "walk")
+        return plots.plot_traces([self.trace], self._headline())
 
     def _rows(self) -> list[Json]:
         return [_flat(self.document)]
@@ -129,9 +149,14 @@ class WalkResult(Answer):
 class CompareResult(Answer):
     """The same walk in several engines."""
 
-    traces: dict[str, Trace] = field(default_factory=dict)  #: by engine, if they were asked for
+    recorded: dict[str, Trace] = field(default_factory=dict)  #: the traces, none unless they were asked for
 
-    _row_name = "engine"
+    _index = ("engine",)
+
+    @property
+    def traces(self) -> dict[str, Trace]:
+        """Every control step, by engine. Raises ConfigError unless they were asked for."""
+        return _asked_for(self.recorded, "compare")
 
     @property
     def engines(self) -> list[str]:
@@ -150,7 +175,7 @@ class CompareResult(Answer):
 
         run = self.document["runs"][0]
         title = f"{run['gait']} on {run['terrain']}"
-        return plots.plot_traces(list(self.traces.values()), title, "compare")
+        return plots.plot_traces(list(self.traces.values()), title)
 
     def _rows(self) -> list[Json]:
         return [_flat(run) for run in self.document["runs"]]
@@ -166,7 +191,7 @@ class CompareResult(Answer):
 class Verdict(Answer):
     """Whether a behaviour depends on the engine (docs/verdict.md), in two engines or more."""
 
-    _row_name = "key"
+    _index = ("a", "b", "key")
 
     @property
     def word(self) -> str:
@@ -256,7 +281,14 @@ class Verdict(Answer):
 class Rollout(Answer):
     """Whole episodes of policies in one engine."""
 
-    _row_name = "policy"
+    recorded: dict[str, Trace] = field(default_factory=dict)  #: the traces, none unless they were asked for
+
+    _index = ("policy", "episode")
+
+    @property
+    def traces(self) -> dict[str, Trace]:
+        """Every step of each policy's first episode. Raises ConfigError unless they were asked for."""
+        return _asked_for(self.recorded, "rollout")
 
     def plot(self) -> Figure:
         """Draw speed and return of every episode."""
@@ -266,9 +298,9 @@ class Rollout(Answer):
 
     def _rows(self) -> list[Json]:
         return [
-            {"policy": run["policy"], **_flat(episode)}
+            {"policy": run["policy"], "episode": number, **_flat(episode)}
             for run in self.document["policies"]
-            for episode in run["episodes"]
+            for number, episode in enumerate(run["episodes"])
         ]
 
 
@@ -276,7 +308,7 @@ class Rollout(Answer):
 class Transfer(Result):
     """One policy, and none, over engines and grounds."""
 
-    _row_name = "terrain"
+    _index = ("terrain", "engine")
 
     def plot(self) -> Figure:
         """Draw the speed with the policy and without, in every engine on every ground."""
@@ -296,7 +328,7 @@ class Transfer(Result):
 class CourseResult(Answer):
     """A policy on every section of a course."""
 
-    _row_name = "section"
+    _index = ("section", "engine")
 
     def score(self, engine: str | None = None) -> float:
         """Over all sections, 0 to 1, in an engine; in the first if none is named."""
@@ -324,7 +356,7 @@ class Tuning(Result):
 
     environment: EnvironmentConfig | None = None  #: with the tuned parameters
 
-    _row_name = "generation"
+    _index = ("generation",)
 
     def plot(self) -> Figure:
         """Draw the best score over generations."""
@@ -348,7 +380,7 @@ class Diagnosis(Answer):
 
     environment: EnvironmentConfig | None = None  #: with the first of the ranking; as it is if there is none
 
-    _row_name = "field"
+    _index = ("field",)
 
     @property
     def healthy(self) -> bool:
@@ -386,7 +418,7 @@ class Diagnosis(Answer):
 class Bench(Result):
     """Speed and accuracy of the engines on the same motions."""
 
-    _row_name = "scene"
+    _index = ("scene", "engine")
 
     def plot(self) -> Figure:
         """Draw the time of a physics step in every scene, over the first engine's."""
@@ -405,7 +437,7 @@ class Bench(Result):
 class Conformance(Result):
     """What an engine made of the checks that every engine is held to."""
 
-    _row_name = "check"
+    _index = ("check", "what")
 
     @property
     def passed(self) -> bool:

@@ -13,11 +13,15 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from crossgait._core import EnvironmentConfig
 from crossgait.errors import ConfigError
+from crossgait.extras import needed_for
 from crossgait.files import lock, written_whole
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from crossgait.sweep.study import Study
 
 SYNC_SECONDS = 2.0  #: what a power cut may cost at most
 
@@ -158,25 +162,76 @@ def _flat(value: Any, name: str, row: dict[str, Any]) -> None:
         for key, item in value.items():
             _flat(item, f"{name}.{key}" if name else key, row)
     else:
-        row[name] = value
+        row[name] = _groupable(value)
 
 
-def load(path: str | os.PathLike[str]) -> pd.DataFrame:
+def _groupable(value: Any) -> Any:
+    """A value that tables group by: a tuple for a list, the number itself for a list of one number."""
+    if not isinstance(value, list):
+        return json.dumps(value) if isinstance(value, dict) else value
+    if len(value) == 1 and isinstance(value[0], (int, float)):
+        return value[0]
+    return tuple(_groupable(item) for item in value)
+
+
+_ELSEWHERE = ("engine:", "robot:", "terrain:")  #: keys of a run's environment that stand beside it
+
+
+def _environment(behaviour: dict[str, Any]) -> dict[str, Any]:
+    """What is run, with a policy's environment as keys in the place of its text, where this version reads it."""
+    text = behaviour.get("environment")
+    if not isinstance(text, str):
+        return behaviour
+    # Without keys that are empty in it: engine, robot and terrain, which stand beside it.
+    said = [line for line in text.splitlines() if not line.startswith(_ELSEWHERE)]
+    try:
+        keys = EnvironmentConfig.parse("\n".join(said)).to_dict()
+    except ConfigError:
+        return behaviour
+    return behaviour | {"environment": {k: v for k, v in keys.items() if f"{k}:" not in _ELSEWHERE}}
+
+
+def load(path: str | os.PathLike[str], study: Study | str | os.PathLike[str] | None = None) -> pd.DataFrame:
     """Rows of a sweep as a table, by hash in the order of the file.
 
     What was run is in columns named as in the specification (`engine`, `start`, `seed`, `behaviour.gait`,
-    `behaviour.robot.name`, `behaviour.parameters.step_height`), statistics by their names (`mean speed`), and `error`
-    says why a run has none. A file that is being written can be read. Raises ConfigError.
+    `behaviour.robot.name`, `behaviour.parameters.step_height`, `behaviour.environment.friction`), statistics by their
+    keys (`distance_m`), and `error` says why a run has none. A file that is being written can be read.
+
+    Args:
+        path: the file of rows.
+        study: that they are of, or its file: then its rows alone, in the order of its grid, and what it says comes
+            first, by its own names (`friction`, `policy`, `step_height`), axes before the rest, to group by.
+
+    Raises:
+        ConfigError: for what is no file of rows, or a study that cannot be read.
+        ImportError: without pandas, or for a study's file without PyYAML.
+
     """
-    try:
+    with needed_for("tables", "frames"):
         import pandas as pd
-    except ImportError as error:
-        raise ImportError("tables need pandas: pip install crossgait[frames]") from error
+    said_of = None if study is None else _settings_of(study)
     rows: dict[str, dict[str, Any]] = {}
     for _, said in _whole_lines(Path(path)):
-        row: dict[str, Any] = {"hash": said["hash"]}
-        _flat(said.get("run") or {}, "", row)
-        row.update(said.get("result", {}))
+        if said_of is not None and said["hash"] not in said_of:
+            continue
+        row: dict[str, Any] = {"hash": said["hash"]} | (said_of or {}).get(said["hash"], {})
+        run = said.get("run") or {}
+        _flat(run | {"behaviour": _environment(run["behaviour"])} if "behaviour" in run else run, "", row)
+        result = dict(said.get("result", {}))
+        if "seconds" in result:
+            result["simulated_seconds"] = result.pop("seconds")  # as walks call it; `seconds` is what is asked for
+        row.update(result)
         row["error"] = said.get("error")
         rows[said["hash"]] = row
-    return pd.DataFrame(rows.values(), columns=None if rows else ["hash", "error"]).set_index("hash")
+    order = rows if said_of is None else [name for name in said_of if name in rows]
+    columns = None if rows else ["hash", "error"]
+    return pd.DataFrame([rows[name] for name in order], columns=columns).set_index("hash")
+
+
+def _settings_of(study: Study | str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
+    from crossgait.sweep.study import Study  # which needs PyYAML
+
+    loaded = study if isinstance(study, Study) else Study.load(study)
+    settings = loaded.settings()
+    return {run.hash: settings[run.hash] for run in loaded.runs()}

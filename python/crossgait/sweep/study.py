@@ -105,17 +105,38 @@ class Study:
 
     def subjects(self) -> Iterator[Subject]:
         """What moves, each with every seed. Raises ConfigError."""
+        return (subject for subject, _ in self._subjects())
+
+    def settings(self) -> dict[str, Json]:
+        """What the study says of each run, by the run's hash: its keys, those that have several values first.
+
+        Keys of `parameters` and `set` stand under their own names: `step_height`, `friction`. Lists are tuples.
+
+        Raises:
+            ConfigError: as `runs`.
+
+        """
+        said = {run.hash: settings for run, settings in reversed(list(self._runs()))}
+        values: dict[str, set[str]] = {}
+        for settings in said.values():
+            for key, value in settings.items():
+                values.setdefault(key, set()).add(repr(value))
+        order = sorted(values, key=lambda key: len(values[key]) < 2)  # stays as it is otherwise
+        return {name: {key: settings.get(key) for key in order} for name, settings in said.items()}
+
+    def _subjects(self) -> Iterator[tuple[Subject, Json]]:
+        """With what the file says of each, by key."""
         ranges = json.dumps(self.document["start_ranges"])
         for i, block in enumerate(self.document["walks"]):
             for options in self._grid(block, _WALK, f"walks[{i}]"):
                 for seed in self.document["seeds"]:
-                    yield Subject(self._walk(options, seed, f"walks[{i}]"), "", "", ranges, seed)
+                    yield Subject(self._walk(options, seed, f"walks[{i}]"), "", "", ranges, seed), _said(options)
         for i, block in enumerate(self.document["policies"]):
             for options in self._grid(block, _POLICY, f"policies[{i}]"):
                 environment = self._environment(options, f"policies[{i}]")
                 policy = self._policy(options["policy"], f"policies[{i}].policy")
                 for seed in self.document["seeds"]:
-                    yield Subject("", environment, policy, ranges, seed)
+                    yield Subject("", environment, policy, ranges, seed), _said(options)
 
     def runs(self) -> list[Run]:
         """All runs, each once, in the order of the grid: subject, engine, variation, start.
@@ -126,11 +147,17 @@ class Study:
             ConfigError: for a robot, terrain or environment that cannot be read.
 
         """
+        runs: dict[str, Run] = {}
+        for run, _ in self._runs():
+            runs.setdefault(run.hash, run)
+        return list(runs.values())
+
+    def _runs(self) -> Iterator[tuple[Run, Json]]:
+        """With what the file says of each; what is said twice comes twice."""
         maker_of.cache_clear()  # files may have changed since
         asked = self.document["starts"]
         starts = range(asked) if isinstance(asked, int) else asked
-        runs: dict[str, Run] = {}
-        for subject in self.subjects():
+        for subject, said in self._subjects():
             try:
                 maker_of(subject)
             except ConfigError as error:
@@ -139,9 +166,7 @@ class Study:
                 if not _allows(subject, engine, variation):
                     continue
                 for start in starts:
-                    run = run_of(subject, engine, variation, start)
-                    runs.setdefault(run.hash, run)
-        return list(runs.values())
+                    yield run_of(subject, engine, variation, start), said
 
     def _error(self, where: str, error: ConfigError) -> ConfigError:
         return ConfigError(self.source, f"{where}, {error.source}: {error.element}", error.expected, error.found)
@@ -188,6 +213,19 @@ class Study:
         if found not in ("zero", "random") and not Path(found).is_file():
             raise ConfigError(self.source, where, "zero, random, or a policy's file", text)
         return found
+
+
+def _said(options: Json) -> Json:
+    """Settings of one block, those of `parameters` and `set` among them, in values that tables group by."""
+    nested = {**options.get("parameters", {}), **options.get("set", {})}
+    flat = {key: value for key, value in options.items() if key not in ("parameters", "set")} | nested
+    return {key: _groupable(value) for key, value in flat.items()}
+
+
+def _groupable(value: Any) -> Any:
+    if isinstance(value, list):
+        return tuple(_groupable(item) for item in value)
+    return json.dumps(value) if isinstance(value, dict) else value
 
 
 def _split(text: str) -> tuple[str, str]:

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from crossgait import _core
 from crossgait.errors import ConfigError
+from crossgait.inputs import RobotLike, as_robot
 from crossgait.traces.table import Numbers, TraceTable
 
 Indices = npt.NDArray[np.int64]
@@ -83,9 +84,9 @@ def _shape(shape: dict[str, Any], rgba: Numbers, mesh: Path | None, scale: Numbe
     return Shape(shape["body"], shape["type"], shape["size"], shape["pose"], rgba, mesh, scale, vertices)
 
 
-def the_robot(trace: TraceTable, robot: _core.Robot | str) -> _core.Robot:
+def the_robot(trace: TraceTable, robot: RobotLike) -> _core.Robot:
     """Load it, if it is a name or file. Raises ConfigError if the trace is not of this robot."""
-    robot = _core.Robot.load(robot) if isinstance(robot, str) else robot
+    robot = as_robot(robot)
     missing = [joint for joint in robot.joints if f"q.{joint}" not in trace]
     if missing:
         joints = ", ".join(list(trace.group("q"))[:4])

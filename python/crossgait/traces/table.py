@@ -5,12 +5,13 @@ from __future__ import annotations
 import csv
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from crossgait.errors import ConfigError
+from crossgait.extras import needed_for
 from crossgait.files import written_whole
 
 if TYPE_CHECKING:
@@ -43,8 +44,10 @@ class TraceTable:
         try:
             column_values: Numbers = self.values[:, self._index[column]]
         except KeyError:
-            known = ", ".join(self.names[:8])
-            raise ConfigError("trace", "column", f"one of {known}, ... ({len(self.names)} names)", column) from None
+            groups = dict.fromkeys(name.partition(".")[0] for name in self.names)
+            known = f"one of trace.names ({len(self.names)}: {', '.join(groups)})"
+            found = column if isinstance(column, str) else repr(column)
+            raise ConfigError("trace", "column", known, found) from None
         return column_values
 
     @property
@@ -56,11 +59,19 @@ class TraceTable:
         """The columns `prefix.NAME` by NAME, such as `q`, `load` or `param`."""
         return {name.removeprefix(f"{prefix}."): self[name] for name in self.names if name.startswith(f"{prefix}.")}
 
-    def to_frame(self) -> pd.DataFrame:
-        """A pandas DataFrame, its index the time."""
-        import pandas as pd
+    def to_frame(self, *, grouped: bool = False) -> pd.DataFrame:
+        """A pandas DataFrame, its index the time.
 
-        return pd.DataFrame(self.values[:, 1:], columns=self.names[1:], index=pd.Index(self.time, name="time"))
+        With `grouped` its columns have two levels, as `group` has them: `frame["torque"]["FL_knee"]`, `frame["p_WB"]`.
+        """
+        with needed_for("tables", "frames"):
+            import pandas as pd
+
+        columns: Any = self.names[1:]
+        if grouped:
+            parts = (name.partition(".") for name in self.names[1:])
+            columns = pd.MultiIndex.from_tuples([(what, of) for what, _, of in parts], names=["quantity", "of"])
+        return pd.DataFrame(self.values[:, 1:], columns=columns, index=pd.Index(self.time, name="time"))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write what `crossgait report` reads. The file appears whole or not at all."""

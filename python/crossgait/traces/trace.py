@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from crossgait._core import Terrain
+from crossgait.inputs import RobotLike, TerrainLike, as_terrain
 from crossgait.traces import scene
 from crossgait.traces.table import TraceTable
 
-if TYPE_CHECKING:
-    from crossgait._core import Robot, Terrain
+
+def _ground(terrain: TerrainLike | None) -> Terrain | None:
+    return None if terrain is None else as_terrain(terrain)
 
 
 class Trace(TraceTable):
     """A walk over time: columns by name as NumPy arrays (`trace["p_WB.x"]`), and files for viewers."""
 
-    def to_mcap(self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None) -> None:
+    def to_mcap(self, path: str | os.PathLike[str], robot: RobotLike, terrain: TerrainLike | None = None) -> None:
         """Write an MCAP file for Foxglove: frames and shapes of the bodies, footfalls, and every column to plot.
 
         Args:
             path: the file appears whole or not at all.
-            robot: that walked; as `Robot.load` takes it, or a robot.
-            terrain: that it walked on, drawn as far as 1 m from its way; flat ground is not drawn.
+            robot: that walked: a name, a file or a `Robot`.
+            terrain: that it walked on: a name, a file or a `Terrain`. Drawn as far as 1 m from its way; not if it is
+                flat.
 
         Raises:
             ConfigError: if it was another robot.
@@ -30,9 +34,9 @@ class Trace(TraceTable):
         """
         from crossgait.traces import mcap
 
-        mcap.write(self, path, scene.the_robot(self, robot), terrain)
+        mcap.write(self, path, scene.the_robot(self, robot), _ground(terrain))
 
-    def to_rerun(self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None) -> None:
+    def to_rerun(self, path: str | os.PathLike[str], robot: RobotLike, terrain: TerrainLike | None = None) -> None:
         """Write an .rrd file for Rerun: as `to_mcap`.
 
         Raises:
@@ -42,10 +46,10 @@ class Trace(TraceTable):
         """
         from crossgait.traces import rerun
 
-        rerun.write(self, path, scene.the_robot(self, robot), terrain)
+        rerun.write(self, path, scene.the_robot(self, robot), _ground(terrain))
 
     def to_video(
-        self, path: str | os.PathLike[str], robot: Robot | str, terrain: Terrain | None = None, **how: Any
+        self, path: str | os.PathLike[str], robot: RobotLike, terrain: TerrainLike | None = None, **how: Any
     ) -> None:
         """Write FILE.mp4, FILE.gif or FILE.webp: see `crossgait.traces.video.write` for the rest of the arguments.
 
@@ -56,4 +60,4 @@ class Trace(TraceTable):
         """
         from crossgait.traces import video
 
-        video.write([self], path, scene.the_robot(self, robot), terrain, **how)
+        video.write([self], path, scene.the_robot(self, robot), _ground(terrain), **how)

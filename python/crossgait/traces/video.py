@@ -43,6 +43,8 @@ def write(
     height: int = 480,
     azimuth: float = 130,
     elevation: float = -20,
+    distance: float | None = None,
+    look_at: Sequence[float] | None = None,
     shared_camera: bool = False,
     progress: Any = None,
 ) -> None:
@@ -59,6 +61,8 @@ def write(
         height: of a panel, pixels, made even.
         azimuth: direction of the cameras' look, deg: 90 is along the world's y.
         elevation: of the cameras' look, deg.
+        distance: of the cameras from what they look at, m; by the robot's size if None.
+        look_at: what cameras that stand still look at, m; None for cameras that go along.
         shared_camera: all panels look at the middle of all robots, from where all are seen, so that one that slides
             back does not look like one that walks.
         progress: as `crossgait.walk` takes it.
@@ -74,9 +78,8 @@ def write(
             raise ConfigError(trace.name or "trace", "rows", "one at least", "none")
         the_robot(trace, robot)
     size = (width - width % _EVEN, height - height % _EVEN)
-    renderers = [
-        Renderer(robot, terrain, width=size[0], height=size[1], azimuth=azimuth, elevation=elevation) for _ in traces
-    ]
+    camera: dict[str, Any] = {"azimuth": azimuth, "elevation": elevation, "distance": distance, "look_at": look_at}
+    renderers = [Renderer(robot, terrain, width=size[0], height=size[1], **camera) for _ in traces]
     told = shown(progress)
     try:
         with written_whole(path) as beside, film.writer(beside, fps) as sink:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from crossgait.commands import INTERRUPTED, exit_code, say
 from crossgait.errors import ConfigError
+from crossgait.extras import needed_for
 from crossgait.train.plan import Plan, presets
 
 if TYPE_CHECKING:
@@ -84,8 +85,9 @@ def _run(options: argparse.Namespace) -> int:
     if options.print_config:
         print(plan.to_yaml(), end="")
         return 0
-    from crossgait.train import card
-    from crossgait.train import folder as folders
+    with needed_for("runs of training", "train"):
+        from crossgait.train import card
+        from crossgait.train import folder as folders
 
     with folders.locked(folder):
         folders.begin(folder, plan, folders.command_line(), resume=options.resume)
@@ -99,8 +101,9 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _trained(plan: Plan, folder: Path, options: argparse.Namespace) -> list[Trained]:
-    from crossgait.train import hierarchy
-    from crossgait.train.trainer import Trainer
+    with needed_for("runs of training", "train"):
+        from crossgait.train import hierarchy
+        from crossgait.train.trainer import Trainer
 
     settings = {"resume": options.resume, "progress": options.progress}
     if plan.parts:

@@ -5,16 +5,17 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from crossgait import _core
-from crossgait._core import EnvironmentConfig
 from crossgait.commands import exit_code, say
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
+from crossgait.inputs import EnginesLike, EnvironmentLike, TerrainLike, as_engines, as_environment, terrain_texts
 from crossgait.policies.environment import ENVIRONMENT, environment_of
 from crossgait.train.evaluation import evaluate, failures
 
@@ -28,11 +29,11 @@ examples:
 
 
 def compare_policies(
-    policies: Sequence[str],
-    environment: EnvironmentConfig,
+    policies: Sequence[str | os.PathLike[str]],
+    environment: EnvironmentLike,
     *,
-    engines: Sequence[str] | None = None,
-    terrains: Sequence[str] | None = None,
+    engines: EnginesLike | None = None,
+    terrains: TerrainLike | Sequence[TerrainLike] | None = None,
     episodes: int = 10,
     seed: int = 0,
     workers: int | None = None,
@@ -58,11 +59,12 @@ def compare_policies(
     """
     if episodes < 1:
         raise ConfigError("compare_policies", "episodes", "at least 1", str(episodes))
-    names = list(dict.fromkeys(policies))
-    where = list(engines or _core.available_engines())
+    asked = as_environment(environment, "compare_policies")
+    names = list(dict.fromkeys(os.fspath(policy) for policy in policies))
+    where = as_engines(engines, "compare_policies") if engines else _core.available_engines()
     cells = []
-    for terrain in terrains or [environment.terrain]:
-        config = environment.updated({"terrain": terrain}, "terrain")
+    for terrain in terrain_texts(terrains, "compare_policies") if terrains else [asked.terrain]:
+        config = asked.updated({"terrain": terrain}, "terrain")
         done = evaluate(names, config, where, episodes, seed, workers, progress=None)
         cells += [
             {"engine": engine, "terrain": terrain, "policy": policy, "all": done[policy][engine]}

@@ -33,6 +33,7 @@ Frame = npt.NDArray[np.uint8]
 
 #: Side of the floor's squares and distance of the terrain's lines, m.
 SQUARE = 0.1
+_STICK = 0.03  #: radius of a link that has no shape, in the robot's reach
 _PLAIN = (0.75, 0.75, 0.78, 1.0)
 _GEOM_TYPES = {
     "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
@@ -170,6 +171,7 @@ def _is_line(length: float, pixels: int) -> npt.NDArray[np.bool_]:
 
 def _add_robot(spec: mujoco.MjSpec, robot: _core.Robot) -> None:
     bodies = [spec.worldbody.add_body(name=f"body {i}", mocap=True) for i in range(len(robot.bodies))]
+    balls = set(range(len(bodies)))  # of which nothing but balls is drawn, or nothing
     meshes: dict[tuple[str, tuple[float, ...]], str | None] = {}
     unseen = set(range(len(bodies)))
     for shape in robot.visuals:
@@ -183,10 +185,38 @@ def _add_robot(spec: mujoco.MjSpec, robot: _core.Robot) -> None:
                 continue
         _add_shape(bodies[shape["body"]], shape, mesh, shape["rgba"])
         unseen.discard(shape["body"])
+        balls.discard(shape["body"])
     for i, shape in enumerate(robot.collisions):
         if shape["body"] in unseen:
             mesh = _add_hull(spec, f"hull {i}", shape["vertices"]) if shape["type"] == "hull" else None
             _add_shape(bodies[shape["body"]], shape, mesh, None)
+            if shape["type"] != "sphere":
+                balls.discard(shape["body"])
+    if balls:
+        home = _core.State()
+        home.q = robot.home
+        poses = _core.body_poses(robot, home)
+        for body in balls:
+            _add_sticks(bodies[body], robot, body, poses)
+
+
+def _add_sticks(drawn: mujoco.MjsBody, robot: _core.Robot, body: int, poses: list[npt.NDArray[np.float64]]) -> None:
+    """Along a link that would not be seen: from its origin to the bodies that hang on it, and to its own balls."""
+    to_body = np.linalg.inv(poses[body])
+    ends = [(to_body @ poses[i])[:3, 3] for i, parent in enumerate(robot.parents) if parent == body]
+    ends += [shape["pose"][:3, 3] for shape in robot.collisions if shape["body"] == body]
+    for end in ends:
+        length = float(np.linalg.norm(end))
+        if length > 0:
+            size = [_STICK * reach_of(robot), 0, 0]
+            drawn.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+                fromto=[0, 0, 0, *end],
+                size=size,
+                rgba=_PLAIN,
+                contype=0,
+                conaffinity=0,
+            )
 
 
 def _add_shape(

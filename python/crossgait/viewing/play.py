@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from crossgait import _core
-from crossgait._core import EnvironmentConfig
 from crossgait.commands import exit_code
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
+from crossgait.inputs import EngineLike, EnvironmentLike, as_engine, environment_for
 from crossgait.policies import Policy
 from crossgait.policies.environment import ENVIRONMENT, environment_of
 from crossgait.viewing import film
@@ -27,11 +27,11 @@ examples:
 
 
 def play(
-    policy: str,
-    environment: EnvironmentConfig,
+    policy: str | os.PathLike[str] | Policy,
+    environment: EnvironmentLike | None = None,
     *,
     video: str | os.PathLike[str] | None = None,
-    engine: str | None = None,
+    engine: EngineLike | None = None,
     seed: int = 0,
     seconds: float | None = None,
     size: tuple[int, int] = (640, 480),
@@ -39,8 +39,8 @@ def play(
     """Run one episode and show it.
 
     Args:
-        policy: a bundle, a description, zero or random.
-        environment: what it runs in.
+        policy: a name, a file or a `Policy`.
+        environment: what it runs in; the policy's own by default.
         video: file to write (.mp4 or .gif), whole or not at all; a window if None.
         engine: in the place of the environment's.
         seed: of the episode.
@@ -59,15 +59,16 @@ def play(
         film.check(video)
     from crossgait.viewing.rendering import EnvironmentRenderer
 
-    core = _core.Environment(environment, engine or "")
-    actor = Policy.load(policy, environment)
+    config = environment_for(environment, policy, source="play")
+    core = _core.Environment(config, "" if engine is None else as_engine(engine, "play"))
+    actor = policy.made_for(config) if isinstance(policy, Policy) else Policy.load(policy, config)
     renderer = EnvironmentRenderer(*size)
     try:
         if video is None:
             _episode(core, actor, seed, seconds, lambda: renderer.show(core))
         else:
-            every = max(1, round(1 / (FRAME_RATE * environment.policy_dt)))
-            with written_whole(video) as beside, film.writer(beside, 1 / (every * environment.policy_dt)) as writer:
+            every = max(1, round(1 / (FRAME_RATE * config.policy_dt)))
+            with written_whole(video) as beside, film.writer(beside, 1 / (every * config.policy_dt)) as writer:
                 count = [0]
 
                 def draw() -> bool:

@@ -13,14 +13,19 @@ import os
 import threading
 import time
 import weakref
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from crossgait import _core
+from crossgait.errors import ConfigError
+from crossgait.inputs import RobotLike, TerrainLike, as_robot, as_terrain
 from crossgait.viewing.mujoco_scene import Frame, has_display, mujoco, reach_of, scene_of
+
+Depth = npt.NDArray[np.float32]
 
 #: Between two frames in a window, s.
 _FRAME_TIME = 1 / 60
@@ -31,33 +36,42 @@ class Renderer:
 
     def __init__(
         self,
-        robot: _core.Robot,
-        terrain: _core.Terrain | None = None,
+        robot: RobotLike,
+        terrain: TerrainLike | None = None,
         *,
         width: int = 640,
         height: int = 480,
         azimuth: float = 130,
         elevation: float = -20,
+        distance: float | None = None,
+        look_at: Sequence[float] | None = None,
     ) -> None:
         """Build the scene; a graphics context is made by the first `frame` or `show`.
 
         Args:
-            robot: drawn by its visual shapes, or by its collision shapes where it has none or they cannot be read.
+            robot: drawn by its visual shapes, or by its collision shapes where it has none or they cannot be read, with
+                a stick along each link that has neither.
             terrain: coloured by height, with a line every 0.1 m; flat ground has squares of 0.1 m.
             width: of a frame, pixels.
             height: of a frame, pixels.
             azimuth: direction of the camera's look, deg: 90 is along the world's y.
             elevation: of the camera's look, deg.
+            distance: of the camera from what it looks at, m; by the robot's size if None.
+            look_at: what a camera that stands still looks at, m; None for one that goes with the robot's base.
+
+        Raises:
+            ConfigError: for a robot or terrain that cannot be read, or a camera that is nowhere.
 
         """
-        self.robot = robot
-        self.terrain = terrain if terrain is not None else _core.Terrain()
+        self.robot, self.terrain = as_robot(robot), as_terrain("flat" if terrain is None else terrain)
         self._size = (width, height)
-        self._model = scene_of(robot, self.terrain, width, height)
+        self._model = scene_of(self.robot, self.terrain, width, height)
         self._data = mujoco.MjData(self._model)
         self._camera = mujoco.MjvCamera()
         self._camera.azimuth, self._camera.elevation = azimuth, elevation
-        self._distance = self._camera.distance = 4.5 * reach_of(robot)
+        self._distance = 4.5 * reach_of(self.robot) if distance is None else _positive(distance)
+        self._camera.distance = self._distance
+        self._still = None if look_at is None else _point(look_at)
         self._offscreen: mujoco.Renderer | None = None
         self._window: Any = None
         self._shown = -1.0  # time of the state that the window shows, s
@@ -68,17 +82,14 @@ class Renderer:
 
         Args:
             state: of the robot.
-            look_at: where the camera looks, m; at the robot's base by default.
+            look_at: where the camera looks, m; by default as the renderer was made for.
             wider: how much further the camera is away, m.
 
         Raises:
             RuntimeError: where no graphics context can be made.
 
         """
-        self._pose(state)
-        if look_at is not None:
-            self._camera.lookat = np.asarray(look_at, dtype=float)
-        self._camera.distance = self._distance + wider
+        self._aim(state, look_at, wider)
         if self._offscreen is None:
             self._offscreen = self._make_offscreen()
         self._offscreen.update_scene(self._data, self._camera)
@@ -86,6 +97,22 @@ class Renderer:
         self._offscreen.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = look_at is None
         frame: Frame = self._offscreen.render()
         return frame.copy()
+
+    def depth(self, state: _core.State, look_at: Sequence[float] | None = None, wider: float = 0) -> Depth:
+        """How far what the camera sees is along its look, m: height x width, float32; arguments as of `frame`.
+
+        Where there is only sky it is the far end of what the camera sees. Raises RuntimeError as `frame`.
+        """
+        self._aim(state, look_at, wider)
+        if self._offscreen is None:
+            self._offscreen = self._make_offscreen()
+        self._offscreen.update_scene(self._data, self._camera)
+        self._offscreen.enable_depth_rendering()
+        try:
+            depth: Depth = self._offscreen.render().astype(np.float32)
+        finally:
+            self._offscreen.disable_depth_rendering()
+        return depth
 
     def show(self, state: _core.State) -> bool:
         """Draw into a window, no faster than it happened. False once somebody has closed the window.
@@ -127,6 +154,12 @@ class Renderer:
     ) -> None:
         self.close()
 
+    def _aim(self, state: _core.State, look_at: Sequence[float] | None, wider: float) -> None:
+        self._pose(state)
+        if look_at is not None:
+            self._camera.lookat = _point(look_at)
+        self._camera.distance = self._distance + wider
+
     def _pose(self, state: _core.State) -> None:
         for i, pose in enumerate(_core.body_poses(self.robot, state)):
             self._data.mocap_pos[i] = pose[:3, 3]
@@ -134,7 +167,7 @@ class Renderer:
         self._data.mocap_pos[-1] = state.p_WB  # the sun
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
-        self._camera.lookat = state.p_WB
+        self._camera.lookat = state.p_WB if self._still is None else self._still
 
     def _make_offscreen(self) -> mujoco.Renderer:
         try:
@@ -166,6 +199,19 @@ class Renderer:
         return window
 
 
+def _positive(distance: float) -> float:
+    if not (np.isfinite(distance) and distance > 0):
+        raise ConfigError("camera", "distance", "a number above zero, m", f"{distance:g}")
+    return float(distance)
+
+
+def _point(look_at: Sequence[float]) -> npt.NDArray[np.float64]:
+    point = np.asarray(look_at, dtype=float)
+    if point.shape != (3,) or not np.isfinite(point).all():
+        raise ConfigError("camera", "look_at", "three finite numbers, m", repr(look_at))
+    return point
+
+
 def _close_window(window: Any, threads: set[threading.Thread]) -> None:
     window.close()
     for thread in threads:
@@ -175,13 +221,17 @@ def _close_window(window: Any, threads: set[threading.Thread]) -> None:
 class EnvironmentRenderer:
     """Draws environments of the core, all of one robot, each on the ground of its episode."""
 
-    def __init__(self, width: int, height: int) -> None:
-        self._size = (width, height)
+    def __init__(self, width: int, height: int, camera: Mapping[str, Any] | None = None) -> None:
+        self._how = {"width": width, "height": height, **(camera or {})}
         self._renderer: Renderer | None = None
 
     def frame(self, environment: _core.Environment | _core.EnvironmentView) -> Frame:
         """Draw into an array, height x width x 3."""
         return self._of(environment).frame(environment.state)
+
+    def depth(self, environment: _core.Environment | _core.EnvironmentView) -> Depth:
+        """Distances, m, height x width."""
+        return self._of(environment).depth(environment.state)
 
     def show(self, environment: _core.Environment) -> bool:
         """Draw into a window; False once somebody has closed it."""
@@ -197,8 +247,7 @@ class EnvironmentRenderer:
         terrain = environment.terrain
         if self._renderer is None or not _same_ground(self._renderer.terrain, terrain):
             self.close()
-            width, height = self._size
-            self._renderer = Renderer(environment.robot, terrain, width=width, height=height)
+            self._renderer = Renderer(environment.robot, terrain, **self._how)
         return self._renderer
 
 

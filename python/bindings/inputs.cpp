@@ -1,0 +1,91 @@
+#include "python/bindings/inputs.h"
+
+#include <cctype>
+#include <cstdlib>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/string.h>
+
+#include "physics/core/error.h"
+#include "physics/core/hash.h"
+#include "python/bindings/robot.h"
+
+namespace crossgait::python {
+namespace {
+
+namespace fs = std::filesystem;
+namespace nb = nanobind;
+
+// A str or an os.PathLike.
+std::optional<std::string> path_text(nb::handle value) {
+  if (nb::isinstance<nb::str>(value)) return nb::cast<std::string>(value);
+  if (nb::hasattr(value, "__fspath__")) return nb::cast<fs::path>(value).string();
+  return std::nullopt;
+}
+
+std::string type_called(nb::handle value) { return nb::cast<std::string>(value.type().attr("__name__")); }
+
+fs::path cache_folder() {
+  const auto variable = [](const char* name) -> std::string_view {
+    const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): the interpreter's lock is held
+    return value == nullptr ? std::string_view() : std::string_view(value);
+  };
+  if (const std::string_view cache = variable("XDG_CACHE_HOME"); !cache.empty()) return cache;
+  if (const std::string_view home = variable("HOME"); !home.empty()) return fs::path(home) / ".cache";
+  return fs::temp_directory_path();
+}
+
+// What may stand in a file's name whatever the system, of a terrain's own.
+std::string plain(const std::string& name) {
+  constexpr std::size_t kLongest = 40;
+  std::string text;
+  for (const char c : name.substr(0, kLongest)) text += std::isalnum(static_cast<unsigned char>(c)) ? c : '-';
+  return text.empty() ? "terrain" : text;
+}
+
+}  // namespace
+
+std::string terrain_file(const Terrain& terrain) {
+  const HeightField& field = *terrain.field();
+  const std::string size = fmt::format("size_x={},size_y={}", field.size_x(), field.size_y());
+  const auto* bytes = reinterpret_cast<const char*>(field.heights().data());
+  const std::string hash = Fnv1a()
+                               .add(fmt::format("{} {} {} ", field.rows(), field.columns(), size))
+                               .add(std::string_view(bytes, field.heights().size() * sizeof(float)))
+                               .hex();
+  const fs::path folder = cache_folder() / "crossgait" / "terrains";
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw ConfigError(folder.string(), "folder", "one that can be written", error.message());
+  const fs::path file = folder / fmt::format("{}-{}.csv", plain(terrain.name()), hash);
+  if (!fs::exists(file, error)) write_csv(field, file.string());
+  return fmt::format("{}:{}", file.string(), size);
+}
+
+std::string terrain_text(nb::handle value, const std::string& source) {
+  if (const auto text = path_text(value)) return *text;
+  if (!nb::isinstance<Terrain>(value))
+    throw ConfigError(source, "terrain",
+                      "a name, a file or a Terrain (an array becomes one by Terrain.from_heights)",
+                      type_called(value));
+  const auto& terrain = nb::cast<const Terrain&>(value);
+  return terrain.field() == nullptr ? "flat" : terrain_file(terrain);
+}
+
+Terrain terrain_of(const TerrainChoice& choice) {
+  const auto* terrain = std::get_if<Terrain>(&choice);
+  return terrain != nullptr ? *terrain : make_terrain(std::get<std::filesystem::path>(choice).string());
+}
+
+std::string robot_text(nb::handle value, const std::string& source) {
+  if (const auto text = path_text(value)) return *text;
+  if (!nb::isinstance<Robot>(value))
+    throw ConfigError(source, "robot", "a name, a file or a Robot", type_called(value));
+  return nb::cast<const Robot&>(value).from;
+}
+
+}  // namespace crossgait::python

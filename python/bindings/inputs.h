@@ -1,0 +1,31 @@
+// What Python hands over where the core takes a text: one way for every function that takes it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <variant>
+
+#include <nanobind/nanobind.h>
+
+#include "physics/terrain/terrain.h"
+
+namespace crossgait::python {
+
+/// The text of a terrain: of a name or a file itself; of a `Terrain`, "flat" or the file of its heights
+/// (`terrain_file`). @throws ConfigError naming `source` for anything else
+std::string terrain_text(nanobind::handle value, const std::string& source);
+
+/// The name or file of a robot, or of a `Robot`. @throws ConfigError likewise
+std::string robot_text(nanobind::handle value, const std::string& source);
+
+/// A terrain, or its name or file.
+using TerrainChoice = std::variant<Terrain, std::filesystem::path>;
+/// @throws ConfigError for one that cannot be read
+Terrain terrain_of(const TerrainChoice& choice);
+
+/// Text that `make_terrain` gives back the same field of, to the last bit: a CSV file in the user's cache
+/// (`XDG_CACHE_HOME`, or ~/.cache), named by its contents, which is written unless it is there.
+/// @throws ConfigError if it cannot be written
+std::string terrain_file(const Terrain& terrain);
+
+}  // namespace crossgait::python
