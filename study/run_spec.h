@@ -33,7 +33,8 @@ struct BehaviourSpec {
 
 /// A policy in its environment, whose files are read.
 struct LoadedPolicy {
-  explicit LoadedPolicy(const LoadedEnv& environment, const std::string& policy);
+  /// @param name  of the policy, as `load_policy` takes it. @throws ConfigError
+  LoadedPolicy(const LoadedEnv& environment, const std::string& name);
 
   std::shared_ptr<const EnvModel> model;
   NamedPolicy policy;
