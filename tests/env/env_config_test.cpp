@@ -218,7 +218,7 @@ TEST(EnvConfig, AGivenRewardIsTheWholeReward) {
 TEST(EnvConfig, ErrorsNameTheLineTheExpectedAndTheFound) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases{
       {"gait: trot\ngiat: walk\n", {"env.yaml", "line 2", "giat"}},
-      {"\ngait: amble\n", {"line 2, gait", "trot", "amble"}},
+      {"\ngait: stroll\n", {"line 2, gait", "trot", "stroll"}},
       {"gait: trot\npreset: book\n", {"line 2, preset", "guide", "book"}},
       {"heading_hold: 1.5\n", {"line 1, heading_hold", "1.5"}},
       {"parameters: {step_size: 1}\n", {"line 1", "step_height", "step_size"}},

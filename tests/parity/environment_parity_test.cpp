@@ -1,9 +1,12 @@
 // The environment on engines that declare MuJoCo's contact law: the same observations to 1e-10 over 1000
 // random actions. And a golden trajectory for every set of laws, against changes that nobody meant.
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <set>
 #include <sstream>
+
+#include <fmt/ranges.h>
 
 #include "physics/core/text.h"
 #include "tests/support/engine_test.h"
@@ -103,21 +106,45 @@ bool is_recorded(const ObservationBlock& block) {
   return scenes::needs_no_setting(block) && !in_other_numbers.contains(block.name);
 }
 
-/// An observation every 25 steps of 200 under fixed actions, one line each.
-std::vector<std::vector<double>> golden_run(const std::string& world) {
-  QuadrupedEnv env(blocks_on("rough", is_recorded), find_engine(world));
-  std::vector<double> seen(env.observation_size());
+/// What is recorded, by the names of its entries, and an observation every 25 steps of 200 under fixed
+/// actions.
+struct Recording {
+  std::vector<std::string> names;
   std::vector<std::vector<double>> lines;
+};
+
+Recording golden_run(const std::string& world) {
+  QuadrupedEnv env(blocks_on("rough", is_recorded), find_engine(world));
+  Recording out;
+  for (const LayoutEntry& entry : env.observation_layout().entries) out.names.push_back(entry.name);
+  std::vector<double> seen(env.observation_size());
   env.reset(1, seen);
-  lines.push_back(seen);
+  out.lines.push_back(seen);
   Random random(4);
   for (int i = 1; i <= 200; ++i) {
     std::vector<double> action = scenes::random_action(random, env.action_size());
     for (double& a : action) a *= 0.3;
     env.step(action, seen);
-    if (i % 25 == 0) lines.push_back(seen);
+    if (i % 25 == 0) out.lines.push_back(seen);
   }
-  return lines;
+  return out;
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> out;
+  std::istringstream in(line);
+  for (std::string cell; std::getline(in, cell, ',');) out.push_back(cell);
+  return out;
+}
+
+void write_golden(const std::string& path, const Recording& run) {
+  std::ofstream out(path);
+  out.precision(12);
+  out << fmt::format("{}\n", fmt::join(run.names, ","));
+  for (const auto& line : run.lines) {
+    for (std::size_t k = 0; k < line.size(); ++k) out << (k == 0 ? "" : ",") << line[k];
+    out << "\n";
+  }
 }
 
 /// Engines of the same laws see the same: "contact-mujoco_loops-mujoco".
@@ -133,29 +160,26 @@ INSTANTIATE_TEST_SUITE_P(EveryEngine, GoldenObservations, ::testing::ValuesIn(ow
 TEST_P(GoldenObservations, AreAsRecorded) {
   const std::string path =
       CROSSGAIT_SOURCE_DIR "/tests/parity/golden/" + name_of(find_engine(GetParam()).info.laws) + ".csv";
-  const std::vector<std::vector<double>> lines = golden_run(GetParam());
-  if (std::getenv("CROSSGAIT_WRITE_GOLDEN") != nullptr) {
-    std::ofstream out(path);
-    out.precision(12);
-    for (const auto& line : lines) {
-      for (std::size_t k = 0; k < line.size(); ++k) out << (k == 0 ? "" : ",") << line[k];
-      out << "\n";
-    }
-    return;
-  }
+  const Recording run = golden_run(GetParam());
+  if (std::getenv("CROSSGAIT_WRITE_GOLDEN") != nullptr) return write_golden(path, run);
   std::istringstream in(read_text_file(path, kTraceBudget));
   std::string text;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
+  ASSERT_TRUE(std::getline(in, text)) << path;
+  const std::vector<std::string> recorded = cells_of(text);
+  for (std::size_t i = 0; i < run.lines.size(); ++i) {
     ASSERT_TRUE(std::getline(in, text)) << path << " ends at line " << i;
-    std::istringstream cells(text);
-    std::string cell;
-    for (std::size_t k = 0; k < lines[i].size(); ++k) {
-      ASSERT_TRUE(std::getline(cells, cell, ',')) << path << " line " << i + 1 << " has " << k << " values";
-      const std::optional<double> expected = parse_number(cell);
-      ASSERT_TRUE(expected) << cell;
+    const std::vector<std::string> cells = cells_of(text);
+    ASSERT_EQ(cells.size(), recorded.size()) << path << " line " << i + 2;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      // By name: a block that came after the recording is not of it.
+      const auto entry = std::find(run.names.begin(), run.names.end(), recorded[k]);
+      ASSERT_NE(entry, run.names.end()) << recorded[k] << " is not observed any more";
+      const std::optional<double> expected = parse_number(cells[k]);
+      ASSERT_TRUE(expected) << cells[k];
       // Another machine's sine may differ in the last bit; 400 ms of contact make at most this of it.
-      ASSERT_NEAR(lines[i][k], *expected, 1e-6 * (1 + std::abs(*expected)))
-          << "line " << i + 1 << ", value " << k + 1;
+      ASSERT_NEAR(run.lines[i][static_cast<std::size_t>(entry - run.names.begin())], *expected,
+                  1e-6 * (1 + std::abs(*expected)))
+          << recorded[k] << " of line " << i + 2;
     }
   }
   EXPECT_FALSE(std::getline(in, text)) << path << " is longer";
