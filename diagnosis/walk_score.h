@@ -43,7 +43,7 @@ struct WalkTest {
 
 /// Straight ahead, to both sides and standing, about what `config` asks for.
 /// @returns speeds in m/s: its own forward speed (half a metre a second if that is less than a tenth), turns
-///          of .4 rad/s
+///          of 0.4 rad/s
 std::vector<WalkCommand> walk_commands(const EnvConfig& config);
 
 /// Bounds within which a walk counts as what was asked.
@@ -53,9 +53,9 @@ struct WalkTolerance {
 };
 
 /// Score of a walk, 0 for what was asked to the letter without effort. The sum of
-///   speed error over the larger of the command and .3 m/s, at most 1,
-///   yaw rate error over the larger of the command and .4 rad/s, at most 1,
-///   .3 jitter over 500 rad/s^2, .2 effort over 3 and .3 tilt over .2 rad, each at most 1,
+///   speed error over the larger of the command and 0.3 m/s, at most 1,
+///   yaw rate error over the larger of the command and 0.4 rad/s, at most 1,
+///   0.3 jitter over 500 rad/s^2, 0.2 effort over 3 and 0.3 tilt over 0.2 rad, each at most 1,
 /// for a walk that lasts, and 3 plus the share of the time that was left for one that does not.
 double walk_score(const WalkMeasure& walk) noexcept;
 

@@ -42,7 +42,7 @@ struct EnvConfig {
   GaitSettings parameters;
   std::vector<std::string> adapt = AdaptiveGaitOptions{}.parameters;  ///< parameters that the action changes
   AdaptationRanges adaptation;                                        ///< `ranges` and `delta_scales` of them
-  std::optional<double> residual_scale;    ///< m; empty: .01 of the reference robot, by size
+  std::optional<double> residual_scale;    ///< m; empty: 0.01 of the reference robot, by size
   std::optional<VelocityCommand> command;  ///< empty: steps of step_length, as the guide's
   bool heading_hold = true;                ///< steer to the heading that the command leads to
 

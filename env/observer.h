@@ -23,7 +23,7 @@ class Observer {
            double control_dt);
 
   /// One entry per number. What a scale changes is in its unit, what is seen late in its name: "v_B.x@0.02"
-  /// is that of .02 s ago.
+  /// is that of 0.02 s ago.
   const Layout& layout() const noexcept { return layout_; }
 
   /// An episode begins. @param seed  of the noise

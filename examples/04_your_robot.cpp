@@ -1,4 +1,4 @@
-// Reads a robot's file, says what was inferred, and lets it trot at .4 m/s: 04_your_robot [FILE].
+// Reads a robot's file, says what was inferred, and lets it trot at 0.4 m/s: 04_your_robot [FILE].
 #include <cstdio>
 
 #include "crossgait/backends/registry.h"

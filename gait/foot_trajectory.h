@@ -19,7 +19,7 @@ struct StridePoint {
 };
 
 /// The guide's swing at progress u: a cubic Bezier with control points along (-1, -shape, shape, 1) and lift
-/// (0, 1, 1, 0), shape clamped to [.05, .95]. Its apex is at lift 3/4.
+/// (0, 1, 1, 0), shape clamped to [.05, 0.95]. Its apex is at lift 3/4.
 StridePoint bezier_swing(double u, double shape) noexcept;
 
 /// A swing whose velocity at both ends is that of the stance, and whose apex is at lift 1: along = a v + b

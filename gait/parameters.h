@@ -45,7 +45,7 @@ struct GaitParameters {
   SwingCurve swing = SwingCurve::kBezier;
 };
 
-/// The numbers of the guide's GaitParameters (body_height .07, step_length .05, step_height .015, ...).
+/// The numbers of the guide's GaitParameters (body_height 0.07, step_length 0.05, step_height 0.015, ...).
 constexpr GaitParameters guide_parameters() {
   return {.step_height = 0.015,
           .step_length = 0.05,
@@ -58,7 +58,7 @@ constexpr GaitParameters guide_parameters() {
           .load_share = 0.35};
 }
 
-/// Those of the guide's adaptive controller, which are others (body_height .05, step_length .06, ...).
+/// Those of the guide's adaptive controller, which are others (body_height 0.05, step_length 0.06, ...).
 constexpr GaitParameters guide_adaptive_parameters() {
   GaitParameters p = guide_parameters();
   p.step_height = 0.04;

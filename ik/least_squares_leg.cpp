@@ -239,7 +239,7 @@ LeastSquaresLegGeometry least_squares_leg_geometry(const RobotDescription& robot
   }
   const double bend = bend_about_axis(g, at_home);
   if (!home.allFinite() || std::abs(bend) < kStraight || std::abs(bend) > M_PI - kStraight) {
-    frames.fail("home", "a knee bent by .05 rad or more", fmt::format("{:g} rad", bend));
+    frames.fail("home", "a knee bent by 0.05 rad or more", fmt::format("{:g} rad", bend));
   }
   const bool forward = knee_axis_sign(g) * bend > 0;
   g.starts[forward ? 0 : 1] = home;

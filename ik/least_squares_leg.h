@@ -39,7 +39,7 @@ struct LeastSquaresLegGeometry {
 /// @param home  a posture of the leg with its knee bent; the other branch's start has it bent the other
 ///   way and, if it can, its foot where it is in `home`
 /// @throws ConfigError naming file, leg and joint if the joints do not hang on each other or on the base, the
-///   foot does not move with the knee, or the knee of `home` is straight to .05 rad, which tells no branch
+///   foot does not move with the knee, or the knee of `home` is straight to 0.05 rad, which tells no branch
 LeastSquaresLegGeometry least_squares_leg_geometry(const RobotDescription& robot, Leg leg,
                                                    const SerialLegJoints& joints, const LegJointAngles& home);
 
@@ -55,7 +55,7 @@ inline constexpr double kConverged = 1e-10;
 /// Joint angles that put the foot's centre on `target` to `kConverged`, sought from `start` (moved into the
 /// joint limits) by Levenberg and Marquardt's method in the variables' box: joints at a limit that the step
 /// would pass are held. The knee stays on the side to which it is bent in `start`; one that is straight or
-/// folded to .05 rad goes where its limits leave more room. Where a search ends away from the target others
+/// folded to 0.05 rad goes where its limits leave more room. Where a search ends away from the target others
 /// start from other postures, at most five in all of at most 60 iterations each; the nearest posture is the
 /// answer. Of feet at random over the whole range of a robot's joints about 2 in 1000 are missed from its
 /// home posture.

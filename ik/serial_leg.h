@@ -51,8 +51,8 @@ struct SerialLegGeometry : TiltMount {
 /// Largest misalignment of a joint axis that counts as none, rad. Files written by programs with six decimals
 /// are within 1e-5; frames turned on purpose are off by 1e-3 and more. The foot is then wrong by at most 2e-4
 /// (r1 + r2 + r3), r being its distances from the three joints (an axis off by e turns a point at distance r
-/// along a circle that is nowhere farther than 2 e r from the right one): .2 mm for a leg of .5 m at the very
-/// worst.
+/// along a circle that is nowhere farther than 2 e r from the right one): 0.2 mm for a leg of 0.5 m at the
+/// very worst.
 inline constexpr double kSerialAlignment = 1e-4;
 
 /// Whether the axes of the joints are those of a serial leg, each within `tolerance` (rad): abduction along

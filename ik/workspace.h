@@ -51,7 +51,7 @@ WorkspaceMap sample_workspace(const LegKinematics& leg, LegBranch branch, const 
                               const std::array<int, 3>& count);
 
 /// How far a foot can go from `start` along the unit vector `direction` with every target on the way safe, m;
-/// zero if `start` itself is not safe. Found by steps of .5 mm (of a leg of more than .25 m: as many steps)
+/// zero if `start` itself is not safe. Found by steps of 0.5 mm (of a leg of more than 0.25 m: as many steps)
 /// and bisection to 1 um.
 double safe_distance(const LegKinematics& leg, const Vector3& start, const Vector3& direction,
                      LegBranch branch, const RequiredMargins& required = {}) noexcept;

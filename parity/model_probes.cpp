@@ -39,7 +39,7 @@ double torque_of(PhysicsBackend& world, const RobotState& state, int joint, doub
 /// Velocity of the point of `body` that is at `p_WP` now, m/s.
 Vector3 point_velocity(const RobotDescription& robot, const RobotState& state, int body,
                        const Vector3& p_WP) {
-  constexpr double kShort = 1e-6;  // s: of a foot at 10 m/s on a shank of .1 m the rest is 1e-3 m/s
+  constexpr double kShort = 1e-6;  // s: of a foot at 10 m/s on a shank of 0.1 m the rest is 1e-3 m/s
   const auto b = static_cast<std::size_t>(body);
   std::vector<Pose> now, then;
   forward_kinematics(robot, state, now);

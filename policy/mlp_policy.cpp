@@ -57,7 +57,7 @@ MlpPolicy::MlpPolicy(const PolicyBundle& bundle, const std::string& source, cons
 void MlpPolicy::check_golden(const PolicyBundle& bundle, const std::string& path) {
   // Sums of a thousand products of order one are good to about 1e-6 in single precision, in whatever order
   // they are added; a wrong activation, normalisation or layer order is off by far more than 1e-5, which in
-  // turn moves a foot by no more than .1 micrometres.
+  // turn moves a foot by no more than 0.1 micrometres.
   constexpr double kTolerance = 1e-5;
   std::vector<double> action(interface().action.size());
   for (Eigen::Index row = 0; row < bundle.golden_observation.rows(); ++row) {

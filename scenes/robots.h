@@ -55,7 +55,7 @@ RobotPtr sled();
 RobotPtr block(ShapeType type, const Vector3& size);
 /// The same with a shape that is no more than a type and sizes.
 RobotPtr block(CollisionShape shape);
-/// A gem: the hull of 12 points, no two at one height in any of the poses it rests in, about .1 m across.
+/// A gem: the hull of 12 points, no two at one height in any of the poses it rests in, about 0.1 m across.
 CollisionShape gem();
 /// A trunk with a box, its centre of mass off its origin, that swings a cylinder, a capsule, a hull and a box
 /// on servos: it lands on any of them.

@@ -29,7 +29,7 @@ struct Standing {
 };
 
 /// Holds the servos at the home pose for `seconds` of simulated time, from the home pose at rest on the
-/// ground, in each engine. @throws ConfigError for an engine that is not there, or fewer seconds than .5
+/// ground, in each engine. @throws ConfigError for an engine that is not there, or fewer seconds than 0.5
 std::vector<Standing> stand(const WorldSpec& world, const std::vector<std::string>& engines, double seconds);
 
 /// A table for each engine.

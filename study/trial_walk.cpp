@@ -147,7 +147,7 @@ std::string describe(const Trial& trial) {
     table.add_row(std::move(cells));
     for (const std::string& failure : walk.failures) wrong += fmt::format("{}: {}\n", walk.engine, failure);
   }
-  return fmt::format("{}\nTold to go at {:.2f} m/s, .25 sqrt(g h).\n{}", table.str(), trial.commanded_mps,
+  return fmt::format("{}\nTold to go at {:.2f} m/s, 0.25 sqrt(g h).\n{}", table.str(), trial.commanded_mps,
                      wrong.empty() ? "Nothing is wrong.\n" : wrong);
 }
 

@@ -22,7 +22,7 @@ struct TrialWalk {
 };
 
 struct Trial {
-  double commanded_mps = 0;  ///< .25 sqrt(g h): what robots of any size trot at
+  double commanded_mps = 0;  ///< 0.25 sqrt(g h): what robots of any size trot at
   std::vector<TrialWalk> walks;
 
   bool passed() const;

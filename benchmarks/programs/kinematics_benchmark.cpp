@@ -48,7 +48,7 @@ void BM_GaitInverseKinematicsAndCompensation(benchmark::State& state) {
 }
 BENCHMARK(BM_GaitInverseKinematicsAndCompensation);
 
-/// One leg of either kind: the five-bar, and a serial leg of .42 m with straight or oblique axes, standing.
+/// One leg of either kind: the five-bar, and a serial leg of 0.42 m with straight or oblique axes, standing.
 LegKinematics leg_of_kind(LegKind kind) {
   if (kind == LegKind::kFiveBar) return make_leg_kinematics(*robot(), Leg::FL);
   RobotDescription serial;

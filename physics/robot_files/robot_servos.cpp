@@ -80,7 +80,7 @@ void fill_efforts(const ServoRule& rule, const std::set<int>& unknown, RobotDesc
   if (overridden.empty()) return;
   report.warnings.push_back(
       fmt::format("the file's torque limit of {} N m of {} is that of no servo of this "
-                  "robot: {:.3g} N m is used (.8 m g h)",
+                  "robot: {:.3g} N m is used (0.8 m g h)",
                   overridden.numbers(), overridden.of(), rule.effort_limit));
 }
 
@@ -121,7 +121,7 @@ void infer_gains(const ServoRule& rule, const std::set<int>& unknown, RobotDescr
       joint.kd = has_kp ? rule.kd * joint.kp / rule.kp : rule.kd;
       if (has_kp) undamped.add(joint.name, joint.kd);
       auto& reasons = report.reasons[joint.name];
-      reasons["kd"] = "damping ratio .3 of a leg that gives way by .03 h";
+      reasons["kd"] = "damping ratio 0.3 of a leg that gives way by 0.03 h";
       if (has_kp) continue;
       joint.kp = rule.kp;
       reasons["kp"] = "3 m g h";
@@ -136,14 +136,14 @@ void infer_gains(const ServoRule& rule, const std::set<int>& unknown, RobotDescr
          undamped.empty()
              ? "the file's position actuators; what damps them is theirs or the joints'"
              : fmt::format(
-                   "the file's position actuators; nothing damps {} of them from '{}': damping ratio .3 "
-                   "of a leg that gives way by .03 h",
+                   "the file's position actuators; nothing damps {} of them from '{}': damping ratio 0.3 "
+                   "of a leg that gives way by 0.03 h",
                    undamped.joints.size(), undamped.joints.front())});
   }
   if (!of_rule.empty()) {
     report.inferred.push_back({"servo",
                                fmt::format("kp {:.3g} N m/rad, kd {:.3g} N m s/rad", rule.kp, rule.kd),
-                               "kp = 3 m g h; damping ratio .3 of a leg that gives way by .03 h"});
+                               "kp = 3 m g h; damping ratio 0.3 of a leg that gives way by 0.03 h"});
   }
   warn_of_gains(rule, of_file, of_rule, undamped, soft, report);
   fill_efforts(rule, unknown, robot, report);

@@ -80,11 +80,11 @@ const std::vector<TerrainGenerator>& terrain_generators();
 /// the
 ///   file declares; of colours their luminance (Rec. 709) is, and transparency is ignored. The top row of
 ///   pixels has the largest y, so that the picture is the map seen from above. Without keys the scale comes
-///   from the file's own sCAL and pCAL chunks, which `write_png` writes; without those a pixel is .025 m
-///   wide, z_min = 0, z_max = .05 m.
+///   from the file's own sCAL and pCAL chunks, which `write_png` writes; without those a pixel is 0.025 m
+///   wide, z_min = 0, z_max = 0.05 m.
 /// - CSV: comma-separated heights in m, no header; the first line has the largest y, as in the picture.
 /// Samples stand
-///   .025 m apart unless size_x, size_y are given: CSV carries no scale.
+///   0.025 m apart unless size_x, size_y are given: CSV carries no scale.
 /// `Terrain::scale` says which it was.
 /// @throws ConfigError naming the text, key, file, line or column
 Terrain make_terrain(std::string_view text, std::uint64_t seed = 0);

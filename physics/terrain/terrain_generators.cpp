@@ -155,7 +155,7 @@ HeightFunction rough(const TerrainValues& values, std::uint64_t seed) {
 
 /// The parameters of one generator, followed by those of the grid that every field has.
 std::vector<TerrainParameter> on_grid(std::vector<TerrainParameter> parameters) {
-  // 16 m by 4 m about the origin: 60 s at .1 m/s stay on it with room for a curved path.
+  // 16 m by 4 m about the origin: 60 s at 0.1 m/s stay on it with room for a curved path.
   parameters.push_back({"size_x", "m", "extent along x", 16, 0.1, 200});
   parameters.push_back({"size_y", "m", "extent along y", 4, 0.1, 200});
   parameters.push_back({"cell", "m", "largest distance of samples", 0.025, 0.001, 1});

@@ -242,7 +242,7 @@ TEST(Program, CompareReportsRunsAndPairs) {
   EXPECT_EQ(pair["b"], engines[1]);
   for (const char* key :
        {"max_position_difference_m", "max_joint_difference_rad", "max_attitude_difference_rad"}) {
-    // No two engines round alike over a thousand steps; and neither went further than .3 m, nor fell.
+    // No two engines round alike over a thousand steps; and neither went further than 0.3 m, nor fell.
     EXPECT_GT(pair[key].get<double>(), 0.0) << key;
     EXPECT_LT(pair[key].get<double>(), 0.3) << key;
   }
@@ -286,7 +286,7 @@ TEST(Program, TraceHasOneRowPerControlStep) {
 TEST(Program, IkAnswersInJointAngles) {
   const json down = run_json("ik --target 0,0,-0.07 --mode 2");
   EXPECT_EQ(down["status"], "ok");
-  // By hand: shoulder at -.01, tip .07 below the middle: law of cosines with .045 and .060.
+  // By hand: shoulder at -0.01, tip 0.07 below the middle: law of cosines with 0.045 and 0.060.
   const double reach = std::hypot(0.01, 0.07);
   const double bend = std::acos((0.045 * 0.045 + reach * reach - 0.06 * 0.06) / (2 * 0.045 * reach));
   const json& q = down["joints_rad"];
@@ -301,7 +301,7 @@ TEST(Program, IkAnswersInJointAngles) {
 TEST(Program, IkAnswersForSerialLegsToo) {
   const json down = run_json("ik --robot serial_quadruped --target 0,0,-0.3"),
              forward = run_json("ik --robot serial_quadruped --target 0,0,-0.3 --knee forward");
-  // Two links of .2 m: half the way down is the cosine of the hip's angle.
+  // Two links of 0.2 m: half the way down is the cosine of the hip's angle.
   EXPECT_EQ(down["kind"], "serial");
   EXPECT_NEAR(down["joints_rad"]["hip"], std::acos(0.75), 1e-12);
   EXPECT_NEAR(down["joints_rad"]["knee"], -2 * std::acos(0.75), 1e-12);

@@ -20,7 +20,7 @@ TEST(Workspace, ReportsWhatALegReaches) {
   const json result = run_json("workspace");
   EXPECT_EQ(result["leg"], "FL");
   EXPECT_EQ(result["gait"], "trot");
-  // By hand: links of .045 and .060 m from a shoulder .010 m off the middle.
+  // By hand: links of 0.045 and 0.060 m from a shoulder 0.010 m off the middle.
   EXPECT_NEAR(result["reach_m"]["max"][0], 0.105 - 0.01, 1e-12);
   const double fraction = result["reachable_fraction"];
   EXPECT_GT(fraction, 0.1);

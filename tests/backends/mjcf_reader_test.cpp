@@ -332,7 +332,7 @@ TEST_F(MjcfReader, JointsThatAreDampedNeedNoDampingOfTheServo) {
   EXPECT_EQ(robot.joint((*robot.legs)[Leg::FL].joint("hip")).kd, 0);
 }
 
-// Feet .2 cos(1) + .2 cos(1) = .216 m below the hips: all servo angles are the file's.
+// Feet 0.2 cos(1) + 0.2 cos(1) = 0.216 m below the hips: all servo angles are the file's.
 constexpr const char* kKeys = R"(<keyframe>
   <key name="lying" qpos="0 0 0 1 0 0 0  0 0  0 0  0 0  0 0"/>
   <key name="home" qpos="0 0 .2 1 0 0 0  1 -2  1 -2  1 -2  1 -2" ctrl="1 2 3"/></keyframe>)";

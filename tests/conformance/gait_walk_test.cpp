@@ -40,7 +40,7 @@ CROSSGAIT_FOR_EVERY_BACKEND(GaitWalk);
 TEST_P(GaitWalk, EveryGaitWalksForwardForTwentySeconds) {
   // Shares of the nominal speed that are asked for, and how much of their swings feet may drag at most: some
   // less, and some more, than was measured in the worse engine (docs/gaits.md), to see a gait get worse
-  // without pinning how well it does; for trot and bound what is asked of them (.97 and .94 were measured).
+  // without pinning how well it does; for trot and bound what is asked of them (0.97 and 0.94 were measured).
   // The guide's drag, which is why they are not the default.
   struct Bound {
     double least_speed, most_swing_contact;
@@ -78,10 +78,10 @@ TEST_P(GaitWalk, TrotTracksItsSpeedAndItsHeading) {
     measured("trot at " + std::to_string(speed) + " m/s, swing contact", s.swing_contact_ratio.value());
     measured("trot at " + std::to_string(speed) + " m/s, slip per path", s.slip_per_path.value());
     measured("trot at " + std::to_string(speed) + " m/s, heading error, deg", s.heading_error_deg.value());
-    EXPECT_NEAR(ratio, 1, 0.05);             // of which starting takes .01
-    EXPECT_LT(s.swing_contact_ratio, 0.05);  // .032 at .35 m/s, .047 at .6
-    // Soft friction creeps by the time, so that what is slow slips by more of its way: .077 at .1 m/s, and
-    // .08 at most. Going backward is no target of the search that found the trot.
+    EXPECT_NEAR(ratio, 1, 0.05);             // of which starting takes 0.01
+    EXPECT_LT(s.swing_contact_ratio, 0.05);  // 0.032 at 0.35 m/s, 0.047 at 0.6
+    // Soft friction creeps by the time, so that what is slow slips by more of its way: 0.077 at 0.1 m/s, and
+    // 0.08 at most. Going backward is no target of the search that found the trot.
     EXPECT_LT(s.slip_per_path, speed > 0 ? 0.08 : 0.1);
     EXPECT_LT(s.heading_error_deg, 5);
     EXPECT_LT(s.rms_pitch_deg, 3);
@@ -126,7 +126,7 @@ TEST_P(GaitWalk, RoughGroundIsCrossedFast) {
     const MotionSummary s = run_walk(*world, make_gait_controller(choice, world->spec()), {.seconds = 5});
     EXPECT_EQ(s.outcome, Outcome::kWalked);
     measured("auto at .8 m/s on rough ground, m/s", s.mean_speed_mps);
-    EXPECT_GT(s.mean_speed_mps, 0.72);  // .78 over 15 s, of which starting takes a larger share of 5 s
+    EXPECT_GT(s.mean_speed_mps, 0.72);  // 0.78 over 15 s, of which starting takes a larger share of 5 s
     EXPECT_LT(s.swing_contact_ratio, 0.1);
     EXPECT_LT(s.heading_error_deg, 10);
   }
@@ -143,7 +143,7 @@ TEST_P(GaitWalk, ASerialRobotTrotsAtGaitsOfItsSize) {
     measured("serial trot, speed over commanded", s.mean_speed_mps / speed);
     measured("serial trot, swing contact", s.swing_contact_ratio.value());
     measured("serial trot, heading error, deg", s.heading_error_deg.value());
-    EXPECT_NEAR(s.mean_speed_mps / speed, 1.025, 0.175);  // .85 to 1.2
+    EXPECT_NEAR(s.mean_speed_mps / speed, 1.025, 0.175);  // 0.85 to 1.2
     EXPECT_LT(s.swing_contact_ratio, 0.05);
     EXPECT_LT(s.heading_error_deg, 10);
     EXPECT_LT(s.rms_roll_deg, 3);

@@ -220,13 +220,13 @@ TEST_P(StartsInTheGround, AndIsNotThrownIntoTheAir) {
         fastest = std::max(fastest, world->state().v_WB.z());
         highest = std::max(highest, world->state().p_WB.z() - kRadius);
       }
-      // A fifth of the depth per step, but no more than .3 m/s; the solver's tolerance.
+      // A fifth of the depth per step, but no more than 0.3 m/s; the solver's tolerance.
       if (law == "hard" || law == "hard+pyramid") {
         EXPECT_NEAR(fastest, std::min(0.2 * depth / step, 0.3), 1e-6) << depth << ", " << step;
       }
     }
   }
-  // From .3 m/s it rises by 4.6 mm; MuJoCo's spring lifts it no further than the ground.
+  // From 0.3 m/s it rises by 4.6 mm; MuJoCo's spring lifts it no further than the ground.
   EXPECT_LT(highest, 0.01);
   measured("highest jump of a ball that starts up to 20 mm deep, m", highest);
 }

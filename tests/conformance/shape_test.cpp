@@ -89,8 +89,8 @@ class Shapes : public EngineTest {
     const double turning = world->state().w_WB.norm();
     measured("acceleration, relative error", (then - first) / 0.6 / expected - 1);
     measured("slip over speed", then / (turning * radius) - 1);
-    // A soft contact sinks by .2 mm of 50, and acts midway: it turns as if it were .2 % smaller, and creeps a
-    // little.
+    // A soft contact sinks by 0.2 mm of 50, and acts midway: it turns as if it were 0.2 % smaller, and creeps
+    // a little.
     EXPECT_NEAR((then - first) / 0.6 / expected, 1, 0.004);
     EXPECT_NEAR(then / (turning * radius), 1, 0.004);
     EXPECT_LT(std::abs(world->state().v_WB.y()), 1e-3 * then) << "straight down";

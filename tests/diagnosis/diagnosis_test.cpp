@@ -46,7 +46,7 @@ TEST(Diagnose, NamesAWrongScaleOfActions) {
   EXPECT_TRUE(first.cures);
   EXPECT_GT(first.low, 0);
   EXPECT_GT(first.effect, found.spread);
-  // What is written walks as the healthy one does: the scale that it was trained with is .5.
+  // What is written walks as the healthy one does: the scale that it was trained with is 0.5.
   for (const auto& [joint, scale] : found.environment.joints.scale.by_name) EXPECT_NEAR(scale, 0.5, 0.1);
 }
 

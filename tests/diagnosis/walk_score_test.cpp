@@ -25,7 +25,7 @@ TEST(WalkScore, AddsUpItsTermsAndCapsEach) {
   EXPECT_DOUBLE_EQ(walk_score(measure), 0.75);
   measure.jitter = 250;
   measure.effort = 1.5;
-  measure.tilt = 0.1;  // half of each, weighted .3, .2, .3
+  measure.tilt = 0.1;  // half of each, weighted 0.3, 0.2, 0.3
   EXPECT_DOUBLE_EQ(walk_score(measure), 0.75 + 0.4);
   measure.speed_error = measure.yaw_rate_error = measure.jitter = measure.effort = measure.tilt = 1e9;
   EXPECT_DOUBLE_EQ(walk_score(measure), 2.8);
@@ -42,7 +42,7 @@ TEST(WalkScore, PutsEveryFallBehindEveryWalkAndLaterFallsBeforeEarlierOnes) {
 
 TEST(WalkScore, HoldsStandingAgainstTheReferenceSpeed) {
   WalkMeasure measure = walk({0, 0, 0});
-  measure.speed_error = 0.15;  // half of .3 m/s
+  measure.speed_error = 0.15;  // half of 0.3 m/s
   EXPECT_DOUBLE_EQ(walk_score(measure), 0.5);
 }
 
@@ -66,14 +66,14 @@ TEST(WalkResult, DoesWhatIsAskedUpToTheTolerance) {
   const WalkTest test{{{"straight ahead", {0.5, 0, 0}}}, 2, 3, 0};
   WalkMeasure a = walk({0.5, 0, 0}), b = a;
   a.speed_error = 0.2;
-  b.speed_error = 0.09;  // a mean of .145, within .2 of .5 and .05
+  b.speed_error = 0.09;  // a mean of 0.145, within 0.2 of 0.5 and 0.05
   EXPECT_TRUE(does_what_is_asked(result_of({a, b}), 2));
   EXPECT_EQ(what_is_wrong(result_of({a, b}), test), "does what it is asked");
-  b.speed_error = 0.11;  // .155
+  b.speed_error = 0.11;  // 0.155
   EXPECT_FALSE(does_what_is_asked(result_of({a, b}), 2));
   EXPECT_EQ(what_is_wrong(result_of({a, b}), test), "misses the speed by 0.15 m/s straight ahead");
   b = a = walk({0.5, 0, 0});
-  a.yaw_rate_error = b.yaw_rate_error = 0.13;  // .12 where none is asked for
+  a.yaw_rate_error = b.yaw_rate_error = 0.13;  // 0.12 where none is asked for
   EXPECT_FALSE(does_what_is_asked(result_of({a, b}), 2));
   EXPECT_EQ(what_is_wrong(result_of({a, b}), test), "misses the yaw rate by 0.13 rad/s straight ahead");
   a = b = walk({0.5, 0, 0});

@@ -138,7 +138,7 @@ TEST_P(JointActions, StandAtHomeUnderTheZeroPolicy) {
     const MotionSummary summary = env.summary();
     EXPECT_LT(std::abs(summary.distance_m), 0.01) << config.robot;
     EXPECT_LT(summary.rms_pitch_deg, 4) << config.robot;
-    EXPECT_LT(summary.max_loop_gap_m, 5e-4) << config.robot;  // .1 mm by the softness of loops
+    EXPECT_LT(summary.max_loop_gap_m, 5e-4) << config.robot;  // 0.1 mm by the softness of loops
     for (const Leg leg : kLegs) EXPECT_TRUE(env.info().contacts[leg].touching) << name(leg);
   }
 }

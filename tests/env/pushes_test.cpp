@@ -50,7 +50,7 @@ TEST(Pushes, NoneUnlessAskedFor) {
 TEST(Pushes, ComeOneIntervalApartTheFirstAfterTheFirst) {
   Pushes pushes = drawn(ranges({0.01, 0.02}, {0.5, 0.5}, 0), 1);
   const std::vector<Push> all = due(pushes);
-  ASSERT_EQ(all.size(), 19U);  // at .5, 1, ... 9.5 s
+  ASSERT_EQ(all.size(), 19U);  // at 0.5, 1, ... 9.5 s
   for (std::size_t k = 0; k < all.size(); ++k) {
     EXPECT_DOUBLE_EQ(all[k].time, 0.5 * static_cast<double>(k + 1));
     EXPECT_EQ(all[k].impulse.z(), 0);

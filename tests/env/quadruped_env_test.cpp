@@ -133,7 +133,7 @@ TEST_P(Environment, EndsByTiltingAndByLeavingTheGround) {
   leaving.reset(0, seen);
   while (!(r = leaving.step(zeros(leaving), seen)).done()) EXPECT_EQ(r.reward, 0);
   EXPECT_TRUE(r.terminated);
-  // A leg that hangs over the edge, .2 m ahead, may tilt or tear the robot just before its base is beyond.
+  // A leg that hangs over the edge, 0.2 m ahead, may tilt or tear the robot just before its base is beyond.
   const Outcome outcome = leaving.info().outcome;
   EXPECT_TRUE(outcome == Outcome::kLeftTerrain || outcome == Outcome::kFell ||
               outcome == Outcome::kLoopViolated);
@@ -188,7 +188,7 @@ TEST_P(Environment, DeltasMoveParametersByTheirScaleUpToTheirRange) {
   const ParameterRow& row = find_parameter("step_length");
   const double initial = find_gait("trot").preferred.step_length;
   double expected = initial;
-  for (int i = 0; i < 12; ++i) {  // .04 + 10 x .008 reaches .12
+  for (int i = 0; i < 12; ++i) {  // 0.04 + 10 x 0.008 reaches 0.12
     env.step(action, seen);
     expected = std::min(expected + row.delta_scale, row.max);
     EXPECT_DOUBLE_EQ(env.info().parameters->step_length, expected);
@@ -205,7 +205,7 @@ TEST_P(Environment, FollowsItsCommand) {
   std::vector<double> seen(env.observation_size());
   env.reset(0, seen);
   for (int i = 0; i < 1500; ++i) env.step(zeros(env), seen);
-  EXPECT_NEAR(env.info().distance, 3 * 0.15, 0.06);  // measured .43: the first stride grows from standing
+  EXPECT_NEAR(env.info().distance, 3 * 0.15, 0.06);  // measured 0.43: the first stride grows from standing
   env.set_command({0, 0, 0});
   for (int i = 0; i < 1000; ++i) env.step(zeros(env), seen);
   EXPECT_LT(env.world().state().v_WB.norm(), 0.02);  // stands
@@ -282,7 +282,7 @@ TEST_P(Environment, PushesMoveTheRobot) {
   pushed.step(zeros(pushed), a);
   calm.step(zeros(calm), b);
   const Vector3 kick = pushed.world().state().v_WB - calm.world().state().v_WB;
-  // An impulse of .1 N s on 0.75 kg whose feet hold on to the ground: tens of mm/s.
+  // An impulse of 0.1 N s on 0.75 kg whose feet hold on to the ground: tens of mm/s.
   EXPECT_GT(kick.norm(), 0.02);
 }
 

@@ -53,7 +53,7 @@ TEST(Randomisation, DrawsUniformlyWithinItsRangeAndLeavesOthersAlone) {
   EXPECT_GE(values.front(), 0.5);
   EXPECT_LT(values.back(), 1.5);
   EXPECT_NEAR(values[500], 0.75, 0.05);   // five standard deviations of a quantile of 2000 draws:
-  EXPECT_NEAR(values[1500], 1.25, 0.05);  // 5 sqrt(.25 * .75 / 2000)
+  EXPECT_NEAR(values[1500], 1.25, 0.05);  // 5 sqrt(0.25 * 0.75 / 2000)
 }
 
 TEST(Randomisation, SeedsAreWholeAndIncludeBothEnds) {

@@ -56,7 +56,7 @@ TEST(Reward, EveryTermIsItsFormula) {
       {"lateral_velocity", 0.06},
       {"contact_pattern", 0.2 - 0.5 - 0.5 - 0.5},
       {"orientation_l2", degrees * degrees * (0.01 + 0.04 + 0.09)},
-      {"joint_acc_l2", 15 * 15 + 20 * 20},  // .3 and .4 rad/s in .02 s
+      {"joint_acc_l2", 15 * 15 + 20 * 20},  // 0.3 and 0.4 rad/s in 0.02 s
       {"parameter_rate_l2", 0.01 * 0.01 + 0.1 * 0.1},
       {"velocity_tracking", std::exp(-(0.03 * 0.03 + 0.03 * 0.03) / 0.01)},
       {"velocity_error", std::hypot(0.03, 0.03)},

@@ -140,7 +140,7 @@ class StepRecords : public EngineTest {
     seen.standing_height = ground_clearance(env);
     seen.action.assign(env.action_size(), 0);
     seen.parameters = *env.info().parameters;
-    EXPECT_NEAR(seen.start_yaw, kYaw, 0.3);  // drawn within .1, and settled on rough ground
+    EXPECT_NEAR(seen.start_yaw, kYaw, 0.3);  // drawn within 0.1, and settled on rough ground
     std::map<std::string, double> sums;
     Random random(3);
     result = {};

@@ -123,7 +123,7 @@ TEST(AdaptiveGait, NormalisesParametersInTheOrderOfTheNames) {
   std::vector<double> out(2);
   c.normalised_parameters(out);
   EXPECT_EQ(out[0], 1);
-  EXPECT_NEAR(out[1], 0, 1e-15);  // the middle of .03 to .09, but for rounding
+  EXPECT_NEAR(out[1], 0, 1e-15);  // the middle of 0.03 to 0.09, but for rounding
 }
 
 TEST(AdaptiveGait, NonsenseActionsCountAsZero) {
@@ -183,8 +183,8 @@ TEST(AdaptiveGait, WrongNamesAreErrorsWhenConfigured) {
 
 TEST(AdaptiveGait, WhatBeginsOutsideItsRangeOnlyComesNearer) {
   AdaptiveGaitOptions options = guide_options();
-  options.initial.cycle_time = 0.5;    // of .8 to 1.5 s
-  options.initial.body_height = 0.07;  // of .04 to .055 m
+  options.initial.cycle_time = 0.5;    // of 0.8 to 1.5 s
+  options.initial.body_height = 0.07;  // of 0.04 to 0.055 m
   AdaptiveGaitController c = adaptive(options);
   std::vector<double> action = zeros(c);
   c.apply_action(action);

@@ -206,7 +206,7 @@ TEST_P(Continuity, HoldsForTheAdaptiveControllerUnderARandomPolicy) {
       const double jump = (controller.targets()[leg].position - before[leg].position).norm();
       const double residual = (controller.residuals()[leg] - residuals[leg]).norm();
       ASSERT_LE(jump,
-                change + residual + kMost * 0.8 * kDt);  // .8 m/s: above the top speed of the whole table
+                change + residual + kMost * 0.8 * kDt);  // 0.8 m/s: above the top speed of the whole table
     }
     before = controller.targets();
   }

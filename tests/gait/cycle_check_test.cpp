@@ -119,7 +119,7 @@ TEST_F(ReachableSteps, HoldTheDefaultLimits) {
       const StepLimits limits = reachable_steps(find_gait(gait), p, check(), 100);
       EXPECT_GE(limits.max_x, StepLimits{}.max_x) << gait << " " << name(curve);
       EXPECT_GE(limits.max_y, StepLimits{}.max_y) << gait << " " << name(curve);
-      EXPECT_LT(limits.max_x, 0.2);  // no leg of .105 m steps further
+      EXPECT_LT(limits.max_x, 0.2);  // no leg of 0.105 m steps further
     }
   }
 }

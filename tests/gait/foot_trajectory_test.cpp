@@ -161,7 +161,7 @@ TEST(FootSpacing, IsNotTheStanceWidth) {
   GaitParameters p = guide_adaptive_parameters();
   p.lateral_offset_rl = 0.005;
   const FootSpacing spacing = foot_spacing(p, test::leg_origins());
-  // Leg planes .124 apart, every foot .04 outward of its own.
+  // Leg planes 0.124 apart, every foot 0.04 outward of its own.
   EXPECT_NEAR(spacing.front, 0.204, 1e-15);  // roundings of tenths of a metre
   EXPECT_NEAR(spacing.rear, 0.209, 1e-15);   // as above
 }

@@ -46,7 +46,7 @@ TEST(GaitGenerator, TrotIsTheGuides) {
         expected.x() = -s * v * v * v - 3 * s * k * v * v * u + 3 * s * k * v * u * u + s * u * u * u;
         expected.z() = -(h * (v * v * v + u * u * u) + 3 * l * v * u);
       }
-      // The clock sums 800 steps, 1e-16 of a cycle each; a foot moves .2 m in one at most.
+      // The clock sums 800 steps, 1e-16 of a cycle each; a foot moves 0.2 m in one at most.
       ASSERT_LT((targets[leg].position - expected).norm(), 2e-14) << i << " " << name(leg);
     }
   }
@@ -77,7 +77,7 @@ TEST(GaitGenerator, StanceMovesAtTheNominalSpeed) {
 TEST(GaitGenerator, GoesThroughTheNamedPhasesInOrder) {
   GaitGenerator g = generator("gallop:guide", find_gait("gallop:guide").preferred);
   std::vector<std::string> seen;
-  for (int i = 0; i < 300; ++i) {  // one cycle of .6 s
+  for (int i = 0; i < 300; ++i) {  // one cycle of 0.6 s
     const std::string now(g.current_phase_name());
     if (seen.empty() || seen.back() != now) seen.push_back(now);
     g.update(kDt);
@@ -109,7 +109,7 @@ TEST(GaitGenerator, KeepsItsPhaseWhenTheCycleTimeChanges) {
   EXPECT_EQ(g.phase(), phase);
   g.update(1e-9);
   for (const Leg leg : kLegs) {
-    EXPECT_LT((g.targets()[leg].position - before[leg].position).norm(), 1e-9);  // .4 m/s for a nanosecond
+    EXPECT_LT((g.targets()[leg].position - before[leg].position).norm(), 1e-9);  // 0.4 m/s for a nanosecond
   }
   g.update(0.15);
   EXPECT_NEAR(g.phase(), phase + 0.1, 1e-8);  // a tenth of the new cycle, at once; a nanosecond was 1e-9
@@ -155,7 +155,7 @@ TEST(GaitGenerator, ChangesCurveWithoutAJump) {
     if (i > 400) apex = std::max(apex, g.targets()[Leg::FL].position.z());
     before = g.targets();
   }
-  EXPECT_GT(apex, -1e-3);  // the matched curve lifts fully, the Bezier to a quarter of .05 m
+  EXPECT_GT(apex, -1e-3);  // the matched curve lifts fully, the Bezier to a quarter of 0.05 m
 }
 
 TEST(GaitGenerator, RefusesNonsenseAndStaysAsItWas) {
@@ -223,14 +223,14 @@ TEST(GaitChange, KeepsLegsMovingForwardAndEndsInStep) {
         for (const Leg leg : kLegs) {
           double ahead = g.targets()[leg].phase - before[leg].phase;
           ahead -= std::floor(ahead);
-          // Legs run at .8 to 1.2 times the clock. Roundings of phases.
+          // Legs run at 0.8 to 1.2 times the clock. Roundings of phases.
           ASSERT_GE(ahead, (1 - GaitGenerator::kPhaseShare) * kDt / 0.8 - 1e-14);
           ASSERT_LE(ahead, (1 + GaitGenerator::kPhaseShare) * kDt / 0.8 + 1e-14);
         }
         before = g.targets();
       }
-      // At most .375 of a cycle to catch up (four phases on a circle) at .2 per cycle; the duty factor, which
-      // waits for slower shifts meanwhile, follows in a cycle.
+      // At most 0.375 of a cycle to catch up (four phases on a circle) at 0.2 per cycle; the duty factor,
+      // which waits for slower shifts meanwhile, follows in a cycle.
       EXPECT_LE(updates, 3 * 400 + 1);
       // From here on it is the new gait.
       for (int i = 0; i < 400; ++i) {
@@ -341,7 +341,7 @@ TEST(Command, IsLimitedAlikeForAllLegsAndSaysSo) {
   GaitGenerator g = generator();
   ASSERT_TRUE(g.set_command({1, 0, 0}));
   run(g, 3);
-  // A stance of .4 s asks for .4 m; .13 m are allowed.
+  // A stance of 0.4 s asks for 0.4 m; 0.13 m are allowed.
   EXPECT_NEAR(g.limit_factor(), 0.13 / 0.4, 1e-15);  // one rounding
   for (const Leg leg : kLegs) EXPECT_NEAR(g.effective().step[leg].x(), 0.13, 1e-15);
   g.clear_command();
@@ -424,7 +424,7 @@ TEST(StandingStart, TakesUpAtOnceWhatMovesNoStandingFoot) {
   g.update(kDt);
   EXPECT_EQ(g.effective().parameters.cycle_time, 0.3);
   EXPECT_EQ(g.effective().parameters.duty_factor, p.duty_factor);
-  EXPECT_GT(g.effective().parameters.body_height, 0.0495);  // .05 m, and on its way
+  EXPECT_GT(g.effective().parameters.body_height, 0.0495);  // 0.05 m, and on its way
   for (const Leg leg : kLegs) {
     EXPECT_LT((g.targets()[leg].position - before[leg].position).norm(), 1e-3);
   }

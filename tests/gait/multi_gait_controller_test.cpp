@@ -101,13 +101,13 @@ TEST(MultiGait, FollowsTheCommandedSpeedInEveryGait) {
 
 TEST(MultiGait, ShortensTheCycleBeforeItLimitsTheSpeed) {
   MultiGaitController c = by_speed();
-  // Gallop stands .75 of .6 s: at .3 m/s steps of .135 m, longer than .10 m unless the cycle shrinks to
-  // .444 s.
+  // Gallop stands 0.75 of 0.6 s: at 0.3 m/s steps of 0.135 m, longer than 0.10 m unless the cycle shrinks to
+  // 0.444 s.
   ASSERT_TRUE(c.set_speed(0.3));
   run(c, 5);
   EXPECT_NEAR(c.generator().parameters().cycle_time, 0.10 / (0.75 * 0.3), 1e-12);  // and a hair less
   EXPECT_EQ(c.generator().limit_factor(), 1);
-  // At 1 m/s not even the shortest cycle will do: .75 * .4 s * 1 m/s is beyond the limit.
+  // At 1 m/s not even the shortest cycle will do: 0.75 * 0.4 s * 1 m/s is beyond the limit.
   ASSERT_TRUE(c.set_speed(1));
   run(c, 5);
   EXPECT_EQ(c.generator().parameters().cycle_time, 0.4);
@@ -131,7 +131,7 @@ TEST(MultiGait, ShortensTheCycleWhereStepsGetLong) {
 TEST(MultiGait, TurnsInPlaceWithTheGaitForItsFeet) {
   MultiGaitController c = by_speed();
   ASSERT_TRUE(c.set_command({0, 0, 0.4}));
-  // The feet stand (.075, .102) from the middle: .127 m at .4 rad/s are .05 m/s.
+  // The feet stand (0.075, 0.102) from the middle: 0.127 m at 0.4 rad/s are 0.05 m/s.
   EXPECT_EQ(c.generator().gait().name, "walk:guide");
   run(c, 4);
   const LegArray<Vector2>& step = c.generator().effective().step;

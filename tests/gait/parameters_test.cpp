@@ -137,14 +137,14 @@ TEST(AdaptationRanges, MustBeValidAndWideEnough) {
     return std::string("none");
   };
   EXPECT_EQ(element({{{"cycle_time", {0.8, 0.15}}}, {}}), "ranges.cycle_time");
-  EXPECT_EQ(element({{{"cycle_time", {0.01, 0.8}}}, {}}), "ranges.cycle_time");  // valid from .05 s on
+  EXPECT_EQ(element({{{"cycle_time", {0.01, 0.8}}}, {}}), "ranges.cycle_time");  // valid from 0.05 s on
   EXPECT_EQ(element({{{"cycle_time", {kNaN, 0.8}}}, {}}), "ranges.cycle_time");
   EXPECT_EQ(element({{}, {{"cycle_time", 0}}}), "delta_scales.cycle_time");
   EXPECT_EQ(element({{{"cycle_time", {0.15, 0.2}}}, {{"cycle_time", 0.06}}}), "delta_scales.cycle_time");
 }
 
 TEST(ParameterRow, MovesAValueFromOutsideOnlyNearer) {
-  const ParameterRow row = guide_ranges().row("cycle_time");  // .8 to 1.5
+  const ParameterRow row = guide_ranges().row("cycle_time");  // 0.8 to 1.5
   EXPECT_EQ(row.moved(1, 0.25), 1.25);
   EXPECT_EQ(row.moved(1, 9), 1.5);
   EXPECT_EQ(row.moved(0.5, 0), 0.5);

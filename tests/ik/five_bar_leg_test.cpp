@@ -70,7 +70,7 @@ TEST(SolveLeg, ForwardOfInverseIsTheTarget) {
         const Vector3 target = random_target(random);
         const auto [status, q] = solve_leg(g, target, mode);
         if (status != IkStatus::kOk) continue;
-        // Chain a alone: a few roundings of .1 m, magnified by the root near a straight chain.
+        // Chain a alone: a few roundings of 0.1 m, magnified by the root near a straight chain.
         ASSERT_LT((foot_by_chain_a(g, q) - target).norm(), 1e-12);
         if (mode != WorkingMode::kDownUp && !chains_alike(g)) continue;  // may close in two ways
         // An error e of a shoulder moves the closing point by e / sin(parallel): leave out what is next to
@@ -196,7 +196,7 @@ TEST(SolveLeg, UnreachableTargetsMoveToTheBoundary) {
   const FiveBarGeometry g = test::hand_made_leg(Leg::RL);
   const LegSolution far = solve_leg(g, {0, 0, -0.2});
   EXPECT_EQ(far.status, IkStatus::kClampedTooFar);
-  // Straight below, both chains stretched: sqrt(.105^2 - .010^2).
+  // Straight below, both chains stretched: sqrt(0.105^2 - 0.010^2).
   EXPECT_LT((foot_by_chain_a(g, far.angles) - Vector3(0, 0, -std::sqrt(0.105 * 0.105 - 1e-4))).norm(), 1e-15);
   const LegSolution near = solve_leg(g, {0, 0, -0.001});
   EXPECT_EQ(near.status, IkStatus::kClampedTooNear);
@@ -209,8 +209,9 @@ TEST(SolveLeg, UnreachableTargetsMoveToTheBoundary) {
 }
 
 TEST(SolveLeg, IsContinuousInTheTarget) {
-  // Away from the tilt axis by 5 mm and more, 1e-8 m of target move the foot by 1e-8 m, times .2 / .005 where
-  // a clamped foot sweeps a longer arc than its target, or by the root of it across the ends of the fold.
+  // Away from the tilt axis by 5 mm and more, 1e-8 m of target move the foot by 1e-8 m, times 0.2 / 0.005
+  // where a clamped foot sweeps a longer arc than its target, or by the root of it across the ends of the
+  // fold.
   const FiveBarGeometry g = test::hand_made_leg(Leg::FR);
   std::mt19937 random(5);
   std::normal_distribution<double> spread(0, 0.08);
@@ -286,7 +287,7 @@ TEST(LegJacobian, IsTheDerivativeOfTheForwardKinematics) {
         constexpr double kStep = 1e-5;
         for (int joint = 0; joint < 3; ++joint) {
           const Vector3 difference = (foot(joint, kStep) - foot(joint, -kStep)) / (2 * kStep);
-          // Central differences err by step^2 / 6 times the third derivative, here below .1 m / sin(.1)^5,
+          // Central differences err by step^2 / 6 times the third derivative, here below 0.1 m / sin(0.1)^5,
           // and by rounding 1e-17 m / step.
           ASSERT_LT((J.col(joint) - difference).norm(), 1e-6) << joint;
           ++checked;
@@ -317,7 +318,7 @@ TEST(LegMargins, VanishAtTheSingularities) {
   const FiveBarGeometry g = test::hand_made_leg(Leg::FL);
   // Stretched: the bend is the root of a rounding error relative to 1, 1.5e-8.
   EXPECT_LT(leg_margins(g, solve_leg(g, {0, 0, -0.2}).angles).serial, 1e-7);
-  // Both elbows on one point (0, .0439), lower links together: parallel. Mode 4 with the foot .06 to the
+  // Both elbows on one point (0, 0.0439), lower links together: parallel. Mode 4 with the foot 0.06 to the
   // right.
   const double depth = std::sqrt(0.045 * 0.045 - 1e-4);
   const LegSolution together = solve_leg(g, {0.06, 0, -depth}, WorkingMode::kBothDown);

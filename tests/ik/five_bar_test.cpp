@@ -40,7 +40,7 @@ TEST(TwoLink, IsTheLawOfCosines) {
 }
 
 TEST(TwoLink, ReachesWhereTheCosineRuleIsExact) {
-  // A 3-4-5 triangle: links .03 and .04 at a right angle, tip .05 away.
+  // A 3-4-5 triangle: links 0.03 and 0.04 at a right angle, tip 0.05 away.
   const TwoLinkSolution s = solve_two_link(0.03, 0.04, 0, 0.05, 1);
   EXPECT_NEAR(s.elbow, kPi / 2, 1e-15);                     // rounding of an angle
   EXPECT_NEAR(s.upper, kPi / 2 - std::atan2(4, 3), 1e-15);  // as above
@@ -100,7 +100,7 @@ TEST(FiveBar, BothTipsMeetAtTheTargetInEveryMode) {
       const FiveBarSolution s = solve_five_bar(hand_made_leg(), target.x(), target.y(), mode);
       if (s.status != IkStatus::kOk) continue;
       ++reachable;
-      // A dozen roundings of lengths of .1 m (1e-17 each); next to a straight chain the root magnifies them.
+      // A dozen roundings of lengths of 0.1 m (1e-17 each); next to a straight chain the root magnifies them.
       ASSERT_LT((tip_a(s) - target).norm(), 1e-13) << target.transpose();
       ASSERT_LT((tip_b(s) - target).norm(), 1e-13) << target.transpose();
       const ElbowSigns signs = elbow_signs(mode);
@@ -139,7 +139,7 @@ TEST(FiveBar, TooNearGoesDownToTheFold) {
   EXPECT_EQ(clamp_to_workspace(hand_made_leg(), p), IkStatus::kClampedTooNear);
   const double fold = kLower - kUpper;
   EXPECT_EQ(p.x(), 0.002);
-  EXPECT_NEAR(p.y(), std::sqrt(fold * fold - 0.008 * 0.008), 1e-15);  // the nearer shoulder is at .010
+  EXPECT_NEAR(p.y(), std::sqrt(fold * fold - 0.008 * 0.008), 1e-15);  // the nearer shoulder is at 0.010
   Vector2 above(0.03, -0.02);
   EXPECT_EQ(clamp_to_workspace(hand_made_leg(), above), IkStatus::kClampedTooNear);
   EXPECT_EQ(above, Vector2(0.03, 0));
@@ -183,7 +183,7 @@ TEST(FiveBar, NonsenseIsReportedAndFinite) {
 TEST(FiveBar, ElbowsTooFarApartDoNotClose) {
   FiveBarGeometry g = hand_made_leg();
   g.a.lower = g.b.lower = 0.050;
-  // Knees straight out: .110 apart, lower links .050 each.
+  // Knees straight out: 0.110 apart, lower links 0.050 each.
   const FiveBarClosure open = close_five_bar(g, {-0.045, 0}, {0.045, 0}, kDefaultMode);
   EXPECT_FALSE(open.closed);
   EXPECT_TRUE(open.foot.allFinite());

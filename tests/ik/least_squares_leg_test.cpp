@@ -124,7 +124,7 @@ TEST_P(LeastSquaresLegs, AgreeWithTheClosedForm) {
         ++over_the_top;
         continue;
       }
-      // By what the smallest motion of the foot per rad is, here above .01 m: 1e-10 m / .01 m.
+      // By what the smallest motion of the foot per rad is, here above 0.01 m: 1e-10 m / 0.01 m.
       const auto turn = [](double a, double b) { return std::abs(std::remainder(a - b, 2 * M_PI)); };
       ASSERT_LT(turn(q.knee, exact.angles.knee), 1e-7) << i;
       ASSERT_LT(turn(q.hip, exact.angles.hip), 1e-7) << i;
@@ -235,7 +235,7 @@ TEST(SolveLeastSquares, OutOfReachIsTheNearestPosture) {
         const double distance = (forward_least_squares(g, s.angles) - target).norm();
         ASSERT_LT(distance, nearest_by_sampling(g, target, branch) + 1e-9) << i;
         if (oblique > 0) continue;
-        // The nearest posture has a straight knee: to the root of what 1e-15 m are to .1 m.
+        // The nearest posture has a straight knee: to the root of what 1e-15 m are to 0.1 m.
         ASSERT_LT(least_squares_margins(g, s.angles).serial, 1e-6) << i;
       }
     }
@@ -340,7 +340,7 @@ TEST(SolveLeastSquares, OffTheSurfaceOfTwoJointsIsTooFar) {
         solve_least_squares(g, on + Vector3(0, 0.01, 0), LegJointAngles(0.7, -1.4, 5));
     ASSERT_EQ(s.status, IkStatus::kClampedTooFar);
     ASSERT_LT((forward_least_squares(g, s.angles) - on).norm(),
-              1e-8);  // the root of 1e-15 m x .01 m, and less
+              1e-8);  // the root of 1e-15 m x 0.01 m, and less
     ASSERT_EQ(s.angles[2], 0);
   }
 }

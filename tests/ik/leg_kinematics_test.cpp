@@ -109,7 +109,7 @@ TEST_P(SerialLegKinematics, IsOneVocabulary) {
     EXPECT_TRUE(forward.closed);
     EXPECT_EQ(forward.passive.size(), 0);
     EXPECT_LT((kinematics.origin() + forward.foot - p_BF).norm(), 1e-9);
-    // Differences of the whole robot's foot. step^2 / 6 times a third derivative below .5 m, and 1e-16 m /
+    // Differences of the whole robot's foot. step^2 / 6 times a third derivative below 0.5 m, and 1e-16 m /
     // step.
     const LegJacobian J = kinematics.jacobian(posture);
     ASSERT_EQ(J.cols(), kinematics.servo_count());
@@ -119,8 +119,8 @@ TEST_P(SerialLegKinematics, IsOneVocabulary) {
       const Vector3 slope = (robot.made.foot(angles + step) - robot.made.foot(angles - step)) / (2 * kStep);
       EXPECT_LT((J.col(i) - slope).norm(), 1e-10) << i;
     }
-    // The knee is bent by about its angle at home; the closed form also sees the abduction's lever, .42 m
-    // cos(.7) over a leg of .42 m.
+    // The knee is bent by about its angle at home; the closed form also sees the abduction's lever, 0.42 m
+    // cos(0.7) over a leg of 0.42 m.
     const double serial = has_abduction && !oblique ? std::atan(std::cos(0.7)) : 1.4;
     EXPECT_NEAR(kinematics.margins(posture).serial, serial, 0.15);
     EXPECT_GT(kinematics.margins(posture).joint_limit, 0.5);

@@ -14,7 +14,7 @@ using test::SerialRobot;
 using test::uniform;
 
 TEST(SerialLegGeometry, OfAPlainLegIsItsFigures) {
-  LegAtZero leg;  // hip .08 m out of the abduction axis, thigh .21 m, shin .21 m, hanging straight down
+  LegAtZero leg;  // hip 0.08 m out of the abduction axis, thigh 0.21 m, shin 0.21 m, hanging straight down
   leg.leg = Leg::RR;
   leg.abduction = {-0.2, -0.05, 0.01};
   leg.hip = {-0.23, -0.13, -0.02};

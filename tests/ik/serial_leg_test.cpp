@@ -156,8 +156,8 @@ TEST_P(RandomSerialLegs, AreContinuousInTheTarget) {
     }
     if (std::hypot(p.x(), depth) < 0.05) continue;
     ++checked;
-    // 1e-9 m become their root where the plane begins, 3e-5 m x sqrt(2 x .2 m), and ten times that at a fold
-    // of .5 m.
+    // 1e-9 m become their root where the plane begins, 3e-5 m x sqrt(2 x 0.2 m), and ten times that at a fold
+    // of 0.5 m.
     const SerialAngles at_p = solve_serial(g, p, KneeBranch::kForward).angles,
                        at_q = solve_serial(g, q, KneeBranch::kForward).angles;
     ASSERT_LT((forward_serial(g, at_p) - forward_serial(g, at_q)).norm(), 2e-4) << i;
@@ -201,7 +201,7 @@ TEST(SolveSerial, SingularTargetsHaveAnAnswer) {
       EXPECT_EQ(axis.status, IkStatus::kClampedTooNear);
       const Vector3 foot = forward_serial(g, axis.angles);
       EXPECT_NEAR(foot.x(), 0.1, 1e-15);
-      // .08 m from the axis: as near as the plane comes. Rounding of such lengths.
+      // 0.08 m from the axis: as near as the plane comes. Rounding of such lengths.
       EXPECT_NEAR(std::hypot(foot.y() + 0.08, foot.z() - 0.03), 0.08, 1e-15);
       EXPECT_LT(serial_margins(g, axis.angles).serial, 1e-15);
     }
@@ -221,7 +221,7 @@ TEST(SolveSerial, NonsenseIsReportedAndFinite) {
       for (const KneeBranch branch : kBranches) {
         const SerialSolution s = solve_serial(g, bad, branch);
         EXPECT_EQ(s.status, IkStatus::kInvalidTarget);
-        // Below the hip by .7 of the leg.
+        // Below the hip by 0.7 of the leg.
         EXPECT_LT((forward_serial(g, s.angles) - Vector3(0, 0, -0.7 * 0.42)).norm(), 1e-15);
       }
     }
@@ -290,7 +290,7 @@ TEST(SerialMargins, MeasureTheirAngles) {
   EXPECT_NEAR(margins.serial, bend, 1e-14);              // roundings of an angle, near its root
   EXPECT_NEAR(margins.joint_limit, M_PI - bend, 1e-14);  // as above
   EXPECT_EQ(margins.parallel, M_PI_2);
-  // Knee wide open but the foot beside the axis: D = .05 of a leg of .42 m.
+  // Knee wide open but the foot beside the axis: D = 0.05 of a leg of 0.42 m.
   const SerialAngles near = solve_serial(g, {0.2, 0, -0.05}, KneeBranch::kForward).angles;
   EXPECT_NEAR(serial_margins(g, near).serial, std::atan(0.05 / 0.42), 1e-14);
 }

@@ -136,7 +136,7 @@ inline Vector3 random_foot(const LegAtZero& leg, std::mt19937& random, double ed
   while (true) {
     const double r = uniform(random, near + edge * (far - near), far - edge * (far - near));
     const double angle = uniform(random, -M_PI, M_PI), depth = r * std::cos(angle);
-    // Below the abduction axis by .1 mm: nearer, the half turn between the two ways there is not told apart.
+    // Below the abduction axis by 0.1 mm: nearer, the half turn between the two ways there is not told apart.
     if (leg.has_abduction && depth + leg.abduction.z() - leg.hip.z() < 1e-4) continue;
     return foot_in_plane(leg, r * std::sin(angle), depth, uniform(random, -3, 3));
   }

@@ -42,7 +42,7 @@ TEST(Workspace, ReachableFractionIsTheAreaOfTheLens) {
   const auto whole = [&](double radius) { return std::acos(-1) / 2 * radius * radius; };
   const double fold = 2 * whole(r) - common(r);
   const double area = common(R) - fold;
-  // Cells of .25 mm: an error of half a cell along a boundary of .5 m, over .022 m^2.
+  // Cells of 0.25 mm: an error of half a cell along a boundary of 0.5 m, over 0.022 m^2.
   EXPECT_NEAR(map.reachable_fraction() * 0.2 * 0.11, area, 0.5 * 0.125e-3);
 }
 
@@ -74,7 +74,8 @@ TEST(Workspace, NonsenseGridsAreErrors) {
 }
 
 TEST(SafeDistance, IsPythagorasToTheReach) {
-  // From (0, 0, -.05) forward, chain a stretches first: .050 below its shoulder and .010 + x in front of it.
+  // From (0, 0, -0.05) forward, chain a stretches first: 0.050 below its shoulder and 0.010 + x in front of
+  // it.
   const double reach = std::sqrt(0.105 * 0.105 - 0.05 * 0.05) - 0.010;
   // Found to 1 um.
   EXPECT_NEAR(safe_distance(hand_made_leg(), {0, 0, -0.05}, {1, 0, 0}, LegBranch{}, kNoMargins), reach,
@@ -89,7 +90,7 @@ TEST(SafeDistance, ShrinksWithTheMargins) {
   RequiredMargins bend = kNoMargins;
   bend.serial = 0.5;
   const double bent = safe_distance(hand_made_leg(), {0, 0, -0.05}, {1, 0, 0}, LegBranch{}, bend);
-  // Chain a may stretch to sqrt(L1^2 + L2^2 + 2 L1 L2 cos .5) only.
+  // Chain a may stretch to sqrt(L1^2 + L2^2 + 2 L1 L2 cos 0.5) only.
   const double r2 = 0.045 * 0.045 + 0.06 * 0.06 + 2 * 0.045 * 0.06 * std::cos(0.5);
   EXPECT_NEAR(bent, std::sqrt(r2 - 0.05 * 0.05) - 0.010, 1.1e-6);  // found to 1 um
   EXPECT_LT(bent, reach);

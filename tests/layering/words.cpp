@@ -74,21 +74,75 @@ int line_of_word(std::string_view text, std::string_view word) {
   return 0;
 }
 
-WordReport find_words(const fs::path& root, const std::vector<std::string>& words) {
-  WordReport report;
+namespace {
+
+// Calls `look(name, text)` for each text file.
+template <typename Look>
+void for_each_text(const fs::path& root, Look&& look) {
   for (fs::recursive_directory_iterator i(root), last; i != last; ++i) {
     if (i->is_directory() && is_foreign(i->path())) i.disable_recursion_pending();
     const fs::path file = i->path().lexically_relative(root);
     if (!i->is_regular_file() || i->is_symlink() || !is_text(file) || is_left_out(file.generic_string()))
       continue;
     std::ifstream stream(i->path(), std::ios::binary);
-    const std::string text(std::istreambuf_iterator<char>(stream), {});
+    look(file, std::string(std::istreambuf_iterator<char>(stream), {}));
+  }
+}
+
+}  // namespace
+
+WordReport find_words(const fs::path& root, const std::vector<std::string>& words) {
+  WordReport report;
+  for_each_text(root, [&](const fs::path& file, const std::string& text) {
     ++report.files;
     for (const std::string& word : words) {
       const int line = line_of_word(text, word);
       if (line > 0) report.found.push_back(file.generic_string() + ":" + std::to_string(line) + ": " + word);
     }
+  });
+  return report;
+}
+
+std::vector<int> bare_decimals(std::string_view text, bool is_document) {
+  std::vector<int> found;
+  bool in_code = false;
+  int number = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = text.substr(at, end - at);
+    at = end + 1;
+    ++number;
+    if (is_document && line.find("```") != std::string_view::npos) in_code = !in_code;
+    if (is_document && (in_code || line.starts_with("    "))) continue;
+    const std::size_t begin = is_document ? 0 : line.find("//");
+    if (begin == std::string_view::npos) continue;
+    char quotation = 0;
+    for (std::size_t i = begin + 1; i + 1 < line.size(); ++i) {
+      const char c = line[i - 1];
+      if (c == quotation) {
+        quotation = 0;
+      } else if (quotation == 0 && (c == '`' || c == '"')) {
+        quotation = c;
+      }
+      const bool digit = std::isdigit(static_cast<unsigned char>(line[i + 1])) != 0;
+      if (quotation == 0 && line[i] == '.' && digit && (c == ' ' || c == '(' || c == '|')) {
+        found.push_back(number);
+        break;
+      }
+    }
   }
+  return found;
+}
+
+WordReport find_bare_decimals(const fs::path& root) {
+  WordReport report;
+  for_each_text(root, [&](const fs::path& file, const std::string& text) {
+    const bool is_document = file.extension() == ".md";
+    if (!is_document && file.extension() != ".h") return;
+    ++report.files;
+    for (const int line : bare_decimals(text, is_document))
+      report.found.push_back(file.generic_string() + ":" + std::to_string(line));
+  });
   return report;
 }
 

@@ -32,6 +32,18 @@ TEST(Words, AreThoseOfTheFirstColumn) {
   EXPECT_TRUE(retired_words("| `no` | x |\n").empty());
 }
 
+TEST(Numbers, HaveAZeroBeforeTheirPoint) {
+  const WordReport report = find_bare_decimals(CROSSGAIT_SOURCE_DIR);
+  for (const std::string& found : report.found) ADD_FAILURE() << found << ": 0.83 s, not .83 s";
+  EXPECT_GT(report.files, 200);
+}
+
+TEST(Numbers, AreLookedForInProseAlone) {
+  EXPECT_EQ(bare_decimals("a\nof .5 s\n(.25)\n", true), (std::vector{2, 3}));
+  EXPECT_TRUE(bare_decimals("0.5 s, `--dt .5` and \".5\"\n```\n --dt .5\n```\n    x .5\n", true).empty());
+  EXPECT_EQ(bare_decimals("double a = .5;\n/// of .5 s\nb; // x (.25)\n", false), (std::vector{2, 3}));
+}
+
 TEST(Words, AreFoundOnTheirOwn) {
   EXPECT_EQ(line_of_word("a\nb = old_name;\n", "old_name"), 2);
   EXPECT_EQ(line_of_word("old_name", "old_name"), 1);

@@ -71,7 +71,7 @@ CROSSGAIT_FOR_EVERY_BACKEND(Gravity);
 TEST_P(Gravity, OnTheMoonTheRobotStandsAsHighAsOnEarth) {
   const Vector3 earth(0, 0, -9.81), moon(0, 0, -1.62);
   const double wanted = height(earth, earth);
-  // Soft ground and loops give way by what feet carry: .33 mm less on the moon by MuJoCo's law, .01 mm by
+  // Soft ground and loops give way by what feet carry: 0.33 mm less on the moon by MuJoCo's law, 0.01 mm by
   // hard ones.
   EXPECT_NEAR(height(moon, moon), wanted, 5e-4);
   EXPECT_GT(height(moon, earth), wanted + 4e-3);  // what legs add that expect six times the load

@@ -19,7 +19,7 @@ TEST(HeadingHold, SteersBackToWhereItFirstLooked) {
   HeadingHoldState hold;
   const HeadingHold options;
   EXPECT_EQ(hold.update(options, heading(1), 0, kLookEvery), 0);
-  // Too far to the left by .1 rad, whatever the roll and pitch; rounding of an angle of one.
+  // Too far to the left by 0.1 rad, whatever the roll and pitch; rounding of an angle of one.
   EXPECT_NEAR(hold.update(options, heading(1.1, 0.2, -0.3), 0, kLookEvery), -0.1 * options.gain, 1e-15);
   EXPECT_NEAR(hold.update(options, heading(0.95), 0, kLookEvery), 0.05 * options.gain, 1e-15);
 }
@@ -45,7 +45,7 @@ TEST(HeadingHold, FollowsTheCommandedTurn) {
   const HeadingHold options;
   constexpr double kRate = 0.5;
   for (int i = 0; i < 1000; ++i) {  // 2 s, more than half a turn with what follows
-    const double late = 0.04;       // rad behind, as a robot is that needs .08 rad/s more than commanded
+    const double late = 0.04;       // rad behind, as a robot is that needs 0.08 rad/s more than commanded
     const double yaw = kRate * kLookEvery * i - (i == 0 ? 0 : late);
     // The sum of a thousand steps, 1e-16 of a radian each.
     EXPECT_NEAR(hold.update(options, heading(yaw), kRate, kLookEvery), i == 0 ? 0 : options.gain * late,

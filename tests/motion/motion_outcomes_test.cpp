@@ -44,7 +44,7 @@ TEST_P(Motion, DivergesAtTheStepThatDoesAndEndsThere) {
       run(flat(), motions::trot(scenes::quadruped()), {.seconds = 1}, {{}, 0, motions::catastrophe(0.1)});
   EXPECT_EQ(m.outcome, Outcome::kDiverged);
   EXPECT_TRUE(m.failed());
-  // The push acts in the step that begins at .1 s; engines may take some more to notice, but not many.
+  // The push acts in the step that begins at 0.1 s; engines may take some more to notice, but not many.
   EXPECT_GE(at(m, Outcome::kDiverged), 0.1 - 1e-12);
   EXPECT_LT(at(m, Outcome::kDiverged), 0.15);
   EXPECT_EQ(m.simulated_seconds, at(m, Outcome::kDiverged));
@@ -167,7 +167,7 @@ TEST_P(Motion, LeavesASmallFieldWhenItsBaseDoes) {
   };
   const MotionSummary m =
       run_walk(*world, motions::standing(spec.robot), timing, watch, {}, OutcomeSet::of_names({}));
-  ASSERT_GT(left_at, 0.5);  // .7 m at 2.6 m/s^2
+  ASSERT_GT(left_at, 0.5);  // 0.7 m at 2.6 m/s^2
   EXPECT_DOUBLE_EQ(at(m, Outcome::kLeftTerrain), left_at);
   EXPECT_DOUBLE_EQ(m.simulated_seconds, 1.5);
   // Unless told otherwise a walk ends there.
@@ -223,7 +223,7 @@ TEST_P(Motion, MakesNoProgressOnIce) {
   EXPECT_EQ(ahead.outcome, Outcome::kNoProgress);
   EXPECT_EQ(asked.outcome, Outcome::kNoProgress);
   EXPECT_LT(std::abs(asked.distance_m), 0.2 * 0.3);
-  // .6 m/s to the left, where a trot has no way to go either.
+  // 0.6 m/s to the left, where a trot has no way to go either.
   EXPECT_EQ(trot(spec, 3, VelocityCommand{0, 0.05, 0}).outcome, Outcome::kNoProgress);
   // Turning counts where no way was asked for.
   EXPECT_EQ(trot(spec, 3, VelocityCommand{0, 0, 0.5}).outcome, Outcome::kNoProgress);

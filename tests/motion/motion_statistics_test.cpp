@@ -189,7 +189,7 @@ TEST_P(MotionNumbers, AreThoseOfARecordingAtEveryPhysicsStep) {
     EXPECT_NEAR(m.slip_per_path.value(), r.slip / r.sweep, kRounding);
     EXPECT_NEAR(m.heading_error_deg.value(), r.heading_error * 180 / M_PI, kRounding);
     EXPECT_GT(r.heading_error,
-              straight ? 0 : 0.4);  // .2 rad/s for 2.7 s are missing where a turn was asked for
+              straight ? 0 : 0.4);  // 0.2 rad/s for 2.7 s are missing where a turn was asked for
     EXPECT_NEAR(m.swing_contact_ratio.value(), drag, kRounding);
     EXPECT_GT(drag, 0);
     EXPECT_LT(drag, 0.5);  // it does lift its feet
@@ -197,7 +197,7 @@ TEST_P(MotionNumbers, AreThoseOfARecordingAtEveryPhysicsStep) {
     EXPECT_NEAR(m.cost_of_transport.value(), r.work / (weight * r.path), kRounding);
     EXPECT_NEAR(m.rms_roll_deg, std::sqrt(r.roll2) * 180 / M_PI, kRounding);
     EXPECT_NEAR(m.rms_pitch_deg, std::sqrt(r.pitch2) * 180 / M_PI, kRounding);
-    // Forward is where it faced, .4 rad to the left of +x.
+    // Forward is where it faced, 0.4 rad to the left of +x.
     const Vector3 moved = r.last - r.first;
     EXPECT_NEAR(m.distance_m,
                 moved.head<2>().dot(Eigen::Vector2d(std::cos(r.first_yaw), std::sin(r.first_yaw))),

@@ -212,7 +212,7 @@ TEST_F(AskedMotion, IsJudgedAlongItsCommand) {
       {{.turning = 0.19, .asked_turning = 0.4}, Outcome::kTooSlow},
       {{.turning = -0.4, .asked_turning = 0.4}, Outcome::kTooSlow},
       {{.off = 90 * degree, .turning = -0.4, .asked_turning = 0.4}, Outcome::kStrayed},
-      {{.turning = -0.1, .asked_turning = 0.1}, Outcome::kWalked},  // .4 rad are too few to judge
+      {{.turning = -0.1, .asked_turning = 0.1}, Outcome::kWalked},  // 0.4 rad are too few to judge
       // A turn alone.
       {{.speed = 0, .turning = 0.4, .asked = 0, .asked_turning = 0.4}, Outcome::kWalked},
       {{.speed = 0, .turning = 0.19, .asked = 0, .asked_turning = 0.4}, Outcome::kTooSlow},

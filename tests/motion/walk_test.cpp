@@ -66,9 +66,9 @@ TEST(FootTargetTracker, LeadVanishesAtRestAndGrowsWithSpeed) {
   LegArray<Vector3> feet = standing_feet();
   EXPECT_EQ(plain.update(feet, 2e-3).q, leading.update(feet, 2e-3).q);
   EXPECT_EQ(plain.update(feet, 2e-3).q, leading.update(feet, 2e-3).q);
-  for (const Leg leg : kLegs) feet[leg].x() += 1e-4;  // .05 m/s
+  for (const Leg leg : kLegs) feet[leg].x() += 1e-4;  // 0.05 m/s
   const JointVector lead = leading.update(feet, 2e-3).q - plain.update(feet, 2e-3).q;
-  for (const Leg leg : kLegs) feet[leg].x() += 2e-4;  // .10 m/s
+  for (const Leg leg : kLegs) feet[leg].x() += 2e-4;  // 0.10 m/s
   const JointVector twice = leading.update(feet, 2e-3).q - plain.update(feet, 2e-3).q;
   EXPECT_GT(lead.lpNorm<Eigen::Infinity>(), 1e-3);
   EXPECT_NEAR(twice.lpNorm<Eigen::Infinity>() / lead.lpNorm<Eigen::Infinity>(), 2.0,
@@ -80,10 +80,10 @@ TEST(FootTargetTracker, FeetSweepLessByWhatTheyRoll) {
   p.load_share = 1;  // nothing gives way
   const FootTargetTracker legs(robot());
   const Vector2 sweep = legs.rolling_correction(standing_feet(), p);
-  // Sideways: the leg turns by 1 / D for each metre, D = .06 + .010 m below the tilt axis
+  // Sideways: the leg turns by 1 / D for each metre, D = 0.06 + 0.010 m below the tilt axis
   // (docs/kinematics.md).
   const double radius = (*robot()->legs)[Leg::FL].foot_radius;
-  EXPECT_NEAR(1 / sweep.y(), 1 + radius / 0.07, 1e-6);  // central differences over 1e-4 of .07 m
+  EXPECT_NEAR(1 / sweep.y(), 1 + radius / 0.07, 1e-6);  // central differences over 1e-4 of 0.07 m
   // Forward: of a chain u, l from shoulder to foot with the foot's velocity v, v . u = w (z x l) . u.
   constexpr double kUpper = 0.045, kLower = 0.06, kDepth = 0.06, kShoulder = -0.010;
   const Vector2 foot(-kShoulder, -kDepth);  // from the rear shoulder
@@ -257,7 +257,7 @@ TEST(Walk, TrotStatisticsAreThoseOfATrot) {
       });
   EXPECT_EQ(samples, 2000);
   const double nominal = nominal_speed(trot.parameters);
-  EXPECT_GT(s.mean_speed_mps, 0.8 * nominal);  // measured .93, the first stride growing from standing
+  EXPECT_GT(s.mean_speed_mps, 0.8 * nominal);  // measured 0.93, the first stride growing from standing
   EXPECT_LT(s.mean_speed_mps, 1.1 * nominal);
   EXPECT_NEAR(s.distance_m, s.mean_speed_mps * s.simulated_seconds, 1e-12);
   EXPECT_LT(s.max_loop_gap_m, 1e-3);
@@ -277,7 +277,7 @@ TEST(GaitSource, ServosMakeUpForTheShareThatTheGaitSays) {
   };
   const JointVector none = targets({"load_share=0"}, {});
   EXPECT_EQ(none, targets({}, {.compensation = {.load = false}, .heading_hold = {}}));
-  EXPECT_GT((targets({}, {}) - none).lpNorm<Eigen::Infinity>(), 0.05);  // .2 rad for the whole load
+  EXPECT_GT((targets({}, {}) - none).lpNorm<Eigen::Infinity>(), 0.05);  // 0.2 rad for the whole load
 }
 
 TEST(DriveLegs, FollowsAShareOfTheLoadThatChangesOnTheWay) {

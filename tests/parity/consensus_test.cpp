@@ -15,7 +15,7 @@ namespace {
 
 using Indices = std::vector<std::size_t>;
 
-/// Words of pairs by the engines' names; all others agree. A pair's gap is .1 margins unless it is given.
+/// Words of pairs by the engines' names; all others agree. A pair's gap is 0.1 margins unless it is given.
 struct Said {
   std::vector<JudgedEngine> engines;
   std::map<std::string, Word> words = {};
@@ -144,8 +144,8 @@ TEST(Consensus, AllThatAgreeAreOneCluster) {
   EXPECT_EQ(s.reason, "all agree");
 }
 
-/// Four engines of four laws on made-up runs. Distance 1 m, give or take .1 m by the start, which all share,
-/// and .02 m by the engine; `fault` m more in one of them.
+/// Four engines of four laws on made-up runs. Distance 1 m, give or take 0.1 m by the start, which all share,
+/// and 0.02 m by the engine; `fault` m more in one of them.
 struct Planted {
   std::uint64_t seed;
   std::size_t faulty;

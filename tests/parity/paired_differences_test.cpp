@@ -24,7 +24,7 @@ std::vector<double> normals(Random& random, std::size_t n, double mean) {
 
 TEST(PairedMean, HasStudentsInterval) {
   const PairedDifferences d({1, 2, 4, 4, 9});
-  // Mean 4, variance 9.5: standard error sqrt(9.5 / 5), t(.975, 4) = 2.7764451.
+  // Mean 4, variance 9.5: standard error sqrt(9.5 / 5), t(0.975, 4) = 2.7764451.
   const Interval interval = d.interval(0.95);
   EXPECT_NEAR(interval.estimate, 4, 1e-14);
   EXPECT_NEAR(interval.half_width(), 2.7764451 * std::sqrt(9.5 / 5), 1e-6);
@@ -50,7 +50,7 @@ TEST(PairedMedian, LiesBetweenOrderStatistics) {
   EXPECT_EQ(d.estimate(), (36 + 49) / 2.0);
   EXPECT_EQ(d.interval(0.95).low, 9);
   EXPECT_EQ(d.interval(0.95).high, 100);
-  EXPECT_EQ(d.interval(0.999).low, 1);  // 2 / 4096 = .05 %
+  EXPECT_EQ(d.interval(0.999).low, 1);  // 2 / 4096 = 0.05 %
   EXPECT_EQ(d.interval(0.99999).low, 1) << "no wider one";
   EXPECT_NEAR(d.p_beyond(0.5), 2.0 / 4096, 1e-12);
 }
@@ -114,7 +114,7 @@ TEST(PairedDifference, IsRarelyWrongAtTheMargin) {
       within += d.p_within(3) <= 0.05;
       beyond += d.p_beyond(3) <= 0.05;
     }
-    // Four standard errors above: .35 and .25 % each.
+    // Four standard errors above: 0.35 and 0.25 % each.
     EXPECT_LE(within, 0.064 * kRepetitions) << name(estimand);
     EXPECT_LE(beyond, 0.035 * kRepetitions) << name(estimand);
   }

@@ -83,7 +83,7 @@ TEST(PairedShares, AreRarelyWrongAtTheMargin) {
       within += shares.p_within(0.1) <= 0.05;
       missed += !shares.interval(0.95).contains(only_b - only_a);
     }
-    // Four standard errors above 2.5 and 5 %: .8 and 1.1 % each.
+    // Four standard errors above 2.5 and 5 %: 0.8 and 1.1 % each.
     EXPECT_LE(beyond, 0.057 * kRepetitions) << pairs << " " << only_a;
     EXPECT_LE(within, 0.094 * kRepetitions) << pairs << " " << only_a;
     EXPECT_LE(missed, 0.094 * kRepetitions) << pairs << " " << only_a;

@@ -72,7 +72,7 @@ TEST(WalkReport, HasEveryStatistic) {
                                 {"RMS roll, deg", "1.125"},
                                 {"RMS pitch, deg", "2.125"},
                                 {"duty factor, mean of legs", "0.625"},
-                                {"swing contact, fraction", "0.062"},  // .0625 is a binary fraction: to even
+                                {"swing contact, fraction", "0.062"},  // 0.0625 is a binary fraction: to even
                                 {"swing contact, inner 80 %", "0.031"},
                                 {"slip over planned stance path", "0.188"},
                                 {"heading error, deg", "6.500"},

@@ -55,7 +55,7 @@ double by_start(std::size_t start, std::uint64_t stream) {
 const std::vector<Engine> kTwo{nothing("a"), nothing("b")};
 
 TEST(ReachVerdicts, JudgesPairedDifferences) {
-  // Starts lie .5 m/s apart; the second engine is .1 m/s faster, give or take .002.
+  // Starts lie 0.5 m/s apart; the second engine is 0.1 m/s faster, give or take 0.002.
   const MadeUp truth{[](const Engine& e, const Variation&, std::size_t k) {
     return 1 + 0.5 * by_start(k, 1) + (e.name() == "b" ? 0.1 + 0.002 * by_start(k, 2) : 0);
   }};

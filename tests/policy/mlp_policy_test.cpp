@@ -68,22 +68,23 @@ class MlpPolicyTest : public ScratchFolder {
 };
 
 TEST_F(MlpPolicyTest, ComputesATinyNetworkAsByHand) {
-  // Hidden sums of (.2, .6): .2 - 1.2 + .1 = -.9 and .1 + .15 - .2 = .05; then .3 h1 - .4 h2 + .05.
+  // Hidden sums of (0.2, 0.6): 0.2 - 1.2 + 0.1 = -0.9 and 0.1 + 0.15 - 0.2 = 0.05; then 0.3 h1 - 0.4 h2 +
+  // 0.05.
   const std::vector<double> observation{0.2, 0.6};
   MlpNetwork network = tiny_network();
   network.activation = MlpActivation::kRelu;
   EXPECT_NEAR(act_on(*make(network), observation)[0], 0.03, kSinglePrecision);
-  network.activation = MlpActivation::kTanh;  // -.71629787, .04995838
+  network.activation = MlpActivation::kTanh;  // -0.71629787, 0.04995838
   EXPECT_NEAR(act_on(*make(network), observation)[0], -0.18487271, kSinglePrecision);
-  network.activation = MlpActivation::kElu;  // exp(-.9) - 1 = -.59343034, .05
+  network.activation = MlpActivation::kElu;  // exp(-0.9) - 1 = -0.59343034, 0.05
   EXPECT_NEAR(act_on(*make(network), observation)[0], -0.14802910, kSinglePrecision);
   network.output = MlpOutput::kTanh;
   EXPECT_NEAR(act_on(*make(network), observation)[0], -0.14695739, kSinglePrecision);
 }
 
 TEST_F(MlpPolicyTest, NormalisesAndThenClipsObservations) {
-  // ((1.4, -.7) - (1, -1)) / (2, .5) = (.2, .6) as above; 20 and -20 become 1.5 and -1.5:
-  // hidden 1.5 + 3 + .1 = 4.6 and .75 - .375 - .2 = .175; action 1.38 - .07 + .05 beyond 1.
+  // ((1.4, -0.7) - (1, -1)) / (2, 0.5) = (0.2, 0.6) as above; 20 and -20 become 1.5 and -1.5:
+  // hidden 1.5 + 3 + 0.1 = 4.6 and 0.75 - 0.375 - 0.2 = 0.175; action 1.38 - 0.07 + 0.05 beyond 1.
   MlpNetwork network = tiny_network();
   network.activation = MlpActivation::kRelu;
   network.observation_mean = Eigen::Vector2d(1, -1);
@@ -92,7 +93,7 @@ TEST_F(MlpPolicyTest, NormalisesAndThenClipsObservations) {
   const auto policy = make(network);
   EXPECT_NEAR(act_on(*policy, {1.4, -0.7})[0], 0.03, kSinglePrecision);
   EXPECT_EQ(act_on(*policy, {41, -11})[0], 1);
-  network.layers[1].weight *= 0.5;  // .69 - .035 + .05
+  network.layers[1].weight *= 0.5;  // 0.69 - 0.035 + 0.05
   EXPECT_NEAR(act_on(*make(network), {41, -11})[0], 0.705, kSinglePrecision);
 }
 

@@ -135,7 +135,7 @@ TEST(CourseSections, TakeTheMethodFromTheEnvironmentAndAllElseFromTheCourse) {
 
 TEST(CourseSections, AreForRobotsOfEveryWeight) {
   EnvConfig config = method("mujoco");
-  config.robot = "serial_quadruped";  // 12.6 kg, where scara_quadruped has .7
+  config.robot = "serial_quadruped";  // 12.6 kg, where scara_quadruped has 0.7
   const Course course = load_course("hard");
   for (const CourseSection& section : course.sections) {
     EXPECT_NO_THROW(EnvModel::make(section_environment(config, course, section))) << section.name;
@@ -143,7 +143,7 @@ TEST(CourseSections, AreForRobotsOfEveryWeight) {
 }
 
 TEST(CourseScores, AreTheShareOfTheWayAskedFor) {
-  const Course course = short_course();  // .2 m/s for .4 s: .08 m
+  const Course course = short_course();  // 0.2 m/s for 0.4 s: 0.08 m
   const CourseSection& section = course.sections[0];
   EXPECT_DOUBLE_EQ(course_score(made(0.04), course, section), 0.5);
   EXPECT_EQ(course_score(made(0.2), course, section), 1);
@@ -181,7 +181,7 @@ TEST(CourseScores, AreTheMeanOverSectionsOfOneEngine) {
   result.cells.push_back({{}, "a", {1, 0.5}, {}});
   result.cells.push_back({{}, "b", {0, 0}, {}});
   result.cells.push_back({{}, "a", {0, 0.5}, {}});
-  EXPECT_DOUBLE_EQ(result.score("a").mean, 0.5);  // both runs have .5
+  EXPECT_DOUBLE_EQ(result.score("a").mean, 0.5);  // both runs have 0.5
   EXPECT_EQ(result.score("a").deviation, 0);
   EXPECT_EQ(result.score("b").mean, 0);
 }

@@ -36,7 +36,7 @@ TEST(Interruptions, LeaveTheEpisodesThatAreFinished) {
   EXPECT_TRUE(part.interrupted);
   ASSERT_EQ(part.policies.size(), 2U);
   EXPECT_EQ(to_json(part.policies[0].all), to_json(whole.policies[0].all));
-  ASSERT_EQ(part.policies[1].episodes.size(), 4U);  // of 16, the twelfth reaches .7
+  ASSERT_EQ(part.policies[1].episodes.size(), 4U);  // of 16, the twelfth reaches 0.7
   for (std::size_t k = 0; k < 4; ++k)
     EXPECT_EQ(to_json(part.policies[1].episodes[k]), to_json(whole.policies[1].episodes[k]));
 }

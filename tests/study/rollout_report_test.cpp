@@ -83,7 +83,7 @@ TEST(RolloutReport, PutsPoliciesSideBySideWithTheTermsThatHaveAWeight) {
                   {"swing contact, inner 80 %", "-", "-"},
                   {"slip over planned stance path", "0.250 +- 0.125", "-"},
                   {"heading error, deg", "4.50 +- 1.50", "-"},
-                  {"slip of loaded feet, m", "0.38", "0.00"},  // .375 is a binary fraction: to even
+                  {"slip of loaded feet, m", "0.38", "0.00"},  // 0.375 is a binary fraction: to even
                   {"cost of transport", "3.50 +- 0.75", "-"},
                   {"IK targets clamped", "7", "0"}}));
 }

@@ -224,7 +224,7 @@ ServoRule servo_rule(double mass, double height, double leg_length) {
   const double g = kGravity, weight = mass * g;
   ServoRule rule;
   rule.kp = 3 * weight * height;
-  // Damping ratio .3 at the pitch of a leg that gives way by .03 h.
+  // Damping ratio 0.3 at the pitch of a leg that gives way by 0.03 h.
   rule.kd = 2 * 0.3 * rule.kp / std::sqrt(g / (0.03 * height));
   rule.armature = 0.005 * mass * height * height;
   rule.effort_limit = 0.8 * weight * height;

@@ -83,8 +83,8 @@ LegLengths leg_lengths(const RobotDescription& robot, Leg leg);
 inline constexpr double kStandingShare = 0.72;  ///< of thigh and shin: depth of a standing foot below the hip
 
 /// Angles of the servos with the foot at depth `height` (m) below the hip and all feet so far forward that
-/// their middle lies under the robot's centre of mass (at most .15 of the leg's length), and how far that is.
-/// Knees: the branch that lies inside the limits, backward if both do. Angles that stand already in
+/// their middle lies under the robot's centre of mass (at most 0.15 of the leg's length), and how far that
+/// is. Knees: the branch that lies inside the limits, backward if both do. Angles that stand already in
 /// `robot.home` are not used. Requires serial legs. @throws ConfigError if neither branch fits
 struct HomePose {
   JointVector q;
@@ -95,11 +95,11 @@ HomePose find_home(const RobotDescription& robot, double height, std::vector<Inf
 /// Why serial legs cannot stand at these angles: beyond limits, feet not below their hips by a third of the
 /// leg or more, or not at one depth to a third of it. Empty if they can.
 std::string problem_with_stance(const RobotDescription& robot, const JointVector& q);
-/// How far ahead of the hips the feet have to stand to be under the robot's centre of mass, at most .15 of
+/// How far ahead of the hips the feet have to stand to be under the robot's centre of mass, at most 0.15 of
 /// the leg's length, m. Requires serial legs.
 double balanced_offset(const RobotDescription& robot, const JointVector& q);
 inline constexpr const char* kStanceOffsetReason =
-    "the middle of the feet under the centre of mass of the robot, at most .15 of thigh and shin";
+    "the middle of the feet under the centre of mass of the robot, at most 0.15 of thigh and shin";
 
 /// Servo gains, rotor inertia and torque limit of joints whose file gives none, from mass (kg), standing
 /// height h and leg length (m).

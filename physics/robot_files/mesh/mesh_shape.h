@@ -9,7 +9,7 @@ namespace crossgait {
 
 /// Sets type, size, vertices and pose of `shape`, whose X_BG is the mesh's frame, to what stands for the
 /// mesh:
-///  - the box around it, along the axes of the mesh's frame, at least .2 mm thick; or
+///  - the box around it, along the axes of the mesh's frame, at least 0.2 mm thick; or
 ///  - where it has less volume than the box, the least capsule around it whose axis passes through the box's
 ///    centre along its longest edge;
 ///  - where the smaller of the two exceeds the volume of the mesh's convex hull by more than a quarter, that

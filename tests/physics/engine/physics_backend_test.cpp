@@ -121,7 +121,7 @@ TEST(ServoTorque, FallsWithTheSpeedInItsDirection) {
 }
 
 TEST(ServoTorque, HasNoneWithinThePlay) {
-  Joint servo = servo_and_pendulum().joint(0);  // kp 2, kd .5
+  Joint servo = servo_and_pendulum().joint(0);  // kp 2, kd 0.5
   servo.backlash = 0.5;
   EXPECT_EQ(servo_torque(servo, 1.25, 1, 3), 0);
   EXPECT_EQ(servo_torque(servo, 0.75, 1, 3), 0);

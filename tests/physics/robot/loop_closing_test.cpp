@@ -29,7 +29,7 @@ TEST(LoopClosing, MovesOnlyPassiveJointsAndKeepsTheWorkingMode) {
   const JointVector before = q;
   ASSERT_GT(gap(robot, q), 1e-3);
   close_loops(robot, q);
-  EXPECT_LT(gap(robot, q), 1e-15);  // rounding of lengths of .1 m
+  EXPECT_LT(gap(robot, q), 1e-15);  // rounding of lengths of 0.1 m
   for (const int joint : robot.actuated_joints()) EXPECT_EQ(q[joint], before[joint]);
   for (const LegModel& leg : *robot.legs) {
     EXPECT_LT(q[leg.joint("elbow_left")], 0);  // knees stay outward
@@ -38,7 +38,7 @@ TEST(LoopClosing, MovesOnlyPassiveJointsAndKeepsTheWorkingMode) {
 }
 
 TEST(LoopClosing, FindsTheTriangleByHand) {
-  // Both shoulders straight down: the elbows are .020 apart, the lower links meet half way between them.
+  // Both shoulders straight down: the elbows are 0.020 apart, the lower links meet half way between them.
   const RobotDescription robot = load_robot(kRobotFolder + "robot.yaml");
   JointVector q = JointVector::Zero(robot.joint_count());
   for (const LegModel& leg : *robot.legs) {

@@ -26,7 +26,7 @@ TEST(LoopGaps, AreThoseOfForwardKinematics) {
       state.p_WB.setZero();  // so that rounding is that of the robot's own size
       const double expected = gap_of_poses(*robot, state);
       EXPECT_GT(expected, 1e-3) << robot->name;  // random joints leave no loop closed
-      // A dozen rotations of vectors of a tenth of a metre: 10 * 1e-16 * .1 m, and as much again in poses.
+      // A dozen rotations of vectors of a tenth of a metre: 10 * 1e-16 * 0.1 m, and as much again in poses.
       EXPECT_NEAR(gaps.largest(state.q), expected, 1e-15) << robot->name;
     }
   }

@@ -174,8 +174,8 @@ TEST(Multibody, FeetAreWhereTheDrawingsHaveThem) {
   state.q = JointVector::Zero(robot.joint_count());
   std::vector<Pose> poses;
   forward_kinematics(robot, state, poses);
-  // Zero angles: the left chain hangs straight down from its shoulder at mount + (-.010, +-.024, -.010),
-  // links .045 and .060 long. Rounding of a handful of sums.
+  // Zero angles: the left chain hangs straight down from its shoulder at mount + (-0.010, +-0.024, -0.010),
+  // links 0.045 and 0.060 long. Rounding of a handful of sums.
   EXPECT_LT((foot_position(robot, Leg::FL, poses) - Vector3(0.065, 0.062, -0.1025)).norm(), 1e-16);
   EXPECT_LT((foot_position(robot, Leg::RR, poses) - Vector3(-0.085, -0.062, -0.1025)).norm(), 1e-16);
 
@@ -188,7 +188,7 @@ TEST(Multibody, FeetAreWhereTheDrawingsHaveThem) {
   const double z = 0.0025 - 0.045 * std::cos(0.5) - 0.060 * std::cos(0.5 - 1.2);
   EXPECT_LT((foot_position(robot, Leg::FR, poses) - Vector3(x, -0.062, z)).norm(), 1e-16);
 
-  // Tilt about +x through the mount at (.075, -.038, .0125), positive towards +y for every leg.
+  // Tilt about +x through the mount at (0.075, -0.038, 0.0125), positive towards +y for every leg.
   state.q[leg.joint("tilt")] = 0.3;
   forward_kinematics(robot, state, poses);
   const double y = -0.038 - 0.024 * std::cos(0.3) - (z - 0.0125) * std::sin(0.3);
@@ -217,7 +217,7 @@ TEST(Multibody, LoopGapIsTheLargestDistance) {
   state.q = robot.home;
   std::vector<Pose> poses;
   forward_kinematics(robot, state, poses);
-  EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of .1 m
+  EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of 0.1 m
 
   state.q[(*robot.legs)[Leg::RL].joint("elbow_right")] += 0.1;  // a chord of the lower link's circle
   state.q[(*robot.legs)[Leg::FR].joint("elbow_right")] += 0.01;
@@ -270,7 +270,7 @@ TEST(Multibody, InverseWeightsAreTakenAtZeroAnglesOfWhateverHome) {
       const Vector3 p_BC = robot.bodies[k].inertia.p_BC;
       J.col(i) = (after[k] * p_BC - before[k] * p_BC) / (2 * dt);
     }
-    // Differences are good to 1e-10 of entries of order .1, in a product with M^-1 of up to 5e3.
+    // Differences are good to 1e-10 of entries of order 0.1, in a product with M^-1 of up to 5e3.
     EXPECT_NEAR(weights[k], (J * inverse * J.transpose()).trace() / 3, 1e-6 * weights[k])
         << robot.bodies[k].name;
   }

@@ -41,11 +41,11 @@ class LegInference : public ScratchFolder {
     const auto hip = static_cast<std::size_t>((*robot.legs)[leg].joint("hip")) + 1;
     return foot_position(robot, leg, poses) - poses[hip].translation();
   }
-  /// Whether all feet stand at the robot's height below their hips, .07 m beside them or below them.
+  /// Whether all feet stand at the robot's height below their hips, 0.07 m beside them or below them.
   static void expect_standing(const RobotDescription& robot, double aside) {
     for (const Leg leg : kLegs) {
       const Vector3 p = foot_from_hip(robot, leg);
-      EXPECT_NEAR(p.z(), -robot.standing_height, 1e-12) << name(leg);  // rounding of lengths of .4 m
+      EXPECT_NEAR(p.z(), -robot.standing_height, 1e-12) << name(leg);  // rounding of lengths of 0.4 m
       EXPECT_NEAR(p.y(), aside * side_sign(leg), 1e-12) << name(leg);
     }
   }

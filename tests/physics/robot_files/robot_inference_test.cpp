@@ -99,7 +99,7 @@ TEST_F(Inferred, HomeHasTheFeetAtTheirDepthUnderTheCentreOfMass) {
           robot.bodies[i].inertia.mass * (poses[i] * robot.bodies[i].inertia.p_BC).x() / robot.total_mass();
     for (const Leg leg : kLegs) {
       const Vector3 foot = foot_from_hip(robot, leg);
-      EXPECT_NEAR(foot.z(), -0.72 * 0.4, 1e-12);  // rounding of lengths of .4 m
+      EXPECT_NEAR(foot.z(), -0.72 * 0.4, 1e-12);  // rounding of lengths of 0.4 m
       EXPECT_NEAR(foot.x(), robot.stance_offset, 1e-12);
       EXPECT_NEAR(foot.y(), 0, 1e-12);
       feet += foot_position(robot, leg, poses).x() / kLegCount;
@@ -242,7 +242,7 @@ TEST_F(Inferred, AShinThatEndsInItsFootDoesNotTouch) {
   ASSERT_EQ(ends_in_it.report.warnings.size(), 1U);
   EXPECT_EQ(ends_in_it.report.warnings[0],
             "left out 1 collision shape(s) around feet, first of 'FL_shin': feet alone touch");
-  // Two radii from the foot's centre, .02 m each, and a little more.
+  // Two radii from the foot's centre, 0.02 m each, and a little more.
   const auto ends_above = load_robot_with_report(write("made.urdf", with_shin(0.2 - 0.04 - 1e-6)));
   EXPECT_EQ(shapes(ends_above.robot), 2U);
   EXPECT_TRUE(ends_above.report.warnings.empty());
@@ -314,7 +314,7 @@ TEST_F(Inferred, ATorqueLimitThatNoServoHasIsReplacedAndSaid) {
   EXPECT_LT(used, 1000);
   const std::string expected = fmt::format(
       "the file's torque limit of 1e+03 N m of 4 joint(s) from 'FL_knee' is that of no servo of this "
-      "robot: {:.3g} N m is used (.8 m g h)",
+      "robot: {:.3g} N m is used (0.8 m g h)",
       used);
   EXPECT_NE(std::find(report.warnings.begin(), report.warnings.end(), expected), report.warnings.end())
       << fmt::format("{}", fmt::join(report.warnings, "\n"));

@@ -79,7 +79,7 @@ TEST(RobotLoader, PlacesLegsByTheirNames) {
 TEST(RobotLoader, HomeStandsOnFourFeetWithKneesOutward) {
   const RobotDescription robot = load_robot(kRobotFolder + "robot.yaml");
   const std::vector<Pose> poses = home_poses(robot);
-  EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of .1 m
+  EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of 0.1 m
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
     const double x = is_front(leg) ? 0.075 : -0.075;
@@ -117,7 +117,7 @@ TEST(RobotLoader, LoadsASecondRobotOfOtherNamesAndFigures) {
   EXPECT_EQ(robot.joint(16).kd, 0.005);
   EXPECT_EQ(robot.joint(16).effort_limit, 1.5);
   const std::vector<Pose> poses = home_poses(robot);
-  EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of .1 m
+  EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of 0.1 m
   for (const Leg leg : kLegs) EXPECT_NEAR(foot_position(robot, leg, poses).z(), 0.009, 1e-12);
 }
 

@@ -62,10 +62,10 @@ TEST(UrdfReader, MergesFixedLinksIntoTheirBody) {
   const ParsedRobot robot = read(kFixedPair);
   ASSERT_EQ(robot.bodies.size(), 2U);
   const SpatialInertia& base = robot.bodies[0].inertia;
-  // The box's centre of mass lies at (1, .5, 0): its x is the base's y. Numbers of order one, rounding.
+  // The box's centre of mass lies at (1, 0.5, 0): its x is the base's y. Numbers of order one, rounding.
   EXPECT_DOUBLE_EQ(base.mass, 4);
   EXPECT_LT((base.p_BC - Vector3(0.75, 0.375, 0)).norm(), 1e-15);
-  // Parallel-axis theorem with the reduced mass 3/4 and the distance (1, .5, 0); the box's x and y moments
+  // Parallel-axis theorem with the reduced mass 3/4 and the distance (1, 0.5, 0); the box's x and y moments
   // change places.
   Matrix3 expected;
   expected << 0.1 + 0.4 + 0.75 * 0.25, -0.75 * 0.5, 0,  //

@@ -318,7 +318,8 @@ TEST_F(UrdfTraps, CapsulesAreRead) {
 }
 
 TEST_F(UrdfTraps, AbsentInertiaIsThatOfCapsulesAndHulls) {
-  // A capsule from -.5 to .5 along y, .2 across; a disc as a mesh, whose hull reaches to +-.4, +-.4 and +-.1.
+  // A capsule from -0.5 to 0.5 along y, 0.2 across; a disc as a mesh, whose hull reaches to +-0.4, +-0.4 and
+  // +-0.1.
   write("disc.obj", [] {
     std::string text;
     for (int i = 0; i < 16; ++i) {
@@ -358,7 +359,7 @@ TEST_F(UrdfTraps, MeshesStandForTheirBox) {
       link("shin",
            inertial(1, "1 1 1") +
                "<collision name='shin'><origin xyz='0 0 1' rpy='0 0 1.5707963267948966'/><geometry>"
-               "<mesh filename='package://dog/meshes/shin.obj' scale='.1 .1 -.1'/></geometry></collision>"
+               "<mesh filename='package://dog/meshes/shin.obj' scale='.1 0.1 -0.1'/></geometry></collision>"
                "<collision><geometry><mesh filename='dog/meshes/plate.stl'/></geometry></collision>") +
       joint("fixed", "base", "shin", "<origin xyz='5 0 0'/>"));
   const std::vector<CollisionShape>& shapes = robot.bodies[0].shapes;

@@ -14,7 +14,7 @@ namespace {
 
 class UrdfVisuals : public ScratchFolder {
  protected:
-  /// A base and a link that turns, 1 m ahead, with a plate fixed to it .5 m above.
+  /// A base and a link that turns, 1 m ahead, with a plate fixed to it 0.5 m above.
   ParsedRobot read_links(const std::string& base, const std::string& link, const std::string& plate,
                          const std::string& robot = "") const {
     const std::string inertia = SerialUrdf::inertia(1, Vector3::Zero());

@@ -87,7 +87,7 @@ TEST(HeightField, InterpolatesOnTwoTrianglesAndNotBilinearly) {
 TEST(HeightField, IsContinuousAcrossEdges) {
   const HeightField field = random_field(7, 6, 0.1, 0.05F, 1);
   constexpr double kGap = 1e-9;
-  // The steepest edge rises .05 m in .1 m, so no facet slopes more than .71: a gap of 2e-9 m hides at
+  // The steepest edge rises 0.05 m in 0.1 m, so no facet slopes more than 0.71: a gap of 2e-9 m hides at
   // most 1.5e-9 m.
   constexpr double kTolerance = 1.5e-9;
   for (int k = 0; k <= 100; ++k) {
@@ -330,8 +330,8 @@ Vector3 closest_on(const Vector3& p, const Triangle& triangle) {
 }
 
 TEST(TouchSphere, AgreesWithASearchOverAllTriangles) {
-  // Cells of .02 m with .03 m of noise: steeper than any ground to walk on, spheres smaller and larger than a
-  // cell.
+  // Cells of 0.02 m with 0.03 m of noise: steeper than any ground to walk on, spheres smaller and larger than
+  // a cell.
   const HeightField field = random_field(13, 9, 0.02, 0.03F, 5);
   const std::vector<Triangle> all = triangles(field);
   std::mt19937 generator(6);

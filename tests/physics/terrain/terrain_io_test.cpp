@@ -68,7 +68,7 @@ TEST_F(TerrainPng, ReadsEightBits) {
   EXPECT_EQ(field.rows(), 2);
   EXPECT_EQ(field.size_x(), 2 * 0.025);
   EXPECT_EQ(field.size_y(), 1 * 0.025);
-  // The lower line has the smaller y; 255 is .05 m.
+  // The lower line has the smaller y; 255 is 0.05 m.
   expect_heights(terrain, {0.02F, 0.03F, 0.04F, 0.05F, 0, 0.01F});
 }
 
@@ -161,7 +161,7 @@ TEST_F(TerrainPng, GivesBackWhatWasWritten) {
     for (int c = 0; c < 23; ++c)
       largest = std::max(largest, std::abs(terrain.field()->at(c, r) - field.at(c, r)));
   }
-  EXPECT_LE(largest, half_level + 4e-9);  // and the rounding to float of .07 m
+  EXPECT_LE(largest, half_level + 4e-9);  // and the rounding to float of 0.07 m
   EXPECT_GT(largest, half_level / 2) << "16 bits round; nothing else is being compared";
 }
 
@@ -354,7 +354,7 @@ TEST_F(TerrainFiles, ExamplesAreWhatTheirReadmeSays) {
   const Terrain made = make_terrain("rough:size_x=4,size_y=2,amplitude=.02,seed=7");
   ASSERT_EQ(bumps.field()->heights().size(), made.field()->heights().size());
   for (int i = -19; i < 20; ++i) {
-    // At samples; half a grey level of at most .04 m.
+    // At samples; half a grey level of at most 0.04 m.
     EXPECT_NEAR(bumps.height(0.1 * i, 0.05 * i), made.height(0.1 * i, 0.05 * i), 0.04 / 65535);
   }
   EXPECT_EQ(heights(make_terrain(folder + "blocks.csv")),

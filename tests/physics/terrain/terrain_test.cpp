@@ -41,7 +41,7 @@ TEST(Terrain, IsAnInfinitePlaneByDefault) {
     ASSERT_TRUE(plane.touch_sphere({1, 2, 0.125}, 0.25, contact));
     EXPECT_EQ(contact.distance, -0.125);
     EXPECT_EQ(contact.normal, Vector3::UnitZ());
-    EXPECT_EQ(contact.position, Vector3(1, 2, -0.0625));  // midway between z = 0 and z = -.125
+    EXPECT_EQ(contact.position, Vector3(1, 2, -0.0625));  // midway between z = 0 and z = -0.125
     EXPECT_FALSE(plane.touch_sphere({0, 0, std::numeric_limits<double>::quiet_NaN()}, 0.25, contact));
     EXPECT_FALSE(plane.touch_sphere({0, 0, -std::numeric_limits<double>::infinity()}, 0.25, contact));
   }
@@ -54,13 +54,13 @@ TEST(Terrain, PlaneAndLevelFieldTouchAlike) {
     SphereContact a;
     SphereContact b;
     ASSERT_EQ(plane.touch_sphere({0.3, -0.6, z}, 0.1, a), field.touch_sphere({0.3, -0.6, z}, 0.1, b)) << z;
-    EXPECT_NEAR(a.distance, b.distance, 1e-16);  // a few roundings at .1 m
+    EXPECT_NEAR(a.distance, b.distance, 1e-16);  // a few roundings at 0.1 m
     EXPECT_LT((a.position - b.position).norm(), 1e-16);
     EXPECT_EQ(a.normal, b.normal);
   }
 }
 
-/// z = .3 x + .1 y on 2 m by 2 m.
+/// z = 0.3 x + 0.1 y on 2 m by 2 m.
 Terrain tilted() {
   return Terrain("tilted",
                  std::make_shared<HeightField>(2, 2, 2, 2, std::vector<float>{-0.4F, 0.2F, -0.2F, 0.4F}));
@@ -71,7 +71,7 @@ void expect_ring(const std::array<double, kRingSize>& ring, const std::array<Vec
   for (std::size_t k = 0; k < kRingSize; ++k) {
     const Vector3 direction = directions[k].normalized();
     const double expected = 0.3 * (x + radius * direction.x()) + 0.1 * (y + radius * direction.y());
-    EXPECT_NEAR(ring[k], expected, 3e-8) << "sample " << k;  // heights are floats of up to .4 m
+    EXPECT_NEAR(ring[k], expected, 3e-8) << "sample " << k;  // heights are floats of up to 0.4 m
   }
 }
 
@@ -165,10 +165,10 @@ TEST(Generators, LargerFieldsContinueSmallerOnes) {
 
 TEST(Generators, CellIsTheLargestDistanceOfSamples) {
   const Terrain terrain = make_terrain("waves:size_x=1,size_y=.5,cell=.03");
-  EXPECT_EQ(terrain.field()->columns(), 35);  // 34 cells of .0294
+  EXPECT_EQ(terrain.field()->columns(), 35);  // 34 cells of 0.0294
   EXPECT_EQ(terrain.field()->rows(), 18);
   EXPECT_LE(terrain.field()->cell_x(), 0.03);
-  // .27 / .03 rounds up to 9.000000000000002, which are still 9 cells.
+  // 0.27 / 0.03 rounds up to 9.000000000000002, which are still 9 cells.
   EXPECT_EQ(make_terrain("waves:size_x=.27,cell=.03").field()->columns(), 10);
 }
 
@@ -183,7 +183,7 @@ TEST(Slope, ClimbsInItsHeading) {
   EXPECT_NEAR(left.height(2, 1), rise, kFloat);
   const Terrain diagonal = make_terrain("slope:angle=10,heading=-45");
   EXPECT_NEAR(diagonal.height(1, -1), std::sqrt(2.0) * rise, kFloat);
-  // Slopes are differences of floats, 1e-7 m over .025 m.
+  // Slopes are differences of floats, 1e-7 m over 0.025 m.
   EXPECT_LT((forward.normal(1, 1) - Vector3(-std::sin(10 * kDegree), 0, std::cos(10 * kDegree))).norm(),
             1e-5);
 }
@@ -253,7 +253,7 @@ TEST(Rough, ForgetsItselfOverItsLength) {
     }
     return product / square;
   };
-  // 84,000 samples over some 1,000 bumps: statistical error about .03.
+  // 84,000 samples over some 1,000 bumps: statistical error about 0.03.
   EXPECT_GT(correlation(0.025), 0.9);
   EXPECT_LT(std::abs(correlation(0.4)), 0.1);
 }
