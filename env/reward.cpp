@@ -119,11 +119,13 @@ constexpr std::array kTerms{
                "work of the servos over weight times way over the ground (at least 0.02 m/s), of the step", 0,
                cost_of_transport},
 };
-static_assert(kTerms.size() == kRewardTerms, "kRewardTerms (reward.h) is the number of these rows");
+static_assert(kTerms.size() <= RewardTerms::kMost);
 
 }  // namespace
 
 std::span<const RewardTerm> reward_terms() { return kTerms; }
+
+std::size_t RewardTerms::size() noexcept { return kTerms.size(); }
 
 std::size_t find_reward_term(std::string_view name) {
   return static_cast<std::size_t>(&find_row(kTerms, name, "reward", "term") - kTerms.data());

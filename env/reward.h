@@ -1,6 +1,7 @@
 // What a step was worth: a table of named terms, each a function of one step's record.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <string>
@@ -50,9 +51,24 @@ std::span<const RewardTerm> reward_terms();
 /// @throws ConfigError listing the known names
 std::size_t find_reward_term(std::string_view name);
 
-inline constexpr std::size_t kRewardTerms = 23;
 /// One number per row of the table.
-using RewardTerms = std::array<double, kRewardTerms>;
+class RewardTerms {
+ public:
+  static std::size_t size() noexcept;  ///< rows of the table
+  double& operator[](std::size_t term) noexcept { return values_[term]; }
+  double operator[](std::size_t term) const noexcept { return values_[term]; }
+  double* begin() noexcept { return values_.data(); }
+  double* end() noexcept { return values_.data() + size(); }
+  const double* begin() const noexcept { return values_.data(); }
+  const double* end() const noexcept { return values_.data() + size(); }
+  void fill(double value) noexcept { std::fill(begin(), end(), value); }
+  bool operator==(const RewardTerms& other) const = default;
+
+  static constexpr std::size_t kMost = 64;  ///< rows that there is room for
+
+ private:
+  std::array<double, kMost> values_{};
+};
 
 /// The guide's reward: 2000 vx, -2 |vy|, ...
 RewardTerms guide_reward_weights();

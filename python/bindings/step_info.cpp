@@ -82,7 +82,7 @@ nb::dict info(const StepInfo& step, const RewardTerms& weights, const nb::object
   result[w.outcome.name] = w.of(step.outcome);
   result[w.out_of_bounds.name] = outside;
   nb::dict terms;
-  for (std::size_t k = 0; k < kRewardTerms; ++k) {
+  for (std::size_t k = 0; k < RewardTerms::size(); ++k) {
     if (weights[k] != 0) terms[w.terms[k].name] = step.reward_terms[k];
   }
   result[w.reward_terms.name] = terms;
@@ -94,7 +94,7 @@ nb::dict infos(std::size_t count, const RewardTerms& weights,
                const std::function<nb::object(std::size_t)>& outside) {
   const Words& w = words();
   std::vector<std::size_t> terms;
-  for (std::size_t k = 0; k < kRewardTerms; ++k) {
+  for (std::size_t k = 0; k < RewardTerms::size(); ++k) {
     if (weights[k] != 0) terms.push_back(k);
   }
   Rows<double> numbers(kNumbers.size(), count), rewards(terms.size(), count);

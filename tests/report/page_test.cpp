@@ -174,7 +174,7 @@ TEST(Episodes, EarnInTheirColumnsWhatTheRolloutSays) {
   ASSERT_EQ(motion.runs.size(), 2U);
   const RewardTerms& earned = rollout.policies.front().episodes.front().reward_terms;
   int counted = 0;
-  for (std::size_t i = 0; i < kRewardTerms; ++i) {
+  for (std::size_t i = 0; i < RewardTerms::size(); ++i) {
     const std::string column = std::string(kRewardColumn) + std::string(reward_terms()[i].name);
     const std::vector<double>* steps = motion.runs[0].column(column);
     EXPECT_EQ(steps != nullptr, config.reward[i] != 0) << column;

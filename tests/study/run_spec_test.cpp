@@ -162,7 +162,7 @@ TEST(RunSpec, ChangesWithEveryFieldOfAnEnvironment) {
   add("vy", [](EnvConfig& c) { c.command = VelocityCommand{0, 0.1, 0}; });
   add("yaw rate", [](EnvConfig& c) { c.command = VelocityCommand{0, 0, 0.1}; });
   add("observation", [](EnvConfig& c) { c.observation.emplace_back("terrain"); });
-  for (std::size_t i = 0; i < kRewardTerms; ++i)
+  for (std::size_t i = 0; i < RewardTerms::size(); ++i)
     add(std::string("reward ") + std::string(reward_terms()[i].name),
         [i](EnvConfig& c) { c.reward[i] += 1; });
   add("physics_dt", [](EnvConfig& c) { c.physics_dt = 2e-3; });

@@ -35,7 +35,7 @@ TEST_P(ViewSessionTest, StandsUntilItIsDriven) {
   EXPECT_LT(state_of(*session_).p_WB.head<2>().norm(), 5e-3);  // settling, a few mm at most
   tell(*session_, kForward);
   session_->advance(3 * kSecond);
-  // .6 m were asked for; the trot makes more than half of any speed in every engine (docs/gaits.md).
+  // 0.6 m were asked for; the trot makes more than half of any speed in every engine (docs/gaits.md).
   EXPECT_GT(state_of(*session_).p_WB.x(), 0.3);
   EXPECT_EQ(session_->instances().front()->outcome(), Outcome::kWalked);
   tell(*session_, R"({"do": "drive", "vx": 0, "vy": 0, "yaw_rate": 0})");
@@ -266,7 +266,7 @@ TEST_P(ViewSessionTest, AutoIsTheGaitForTheSpeed) {
   EXPECT_EQ(parameters().swing, SwingCurve::kMatched);
   const double before = state_of(*session_).p_WB.x();
   session_->advance(2 * kSecond);
-  EXPECT_GT(state_of(*session_).p_WB.x() - before, 0.2);  // of .4 m
+  EXPECT_GT(state_of(*session_).p_WB.x() - before, 0.2);  // of 0.4 m
   EXPECT_EQ(session_->instances().front()->outcome(), Outcome::kWalked);
   // It goes on choosing in another engine.
   tell(*session_, engines_command({available_engines().front()}));
@@ -299,7 +299,7 @@ TEST_P(ViewSessionTest, APolicyWalksWhereItIsTold) {
   tell(*session, kForward);
   tell(*session, R"({"do": "record", "on": true})");
   session->advance(2 * kSecond);
-  EXPECT_GT(state_of(*session).p_WB.x(), 0.2);  // of .4 m
+  EXPECT_GT(state_of(*session).p_WB.x(), 0.2);  // of 0.4 m
   tell(*session, R"({"do": "record", "on": false})");
   EXPECT_EQ(session->recording()->motion->runs.front().samples.size(), 100U) << "one per policy step";
   EXPECT_THROW(tell(*session, R"({"do": "gait", "gait": "walk"})"), ConfigError);
