@@ -115,11 +115,14 @@ std::vector<std::string> outcome_names(const OutcomeSet& set) {
 }
 
 Outcome find_termination(std::string_view name) {
-  const Outcome outcome = find_outcome(name);
-  if (!kOutcomeRows[static_cast<std::size_t>(outcome)].at_once)
-    throw ConfigError("outcome", "terminations", "outcomes that are known the moment they happen",
-                      std::string(name));
-  return outcome;
+  std::vector<const OutcomeRow*> at_once;
+  for (const OutcomeRow& row : kOutcomeRows) {
+    if (row.at_once) at_once.push_back(&row);
+    if (row.name == name && !row.at_once)
+      throw ConfigError("outcome", "terminations", "outcomes that are known the moment they happen",
+                        std::string(name));
+  }
+  return find_row(at_once, name, "outcome", "terminations", &OutcomeRow::name)->outcome;
 }
 
 OutcomeSet OutcomeSet::of_names(const std::vector<std::string>& names) {

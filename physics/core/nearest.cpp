@@ -27,7 +27,15 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
   });
   const std::size_t letters = word.size() - std::min(word.size(), word.find_first_not_of('-'));
   const std::size_t most = std::max<std::size_t>(1, letters / 3);
-  return best != known.end() && edit_distance(word, *best) <= most ? *best : "";
+  // Of a single letter nothing would be left.
+  if (best != known.end() && edit_distance(word, *best) <= most && edit_distance(word, *best) < letters)
+    return *best;
+  // The beginning of one name alone: "slip" of slip_m.
+  constexpr std::size_t kFewest = 3;
+  const auto begins = [&word](const std::string& name) { return name.starts_with(word); };
+  const auto only = std::find_if(known.begin(), known.end(), begins);
+  const bool is_only = only != known.end() && std::none_of(only + 1, known.end(), begins);
+  return letters >= kFewest && is_only ? *only : "";
 }
 
 }  // namespace crossgait

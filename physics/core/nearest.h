@@ -12,7 +12,8 @@ namespace crossgait {
 /// (optimal string alignment).
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// Finds the nearest of `known`, if it is near: at most a third of the letters differ. Empty otherwise.
+/// Finds the nearest of `known`, if it is near: at most a third of the letters differ; or else the only one
+/// that begins with `word`, of three letters or more. Empty otherwise.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace crossgait

@@ -9,6 +9,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "physics/core/error.h"
+#include "physics/core/nearest.h"
 #include "physics/core/text.h"
 #include "physics/core/yaml_tree.h"
 
@@ -52,8 +53,10 @@ void YamlValue::check_keys() const {
 void YamlValue::allow_keys(std::span<const std::string_view> keys) const {
   for (const auto& [key, value] : entries()) {
     if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
+      const std::string near = nearest(key, {keys.begin(), keys.end()});
       value.fail(fmt::format("one of the keys {}", fmt::join(keys, ", ")),
-                 fmt::format("unknown key '{}'", key));
+                 fmt::format("unknown key '{}'{}", key,
+                             near.empty() ? "" : fmt::format(" (did you mean {}?)", near)));
     }
   }
 }

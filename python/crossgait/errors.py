@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 
 class ConfigError(ValueError):
     """What was wrong, where, what was expected and what was found."""
@@ -15,3 +18,11 @@ class ConfigError(ValueError):
 
     def __str__(self) -> str:
         return f"{self.source}: {self.element}: expected {self.expected}, found {self.found}"
+
+
+def unknown_key(source: str, element: str, key: str, known: Iterable[str]) -> ConfigError:
+    """Make the error of a key that is none of `known`, with the one that may have been meant."""
+    names = list(known)
+    near = difflib.get_close_matches(key, names, n=1, cutoff=0.7)
+    found = f"unknown key '{key}'" + (f" (did you mean {near[0]}?)" if near else "")
+    return ConfigError(source, element, f"one of the keys {', '.join(names)}", found)

@@ -134,7 +134,7 @@ TEST(EnvConfig, KeysOfOneKindOfActionAreErrorsWithTheOther) {
   EXPECT_EQ(complaint("servos: {ki: 2}\n"),
             "env.yaml: line 1, servos.ki: expected one of the keys kp, kd, effort, effort_negative, "
             "damping, stiffness, armature, friction, corner_speed, no_load_speed, backlash, delay, lag, "
-            "sensor_noise, found unknown key 'ki'");
+            "sensor_noise, found unknown key 'ki' (did you mean kp?)");
   EXPECT_EQ(complaint("observation: [{block: gravity, gain: 2}]\n"),
             "env.yaml: line 1, observation[0].gain: expected one of the keys block, scale, clip, "
             "clip_unscaled, noise, "
@@ -349,7 +349,7 @@ TEST(EnvConfig, RangesShowInTheLayoutAndItsHash) {
   const auto c = EnvModel::make(outside);
   EXPECT_EQ(a->layout, c->layout) << "the numbers mean the same";
   const auto entry = c->interface.observation.entries[*c->interface.observation.find("param.cycle_time")];
-  EXPECT_NEAR(entry.max, 2, 1e-12);  // (1.125 - .475) / .325; rounding
+  EXPECT_NEAR(entry.max, 2, 1e-12);  // (1.125 - 0.475) / 0.325; rounding
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ TEST(ScriptedPolicy, HoldsEachStepUntilTheNext) {
 }
 
 TEST(ScriptedPolicy, TimesThatAreNoBinaryFractionsBeginInTheirStep) {
-  // .3 / .1 is 2.9999999999999996 and .7 / .1 is 6.999999999999999; 1.15 lies between two steps.
+  // 0.3 / 0.1 is 2.9999999999999996 and 0.7 / 0.1 is 6.999999999999999; 1.15 lies between two steps.
   PolicyInterface interface = small_interface();
   interface.policy_dt = 0.1;
   const auto policy = parse(
@@ -56,7 +56,7 @@ TEST(ScriptedPolicy, TimesThatAreNoBinaryFractionsBeginInTheirStep) {
 }
 
 TEST(ScriptedPolicy, SteersAParameterToItsTarget) {
-  // step_height from .04 to .052: 3 steps of .004; to .0435 afterwards: 2 steps, and the rest of .0005.
+  // step_height from 0.04 to 0.052: 3 steps of 0.004; to 0.0435 afterwards: 2 steps, and the rest of 0.0005.
   const auto policy =
       parse("[{time: 0, parameters: {step_height: .052}}, {time: .012, parameters: {step_height: .0435}}]");
   AdaptiveGaitOptions options;
@@ -82,7 +82,7 @@ TEST(ScriptedPolicy, SteersInTheEnvironmentsRanges) {
   options.parameters = {"step_height", "step_length"};
   options.ranges = interface.adaptation;
   AdaptiveGaitController gait(find_gait("trot"), options, {});
-  for (int i = 0; i < 6; ++i) {  // .11 m in steps of .02
+  for (int i = 0; i < 6; ++i) {  // 0.11 m in steps of 0.02
     std::vector<double> normalised(2);
     gait.normalised_parameters(normalised);
     gait.apply_action(act_at(*policy, normalised[0]));
@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScript{
             "UnknownKey", "[{time: 0, actions: {}}]",
             "line 2, steps[0].actions: expected one of the keys time, action, parameters, found unknown key "
-            "'actions'"},
+            "'actions' (did you mean action?)"},
         BadScript{"NoTime", "[{action: {}}]", "line 2, steps[0]: expected key 'time', found none"},
         BadScript{"NegativeTime", "[{time: -1}]",
                   "line 2, steps[0].time: expected a time of 0 s or more, found -1"},

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from crossgait import _core
 from crossgait._core import EnvironmentConfig, StartRanges, Terrain, Walk
-from crossgait.errors import ConfigError
+from crossgait.errors import ConfigError, unknown_key
 from crossgait.sweep.runs import Run, Subject, maker_of, run_of
 from crossgait.sweep.strict_yaml import read_yaml, write_yaml
 
@@ -299,7 +299,7 @@ def _check_keys(source: str, value: Any, known: tuple[str, ...], where: str) -> 
     for key in value:
         if key not in known:
             at = f"{where}.{key}" if where != "study" else key
-            raise ConfigError(source, at, f"one of {', '.join(known)}", "an unknown key")
+            raise unknown_key(source, at, key, known)
 
 
 def _shown(value: Any) -> str:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from crossgait.errors import ConfigError
+from crossgait.errors import ConfigError, unknown_key
 
 Json = dict[str, Any]
 
@@ -161,7 +161,7 @@ def filled(source: str, given: Any, table: Mapping[str, Key | dict[str, Key]], w
         raise ConfigError(source, place, "a mapping", shown(given))
     for key in given:
         if key not in table:
-            raise ConfigError(source, f"{where}{key}", f"one of {', '.join(table)}", "an unknown key")
+            raise unknown_key(source, f"{where}{key}", key, table)
     result: Json = {}
     for name, key in table.items():
         if isinstance(key, dict):

@@ -56,6 +56,9 @@ TEST(Nearest, IsAsFarAsAThirdOfTheLetters) {
   EXPECT_EQ(nearest("tort", {"walk", "trot"}), "trot");
   EXPECT_EQ(nearest("tort", {"walk", "gallop"}), "");
   EXPECT_EQ(nearest("x", {}), "");
+  EXPECT_EQ(nearest("slip", {"distance_m", "slip_m"}), "slip_m");    // the beginning of one
+  EXPECT_EQ(nearest("rms", {"rms_roll_deg", "rms_pitch_deg"}), "");  // of two
+  EXPECT_EQ(nearest("sl", {"distance_m", "slip_m"}), "");            // too little to say
 }
 
 }  // namespace
