@@ -206,8 +206,8 @@ void add_compare_command(CLI::App& program, Invocation& invocation) {
       ->group(kExecution);
   command->add_flag("--require", options->require,
                     "Exit code 1 if engines of the same laws are not the same: in any control step from the "
-                    "same state, within 1e-9 m and rad, and over the first second, within 1e-6. Later chaos "
-                    "parts even equal laws");
+                    "same state, within 1e-9 m and rad, and over the first second, within 1e-6, as "
+                    "far as single steps can come to that. Beyond it chaos parts even equal laws");
   command->add_flag(
       "--verdict", options->compare.verdict,
       "Also judge from six starts whether the difference is the engine's (see `crossgait verdict`)");

@@ -33,6 +33,7 @@ struct PairWork {
   std::size_t a = 0, b = 0;  ///< runners
   GrowthFit growth;
   std::optional<OneStepCheck> one_step;  ///< of b, from a's states
+  bool began_alike = false;              ///< within what a step may differ by
 };
 
 void compare(const std::vector<Runner>& runners, std::vector<PairWork>& work,
@@ -40,8 +41,14 @@ void compare(const std::vector<Runner>& runners, std::vector<PairWork>& work,
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const Runner &a = runners[work[p].a], &b = runners[work[p].b];
     if (work[p].one_step && a.sample) work[p].one_step->add(a.world, *a.sample);
-    if (a.sample && b.sample)
-      work[p].growth.add(a.sample->state.time, compare_samples(*a.sample, *b.sample, pairs[p]));
+    if (!a.sample || !b.sample) continue;
+    const bool had_diverged = pairs[p].first_divergence.has_value();
+    const double apart = compare_samples(*a.sample, *b.sample, pairs[p]);
+    work[p].growth.add(a.sample->state.time, apart);
+    if (!work[p].one_step) continue;
+    if (work[p].one_step->difference().steps == 0) work[p].began_alike = apart <= kOneStepTolerance;
+    if (!had_diverged && pairs[p].first_divergence && work[p].began_alike)
+      pairs[p].first_divergence->carried = work[p].one_step->carried();
   }
 }
 
@@ -50,7 +57,7 @@ std::vector<PairWork> work_of(const std::vector<Runner>& runners, const std::vec
   std::vector<PairWork> work;
   for (std::size_t a = 0; a < runners.size(); ++a) {
     for (std::size_t b = a + 1; b < runners.size(); ++b) {
-      PairWork pair{a, b, {}, {}};
+      PairWork pair{a, b, {}, {}, false};
       if (another && pairs[work.size()].same_laws) pair.one_step.emplace(another(b), substeps);
       work.push_back(std::move(pair));
     }
@@ -80,10 +87,10 @@ std::string missed(const Comparison& comparison, const PairDifference& pair) {
     return fmt::format("{:.1g} apart after one control step from the same state, at {:.3f} s",
                        pair.one_step->largest(), pair.one_step->at_s);
   if (pair.first_divergence) {
-    const bool by_chaos = pair.one_step && pair.first_divergence->time_s > kParityHorizon;
-    return by_chaos ? ""
-                    : fmt::format("beyond {:.0e} at {:.3f} s", pair.first_divergence->tolerance,
-                                  pair.first_divergence->time_s);
+    const FirstDivergence& first = *pair.first_divergence;
+    const bool grew = first.carried && *first.carried < first.tolerance / 2;
+    const bool by_chaos = pair.one_step && (grew || first.time_s > kParityHorizon);
+    return by_chaos ? "" : fmt::format("beyond {:.0e} at {:.3f} s", first.tolerance, first.time_s);
   }
   const bool same_time =
       run_of(comparison, pair.a).summary.physics_steps == run_of(comparison, pair.b).summary.physics_steps;

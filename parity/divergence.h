@@ -36,6 +36,10 @@ struct FirstDivergence {
   std::string quantity;  ///< "position", "joint", "attitude", "load" or "torque"
   double time_s = 0;
   double tolerance = 0;  ///< in the quantity's unit
+  /// What the differences of single steps from the same state alone come to by then, each of them going on as
+  /// a speed, m or rad; empty where steps were not compared, or the first that was recorded was not alike.
+  /// What is more is chaos.
+  std::optional<double> carried = {};
 };
 
 /// How far two engines lie apart after one control step from the same state with the same targets, at most

@@ -6,11 +6,20 @@
 namespace crossgait {
 namespace {
 
-constexpr double kGrowthWindow = 0.1;      // s
 constexpr double kBeyondRounding = 1e-14;  // m, rad
 constexpr double kAsLarge = 1e-2;          // m, rad
-constexpr std::size_t kFewest = 10;        // windows
+constexpr std::ptrdiff_t kFewest = 10;     // windows
 constexpr double kGrows = 1.2;             // in half a second
+
+template <typename Windows>
+auto begin_of(const Windows& windows) {
+  return std::find_if(windows.begin(), windows.end(),
+                      [](const auto& w) { return w.largest > kBeyondRounding; });
+}
+template <typename Windows>
+auto end_of(const Windows& windows) {
+  return std::find_if(begin_of(windows), windows.end(), [](const auto& w) { return w.largest >= kAsLarge; });
+}
 
 }  // namespace
 
@@ -19,18 +28,35 @@ double DifferenceGrowth::reaches_s(double difference) const noexcept {
 }
 
 void GrowthFit::add(double time_s, double difference) {
-  // A difference that is none has no logarithm.
-  if (windows_.empty() || time_s >= windows_.back().begin_s + kGrowthWindow) windows_.push_back({time_s, 0});
-  windows_.back().largest = std::max(windows_.back().largest, difference);
+  if (begun_s_ < 0 && difference > kBeyondRounding) begun_s_ = time_s;
+  // Enough of the widest windows: narrower ones would only grow in number.
+  const double enough_s = (static_cast<double>(kFewest) + 2) * kWidths.front();
+  const bool is_slow = begun_s_ >= 0 && time_s > begun_s_ + enough_s;
+  for (std::size_t i = 0; i < kWidths.size(); ++i) {
+    Windows& windows = windows_[i];
+    if (i > 0 && is_slow) continue;
+    // What is before the beginning is of no use to narrow windows.
+    if (i > 0 && begun_s_ < 0) continue;
+    if (windows.empty() || time_s >= windows.back().begin_s + kWidths[i]) windows.push_back({time_s, 0});
+    windows.back().largest = std::max(windows.back().largest, difference);
+  }
 }
 
 std::optional<DifferenceGrowth> GrowthFit::fit() const {
-  const auto begins = [](const Window& w) { return w.largest > kBeyondRounding; };
-  const auto ends = [](const Window& w) { return w.largest >= kAsLarge; };
-  const auto first = std::find_if(windows_.begin(), windows_.end(), begins);
-  const auto last = std::find_if(first, windows_.end(), ends);
-  const auto n = static_cast<std::size_t>(last - first);
-  if (n < kFewest) return std::nullopt;
+  // Narrower windows where wider ones are too few because it was as large as the motion so soon; what is only
+  // seen for a short time may be no growth at all.
+  for (std::size_t i = 0; i < kWidths.size(); ++i) {
+    const Windows& windows = windows_[i];
+    const auto n = std::distance(begin_of(windows), end_of(windows));
+    if (n >= kFewest) return fit(windows, kWidths[i]);
+    if (end_of(windows) == windows.end()) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::optional<DifferenceGrowth> GrowthFit::fit(const Windows& windows, double width) {
+  const auto first = begin_of(windows), last = end_of(windows);
+  const auto n = last - first;
   double t = 0, y = 0;
   for (auto w = first; w != last; ++w) {
     t += w->begin_s / static_cast<double>(n);
@@ -48,11 +74,12 @@ std::optional<DifferenceGrowth> GrowthFit::fit() const {
     const double off = std::log(std::max(w->largest, kBeyondRounding)) - y - slope * (w->begin_s - t);
     squares += off * off;
   }
-  // The slope's standard error: what is not clearly beyond it is no growth.
+  // A difference that is none has no logarithm: it counts as rounding. The slope's standard error: what is
+  // not clearly beyond it is no growth.
   const double deviation = std::sqrt(squares / static_cast<double>(n - 2));
   const double factor = std::exp(0.5 * slope);
   if (slope <= 2 * deviation / std::sqrt(tt) || factor < kGrows) return std::nullopt;
-  return DifferenceGrowth{factor, first->begin_s, (last - 1)->begin_s + kGrowthWindow,
+  return DifferenceGrowth{factor, first->begin_s, (last - 1)->begin_s + width,
                           std::exp(y + slope * (first->begin_s - t)), std::exp(deviation)};
 }
 

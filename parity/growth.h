@@ -1,6 +1,7 @@
 // How the difference of two runs grows: chaos multiplies it by the same factor in every half second.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -24,16 +25,21 @@ class GrowthFit {
   void add(double time_s, double difference);
 
   /// By least squares of the logarithm, of the largest difference in every tenth of a second, from where it
-  /// is beyond rounding (1e-14) up to where it is as large as the motion (0.01). Empty for less than a
-  /// second of that, or where it does not grow: by less than a fifth in half a second, or no more than what
-  /// it scatters by.
+  /// is beyond rounding (1e-14) up to where it is as large as the motion (0.01). Fast chaos is done with that
+  /// in less than a second: then in every twentieth, fiftieth or hundredth. Empty for less than ten of these,
+  /// or where it does not grow: by less than a fifth in half a second, or no more than what it scatters by.
   std::optional<DifferenceGrowth> fit() const;
 
  private:
   struct Window {
     double begin_s = 0, largest = 0;
   };
-  std::vector<Window> windows_;
+  using Windows = std::vector<Window>;
+  static std::optional<DifferenceGrowth> fit(const Windows& windows, double width);
+
+  static constexpr std::array kWidths{0.1, 0.05, 0.02, 0.01};  // s
+  std::array<Windows, kWidths.size()> windows_;                // by width
+  double begun_s_ = -1;                                        // beyond rounding
 };
 
 }  // namespace crossgait

@@ -23,6 +23,8 @@ class OneStepCheck {
   void add(const PhysicsBackend& reference, const TraceSample& sample);
 
   const OneStepDifference& difference() const noexcept { return difference_; }
+  /// FirstDivergence::carried, up to now.
+  double carried() const noexcept { return carried_; }
 
  private:
   void remember(const PhysicsBackend& reference);
@@ -34,6 +36,7 @@ class OneStepCheck {
   RobotState before_;           ///< of the reference
   std::vector<double> drives_;  ///< the same
   OneStepDifference difference_;
+  double per_step_ = 0, carried_ = 0;  ///< the sum of what steps differ by, and the sum of these
 };
 
 }  // namespace crossgait

@@ -88,27 +88,40 @@ TEST(OneStep, TellsALawFromChaos) {
     if (find_engine(names[i]).info.laws == find_engine(names.front()).info.laws) matched.push_back(i);
   }
   if (matched.size() < 2) GTEST_SKIP() << "no two engines of one law";
-  const auto compared = [&](const WorldSpec& of_others) {
+  const auto compared = [&](const WorldSpec& of_first, const WorldSpec& of_others) {
     std::vector<std::unique_ptr<PhysicsBackend>> all;
     for (const std::size_t i : matched) {
       const bool first = i == matched.front();
-      all.push_back(find_engine(names[i]).make(first ? rough() : of_others));
+      all.push_back(find_engine(names[i]).make(first ? of_first : of_others));
     }
     return compare_engines(all, trot(1.5), {}, {}, {}, [&](std::size_t place) {
       return find_engine(names[matched[place]]).make(of_others);
     });
   };
-  const Comparison same = compared(rough());
+  const Comparison same = compared(rough(), rough());
   ASSERT_TRUE(same.pairs.front().one_step);
   EXPECT_EQ(same.pairs.front().one_step->steps, 749);  // but for the first of 750
   for (const PairDifference& pair : same.pairs) EXPECT_LT(pair.one_step->largest(), kOneStepTolerance / 10);
   EXPECT_TRUE(missed_parity(same).empty());
   WorldSpec other = rough();
   other.contact.friction *= 1.01;
-  const Comparison wrong = compared(other);
+  const Comparison wrong = compared(rough(), other);
   EXPECT_GT(wrong.pairs.front().one_step->largest(), 10 * kOneStepTolerance);
   ASSERT_FALSE(missed_parity(wrong).empty());
   EXPECT_NE(missed_parity(wrong).front().find("after one control step"), std::string::npos);
+  // Contacts so stiff that rounding is as large as the motion within a tenth of a second.
+  WorldSpec stiff = rough();
+  stiff.terrain = Terrain();
+  stiff.contact.impratio = 1000;
+  stiff.contact.softness.time_constant = 2e-3;
+  stiff.contact.softness.damping_ratio = 0.3;
+  const Comparison chaotic = compared(stiff, stiff);
+  EXPECT_TRUE(missed_parity(chaotic).empty()) << missed_parity(chaotic).front();
+  const auto& first = chaotic.pairs.front().first_divergence;
+  ASSERT_TRUE(first);
+  ASSERT_TRUE(first->carried);
+  EXPECT_GT(*first->carried, 0);
+  EXPECT_LT(*first->carried, first->tolerance / 2);
 }
 
 // Two walks of one law that chaos parts are the same; what parts at once, or without a look at single steps,
@@ -128,6 +141,10 @@ TEST(MissedParity, IsNoMatterOfChaos) {
   EXPECT_TRUE(missed_parity(comparison).empty());
   pair.first_divergence->time_s = 0.9;
   EXPECT_EQ(missed_parity(comparison), std::vector<std::string>{"a and b (beyond 1e-06 at 0.900 s)"});
+  pair.first_divergence->carried = 4e-7;  // of 1e-6: chaos alone can have made the rest
+  EXPECT_TRUE(missed_parity(comparison).empty());
+  pair.first_divergence->carried = 6e-7;
+  EXPECT_EQ(missed_parity(comparison).size(), 1U);
   pair.first_divergence->time_s = 12.5;
   pair.one_step.reset();
   EXPECT_EQ(missed_parity(comparison).size(), 1U);

@@ -38,7 +38,17 @@ TEST(Growth, EndsWhereTheDifferenceIsAsLargeAsTheMotion) {
   const auto growth = fitted(10, [](double t) { return std::min(0.1, 1e-12 * std::pow(30, t / 0.5)); });
   ASSERT_TRUE(growth);
   EXPECT_NEAR(growth->per_half_second, 30, 0.2);
-  EXPECT_LT(growth->to_s, 4);  // .01 is reached at 3.4 s
+  EXPECT_LT(growth->to_s, 4);  // 0.01 is reached at 3.4 s
+}
+
+TEST(Growth, OfFastChaosIsSeenInNarrowerWindows) {
+  // From rounding to the size of the motion within 0.6 s.
+  const auto growth = fitted(1, [](double t) { return std::min(0.05, 1e-13 * std::pow(1.5e9, t / 0.5)); });
+  ASSERT_TRUE(growth);
+  EXPECT_NEAR(std::log(growth->per_half_second) / std::log(1.5e9), 1, 0.05);  // a window of its range
+  EXPECT_LT(growth->to_s, 0.65);
+  // A step up within rounding and no growth after it is none, however narrow the windows that would see one.
+  EXPECT_FALSE(fitted(5, [](double t) { return t < 0.05 ? 1e-13 * std::pow(1e30, t) : 1e-11; }));
 }
 
 TEST(Growth, IsNoneOfWhatStaysOrIsNothing) {
