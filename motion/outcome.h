@@ -46,7 +46,7 @@ struct OutcomeRow {
 std::span<const OutcomeRow> outcome_rows();
 const OutcomeRow& outcome_row(Outcome outcome) noexcept;
 std::string_view name(Outcome outcome) noexcept;
-/// Fell, collapsed, came apart or diverged: whatever ends a motion but leaving the ground.
+/// Fell, collapsed, had a loop open or diverged: whatever ends a motion but leaving the ground.
 bool is_failure(Outcome outcome) noexcept;
 struct OutcomeSet;
 /// In the order of the table.
@@ -88,9 +88,9 @@ struct OutcomeLimits {
       0.5;                   ///< ... or bodies other than feet carry more than this share of the weight ...
   double low_seconds = 0.5;  ///< ... for this long without a break, s
   double load_smoothing = 0.1;  ///< time constant of that load, s: contact forces come in blows
-  double loop_gap = 0.05;       ///< came apart: a loop opens beyond this, leg lengths
+  double loop_gap = 0.05;       ///< loop violated: a loop opens beyond this, leg lengths
   /// Slid: the way that loaded stance feet slid, over the way that the base made meanwhile, beyond this (a
-  /// glide is 1, a trot .03 to .08, the worst gallop .5) ...
+  /// glide is 1, a trot 0.03 to 0.08, the worst gallop 0.5) ...
   double slip = 0.75;
   double slip_path = 1;         ///< ... if the base went further than this, leg lengths
   double commanded_path = 1;    ///< a way is judged if more than this was asked for, leg lengths

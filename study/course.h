@@ -43,8 +43,8 @@ LoadedEnv section_environment(const LoadedEnv& method, const Course& course, con
 
 /// Distance made over distance asked for, forward in the direction that the robot faced when it set off, from
 /// 0 to
-/// 1. A run that ended early (a fall, a robot that came apart or left the field) has made what it made until
-/// then.
+/// 1. A run that ended early (a fall, a robot whose loops opened or that left the field) has made what it
+/// made until then.
 double course_score(const EpisodeSummary& run, const Course& course, const CourseSection& section) noexcept;
 
 /// The runs of one section in one engine.
