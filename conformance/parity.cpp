@@ -137,7 +137,7 @@ std::vector<double> walks_as_far(const Subject& subject) {
 std::vector<double> model_audit(const Subject& subject) {
   const WorldSpec spec = world_on("rough:seed=1,size_x=2,size_y=2", scenes::quadruped());
   const auto other = subject.others.front().make(spec), own = subject.make(spec);
-  const std::vector<AuditFinding> findings = audit_models(*other, *own);
+  const std::vector<AuditFinding> findings = audit_models(*other, *own).findings;
   if (!findings.empty())
     throw std::runtime_error("against " + subject.others.front().name() + ": " + describe(findings));
   return {static_cast<double>(findings.size())};

@@ -23,6 +23,8 @@ WorldSpec nominal_world(const LoadedEnv& loaded) {
       config.at_its_place(config.terrain, [&] { return loaded.ground.make(config.terrain_seed); });
   world.physics_dt = config.physics_dt;
   world.contact = resolve_contact(world.robot->contact, config.contact, config.source);
+  double& time_constant = world.contact.softness.time_constant;
+  time_constant = time_constant_in_steps(time_constant, world.physics_dt);
   return world;
 }
 

@@ -100,7 +100,8 @@ class PolicyRuns {
     varied.config.terrain_seed = terrain_seed_of_start(varied.config.terrain_seed, k);
     Variation others = variation;
     others.step = 1;  // the configuration has it already
-    QuadrupedEnv env(varied, with_change(engine, [&others](WorldSpec& w) { others.apply(w); }));
+    const double asked = environment_.config.physics_dt;
+    QuadrupedEnv env(varied, with_change(engine, [&](WorldSpec& w) { others.apply(w, asked); }));
     const std::unique_ptr<Policy> own = policy_(env.interface());
     const EpisodeObserver observer =
         [sink, left = steps_in(horizon, varied.config.policy_dt)](const QuadrupedEnv& e) mutable {
@@ -137,10 +138,16 @@ Behaviour with_margins(Behaviour behaviour, const Margins& margins) {
   return behaviour;
 }
 
-bool Behaviour::allows(const Variation& variation) const {
+std::string Behaviour::why_not(const Variation& variation) const {
   const double step = physics_dt * variation.step;
-  return is_whole_multiple(control_dt, step) &&
-         std::all_of(delays.begin(), delays.end(), [step](double d) { return is_whole_multiple(d, step); });
+  const bool whole =
+      is_whole_multiple(control_dt, step) &&
+      std::all_of(delays.begin(), delays.end(), [step](double d) { return is_whole_multiple(d, step); });
+  if (!whole) return "the control step would not be a whole number of steps";
+  const double softened = contact_time_constant * variation.softness;
+  if (variation.softness < 1 && time_constant_in_steps(softened, physics_dt) > (1 + 1e-9) * softened)
+    return "contacts are as stiff as the step lets them be";
+  return "";
 }
 
 StartRanges StartRanges::with_defaults(const RobotDescription& robot) const {
@@ -178,6 +185,8 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
   behaviour.name = fmt::format("{} on {}, {:g} s", setup.gait, world.terrain.name(), setup.timing.seconds);
   behaviour.statistics = motion_statistics(*world.robot, true);
   behaviour.physics_dt = world.physics_dt;
+  behaviour.contact_time_constant =
+      time_constant_in_steps(world.contact.softness.time_constant, world.physics_dt);
   behaviour.control_dt = setup.timing.control_dt;
   behaviour.delays = delays_of(*world.robot);
   const Randomisation starts = ranges.over({}, *world.robot);
@@ -189,7 +198,7 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
                       const Engine& engine, const Variation& variation, std::size_t k, double horizon) {
     WorldSpec varied = world;
     varied.terrain = terrain(k);
-    variation.apply(varied);
+    variation.apply(varied, world.physics_dt);
     return run_of(walk_once(varied, setup, draw_start(starts, derived_seed(seed, k)), engine, horizon), true);
   };
   behaviour.trace = [world, setup, terrain, starts, seed](const Engine& engine, std::size_t k) {
@@ -206,7 +215,8 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
 
 Behaviour policy_behaviour(LoadedEnv environment, PolicyFactory policy, const std::string& name,
                            const StartRanges& ranges, std::uint64_t seed) {
-  const std::shared_ptr<const RobotDescription> robot = EnvModel::make(environment)->world.robot;
+  const WorldSpec world = EnvModel::make(environment)->world;
+  const std::shared_ptr<const RobotDescription>& robot = world.robot;
   EnvConfig& config = environment.config;
   const bool planned = config.action == ActionKind::kGait;
   config.randomisation = ranges.over(config.randomisation, *robot);
@@ -218,6 +228,7 @@ Behaviour policy_behaviour(LoadedEnv environment, PolicyFactory policy, const st
   behaviour.seconds = config.episode_seconds;
   behaviour.cut_dt = config.policy_dt;
   behaviour.physics_dt = config.physics_dt;
+  behaviour.contact_time_constant = world.contact.softness.time_constant;
   behaviour.control_dt = config.control_dt;
   behaviour.delays = delays_of(*robot);
   const PolicyRuns runs(environment, std::move(policy), seed);

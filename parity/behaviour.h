@@ -23,12 +23,12 @@ struct Statistic {
 
 /// How far apart the starts of a verdict lie. Each start draws uniformly, the same in every engine.
 struct StartRanges {
-  /// Each way along x and y; empty: .1 m of the reference robot, by size (gait/scale.h).
+  /// Each way along x and y; empty: 0.1 m of the reference robot, by size (gait/scale.h).
   std::optional<double> position_m = {};
   double heading_rad = 0.2;  ///< each way
   double tilt_rad = 0.02;    ///< roll and pitch, each way
   /// One sideways push of the trunk in the first second, from any direction: the speed it would give to the
-  /// whole robot. Empty: .02 m/s of the reference robot, by size.
+  /// whole robot. Empty: 0.02 m/s of the reference robot, by size.
   std::optional<double> push_mps = {};
 
   /// With everything that goes by the robot's size.
@@ -66,10 +66,13 @@ struct Behaviour {
   /// the time to settle, so that the first touch is on it. Empty for behaviours that record none.
   std::function<Trace(const Engine& engine, std::size_t start)> trace;
   double physics_dt = 0, control_dt = 0;  ///< s, as asked
+  double contact_time_constant = 0;       ///< of soft contacts, s, in steps of that length
   std::vector<double> delays;             ///< of the robot's drives, s; none of them 0
 
-  /// False where control step or delays would no longer be whole numbers of physics steps.
-  bool allows(const Variation& variation) const;
+  /// Says why it cannot be run so: control step or delays would no longer be whole numbers of physics steps,
+  /// or contacts are as stiff as MuJoCo's law lets them be. Empty where it can.
+  std::string why_not(const Variation& variation) const;
+  bool allows(const Variation& variation) const { return why_not(variation).empty(); }
 };
 
 /// The keys of its statistics.

@@ -104,7 +104,9 @@ void find_word(Row& row, double tail, double error) {
     v.word = is_median && !mean_within(*row.runs, v.margin, tail) ? Word::kUnresolved : Word::kAgrees;
     if (v.word == Word::kUnresolved) add_reason(v, "it lies within the margin, and single starts far beyond");
   } else {
-    add_reason(v, "the interval crosses the margin");
+    const bool beyond = v.gap.low > v.margin || v.gap.high < -v.margin;
+    add_reason(v, beyond ? "the interval lies beyond the margin, but not surely enough among all statistics"
+                         : "the interval crosses the margin");
     if (is_median) {
       // How many starts a median needs, its spread does not say; but with too few there is no test.
       const std::size_t fewest = fewest_for_median(row.level);

@@ -47,7 +47,7 @@ std::string Margin::words(std::string_view unit) const {
 
 Margin parse_margin(std::string_view text, std::string_view source, std::string_view key) {
   Margin margin;
-  margin.reason = "stated by the user";
+  margin.reason = kStatedByUser;
   const std::size_t comma = text.find(',');
   const bool ok = add_part(text.substr(0, comma), margin) &&
                   (comma == std::string_view::npos || add_part(text.substr(comma + 1), margin));

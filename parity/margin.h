@@ -21,6 +21,9 @@ struct Margin {
   std::string words(std::string_view unit) const;
 };
 
+/// The reason of a margin that is no row of the table.
+inline constexpr std::string_view kStatedByUser = "stated by the user";
+
 /// Margins that replace those of the statistics with these keys.
 using Margins = std::map<std::string, Margin, std::less<>>;
 

@@ -23,6 +23,7 @@ class Worst {
   /// @param scale  size that a relative tolerance of 1e-6 or 1000 eps refers to
   /// @param rounding  absolute tolerance, beside 10 eps
   void add(double a, double b, double scale, double rounding, const std::string& element) {
+    compared_ = true;
     const double allowed = std::max(std::max(1e-6, 1000 * eps_) * scale, rounding + 10 * eps_);
     const double excess = std::abs(a - b) / allowed;
     if (excess <= 1 || excess <= worst_) return;
@@ -31,14 +32,16 @@ class Worst {
     finding_.b = b;
     finding_.element = element;
   }
-  void append_to(std::vector<AuditFinding>& findings) const {
-    if (worst_ > 0) findings.push_back(finding_);
+  void append_to(ModelAudit& audit) const {
+    if (compared_) audit.compared.push_back(finding_.quantity);
+    if (worst_ > 0) audit.findings.push_back(finding_);
   }
 
  private:
   AuditFinding finding_;
   double eps_;
   double worst_ = 0;
+  bool compared_ = false;
 };
 
 constexpr double kRounding = 1e-11;       // of numbers of order one that went through one engine step
@@ -53,21 +56,19 @@ std::string joint_label(const PhysicsBackend& world, int joint) {
   return "joint " + world.robot().joint(joint).name;
 }
 
-using Findings = std::vector<AuditFinding>;
-
 double coarser_epsilon(const PhysicsBackend& a, const PhysicsBackend& b) {
   return std::max(epsilon(a.info().capabilities.precision), epsilon(b.info().capabilities.precision));
 }
 
-void audit_time(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+void audit_time(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
   const double eps = coarser_epsilon(a, b);
   Worst time("time step", "s", eps);
   const double ta = probes::time_of_a_step(a), tb = probes::time_of_a_step(b);
   time.add(ta, tb, std::max(ta, tb), 0, "");
-  time.append_to(findings);
+  time.append_to(audit);
 }
 
-void audit_inertias(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
+void audit_inertias(const PhysicsBackend& a, const PhysicsBackend& b, ModelAudit& audit) {
   const double eps = coarser_epsilon(a, b);
   Worst mass("mass", "kg", eps), centre("centre of mass", "m", eps), inertia("inertia", "kg m^2", eps);
   for (int i = 0; i <= a.robot().joint_count(); ++i) {
@@ -78,11 +79,11 @@ void audit_inertias(const PhysicsBackend& a, const PhysicsBackend& b, Findings& 
     for (int k = 0; k < 9; ++k)
       inertia.add(x.I_C(k / 3, k % 3), y.I_C(k / 3, k % 3), size, 0, body_label(a, i));
   }
-  for (const Worst* w : {&mass, &centre, &inertia}) w->append_to(findings);
+  for (const Worst* w : {&mass, &centre, &inertia}) w->append_to(audit);
 }
 
 // Where bodies sit in their parents, and what turning a joint does to that.
-void audit_geometry(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+void audit_geometry(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
   const double eps = coarser_epsilon(a, b);
   Worst placement("link placement", "m", eps), axis("joint axis", "-", eps);
   const int joints = a.robot().joint_count();
@@ -98,28 +99,28 @@ void audit_geometry(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
         worst.add(X.linear()(k / 3, k % 3), Y.linear()(k / 3, k % 3), 1, 0, element);
     }
   }
-  placement.append_to(findings);
-  axis.append_to(findings);
+  placement.append_to(audit);
+  axis.append_to(audit);
 }
 
-void audit_armature(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+void audit_armature(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
   const double eps = coarser_epsilon(a, b);
   Worst armature("armature", "kg m^2", eps);
   const Eigen::VectorXd x = probes::joint_inertias(a), y = probes::joint_inertias(b);
   for (int i = 0; i < x.size(); ++i) armature.add(x[i], y[i], x[i], 0, joint_label(a, i));
-  armature.append_to(findings);
+  armature.append_to(audit);
 }
 
-void audit_joint_friction(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
+void audit_joint_friction(const PhysicsBackend& a, const PhysicsBackend& b, ModelAudit& audit) {
   const double eps = coarser_epsilon(a, b);
   Worst friction("joint friction", "N m", eps);
   const JointVector x = a.joint_friction(), y = b.joint_friction();
   for (Eigen::Index i = 0; i < x.size(); ++i)
     friction.add(x[i], y[i], x[i], kRounding, joint_label(a, static_cast<int>(i)));
-  friction.append_to(findings);
+  friction.append_to(audit);
 }
 
-void audit_joint_limits(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
+void audit_joint_limits(const PhysicsBackend& a, const PhysicsBackend& b, ModelAudit& audit) {
   // An engine without them declares it (Laws::joint_limits), and its model is not wrong for that.
   if (a.info().laws.joint_limits.empty() || b.info().laws.joint_limits.empty()) return;
   Worst limits("joint limit", "rad", coarser_epsilon(a, b));
@@ -134,7 +135,7 @@ void audit_joint_limits(const PhysicsBackend& a, const PhysicsBackend& b, Findin
     compare(x.lower[i], y.lower[i], i);
     compare(x.upper[i], y.upper[i], i);
   }
-  limits.append_to(findings);
+  limits.append_to(audit);
 }
 
 // Whether joints with dry friction are meant to move alike.
@@ -147,7 +148,7 @@ bool same_loops(const PhysicsBackend& a, const PhysicsBackend& b) {
   return a.robot().loops.empty() || a.info().laws.loops == b.info().laws.loops;
 }
 
-void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, Findings& findings) {
+void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, ModelAudit& audit) {
   const double eps = coarser_epsilon(a, b);
   Worst heights("height of the ground", "m", eps), diagonal("diagonal of the height field", "m", eps);
   const HeightField* field = a.spec().terrain.field();
@@ -172,20 +173,20 @@ void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, Findings& fi
       }
     }
   }
-  heights.append_to(findings);
-  diagonal.append_to(findings);
+  heights.append_to(audit);
+  diagonal.append_to(audit);
 }
 
-void audit_gravity(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+void audit_gravity(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
   const double eps = coarser_epsilon(a, b);
   Worst gravity("gravity", "m/s^2", eps);
   const Vector3 x = probes::free_fall(a), y = probes::free_fall(b);
   constexpr std::array kAxes{"axis x", "axis y", "axis z"};
   for (int k = 0; k < 3; ++k) gravity.add(x[k], y[k], 10, 1e-7, kAxes[static_cast<std::size_t>(k)]);
-  gravity.append_to(findings);
+  gravity.append_to(audit);
 }
 
-void audit_servos(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+void audit_servos(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
   const double eps = coarser_epsilon(a, b);
   Worst damping("joint damping", "N m s/rad", eps), stiffness("servo stiffness", "N m/rad", eps),
       effort("effort limit", "N m", eps), servo("servo damping", "N m s/rad", eps);
@@ -199,13 +200,13 @@ void audit_servos(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
     add(effort, &probes::ServoResponse::effort_limit);
     add(servo, &probes::ServoResponse::servo_damping);
   }
-  for (const Worst* w : {&damping, &stiffness, &effort, &servo}) w->append_to(findings);
+  for (const Worst* w : {&damping, &stiffness, &effort, &servo}) w->append_to(audit);
 }
 
 // Force ratios of sliding feet. A foot that one step stops, or slows as its law would have it, has no more
 // friction than that takes, whatever the coefficient: a light foot under rigid contact, a heavy one under
 // soft. So a foot counts where it slips on in both worlds and has the same ratio at four times the speed.
-void audit_friction(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+void audit_friction(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
   constexpr double kSlips = 0.05;                             // m/s, after the step
   constexpr std::array kSpeeds{1.0, 4.0, 16.0, 64.0, 256.0};  // m/s
   using Feet = LegArray<probes::PressedFoot>;
@@ -230,10 +231,10 @@ void audit_friction(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
       break;
     }
   }
-  friction.append_to(findings);
+  friction.append_to(audit);
 }
 
-void audit_feet(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+void audit_feet(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
   if (!a.robot().legs) return;
   const double eps = coarser_epsilon(a, b);
   Worst radius("foot radius", "m", eps), law("contact law", "N", eps);
@@ -247,13 +248,13 @@ void audit_feet(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
     if (one_law)
       law.add(x[leg].normal_force, y[leg].normal_force, 0, kForceTolerance * x[leg].normal_force, element);
   }
-  radius.append_to(findings);
-  audit_friction(a, b, findings);
-  law.append_to(findings);
+  radius.append_to(audit);
+  audit_friction(a, b, audit);
+  law.append_to(audit);
 }
 
 // Every body from several sides: which of its points come first to the ground, and how far out they are.
-void audit_shapes(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+void audit_shapes(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
   const double eps = coarser_epsilon(a, b);
   Worst depth("collision shape", "m", eps), points("contact points", "-", eps);
   // Six sides and two corners, none of them level: no two points are equally deep by symmetry.
@@ -275,11 +276,11 @@ void audit_shapes(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
       points.add(x->points, y->points, 0, 0.5, body_label(a, body));
     }
   }
-  depth.append_to(findings);
-  points.append_to(findings);
+  depth.append_to(audit);
+  points.append_to(audit);
 }
 
-void audit_motion(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
+void audit_motion(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
   if (!same_joint_friction(a, b) || !same_loops(a, b)) return;
   const double eps = coarser_epsilon(a, b);
   Worst motion("motion in the air", "m/s or rad/s", eps);
@@ -287,7 +288,7 @@ void audit_motion(PhysicsBackend& a, PhysicsBackend& b, Findings& findings) {
   const Eigen::VectorXd x = probes::swing(a, state), y = probes::swing(b, state);
   for (int i = 0; i < x.size(); ++i)
     motion.add(x[i], y[i], 0, kStepTolerance, i < 6 ? body_label(a, 0) : joint_label(a, i - 6));
-  motion.append_to(findings);
+  motion.append_to(audit);
 }
 
 }  // namespace
@@ -318,31 +319,30 @@ const std::vector<std::string>& audited_quantities() {
   return kQuantities;
 }
 
-std::vector<AuditFinding> audit_models(PhysicsBackend& a, PhysicsBackend& b) {
+ModelAudit audit_models(PhysicsBackend& a, PhysicsBackend& b) {
   if (a.robot().bodies.size() != b.robot().bodies.size()) {
     throw ConfigError("model audit", "robots", fmt::format("{} bodies in both", a.robot().bodies.size()),
                       fmt::format("{}", b.robot().bodies.size()));
   }
-  Findings findings;
-  audit_time(a, b, findings);
-  audit_inertias(a, b, findings);
-  audit_geometry(a, b, findings);
-  audit_armature(a, b, findings);
-  audit_joint_friction(a, b, findings);
-  audit_joint_limits(a, b, findings);
-  audit_ground(a, b, findings);
-  audit_gravity(a, b, findings);
-  audit_servos(a, b, findings);
-  audit_feet(a, b, findings);
-  audit_shapes(a, b, findings);
-  audit_motion(a, b, findings);
+  ModelAudit audit;
+  audit_time(a, b, audit);
+  audit_inertias(a, b, audit);
+  audit_geometry(a, b, audit);
+  audit_armature(a, b, audit);
+  audit_joint_friction(a, b, audit);
+  audit_joint_limits(a, b, audit);
+  audit_ground(a, b, audit);
+  audit_gravity(a, b, audit);
+  audit_servos(a, b, audit);
+  audit_feet(a, b, audit);
+  audit_shapes(a, b, audit);
+  audit_motion(a, b, audit);
   a.reset();
   b.reset();
-  return findings;
+  return audit;
 }
 
 std::string describe(const std::vector<AuditFinding>& findings) {
-  if (findings.empty()) return fmt::format("the same in {}", fmt::join(audited_quantities(), ", "));
   std::string text;
   for (const AuditFinding& f : findings) {
     text += fmt::format("{}{}{}{}: {:.6g} against {:.6g}{}{}", text.empty() ? "" : "; ", f.quantity,
@@ -350,6 +350,18 @@ std::string describe(const std::vector<AuditFinding>& findings) {
                         f.unit == "-" ? "" : f.unit);
   }
   return text;
+}
+
+std::string describe(const ModelAudit& audit) {
+  std::vector<std::string> others;
+  for (const std::string& quantity : audited_quantities()) {
+    if (std::find(audit.compared.begin(), audit.compared.end(), quantity) == audit.compared.end())
+      others.push_back(quantity);
+  }
+  const std::string text = audit.findings.empty()
+                               ? fmt::format("the same in {}", fmt::join(audit.compared, ", "))
+                               : describe(audit.findings);
+  return others.empty() ? text : fmt::format("{} (not compared: {})", text, fmt::join(others, ", "));
 }
 
 }  // namespace crossgait

@@ -21,6 +21,14 @@ struct AuditFinding {
 /// be its consequences.
 const std::vector<std::string>& audited_quantities();
 
+/// What came of it.
+struct ModelAudit {
+  std::vector<AuditFinding> findings;  ///< at most one per quantity, its largest
+  /// Quantities of which there was something to compare, `audited_quantities` in their order. Not all are:
+  /// feet that stick say nothing of friction, two laws of contact have nothing to be held to.
+  std::vector<std::string> compared;
+};
+
 /// Compares two worlds that are meant to be of one specification. Both are reset and moved, and end reset.
 ///
 /// Read off: time per step; mass, centre of mass and inertia of each body; poses of the bodies at zero and
@@ -36,11 +44,13 @@ const std::vector<std::string>& audited_quantities();
 /// engines of one contact law also the force on pressed feet (contact law).
 ///
 /// @returns differences beyond 1e-6 of the larger value or rounding (ray tests: 1e-5 m; friction, where
-/// solvers stop early: 1e-3); at most one per quantity, its largest
+/// solvers stop early: 1e-3)
 /// @throws ConfigError if the two robots have different bodies
-std::vector<AuditFinding> audit_models(PhysicsBackend& a, PhysicsBackend& b);
+ModelAudit audit_models(PhysicsBackend& a, PhysicsBackend& b);
 
-/// "mass, body trunk: .4 against .42 kg", or what was compared if all is the same.
+/// "mass, body trunk: 0.4 against 0.42 kg; ..."
 std::string describe(const std::vector<AuditFinding>& findings);
+/// The findings, or what is the same; then what was not compared.
+std::string describe(const ModelAudit& audit);
 
 }  // namespace crossgait

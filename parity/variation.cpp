@@ -27,7 +27,8 @@ const Variation kVariations[] = {
 
 }  // namespace
 
-void Variation::apply(WorldSpec& world) const {
+void Variation::apply(WorldSpec& world, double physics_dt) const {
+  world.lengthen_time_constants(physics_dt);
   world.physics_dt *= step;
   world.solver.iterations = std::max(1, static_cast<int>(std::lround(world.solver.iterations * iterations)));
   world.contact.impratio *= impratio;

@@ -20,7 +20,8 @@ struct Variation {
   bool (*concerns)(const Capabilities&) = nullptr;
 
   bool of(const EngineInfo& engine) const { return concerns == nullptr || concerns(engine.capabilities); }
-  void apply(WorldSpec& world) const;
+  /// @param physics_dt  as asked, s: what is soft stays as soft as it is in such steps, whatever the step
+  void apply(WorldSpec& world, double physics_dt) const;
 };
 
 /// Lists them: as asked, half the time step, a quarter of it, then settings.

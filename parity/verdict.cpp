@@ -141,11 +141,11 @@ void list_variations(const Behaviour& behaviour, std::span<const Engine> engines
   for (const Variation& variation : variations()) {
     const auto concerns = [&](const Engine& e) { return variation.of(e.info); };
     if (&variation == &quarter_step() || std::none_of(engines.begin(), engines.end(), concerns)) continue;
-    if (behaviour.allows(variation)) {
+    const std::string reason = behaviour.why_not(variation);
+    if (reason.empty()) {
       result.variations.emplace_back(variation.name);
     } else {
-      result.left_out.push_back(
-          fmt::format("{}: the control step would not be a whole number of steps", variation.name));
+      result.left_out.push_back(fmt::format("{}: {}", variation.name, reason));
     }
   }
 }
@@ -164,7 +164,8 @@ void VerdictOptions::validate() const {
   require(starts >= 4 && starts <= 10000, "starts", "4 to 10000", static_cast<double>(starts));
   require(looks >= 1 && looks <= 20 && (looks == 1 || starts / looks >= kFewestStarts), "looks",
           "1 to 20, each of 6 starts or more", static_cast<double>(looks));
-  require(confidence > 0 && confidence < 1, "confidence", "a number between 0 and 1", confidence);
+  require(confidence >= kLeastConfidence && confidence < 1, "confidence",
+          "0.8 or more, and less than 1: below, a word says little", confidence);
   require(failures > 0 && failures < 1, "failures", "a share between 0 and 1", failures);
   require(workers >= 1, "workers", "1 or more", static_cast<double>(workers));
 }

@@ -19,11 +19,14 @@ enum class Word { kAgrees, kDiffers, kStepDependent, kUnresolved };
 /// "agrees", "differs", "step-dependent", "unresolved"
 std::string_view name(Word word) noexcept;
 
+/// What a word is worth that is reached with less is not worth a word.
+inline constexpr double kLeastConfidence = 0.8;
+
 /// How a verdict is reached.
 struct VerdictOptions {
   std::size_t starts = 12;   ///< at least 4; words are given from kFewestStarts on
   std::size_t looks = 1;     ///< planned: after starts / looks starts, twice as many, and so on
-  double confidence = 0.95;  ///< of all intervals of all pairs together
+  double confidence = 0.95;  ///< of all intervals of all pairs together; kLeastConfidence or more
   double failures = 0.1;     ///< margin of the share of runs that end in an outcome
   Margins margins = {};      ///< in place of the statistics' own
   std::size_t workers = 1;   ///< threads; results do not depend on them
@@ -82,6 +85,7 @@ struct StatisticVerdict {
 /// same time.
 struct PairCut {
   std::size_t pairs = 0;              ///< of which one run or both ended early
+  bool any_failed = false;            ///< not all of these left the terrain
   double mean_s = 0, shortest_s = 0;  ///< of all pairs
   /// Mean length of a run, up to its end or its failure, in each engine, and their paired difference: the
   /// restricted mean time to failure. At 95 %.

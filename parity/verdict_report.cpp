@@ -61,8 +61,9 @@ ordered_json to_json(const PairCut& cut) {
   return {{"pairs", cut.pairs},
           {"mean_s", cut.mean_s},
           {"shortest_s", cut.shortest_s},
-          {"time_to_failure",
-           {{"means_s", {cut.mean_a_s, cut.mean_b_s}}, {"difference_s", to_json(cut.difference_s)}}}};
+          {"time_to_failure", cut.any_failed ? ordered_json{{"means_s", {cut.mean_a_s, cut.mean_b_s}},
+                                                            {"difference_s", to_json(cut.difference_s)}}
+                                             : ordered_json(nullptr)}};
 }
 
 std::string number(double value) { return fmt::format("{:.3g}", value); }

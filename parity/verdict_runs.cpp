@@ -173,6 +173,7 @@ std::optional<PairCut> VerdictRuns::cut(const EnginePair& pair, std::size_t star
     const BehaviourRun *a = campaign_.find({pair.a, nominal, k}), *b = campaign_.find({pair.b, nominal, k});
     if (a == nullptr || b == nullptr) return std::nullopt;
     cut.pairs += campaign_.ended_early(*a) || campaign_.ended_early(*b) ? 1 : 0;
+    cut.any_failed |= is_failure(a->outcome) || is_failure(b->outcome);
     append(a->seconds, b->seconds, lengths);
     common.push_back(std::min(a->seconds, b->seconds));
   }

@@ -27,8 +27,8 @@ struct JudgeOptions {
 
 /// What belongs to a pair's verdict.
 struct PairBackground {
-  std::vector<AuditFinding> models;  ///< what the two engines' worlds hold differently
-  std::vector<std::string> shared;   ///< what they agree in because it is the same code (shared_parts)
+  ModelAudit models;                ///< what the two engines' worlds hold differently
+  std::vector<std::string> shared;  ///< what they agree in because it is the same code (shared_parts)
   std::optional<Attribution> attribution;
 };
 

@@ -120,7 +120,8 @@ std::string describe_many(const EngineComparison& comparison) {
     const auto& models = comparison.backgrounds[p].models;
     text +=
         fmt::format("{} against {}: {}{}{}.{}\n", v.b, v.a, name(v.word), v.word == Word::kAgrees ? "" : ": ",
-                    differences(v), models.empty() ? "" : fmt::format(" Models: {}.", describe(models)));
+                    differences(v),
+                    models.findings.empty() ? "" : fmt::format(" Models: {}.", describe(models.findings)));
   }
   for (std::size_t p = 0; p < comparison.verdicts.pairs.size(); ++p) {
     const auto& attribution = comparison.backgrounds[p].attribution;
@@ -134,7 +135,8 @@ ordered_json pair_json(const EngineComparison& comparison, std::size_t pair) {
   const PairBackground& background = comparison.backgrounds[pair];
   ordered_json json = to_json(comparison.verdicts.pairs[pair]);
   json["shared"] = background.shared;
-  json["models"] = to_json(background.models);
+  json["models"] = to_json(background.models.findings);
+  json["models_compared"] = background.models.compared;
   json["attribution"] = background.attribution ? to_json(*background.attribution) : ordered_json(nullptr);
   return json;
 }

@@ -15,6 +15,8 @@ LoadedWalk::LoadedWalk(WalkConfig walk, std::shared_ptr<const RobotDescription> 
   world.terrain = ground.make(config.terrain_seed);
   world.physics_dt = config.physics_dt;
   world.contact = resolve_contact(world.robot->contact, config.contact, "walk");
+  double& time_constant = world.contact.softness.time_constant;
+  time_constant = time_constant_in_steps(time_constant, world.physics_dt);
   world.validate();
 }
 

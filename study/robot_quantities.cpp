@@ -202,6 +202,27 @@ std::string servo_loop_warning(const RobotDescription& robot, double dt) {
       loop->ratio, loop->inertia);
 }
 
+std::string softness_warning(const RobotDescription& robot, const ContactSpec& contact, double dt) {
+  const double least = time_constant_in_steps(0, dt);
+  std::vector<std::string> shorter;
+  const auto look = [&](std::string_view what, const Softness& softness) {
+    std::string text = fmt::format("{:g} s of {}", softness.time_constant, what);
+    if (softness.time_constant < least && std::find(shorter.begin(), shorter.end(), text) == shorter.end())
+      shorter.push_back(std::move(text));
+  };
+  look("contacts (solref)", contact.softness);
+  if (!robot.loops.empty()) look("loops", robot.loop_softness);
+  if (robot.has_joint_friction()) look("dry friction in joints", robot.friction_softness);
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    if (robot.joint(i).limited) look("limits of joints", robot.joint(i).limit_softness);
+  }
+  if (shorter.empty()) return "";
+  return fmt::format(
+      "time constants of soft constraints: {}; {:g} s are simulated, two steps of {:g} s, which MuJoCo's law "
+      "needs at least",
+      fmt::join(shorter, ", "), least, dt);
+}
+
 std::vector<RobotQuantity> robot_quantities(const LoadedRobot& loaded, const WorldSpec& world) {
   return Quantities(loaded, world).list();
 }
@@ -219,6 +240,8 @@ std::vector<std::string> robot_warnings(const LoadedRobot& loaded, const WorldSp
     warnings.push_back(fmt::format("not as the file says in contact and steps: {}", fmt::join(lost, "; ")));
   // At the world's steps, and at the file's if those are longer.
   const double dt = std::max(world.physics_dt, loaded.report.contact.timestep.value_or(0));
+  if (std::string soft = softness_warning(loaded.robot, world.contact, dt); !soft.empty())
+    warnings.push_back(std::move(soft));
   if (std::string loop = servo_loop_warning(loaded.robot, dt); !loop.empty())
     warnings.push_back(std::move(loop));
   return warnings;

@@ -37,6 +37,10 @@ std::vector<std::string> robot_warnings(const LoadedRobot& loaded, const WorldSp
 /// not (stiffest_servo_loop below 1).
 std::string servo_loop_warning(const RobotDescription& robot, double dt);
 
+/// Says which soft constraints are stiffer than MuJoCo's law has them in steps of `dt` (s), what is asked for
+/// and what is simulated (time_constant_in_steps); empty if none is. @param contact  as asked
+std::string softness_warning(const RobotDescription& robot, const ContactSpec& contact, double dt);
+
 /// A table in which what is alike for several joints or feet is one row.
 std::string describe(const std::vector<RobotQuantity>& quantities);
 /// Lists of `of, name, unit, file, used, why`; nothing is null.

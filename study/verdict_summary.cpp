@@ -116,16 +116,31 @@ std::string groups(const EngineComparison& comparison) {
   return fmt::format("Engines that agree with one another: {}.", listed(sets));
 }
 
+// What the words were reached with that is the user's own.
+std::string own_rule(const EngineComparison& comparison) {
+  const VerdictOptions usual;
+  const double confidence = comparison.verdicts.options.confidence;
+  std::vector<std::string> parts;
+  if (confidence != usual.confidence) parts.push_back(fmt::format("a confidence of {:g}", confidence));
+  std::vector<std::string> margins;
+  for (const StatisticVerdict& v : comparison.verdicts.pairs.front().statistics) {
+    if (v.statistic.margin.reason == kStatedByUser)
+      margins.push_back(fmt::format("{} {}", v.statistic.name, v.statistic.margin.words(v.statistic.unit)));
+  }
+  if (!margins.empty()) parts.push_back(fmt::format("margins of the user's for {}", listed(margins)));
+  return parts.empty() ? "" : fmt::format(" With {}.", listed(parts));
+}
+
 }  // namespace
 
 std::string summary(const EngineComparison& comparison) {
   const std::vector<Verdict>& pairs = comparison.verdicts.pairs;
   const std::string behaviour = pairs.front().behaviour;
   if (pairs.size() == 1) {
-    return fmt::format("{}: {} {}{}", behaviour,
+    return fmt::format("{}: {} {}{}{}", behaviour,
                        pair_sentence(pairs.front(), comparison.against ? "setup" : "engine"),
                        failures(pairs.front(), comparison.verdicts.starts, comparison.verdicts.options.looks),
-                       cause(pairs.front(), comparison.backgrounds.front()));
+                       cause(pairs.front(), comparison.backgrounds.front()), own_rule(comparison));
   }
   std::string text = fmt::format("{}: {}", behaviour, groups(comparison));
   const auto worst = std::find_if(pairs.begin(), pairs.end(),
@@ -136,7 +151,7 @@ std::string summary(const EngineComparison& comparison) {
   }
   if (!comparison.consensus.outlier.empty())
     text += fmt::format(" The outlier is {}.", listed(names_of(comparison, comparison.consensus.outlier)));
-  return text;
+  return text + own_rule(comparison);
 }
 
 }  // namespace crossgait

@@ -19,7 +19,7 @@ SoftLaw::SoftLaw(const Softness& softness, double step)
       width_(softness.impedance_width),
       midpoint_(std::clamp(softness.impedance_midpoint, kMinImpedance, kMaxImpedance)),
       power_(softness.impedance_power) {
-  const double time_constant = std::max(softness.time_constant, 2 * step);
+  const double time_constant = time_constant_in_steps(softness.time_constant, step);
   stiffness_ =
       1 / (max_ * max_ * time_constant * time_constant * softness.damping_ratio * softness.damping_ratio);
   damping_ = 2 / (max_ * time_constant);

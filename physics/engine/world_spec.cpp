@@ -13,6 +13,21 @@ void require(bool ok, std::string_view element, std::string_view expected, doubl
 
 }  // namespace
 
+void WorldSpec::lengthen_time_constants(double dt) {
+  const auto lengthen = [dt](Softness& softness) {
+    const double before = softness.time_constant;
+    softness.time_constant = time_constant_in_steps(before, dt);
+    return softness.time_constant != before;
+  };
+  lengthen(contact.softness);
+  if (!robot) return;
+  RobotDescription own = *robot;
+  bool changed = lengthen(own.loop_softness);
+  changed |= lengthen(own.friction_softness);
+  for (Body& body : own.bodies) changed |= lengthen(body.joint.limit_softness);
+  if (changed) robot = std::make_shared<const RobotDescription>(std::move(own));
+}
+
 void WorldSpec::validate() const {
   if (!robot) throw ConfigError("world specification", "robot", "a robot description", "none");
   robot->validate();

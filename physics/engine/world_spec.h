@@ -26,6 +26,11 @@ struct WorldSpec {
   ContactSpec contact;
   SolverSpec solver;
 
+  /// Makes the time constants of contact and of the robot's soft joints and loops those that the law has in
+  /// steps of `dt` (s; time_constant_in_steps): what is simulated in such steps, and still is in shorter
+  /// ones. The robot is copied where any of its own changes.
+  void lengthen_time_constants(double dt);
+
   /// @throws ConfigError naming the field
   void validate() const;
 };

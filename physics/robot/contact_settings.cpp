@@ -157,6 +157,8 @@ void ContactSettings::set(std::string_view name, std::vector<double> numbers, st
   setting.set(contact, numbers);
   try {
     validate_contact(contact, source);
+    require(contact.impratio <= kMostImpratio, source, element,
+            fmt::format("a ratio in (0, {:g}]", kMostImpratio), contact.impratio);
   } catch (const ConfigError& error) {
     throw ConfigError(source, element, error.expected(), error.found());
   }
@@ -249,6 +251,10 @@ ContactSpec resolve_contact(const ContactSettings& of_robot, const ContactSettin
   return contact;
 }
 
+double time_constant_in_steps(double time_constant, double physics_dt) noexcept {
+  return std::max(time_constant, 2 * physics_dt);
+}
+
 Softness softness_of(Numbers solref, Numbers solimp) {
   Softness softness;
   take_solref(softness, solref);
@@ -289,8 +295,9 @@ void validate_contact(const ContactSpec& contact, std::string_view source) {
         "a length in [0, 10] m", contact.rolling_friction);
   check(contact.condim == 3 || contact.condim == 4 || contact.condim == 6, "contact.condim", "3, 4 or 6",
         contact.condim);
-  check(contact.impratio > 0 && contact.impratio <= 1000, "contact.impratio", "a ratio in (0, 1000]",
-        contact.impratio);
+  // Verdicts try ten times what was asked for.
+  check(contact.impratio > 0 && contact.impratio <= 10 * kMostImpratio, "contact.impratio",
+        "a ratio in (0, 10000]", contact.impratio);
   validate_softness(contact.softness, source, "contact.softness");
 }
 

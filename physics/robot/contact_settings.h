@@ -74,6 +74,8 @@ ContactSettings parse_contact_settings(std::string_view text, std::string_view s
 ContactSettings friction_of(double coefficient);
 /// Every setting of a contact, said, but for friction of which its condim makes nothing.
 ContactSettings all_settings(const ContactSpec& contact);
+/// How much of it there may be to ask for.
+inline constexpr double kMostImpratio = 1000;
 /// The value as `parse_contact_settings` reads it.
 std::string contact_setting_text(const ContactSetting& setting, std::span<const double> numbers);
 
@@ -82,6 +84,9 @@ std::string contact_setting_text(const ContactSetting& setting, std::span<const 
 /// nothing
 ContactSpec resolve_contact(const ContactSettings& of_robot, const ContactSettings& asked,
                             std::string_view source);
+
+/// The time constant that MuJoCo's law has in steps of `physics_dt`, s: two of them at least.
+double time_constant_in_steps(double time_constant, double physics_dt) noexcept;
 
 /// Reads MuJoCo's numbers, solref in either form.
 Softness softness_of(std::span<const double> solref, std::span<const double> solimp);

@@ -198,8 +198,8 @@ TEST(VerdictCommand, RefusesWhatItCannotJudge) {
   const std::string one = available_engines().front();
   for (const std::string& arguments :
        {"--engines " + one, "--engines " + one + "," + one, "--engines " + one + ",nonsense",
-        std::string("--starts 2"), std::string("--confidence 1"), std::string("--looks 0"),
-        std::string("--margin distance_m"), std::string("--margin distance_m=far"),
+        std::string("--starts 2"), std::string("--confidence 1"), std::string("--confidence 0.5"),
+        std::string("--looks 0"), std::string("--margin distance_m"), std::string("--margin distance_m=far"),
         std::string("--margin no_such=5%"), std::string("--margins nowhere.yaml"),
         std::string("--require maybe"), std::string("--config env.yaml"),
         std::string("--policy zero --config env.yaml --terrain rough"), std::string("--policy nonsense"),

@@ -19,12 +19,13 @@ using Kind = Variation::Kind;
 
 TEST(Variations, AreFactorsOnTheWorld) {
   WorldSpec world;
+  world.robot = scenes::quadruped();
   world.physics_dt = 1e-3;
   world.solver = {.tolerance = 1e-8, .iterations = 25};
   world.contact.impratio = 2;
   const auto varied = [&world](const Variation& v) {
     WorldSpec result = world;
-    v.apply(result);
+    v.apply(result, world.physics_dt);
     return result;
   };
   const WorldSpec one = varied({.step = 0.5, .iterations = 0.5, .impratio = 10, .softness = 0.25});
@@ -54,6 +55,36 @@ TEST(Variations, BeginAsAskedAndConcernTheEnginesThatDeclareThem) {
     EXPECT_EQ(v.of(soft), v.iterations == 1) << v.name;
   }
   EXPECT_THROW((void)find_variation("no such"), ConfigError);
+}
+
+// What is stiffer than MuJoCo's law can have it in the steps asked for is as stiff as it is there, and no
+// stiffer in shorter ones: half the step is half the step and nothing else.
+TEST(Variations, KeepTheLawOfTheStepsThatWereAskedFor) {
+  WorldSpec world;
+  auto robot = std::make_shared<RobotDescription>(*scenes::quadruped());
+  robot->loop_softness.time_constant = 1e-3;
+  world.robot = robot;
+  world.physics_dt = 1e-3;
+  world.contact.softness.time_constant = 5e-4;
+  WorldSpec half = world, none = world;
+  half_step().apply(half, world.physics_dt);
+  EXPECT_EQ(half.contact.softness.time_constant, 2e-3);
+  EXPECT_EQ(half.robot->loop_softness.time_constant, 2e-3);
+  EXPECT_EQ(half.physics_dt, 5e-4);
+  none.contact.softness.time_constant = robot->loop_softness.time_constant = 3e-3;
+  half_step().apply(none, world.physics_dt);
+  EXPECT_EQ(none.contact.softness.time_constant, 3e-3);
+  EXPECT_EQ(none.robot, world.robot);  // no copy
+}
+
+TEST(Variations, AreNotOfContactsThatCannotBeStiffer) {
+  Behaviour behaviour;
+  behaviour.physics_dt = behaviour.control_dt = 1e-3;
+  behaviour.contact_time_constant = 2e-3;
+  EXPECT_EQ(behaviour.why_not({.softness = 0.5}), "contacts are as stiff as the step lets them be");
+  EXPECT_EQ(behaviour.why_not({.impratio = 10}), "");
+  behaviour.contact_time_constant = 4e-3;
+  EXPECT_EQ(behaviour.why_not({.softness = 0.5}), "");
 }
 
 TEST(Variations, HaveToDivideTheControlStep) {

@@ -63,6 +63,22 @@ TEST(Judge, AgreesWithinTheMarginAndDiffersBeyond) {
   EXPECT_NE(near.reason.find("crosses the margin"), std::string::npos) << near.reason;
 }
 
+// A word takes more than an interval beyond the margin where a row's starts are too few for its test.
+TEST(Judge, DoesNotSayThatAnIntervalCrossesAMarginThatLiesBeforeIt) {
+  StatisticRuns runs = runs_of({.gap = 0});
+  runs.as_asked.a.assign(6, 0.0);
+  runs.as_asked.b = {5, 5.1, 5.2, 5.3, 5.4, 40};  // a heavy tail: the median, of which six starts are too few
+  const std::vector<StatisticVerdict> verdicts = judge({runs}, {.starts = 6, .confidence = 0.999});
+  const StatisticVerdict& v = verdicts.front();
+  ASSERT_EQ(v.word, Word::kUnresolved);
+  if (v.gap.low > v.margin) {
+    EXPECT_EQ(v.reason.find("crosses"), std::string::npos) << v.reason;
+    EXPECT_NE(v.reason.find("fewer than"), std::string::npos) << v.reason;
+  } else {
+    ADD_FAILURE() << v.gap.low << " to " << v.gap.high << ", margin " << v.margin;
+  }
+}
+
 // Starts are the user's own choice: how far they lie apart changes nothing.
 TEST(Judge, TheSpreadOfStartsHasNoPartInIt) {
   const StatisticVerdict narrow = judged({.gap = 0.2, .apart = 0.01}),
@@ -99,7 +115,7 @@ TEST(Judge, AMarginMayBeAShareOrGrowWithTime) {
   EXPECT_EQ(judge({longer}, {}).front().word, Word::kAgrees);
 }
 
-// Holm (1979), by hand: of three with P values below .05 / 3, .05 / 2 and above .05 the first two differ.
+// Holm (1979), by hand: of three with P values below 0.05 / 3, 0.05 / 2 and above 0.05 the first two differ.
 TEST(Judge, TestsTogetherAsHolmDoes) {
   std::vector<StatisticRuns> rows;
   for (const double gap : {0.5, 0.1096, 0.05}) rows.push_back(runs_of({.gap = gap, .noise = 0.015}));
@@ -117,7 +133,7 @@ TEST(Judge, TestsTogetherAsHolmDoes) {
     EXPECT_NEAR(all[i].gap.low, expected.low, 1e-12);
     EXPECT_NEAR(all[i].gap.high, expected.high, 1e-12);
   }
-  // Without the first it has to stand against .05 / 2 as the smallest, and still does; with three more that
+  // Without the first it has to stand against 0.05 / 2 as the smallest, and still does; with three more that
   // agree it does not.
   for (int i = 0; i < 3; ++i) rows.push_back(rows[2]);
   EXPECT_EQ(judge(rows, {})[1].word, Word::kUnresolved);

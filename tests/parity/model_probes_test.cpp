@@ -50,7 +50,7 @@ TEST_P(Probes, FindNoFrictionOfFeetThatAreNotAtItsLimit) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const WorldSpec spec = scenes::world_of(random_robot(seed));
     const auto a = make_world(reference, spec), b = make(spec);
-    for (const AuditFinding& finding : audit_models(*a, *b))
+    for (const AuditFinding& finding : audit_models(*a, *b).findings)
       EXPECT_NE(finding.quantity, "friction") << "robot " << seed << ": " << describe({finding});
     for (PhysicsBackend* world : {a.get(), b.get()}) {
       const LegArray<probes::PressedFoot> feet = probes::press_feet(*world, probes::pressed(*world, 1));

@@ -47,7 +47,7 @@ TEST_P(PlantedFaults, SoundModelsRaiseNoAlarm) {
       WorldSpec spec = world_on(terrain);
       spec.robot = robot;
       const auto a = make_world(reference(), spec), b = make(spec);
-      const std::vector<AuditFinding> findings = audit_models(*a, *b);
+      const std::vector<AuditFinding> findings = audit_models(*a, *b).findings;
       EXPECT_TRUE(findings.empty()) << robot->name << " on " << terrain << ": " << describe(findings);
     }
   }
@@ -60,7 +60,7 @@ TEST_P(PlantedFaults, AreNamed) {
     WorldSpec faulty = sound;
     fault.plant(faulty);
     const auto a = make_world(reference_of_same_loops(), sound), b = make(faulty);
-    const std::vector<AuditFinding> findings = audit_models(*a, *b);
+    const std::vector<AuditFinding> findings = audit_models(*a, *b).findings;
     EXPECT_FALSE(findings.empty());
     if (findings.empty()) continue;
     const AuditFinding& first = findings.front();
@@ -78,7 +78,7 @@ TEST_P(PlantedFaults, BeginAtTheTolerance) {
       WorldSpec other = sound;
       fault.plant(other, size * fault.tolerance);
       const auto a = make(sound), b = make(other);
-      const std::vector<AuditFinding> findings = audit_models(*a, *b);
+      const std::vector<AuditFinding> findings = audit_models(*a, *b).findings;
       const bool found = std::any_of(findings.begin(), findings.end(), [&fault](const AuditFinding& finding) {
         return finding.quantity == fault.quantity;
       });
@@ -105,7 +105,8 @@ TEST_P(PlantedFaults, CornersOfACylinderAreNamed) {
     }
     faulty.robot = std::move(robot);
     const auto a = make_world(reference(), sound), b = make(sound), c = make(faulty);
-    const std::vector<AuditFinding> none = audit_models(*a, *b), findings = audit_models(*a, *c);
+    const std::vector<AuditFinding> none = audit_models(*a, *b).findings,
+                                    findings = audit_models(*a, *c).findings;
     EXPECT_TRUE(none.empty()) << describe(none);
     ASSERT_FALSE(findings.empty()) << terrain;
     EXPECT_EQ(findings.front().quantity, "collision shape") << describe(findings);

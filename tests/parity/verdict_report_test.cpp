@@ -21,7 +21,7 @@ Verdict some_verdict() {
   v.outcomes_a[static_cast<std::size_t>(Outcome::kWalked)] = 7;
   v.outcomes_b[static_cast<std::size_t>(Outcome::kWalked)] = 5;
   v.outcomes_b[static_cast<std::size_t>(Outcome::kFell)] = 2;
-  v.cut = PairCut{2, 4.5, 1.25, 5, 4.75, {-0.25, -0.5, 0.125}};
+  v.cut = PairCut{2, true, 4.5, 1.25, 5, 4.75, {-0.25, -0.5, 0.125}};
   v.word = Word::kUnresolved;
   v.reason = "distance";
   v.starts_needed = 40;
@@ -116,6 +116,9 @@ TEST(VerdictReport, AsJsonHasEveryNumber) {
                           {"undefined", {"heading_error_deg"}}})
                 .dump(1));
   EXPECT_EQ(to_json(some_verdict().outcomes_b).dump(), R"({"fell":2,"walked":5})");
+  Verdict left = some_verdict();  // the terrain, and nothing else
+  left.cut->any_failed = false;
+  EXPECT_EQ(to_json(left)["cut"]["time_to_failure"], nullptr);
 }
 
 TEST(VerdictReport, SaysTheRule) {
@@ -144,13 +147,17 @@ TEST(AuditReport, InWordsHasEveryFindingOrWhatWasLookedAt) {
                                                {"time step", "", 1e-3, 2e-3, "s"}}),
             "mass, body trunk: 0.5 against 0.25 kg; joint axis, joint hip: 1 against 0; "
             "time step: 0.001 against 0.002 s");
-  const std::string same = describe(std::vector<AuditFinding>{});
+  EXPECT_EQ(describe(ModelAudit{{}, audited_quantities()}).find("not compared"), std::string::npos);
+  ModelAudit audit{{}, audited_quantities()};
+  std::erase(audit.compared, "contact law");
+  const std::string same = describe(audit);
   EXPECT_TRUE(same.starts_with("the same in time step, mass, ")) << same;
-  for (const std::string& quantity : audited_quantities())
-    EXPECT_NE(same.find(quantity), std::string::npos) << quantity;
+  EXPECT_TRUE(same.ends_with(" (not compared: contact law)")) << same;
+  audit.findings = {{"mass", "body trunk", 0.5, 0.25, "kg"}};
+  EXPECT_EQ(describe(audit), "mass, body trunk: 0.5 against 0.25 kg (not compared: contact law)");
 }
 
-// From one to two by two factors: the distance shrinks by .5, the duty factor hardly changes.
+// From one to two by two factors: the distance shrinks by 0.5, the duty factor hardly changes.
 Attribution some_attribution() {
   Attribution a;
   a.behaviour = "trot";

@@ -71,7 +71,8 @@ TEST_F(EngineComparisons, AreAnAuditAndAVerdict) {
     const auto world_a = engines[0].make(LoadedBehaviour(spec).world()),
                world_b = engines[1].make(LoadedBehaviour(spec).world());
     const PairBackground& background = whole.backgrounds.front();
-    EXPECT_EQ(to_json(background.models).dump(), to_json(audit_models(*world_a, *world_b)).dump());
+    EXPECT_EQ(to_json(background.models.findings).dump(),
+              to_json(audit_models(*world_a, *world_b).findings).dump());
     EXPECT_EQ(background.shared, shared_parts(engines[0].info, engines[1].info));
     EXPECT_FALSE(background.attribution.has_value());
   }
@@ -169,13 +170,15 @@ TEST_F(EngineComparisons, AuditThatWorldAndNoOther) {
   }
   for (const std::string& other : others) {
     const auto world_b = make_world(other, world);
-    const std::vector<AuditFinding> expected = audit_models(*world_a, *world_b);
+    const std::vector<AuditFinding> expected = audit_models(*world_a, *world_b).findings;
     if (expected.empty()) continue;
     const EngineComparison judged = judge_engines(LoadedBehaviour(config, {}, 0), {a(), other}, options());
-    EXPECT_EQ(to_json(judged.backgrounds.front().models).dump(), to_json(expected).dump()) << other;
-    // A walk's defaults have another robot and a friction of .6.
-    EXPECT_NE(to_json(judge_engines(short_trot(), {a(), other}, options()).backgrounds.front().models).dump(),
-              to_json(expected).dump());
+    EXPECT_EQ(to_json(judged.backgrounds.front().models.findings).dump(), to_json(expected).dump()) << other;
+    // A walk's defaults have another robot and a friction of 0.6.
+    EXPECT_NE(
+        to_json(judge_engines(short_trot(), {a(), other}, options()).backgrounds.front().models.findings)
+            .dump(),
+        to_json(expected).dump());
     return;
   }
   GTEST_SKIP() << "all engines hold the same";
@@ -219,7 +222,8 @@ EngineComparison by_hand() {
   add("slip_m", "slip", -0.113, 0.02, Word::kDiffers);
   v.word = Word::kDiffers;
   c.verdicts.pairs = {v};
-  c.backgrounds = {{{{"mass", "body trunk", 0.5, 0.25, "kg"}}, {"servo law"}, std::nullopt}};
+  c.backgrounds = {
+      {{{{"mass", "body trunk", 0.5, 0.25, "kg"}}, audited_quantities()}, {"servo law"}, std::nullopt}};
   c.consensus = {{{0}, {1}}, {}, {}, {}, {}, "two votes"};
   return c;
 }
@@ -256,6 +260,12 @@ TEST(EngineComparisonReport, BeginsWithASentenceThatAColleagueCanRepeat) {
   EXPECT_EQ(summary(c), sentence);
   EXPECT_EQ(describe(c).substr(0, sentence.size()), sentence);
   EXPECT_EQ(to_json(c)["summary"], sentence);
+  EngineComparison own = c;  // margins and confidence of the user's are said with the words they made
+  own.verdicts.options.confidence = 0.8;
+  own.verdicts.pairs[0].statistics[0].statistic.margin.reason = kStatedByUser;
+  EXPECT_NE(summary(own).find(" With a confidence of 0.8 and margins of the user's for way "),
+            std::string::npos)
+      << summary(own);
   EngineComparison failing = c;
   failing.verdicts.pairs[0].outcomes_b = {};
   failing.verdicts.pairs[0].outcomes_b[static_cast<std::size_t>(Outcome::kSlid)] = 12;
@@ -288,6 +298,7 @@ TEST(EngineComparisonReport, HoldsEverythingThatBelongsToIt) {
   EXPECT_EQ(json["pairs"][0]["engines"][1], "two");
   EXPECT_EQ(json["pairs"][0]["shared"][0], "servo law");
   EXPECT_EQ(json["pairs"][0]["models"][0]["quantity"], "mass");
+  EXPECT_EQ(json["pairs"][0]["models_compared"].size(), audited_quantities().size());
   EXPECT_EQ(json["pairs"][0]["attribution"], nullptr);
   c.backgrounds[0].attribution.emplace();
   c.backgrounds[0].attribution->from = "one";

@@ -242,7 +242,7 @@ TEST(SetupVerdict, OfOneChangeIsItsCause) {
     found = true;
   }
   EXPECT_TRUE(found);
-  const auto& models = judged.backgrounds.front().models;
+  const auto& models = judged.backgrounds.front().models.findings;
   ASSERT_FALSE(models.empty());
   EXPECT_EQ(models.front().quantity, "gravity");
   const nlohmann::ordered_json json = to_json(judged);
@@ -264,8 +264,8 @@ TEST(SetupVerdict, IsOfSeveralEngines) {
   for (const JudgedEngine& engine : judged.engines) names.push_back(engine.name);
   EXPECT_EQ(names, (std::vector<std::string>{all[0], all[0] + with, all[1], all[1] + with}));
   EXPECT_EQ(judged.verdicts.pairs.size(), 6U);
-  EXPECT_TRUE(judged.backgrounds[pair_index(1, 3, 4)].models.empty()) << "both under the setup";
-  EXPECT_FALSE(judged.backgrounds[pair_index(0, 1, 4)].models.empty());
+  EXPECT_TRUE(judged.backgrounds[pair_index(1, 3, 4)].models.findings.empty()) << "both under the setup";
+  EXPECT_FALSE(judged.backgrounds[pair_index(0, 1, 4)].models.findings.empty());
 }
 
 // An environment's world is changed on top of what it draws.

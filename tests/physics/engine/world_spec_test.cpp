@@ -29,7 +29,8 @@ struct WorldRange {
 const std::vector<WorldRange> kWorldRanges{
     {"physics_dt", [](WorldSpec& w, double x) { w.physics_dt = x; }, 1e-6, 0.1},
     {"contact.friction", [](WorldSpec& w, double x) { w.contact.friction = x; }, 0, 10},
-    {"contact.impratio", [](WorldSpec& w, double x) { w.contact.impratio = x; }, 0, 1000, false},
+    {"contact.impratio", [](WorldSpec& w, double x) { w.contact.impratio = x; }, 0, 10 * kMostImpratio,
+     false},
     {"contact.softness.time_constant", [](WorldSpec& w, double x) { w.contact.softness.time_constant = x; },
      0, 10, false},
     {"contact.softness.damping_ratio", [](WorldSpec& w, double x) { w.contact.softness.damping_ratio = x; },

@@ -83,6 +83,7 @@ TEST(ContactSettings, RefusesWhatMakesNoSense) {
                                     {"impratio", "contact", "'impratio'"},
                                     {"impratio=0", "impratio", "0"},
                                     {"impratio=nan", "impratio", "'nan'"},
+                                    {"impratio=1001", "impratio", "1001"},
                                     {"impratio=1,impratio=2", "impratio", "a second one"},
                                     {"impratio=1:2", "impratio", "2"},
                                     {"cone=round", "cone", "'round'"},
