@@ -141,7 +141,7 @@ VerdictDocument verdict_document(const nlohmann::json& verdict, const std::strin
 }
 
 void VerdictDocument::add_to(ReportPage& page) && {
-  if (words) page.tables.push_back(std::move(*words));
+  if (words) page.tables.push_back({std::move(*words)});
   if (page.summary.empty() && !sentences.empty()) {
     page.summary = std::move(sentences.front());
     sentences.erase(sentences.begin());

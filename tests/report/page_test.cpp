@@ -170,7 +170,8 @@ TEST(Episodes, EarnInTheirColumnsWhatTheRolloutSays) {
   config.engine = available_engines().front();
   config.episode_seconds = 0.4;
   const Rollout rollout = roll_out(config, std::vector<std::string>{"random"}, {2, 1, 5});
-  const Motion motion = watch_episodes({{"one", config, "random"}, {"other", config, "zero"}}, 5);
+  const Motion motion =
+      watch_episodes({{"one", config, find_policy("random")}, {"other", config, find_policy("zero")}}, 5);
   ASSERT_EQ(motion.runs.size(), 2U);
   const RewardTerms& earned = rollout.policies.front().episodes.front().reward_terms;
   int counted = 0;
@@ -185,6 +186,15 @@ TEST(Episodes, EarnInTheirColumnsWhatTheRolloutSays) {
   }
   EXPECT_GT(counted, 2);
   EXPECT_NE(motion.runs[0].samples.back().state.p_WB, motion.runs[1].samples.back().state.p_WB);
+}
+
+TEST(NumbersOfAPage, AreThereOnceHoweverOftenTheyAreAdded) {
+  PageNumbers numbers;
+  const std::vector<double> mesh{1, 2, 3}, other{1, 2};
+  const ordered_json first = numbers.add(mesh);
+  EXPECT_NE(numbers.add(other), first);
+  EXPECT_EQ(numbers.add(mesh), first);
+  EXPECT_EQ(numbers.words().size(), 5U);
 }
 
 TEST(ChartsOfAPage, HoldFinitePointsInTheOrderOfX) {
@@ -236,7 +246,7 @@ TEST(Motion, LeavesOutTouchesAndGapsThatNoFootMeant) {
     trace.push_back(sample);
     sample.state.time += 0.01;
   }
-  Motion motion{robot, {}, {{"a", "", trace}}, {}};
+  Motion motion{.robot = robot, .terrain = {}, .runs = {{"a", "", trace}}};
   const auto stances_of = [&motion](std::size_t leg) {
     PageNumbers numbers;
     return motion_document(motion, numbers).at("runs").at(0).at("contact").at(leg).size() / 2;

@@ -425,6 +425,12 @@ export class View {
     this.ground?.position.set(Math.round(base.x), Math.round(base.y), 0);
   }
 
+  /** Beside each other, or in one place. */
+  stand(beside: boolean): void {
+    this.sideBySide = beside;
+    this.paint();
+    this.look("quarter");
+  }
   look(preset: Preset): void {
     this.lookFrom(new Vector3(...DIRECTIONS[preset]).normalize(), 1);
     this.preset = preset;
