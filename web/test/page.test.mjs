@@ -595,6 +595,10 @@ test("a verdict of many begins with who agrees", async () => {
       .then((heads) => heads.map((head) => head.replace(/ (agrees|differs|step-dependent|unresolved)$/, ""))),
     ["Which engines agree", ...result.pairs.map(({ engines }) => engines.join(" and ")), "Where this comes from"],
   );
+  assert.deepEqual(
+    await page.locator("header .answer li").allTextContents(),
+    result.groups.length > 1 ? result.groups.map(({ sentence }) => typeset(sentence)) : [],
+  );
   const matrix = page.locator(".results section").first();
   assert.equal(await matrix.locator("td .word").count(), 2 * result.pairs.length, "every pair, either way round");
   assert.match(await matrix.textContent(), /[Oo]utlier|agree/);
