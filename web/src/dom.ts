@@ -50,5 +50,5 @@ export function digits(value: number): string {
 
 /** Text of a terminal with the signs that a page has: minus, plus or minus. */
 export function typeset(text: string): string {
-  return text.replaceAll("+-", "\u00b1").replace(/(^|[\s(,;:])-(?=[\d.])/g, "$1\u2212");
+  return text.replaceAll("+-", "\u00b1").replace(/(^|[\s(,;:]|\de)-(?=[\d.])/g, "$1\u2212");
 }

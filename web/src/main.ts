@@ -67,7 +67,8 @@ function answer(report: ReportDocument): HTMLElement | null {
 /** On paper nothing can be opened. */
 function openForPrint(): void {
   addEventListener("beforeprint", () => {
-    for (const details of document.querySelectorAll<HTMLDetailsElement>(".verdict details")) details.open = true;
+    for (const details of document.querySelectorAll<HTMLDetailsElement>(".verdict details, .notes"))
+      details.open = true;
   });
 }
 

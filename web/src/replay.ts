@@ -37,7 +37,9 @@ class Replay {
     this.plots = new Plots(motion, runs, numbers, this.player, end);
     const feet = chartsSection("Paths of the feet in the leg frames", footPaths(motion, runs), numbers)!;
     this.feet = feet.figures;
-    this.results = [this.plots.element, feet.element, constants(motion), notes(motion)].filter((e) => e !== null);
+    this.results = [this.plots.element, feet.element, constants(motion)].filter((e) => e !== null);
+    const said = notes(motion);
+    if (said) this.stage.element.append(said);
   }
 
   /** Once it is on the page, without which its controls do nothing: shows what the address says. */
@@ -52,13 +54,14 @@ class Replay {
   }
 }
 
+/** Beside the picture: what in it is not as it is, of a mesh that could not be read for example. */
 function notes(motion: Motion): HTMLElement | null {
   const all = [...motion.notes, ...motion.scene.notes];
   if (all.length === 0) return null;
   return h(
-    "section",
-    { class: "group" },
-    h("h2", {}, "Rendering notes"),
+    "details",
+    { class: "notes" },
+    h("summary", {}, `${all.length} rendering ${all.length === 1 ? "note" : "notes"}`),
     h("ul", {}, ...all.map((note) => h("li", {}, note))),
   );
 }

@@ -1,6 +1,6 @@
 // A verdict: every statistic as a dot with its interval between the limits, the words, and what the gap comes from.
 import type { Verdict } from "./document";
-import { digits, h, scroller, svg } from "./dom";
+import { digits, h, scroller, svg, typeset } from "./dom";
 
 const WIDTH = 230;
 const HEIGHT = 22;
@@ -70,7 +70,9 @@ function attribution(verdict: Verdict): HTMLElement | null {
       ...cells,
     );
   });
-  const sentences = a.statistics.filter((s) => s.sentence).map((s) => h("li", {}, `${s.name}: ${s.sentence}.`));
+  const sentences = a.statistics
+    .filter((s) => s.sentence)
+    .map((s) => h("li", {}, typeset(`${s.name}: ${s.sentence}.`)));
   return h(
     "div",
     {},
@@ -127,7 +129,7 @@ export function verdictSection(verdict: Verdict, folded: boolean): HTMLElement {
   );
   const reasons = verdict.statistics
     .filter((s) => s.reason)
-    .map((s) => h("li", {}, `${s.name}: ${s.word}: ${s.reason}.`));
+    .map((s) => h("li", {}, typeset(`${s.name}: ${s.word}: ${s.reason}.`)));
   const scale = h(
     "tr",
     { class: "scale" },
