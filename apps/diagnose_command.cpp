@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/diagnose_page.h"
 #include "apps/env_options.h"
+#include "apps/page_option.h"
 #include "physics/core/atomic_file.h"
 #include "policy/bundled_policies.h"
 
@@ -16,6 +18,7 @@ struct DiagnoseCommand {
   std::string folder, policy, env, engine, write, home_engine;
   DiagnosisOptions how;
   bool no_search = false;
+  PageOption page;
   JsonOption json;
 };
 
@@ -34,6 +37,7 @@ void run(const DiagnoseCommand& options) {
                       options.folder.empty() ? "neither" : "both");
   const std::string policy = options.folder.empty() ? options.policy : options.folder;
   const LoadedEnv environment = environment_of(options, policy);
+  options.page.check();
   DiagnosisOptions how = options.how;
   how.search = !options.no_search;
   if (!options.home_engine.empty()) how.home_engine = options.home_engine;
@@ -46,6 +50,8 @@ void run(const DiagnoseCommand& options) {
   ProgressLine progress("diagnosing");
   const Diagnosis found = diagnose(environment, policy, how, [&](double share) { progress.update(share); });
   if (!options.write.empty()) write_file_atomically(options.write, to_yaml(found.environment));
+  if (options.page.asked())
+    options.page.write(diagnose_page(found, environment, policy, how.seed), provenance);
   options.json.emit(describe(found), to_json(found, options.write), provenance);
   if (found.cause) throw RequirementMissed(kCauseFound, fmt::format("the cause: {}", name(*found.cause)));
   if (!found.healthy)
@@ -62,7 +68,7 @@ void add_diagnose_command(CLI::App& program, Invocation& invocation) {
       "field of its\nenvironment changed, one at a time and then two, until it does (docs/diagnosis.md).\n"
       "Exit codes beside those of all commands: 3 a cause is named, 4 it does not do what it is asked and "
       "none is.\n\nExamples:\n"
-      "  crossgait diagnose go2_walk --write go2_walks.yaml\n"
+      "  crossgait diagnose go2_walk --write go2_walks.yaml --report go2.html\n"
       "  crossgait diagnose --policy policy.safetensors --env env.yaml --home-engine bullet");
   auto options = std::make_shared<DiagnoseCommand>();
   options->how.workers = EpisodeOptions::default_workers();
@@ -83,6 +89,8 @@ void add_diagnose_command(CLI::App& program, Invocation& invocation) {
   add_workers_option(*command, options->how.workers);
   add_output_option(*command, "--write", options->write,
                     "Write the environment with the first of the ranking, as YAML");
+  options->page.add_to(
+      *command, "Write a page with the changes, their effects and every command replayed, as one HTML file");
   options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }

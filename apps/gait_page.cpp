@@ -92,7 +92,7 @@ Table parameters_of(const GaitParameters& parameters, const std::string& gait) {
 ReportPage gait_page(const std::string& gait, GaitGenerator generator, double dt, int samples) {
   ReportPage page;
   page.title = fmt::format("Gait {}: where the feet are to be", gait);
-  page.tables.push_back(parameters_of(generator.parameters(), gait));
+  page.tables.push_back({parameters_of(generator.parameters(), gait)});
   for (const GaitPhase& phase : generator.gait().phases) {
     if (phase.name.empty()) break;
     page.sentences.push_back(fmt::format("Phase {} begins at {:g} of the cycle.", phase.name, phase.start));

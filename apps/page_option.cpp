@@ -73,7 +73,7 @@ ReportPage page_of_walks(const WorldSpec& world, const std::vector<WalkRun>& wal
   ReportPage page;
   const WalkRun& first = walked.front();
   page.title = fmt::format("{} on {}, {:g} s", first.gait, first.terrain, first.summary.simulated_seconds);
-  Motion motion{world.robot, world.terrain, {}, pairs};
+  Motion motion{.robot = world.robot, .terrain = world.terrain, .runs = {}, .pairs = pairs};
   for (std::size_t i = 0; i < walked.size(); ++i) {
     const EngineInfo& engine = walked[i].engine;
     const MotionSummary& summary = walked[i].summary;
@@ -82,8 +82,8 @@ ReportPage page_of_walks(const WorldSpec& world, const std::vector<WalkRun>& wal
     run.outcome_at_s = summary.first_at_s[static_cast<std::size_t>(summary.outcome)];
     motion.runs.push_back(std::move(run));
   }
-  page.tables.push_back(statistics_table(page.title, walked));
-  page.motion = std::move(motion);
+  page.tables.push_back({statistics_table(page.title, walked)});
+  page.motions.push_back(std::move(motion));
   return page;
 }
 

@@ -32,8 +32,10 @@ struct ReportCommand {
 };
 
 // A page of these shows more than the result says, for which they are made again.
-const std::set<std::string> kMadeAgain{"walk", "compare", "rollout", "transfer", "tune", "gait", "workspace"};
-constexpr const char* kResults = "walk, compare, verdict, rollout, transfer, tune, gait, workspace or bench";
+const std::set<std::string> kMadeAgain{"walk", "compare",   "rollout",  "transfer", "tune",
+                                       "gait", "workspace", "diagnose", "course"};
+constexpr const char* kResults =
+    "walk, compare, verdict, rollout, transfer, tune, gait, workspace, diagnose, course or bench";
 
 std::string schema_of(const Recorded& recorded) {
   try {
@@ -76,9 +78,9 @@ void add_result(ReportPage& page, const Recorded& recorded) {
   if (kind == "verdict") {
     verdict_document(result, recorded.file).add_to(page);
   } else if (kind == "walk") {
-    page.tables.push_back(table_of({result}, recorded.file));
+    page.tables.push_back({table_of({result}, recorded.file)});
   } else if (kind == "compare") {
-    page.tables.push_back(table_of(result.value("runs", std::vector<Json>()), recorded.file));
+    page.tables.push_back({table_of(result.value("runs", std::vector<Json>()), recorded.file)});
     if (result.contains("verdict")) verdict_document(result.at("verdict"), recorded.file).add_to(page);
   } else {
     throw ConfigError(
@@ -91,11 +93,10 @@ void add_result(ReportPage& page, const Recorded& recorded) {
 bool is_trace(const std::string& file) { return std::filesystem::path(file).extension() == ".csv"; }
 
 Motion motion_of(const ReportCommand& options, const std::vector<std::string>& traces) {
-  Motion motion{std::make_shared<const RobotDescription>(load_robot_with_warnings(options.robot)),
-                make_terrain(options.terrain, options.seed),
-                {},
-                {},
-                options.shortest_contact};
+  Motion motion{.robot = std::make_shared<const RobotDescription>(load_robot_with_warnings(options.robot)),
+                .terrain = make_terrain(options.terrain, options.seed),
+                .runs = {},
+                .shortest_contact = options.shortest_contact};
   for (const std::string& file : traces) {
     motion.runs.push_back(
         recorded_run(std::filesystem::path(file).stem().string(), TraceTable(file), *motion.robot));
@@ -105,9 +106,9 @@ Motion motion_of(const ReportCommand& options, const std::vector<std::string>& t
 
 std::string title_of(const ReportPage& page) {
   if (!page.verdicts.empty()) return page.verdicts.front().at("behaviour").get<std::string>();
-  if (!page.tables.empty()) return page.tables.front().rows().front().front();
+  if (!page.tables.empty()) return page.tables.front().table.rows().front().front();
   std::vector<std::string> names;
-  for (const RecordedRun& run : page.motion->runs) names.push_back(run.name);
+  for (const RecordedRun& run : page.motions.front().runs) names.push_back(run.name);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -140,7 +141,7 @@ void run(const ReportCommand& options, const CLI::App& program, Invocation& invo
   }
   ReportPage page;
   for (const Recorded& recorded : results) add_result(page, recorded);
-  if (!traces.empty()) page.motion = motion_of(options, traces);
+  if (!traces.empty()) page.motions.push_back(motion_of(options, traces));
   page.title = title_of(page);
   const std::string html = report_html(page);
   write_file_atomically(options.out, html);

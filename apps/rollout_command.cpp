@@ -33,11 +33,12 @@ std::string episodes_done(const Rollout& rollout, std::size_t asked) {
 ReportPage page_of(const Rollout& rollout, const LoadedEnv& environment,
                    const std::vector<std::string>& policies) {
   std::vector<WatchedEpisode> episodes;
-  for (const std::string& policy : policies) episodes.push_back({short_name(policy), environment, policy});
+  for (const std::string& policy : policies)
+    episodes.push_back({short_name(policy), environment, find_policy(policy)});
   ReportPage page;
-  page.tables.push_back(table(rollout));
-  page.title = page.tables.front().rows().front().front();
-  page.motion = watch_episodes(episodes, rollout.seed);
+  page.tables.push_back({table(rollout)});
+  page.title = page.tables.front().table.rows().front().front();
+  page.motions.push_back(watch_episodes(episodes, rollout.seed));
   page.summary = summary(rollout);
   page.sentences.push_back(fmt::format("Replayed: the first of {}, with what every policy step earned.",
                                        counted(rollout.policies.front().all.episodes, "episode")));

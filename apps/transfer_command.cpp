@@ -26,15 +26,16 @@ ReportPage page_of(const Transfer& transfer, const LoadedEnv& environment, const
   EnvConfig first = environment.config;
   first.terrain = transfer.terrains.front();
   LoadedEnv here = environment.with(first);
+  const NamedPolicy watched = find_policy(policy);
   std::vector<WatchedEpisode> episodes;
   for (const std::string& engine : transfer.engines) {
     here.config.engine = engine;
-    episodes.push_back({engine, here, policy});
+    episodes.push_back({engine, here, watched});
   }
   ReportPage page;
   page.title = fmt::format("{} in {}", short_name(policy), counted(transfer.engines.size(), "engine"));
-  page.tables.push_back(table(transfer));
-  page.motion = watch_episodes(episodes, transfer.seed);
+  page.tables.push_back({table(transfer)});
+  page.motions.push_back(watch_episodes(episodes, transfer.seed));
   page.sentences.push_back(
       fmt::format("Replayed: the policy's first episode on {} in every engine.", transfer.terrains.front()));
   return page;

@@ -28,7 +28,7 @@ ReportPage page_of(const Tuning& tuning, const LoadedEnv& method, std::uint64_t 
   page.title = tuning.course.empty() ? fmt::format("{} tuned on {} in {}", tuning.start.gait,
                                                    tuning.start.terrain, tuning.start.engine)
                                      : fmt::format("{} tuned on course {}", tuning.start.gait, tuning.course);
-  for (Table& table : tables(tuning)) page.tables.push_back(std::move(table));
+  for (Table& table : tables(tuning)) page.tables.push_back({std::move(table)});
   Chart search{.title = "Search",
                .x_label = "generation",
                .y_label = "best score so far (m/s, minus cost, or of the course)"};
@@ -36,8 +36,9 @@ ReportPage page_of(const Tuning& tuning, const LoadedEnv& method, std::uint64_t 
   for (std::size_t i = 0; i < tuning.history.size(); ++i)
     best.points.push_back({static_cast<double>(i + 1), tuning.history[i]});
   page.charts.push_back({"Search", {std::move(search)}});
-  page.motion = watch_episodes(
-      {{"default", method.with(tuning.start), "zero"}, {"tuned", method.with(tuning.tuned), "zero"}}, seed);
+  const NamedPolicy zero = find_policy("zero");
+  page.motions.push_back(watch_episodes(
+      {{"default", method.with(tuning.start), zero}, {"tuned", method.with(tuning.tuned), zero}}, seed));
   page.sentences.push_back(fmt::format("Replayed in {}: the first episode of both.", tuning.start.engine));
   return page;
 }

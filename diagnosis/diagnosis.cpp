@@ -300,6 +300,8 @@ Diagnosis diagnose(const LoadedEnv& environment, const std::string& policy_text,
       suspicion.suspects.insert(suspicion.suspects.end(), test.suspects.begin(), test.suspects.end());
   Search search(environment, policy, suspicion, options.workers, options.seed);
   const WalkResult patient = search.examine();
+  result.test = search.whole_test();
+  result.as_given = patient;
   result.score = patient.mean();
   result.complaint = what_is_wrong(patient, search.whole_test());
   result.healthy = does_what_is_asked(patient, search.whole_test().seeds);
@@ -322,7 +324,10 @@ Diagnosis diagnose(const LoadedEnv& environment, const std::string& policy_text,
   const std::vector<double> shares = shares_of_first(ranked, options.seed);
   for (std::size_t i = 0; i < ranked.size(); ++i)
     result.ranking.push_back(ranked_change(ranked[i], patient, shares[i], search));
-  if (!result.ranking.empty()) result.environment = result.ranking.front().config;
+  if (!result.ranking.empty()) {
+    result.environment = result.ranking.front().config;
+    result.changed = ranked.front().whole;
+  }
   if (rivals > 0) {
     conclude_cured(result, ranked, rivals, search);
   } else {

@@ -10,6 +10,8 @@
 #include "diagnosis/standing_tests.h"
 #include <nlohmann/json_fwd.hpp>
 
+#include "physics/core/table.h"
+
 namespace crossgait {
 
 /// How to look for a cause.
@@ -55,6 +57,9 @@ struct Diagnosis {
   std::string complaint;   ///< what is wrong, in words
   double score = 0;        ///< of the patient
   double spread = 0;       ///< 95 % of the scores of the best change lie so near to their mean, over seeds
+  WalkTest test;           ///< what it was asked
+  WalkResult as_given;     ///< what came of it
+  std::optional<WalkResult> changed;  ///< with the first of the ranking
   std::vector<StandingTest> tests;
   std::vector<RankedChange> ranking;  ///< cures first, then by score; one of every field
   EnvConfig environment;              ///< with the first of the ranking, as it is if there is none
@@ -72,6 +77,18 @@ Diagnosis diagnose(const LoadedEnv& environment, const std::string& policy, cons
 
 /// Keys as in docs/schemas/diagnose.json. @param file  that `environment` was written to; empty: none
 nlohmann::ordered_json to_json(const Diagnosis& diagnosis, const std::string& file = {});
+/// What would decide, where it abstains, as a sentence; else empty.
+std::string deciding_sentence(const Diagnosis& diagnosis);
+/// What it was asked and what came of it, command by command: as given, then with the first of the ranking.
+Table walks_table(const Diagnosis& diagnosis);
+/// Which of the rows of `walks_table` are as asked.
+std::vector<bool> walks_done(const Diagnosis& diagnosis);
+/// The changes with their effects. @param longest  values of more characters are cut short
+Table ranking_table(const Diagnosis& diagnosis, std::size_t longest = std::string::npos);
+/// "passed", "failed" or, where it is not judged, "noted".
+std::string_view result_of(const StandingTest& test) noexcept;
+/// The tests without walking. @param explained  also what passing shows, and what it does not
+Table tests_table(const Diagnosis& diagnosis, bool explained);
 /// The summary, the tests and the ranking, as text.
 std::string describe(const Diagnosis& diagnosis);
 

@@ -142,21 +142,6 @@ std::size_t WalkResult::falls() const noexcept {
 
 namespace {
 
-struct CommandMeans {
-  double speed_error = 0, yaw_rate_error = 0, fell = 0;
-};
-
-CommandMeans means_of(const WalkResult& result, std::size_t command, std::size_t seeds) {
-  CommandMeans means;
-  const double n = static_cast<double>(seeds);
-  for (std::size_t k = command * seeds; k < (command + 1) * seeds; ++k) {
-    means.speed_error += result.walks[k].speed_error / n;
-    means.yaw_rate_error += result.walks[k].yaw_rate_error / n;
-    means.fell += result.walks[k].fell ? 1 : 0;
-  }
-  return means;
-}
-
 double speed_bound(const VelocityCommand& asked, const WalkTolerance& t) {
   return t.speed_share * std::hypot(asked.vx, asked.vy) + t.speed;
 }
@@ -166,15 +151,29 @@ double turn_bound(const VelocityCommand& asked, const WalkTolerance& t) {
 
 }  // namespace
 
-bool does_what_is_asked(const WalkResult& result, std::size_t seeds, const WalkTolerance& tolerance) {
-  for (std::size_t c = 0; c * seeds < result.walks.size(); ++c) {
-    const CommandMeans means = means_of(result, c, seeds);
-    const VelocityCommand& asked = result.walks[c * seeds].asked;
-    if (means.fell > 0 || means.speed_error > speed_bound(asked, tolerance) ||
-        means.yaw_rate_error > turn_bound(asked, tolerance))
-      return false;
+std::vector<CommandResult> by_command(const WalkResult& result, std::size_t seeds,
+                                      const WalkTolerance& tolerance) {
+  std::vector<CommandResult> commands;
+  const double n = static_cast<double>(seeds);
+  for (std::size_t first = 0; first < result.walks.size(); first += seeds) {
+    CommandResult& c = commands.emplace_back(CommandResult{.asked = result.walks[first].asked});
+    for (std::size_t k = 0; k < seeds; ++k) {
+      const WalkMeasure& walk = result.walks[first + k];
+      c.speed_error += walk.speed_error / n;
+      c.yaw_rate_error += walk.yaw_rate_error / n;
+      c.score += result.scores[first + k] / n;
+      c.falls += walk.fell ? 1 : 0;
+      if (result.scores[first + k] > result.scores[first + c.worst]) c.worst = k;
+    }
+    c.done = c.falls == 0 && c.speed_error <= speed_bound(c.asked, tolerance) &&
+             c.yaw_rate_error <= turn_bound(c.asked, tolerance);
   }
-  return true;
+  return commands;
+}
+
+bool does_what_is_asked(const WalkResult& result, std::size_t seeds, const WalkTolerance& tolerance) {
+  const std::vector<CommandResult> commands = by_command(result, seeds, tolerance);
+  return std::all_of(commands.begin(), commands.end(), [](const CommandResult& c) { return c.done; });
 }
 
 std::string what_is_wrong(const WalkResult& result, const WalkTest& test, const WalkTolerance& tolerance) {
@@ -182,8 +181,9 @@ std::string what_is_wrong(const WalkResult& result, const WalkTest& test, const 
     return fmt::format("falls in {} of {} walks", falls, result.walks.size());
   double worst = 1;
   std::string words = "does what it is asked";
+  const std::vector<CommandResult> commands = by_command(result, test.seeds, tolerance);
   for (std::size_t c = 0; c < test.commands.size(); ++c) {
-    const CommandMeans means = means_of(result, c, test.seeds);
+    const CommandResult& means = commands[c];
     const VelocityCommand& asked = test.commands[c].velocity;
     const double speed = means.speed_error / speed_bound(asked, tolerance),
                  turn = means.yaw_rate_error / turn_bound(asked, tolerance);
@@ -199,11 +199,15 @@ std::string what_is_wrong(const WalkResult& result, const WalkTest& test, const 
   return words;
 }
 
+LoadedEnv walk_environment(const LoadedEnv& environment, const WalkTest& test, const WalkCommand& command) {
+  return environment.with(tested(environment.config, test, command.velocity));
+}
+
 WalkResult run_walks(const LoadedEnv& environment, const RelabelledPolicy& policy, const WalkTest& test,
                      std::uint64_t seed) {
   WalkResult result;
   for (const WalkCommand& command : test.commands) {
-    const LoadedEnv loaded = environment.with(tested(environment.config, test, command.velocity));
+    const LoadedEnv loaded = walk_environment(environment, test, command);
     const auto env = env_factory(loaded)();
     const auto own = policy.make(env->interface());
     for (std::size_t k = 0; k < test.seeds; ++k) {

@@ -70,6 +70,19 @@ struct WalkResult {
   std::size_t falls() const noexcept;
 };
 
+/// What came of one command, over its seeds.
+struct CommandResult {
+  VelocityCommand asked;
+  std::size_t falls = 0;
+  double speed_error = 0, yaw_rate_error = 0;  ///< means: m/s, rad/s
+  double score = 0;                            ///< the same
+  std::size_t worst = 0;                       ///< the seed with the highest score
+  bool done = false;                           ///< no walk fell, and the means are within the tolerance
+};
+/// Sums up the walks of `result`, command by command.
+std::vector<CommandResult> by_command(const WalkResult& result, std::size_t seeds,
+                                      const WalkTolerance& tolerance = {});
+
 /// Whether every command was done: no walk fell, and the mean of the seeds of each is within the tolerance.
 bool does_what_is_asked(const WalkResult& result, std::size_t seeds, const WalkTolerance& tolerance = {});
 /// What is worst about it, in words: "falls in 3 of 8 walks", "walks straight ahead at 0.2 m/s instead of
@@ -77,8 +90,12 @@ bool does_what_is_asked(const WalkResult& result, std::size_t seeds, const WalkT
 std::string what_is_wrong(const WalkResult& result, const WalkTest& test,
                           const WalkTolerance& tolerance = {});
 
-/// Runs every command and seed of `test` in this configuration, in its engine, on the caller's thread. What
-/// it randomises is replaced by the test's own starts.
+/// The environment in which `run_walks` walks a command of `test`. What it randomises is replaced by the
+/// test's own starts; walk k is that of derived_seed(seed, test.first + k).
+/// @throws ConfigError for a configuration that cannot be
+LoadedEnv walk_environment(const LoadedEnv& environment, const WalkTest& test, const WalkCommand& command);
+
+/// Runs every command and seed of `test` in this configuration, in its engine, on the caller's thread.
 /// @throws ConfigError for a configuration that cannot be
 WalkResult run_walks(const LoadedEnv& environment, const RelabelledPolicy& policy, const WalkTest& test,
                      std::uint64_t seed);

@@ -108,14 +108,14 @@ PathBounds way_of(const std::vector<RecordedRun>& runs) {
   return path;
 }
 
-/// Rows that two traces share: as many as the shorter has, if they are at the same times; else none.
+/// Rows that two traces share: the first of both that are at the same times, up to a fall that ends one
+/// between two steps; none if only their beginnings meet.
 std::size_t common_rows(const Trace& a, const Trace& b) {
-  const std::size_t rows = std::min(a.size(), b.size());
-  for (std::size_t i = 0; i < rows; ++i) {
-    // Far less than a control step, far more than the rounding of a sum of them.
-    if (std::abs(a[i].state.time - b[i].state.time) > 1e-9) return 0;
-  }
-  return rows;
+  const std::size_t most = std::min(a.size(), b.size());
+  std::size_t rows = 0;
+  // Far less than a control step, far more than the rounding of a sum of them.
+  while (rows < most && std::abs(a[rows].state.time - b[rows].state.time) <= 1e-9) ++rows;
+  return rows > 1 || rows == most ? rows : 0;
 }
 
 /// How far two runs lie apart, at most, between a frame and the one before.
@@ -143,9 +143,9 @@ ordered_json parting_document(const RecordedRun& run, const Parting& parting) {
 
 }  // namespace
 
-std::vector<std::size_t> frame_rows(const std::vector<double>& time) {
+std::vector<std::size_t> frame_rows(const std::vector<double>& time, double frame_time) {
   const double duration = time.back() - time.front();
-  const double apart = std::max(kFrameTime, duration / static_cast<double>(kMaxFrames - 2));
+  const double apart = std::max(frame_time, duration / static_cast<double>(kMaxFrames - 2));
   std::vector<std::size_t> rows{0};
   for (std::size_t i = 1; i < time.size(); ++i) {
     // A rounded sum of control steps may be a little short of a frame's time.
@@ -161,7 +161,7 @@ nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& number
   for (const RecordedRun& run : motion.runs) {
     if (run.samples.empty())
       throw ConfigError(run.name, "rows", "at least one control step", "an empty trace");
-    frames.push_back({frame_rows(run.times()), {}});
+    frames.push_back({frame_rows(run.times(), motion.frame_time), {}});
   }
   ordered_json notes = ordered_json::array(), runs = ordered_json::array(), pairs = ordered_json::array();
   for (std::size_t i = 0; i < motion.runs.size(); ++i)
@@ -191,7 +191,9 @@ nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& number
                        {"parting", parting_document(motion.runs[i], known.parting.found())}});
     }
   }
-  return {{"scene", scene_document(robot, motion.terrain, way_of(motion.runs), numbers)},
+  return {{"name", motion.name},
+          {"side_by_side", motion.side_by_side},
+          {"scene", scene_document(robot, motion.terrain, way_of(motion.runs), numbers)},
           {"runs", std::move(runs)},
           {"pairs", std::move(pairs)},
           {"panels", panels.finish()},

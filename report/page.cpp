@@ -1,6 +1,8 @@
 #include "report/page.h"
 
+#include <array>
 #include <string_view>
+#include <utility>
 
 #include "physics/core/error.h"
 #include "physics/core/schema.h"
@@ -34,10 +36,31 @@ std::string filled_page(std::string_view connect, std::string_view document, std
   return text.append(html.substr(from));
 }
 
-ordered_json to_json(const Table& table) {
-  const auto& rows = table.rows();
-  return {{"header", rows.front()},
-          {"rows", std::vector<std::vector<std::string>>(rows.begin() + 1, rows.end())}};
+ordered_json to_json(const IntervalColumn& column) {
+  ordered_json rows = ordered_json::array();
+  for (const auto& row : column.rows) {
+    rows.push_back(row ? ordered_json{{"estimate", row->estimate}, {"low", row->low}, {"high", row->high}}
+                       : ordered_json());
+  }
+  return {{"label", column.label}, {"rows", std::move(rows)}};
+}
+
+constexpr std::array<const char*, 4> kMarks{"", "good", "mixed", "bad"};
+
+ordered_json to_json(const PageTable& table) {
+  const auto& rows = table.table.rows();
+  ordered_json marks = ordered_json::array();
+  for (const std::vector<Mark>& row : table.marks) {
+    ordered_json cells = ordered_json::array();
+    for (const Mark mark : row) cells.push_back(kMarks[static_cast<std::size_t>(mark)]);
+    marks.push_back(std::move(cells));
+  }
+  return {{"title", table.title},
+          {"note", table.note},
+          {"header", rows.front()},
+          {"rows", std::vector<std::vector<std::string>>(rows.begin() + 1, rows.end())},
+          {"marks", std::move(marks)},
+          {"intervals", table.intervals ? to_json(*table.intervals) : ordered_json()}};
 }
 
 }  // namespace
@@ -55,13 +78,14 @@ nlohmann::ordered_json report_document(const ReportPage& page, PageNumbers& numb
                         {"summary", page.summary},
                         {"groups", page.groups},
                         {"sentences", page.sentences},
-                        {"motion", page.motion ? motion_document(*page.motion, numbers) : ordered_json()},
+                        {"motions", ordered_json::array()},
                         {"tables", ordered_json::array()},
                         {"charts", ordered_json::array()},
                         {"texts", page.texts},
                         {"verdicts", page.verdicts},
                         {"provenances", page.provenances}};
-  for (const Table& table : page.tables) document["tables"].push_back(to_json(table));
+  for (const Motion& motion : page.motions) document["motions"].push_back(motion_document(motion, numbers));
+  for (const PageTable& table : page.tables) document["tables"].push_back(to_json(table));
   for (const Charts& charts : page.charts) document["charts"].push_back(to_json(charts, numbers));
   return with_schema("report", document);
 }

@@ -1,25 +1,45 @@
 #include "report/page_numbers.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <functional>
+#include <string_view>
 
 namespace crossgait {
 namespace {
 
-nlohmann::ordered_json reference(std::size_t at, std::size_t count) { return {{"at", at}, {"count", count}}; }
+std::size_t hash_of(std::span<const std::uint32_t> words) {
+  const auto bytes = std::as_bytes(words);
+  return std::hash<std::string_view>()({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
 
 }  // namespace
 
 nlohmann::ordered_json PageNumbers::add(std::span<const double> values) {
-  const std::size_t at = words_.size();
-  for (const double value : values) words_.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(value)));
-  return reference(at, values.size());
+  std::vector<std::uint32_t> words;
+  words.reserve(values.size());
+  for (const double value : values) words.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(value)));
+  return add_words(std::move(words));
 }
 
 nlohmann::ordered_json PageNumbers::add(std::span<const std::uint32_t> values) {
+  return add_words({values.begin(), values.end()});
+}
+
+nlohmann::ordered_json PageNumbers::add_words(std::vector<std::uint32_t> words) {
+  const std::size_t hash = hash_of(words);
+  const auto [first, last] = places_.equal_range(hash);
+  for (auto known = first; known != last; ++known) {
+    const auto [at, count] = known->second;
+    if (count == words.size() &&
+        std::equal(words.begin(), words.end(), words_.begin() + static_cast<std::ptrdiff_t>(at)))
+      return {{"at", at}, {"count", count}};
+  }
   const std::size_t at = words_.size();
-  words_.insert(words_.end(), values.begin(), values.end());
-  return reference(at, values.size());
+  words_.insert(words_.end(), words.begin(), words.end());
+  places_.emplace(hash, std::pair(at, words.size()));
+  return {{"at", at}, {"count", words.size()}};
 }
 
 // RFC 4648, section 4.

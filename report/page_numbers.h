@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -11,7 +13,8 @@
 namespace crossgait {
 
 /// Numbers of four bytes one behind the other, little endian. What `add` returns, {"at", "count"}, says where
-/// they are, counted in numbers.
+/// they are, counted in numbers. The same numbers are there once, however often they are added: the meshes of
+/// one robot in several motions.
 class PageNumbers {
  public:
   /// As floats: of 7 digits, more than a picture shows.
@@ -22,7 +25,10 @@ class PageNumbers {
   std::string base64() const;
 
  private:
+  nlohmann::ordered_json add_words(std::vector<std::uint32_t> words);
+
   std::vector<std::uint32_t> words_;
+  std::unordered_multimap<std::size_t, std::pair<std::size_t, std::size_t>> places_;  // by hash: at, count
 };
 
 }  // namespace crossgait

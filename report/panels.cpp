@@ -90,6 +90,7 @@ PanelMaker::PanelMaker(const Motion& motion, const std::vector<RunFrames>& frame
                                       difference_panel("Attitudes apart", "rad")});
   add_base();
   add_feet();
+  if (!motion.joints) return;
   add_joints();
   add_parameters();
   add_rewards();

@@ -14,6 +14,7 @@
 #include "physics/core/files_read.h"
 #include "physics/core/read_budget.h"
 #include "physics/robot_files/mesh/mesh_vertices.h"
+#include "report/mesh_detail.h"
 
 namespace crossgait {
 namespace {
@@ -22,6 +23,10 @@ using nlohmann::ordered_json;
 
 /// Radius of a stick that stands in for a link, standing heights.
 constexpr double kStick = 0.04;
+
+/// Smallest part of a mesh that is shown, standing heights: a third of a pixel of a picture of the robot. A
+/// tenth or less of the triangles of robots that come from CAD remains.
+constexpr double kMeshDetail = 0.01;
 
 /// Most samples of the ground in one page, 2 MB of them; more are thinned.
 constexpr int kMaxGroundSamples = 400'000;
@@ -47,7 +52,9 @@ std::vector<double> coordinates(const std::vector<Vector3>& points) {
 /// The shapes of all bodies. A mesh that several shapes show is there once.
 class Shapes {
  public:
-  Shapes(PageNumbers& numbers, ordered_json& notes) : numbers_(numbers), notes_(notes) {}
+  /// @param detail  of meshes, m; 0: all of it
+  Shapes(PageNumbers& numbers, ordered_json& notes, double detail)
+      : numbers_(numbers), notes_(notes), detail_(detail) {}
 
   ordered_json of(const Body& body) {
     ordered_json shapes = ordered_json::array();
@@ -65,7 +72,7 @@ class Shapes {
       if (visual.rgba)
         shape["rgba"] = {(*visual.rgba)[0], (*visual.rgba)[1], (*visual.rgba)[2], (*visual.rgba)[3]};
       if (visual.type == VisualType::kMesh) {
-        shape["mesh"] = index_of(visual.mesh);
+        shape["mesh"] = index_of(visual.mesh, detail_ / visual.scale.cwiseAbs().maxCoeff());
         shape["scale"] = list(visual.scale);
       }
       shapes.push_back(std::move(shape));
@@ -79,7 +86,13 @@ class Shapes {
     }
     return shapes;
   }
-  ordered_json meshes() { return std::move(meshes_); }
+  ordered_json meshes() {
+    if (coarse_) {
+      notes_.push_back(fmt::format(
+          "of meshes with many triangles, what is smaller than {:.2g} mm is not shown", 1e3 * detail_));
+    }
+    return std::move(meshes_);
+  }
 
   /// Draws the links of a body that has no shape as sticks: from its origin to where the next bodies hang,
   /// and to its foot.
@@ -108,8 +121,9 @@ class Shapes {
   }
 
  private:
-  std::size_t index_of(const std::string& file) {
-    const auto [it, is_new] = known_.try_emplace(file, known_.size());
+  /// @param cell  what is smaller is not shown, in the units of the mesh
+  std::size_t index_of(const std::string& file, double cell) {
+    const auto [it, is_new] = known_.try_emplace({file, cell}, known_.size());
     if (is_new) {
       const FilesRead apart(FilesRead::Scope::kApart);  // what a robot looks like makes no result
       const TriangleMesh mesh = read_mesh_triangles(file);
@@ -125,8 +139,15 @@ class Shapes {
                           fmt::format("at most {} vertices in all meshes of a robot", kMaxRobotMeshVertices),
                           "more");
       }
-      meshes_.push_back({{"vertices", numbers_.add(coordinates(mesh.vertices))},
-                         {"triangles", numbers_.add(std::span<const std::uint32_t>(mesh.triangles))}});
+      TriangleMesh shown = mesh;
+      if (mesh.triangles.size() / 3 > kFineTriangles && cell > 0 && std::isfinite(cell)) {
+        TriangleMesh coarse = coarser(mesh, cell);
+        // What is smaller than a cube as a whole stays as it is.
+        if (!coarse.triangles.empty()) shown = std::move(coarse);
+        coarse_ = true;
+      }
+      meshes_.push_back({{"vertices", numbers_.add(coordinates(shown.vertices))},
+                         {"triangles", numbers_.add(std::span<const std::uint32_t>(shown.triangles))}});
     }
     return it->second;
   }
@@ -134,7 +155,9 @@ class Shapes {
   PageNumbers& numbers_;
   ordered_json& notes_;
   ordered_json meshes_ = ordered_json::array();
-  std::map<std::string, std::size_t> known_;
+  double detail_;
+  std::map<std::pair<std::string, double>, std::size_t> known_;
+  bool coarse_ = false;
   std::size_t vertices_ = 0, triangles_ = 0;
 };
 
@@ -196,7 +219,7 @@ ordered_json ground_of(const HeightField& field, const PathBounds& path, double 
 nlohmann::ordered_json scene_document(const RobotDescription& robot, const Terrain& terrain,
                                       const PathBounds& path, PageNumbers& numbers) {
   ordered_json notes = ordered_json::array(), bodies = ordered_json::array();
-  Shapes shapes(numbers, notes);
+  Shapes shapes(numbers, notes, kMeshDetail * std::max(0.0, robot.standing_height));
   const bool no_visuals = std::all_of(robot.bodies.begin(), robot.bodies.end(),
                                       [](const Body& body) { return body.visuals.empty(); });
   for (std::size_t i = 0; i < robot.bodies.size(); ++i) {

@@ -132,6 +132,7 @@ VerdictDocument verdict_document(const nlohmann::json& verdict, const std::strin
     }
     if (n > 2) {
       document.words = words_table(verdict.at("behaviour"), engines, words);
+      for (const Json& group : verdict.at("groups")) document.groups.push_back(group.at("sentence"));
       for (const Json& sentence : verdict.at("sentences")) document.sentences.push_back(sentence);
     }
     return document;
@@ -141,11 +142,14 @@ VerdictDocument verdict_document(const nlohmann::json& verdict, const std::strin
 }
 
 void VerdictDocument::add_to(ReportPage& page) && {
-  if (words) page.tables.push_back(std::move(*words));
+  if (words) page.tables.push_back({std::move(*words)});
   if (page.summary.empty() && !sentences.empty()) {
     page.summary = std::move(sentences.front());
     sentences.erase(sentences.begin());
   }
+  // A comparison has groups of its own.
+  std::move(groups.begin(), groups.end(),
+            std::back_inserter(page.groups.empty() ? page.groups : page.sentences));
   std::move(sentences.begin(), sentences.end(), std::back_inserter(page.sentences));
   std::move(pairs.begin(), pairs.end(), std::back_inserter(page.verdicts));
 }

@@ -14,6 +14,7 @@ namespace crossgait {
 /// Holds the verdict of two engines or more, as a page shows it.
 struct VerdictDocument {
   std::vector<std::string> sentences;  ///< the summary first
+  std::vector<std::string> groups;     ///< a line each; of more than two engines
   std::optional<Table> words;          ///< of all pairs, engine by engine; of more than two engines
   /// Every pair: `behaviour`, `starts`, `confidence`, `variations`, `left_out`, `engines`, `word`, `reason`,
   /// `outcomes`, `statistics`, `models` and `attribution` (null if there is none), checked to be there.

@@ -1,9 +1,11 @@
 #include "report/watched_episodes.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "env/reward.h"
-#include "study/rollout.h"
+#include "parity/answer.h"
 
 namespace crossgait {
 namespace {
@@ -24,13 +26,14 @@ struct CountedTerms {
 
 }  // namespace
 
-Motion watch_episodes(const std::vector<WatchedEpisode>& episodes, std::uint64_t seed) {
+Motion watch_episodes(const std::vector<WatchedEpisode>& episodes, std::uint64_t seed, double sample_time) {
   Motion motion;
   for (const WatchedEpisode& episode : episodes) {
     const CountedTerms terms(episode.environment.config);
     TraceRecorder recorder(kMaxPageSteps);
     RecordedRun run{episode.name, "", {}, terms.columns};
-    watch_episode(episode.environment, episode.policy, seed, [&](const QuadrupedEnv& env) {
+    double sampled = -HUGE_VAL;
+    const auto observe = [&](const QuadrupedEnv& env) {
       if (run.engine.empty())
         run.engine = fmt::format("{} {}", env.engine().info.library, env.engine().info.version);
       if (motion.robot == nullptr) {
@@ -38,11 +41,19 @@ Motion watch_episodes(const std::vector<WatchedEpisode>& episodes, std::uint64_t
         motion.robot = env.world().spec().robot;
         motion.terrain = env.world().spec().terrain;
       }
+      const double time = env.world().state().time;
+      // A rounded sum of steps may be a little short of it.
+      if (time - sampled < sample_time * (1 - 1e-6)) return;
+      sampled = time;
       for (std::size_t i = 0; i < terms.indices.size(); ++i)
         run.columns[i].values.push_back(env.info().reward_terms[terms.indices[i]]);
       recorder.add(TraceSample(env.world(), env.targets()));
-    });
+    };
+    const MotionSummary summary =
+        watch_episode(episode.environment, episode.policy, seed, observe, episode.number).motion;
     run.samples = recorder.take();
+    run.outcome = outcome_phrase(summary);
+    run.outcome_at_s = summary.first_at_s[static_cast<std::size_t>(summary.outcome)];
     if (!run.samples.empty()) motion.runs.push_back(std::move(run));
   }
   return motion;

@@ -1,4 +1,4 @@
-// What the pages of `rollout` and `transfer` replay: first episodes of policies, with what each step earned.
+// What the pages of environments replay: episodes of policies, with what each step earned.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 
 #include "env/loaded_env.h"
 #include "report/motion_document.h"
+#include "study/rollout.h"
 
 namespace crossgait {
 
@@ -15,11 +16,15 @@ namespace crossgait {
 struct WatchedEpisode {
   std::string name;  ///< what the page calls it
   LoadedEnv environment;
-  std::string policy;  ///< as `load_policy` takes it
+  NamedPolicy policy;
+  std::size_t number = 0;  ///< among the episodes of the seed
 };
 
-/// Runs the first episode of each again. All are on the ground of the first one.
+/// Runs each again, to its end. All are on the ground of the first one.
+/// @param sample_time  least time between two samples, s, where every policy step is more than a page needs:
+///                     rewards are those of the steps that are sampled
 /// @throws ConfigError as `watch_episode` does
-Motion watch_episodes(const std::vector<WatchedEpisode>& episodes, std::uint64_t seed);
+Motion watch_episodes(const std::vector<WatchedEpisode>& episodes, std::uint64_t seed,
+                      double sample_time = 0);
 
 }  // namespace crossgait

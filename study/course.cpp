@@ -86,10 +86,17 @@ Course load_course(const std::string& name_or_file) {
 
 Course with_sections(Course course, const std::vector<std::string>& names) {
   if (names.empty()) return course;
-  for (const std::string& name : names)  // throws
-    static_cast<void>(find_row(course.sections, name, "course " + course.name, "section"));
-  std::erase_if(course.sections, [&names](const CourseSection& section) {
-    return std::find(names.begin(), names.end(), section.name) == names.end();
+  const auto is_of = [](const CourseSection& section, const std::string& name) {
+    return section.name == name || section.name.starts_with(name + "-");
+  };
+  for (const std::string& name : names) {
+    const auto of_name = [&](const CourseSection& section) { return is_of(section, name); };
+    if (std::none_of(course.sections.begin(), course.sections.end(), of_name))  // then it throws
+      static_cast<void>(find_row(course.sections, name, "course " + course.name, "section"));
+  }
+  std::erase_if(course.sections, [&](const CourseSection& section) {
+    return std::none_of(names.begin(), names.end(),
+                        [&](const std::string& name) { return is_of(section, name); });
   });
   return course;
 }

@@ -31,7 +31,8 @@ struct Course {
 /// @param name_or_file  a name in `models_dir()`/courses, or the path of a .yaml file
 /// @throws ConfigError naming file, line and key
 Course load_course(const std::string& name_or_file);
-/// Those of these names, in the course's order; all if there are none. @throws ConfigError
+/// Those of these names, in the course's order; all if there are none. "slope" is also every "slope-...".
+/// @throws ConfigError
 Course with_sections(Course course, const std::vector<std::string>& names);
 
 /// The environment of a section. What moves the robot (robot, servos, action, gait and its parameters,
@@ -74,11 +75,38 @@ CourseResult run_course(const Course& course, const LoadedEnv& method, const Nam
                         const std::vector<std::string>& engines, const EpisodeOptions& options,
                         const Progress& progress = {});
 
+/// Engines that did the same on all sections that both finished: as many runs came to each outcome, and every
+/// run's score is within `kSameCourseScore` of the other's.
+struct CourseGroup {
+  std::string name;  ///< as `group_name`
+  std::vector<std::string> engines;
+  double apart = 0;  ///< largest difference of a run's score between any two of them
+};
+/// A hundredth of the way: less is not told.
+inline constexpr double kSameCourseScore = 0.01;
+/// Groups the engines, in the order of their first.
+std::vector<CourseGroup> groups_of(const CourseResult& result);
+/// Of every group a line: "A = mujoco, bullet:matched: made 97 %, every run the same to 0.2 %"; of others
+/// than A also how far their sections are from it.
+std::vector<std::string> describe_groups(const CourseResult& result);
+
+/// Returns null where that engine has not finished that section.
+const CourseCell* find_cell(const CourseResult& result, const std::string& section,
+                            const std::string& engine) noexcept;
+/// The engines in the order of their first cells.
+std::vector<std::string> engines_of(const CourseResult& result);
+/// The sections in the order of their first cells.
+std::vector<std::string> sections_of(const CourseResult& result);
+
 /// How much of the way it made in which engine, and on which section engines differ most.
 std::string summary(const CourseResult& result);
 /// Keys as in docs/schemas/course.json.
 nlohmann::ordered_json to_json(const CourseResult& result);
+/// A row of every cell, section by section, then one of every engine over all sections.
 Table table(const CourseResult& result);
+/// How much of the way was made and what became of the runs: a row of every section, a column of every
+/// engine.
+Table outcome_table(const CourseResult& result);
 std::string describe(const CourseResult& result);
 
 }  // namespace crossgait

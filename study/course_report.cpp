@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "parity/answer.h"
@@ -32,16 +35,6 @@ std::string number(const std::optional<MeanAndDeviation>& value, int digits) {
 
 std::string score(const MeanAndDeviation& s) { return fmt::format("{:.3f} +- {:.3f}", s.mean, s.deviation); }
 
-// In the order of their first cells.
-std::vector<std::string> engines_of(const CourseResult& result) {
-  std::vector<std::string> engines;
-  for (const CourseCell& cell : result.cells) {
-    if (std::find(engines.begin(), engines.end(), cell.engine) == engines.end())
-      engines.push_back(cell.engine);
-  }
-  return engines;
-}
-
 std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
 // " They differ most on pushed: 100 % in mujoco, 0 % in bullet."; empty where they differ by less than the
@@ -65,7 +58,67 @@ std::string largest_difference(const CourseResult& r) {
   return text;
 }
 
+// In the order in which they come.
+std::vector<std::string> distinct(const CourseResult& result, std::string (*of)(const CourseCell&)) {
+  std::vector<std::string> names;
+  for (const CourseCell& cell : result.cells) {
+    if (std::find(names.begin(), names.end(), of(cell)) == names.end()) names.push_back(of(cell));
+  }
+  return names;
+}
+
+// The largest difference of a run's score on the sections that both finished; nothing if there is none, or if
+// runs came to other outcomes.
+std::optional<double> apart(const CourseResult& result, const std::string& a, const std::string& b) {
+  std::optional<double> largest;
+  for (const std::string& section : sections_of(result)) {
+    const CourseCell *x = find_cell(result, section, a), *y = find_cell(result, section, b);
+    if (x == nullptr || y == nullptr) continue;
+    if (x->all.outcomes != y->all.outcomes) return std::nullopt;
+    for (std::size_t k = 0; k < x->scores.size(); ++k)
+      largest = std::max(largest.value_or(0), std::abs(x->scores[k] - y->scores[k]));
+  }
+  return largest;
+}
+
 }  // namespace
+
+const CourseCell* find_cell(const CourseResult& result, const std::string& section,
+                            const std::string& engine) noexcept {
+  for (const CourseCell& cell : result.cells) {
+    if (cell.section.name == section && cell.engine == engine) return &cell;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> engines_of(const CourseResult& result) {
+  return distinct(result, [](const CourseCell& cell) { return cell.engine; });
+}
+
+std::vector<std::string> sections_of(const CourseResult& result) {
+  return distinct(result, [](const CourseCell& cell) { return cell.section.name; });
+}
+
+std::vector<CourseGroup> groups_of(const CourseResult& result) {
+  std::vector<CourseGroup> groups;
+  for (const std::string& engine : engines_of(result)) {
+    const auto is_home = [&](const CourseGroup& group) {
+      return std::all_of(group.engines.begin(), group.engines.end(), [&](const std::string& other) {
+        const std::optional<double> between = apart(result, other, engine);
+        return between && *between <= kSameCourseScore;
+      });
+    };
+    const auto home = std::find_if(groups.begin(), groups.end(), is_home);
+    if (home == groups.end()) {
+      groups.push_back({group_name(groups.size()), {engine}});
+      continue;
+    }
+    for (const std::string& other : home->engines)
+      home->apart = std::max(home->apart, apart(result, other, engine).value_or(0));
+    home->engines.push_back(engine);
+  }
+  return groups;
+}
 
 std::string summary(const CourseResult& r) {
   const std::vector<std::string> engines = engines_of(r);
@@ -85,12 +138,48 @@ std::string summary(const CourseResult& r) {
   return fmt::format("{} made {}.{}", short_name(r.policy), listed(parts), largest_difference(r));
 }
 
+namespace {
+
+// "; up to 5 % from A, on slope-10deg": the largest difference of the mean scores of a section.
+std::string from_first(const CourseResult& r, const std::string& first, const std::string& engine) {
+  double largest = 0;
+  std::string text;
+  for (const std::string& section : sections_of(r)) {
+    const CourseCell *a = find_cell(r, section, first), *b = find_cell(r, section, engine);
+    if (a == nullptr || b == nullptr) continue;
+    const double between = std::abs(mean_and_deviation(a->scores).mean - mean_and_deviation(b->scores).mean);
+    if (between <= largest) continue;
+    largest = between;
+    text = fmt::format("; up to {:.2g} % from A, on {}", 100 * between, section);
+  }
+  return text;
+}
+
+std::string group_line(const CourseResult& r, const CourseGroup& group) {
+  std::string line = fmt::format("{} = {}: made {}", group.name, fmt::join(group.engines, ", "),
+                                 percent(r.score(group.engines.front()).mean));
+  if (group.engines.size() > 1) line += fmt::format(", every run the same to {:.2g} %", 100 * group.apart);
+  return line + from_first(r, engines_of(r).front(), group.engines.front());
+}
+
+}  // namespace
+
+std::vector<std::string> describe_groups(const CourseResult& r) {
+  std::vector<std::string> lines;
+  for (const CourseGroup& group : groups_of(r)) lines.push_back(group_line(r, group));
+  return lines;
+}
+
 nlohmann::ordered_json to_json(const CourseResult& r) {
-  ordered_json json{{"summary", summary(r)},
-                    {"course", r.course},
-                    {"policy", r.policy},
-                    {"seed", r.seed},
-                    {"runs", r.runs}};
+  ordered_json json{{"summary", summary(r)}, {"groups", ordered_json::array()},
+                    {"course", r.course},    {"policy", r.policy},
+                    {"seed", r.seed},        {"runs", r.runs}};
+  for (const CourseGroup& group : groups_of(r)) {
+    json["groups"].push_back({{"name", group.name},
+                              {"engines", group.engines},
+                              {"apart", group.apart},
+                              {"sentence", group_line(r, group)}});
+  }
   json["cells"] = ordered_json::array();
   for (const CourseCell& cell : r.cells) {
     const MeanAndDeviation s = mean_and_deviation(cell.scores);
@@ -127,6 +216,28 @@ Table table(const CourseResult& r) {
   return rows;
 }
 
-std::string describe(const CourseResult& r) { return summary(r) + "\n\n" + table(r).str(); }
+Table outcome_table(const CourseResult& r) {
+  const std::vector<std::string> engines = engines_of(r);
+  std::vector<std::string> header{"section"};
+  header.insert(header.end(), engines.begin(), engines.end());
+  Table rows(header);
+  for (const std::string& section : sections_of(r)) {
+    std::vector<std::string> row{section};
+    for (const std::string& engine : engines) {
+      const CourseCell* const cell = find_cell(r, section, engine);
+      row.push_back(cell == nullptr ? "-"
+                                    : fmt::format("{}, {}", percent(mean_and_deviation(cell->scores).mean),
+                                                  outcomes_in_words(cell->all)));
+    }
+    rows.add_row(std::move(row));
+  }
+  return rows;
+}
+
+std::string describe(const CourseResult& r) {
+  std::string text = summary(r) + "\n\n";
+  if (engines_of(r).size() > 1) text += fmt::format("{}\n\n", fmt::join(describe_groups(r), "\n"));
+  return text + table(r).str();
+}
 
 }  // namespace crossgait

@@ -42,15 +42,18 @@ std::string alone(const EngineComparison& comparison, std::size_t engine) {
                      starts ? fmt::format(" (about {} starts would tell)", *starts) : "");
 }
 
-// Clusters, and the outlier or why none is named.
+// The cluster of that number: "A = mujoco, bullet:matched: agree with one another."
+std::string describe_group(const EngineComparison& comparison, std::size_t number) {
+  const std::vector<std::size_t>& cluster = comparison.consensus.clusters[number];
+  return fmt::format(
+      "{} = {}: {}.", group_name(number), fmt::join(names_of(comparison, cluster), ", "),
+      cluster.size() == 1 ? alone(comparison, cluster.front()) : std::string("agree with one another"));
+}
+
+// What else is known of them: pairs across clusters, and the outlier or why none is named.
 std::vector<std::string> sentences(const EngineComparison& comparison) {
   const Consensus& consensus = comparison.consensus;
   std::vector<std::string> found;
-  for (const std::vector<std::size_t>& cluster : consensus.clusters) {
-    found.push_back(fmt::format(
-        "{} = {}: {}.", group_name(found.size()), fmt::join(names_of(comparison, cluster), ", "),
-        cluster.size() == 1 ? alone(comparison, cluster.front()) : std::string("agree with one another")));
-  }
   for (const std::size_t p : consensus.bridges) {
     const Verdict& pair = comparison.verdicts.pairs[p];
     found.push_back(fmt::format("Also agree: {} and {}.", pair.a, pair.b));
@@ -110,7 +113,10 @@ const OutcomeCounts& outcomes_of(const EngineComparison& comparison, const std::
 }
 
 std::string describe_many(const EngineComparison& comparison) {
-  std::string text = fmt::format("{}\n\nOutcomes:", fmt::join(sentences(comparison), "\n"));
+  std::string text;
+  for (std::size_t g = 0; g < comparison.consensus.clusters.size(); ++g)
+    text += describe_group(comparison, g) + "\n";
+  text += fmt::format("{}\n\nOutcomes:", fmt::join(sentences(comparison), "\n"));
   for (const JudgedEngine& engine : comparison.engines)
     text += fmt::format(" {}: {};", engine.name, describe(outcomes_of(comparison, engine.name)));
   text.back() = '.';
@@ -161,7 +167,7 @@ nlohmann::ordered_json to_json(const EngineComparison& comparison) {
                     {"not_of_law", ordered_json::object()},
                     {"engines", ordered_json::array()},
                     {"outcomes", ordered_json::object()},
-                    {"clusters", ordered_json::array()},
+                    {"groups", ordered_json::array()},
                     {"bridges", ordered_json::array()}};
   for (std::size_t i = 0; i < comparison.infos.size(); ++i) {
     const EngineInfo& engine = comparison.infos[i];
@@ -175,7 +181,11 @@ nlohmann::ordered_json to_json(const EngineComparison& comparison) {
         {{"name", engine.name}, {"contact_law", engine.law}, {"contact_family", engine.family}});
     json["outcomes"][engine.name] = to_json(outcomes_of(comparison, engine.name));
   }
-  for (const auto& cluster : consensus.clusters) json["clusters"].push_back(names_of(comparison, cluster));
+  for (std::size_t g = 0; g < consensus.clusters.size(); ++g) {
+    json["groups"].push_back({{"name", group_name(g)},
+                              {"engines", names_of(comparison, consensus.clusters[g])},
+                              {"sentence", describe_group(comparison, g)}});
+  }
   for (const std::size_t p : consensus.bridges)
     json["bridges"].push_back({verdicts.pairs[p].a, verdicts.pairs[p].b});
   json["outlier"] = outlier_json(comparison, consensus.outlier);

@@ -45,11 +45,11 @@ Rollout roll_out(const LoadedEnv& environment, std::span<const NamedPolicy> poli
   return rollout;
 }
 
-void watch_episode(const LoadedEnv& environment, const NamedPolicy& policy, std::uint64_t seed,
-                   const std::function<void(const QuadrupedEnv&)>& observer) {
+EpisodeSummary watch_episode(const LoadedEnv& environment, const NamedPolicy& policy, std::uint64_t seed,
+                             const std::function<void(const QuadrupedEnv&)>& observer, std::size_t episode) {
   const auto env = env_factory(environment)();
   const auto own = policy.make(env->interface());
-  run_episode(*env, *own, derived_seed(seed, 0), [&observer](const QuadrupedEnv& e) {
+  return run_episode(*env, *own, derived_seed(seed, episode), [&observer](const QuadrupedEnv& e) {
     observer(e);
     return true;
   });

@@ -51,13 +51,11 @@ Rollout roll_out(const LoadedEnv& environment, std::span<const NamedPolicy> poli
 Rollout roll_out(const LoadedEnv& environment, const std::vector<std::string>& policies,
                  const EpisodeOptions& options, const Progress& progress = {});
 
-/// The first episode of a policy once more. @param observer  sees the environment after every policy step
-void watch_episode(const LoadedEnv& environment, const NamedPolicy& policy, std::uint64_t seed,
-                   const std::function<void(const QuadrupedEnv&)>& observer);
-inline void watch_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
-                          const std::function<void(const QuadrupedEnv&)>& observer) {
-  watch_episode(environment, find_policy(policy), seed, observer);
-}
+/// Runs an episode of a policy once more, by default the first. @param observer  sees the environment after
+/// every policy step  @param episode  its number among those of `seed`
+EpisodeSummary watch_episode(const LoadedEnv& environment, const NamedPolicy& policy, std::uint64_t seed,
+                             const std::function<void(const QuadrupedEnv&)>& observer,
+                             std::size_t episode = 0);
 /// The same episode as a trace: `sink` takes what it is after every policy step.
 void record_episode(const LoadedEnv& environment, const NamedPolicy& policy, std::uint64_t seed,
                     TraceSink& sink);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -52,8 +53,14 @@ void add_averages(const MotionAverages& motion, OverEpisodes how, ordered_json& 
   }
 }
 
-// Rewards have any size: the guide's run to thousands of millions.
-std::string reward(double value) { return fmt::format("{:.5g}", value); }
+// Rewards have any size: the guide's run to thousands of millions, told by exponents of thousands, which
+// compare at a glance.
+std::string reward(double value) {
+  const double size = std::abs(value);
+  if (!(size >= 1e4) || !std::isfinite(size)) return fmt::format("{:.5g}", value);
+  const int exponent = 3 * static_cast<int>(std::floor(std::log10(size) / 3));
+  return fmt::format("{:.5g}e{}", value / std::pow(10, exponent), exponent);
+}
 
 std::string speed(const Evaluation& e) {
   return fmt::format("{:.4f}{}", e.mean_speed(),

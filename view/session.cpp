@@ -146,7 +146,7 @@ void ViewSession::finish_recording() {
   if (recorders_.empty()) return;
   std::vector<TraceRecorder> recorders = std::exchange(recorders_, {});
   const std::size_t steps = std::exchange(recorded_steps_, 0);
-  Motion motion{world().robot, world().terrain, {}, {}};
+  Motion motion{.robot = world().robot, .terrain = world().terrain, .runs = {}};
   for (std::size_t instance = 0; instance < instances_.size(); ++instance) {
     if (recorders[instance].samples().empty()) continue;
     const EngineInfo& engine = instances_[instance]->world().info();
@@ -158,7 +158,7 @@ void ViewSession::finish_recording() {
   page.title =
       fmt::format("{} on {}, {:.2f} s, driven by hand", gait != nullptr ? gait->gait().name : "a policy",
                   world().terrain.name(), static_cast<double>(steps) * setup_.control_dt);
-  page.motion = std::move(motion);
+  page.motions.push_back(std::move(motion));
   recording_ = std::make_shared<const ReportPage>(std::move(page));
   ++recordings_;
 }

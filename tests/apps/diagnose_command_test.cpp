@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "backends/registry.h"
+#include "report/page_template.h"
 #include "tests/apps/run_program.h"
 
 namespace crossgait {
@@ -27,6 +28,29 @@ TEST(DiagnoseCommand, HasACodeForAPolicyThatDoesNot) {
   const ProgramResult found = run_program(in_first_engine("--policy zero --no-search " + env));
   EXPECT_EQ(found.exit_code, 4);
   EXPECT_NE(found.out.find("misses the speed"), std::string::npos) << found.out;
+}
+
+TEST(DiagnoseCommand, WritesAPageThatReplaysEveryCommand) {
+  if (page_template().empty()) GTEST_SKIP() << "no page";
+  const std::string env = "--env " CROSSGAIT_SOURCE_DIR "/models/policies/serial_joints/environment.yaml";
+  const ProgramResult found = run_program(in_first_engine(
+      "--policy zero --no-search --json diagnose_page.json --report diagnose_page.html " + env));
+  EXPECT_EQ(found.exit_code, 4) << found.err;
+  const json document = document_of("diagnose_page.html"),
+             result = json::parse(std::ifstream("diagnose_page.json"));
+  EXPECT_EQ(document.at("summary"), result.at("summary"));
+  ASSERT_EQ(document.at("motions").size(), result.at("walks").size());
+  for (std::size_t c = 0; c < result.at("walks").size(); ++c) {
+    const json &motion = document.at("motions").at(c), &walk = result.at("walks").at(c);
+    EXPECT_EQ(motion.at("name"), walk.at("command"));
+    EXPECT_EQ(motion.at("runs").at(0).at("name"), "as given");
+    // A robot that stands stays where it is: as asked where that is nothing, missed by all of the speed else.
+    EXPECT_EQ(walk.at("as_given").at("done"), walk.at("asked").at("vx") == 0);
+    EXPECT_NEAR(walk.at("as_given").at("speed_error_mps").get<double>(),
+                walk.at("asked").at("vx").get<double>(),
+                0.05);  // what it sways by
+  }
+  for (const char* made : {"diagnose_page.json", "diagnose_page.html"}) std::filesystem::remove(made);
 }
 
 TEST(DiagnoseCommand, RefusesBadInput) {

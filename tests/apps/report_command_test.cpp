@@ -32,7 +32,7 @@ TEST_F(Report, AWalkAndItsResultGiveTheSamePage) {
   for (json* document : {&one, &two})
     document->at("tables").at(0).at("rows").erase(document->at("tables").at(0).at("rows").size() - 1);
   EXPECT_EQ(one, two);
-  EXPECT_EQ(one.at("motion").at("runs").size(), 1U);
+  EXPECT_EQ(one.at("motions").at(0).at("runs").size(), 1U);
   EXPECT_EQ(one.at("provenances").at(0).at("command"), "walk");
   const std::string first = read_file("report_walk.html"), second = read_file("report_again.html");
   EXPECT_EQ(first.substr(first.find("id=\"numbers\"")), second.substr(second.find("id=\"numbers\"")));
@@ -49,10 +49,10 @@ TEST_F(Report, TracesOfSeveralRunsAreReplayedTogether) {
       run_program("report report_a.csv report_b.csv report_a.json --terrain rough --out report_traces.html");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const json document = document_of("report_traces.html");
-  EXPECT_EQ(document.at("motion").at("runs").at(1).at("name"), "report_b");
-  EXPECT_TRUE(document.at("motion").at("runs").at(0).at("force_directions"));
-  EXPECT_FALSE(document.at("motion").at("pairs").at(0).at("parting").at("time_s").is_null());
-  EXPECT_FALSE(document.at("motion").at("scene").at("ground").is_null());
+  EXPECT_EQ(document.at("motions").at(0).at("runs").at(1).at("name"), "report_b");
+  EXPECT_TRUE(document.at("motions").at(0).at("runs").at(0).at("force_directions"));
+  EXPECT_FALSE(document.at("motions").at(0).at("pairs").at(0).at("parting").at("time_s").is_null());
+  EXPECT_FALSE(document.at("motions").at(0).at("scene").at("ground").is_null());
   EXPECT_EQ(document.at("tables").at(0).at("header").size(), 2U);
 }
 
@@ -62,7 +62,7 @@ TEST_F(Report, LeavesOutTouchesOfATraceThatAreShorterThanAsked) {
   for (const char* shortest : {"", " --shortest-contact 0", " --shortest-contact 1"}) {
     const std::string report = "report report_touches.csv --out report_touches.html";
     ASSERT_EQ(run_program(report + shortest).exit_code, 0);
-    const json motion = document_of("report_touches.html").at("motion");
+    const json motion = document_of("report_touches.html").at("motions").at(0);
     std::size_t& count = stances.emplace_back(0);
     for (const json& leg : motion.at("runs").at(0).at("contact")) count += leg.size() / 2;
   }
@@ -79,7 +79,7 @@ TEST_F(Report, AComparisonShowsWhatItSays) {
       0);
   const json document = document_of("report_compare.html"),
              result = json::parse(read_file("report_compare.json"));
-  const json& pairs = document.at("motion").at("pairs");
+  const json& pairs = document.at("motions").at(0).at("pairs");
   ASSERT_EQ(pairs.size(), result.at("pairs").size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const json& pair = result.at("pairs")[i];
@@ -109,7 +109,7 @@ TEST_F(Report, AVerdictAndItsResultGiveTheSamePage) {
   EXPECT_EQ(document, document_of("report_v_again.html"));
   EXPECT_EQ(document.at("verdicts").at(0).at("statistics").size(),
             json::parse(read_file("report_v.json")).at("pairs").at(0).at("statistics").size());
-  EXPECT_TRUE(document.at("motion").is_null());
+  EXPECT_TRUE(document.at("motions").empty());
 }
 
 TEST_F(Report, ARolloutReplaysEveryPolicyAndWhatItEarned) {
@@ -118,13 +118,13 @@ TEST_F(Report, ARolloutReplaysEveryPolicyAndWhatItEarned) {
   ASSERT_EQ(run_program("report report_r.json --out report_r_again.html").exit_code, 0);
   const json document = document_of("report_r.html"), result = json::parse(read_file("report_r.json"));
   EXPECT_EQ(document, document_of("report_r_again.html"));
-  const json& runs = document.at("motion").at("runs");
+  const json& runs = document.at("motions").at(0).at("runs");
   ASSERT_EQ(runs.size(), 2U);
   EXPECT_EQ(runs.at(0).at("name"), "random");
   EXPECT_EQ(runs.at(1).at("name"), "zero");
   EXPECT_EQ(document.at("tables").at(0).at("header").size(), 3U);
   std::size_t terms = 0;
-  for (const json& panel : document.at("motion").at("panels")) {
+  for (const json& panel : document.at("motions").at(0).at("panels")) {
     if (panel.at("group") != "rewards") continue;
     ++terms;
     EXPECT_EQ(panel.at("series").size(), 2U);
@@ -137,10 +137,10 @@ TEST_F(Report, ATransferReplaysEveryEngine) {
   ASSERT_EQ(run_program(transfer + " --report report_t.html --json report_t.json").exit_code, 0);
   const json document = document_of("report_t.html");
   const std::vector<std::string> engines = available_engines();
-  ASSERT_EQ(document.at("motion").at("runs").size(), engines.size());
+  ASSERT_EQ(document.at("motions").at(0).at("runs").size(), engines.size());
   for (std::size_t i = 0; i < engines.size(); ++i)
-    EXPECT_EQ(document.at("motion").at("runs").at(i).at("name"), engines[i]);
-  EXPECT_FALSE(document.at("motion").at("scene").at("ground").is_null());
+    EXPECT_EQ(document.at("motions").at(0).at("runs").at(i).at("name"), engines[i]);
+  EXPECT_FALSE(document.at("motions").at(0).at("scene").at("ground").is_null());
 }
 
 TEST_F(Report, ATunedGaitStandsBesideTheOneItWasMadeFrom) {
@@ -149,8 +149,8 @@ TEST_F(Report, ATunedGaitStandsBesideTheOneItWasMadeFrom) {
       "--adapt step_length";
   ASSERT_EQ(run_program(tune + " --report report_u.html --json report_u.json").exit_code, 0);
   const json document = document_of("report_u.html"), result = json::parse(read_file("report_u.json"));
-  ASSERT_EQ(document.at("motion").at("runs").size(), 2U);
-  EXPECT_EQ(document.at("motion").at("runs").at(1).at("name"), "tuned");
+  ASSERT_EQ(document.at("motions").at(0).at("runs").size(), 2U);
+  EXPECT_EQ(document.at("motions").at(0).at("runs").at(1).at("name"), "tuned");
   EXPECT_EQ(document.at("tables").size(), 2U);
   const json& points = document.at("charts").at(0).at("charts").at(0).at("series").at(0).at("points");
   ASSERT_EQ(points.size(), result.at("history").size());
@@ -204,7 +204,7 @@ TEST_F(Report, ARobotWithAHostileNameIsShownNotRun) {
       run_program("walk --seconds .1 --robot report_hostile.yaml --report report_hostile.html");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(read_file("report_hostile.html").find("<script>alert"), std::string::npos);
-  EXPECT_EQ(document_of("report_hostile.html").at("motion").at("scene").at("robot"),
+  EXPECT_EQ(document_of("report_hostile.html").at("motions").at(0).at("scene").at("robot"),
             "</script><script>alert(1)</script>");
 }
 

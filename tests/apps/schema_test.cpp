@@ -175,7 +175,7 @@ TEST(SchemaFiles, HoldForTheDocumentOfAPage) {
             0);
   json document = document_of("schema_page.html");
   EXPECT_EQ(violations(read_schema("report"), document), "");
-  document["motion"]["runs"][0].erase("poses");
+  document["motions"][0]["runs"][0].erase("poses");
   EXPECT_NE(violations(read_schema("report"), document), "");
 }
 
@@ -190,6 +190,17 @@ TEST(SchemaFiles, HoldForTheDocumentsOfCharts) {
     document["charts"][0]["charts"][0]["series"][0]["style"] = "stars";
     EXPECT_NE(violations(read_schema("report"), document), "") << command;
   }
+}
+
+TEST(SchemaFiles, HoldForTheDocumentOfMarksAndIntervals) {
+  if (page_template().empty() || available_engines().empty()) GTEST_SKIP() << "no page, or no engine";
+  ASSERT_EQ(run_program("course --sections speed-1.0 --episodes 1 --report schema_marks.html").exit_code, 0);
+  json document = document_of("schema_marks.html");
+  EXPECT_EQ(violations(read_schema("report"), document), "");
+  EXPECT_EQ(document["motions"][0]["name"], "speed-1.0");
+  EXPECT_FALSE(document["tables"][1]["intervals"].is_null());
+  document["tables"][0]["marks"][0][0] = "fine";
+  EXPECT_NE(violations(read_schema("report"), document), "");
 }
 
 TEST(SchemaFiles, AreOfTheStoredResultsToo) {

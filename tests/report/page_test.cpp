@@ -1,8 +1,10 @@
 // What a page holds: where bodies and feet are, and text that stays text.
 #include "report/page.h"
 
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +14,7 @@
 #include "ik/leg_kinematics.h"
 #include "physics/robot/multibody.h"
 #include "physics/robot_files/data_path.h"
+#include "report/mesh_detail.h"
 #include "report/page_template.h"
 #include "report/scene.h"
 #include "report/verdict_document.h"
@@ -170,7 +173,8 @@ TEST(Episodes, EarnInTheirColumnsWhatTheRolloutSays) {
   config.engine = available_engines().front();
   config.episode_seconds = 0.4;
   const Rollout rollout = roll_out(config, std::vector<std::string>{"random"}, {2, 1, 5});
-  const Motion motion = watch_episodes({{"one", config, "random"}, {"other", config, "zero"}}, 5);
+  const Motion motion =
+      watch_episodes({{"one", config, find_policy("random")}, {"other", config, find_policy("zero")}}, 5);
   ASSERT_EQ(motion.runs.size(), 2U);
   const RewardTerms& earned = rollout.policies.front().episodes.front().reward_terms;
   int counted = 0;
@@ -185,6 +189,67 @@ TEST(Episodes, EarnInTheirColumnsWhatTheRolloutSays) {
   }
   EXPECT_GT(counted, 2);
   EXPECT_NE(motion.runs[0].samples.back().state.p_WB, motion.runs[1].samples.back().state.p_WB);
+}
+
+TEST(NumbersOfAPage, AreThereOnceHoweverOftenTheyAreAdded) {
+  PageNumbers numbers;
+  const std::vector<double> mesh{1, 2, 3}, other{1, 2};
+  const ordered_json first = numbers.add(mesh);
+  EXPECT_NE(numbers.add(other), first);
+  EXPECT_EQ(numbers.add(mesh), first);
+  EXPECT_EQ(numbers.words().size(), 5U);
+}
+
+// A sphere of triangles between circles of latitude.
+TriangleMesh sphere(double radius, std::uint32_t rings) {
+  TriangleMesh mesh;
+  const std::uint32_t around = 2 * rings;
+  for (std::uint32_t i = 0; i <= rings; ++i) {
+    for (std::uint32_t k = 0; k < around; ++k) {
+      const double latitude = M_PI * i / rings, longitude = 2 * M_PI * k / around;
+      mesh.vertices.emplace_back(radius * std::sin(latitude) * std::cos(longitude),
+                                 radius * std::sin(latitude) * std::sin(longitude),
+                                 radius * std::cos(latitude));
+    }
+  }
+  for (std::uint32_t i = 0; i < rings; ++i) {
+    for (std::uint32_t k = 0; k < around; ++k) {
+      const std::uint32_t a = i * around + k, b = i * around + (k + 1) % around;
+      mesh.triangles.insert(mesh.triangles.end(), {a, a + around, b, b, a + around, b + around});
+    }
+  }
+  return mesh;
+}
+
+double volume(const TriangleMesh& mesh) {
+  double six = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
+    const auto corner = [&](std::size_t k) { return mesh.vertices[mesh.triangles[t + k]]; };
+    six += corner(0).dot(corner(1).cross(corner(2)));
+  }
+  return six / 6;
+}
+
+TEST(CoarserMeshes, KeepTheirShapeWithFewerTriangles) {
+  const TriangleMesh fine = sphere(1, 100);
+  const double cell = 0.1;
+  const TriangleMesh coarse = coarser(fine, cell);
+  EXPECT_LT(coarse.triangles.size(), fine.triangles.size() / 8);
+  for (const Vector3& p : coarse.vertices) EXPECT_NEAR(p.norm(), 1, cell * std::sqrt(3));
+  // Positive as before: what was outside is outside. A surface of 4 pi that moves by a tenth of a cube at
+  // most.
+  EXPECT_NEAR(volume(coarse), volume(fine), 0.1 * cell * 4 * M_PI);
+  std::set<std::array<std::uint32_t, 3>> seen;
+  for (std::size_t t = 0; t < coarse.triangles.size(); t += 3) {
+    const std::array<std::uint32_t, 3> corners{coarse.triangles[t], coarse.triangles[t + 1],
+                                               coarse.triangles[t + 2]};
+    EXPECT_TRUE(corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0]);
+    EXPECT_TRUE(seen.insert(corners).second);
+  }
+  const TriangleMesh same = coarser(fine, 1e-9);
+  EXPECT_NEAR(volume(same), volume(fine), 1e-9);
+  EXPECT_TRUE(coarser(fine, 10).triangles.empty() || coarser(fine, 10).vertices.size() <= 8)
+      << "eight cubes meet";
 }
 
 TEST(ChartsOfAPage, HoldFinitePointsInTheOrderOfX) {
@@ -236,7 +301,7 @@ TEST(Motion, LeavesOutTouchesAndGapsThatNoFootMeant) {
     trace.push_back(sample);
     sample.state.time += 0.01;
   }
-  Motion motion{robot, {}, {{"a", "", trace}}, {}};
+  Motion motion{.robot = robot, .terrain = {}, .runs = {{"a", "", trace}}};
   const auto stances_of = [&motion](std::size_t leg) {
     PageNumbers numbers;
     return motion_document(motion, numbers).at("runs").at(0).at("contact").at(leg).size() / 2;

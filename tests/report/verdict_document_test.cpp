@@ -28,6 +28,8 @@ Json three() {
       {"left_out", Json::array()},
       {"outcomes", {{"a", {{"walked", 6}}}, {"b", {{"fell", 2}, {"walked", 4}}}, {"c", {{"walked", 6}}}}},
       {"engines", {engine("a", "soft"), engine("b", "hard"), engine("c", "hard")}},
+      {"groups",
+       {{{"name", "A"}, {"engines", {"a", "b"}}, {"sentence", "A = a, b: agree with one another."}}}},
       {"sentences", {"No outlier is named: two laws."}},
       {"pairs", {pair_of("a", "b", "agrees"), pair_of("a", "c", "unresolved"), pair_of("b", "c", "agrees")}}};
 }
@@ -41,9 +43,20 @@ TEST(VerdictDocument, HasTheWordsOfAllPairsEngineByEngine) {
                                                    {"b", "hard", "agrees", ".", "agrees"},
                                                    {"c", "hard", "unresolved", "agrees", "."}}));
   EXPECT_EQ(many.sentences, (std::vector<std::string>{"trot: all of it.", "No outlier is named: two laws."}));
+  EXPECT_EQ(many.groups, std::vector<std::string>{"A = a, b: agree with one another."});
   ASSERT_EQ(many.pairs.size(), 3U);
   EXPECT_EQ(many.pairs[1].at("engines").at(1), "c");
   EXPECT_EQ(many.pairs[0].at("outcomes").at(1), "fell 2, walked 4");
+}
+
+TEST(VerdictDocument, LeavesAComparisonItsOwnGroups) {
+  ReportPage alone, compared;
+  compared.groups = {"A = a, b: walked 1 m"};
+  verdict_document(three(), "many.json").add_to(alone);
+  verdict_document(three(), "many.json").add_to(compared);
+  EXPECT_EQ(alone.groups, std::vector<std::string>{"A = a, b: agree with one another."});
+  EXPECT_EQ(compared.groups, std::vector<std::string>{"A = a, b: walked 1 m"});
+  EXPECT_EQ(compared.sentences.size(), alone.sentences.size() + 1);
 }
 
 TEST(VerdictDocument, OfTwoEnginesIsItsSentence) {

@@ -96,6 +96,8 @@ TEST(CourseFiles, SayWhatIsWrongAndWhere) {
   EXPECT_THROW(load_course("nowhere"), ConfigError);
   EXPECT_THROW(with_sections(short_course(), {"rough", "smooth"}), ConfigError);
   EXPECT_EQ(with_sections(short_course(), {"ice"}).sections.size(), 1U);
+  EXPECT_EQ(with_sections(load_course("hard"), {"slope", "pushed"}).sections.size(), 4U);
+  EXPECT_THROW(with_sections(load_course("hard"), {"slop"}), ConfigError);
   EXPECT_EQ(with_sections(short_course(), {}).sections.size(), 2U);
 }
 
@@ -173,6 +175,39 @@ TEST(CourseReport, BeginsWithTheShareOfTheWayAndWhereEnginesDifferMost) {
             "% in one, "
             "50 % in two.");  // 0.375 is a binary fraction: to even
   EXPECT_TRUE(describe(result).starts_with(summary(result) + "\n\n"));
+}
+
+TEST(CourseReport, GroupsEnginesThatDidTheSame) {
+  const auto cell = [](const std::string& section, const std::string& engine, double score,
+                       std::size_t fell) {
+    CourseCell made;
+    made.section.name = section;
+    made.engine = engine;
+    made.scores = {score, 0.5};
+    made.all.episodes = 2;
+    made.all.outcomes[static_cast<std::size_t>(Outcome::kFell)] = fell;
+    made.all.outcomes[static_cast<std::size_t>(Outcome::kWalked)] = 2 - fell;
+    return made;
+  };
+  CourseResult result;
+  result.runs = 2;
+  result.cells = {cell("up", "one", 0.5, 0), cell("up", "two", 0.508, 0), cell("up", "fallen", 0.5, 1),
+                  cell("up", "far", 0.6, 0), cell("up", "three", 0.492, 0)};
+  result.cells.push_back(cell("down", "one", 1, 0));  // an interruption left the others without it
+  const std::vector<CourseGroup> groups = groups_of(result);
+  ASSERT_EQ(groups.size(), 4U);
+  EXPECT_EQ(groups[0].engines, (std::vector<std::string>{"one", "two"}));
+  EXPECT_NEAR(groups[0].apart, 0.008, 1e-12);
+  EXPECT_EQ(groups[1].engines, std::vector<std::string>{"fallen"});
+  EXPECT_EQ(groups[2].engines, std::vector<std::string>{"far"});
+  EXPECT_EQ(groups[3].engines, std::vector<std::string>{"three"}) << "near one, not near two";
+  EXPECT_EQ(groups[3].name, "D");
+  EXPECT_EQ(to_json(result).at("groups").at(0).at("sentence"), describe_groups(result).at(0));
+  EXPECT_EQ(describe_groups(result).at(2), "C = far: made 55 %; up to 5 % from A, on up");
+  const auto outcomes = outcome_table(result).rows();
+  EXPECT_EQ(outcomes.at(0), (std::vector<std::string>{"section", "one", "two", "fallen", "far", "three"}));
+  EXPECT_EQ(outcomes.at(1).at(3), "50 %, 1 fell");
+  EXPECT_EQ(outcomes.at(2).at(2), "-");
 }
 
 TEST(CourseScores, AreTheMeanOverSectionsOfOneEngine) {

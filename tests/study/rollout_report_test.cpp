@@ -64,6 +64,14 @@ Rollout some_rollout() {
   return r;
 }
 
+TEST(RolloutReport, TellsLargeRewardsByExponentsOfThousands) {
+  Rollout rollout = some_rollout();
+  rollout.policies[0].all.total_reward = {-4.2041e10, 1.2143e8};
+  rollout.policies[1].all.total_reward = {12345, 9999.5};
+  EXPECT_NE(describe(rollout).find("-42.041e9 +- 121.43e6"), std::string::npos) << describe(rollout);
+  EXPECT_NE(describe(rollout).find("12.345e3 +- 9999.5"), std::string::npos);
+}
+
 TEST(RolloutReport, PutsPoliciesSideBySideWithTheTermsThatHaveAWeight) {
   EXPECT_EQ(table_rows(describe(some_rollout())),
             (Rows{{"On rough in bullet, fast.safetensors went 0.123 m/s (1 fell) and zero went 0.05 m/s (all "

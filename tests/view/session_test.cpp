@@ -179,15 +179,15 @@ TEST_P(ViewSessionTest, KeepsARecordingUntilSomethingEndsIt) {
   tell(*session_, engines_command({GetParam()}));
   EXPECT_TRUE(session_->frame().at("recorded").is_null());
   ASSERT_NE(session_->recording(), nullptr);
-  const Motion& motion = *session_->recording()->motion;
+  const Motion& motion = session_->recording()->motions.front();
   ASSERT_EQ(motion.runs.size(), 1U);
   EXPECT_EQ(motion.runs.front().name, GetParam());
   EXPECT_EQ(motion.runs.front().samples.size(), 50U);
   PageNumbers numbers;
-  EXPECT_EQ(report_document(*session_->recording(), numbers).at("motion").at("runs").size(), 1U);
+  EXPECT_EQ(report_document(*session_->recording(), numbers).at("motions").at(0).at("runs").size(), 1U);
   tell(*session_, R"({"do": "record", "on": true})");
   session_->advance(static_cast<int>(kMaxRecordedSteps) + 10);
-  EXPECT_EQ(session_->recording()->motion->runs.front().samples.size(), kMaxRecordedSteps);
+  EXPECT_EQ(session_->recording()->motions.front().runs.front().samples.size(), kMaxRecordedSteps);
 }
 
 TEST_P(ViewSessionTest, FramesSayWhereItIs) {
@@ -301,7 +301,7 @@ TEST_P(ViewSessionTest, APolicyWalksWhereItIsTold) {
   session->advance(2 * kSecond);
   EXPECT_GT(state_of(*session).p_WB.x(), 0.2);  // of 0.4 m
   tell(*session, R"({"do": "record", "on": false})");
-  EXPECT_EQ(session->recording()->motion->runs.front().samples.size(), 100U) << "one per policy step";
+  EXPECT_EQ(session->recording()->motions.front().runs.front().samples.size(), 100U) << "one per policy step";
   EXPECT_THROW(tell(*session, R"({"do": "gait", "gait": "walk"})"), ConfigError);
   EXPECT_THROW(tell(*session, R"({"do": "set", "name": "cycle_time", "value": 0.3})"), ConfigError);
   EXPECT_THROW(tell(*session, R"({"do": "curve", "curve": "bezier"})"), ConfigError);

@@ -90,7 +90,7 @@ function picture(shades: NonNullable<Chart["shades"]>, values: Float32Array, bri
   return canvas;
 }
 
-class ChartFigure {
+export class ChartFigure {
   readonly element: HTMLElement;
   private readonly holder = h("div", { class: "plot still" });
   private readonly marks: { element: HTMLElement; colour: number }[];

@@ -78,6 +78,8 @@ export interface Panel {
 }
 
 export interface Motion {
+  name: string;
+  side_by_side: boolean;
   scene: Scene;
   runs: RunDocument[];
   pairs: Pair[];
@@ -177,6 +179,15 @@ export interface Provenance {
   [key: string]: unknown;
 }
 
+export interface TableDocument {
+  title: string;
+  note: string;
+  header: string[];
+  rows: string[][];
+  marks: ("" | "good" | "mixed" | "bad")[][];
+  intervals: { label: string; rows: (Interval | null)[] } | null;
+}
+
 export interface ReportDocument {
   schema: { name: "report"; version: "draft" };
   title: string;
@@ -184,8 +195,8 @@ export interface ReportDocument {
   summary: string;
   groups: string[];
   sentences: string[];
-  motion: Motion | null;
-  tables: { header: string[]; rows: string[][] }[];
+  motions: Motion[];
+  tables: TableDocument[];
   charts: Charts[];
   texts: string[];
   verdicts: Verdict[];

@@ -34,10 +34,21 @@ export function svg(tag: string, attributes: Attributes = {}, ...children: Child
   return fill(document.createElementNS("http://www.w3.org/2000/svg", tag), attributes, children);
 }
 
+/** A table that scrolls where it is too wide, with the arrow keys, too. */
+export function scroller(name: string, table: HTMLTableElement): HTMLElement {
+  return h("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": name }, table);
+}
+
 /** A number with three or four digits that count, for reading beside a plot. */
 export function digits(value: number): string {
   if (value === 0) return "0";
   const size = Math.abs(value);
-  if (size < 1e-3 || size >= 1e5) return value.toExponential(1);
-  return value.toFixed(size >= 100 ? 1 : size >= 1 ? 2 : 4).replace("-", "\u2212");
+  const exponent = size < 1e-3 || size >= 1e5;
+  const text = exponent ? value.toExponential(1) : value.toFixed(size >= 100 ? 1 : size >= 1 ? 2 : 4);
+  return text.replaceAll("-", "\u2212");
+}
+
+/** Text of a terminal with the signs that a page has: minus, plus or minus. */
+export function typeset(text: string): string {
+  return text.replaceAll("+-", "\u00b1").replace(/(^|[\s(,;:]|\de)-(?=[\d.])/g, "$1\u2212");
 }

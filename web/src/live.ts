@@ -194,6 +194,8 @@ export class LivePage {
     const { scene, numbers } = this.scene!;
     this.runs = frame.robots.map((robot, i) => new LiveRun(i, robot));
     const motion: Motion & Live = {
+      name: "",
+      side_by_side: false,
       scene,
       runs: this.runs.map((run) => run.document),
       pairs: [],

@@ -1,5 +1,5 @@
 // Sliders and choices of a live page. What they show is what the server says; what they are moved to is sent.
-import { digits, h } from "./dom";
+import { digits, h, scroller } from "./dom";
 import type { Command, LiveFrame, LiveOptions, LiveRobot } from "./live_link";
 import type { Driver } from "./live_drive";
 import { theme } from "./theme";
@@ -80,8 +80,8 @@ function section(title: string, ...children: HTMLElement[]): HTMLElement {
 class Readout {
   readonly element = h("tr");
   private readonly cells = Array.from({ length: 7 }, () => h("td"));
-  private readonly lamps = ["FL", "FR", "RL", "RR"].map((leg) => h("i", { class: "lamp", title: leg }, leg));
-  private readonly name = h("th");
+  private readonly lamps = ["FL", "FR", "RL", "RR"].map((leg) => h("i", { class: "lamp", title: `foot ${leg}` }, leg));
+  private readonly name = h("th", { scope: "row" });
   private smooth: number[] | null = null;
 
   constructor(private readonly index: number) {
@@ -90,7 +90,7 @@ class Readout {
   show(robot: LiveRobot): void {
     // Velocities of a body in its stride, over half a second.
     this.smooth = robot.velocity.map((v, i) => (this.smooth?.[i] ?? v) * 0.96 + 0.04 * v);
-    const said = robot.outcome === "walked" ? "well" : robot.outcome.replace("_", " ");
+    const said = robot.outcome === "walked" ? "upright" : robot.outcome.replace("_", " ");
     const texts = [
       said,
       ...this.smooth.map((v) => v.toFixed(2)),
@@ -99,8 +99,10 @@ class Readout {
       (DEGREES * robot.pitch).toFixed(1),
     ];
     this.name.textContent = robot.engine;
-    this.name.style.borderLeft = `4px solid ${theme.runColour(this.index)}`;
-    this.cells.forEach((cell, i) => (cell.textContent = (texts[i] ?? "").replace("-", "\u2212")));
+    this.element.style.setProperty("--colour", theme.runColour(this.index));
+    this.cells.forEach(
+      (cell, i) => (cell.textContent = (texts[i] ?? "").replace(/^-(?=0\.?0*$)/, "").replace("-", "\u2212")),
+    );
     this.lamps.forEach((lamp, i) => {
       lamp.classList.toggle("down", robot.contact[i]);
       lamp.classList.toggle("swing", robot.swing[i]);
@@ -193,10 +195,12 @@ export class Controls {
     // A policy has its own mind about the gait: sliders show what it does.
     if (known.policy !== null)
       for (const control of [this.gait, this.curve, ...this.parameters]) control.disabled = true;
-    this.element = h("div", { class: "controls" }, this.numbers(), ...this.groups());
+    // Nothing is known of values before the first frame.
+    this.element = h("div", { class: "controls", style: "visibility: hidden" }, this.numbers(), ...this.groups());
   }
 
   show(frame: LiveFrame): void {
+    this.element.style.visibility = "";
     for (const [name, slider] of this.drive) slider.show(frame.command[name]);
     frame.parameters?.forEach((value, i) => this.parameters[i]!.show(value));
     const show = (select: HTMLSelectElement, value: string) => {
@@ -234,7 +238,7 @@ export class Controls {
   }
   private numbers(): HTMLElement {
     const heads = [
-      "",
+      "engine",
       "state",
       "forward, m/s",
       "left, m/s",
@@ -244,13 +248,12 @@ export class Controls {
       "pitch, \u00b0",
       "feet",
     ];
-    return h(
-      "div",
-      { class: "scroll" },
+    return scroller(
+      "What the robots do",
       h(
         "table",
         { class: "readout" },
-        h("thead", {}, h("tr", {}, ...heads.map((head) => (head ? h("th", { scope: "col" }, head) : h("td"))))),
+        h("thead", {}, h("tr", {}, ...heads.map((head) => h("th", { scope: "col" }, head)))),
         this.rows,
       ),
     );

@@ -1,15 +1,11 @@
 // The page: what the document holds, laid out and wired together.
-import { charts, chartsSection } from "./charts";
-import { Numbers, readDocument, Run, type ReportDocument } from "./document";
-import { button, h } from "./dom";
-import { footPaths } from "./feet";
+import { charts, type ChartFigure } from "./charts";
+import { Numbers, readDocument, type ReportDocument } from "./document";
+import { button, h, typeset } from "./dom";
 import { LivePage } from "./live";
-import { Player } from "./player";
-import { Permalink } from "./permalink";
-import { Plots } from "./plots";
-import { Stage } from "./stage";
+import { Replays } from "./replay";
 import "./style.css";
-import { constants, findings, origin } from "./tables";
+import { answers, findings, origin } from "./tables";
 import { theme } from "./theme";
 import { verdictSection } from "./verdict";
 
@@ -25,12 +21,16 @@ const KEYS: [string, string][] = [
 ];
 
 function header(report: ReportDocument): HTMLElement {
-  const { motion } = report;
-  const facts = motion
-    ? `${motion.scene.robot} on ${motion.scene.terrain} \u00b7 ${motion.runs.map((run) => (run.engine ? `${run.name} (${run.engine})` : run.name)).join(", ")}`
-    : report.verdicts.length > 1
-      ? `${new Set(report.verdicts.flatMap((v) => v.engines)).size} engines`
-      : report.verdicts.map((v) => `${v.engines.join(" and ")}: ${v.word}`).join(", ");
+  const { motions } = report;
+  const [motion] = motions;
+  const facts =
+    motions.length > 1
+      ? `${motion!.scene.robot} \u00b7 ${motions.length} replays`
+      : motion
+        ? `${motion.scene.robot} on ${motion.scene.terrain} \u00b7 ${motion.runs.map((run) => (run.engine ? `${run.name} (${run.engine})` : run.name)).join(", ")}`
+        : report.verdicts.length > 1
+          ? `${new Set(report.verdicts.flatMap((v) => v.engines)).size} engines`
+          : report.verdicts.map((v) => `${v.engines.join(" and ")}: ${v.word}`).join(", ");
   const keys = h(
     "details",
     { class: "help" },
@@ -59,27 +59,52 @@ function answer(report: ReportDocument): HTMLElement | null {
   return h(
     "div",
     { class: "answer" },
-    h("p", {}, report.summary),
-    groups.length > 0 ? h("ul", {}, ...groups.map((line) => h("li", {}, line))) : null,
+    h("p", {}, typeset(report.summary)),
+    groups.length > 0 ? h("ul", {}, ...groups.map((line) => h("li", {}, typeset(line)))) : null,
   );
 }
 
 /** On paper nothing can be opened. */
 function openForPrint(): void {
   addEventListener("beforeprint", () => {
-    for (const details of document.querySelectorAll<HTMLDetailsElement>(".verdict details")) details.open = true;
+    for (const details of document.querySelectorAll<HTMLDetailsElement>(".verdict details, .notes"))
+      details.open = true;
   });
 }
 
-function listen(stage: Stage | null): void {
+function listen(replays: Replays | null): void {
   addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
     if (event.ctrlKey || event.altKey || event.metaKey || target instanceof HTMLSelectElement) return;
     // A button that has the focus is pressed by space, as everywhere.
     if (event.key === " " && target.closest("button, input[type=checkbox], summary")) return;
     if (event.key === "t") theme.toggle();
-    else if (stage?.press(event.key, event.shiftKey)) event.preventDefault();
+    else if (replays?.current.stage.press(event.key, event.shiftKey)) event.preventDefault();
   });
+}
+
+/** For tests, and for those who want more of the numbers: the browser's console has them all. */
+class Handles {
+  constructor(
+    readonly report: ReportDocument,
+    readonly replays: Replays | null,
+    readonly charts: ChartFigure[],
+  ) {}
+  get runs() {
+    return this.replays?.current.runs;
+  }
+  get player() {
+    return this.replays?.current.player;
+  }
+  get view() {
+    return this.replays?.current.stage.view;
+  }
+  get plots() {
+    return this.replays?.current.plots;
+  }
+  get feet() {
+    return this.replays?.current.feet;
+  }
 }
 
 function buildReport(report: ReportDocument): object {
@@ -89,54 +114,30 @@ function buildReport(report: ReportDocument): object {
   page.append(head);
   // What is beside the plots is in sight as a whole before anybody scrolls.
   new ResizeObserver(() => page.style.setProperty("--head", `${head.offsetHeight}px`)).observe(head);
-  const { motion } = report;
   const results = h("div", { class: "results" });
-  let stage: Stage | null = null;
-  let handles: object = { report };
+  const found = answers(report);
+  if (found.length > 0) page.append(h("div", { class: "answers" }, ...found));
+  page.append(results);
   const numbers = new Numbers();
-  if (motion) {
-    const runs = motion.runs.map((run, index) => new Run(index, run, numbers));
-    const longest = runs.reduce((a, b) => (b.time[b.time.length - 1]! > a.time[a.time.length - 1]! ? b : a));
-    const player = new Player(longest.time);
-    page.classList.add("replay");
-    theme.setRuns(runs.map((run) => run.name));
-    stage = new Stage(motion, runs, numbers, player);
-    const plots = new Plots(motion, runs, numbers, player);
-    page.append(stage.element, results);
-    new Permalink(stage, player, runs);
-    const feet = chartsSection("Paths of the feet in the leg frames", footPaths(motion, runs), numbers)!;
-    results.append(plots.element, feet.element, ...[constants(motion)].filter((e) => e !== null));
-    const notes = [...motion.notes, ...motion.scene.notes];
-    if (notes.length > 0)
-      results.append(
-        h(
-          "section",
-          { class: "group" },
-          h("h2", {}, "Rendering notes"),
-          h("ul", {}, ...notes.map((note) => h("li", {}, note))),
-        ),
-      );
-    handles = { report, runs, player, view: stage.view, plots, feet: feet.figures };
-  } else {
-    page.append(results);
-  }
+  const replayed = report.motions.length > 0;
+  if (replayed) page.classList.add("replay");
+  const replays = replayed ? new Replays(report.motions, numbers, page, results) : null;
   // Of a verdict first what it comes to, then every pair.
-  const judged = !motion && report.verdicts.length > 0;
-  const found = findings(
+  const judged = !replays && report.verdicts.length > 0;
+  const rest = findings(
     report,
-    judged ? (report.verdicts.length > 1 ? "Which engines agree" : "Verdict") : motion ? "Statistics" : "Numbers",
+    judged ? (report.verdicts.length > 1 ? "Which engines agree" : "Verdict") : replays ? "Statistics" : "Numbers",
   );
-  if (found && judged) results.append(found);
+  if (rest && judged) results.append(rest);
   for (const verdict of report.verdicts) results.append(verdictSection(verdict, report.verdicts.length > 1));
   const drawn = charts(report, numbers);
   results.append(...drawn.elements);
-  if (found && !judged) results.append(found);
+  if (rest && !judged) results.append(rest);
   results.append(origin(report));
-  listen(stage);
+  listen(replays);
   openForPrint();
-  return { ...handles, charts: drawn.figures };
+  return new Handles(report, replays, drawn.figures);
 }
 
-// For tests, and for those who want more of the numbers: the browser's console has them all.
 const shown = readDocument();
 Object.assign(window, { crossgait: "live" in shown ? new LivePage(shown) : buildReport(shown) });

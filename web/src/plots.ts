@@ -75,7 +75,7 @@ export const AXIS: uPlot.Axis = {
 /** A number at an axis, which has little room. */
 export function short(value: number): string {
   const size = Math.abs(value);
-  return (size >= 1e4 || (size > 0 && size < 1e-3) ? value.toExponential() : String(+value.toPrecision(6))).replace(
+  return (size >= 1e4 || (size > 0 && size < 1e-3) ? value.toExponential() : String(+value.toPrecision(6))).replaceAll(
     "-",
     "\u2212",
   );
@@ -85,7 +85,7 @@ export function short(value: number): string {
 export const POWERS: uPlot.Axis = {
   splits: (_u, _axis, low, high) => powers(low, high),
   filter: (_, at) => at, // they are few already
-  values: (_, at) => at.map((v) => v.toExponential(0).replace("-", "\u2212")),
+  values: (_, at) => at.map((v) => v.toExponential(0).replaceAll("-", "\u2212")),
 };
 
 /** @param begin  of the motion, since which time is told */
@@ -463,7 +463,8 @@ export class Plots {
   readonly all: TimePlot[] = [];
   private readonly legs: { name: string; elements: HTMLElement[] }[] = [];
 
-  constructor(motion: Motion, runs: Run[], numbers: Numbers, player: Player) {
+  /** @param end  of these runs on the page */
+  constructor(motion: Motion, runs: Run[], numbers: Numbers, player: Player, end: AbortSignal) {
     const isLike = (i: number) => motion.pairs.some((pair) => pair.b === i && pair.same);
     const marks = motion.pairs.flatMap(({ a, b, parting: { time_s: at } }) =>
       a === 0 && at !== null && !isLike(b) ? [at] : [],
@@ -492,9 +493,11 @@ export class Plots {
     }
     this.choose(motion.scene.legs[0]?.name ?? "");
     player.onChange(() => this.show());
-    theme.onChange(() => this.all.forEach((plot) => plot.recolour()));
-    new ResizeObserver(() => this.all.forEach((plot) => plot.resize())).observe(this.element);
-    addEventListener("beforeprint", () => this.all.forEach((plot) => plot.ensure()));
+    theme.onChange(() => this.all.forEach((plot) => plot.recolour()), end);
+    const observer = new ResizeObserver(() => this.all.forEach((plot) => plot.resize()));
+    observer.observe(this.element);
+    end.addEventListener("abort", () => observer.disconnect());
+    addEventListener("beforeprint", () => this.all.forEach((plot) => plot.ensure()), { signal: end });
   }
 
   show(): void {

@@ -47,7 +47,8 @@ export function geometryOf(shape: Shape, scene: Scene, numbers: Numbers): Buffer
     case "mesh": {
       const mesh = scene.meshes[shape.mesh!]!;
       const geometry = new BufferGeometry();
-      geometry.setAttribute("position", new BufferAttribute(numbers.floats(mesh.vertices), 3));
+      // A copy, since it is scaled: other shapes and other replays show the same mesh.
+      geometry.setAttribute("position", new BufferAttribute(numbers.floats(mesh.vertices).slice(), 3));
       geometry.setIndex(new BufferAttribute(numbers.indices(mesh.triangles), 1));
       geometry.scale(...shape.scale!);
       geometry.computeVertexNormals();

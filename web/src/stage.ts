@@ -42,6 +42,7 @@ export class Stage {
     runs: Run[],
     numbers: Numbers,
     private readonly player: Player,
+    private readonly end: AbortSignal,
   ) {
     const canvas = h("canvas", {
       tabindex: 0,
@@ -91,6 +92,8 @@ export class Stage {
       holder.classList.add("missing");
     }
     this.element.lastElementChild!.append(...this.tools(runs, moments));
+    if (motion.side_by_side) this.view?.stand(true);
+    end.addEventListener("abort", () => this.view?.dispose());
     player.onChange(() => this.show());
     this.show();
   }
@@ -113,7 +116,7 @@ export class Stage {
     const { begin, end } = this.player;
     const mark = h("i", { style: `left:${(100 * (time - begin)) / (end - begin || 1)}%`, title: words });
     const paint = () => mark.style.setProperty("--colour", theme.runColour(run));
-    theme.onChange(paint);
+    theme.onChange(paint, this.end);
     paint();
     return mark;
   }
@@ -149,15 +152,16 @@ export class Stage {
       label.dataset.run = run.name;
       label.classList.toggle("dashed", theme.run(i).dash !== undefined);
       const paint = () => label.style.setProperty("--colour", theme.runColour(i));
-      theme.onChange(paint);
+      theme.onChange(paint, this.end);
       paint();
       return label;
     });
-    const layout = toggle("side by side", "Beside each other instead of in one place (b)", false, (on) => {
-      view.sideBySide = on;
-      view.paint();
-      view.look("quarter");
-    });
+    const layout = toggle(
+      "side by side",
+      "Beside each other instead of in one place (b)",
+      this.motion.side_by_side,
+      (on) => view.stand(on),
+    );
     layout.id = "layout";
     return [...engines, layout];
   }

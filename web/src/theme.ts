@@ -28,10 +28,12 @@ class Theme {
     this.chosen = this.name === "dark" ? "light" : "dark";
     this.apply();
   }
-  /** @returns what ends it */
-  onChange(listener: () => void): () => void {
+  /** @param end  ends it  @returns what ends it, too */
+  onChange(listener: () => void, end?: AbortSignal): () => void {
     this.listeners.push(listener);
-    return () => void this.listeners.splice(this.listeners.indexOf(listener), 1);
+    const stop = () => void this.listeners.splice(this.listeners.indexOf(listener), 1);
+    end?.addEventListener("abort", stop);
+    return stop;
   }
   /** Of the palette. */
   colour(slot: number): string {

@@ -1,6 +1,6 @@
 // A verdict: every statistic as a dot with its interval between the limits, the words, and what the gap comes from.
 import type { Verdict } from "./document";
-import { digits, h, svg } from "./dom";
+import { digits, h, scroller, svg, typeset } from "./dom";
 
 const WIDTH = 230;
 const HEIGHT = 22;
@@ -70,15 +70,16 @@ function attribution(verdict: Verdict): HTMLElement | null {
       ...cells,
     );
   });
-  const sentences = a.statistics.filter((s) => s.sentence).map((s) => h("li", {}, `${s.name}: ${s.sentence}.`));
+  const sentences = a.statistics
+    .filter((s) => s.sentence)
+    .map((s) => h("li", {}, typeset(`${s.name}: ${s.sentence}.`)));
   return h(
     "div",
     {},
     h("h3", {}, `What the gap comes from: ${a.from} to ${a.to}`),
     sentences.length > 0 ? h("ul", {}, ...sentences) : null,
-    h(
-      "div",
-      { class: "scroll" },
+    scroller(
+      "What the gap comes from",
       h(
         "table",
         {},
@@ -128,7 +129,7 @@ export function verdictSection(verdict: Verdict, folded: boolean): HTMLElement {
   );
   const reasons = verdict.statistics
     .filter((s) => s.reason)
-    .map((s) => h("li", {}, `${s.name}: ${s.word}: ${s.reason}.`));
+    .map((s) => h("li", {}, typeset(`${s.name}: ${s.word}: ${s.reason}.`)));
   const scale = h(
     "tr",
     { class: "scale" },
@@ -150,9 +151,8 @@ export function verdictSection(verdict: Verdict, folded: boolean): HTMLElement {
       {},
       `${verdict.behaviour}, ${verdict.starts} starts. Engines agree where the gap lies within its margin (shaded), and differ where it lies beyond, with ${100 * verdict.confidence} % confidence for all together. ${a}: ${verdict.outcomes[0]}; ${b}: ${verdict.outcomes[1]}.`,
     ),
-    h(
-      "div",
-      { class: "scroll" },
+    scroller(
+      `${a} and ${b}`,
       h(
         "table",
         {},

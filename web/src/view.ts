@@ -169,6 +169,7 @@ export class View {
   private readonly sky = new HemisphereLight(0xffffff, 0x8d8a80, 1.5);
   private readonly tags = new Tags();
   private readonly ghosts: boolean[] = [];
+  private readonly room: number;
   private watched: Vector3[] = [];
   private time = 0;
   private lit = 0;
@@ -194,6 +195,7 @@ export class View {
     this.renderer.debug.checkShaderErrors = false; // asking waits until they are compiled
     this.camera.up.set(0, 0, 1);
     this.build();
+    this.room = this.radius();
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
     this.controls.addEventListener("start", () => (this.preset = null));
@@ -221,6 +223,14 @@ export class View {
     this.renderer.forceContextLoss();
   }
 
+  /** Of the first robot around its place, m, as it stands at first. */
+  private radius(): number {
+    const [robot] = this.robots;
+    robot?.show(0, 0);
+    const box = robot && new Box3().setFromObject(robot.solid).getSize(new Vector3());
+    const half = box ? Math.hypot(box.x, box.y) / 2 : 0;
+    return Math.max(1.6 * this.size, Number.isFinite(half) ? half : 0);
+  }
   private get size(): number {
     return this.motion.scene.standing_height || 0.2;
   }
@@ -405,7 +415,7 @@ export class View {
       deep = Math.max(deep, Math.abs(seen.z));
     }
     const slope = Math.tan((this.camera.fov * Math.PI) / 360);
-    const room = 1.6 * this.size; // of a robot around its place
+    const { room } = this;
     return deep + Math.max(11 * this.size, (wide + room) / (slope * this.camera.aspect), (high + room) / slope);
   }
   /** Shadows reach as far as the robots do. */
@@ -425,6 +435,12 @@ export class View {
     this.ground?.position.set(Math.round(base.x), Math.round(base.y), 0);
   }
 
+  /** Beside each other, or in one place. */
+  stand(beside: boolean): void {
+    this.sideBySide = beside;
+    this.paint();
+    this.look("quarter");
+  }
   look(preset: Preset): void {
     this.lookFrom(new Vector3(...DIRECTIONS[preset]).normalize(), 1);
     this.preset = preset;

@@ -22,6 +22,17 @@ function isOfTheDriver(text) {
   return text.includes("GPU stall due to ReadPixels");
 }
 
+/** To be run before a page: it finds no WebGL. A picture by software takes a second each; what is around it is the same
+ * without. */
+export const withoutPicture = () => {
+  const real = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+    return /webgl/.test(kind) ? null : real.call(this, kind, ...rest);
+  };
+};
+/** What three.js complains of then. */
+export const WITHOUT_PICTURE = ["creating WebGL context"];
+
 export class Browser {
   /** @param allowed addresses that pages may ask for  @param expected complaints that are no problem */
   constructor(allowed, expected = []) {

@@ -139,7 +139,7 @@ test("a key, a type, a value or a null that only one of them has is found", { sk
       '"dots" | "line"',
       "document.charts[0].charts[0].series[0].style: dots | line | path in the schema",
     ],
-    ["motion: Motion | null;", "motion: Motion;", "document.motion: or null in the schema"],
+    ["tables: TableDocument[];", "tables: TableDocument[] | null;", "document.tables: never null in the schema"],
     [
       "points: [number, number][]",
       "points: [number, number, number][]",

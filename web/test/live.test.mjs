@@ -6,6 +6,7 @@ import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
+import { violations } from "./axe.mjs";
 import { Browser } from "./browser.mjs";
 
 // A page that did not read for seconds is let go by the server, and asks again: so it goes without a graphics card.
@@ -47,6 +48,14 @@ const command = (body) =>
     headers: { "Content-Type": "application/json" },
     body: JSON.stringify(body),
   });
+
+test("it keeps the rules of WCAG, light and dark", async () => {
+  const { page } = await openLive();
+  assert.deepEqual(await violations(page), []);
+  await page.keyboard.press("t");
+  assert.deepEqual(await violations(page, ["color-contrast"]), [], "dark");
+  await page.close();
+});
 
 test("it shows the robot, and keys drive it", async () => {
   const { page, problems } = await openLive();

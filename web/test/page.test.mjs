@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync, statSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { Browser } from "./browser.mjs";
+import { Browser, withoutPicture } from "./browser.mjs";
 
 const pages = process.env.PAGES;
 const browser = new Browser(/^(file|data|blob):/);
@@ -19,6 +19,9 @@ function readTrace(name) {
   const names = head.split(",");
   return lines.map((line) => Object.fromEntries(line.split(",").map((cell, i) => [names[i], Number(cell)])));
 }
+
+/** As the page writes what commands print. */
+const typeset = (text) => text.replaceAll("+-", "\u00b1").replace(/(^|[\s(,;:]|\de)-(?=[\d.])/g, "$1\u2212");
 
 const time = (page) => page.evaluate(() => window.crossgait.player.time);
 const cursors = (page) =>
@@ -102,7 +105,7 @@ test("paths of the feet are where the robot has them, at equal scales", async ()
   const shown = await page.evaluate(() => {
     const { feet, player, report, runs, view } = window.crossgait;
     player.playing = false;
-    const { legs } = report.motion.scene;
+    const { legs } = report.motions[0].scene;
     return [0, 100, 250].map((frame) => {
       player.seek(runs[0].time[frame] + 1e-6);
       const robot = view.robots[0];
@@ -124,7 +127,7 @@ test("paths of the feet are where the robot has them, at equal scales", async ()
   await expectEqualScales(page, "feet", 4);
   assert.equal(
     await page.locator("details tbody tr").count(),
-    await page.evaluate(() => window.crossgait.report.motion.constants.length),
+    await page.evaluate(() => window.crossgait.report.motions[0].constants.length),
   );
   assert.deepEqual(problems, []);
   await page.close();
@@ -208,7 +211,7 @@ test("it plays, and cursor and robot move together", async () => {
   assert.equal(await time(page), begin);
   await page.keyboard.press("p");
   const parted = await page.evaluate(
-    () => window.crossgait.report.motion.pairs.find((p) => p.a === 0 && p.parting.time_s).parting.time_s,
+    () => window.crossgait.report.motions[0].pairs.find((p) => p.a === 0 && p.parting.time_s).parting.time_s,
   );
   assert.equal(await time(page), parted, "where the engines part");
   assert.ok(parted > begin + 0.5, `a soft contact that stands deeper is no parting: ${parted} s`);
@@ -341,8 +344,8 @@ test("the answer is on top, in the words of the result", async () => {
   const answer = page.locator("header .answer");
   const report = await page.evaluate(() => window.crossgait.report);
   assert.match(report.summary, /walked 1\.02 m in mujoco and bullet:matched, but slid 1\.53 m back in bullet/);
-  assert.equal(await answer.locator("p").textContent(), report.summary);
-  assert.deepEqual(await answer.locator("li").allTextContents(), report.groups);
+  assert.equal(await answer.locator("p").textContent(), typeset(report.summary));
+  assert.deepEqual(await answer.locator("li").allTextContents(), report.groups.map(typeset));
   assert.ok((await answer.boundingBox()).y < 200, "above the fold");
   // All controls of the replay are in sight, too.
   const transport = await page.locator(".transport").boundingBox();
@@ -358,7 +361,7 @@ test("a fall is a mark on the time line, and in the name", async () => {
   assert.ok(fallen.length > 0, "somebody falls");
   const { fell_at_s: at, engine } = fallen[0];
   const place = runs.indexOf(fallen[0]);
-  const marked = await page.evaluate((i) => window.crossgait.report.motion.runs[i].outcome_at_s, place);
+  const marked = await page.evaluate((i) => window.crossgait.report.motions[0].runs[i].outcome_at_s, place);
   assert.ok(Math.abs(marked - (await time(page)) - at) < 0.01, `${marked} s`); // a control step, a frame
   const mark = page.locator(`.marks i[title^="${engine} fell"]`);
   assert.equal(await mark.count(), 1);
@@ -397,12 +400,7 @@ test("a link leads to the same moment, view and engines", async () => {
 
 test("without WebGL there is everything but the picture", async () => {
   const { page, problems } = await open("compare.html", {
-    before: () => {
-      const original = HTMLCanvasElement.prototype.getContext;
-      HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
-        return kind.startsWith("webgl") ? null : original.call(this, kind, ...rest);
-      };
-    },
+    before: withoutPicture,
   });
   assert.equal(await page.evaluate(() => window.crossgait.view), null);
   assert.match(await page.locator(".canvas").textContent(), /no WebGL/);
@@ -566,7 +564,7 @@ test("a verdict begins with its sentence and shows every gap against its margin"
   const result = JSON.parse(readFileSync(join(pages, "verdict.json"), "utf8"));
   const statistics = result.pairs[0].statistics;
   assert.match(result.summary, /statistics|differ|resolved/);
-  assert.equal(await page.locator("header .answer p").textContent(), result.summary);
+  assert.equal(await page.locator("header .answer p").textContent(), typeset(result.summary));
   assert.equal(await page.locator("svg .dot").count(), statistics.length);
   for (const [i, { gap, margin, word }] of statistics.entries()) {
     const row = page.locator(".verdict tbody tr").nth(i);
@@ -592,6 +590,10 @@ test("a verdict of many begins with who agrees", async () => {
       .then((heads) => heads.map((head) => head.replace(/ (agrees|differs|step-dependent|unresolved)$/, ""))),
     ["Which engines agree", ...result.pairs.map(({ engines }) => engines.join(" and ")), "Where this comes from"],
   );
+  assert.deepEqual(
+    await page.locator("header .answer li").allTextContents(),
+    result.groups.length > 1 ? result.groups.map(({ sentence }) => typeset(sentence)) : [],
+  );
   const matrix = page.locator(".results section").first();
   assert.equal(await matrix.locator("td .word").count(), 2 * result.pairs.length, "every pair, either way round");
   assert.match(await matrix.textContent(), /[Oo]utlier|agree/);
@@ -599,10 +601,96 @@ test("a verdict of many begins with who agrees", async () => {
   await page.close();
 });
 
+test("a diagnosis ranks changes by their effect, and replays every command beside the cure", async () => {
+  const result = JSON.parse(readFileSync(join(pages, "diagnosis.json"), "utf8"));
+  const { page, problems } = await open("diagnosis.html");
+  assert.equal(await page.locator("header .answer p").textContent(), typeset(result.summary));
+  const [ranking, walks, tests] = [0, 1, 2].map((i) => page.locator(".answers section").nth(i).locator("tbody"));
+  assert.equal(await ranking.locator(".dot").count(), result.ranking.length);
+  for (const [i, { field, cures, low, high }] of result.ranking.entries()) {
+    const row = ranking.locator("tr").nth(i);
+    assert.equal(await row.locator("th").textContent(), field);
+    assert.equal(await row.locator("td.good").count(), cures ? 1 : 0);
+    const [x1, x2, zero] = await row.evaluate((r) => [
+      r.querySelector(".interval").x1.baseVal.value,
+      r.querySelector(".interval").x2.baseVal.value,
+      r.querySelector(".zero").x1.baseVal.value,
+    ]);
+    assert.equal(x1 > zero, low > 0, `from ${low}`);
+    assert.equal(x2 > zero, high > 0, `to ${high}`);
+  }
+  assert.equal(await walks.locator("tr").count(), 2 * result.walks.length);
+  assert.equal(await tests.locator("tr").count(), result.tests.length);
+  assert.ok((await tests.textContent()).includes(typeset(result.tests[0].limits)));
+  const apart = () => page.evaluate(() => window.crossgait.view.robots.map((robot) => robot.parent.position.y));
+  for (const { command } of result.walks) {
+    await page.getByRole("button", { name: command, exact: true }).click();
+    assert.deepEqual(await page.evaluate(() => window.crossgait.runs.map((run) => run.name)), [
+      "as given",
+      "with the change",
+    ]);
+    assert.equal(await page.locator(".stage").count(), 1);
+    const [given, changed] = await apart();
+    assert.ok(given > changed, `side by side: ${given} and ${changed} m`);
+    assert.ok(
+      await page.evaluate(() => window.crossgait.plots.all.some((plot) => plot.panel?.group === "differences")),
+      `gaps of ${command}`,
+    );
+  }
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test("a course says what became of the runs by section and engine, and replays the first of each", async () => {
+  const result = JSON.parse(readFileSync(join(pages, "course.json"), "utf8"));
+  const { page } = await open("course.html", { before: withoutPicture });
+  assert.equal(await page.locator("header .answer p").textContent(), typeset(result.summary));
+  assert.deepEqual(
+    await page.locator("header .answer li").allTextContents(),
+    result.groups.map(({ sentence }) => typeset(sentence)),
+  );
+  const outcomes = page.locator(".answers section").first();
+  const engines = result.scores.map(({ engine }) => engine);
+  assert.deepEqual(await outcomes.locator("thead th").allTextContents(), ["section", ...engines]);
+  for (const { section, engine, all } of result.cells) {
+    const row = outcomes.locator("tbody tr", { has: page.getByRole("rowheader", { name: section.name }) });
+    const cell = row.locator("td").nth(engines.indexOf(engine));
+    const walked = all.outcomes.walked ?? 0;
+    const mark = walked === all.episodes ? "good" : walked > 0 ? "mixed" : "bad";
+    assert.match(await cell.getAttribute("class"), new RegExp(`\\b${mark}\\b`), `${section.name} in ${engine}`);
+  }
+  const sections = [...new Set(result.cells.map(({ section }) => section.name))];
+  const replays = page.locator(".replays");
+  assert.deepEqual(await replays.locator("button").allTextContents(), sections);
+  await replays.locator("button").last().click();
+  const shown = await page.evaluate(() => window.crossgait.runs.map((run) => run.name));
+  assert.deepEqual(shown, engines);
+  await page.close();
+});
+
+test("a link leads to a replay of several", async () => {
+  const { page, problems } = await open("diagnosis.html#replay=standing&t=0.1");
+  assert.equal(await page.locator(".replays [aria-pressed=true]").textContent(), "standing");
+  const since = await page.evaluate(() => window.crossgait.player.since(window.crossgait.player.time));
+  assert.ok(Math.abs(since - 0.1) < 1e-6, `${since} s`);
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
 // A4 without its margins, in the pixels of a style sheet.
 test("nothing is wider than paper", async () => {
-  for (const name of ["many.html", "verdict.html", "compare.html", "bench.html", "workspace.html", "gait.html"]) {
-    const { page } = await open(name, { width: 703, height: 1000 });
+  for (const name of [
+    "many.html",
+    "verdict.html",
+    "compare.html",
+    "diagnosis.html",
+    "course.html",
+    "bench.html",
+    "workspace.html",
+    "gait.html",
+  ]) {
+    const before_ = name === "compare.html" ? null : withoutPicture;
+    const { page } = await open(name, { width: 703, height: 1000, before: before_ });
     await page.emulateMedia({ media: "print" });
     const wide = await page.evaluate(() =>
       [...document.querySelectorAll(".scroll, .panel, .stage")]

@@ -240,8 +240,7 @@ class Verdict(Answer):
     @property
     def clusters(self) -> list[list[str]]:
         """Engines that agree, each with all others of its cluster; the largest first."""
-        clusters: list[list[str]] = self.document["clusters"]
-        return clusters
+        return [group["engines"] for group in self.document["groups"]]
 
     @property
     def outlier(self) -> str | None:
