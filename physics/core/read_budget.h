@@ -36,6 +36,8 @@ inline constexpr std::size_t kMaxMjcfFiles = 100;
 inline constexpr std::size_t kMaxXmlAttributes = 100;
 /// Collision meshes: a binary STL of 600,000 triangles, each with three vertices of 24 bytes in memory.
 inline constexpr ReadBudget kMeshBudget{32 * kMebibyte, 2'000'000, 1};
+/// The elements of a COLLADA mesh, most of which are its scene; its numbers are text.
+inline constexpr ReadBudget kDaeBudget{kMeshBudget.bytes, 100'000, 32};
 /// Bounds all meshes of a robot together: their files, and vertices that differ within a mesh, which are kept
 /// for every use of it.
 inline constexpr std::size_t kMaxRobotMeshBytes = 2 * kMeshBudget.bytes;

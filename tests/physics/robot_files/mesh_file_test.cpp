@@ -31,7 +31,7 @@ TEST_F(MeshFiles, AreReadInEveryFormat) {
                                      "\tv\t0 1 5e-1 1.0\nvn 0 0 1\nvt 0 0\nv 1 1 +0.5 .2 .2 .2\nf 1 2 3\n")),
             kSquare);
   EXPECT_TRUE(is_mesh_format("a/b.Obj"));
-  for (const char* other : {"a.dae", "stl", "a.stl/b", ""}) EXPECT_FALSE(is_mesh_format(other)) << other;
+  for (const char* other : {"a.ply", "stl", "a.stl/b", ""}) EXPECT_FALSE(is_mesh_format(other)) << other;
 }
 
 // Exporters write any header, and some a few bytes more than the triangles take.
