@@ -68,7 +68,7 @@ bool UrdfShapes::set_mesh(const urdf::Mesh& mesh, const urdf::Link& link, Collis
     warnings_.count("dropped ", fmt::format(" collision mesh(es) that are no {}", kMeshFormats), where);
     return false;
   }
-  const auto file = find_mesh(mesh.filename, path_);
+  const auto file = find_named_file(mesh.filename, path_);
   if (!file) {
     warnings_.count("dropped ", " collision mesh(es) whose file is not there", where);
     return false;

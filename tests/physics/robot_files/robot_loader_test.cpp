@@ -1,10 +1,12 @@
 #include <cmath>
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "physics/robot/multibody.h"
 #include "physics/robot/robot.h"
+#include "physics/robot_files/robot_formats.h"
 #include "physics/robot_files/robot_report.h"
 #include "tests/physics/core/config_error.h"
 #include "tests/physics/robot_files/scratch_robot.h"
@@ -269,8 +271,8 @@ class BadRobotYaml : public ::testing::TestWithParam<BadInput> {};
 TEST_P(BadRobotYaml, IsRejectedByName) { expect_error("robot.yaml", GetParam()); }
 
 const BadInput kBadYamls[] = {
-    {"UnknownKey", "armature:", "armour:", "line 5, armour",
-     "one of the keys name, urdf, mjcf, frame, locked, armature", "unknown key 'armour'"},
+    {"UnknownKey", "armature:", "armour:", "line 5, armour", "one of the keys name, urdf, ",
+     "unknown key 'armour'"},
     {"MissingKey", "urdf: robot.urdf\n", "", "top level", "key 'urdf'", "none"},
     {"DuplicateKey", "servo:", "armature: 1\nservo:", "line 6, armature", "each key once", "duplicate"},
     {"NotANumber", "kp: 1.0", "kp: one", "servo.kp", "a finite number", "'one'"},
@@ -345,8 +347,8 @@ TEST(RobotLoader, NamesMissingFiles) {
   const ScratchRobot scratch;
   EXPECT_EQ(config_error([&] { load_robot(scratch.path("no.yaml")); }).source(), scratch.path("no.yaml"));
   EXPECT_EQ(config_error([&] { load_robot(scratch.path("no.urdf")); }).source(), scratch.path("no.urdf"));
-  EXPECT_EQ(config_error([&] { load_robot(scratch.path("robot.sdf")); }).expected(),
-            "a .yaml, .urdf or .xml (MJCF) file");
+  EXPECT_EQ(config_error([&] { load_robot(scratch.path("robot.of_no_format")); }).expected(),
+            fmt::format("a {} file", robot_files_in_words()));
   std::filesystem::remove(scratch.path("robot.urdf"));
   EXPECT_EQ(config_error([&] { load_robot(scratch.path("robot.yaml")); }).source(),
             scratch.path("robot.urdf"));
