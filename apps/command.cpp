@@ -34,7 +34,7 @@ RobotDescription load_robot_with_warnings(const std::string& robot) {
 
 void add_robot_option(CLI::App& command, std::string& robot) {
   command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file")
-      ->type_name("NAME|FILE.yaml|FILE.urdf|FILE.xml")
+      ->type_name("NAME|FILE.yaml|FILE.urdf|FILE.xml|FILE.sdf")
       ->capture_default_str();
   add_servos_option(command);
 }

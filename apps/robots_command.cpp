@@ -305,7 +305,8 @@ void add_lint_options(CLI::App& command, RobotsCommand& options) {
 void add_robots_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand("robots", "List the bundled robots, or show one");
   command->footer(
-      "\nOf a URDF or MJCF alone legs, frame, feet, home pose, servos and the scale of gaits are inferred, "
+      "\nOf a URDF, MJCF or SDF alone legs, frame, feet, home pose, servos and the scale of gaits are "
+      "inferred, "
       "and "
       "every\n"
       "inference is printed with its reason. --yaml writes them as a robot.yaml, to be put beside the file "

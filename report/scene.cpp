@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -60,9 +61,13 @@ class Shapes {
     ordered_json shapes = ordered_json::array();
     bool dropped = false;
     for (const VisualShape& visual : body.visuals) {
-      if (visual.type == VisualType::kMesh && !is_mesh_format(visual.mesh)) {
-        notes_.push_back(fmt::format("{} of {} is no STL or OBJ mesh: {}",
+      const bool is_mesh = visual.type == VisualType::kMesh;
+      const std::optional<std::size_t> index = 
+          is_mesh ? index_of(visual.mesh, detail_ / visual.scale.cwiseAbs().maxCoeff()) : std::nullopt;
+      if (is_mesh && !index) {
+        notes_.push_back(fmt::format("{} of {} is no {} mesh that can be read{}: {}",
                                      std::filesystem::path(visual.mesh).filename().string(), body.name,
+                                     kMeshFormats, problems_[visual.mesh],
                                      body.shapes.empty() ? "it is not shown, and there is no collision shape"
                                                          : "collision shapes stand in for it"));
         dropped = true;
@@ -71,8 +76,8 @@ class Shapes {
       ordered_json shape = placed(name(visual.type), visual.size, visual.X_BG);
       if (visual.rgba)
         shape["rgba"] = {(*visual.rgba)[0], (*visual.rgba)[1], (*visual.rgba)[2], (*visual.rgba)[3]};
-      if (visual.type == VisualType::kMesh) {
-        shape["mesh"] = index_of(visual.mesh, detail_ / visual.scale.cwiseAbs().maxCoeff());
+      if (is_mesh) {
+        shape["mesh"] = *index;
         shape["scale"] = list(visual.scale);
       }
       shapes.push_back(std::move(shape));
@@ -121,12 +126,28 @@ class Shapes {
   }
 
  private:
+  /// Reads a mesh once; nothing if it cannot be read, for looks make no robot unfit (`problems_` says why).
+  std::optional<TriangleMesh> read(const std::string& file) {
+    const FilesRead apart(FilesRead::Scope::kApart);  // what a robot looks like makes no result
+    if (!is_mesh_format(file)) return std::nullopt;
+    try {
+      return read_mesh_triangles(file);
+    } catch (const ConfigError& error) {
+      problems_[file] =
+          fmt::format(" ({}: expected {}, found {})", error.element(), error.expected(), error.found());
+      return std::nullopt;
+    }
+  }
+
+  /// The place of a file's mesh among all, or nothing if it cannot be read.
   /// @param cell  what is smaller is not shown, in the units of the mesh
-  std::size_t index_of(const std::string& file, double cell) {
-    const auto [it, is_new] = known_.try_emplace({file, cell}, known_.size());
+  std::optional<std::size_t> index_of(const std::string& file, double cell) {
+    const auto [it, is_new] = known_.try_emplace({file, cell});
     if (is_new) {
-      const FilesRead apart(FilesRead::Scope::kApart);  // what a robot looks like makes no result
-      const TriangleMesh mesh = read_mesh_triangles(file);
+      const std::optional<TriangleMesh> found = read(file);
+      if (!found) return std::nullopt;
+      const TriangleMesh& mesh = *found;
+      it->second = meshes_.size();
       vertices_ += mesh.vertices.size();
       triangles_ += mesh.triangles.size() / 3;
       if (triangles_ > kMeshBudget.values) {
@@ -156,7 +177,8 @@ class Shapes {
   ordered_json& notes_;
   ordered_json meshes_ = ordered_json::array();
   double detail_;
-  std::map<std::pair<std::string, double>, std::size_t> known_;
+  std::map<std::pair<std::string, double>, std::optional<std::size_t>> known_;
+  std::map<std::string, std::string> problems_;
   bool coarse_ = false;
   std::size_t vertices_ = 0, triangles_ = 0;
 };

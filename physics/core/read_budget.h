@@ -23,8 +23,8 @@ inline constexpr ReadBudget kYamlBudget{kMebibyte, 100'000, 32};
 /// A link and its joint are some 20 elements, so these are 1,000 links; other programs' elements nest deeper
 /// than URDF's own six levels.
 inline constexpr ReadBudget kUrdfBudget{4 * kMebibyte, 20'000, 32};
-/// Links of a URDF, most of them fixed to one of at most kMaxJoints + 1 bodies: chains are followed by
-/// recursion, urdfdom's as ours.
+/// Links of a URDF or an SDF, most of them fixed to one of at most kMaxJoints + 1 bodies: chains are followed
+/// by recursion, urdfdom's as ours.
 inline constexpr std::size_t kMaxUrdfLinks = 1000;
 /// Bytes of the name of a link or a joint, which is repeated for everything in it.
 inline constexpr std::size_t kMaxUrdfName = 1000;
@@ -32,10 +32,16 @@ inline constexpr std::size_t kMaxUrdfName = 1000;
 /// 600; bodies nest as deep as chains have links. MuJoCo's compiler takes longer than its text is long.
 inline constexpr ReadBudget kMjcfBudget{4 * kMebibyte, 6'000, 64};
 inline constexpr std::size_t kMaxMjcfFiles = 100;
+/// SDF with everything that it includes, as often as it does: numbers are elements there, so that a link and
+/// its joint are some 40, and these are 1,000 links.
+inline constexpr ReadBudget kSdfBudget{4 * kMebibyte, 40'000, 32};
+inline constexpr std::size_t kMaxSdfFiles = 100;
 /// Attributes of one element of XML, which TinyXML compares one by one with every further one.
 inline constexpr std::size_t kMaxXmlAttributes = 100;
 /// Collision meshes: a binary STL of 600,000 triangles, each with three vertices of 24 bytes in memory.
 inline constexpr ReadBudget kMeshBudget{32 * kMebibyte, 2'000'000, 1};
+/// The elements of a COLLADA mesh, most of which are its scene; its numbers are text.
+inline constexpr ReadBudget kDaeBudget{kMeshBudget.bytes, 100'000, 32};
 /// Bounds all meshes of a robot together: their files, and vertices that differ within a mesh, which are kept
 /// for every use of it.
 inline constexpr std::size_t kMaxRobotMeshBytes = 2 * kMeshBudget.bytes;

@@ -5,7 +5,9 @@
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 
+#include "physics/core/error.h"
 #include "physics/robot/robot_check.h"
 #include "physics/robot/shape_box.h"
 
@@ -60,6 +62,33 @@ std::string_view repair_inertia(SpatialInertia& inertia, const std::vector<Colli
   inertia.I_C = 0.5 * (inertia.I_C + inertia.I_C.transpose()).eval();
   return before[0] < 0 ? "with negative principal moments, raised to what a real body has: "
                        : "whose small principal moments are raised to what a real body has: ";
+}
+
+void check_part(double mass, const Matrix3& I, const std::string& source, const std::string& element,
+                ReaderWarnings& warnings) {
+  const auto require = [&](bool ok, const std::string& expected, double found) {
+    if (!ok) throw ConfigError(source, element, expected, fmt::format("{}", found));
+  };
+  require(mass >= 0, "mass (kg) >= 0", mass);
+  require(mass <= kHeaviestBody, fmt::format("mass (kg) of at most {:g}", kHeaviestBody), mass);
+  const double largest = I.cwiseAbs().maxCoeff();
+  require(largest <= kLargestInertia, fmt::format("inertia (kg m^2) of at most {:g}", kLargestInertia),
+          largest);
+  if (mass == 0 && largest > 0) warnings.count("left out the inertia of ", " link(s) without mass", element);
+}
+
+void check_whole(Body& body, bool has_inertial, const std::string& source, const std::string& element,
+                 ReaderWarnings& warnings) {
+  if (body.inertia.mass == 0) {
+    throw ConfigError(
+        source, element,
+        has_inertial ? "mass (kg) > 0 on a moving link" : "an <inertial> element on a moving link",
+        has_inertial ? "0" : "none");
+  }
+  const std::string_view repair = repair_inertia(body.inertia, body.shapes);
+  if (!repair.empty())
+    warnings.list(fmt::format(" moving link(s) {}", repair), fmt::format("'{}'", body.name));
+  check_inertia(body.inertia, source, element);
 }
 
 }  // namespace crossgait

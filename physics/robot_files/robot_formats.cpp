@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "physics/robot_files/mjcf/mjcf_reader.h"
+#include "physics/robot_files/sdf/sdf_reader.h"
 #include "physics/robot_files/urdf/urdf_reader.h"
 
 namespace crossgait {
@@ -14,6 +15,7 @@ namespace {
 constexpr std::array kRobotFormats{
     RobotFormat{"URDF", "urdf", {".urdf"}, true, read_urdf},
     RobotFormat{"MJCF", "mjcf", {".xml", ".mjcf"}, false, read_mjcf},
+    RobotFormat{"SDF", "sdf", {".sdf", ".world"}, false, read_sdf},
 };
 
 }  // namespace

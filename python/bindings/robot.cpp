@@ -104,11 +104,12 @@ Robot robot_of(const RobotChoice& choice) {
 }
 
 void bind_robot(nb::module_& m) {
-  nb::class_<Robot>(m, "Robot", "A robot, read from its URDF, MJCF or robot.yaml. Immutable.")
+  nb::class_<Robot>(m, "Robot", "A robot, read from its URDF, MJCF, SDF or robot.yaml. Immutable.")
       .def_static(
           "load", [](const std::filesystem::path& path) { return load(path.string()); },
           nb::arg("name_or_file"),
-          "A bundled robot by its name (`crossgait.robots()`), or the robot of a .urdf, .xml (MJCF) or .yaml "
+          "A bundled robot by its name (`crossgait.robots()`), or the robot of a .urdf, .xml (MJCF), .sdf or "
+          ".yaml "
           "file. What the file does not say is inferred: see `inferred`. Raises ConfigError.")
       .def_prop_ro("name", [](const Robot& r) { return r.description->name; })
       .def_ro("source", &Robot::from, "The name or file that it was loaded by.")

@@ -13,6 +13,7 @@ COMMANDS = {
     "robot.urdf": ["robots", "{}"],
     "robot.yaml": ["robots", "{}"],
     "robot.xml": ["robots", "{}"],
+    "robot.sdf": ["robots", "{}"],
     "env.yaml": ["env", "--config", "{}"],
     "scripted.yaml": ["rollout", "--policy", "{}", "--episodes", "1", "--episode-seconds", ".02"],
     "hierarchical.yaml": ["rollout", "--policy", "{}", "--episodes", "1", "--episode-seconds", ".02"],
@@ -69,6 +70,8 @@ def make_valid(program, folder):
 
     for name in ("robot.urdf", "robot.yaml"):
         shutil.copy(models("robots", "scara_quadruped", name), folder)
+    shutil.copy(os.path.join(ROOT, "tests", "physics", "robot_files", "sdf", "yard_dog.sdf"),
+                os.path.join(folder, "robot.sdf"))
     # With what it includes in it: one file to change.
     mjcf = os.path.join(ROOT, "tests", "backends", "mjcf")
     with open(os.path.join(mjcf, "serial_quadruped.xml"), encoding="utf-8") as file:

@@ -243,19 +243,19 @@ TEST_F(MjcfReader, AMeshGivesMassWhereNoneIsGiven) {
 
 TEST_F(MjcfReader, MeshesThatAreNotThereAreDroppedAndCounted) {
   MadeMjcf mjcf;
-  mjcf.asset = R"(<mesh name="gone" file="gone.stl"/><mesh name="dae" file="../gone.dae"/>)";
-  mjcf.thigh = R"(<geom type="mesh" mesh="gone" group="3"/><geom type="mesh" mesh="dae" group="3"/>
+  mjcf.asset = R"(<mesh name="gone" file="gone.stl"/><mesh name="ply" file="../gone.ply"/>)";
+  mjcf.thigh = R"(<geom type="mesh" mesh="gone" group="3"/><geom type="mesh" mesh="ply" group="3"/>
                   <geom type="mesh" mesh="gone" contype="0" conaffinity="0"/>)";
   const ParsedRobot robot = tree(mjcf);
   EXPECT_TRUE(body(robot, "FL_thigh").shapes.empty());
   EXPECT_TRUE(body(robot, "FL_thigh").visuals.empty());
   for (const char* warning : {"dropped 1 collision mesh(es) whose file is not there",
-                              "dropped 1 collision mesh(es) that are neither STL nor OBJ",
+                              "dropped 1 collision mesh(es) that are no STL, OBJ or DAE",
                               "dropped 1 visual mesh(es) whose file is not there"})
     EXPECT_TRUE(warns(robot.warnings, warning)) << warning;
   // But not where a mass hangs on one.
   mjcf.thigh_inertial = "";
-  EXPECT_EQ(refusal(mjcf).found(), "'../gone.dae'");
+  EXPECT_EQ(refusal(mjcf).found(), "'../gone.ply'");
 }
 
 TEST_F(MjcfReader, WhatCollidesIsFeltAndGroupsZeroToTwoAreSeen) {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "physics/core/across_axis.h"
+#include "physics/core/error.h"
 #include "physics/robot_files/inference/robot_inference.h"
 #include "physics/robot_files/inference/shape_outline.h"
 #include "physics/robot_files/mesh/mesh_vertices.h"
@@ -89,6 +90,16 @@ double distance_to(const CollisionShape& shape, const Vector3& p_B) {
   return outside.norm();
 }
 
+/// Vertices of a mesh that is only looked at; none if it cannot be read, for looks make no file unfit.
+std::vector<Vector3> vertices_of_look(const std::string& file) {
+  if (!is_mesh_format(file)) return {};
+  try {
+    return read_mesh_vertices(file);
+  } catch (const ConfigError&) {
+    return {};
+  }
+}
+
 }  // namespace
 
 std::optional<FootPlace> find_foot(const ParsedRobot& robot, const Body& body) {
@@ -144,8 +155,8 @@ std::optional<FootPlace> find_seen_foot(const Body& body) {
     shape.size = visual.size;
     shape.X_BG = visual.X_BG;
     if (visual.type == VisualType::kMesh) {
-      if (!is_mesh_format(visual.mesh)) continue;
-      std::vector<Vector3> vertices = read_mesh_vertices(visual.mesh);
+      std::vector<Vector3> vertices = vertices_of_look(visual.mesh);
+      if (vertices.empty()) continue;
       for (Vector3& vertex : vertices) vertex = visual.X_BG * vertex.cwiseProduct(visual.scale);
       shape.type = ShapeType::kHull;
       seen.mesh_vertices[shape.name] = std::move(vertices);

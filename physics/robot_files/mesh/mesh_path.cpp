@@ -14,16 +14,17 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestPath = 4096;  // bytes, Linux's own
 
-/// The URDF's folder, those above it, and those of the environment.
-std::vector<fs::path> folders_to_search(const std::string& urdf_path) {
+/// The file's folder, those above it, and those of the environment.
+std::vector<fs::path> folders_to_search(const std::string& named_in) {
   std::vector<fs::path> folders;
   std::error_code error;
-  fs::path folder = fs::absolute(urdf_path, error).lexically_normal().parent_path();
+  fs::path folder = fs::absolute(named_in, error).lexically_normal().parent_path();
   for (;; folder = folder.parent_path()) {
     folders.push_back(folder);
     if (folder == folder.parent_path()) break;
   }
-  for (const char* variable : {"CROSSGAIT_PACKAGE_PATH", "ROS_PACKAGE_PATH"}) {
+  for (const char* variable :
+       {"CROSSGAIT_PACKAGE_PATH", "ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH"}) {
     const char* list = std::getenv(variable);
     std::string_view rest = list == nullptr ? "" : list;
     while (!rest.empty()) {
@@ -42,7 +43,7 @@ bool is_file(const fs::path& path) {
 
 }  // namespace
 
-std::optional<std::string> find_mesh(const std::string& filename, const std::string& urdf_path) {
+std::optional<std::string> find_named_file(const std::string& filename, const std::string& named_in) {
   if (filename.size() > kLongestPath) return std::nullopt;
   std::string path = filename;
   bool in_package = false;
@@ -58,7 +59,7 @@ std::optional<std::string> find_mesh(const std::string& filename, const std::str
   if (const std::size_t slash = path.find('/'); in_package && slash != std::string::npos) {
     wanted.push_back(path.substr(slash + 1));
   }
-  for (const fs::path& folder : folders_to_search(urdf_path)) {
+  for (const fs::path& folder : folders_to_search(named_in)) {
     for (const std::string& name : wanted) {
       // Relative, whatever it begins with: a/ + /b would be /b.
       const fs::path candidate = folder / fs::path(name).relative_path();

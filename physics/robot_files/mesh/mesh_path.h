@@ -1,4 +1,4 @@
-// Where the mesh files of a URDF are.
+// Where the files are that a robot's file names.
 #pragma once
 
 #include <optional>
@@ -6,14 +6,14 @@
 
 namespace crossgait {
 
-/// The file that a URDF means by `filename`, the first that exists of
+/// Finds the file that a URDF or an SDF means by `filename`, a mesh or an include: the first that exists of
 ///  - an absolute path, also as file://PATH, as it is;
-///  - package://PACKAGE/REST and model://PACKAGE/REST: PACKAGE/REST and then REST in the URDF's folder and in
-///  every
-///    folder above it, and in the folders that the environment variables CROSSGAIT_PACKAGE_PATH and
-///    ROS_PACKAGE_PATH list, apart by colons;
+///  - package://PACKAGE/REST and model://PACKAGE/REST: PACKAGE/REST and then REST in the folder of `named_in`
+///  and
+///    in every folder above it, and in the folders that the environment variables CROSSGAIT_PACKAGE_PATH,
+///    ROS_PACKAGE_PATH, GZ_SIM_RESOURCE_PATH and GAZEBO_MODEL_PATH list, apart by colons;
 ///  - any other path: in the same folders.
-/// @returns empty if there is no such regular file
-std::optional<std::string> find_mesh(const std::string& filename, const std::string& urdf_path);
+/// @param named_in  the file that names it @returns empty if there is no such regular file
+std::optional<std::string> find_named_file(const std::string& filename, const std::string& named_in);
 
 }  // namespace crossgait

@@ -13,6 +13,7 @@
 #include "physics/core/error.h"
 #include "physics/core/read_budget.h"
 #include "physics/core/text.h"
+#include "physics/robot_files/mesh/dae_reader.h"
 
 namespace crossgait {
 namespace {
@@ -164,10 +165,15 @@ void read_faces(std::string_view text, const std::string& path, TriangleMesh& me
 
 bool is_mesh_format(const std::string& path) {
   const std::string extension = lower_extension(path);
-  return extension == ".stl" || extension == ".obj";
+  return extension == ".stl" || extension == ".obj" || extension == ".dae";
 }
 
 std::vector<Vector3> read_mesh_vertices(const std::string& path) {
+  if (lower_extension(path) == ".dae") {
+    MeshVertices vertices(path);
+    for (const Vector3& vertex : read_dae(path).vertices) vertices.add(vertex, 0);
+    return vertices.sorted();
+  }
   const std::string text = read_text_file(path, kMeshBudget);
   MeshVertices vertices(path);
   if (lower_extension(path) == ".stl") {
@@ -179,6 +185,7 @@ std::vector<Vector3> read_mesh_vertices(const std::string& path) {
 }
 
 TriangleMesh read_mesh_triangles(const std::string& path) {
+  if (lower_extension(path) == ".dae") return read_dae(path);
   const std::string text = read_text_file(path, kMeshBudget);
   MeshVertices vertices(path);
   TriangleMesh mesh;

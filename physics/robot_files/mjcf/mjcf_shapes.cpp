@@ -65,7 +65,7 @@ bool MjcfShapes::set_mesh(const MjcfGeom& geom, CollisionShape& shape) {
   if (mesh.written.empty()) {
     vertices = geom.vertices;
   } else if (!is_mesh_format(mesh.written)) {
-    warnings_.count("dropped ", " collision mesh(es) that are neither STL nor OBJ", where(geom));
+    warnings_.count("dropped ", fmt::format(" collision mesh(es) that are no {}", kMeshFormats), where(geom));
     return false;
   } else if (mesh.file.empty()) {
     warnings_.count("dropped ", " collision mesh(es) whose file is not there", where(geom));

@@ -77,22 +77,9 @@ class TreeBuilder {
     robot_.bodies.push_back(std::move(body));
     std::vector<PendingChild> children;
     merge_links(link, index, children);
-    check_merged(link, robot_.bodies[static_cast<std::size_t>(index)]);
+    check_whole(robot_.bodies[static_cast<std::size_t>(index)], link.inertial != nullptr, path_,
+                fmt::format("link '{}'", link.name), warnings_);
     for (const PendingChild& child : children) add_body(*child.link, index, child.X_PB);
-  }
-
-  void check_merged(const urdf::Link& link, Body& body) {
-    const std::string element = fmt::format("link '{}'", link.name);
-    if (body.inertia.mass == 0) {
-      throw ConfigError(
-          path_, element,
-          link.inertial ? "mass (kg) > 0 on a moving link" : "an <inertial> element on a moving link",
-          link.inertial ? "0" : "none");
-    }
-    const std::string_view repair = repair_inertia(body.inertia, body.shapes);
-    if (!repair.empty())
-      warnings_.list(fmt::format(" moving link(s) {}", repair), fmt::format("'{}'", link.name));
-    check_inertia(body.inertia, path_, element);
   }
 
   struct PendingChild {
@@ -141,23 +128,8 @@ class TreeBuilder {
     const Pose X_BI = X_BL * to_pose(in.origin);
     Matrix3 I;
     I << in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz;
-    check_part(in.mass, I, fmt::format("link '{}'", link.name));
+    check_part(in.mass, I, path_, fmt::format("link '{}'", link.name), warnings_);
     return moved(X_BI, {in.mass, Vector3::Zero(), I});
-  }
-
-  /// What a link may add to its body; whether the body is possible is seen when it is whole.
-  void check_part(double mass, const Matrix3& I, const std::string& element) {
-    const auto require = [&](bool ok, const std::string& expected, double found) {
-      if (!ok) throw ConfigError(path_, element, expected, fmt::format("{}", found));
-    };
-    require(mass >= 0, "mass (kg) >= 0", mass);
-    require(mass <= kHeaviestBody, fmt::format("mass (kg) of at most {:g}", kHeaviestBody), mass);
-    const double largest = I.cwiseAbs().maxCoeff();
-    require(largest <= kLargestInertia, fmt::format("inertia (kg m^2) of at most {:g}", kLargestInertia),
-            largest);
-    if (mass == 0 && largest > 0) {
-      warnings_.count("left out the inertia of ", " link(s) without mass", element);
-    }
   }
 
   Joint read_joint(const urdf::Joint& source) {

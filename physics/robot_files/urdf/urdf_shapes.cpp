@@ -65,10 +65,10 @@ bool UrdfShapes::set_geometry(const urdf::Geometry& geometry, const urdf::Link& 
 bool UrdfShapes::set_mesh(const urdf::Mesh& mesh, const urdf::Link& link, CollisionShape& shape) {
   const std::string where = fmt::format("link '{}' ('{}')", link.name, printable_text(mesh.filename, 200));
   if (!is_mesh_format(mesh.filename)) {
-    warnings_.count("dropped ", " collision mesh(es) that are neither STL nor OBJ", where);
+    warnings_.count("dropped ", fmt::format(" collision mesh(es) that are no {}", kMeshFormats), where);
     return false;
   }
-  const auto file = find_mesh(mesh.filename, path_);
+  const auto file = find_named_file(mesh.filename, path_);
   if (!file) {
     warnings_.count("dropped ", " collision mesh(es) whose file is not there", where);
     return false;

@@ -15,7 +15,7 @@
 namespace crossgait {
 
 /// Makes shapes of one file's collisions. A mesh becomes what stands for it (mesh_shape.h); where its file is
-/// missing, or neither STL nor OBJ, it is dropped and counted.
+/// missing, or no STL, OBJ or DAE, it is dropped and counted.
 class UrdfShapes {
  public:
   UrdfShapes(const std::string& urdf_path, ReaderWarnings& warnings)

@@ -136,7 +136,7 @@ class VisualReader {
   }
 
   bool find_file(std::string& mesh, const std::string& where) {
-    const auto file = find_mesh(mesh, path_);
+    const auto file = find_named_file(mesh, path_);
     if (!file) {
       warnings_.count("dropped ", " visual mesh(es) whose file is not there",
                       fmt::format("{} ('{}')", where, printable_text(mesh, 200)));

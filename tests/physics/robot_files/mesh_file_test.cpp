@@ -31,7 +31,7 @@ TEST_F(MeshFiles, AreReadInEveryFormat) {
                                      "\tv\t0 1 5e-1 1.0\nvn 0 0 1\nvt 0 0\nv 1 1 +0.5 .2 .2 .2\nf 1 2 3\n")),
             kSquare);
   EXPECT_TRUE(is_mesh_format("a/b.Obj"));
-  for (const char* other : {"a.dae", "stl", "a.stl/b", ""}) EXPECT_FALSE(is_mesh_format(other)) << other;
+  for (const char* other : {"a.ply", "stl", "a.stl/b", ""}) EXPECT_FALSE(is_mesh_format(other)) << other;
 }
 
 // Exporters write any header, and some a few bytes more than the triangles take.
@@ -114,7 +114,7 @@ TEST_F(MeshFiles, AreFoundFromTheUrdfUpwards) {
                     tail = write("share/cat/meshes/tail.stl", "1");
   const std::string beside = write("share/dog/urdf/foot.stl", "1");
   const auto finds = [&](const std::string& name, const std::string& file) {
-    EXPECT_EQ(find_mesh(name, urdf).value_or("none"), file) << name;
+    EXPECT_EQ(find_named_file(name, urdf).value_or("none"), file) << name;
   };
   finds("package://dog/meshes/shin.stl", shin);
   finds("model://renamed/meshes/shin.stl", shin);
@@ -136,7 +136,7 @@ TEST_F(MeshFiles, AreFoundThroughTheEnvironment) {
     std::filesystem::create_directories(folder_ / folder);
   const std::string ros = write("ros/cat/tail.stl", "1"), own = write("own/cat/tail.stl", "1");
   const auto found = [&] {
-    return find_mesh("package://cat/tail.stl", path("urdf/robot.urdf")).value_or("none");
+    return find_named_file("package://cat/tail.stl", path("urdf/robot.urdf")).value_or("none");
   };
   EXPECT_EQ(found(), "none");
   const SetVariable of_ros("ROS_PACKAGE_PATH", ":/nowhere::" + path("ros/cat"));  // the package's own folder

@@ -32,8 +32,18 @@ TEST(RobotFormats, OneOfThemTakesAnyName) {
   EXPECT_EQ(robot_format_of_any("robot.mjcf").name, "MJCF");
 }
 
+/// Whatever rows the table has: the first is said by its extension alone, others whose extension is no name
+/// by both.
 TEST(RobotFormats, AreSaidInWords) {
-  EXPECT_EQ(robot_files_in_words(), ".yaml, .urdf or .xml (MJCF)");
+  const std::string words = robot_files_in_words();
+  EXPECT_TRUE(words.starts_with(".yaml, .urdf")) << words;
+  for (const RobotFormat& format : robot_formats()) {
+    EXPECT_NE(words.find(format.extensions.front()), std::string::npos) << words;
+    EXPECT_EQ(words.find(" or " + std::string(format.extensions.front())) != std::string::npos,
+              &format == &robot_formats().back())
+        << words;
+  }
+  EXPECT_NE(words.find(".xml (MJCF)"), std::string::npos) << words;
   EXPECT_EQ(extensions_in_words(robot_formats()[0]), ".urdf");
   EXPECT_EQ(extensions_in_words(robot_formats()[1]), ".xml or .mjcf");
 }

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "physics/robot/multibody.h"
@@ -79,7 +80,7 @@ TEST(RobotLoader, PlacesLegsByTheirNames) {
 TEST(RobotLoader, HomeStandsOnFourFeetWithKneesOutward) {
   const RobotDescription robot = load_robot(kRobotFolder + "robot.yaml");
   const std::vector<Pose> poses = home_poses(robot);
-  EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of 0.1 m
+  EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of .1 m
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot.legs)[leg];
     const double x = is_front(leg) ? 0.075 : -0.075;
@@ -117,7 +118,7 @@ TEST(RobotLoader, LoadsASecondRobotOfOtherNamesAndFigures) {
   EXPECT_EQ(robot.joint(16).kd, 0.005);
   EXPECT_EQ(robot.joint(16).effort_limit, 1.5);
   const std::vector<Pose> poses = home_poses(robot);
-  EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of 0.1 m
+  EXPECT_LT(max_loop_gap(robot, poses), 1e-15);  // rounding of lengths of .1 m
   for (const Leg leg : kLegs) EXPECT_NEAR(foot_position(robot, leg, poses).z(), 0.009, 1e-12);
 }
 
@@ -270,7 +271,7 @@ class BadRobotYaml : public ::testing::TestWithParam<BadInput> {};
 TEST_P(BadRobotYaml, IsRejectedByName) { expect_error("robot.yaml", GetParam()); }
 
 const BadInput kBadYamls[] = {
-    {"UnknownKey", "armature:", "armour:", "line 5, armour", "one of the keys name, urdf, mjcf",
+    {"UnknownKey", "armature:", "armour:", "line 5, armour", "one of the keys name, urdf, ",
      "unknown key 'armour'"},
     {"MissingKey", "urdf: robot.urdf\n", "", "top level", "key 'urdf'", "none"},
     {"DuplicateKey", "servo:", "armature: 1\nservo:", "line 6, armature", "each key once", "duplicate"},
@@ -346,8 +347,8 @@ TEST(RobotLoader, NamesMissingFiles) {
   const ScratchRobot scratch;
   EXPECT_EQ(config_error([&] { load_robot(scratch.path("no.yaml")); }).source(), scratch.path("no.yaml"));
   EXPECT_EQ(config_error([&] { load_robot(scratch.path("no.urdf")); }).source(), scratch.path("no.urdf"));
-  EXPECT_EQ(config_error([&] { load_robot(scratch.path("robot.doc")); }).expected(),
-            "a " + robot_files_in_words() + " file");
+  EXPECT_EQ(config_error([&] { load_robot(scratch.path("robot.of_no_format")); }).expected(),
+            fmt::format("a {} file", robot_files_in_words()));
   std::filesystem::remove(scratch.path("robot.urdf"));
   EXPECT_EQ(config_error([&] { load_robot(scratch.path("robot.yaml")); }).source(),
             scratch.path("robot.urdf"));

@@ -123,9 +123,9 @@ const OddInput kOddUrdfs[] = {
      {"dropped 1 collision mesh(es) whose file is not there, first in link 'FL_upper_left' ('knee.stl')"}},
     {"ForeignMesh",
      kKnee,
-     "<geometry><mesh filename=\"knee.dae\" scale=\"1 1 1\"/></geometry>",
-     {"dropped 1 collision mesh(es) that are neither STL nor OBJ, first in link 'FL_upper_left' "
-      "('knee.dae')"}},
+     "<geometry><mesh filename=\"knee.ply\" scale=\"1 1 1\"/></geometry>",
+     {"dropped 1 collision mesh(es) that are no STL, OBJ or DAE, first in link 'FL_upper_left' "
+      "('knee.ply')"}},
     {"Cone",
      kKnee,
      "<geometry><cone radius=\"0.005\" length=\"0.1\"/></geometry>",
