@@ -135,7 +135,14 @@ void QuadrupedEnv::reset(std::uint64_t seed, std::span<double> observation) {
   e.joint_acceleration = JointVector::Zero(world_->state().qd.size());
   measure();
   e.foot_times.begin(e.info.contacts);
-  if (extension_ != nullptr && !e.result.terminated) extension_->begin(*this, seed);
+  if (extension_ != nullptr && !e.result.terminated) {
+    try {
+      extension_->begin(*this, seed);  // whose events change an episode that has begun
+    } catch (...) {
+      e.begun = false;
+      throw;
+    }
+  }
   observe(observation);
 }
 

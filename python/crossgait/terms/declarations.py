@@ -77,7 +77,8 @@ class Terms:
     """Terms by name, beside the tables of the configuration.
 
     Every function takes `env`, a `crossgait.Batch` of all environments, first. A term may be an object that is called
-    and remembers: its `reset(env, indices)`, if it has one, is called when episodes begin.
+    and remembers: it has a `reset(env, indices)`, which is called when episodes begin. Each batch of environments has a
+    copy of it.
 
     Attributes:
         rewards: names are none of the table's.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -33,16 +34,29 @@ class RunningTerms:
 
     def __init__(self, terms: Terms, env: Batch) -> None:
         """Nothing is called before `begin`."""
-        self.terms, self.env = terms, env
+        # What remembers is of these environments alone.
+        self._remembering: list[Any] = []
+        self.terms, self.env = self._own(terms), env
         self.reward_values: dict[str, FloatArray] = {}
         self._count = env.num_envs
         self._started = False
         self._intervals = {name: event for name, event in terms.events.items() if event.mode == "interval"}
         self._due = {name: np.zeros(self._count) for name in self._intervals}
-        every: list[Any] = [*terms.rewards.values(), *terms.terminations.values(), *terms.events.values()]
-        every += [term for group in terms.observations.values() for term in group.values()]
-        every += terms.curriculum.values()
-        self._remembering = [t.function for t in every if hasattr(t.function, "reset")]
+
+    def _own(self, terms: Terms) -> Terms:
+        def mine(members: Mapping[str, Any]) -> dict[str, Any]:
+            return {name: self._copied(term) for name, term in members.items()}
+
+        observations = {group: mine(members) for group, members in terms.observations.items()}
+        parts = (terms.terminations, terms.events, terms.curriculum)
+        return Terms(mine(terms.rewards), observations, *map(mine, parts))
+
+    def _copied(self, term: Any) -> Any:
+        if not hasattr(term.function, "reset"):
+            return term
+        function = copy.deepcopy(term.function)
+        self._remembering.append(function)
+        return replace(term, function=function)
 
     def seed(self, seed: int) -> None:
         """Begin the random numbers of terms anew."""
@@ -131,12 +145,15 @@ class RunningTerms:
         return value
 
     def save(self) -> Any:
-        """What the rest depends on, but for what functions remember."""
-        return copy.deepcopy((self.env.random.bit_generator.state, self._due, self._started))
+        """What the rest depends on."""
+        remembered = [vars(function) for function in self._remembering]
+        return copy.deepcopy((self.env.random.bit_generator.state, self._due, self._started, remembered))
 
     def restore(self, saved: Any) -> None:
         """Continue there."""
-        state, due, self._started = copy.deepcopy(saved)
+        state, due, self._started, remembered = copy.deepcopy(saved)
+        for function, attributes in zip(self._remembering, remembered, strict=True):
+            vars(function).update(attributes)
         self.env.random.bit_generator.state = state
         for name, times in due.items():
             self._due[name][:] = times
