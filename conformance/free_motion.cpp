@@ -154,6 +154,51 @@ std::vector<double> push(const Subject& subject) {
           std::abs(body->state().v_WB.x())};
 }
 
+Eigen::VectorXd velocities(const RobotState& s) {
+  Eigen::VectorXd v(6 + s.qd.size());
+  v << s.v_WB, s.w_WB, s.qd;
+  return v;
+}
+
+std::vector<double> wrench(const Subject& subject) {
+  WorldSpec spec = scenes::world_of(scenes::assortment());
+  spec.gravity.setZero();
+  const auto world = subject.make(spec);
+  RobotState start = world->home_state();
+  start.p_WB.z() = 2;
+  start.q_WB = from_roll_pitch_yaw(0.5, -0.4, 0.3);
+  start.q.setConstant(0.2);
+  const JointTargets held{start.q};
+  const BodyWrench pull{2, {{3, -2, 5}, {0.1, 0.2, -0.3}}, {0.02, -0.01, -0.1}};
+
+  world->reset(start);
+  world->apply_wrench(pull);
+  advance(*world, held);
+  // After one step from rest M(q0) v = h J^T (f, t), to rounding.
+  std::vector<Pose> poses;
+  forward_kinematics(*spec.robot, start, poses);
+  Eigen::Matrix<double, 6, 1> of_body;
+  of_body << pull.wrench.force, pull.wrench.torque;
+  const Eigen::MatrixXd J = point_jacobian(*spec.robot, poses, pull.body, pull.p_BP);
+  const Eigen::VectorXd expected = spec.physics_dt * (J.transpose() * of_body);
+  // The state's velocity is of the base's origin where the step has turned it to; of what the base's centre
+  // of mass has, that of the origin where it began is asked.
+  RobotState after = world->state();
+  const Vector3 p_BC = spec.robot->bodies[0].inertia.p_BC;
+  after.v_WB += after.w_WB.cross(after.q_WB * p_BC - start.q_WB * p_BC);
+  const Eigen::VectorXd made = mass_matrix(*spec.robot, start) * velocities(after);
+
+  world->reset(start);  // which forgets it
+  advance(*world, held);
+  const double after_reset = velocities(world->state()).lpNorm<Eigen::Infinity>();
+  world->reset(start);
+  world->apply_wrench(pull);
+  world->clear_wrenches();
+  advance(*world, held);
+  return {(made - expected).lpNorm<Eigen::Infinity>(), after_reset,
+          velocities(world->state()).lpNorm<Eigen::Infinity>()};
+}
+
 }  // namespace
 
 std::vector<Check> free_motion_checks() {
@@ -200,6 +245,13 @@ std::vector<Check> free_motion_checks() {
         rounds_to(400, "robot's momentum off the impulse", "kg m/s", "rounding of 21 bodies"),
         rounds_to(4, "left of a push after a reset", "m/s", "1.4 if it were remembered")},
        push},
+      {"wrench",
+       "A wrench on a body moves the robot as its generalised forces do, until it is taken away",
+       {rounds_to(400, "momenta of base and joints off h J^T (f, t)", "kg m/s, kg m^2/s",
+                  "rounding of 5 bodies, of numbers up to 0.01"),
+        rounds_to(4, "left of a wrench after a reset", "m/s, rad/s", "rounding; 3 if it were remembered"),
+        rounds_to(4, "left of one that was taken away", "m/s, rad/s", "the same")},
+       wrench},
   };
 }
 

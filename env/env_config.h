@@ -1,10 +1,12 @@
 // Everything that makes an environment, as a struct and as a YAML file.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "env/env_extension.h"
 #include "env/joint_settings.h"
 #include "env/observation.h"
 #include "env/randomisation.h"
@@ -59,6 +61,9 @@ struct EnvConfig {
   OutcomeSet terminations =
       OutcomeSet::of_episodes();  ///< outcomes that end an episode; divergence always does
   Randomisation randomisation;
+
+  /// Terms of the program's own, or null. YAML names them under `terms`, and cannot be read back.
+  std::shared_ptr<const EnvExtensionModel> extension = nullptr;
 
   std::string source = "environment";  ///< the file that it was read from, for messages
   /// A value of a file that is only found to be wrong when it is used.

@@ -334,6 +334,11 @@ EnvConfig read_beginning(const YamlValue& root) {
 
 // What the file says, on top of `config`.
 EnvConfig read_onto(EnvConfig config, const YamlValue& root) {
+  if (const auto terms = root.find("terms"))
+    terms->fail(
+        "no terms: they are functions of the program that made this configuration, and no file, command or "
+        "other process has them",
+        "some");
   root.allow_keys({"preset",         "engine",       "robot",         "terrain",         "terrain_seed",
                    "friction",       "contact",      "servos",        "action",          "joints",
                    "gait",           "parameters",   "adapt",         "ranges",          "delta_scales",

@@ -208,6 +208,7 @@ Json to_json(const EnvConfig& c) {
   out["tilt_limit_deg"] = c.tilt_limit_deg;
   out["terminations"] = outcome_names(c.terminations);
   add(out, "randomisation", randomisation_json(c.randomisation));
+  if (c.extension != nullptr) out["terms"] = c.extension->terms;
   return out;
 }
 

@@ -92,6 +92,11 @@ std::shared_ptr<const EnvModel> EnvModel::make(const LoadedEnv& loaded) {
     describe_joints(model);
   }
   model.interface.observation = model.observer.layout();
+  if (config.extension != nullptr) {
+    const std::vector<LayoutEntry>& added = config.extension->observation.entries;
+    std::vector<LayoutEntry>& entries = model.interface.observation.entries;
+    entries.insert(entries.end(), added.begin(), added.end());
+  }
   model.layout = layout_hash(model.interface.observation, model.interface.action);
   return std::make_shared<const EnvModel>(std::move(model));
 }

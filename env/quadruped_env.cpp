@@ -25,13 +25,22 @@ std::variant<GaitControl, JointControl> make_control(const EnvModel& model) {
   return JointControl(model);
 }
 
+WorldSpec changed(WorldSpec world, std::span<const QuantityChange> changes) {
+  for (const QuantityChange& change : changes) change.apply(world);
+  return world;
+}
+
 constexpr std::uint64_t kNoiseStream = 0x6e6f697365;  // "noise": random numbers of the observer
 
 }  // namespace
 
 QuadrupedEnv::QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine)
-    : model_(std::move(model)), engine_(std::move(engine)), episode_(make_episode()) {
+    : model_(std::move(model)),
+      engine_(std::move(engine)),
+      base_world_(model_->world),
+      episode_(make_episode()) {
   if (!config().randomisation.changes_world()) world_ = engine_.make(model_->world);
+  if (config().extension != nullptr) extension_ = config().extension->make();
 }
 
 QuadrupedEnv::QuadrupedEnv(const LoadedEnv& loaded, Engine engine)
@@ -105,10 +114,14 @@ void QuadrupedEnv::reset(std::uint64_t seed, std::span<double> observation) {
   e.begun = false;  // until all of it has worked
   e.random = Random(seed);
   e.draw = draw(config().randomisation, e.random);
-  if (config().randomisation.changes_world()) world_ = engine_.make(draw_world());
+  if (config().randomisation.changes_world()) {
+    base_world_ = draw_world();
+    world_ = engine_.make(changed(base_world_, changes_));
+  }
 
   std::visit([this](auto& control) { control.restart(config().command); }, e.control);
   e.command = config().command.value_or(VelocityCommand{});
+  e.seed = seed;
   e.observer.restart(derived_seed(seed, kNoiseStream));
   e.steps = e.control_steps = 0;
   e.result = {};
@@ -119,7 +132,17 @@ void QuadrupedEnv::reset(std::uint64_t seed, std::span<double> observation) {
   e.loop.start(*world_, watched_, draw_start());
   e.result.terminated = e.loop.ended();
   e.begun = true;
+  e.joint_acceleration = JointVector::Zero(world_->state().qd.size());
   measure();
+  e.foot_times.begin(e.info.contacts);
+  if (extension_ != nullptr && !e.result.terminated) {
+    try {
+      extension_->begin(*this, seed);  // whose events change an episode that has begun
+    } catch (...) {
+      e.begun = false;
+      throw;
+    }
+  }
   observe(observation);
 }
 
@@ -156,7 +179,9 @@ StepResult QuadrupedEnv::step(std::span<const double> action, std::span<double> 
   take_action(action);
   e.info.ik_clamped = e.control_steps = 0;
   e.loop.advance(*world_, watched_, model_->policy_steps);
+  world_->clear_wrenches();
   finish_step(before, integrals_before);
+  if (extension_ != nullptr && !e.result.done()) extension_->change(*this);
   observe(observation);
   return e.result;
 }
@@ -167,11 +192,17 @@ void QuadrupedEnv::finish_step(const RobotState& before, const MotionIntegrals& 
   e.info.time = e.steps * config().policy_dt;
   e.info.limit_factor = e.loop.targets().limit_factor;
   measure();
+  e.foot_times.add(e.info.contacts, config().policy_dt);
+  e.joint_acceleration = (world_->state().qd - before.qd) / config().policy_dt;
   const MotionIntegrals during = e.loop.statistics().integrals() - integrals_before;
   e.info.power = during.seconds > 0 ? during.work / during.seconds : 0;
   e.result.terminated = e.loop.ended();
   e.result.truncated = !e.result.terminated && e.steps >= model_->max_steps;
-  e.result.reward = evaluate(before, during);
+  EnvExtension::Step own;
+  if (extension_ != nullptr) own = extension_->step(*this);
+  e.result.terminated = e.result.terminated || own.terminated;
+  e.result.truncated = !e.result.terminated && (e.result.truncated || own.truncated);
+  e.result.reward = evaluate(before, during) + own.reward;
 }
 
 void QuadrupedEnv::measure() {
@@ -243,8 +274,10 @@ ObservationSource QuadrupedEnv::seen() const noexcept {
 
 void QuadrupedEnv::observe(std::span<double> observation) {
   Episode& e = episode_;
-  e.observer.observe(seen(), observation);
-  if (e.result.done()) std::copy(observation.begin(), observation.end(), e.last_observation.begin());
+  const std::size_t own = e.observer.layout().size();
+  e.observer.observe(seen(), observation.first(own));
+  if (extension_ != nullptr) extension_->observe(*this, observation.subspan(own));
+  std::copy(observation.begin(), observation.end(), e.last_observation.begin());
 }
 
 // The observer sees the instants between the control steps of a policy step; those at its ends in `observe`.
@@ -265,13 +298,63 @@ void QuadrupedEnv::set_command(const VelocityCommand& command) {
   episode_.command = command;
 }
 
+void QuadrupedEnv::set_state(RobotState state) {
+  require_going("set_state");
+  state.time = world_->state().time;
+  world_->reset(state);
+  episode_.loop.moved(*world_);
+  measure();
+}
+
+void QuadrupedEnv::apply_wrench(const BodyWrench& wrench) {
+  require_going("apply_wrench");
+  world_->apply_wrench(wrench);
+}
+
+void QuadrupedEnv::set_changes(std::vector<QuantityChange> changes) {
+  require_begun("set_changes");
+  for (const QuantityChange& change : changes) {
+    const std::string& name = change.quantity->name;
+    if (name == "physics_dt" || name == "delay")
+      throw ConfigError(kSource, name, "a value that stays: steps are counted by it", "a change of it");
+  }
+  auto world = engine_.make(changed(base_world_, changes));
+  world->restore(world_->save());
+  world_ = std::move(world);
+  changes_ = std::move(changes);
+}
+
+void QuadrupedEnv::end_episode(bool terminated) {
+  require_going("end_episode");
+  episode_.result.terminated = terminated;
+  episode_.result.truncated = !terminated;
+}
+
+void QuadrupedEnv::observe_start(std::span<double> observation) {
+  check_size(kSource, "observation", observation.size(), observation_size());
+  require_begun("observe_start");
+  Episode& e = episode_;
+  if (e.steps > 0)
+    throw ConfigError(kSource, "observe_start", "an episode without steps", fmt::format("{}", e.steps));
+  e.observer.restart(derived_seed(e.seed, kNoiseStream));
+  observe(observation);
+}
+
 void QuadrupedEnv::require_begun(std::string_view what) const {
   if (!episode_.begun) throw ConfigError(kSource, what, "a reset before it", "none");
 }
 
+void QuadrupedEnv::require_going(std::string_view what) const {
+  require_begun(what);
+  if (episode_.result.done())
+    throw ConfigError(kSource, what, "an episode that goes on", "one that has ended");
+}
+
 std::shared_ptr<const QuadrupedEnv::Saved> QuadrupedEnv::save() const {
   require_begun("save");
-  return std::make_shared<const Saved>(Saved{episode_, world_->spec(), world_->save(), model_->layout});
+  return std::make_shared<const Saved>(Saved{episode_, world_->spec(), base_world_, changes_, world_->save(),
+                                             extension_ != nullptr ? extension_->save() : nullptr,
+                                             model_->layout});
 }
 
 void QuadrupedEnv::restore(const Saved& saved) {
@@ -279,12 +362,18 @@ void QuadrupedEnv::restore(const Saved& saved) {
     throw ConfigError("restore", "layout", fmt::format("an environment of layout {}", model_->layout),
                       saved.layout);
   }
-  // A world that was drawn for its episode goes with it.
+  // A world that was drawn for its episode, or changed, goes with it.
   const bool foreign = world_ == nullptr || world_->spec().robot != saved.world.robot ||
                        world_->spec().terrain.field() != saved.world.terrain.field();
-  if (config().randomisation.changes_world() && foreign) world_ = engine_.make(saved.world);
+  const bool differs = config().randomisation.changes_world() || !changes_.empty() || !saved.changes.empty();
+  if (differs && foreign) {
+    world_ = engine_.make(saved.world);
+    base_world_ = saved.base_world;
+    changes_ = saved.changes;
+  }
   world_->restore(saved.physics);
   episode_ = saved.episode;
+  if (extension_ != nullptr) extension_->restore(saved.extension);
   model_->foot_kinematics.update(world_->state(), feet_);
 }
 

@@ -6,11 +6,13 @@
 #include <variant>
 
 #include "env/env_model.h"
+#include "env/foot_times.h"
 #include "env/gait_control.h"
 #include "env/joint_control.h"
 #include "motion/closed_loop.h"
 #include "physics/core/random.h"
 #include "physics/engine/engine.h"
+#include "physics/engine/world_quantities.h"
 
 namespace crossgait {
 
@@ -81,12 +83,49 @@ class QuadrupedEnv {
   /// The gait that actions adapt; null where they command joints.
   const AdaptiveGaitController* gait() const noexcept;
   const FootStates& feet() const noexcept { return feet_; }
+  const FootTimes& foot_times() const noexcept { return episode_.foot_times; }
+  /// Joint velocities after the last policy step less those before it, over its time, rad/s^2.
+  const JointVector& joint_acceleration() const noexcept { return episode_.joint_acceleration; }
+  /// The action of the last step and of the one before, clipped; zeros before the first.
+  std::span<const double> action() const noexcept { return episode_.action; }
+  std::span<const double> last_action() const noexcept { return episode_.last_action; }
+  const VelocityCommand& command() const noexcept { return episode_.command; }
+  /// Height of the base's origin over the ground below it, m.
+  double height() const noexcept { return episode_.loop.statistics().height(); }
+  /// Whether there has been a `reset`.
+  bool begun() const noexcept { return episode_.begun; }
+  /// The program's terms, or null.
+  const EnvExtension* extension() const noexcept { return extension_.get(); }
+  /// How the last step ended; neither flag before the first.
+  const StepResult& result() const noexcept { return episode_.result; }
   const ControlTargets& targets() const noexcept { return episode_.loop.targets(); }
   /// The episode so far. @throws ConfigError as `world` does
   MotionSummary summary() const { return episode_.loop.statistics().summary(world()); }
 
   /// Asks for another velocity from the next step on. @throws ConfigError if it is not finite
   void set_command(const VelocityCommand& command);
+
+  // Between steps of an episode, whatever the engine. All throw ConfigError before the first `reset`, and but
+  // for `set_changes` where the episode has ended.
+
+  /// Puts the robot into a state; the episode's time goes on. Contacts, and targets that were on their way to
+  /// a servo, are forgotten, and neither way nor turn counts as made. The next observation shows it.
+  /// @throws ConfigError as PhysicsBackend::reset does
+  void set_state(RobotState state);
+  /// Lets a wrench act on a body during the next step. @throws ConfigError as PhysicsBackend::apply_wrench
+  void apply_wrench(const BodyWrench& wrench);
+  /// Changes the world, in place of all changes before, for this episode and those that follow: what the
+  /// configuration says or has drawn, with `changes` on top. The world is built anew and goes on as it was;
+  /// with the values that it had, bit for bit. What knows the robot beside the world stays nominal.
+  /// @throws ConfigError for a quantity that cannot change within an episode (physics_dt, delay), and as
+  /// Engine::make does
+  void set_changes(std::vector<QuantityChange> changes);
+  std::span<const QuantityChange> changes() const noexcept { return changes_; }
+  /// Ends the episode now: as an outcome would, or as its time would.
+  void end_episode(bool terminated);
+  /// Writes the first observation anew, of what was set since `reset`. @throws ConfigError for a wrong size,
+  /// or after the first step
+  void observe_start(std::span<double> observation);
 
   struct Saved;
   /// Everything that the rest of the episode depends on. @throws ConfigError before the first `reset`
@@ -115,9 +154,12 @@ class QuadrupedEnv {
     ClosedLoop loop;
     Observer observer = {};
     Random random{0};
+    std::uint64_t seed = 0;
     VelocityCommand command = {};
     std::vector<double> action = {}, last_action = {}, parameters = {}, last_parameters = {},
-                        last_observation = {};  // of an episode that has ended
+                        last_observation = {};
+    FootTimes foot_times = {};
+    JointVector joint_acceleration = {};
     RandomDraw draw{};
     int steps = 0, control_steps = 0;  // the latter of this policy step
     bool begun = false;
@@ -137,19 +179,25 @@ class QuadrupedEnv {
   void observe_substep();
   void observe(std::span<double> observation);
   void require_begun(std::string_view what) const;
+  void require_going(std::string_view what) const;
 
   std::shared_ptr<const EnvModel> model_;
   Engine engine_;
   FootStates feet_;
+  WorldSpec base_world_;  // as configured or drawn, without changes
+  std::vector<QuantityChange> changes_;
   std::unique_ptr<PhysicsBackend> world_;
+  std::unique_ptr<EnvExtension> extension_;
   Episode episode_;
   Watched watched_{*this};
 };
 
 struct QuadrupedEnv::Saved {
   Episode episode;
-  WorldSpec world;
+  WorldSpec world, base_world;
+  std::vector<QuantityChange> changes;
   Snapshot physics;
+  std::shared_ptr<const void> extension;
   std::string layout;  ///< hash, to refuse another configuration's
 };
 

@@ -50,11 +50,32 @@ void VectorEnv::begin_episode(std::size_t i, std::span<double> observation) {
 
 void VectorEnv::reset(std::uint64_t seed, std::span<double> observations) {
   check_size(kVectorEnv, "observations", observations.size(), size() * observation_size());
+  ++revision_;
   pool_.run(size(), [&](std::size_t i) {
     slots_[i].seed = derived_seed(seed, i);
     slots_[i].episode = 0;
     begin_episode(i, row(observations, i));
   });
+}
+
+void VectorEnv::reset_some(std::span<const std::uint8_t> which, std::span<double> observations) {
+  check_size(kVectorEnv, "which", which.size(), size());
+  check_size(kVectorEnv, "observations", observations.size(), size() * observation_size());
+  if (slots_.front().episode == 0) throw ConfigError(kVectorEnv, "reset_some", "a reset before it", "none");
+  ++revision_;
+  pool_.run(size(), [&](std::size_t i) {
+    if (which[i] != 0) begin_episode(i, row(observations, i));
+  });
+}
+
+void VectorEnv::end_episode(std::size_t i, bool terminated) {
+  edit(i).end_episode(terminated);
+  slots_[i].ended = true;
+}
+
+void VectorEnv::restore(std::size_t i, const QuadrupedEnv::Saved& saved) {
+  edit(i).restore(saved);
+  slots_[i].ended = environments_[i]->result().done();
 }
 
 void VectorEnv::step(std::span<const double> actions, const VectorStep& out) {
@@ -66,13 +87,14 @@ void VectorEnv::step(std::span<const double> actions, const VectorStep& out) {
   if (!out.final_observations.empty())
     check_size(kVectorEnv, "final_observations", out.final_observations.size(), size() * observation_size());
   if (!out.final_infos.empty()) check_size(kVectorEnv, "final_infos", out.final_infos.size(), size());
+  ++revision_;
   pool_.run(size(), [&](std::size_t i) { step_one(i, actions, out); });
 }
 
 void VectorEnv::step_one(std::size_t i, std::span<const double> actions, const VectorStep& out) {
   Slot& slot = slots_[i];
   const std::span<double> observation = row(out.observations, i);
-  if (slot.ended) {  // kNextStep
+  if (slot.ended && auto_reset_ == AutoReset::kNextStep) {
     begin_episode(i, observation);
     out.rewards[i] = 0;
     out.terminated[i] = out.truncated[i] = 0;
@@ -83,10 +105,10 @@ void VectorEnv::step_one(std::size_t i, std::span<const double> actions, const V
   out.rewards[i] = result.reward;
   out.terminated[i] = result.terminated ? 1 : 0;
   out.truncated[i] = result.truncated ? 1 : 0;
-  if (!result.done()) return;
+  if (!result.done() || slot.ended) return;
   slot.diverged += environments_[i]->info().outcome == Outcome::kDiverged ? 1 : 0;
   slot.ended = true;
-  if (auto_reset_ == AutoReset::kNextStep) return;
+  if (auto_reset_ != AutoReset::kSameStep) return;
   if (!out.final_observations.empty())
     std::copy(observation.begin(), observation.end(), row(out.final_observations, i).begin());
   if (!out.final_infos.empty()) out.final_infos[i] = environments_[i]->info();

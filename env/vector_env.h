@@ -17,6 +17,7 @@ enum class AutoReset {
   kNextStep,  ///< the step after it ignores its action, resets and returns the first observation, reward 0
   kSameStep,  ///< the step that ends it returns the next episode's first observation; the last one of the
               ///< ended episode is in `final_observations`
+  kDisabled,  ///< nothing: an episode that has ended stays as it is until `reset_some`
 };
 
 struct VectorEnvOptions {
@@ -55,6 +56,14 @@ class VectorEnv {
   std::size_t observation_size() const noexcept { return environments_.front()->observation_size(); }
   std::size_t action_size() const noexcept { return environments_.front()->action_size(); }
   const QuadrupedEnv& environment(std::size_t i) const { return *environments_.at(i); }
+  /// The same, to be changed between steps: its state, command, world. Not to be reset, restored or ended but
+  /// by the functions below, which this has to know of.
+  QuadrupedEnv& edit(std::size_t i) {
+    ++revision_;
+    return *environments_.at(i);
+  }
+  /// Grows whenever something may have changed.
+  const std::uint64_t& revision() const noexcept { return revision_; }
   /// Seed of the episode that the environment is in: what `QuadrupedEnv::reset` takes to repeat it.
   /// @throws ConfigError before the first `reset`
   std::uint64_t episode_seed(std::size_t i) const;
@@ -62,15 +71,24 @@ class VectorEnv {
   /// Begins an episode everywhere. @throws ConfigError for a wrong size or an impossible draw
   void reset(std::uint64_t seed, std::span<double> observations);
 
+  /// Begins the next episode of those that `which` has a 1 for; other rows of `observations` stay as they
+  /// are.
+  /// @throws ConfigError as `reset` does, and before the first
+  void reset_some(std::span<const std::uint8_t> which, std::span<double> observations);
+
+  /// Ends an episode after a step, as QuadrupedEnv::end_episode does.
+  void end_episode(std::size_t i, bool terminated);
+  /// Continues one environment where `saved` was; its next episodes are those that they were.
+  /// @throws ConfigError as QuadrupedEnv::restore does
+  void restore(std::size_t i, const QuadrupedEnv::Saved& saved);
+
   /// One policy step everywhere. @param actions  environments x action_size
   /// @throws ConfigError for a wrong size (before anything changes), or if a reset makes an impossible draw
   void step(std::span<const double> actions, const VectorStep& out);
 
   /// Asks one environment for another velocity, until its episode ends. @throws ConfigError if it is not
   /// finite
-  void set_command(std::size_t i, const VelocityCommand& command) {
-    environments_.at(i)->set_command(command);
-  }
+  void set_command(std::size_t i, const VelocityCommand& command) { edit(i).set_command(command); }
 
   /// Episodes that ended because the engine diverged, since construction. Each began anew like any other.
   std::uint64_t diverged() const noexcept;
@@ -89,6 +107,7 @@ class VectorEnv {
   }
 
   AutoReset auto_reset_;
+  std::uint64_t revision_ = 0;
   std::vector<std::unique_ptr<QuadrupedEnv>> environments_;
   std::vector<Slot> slots_;
   WorkerPool pool_;

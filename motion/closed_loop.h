@@ -38,6 +38,9 @@ class ClosedLoop {
   /// `steps` more control steps; fewer, if an outcome ends the motion. @returns false once it has ended
   bool advance(PhysicsBackend& world, Controller& controller, int steps);
 
+  /// The world's robot was put elsewhere by hand.
+  void moved(const PhysicsBackend& world) noexcept { statistics_.moved(world); }
+
   bool ended() const noexcept { return ended_; }
   /// Returns the targets of the last control step.
   const ControlTargets& targets() const noexcept { return targets_; }

@@ -174,6 +174,22 @@ void MotionStatistics::find_outcomes(const PhysicsBackend& world, double dt) noe
   if (t_.max_loop_gap > limits_.loop_gap * leg_length_) note(Outcome::kLoopViolated);
 }
 
+void MotionStatistics::moved(const PhysicsBackend& world) noexcept {
+  const RobotState& s = world.state();
+  q_ = s.q;
+  qd_ = s.qd;
+  const double last_yaw = t_.start_yaw + t_.roll_pitch_yaw.z(), yaw = crossgait::roll_pitch_yaw(s.q_WB).z();
+  t_.start_yaw += yaw - last_yaw;
+  t_.course_yaw += yaw - last_yaw;
+  // What was behind it stays behind it.
+  const Eigen::AngleAxisd turn(yaw - last_yaw, Vector3::UnitZ());
+  t_.start = s.p_WB - turn * (t_.last_position - t_.start);
+  t_.piece_start = s.p_WB - turn * (t_.last_position - t_.piece_start);
+  t_.last_position = s.p_WB;
+  t_.height = s.p_WB.z() - world.spec().terrain.height(s.p_WB.x(), s.p_WB.y());
+  if (t_.control_steps == 0) t_.begin_height = t_.height;
+}
+
 void MotionStatistics::note(Outcome outcome) noexcept {
   std::optional<double>& first = t_.first_at_s[static_cast<std::size_t>(outcome)];
   if (!first) first = t_.time;

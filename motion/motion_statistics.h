@@ -95,6 +95,8 @@ class MotionStatistics {
   void add_physics_step(const PhysicsBackend& world, const ControlTargets& targets) noexcept;
   /// After every control step of `dt` seconds, the same for all steps of a motion.
   void add_control_step(const PhysicsBackend& world, const ControlTargets& targets, double dt) noexcept;
+  /// The robot was put elsewhere by hand: that way and turn are none of the motion's.
+  void moved(const PhysicsBackend& world) noexcept;
   void note(Outcome outcome) noexcept;
 
   /// Outcomes so far, of those that are known at once.

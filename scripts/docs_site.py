@@ -14,7 +14,7 @@ from urllib.parse import unquote, urlsplit
 PAGES = Path("build/docs/pages")
 HTML = Path("build/docs/html")
 PACKAGE = Path("build/docs/python/crossgait")
-MODULES = ["crossgait", "crossgait.envs", "crossgait.sb3", "crossgait.policies", "crossgait.sweep", "crossgait.train"]
+MODULES = ["crossgait", "crossgait.envs", "crossgait.terms", "crossgait.sb3", "crossgait.rsl_rl", "crossgait.policies", "crossgait.sweep", "crossgait.train"]
 # Where they are in the repository, so that their links among each other hold on the site as on a Git host.
 SOURCES = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CODE_OF_CONDUCT.md", "SECURITY.md", "LICENSE", "docs", "models/README.md",
            "models/policies", "examples"]

@@ -81,9 +81,10 @@ class BulletBackend final : public PhysicsBackend {
     world_->robot_moved();
   }
 
-  StepStatus do_step(const JointVector& tau, const Vector3& push) noexcept override {
+  StepStatus do_step(const JointVector& tau, const Wrench& base) noexcept override {
     solver_->begin_step(tau);
-    body().addBaseForce(vector(push));
+    body().addBaseForce(vector(base.force));
+    body().addBaseTorque(vector(base.torque));
     world_->step();
     poisoned_ = !solver_->finite();
     return poisoned_ ? StepStatus::kDiverged : StepStatus::kOk;

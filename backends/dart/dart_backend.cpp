@@ -1,5 +1,7 @@
 #include "backends/dart/dart_backend.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <dart/config.hpp>
@@ -104,16 +106,17 @@ class DartBackend final : public PhysicsBackend {
     place();
   }
 
-  StepStatus do_step(const JointVector& tau, const Vector3& push) noexcept override {
-    const bool finite = v_.allFinite() && tau.allFinite() && push.allFinite();
+  StepStatus do_step(const JointVector& tau, const Wrench& base) noexcept override {
+    const double push = std::max(base.force.norm(), base.torque.norm());
+    const bool finite = v_.allFinite() && tau.allFinite() && std::isfinite(push);
     if (!finite || v_.lpNorm<Eigen::Infinity>() > kMaxVelocity ||
-        tau.lpNorm<Eigen::Infinity>() > kMaxTorque || push.norm() > kMaxTorque) {
+        tau.lpNorm<Eigen::Infinity>() > kMaxTorque || push > kMaxTorque) {
       return StepStatus::kDiverged;
     }
     const double h = spec().physics_dt;
     contacts_.begin_step();
     free_ = v_;
-    model_.free_velocity(h, push, free_);
+    model_.free_velocity(h, base, free_);
     model_.bare_inertia(joints_.inertia());
     joints_.solve(v_, free_, tau);
     if (!joints_.velocity().allFinite()) return StepStatus::kDiverged;

@@ -80,8 +80,9 @@ void SkeletonModel::place(const Pose& X_WC, const JointVector& q, const contact:
   skeleton_->setVelocities(velocities_);
 }
 
-void SkeletonModel::free_velocity(double h, const Vector3& push, contact::DofVector& v) {
-  nodes_.front()->setExtForce(push, Vector3::Zero(), false, true);
+void SkeletonModel::free_velocity(double h, const Wrench& base, contact::DofVector& v) {
+  nodes_.front()->setExtForce(base.force, Vector3::Zero(), false, true);
+  nodes_.front()->setExtTorque(base.torque, false);
   skeleton_->computeForwardDynamics();
   nodes_.front()->clearExternalForces();
   const Eigen::VectorXd a = skeleton_->getAccelerations();

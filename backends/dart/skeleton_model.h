@@ -41,9 +41,9 @@ class SkeletonModel {
 
   /// @param X_WC  of the base's centre of mass  @param v  velocities
   void place(const Pose& X_WC, const JointVector& q, const contact::DofVector& v);
-  /// Velocities after a step of `h` seconds of gravity, gyroscopic forces and `push` (N, in W, at the base's
-  /// centre of mass), without joint torques, armature, loops or contact.
-  void free_velocity(double h, const Vector3& push, contact::DofVector& v);
+  /// Velocities after a step of `h` seconds of gravity, gyroscopic forces and a wrench on the base (its force
+  /// at the centre of mass), without joint torques, armature, loops or contact.
+  void free_velocity(double h, const Wrench& base, contact::DofVector& v);
   /// M0, without armature: the sum of J' I J over DART's bodies.
   void bare_inertia(contact::JointSpaceInertia& inertia);
   /// 3 x dofs: velocity in W of the point of `body` at p_WP.

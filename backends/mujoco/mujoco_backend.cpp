@@ -142,12 +142,13 @@ class MujocoBackend final : public PhysicsBackend {
     mj_step2(model_.get(), data_.get());
   }
 
-  StepStatus do_step(const JointVector& tau, const Vector3& push) noexcept override {
+  StepStatus do_step(const JointVector& tau, const Wrench& base) noexcept override {
     mjData& d = *data_;
     for (std::size_t i = 0; i < v_address_.size(); ++i) {
       d.qfrc_applied[v_address_[i]] = tau[static_cast<Eigen::Index>(i)];
     }
-    mju_copy3(d.xfrc_applied + 6 * base_body_, push.data());
+    mju_copy3(d.xfrc_applied + 6 * base_body_, base.force.data());
+    mju_copy3(d.xfrc_applied + 6 * base_body_ + 3, base.torque.data());
     collision_.begin();
     if (!try_in_mujoco(who(), [this] { step_once(); })) return StepStatus::kDiverged;
     // On a bad state MuJoCo warns and silently resets itself.

@@ -155,11 +155,12 @@ void ArticulationModel::get_state(RobotState& state) const {
   }
 }
 
-void ArticulationModel::apply(const JointVector& tau, const Vector3& push) {
+void ArticulationModel::apply(const JointVector& tau, const Wrench& base) {
   for (std::size_t i = 0; i < dofs_.size(); ++i)
     cache()->jointForce[dofs_[i]] = static_cast<float>(tau[static_cast<Eigen::Index>(i)]);
   articulation_->applyCache(*cache(), state_flags() | Flag::eFORCE);
-  if (!push.isZero()) links_.front()->addForce(vector(push));
+  if (!base.force.isZero()) links_.front()->addForce(vector(base.force));
+  if (!base.torque.isZero()) links_.front()->addTorque(vector(base.torque));
   articulation_->copyInternalStateToCache(*cache(), Flag::eLINK_VELOCITY);
   std::copy_n(cache()->linkVelocity, before_.size(), before_.begin());
 }

@@ -32,8 +32,8 @@ class ArticulationModel {
 
   void set_state(const RobotState& state);
   void get_state(RobotState& state) const;
-  /// Hands the state and torques (N m) to PhysX, and a force (N, in W) at the base's centre of mass.
-  void apply(const JointVector& tau, const Vector3& push);
+  /// Hands the state and torques (N m) to PhysX, and a wrench on the base, its force at the centre of mass.
+  void apply(const JointVector& tau, const Wrench& base);
   /// Takes the state that a step left. @returns false if a number of it is not finite
   bool take();
 

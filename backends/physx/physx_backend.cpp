@@ -83,11 +83,12 @@ class PhysxBackend final : public PhysicsBackend {
     model_->set_state(state);
   }
 
-  StepStatus do_step(const JointVector& tau, const Vector3& push) noexcept override {
-    if (!(tau.size() == 0 || tau.lpNorm<Eigen::Infinity>() < kMost) || !(push.norm() < kMost))
+  StepStatus do_step(const JointVector& tau, const Wrench& base) noexcept override {
+    if (!(tau.size() == 0 || tau.lpNorm<Eigen::Infinity>() < kMost) || !(base.force.norm() < kMost) ||
+        !(base.torque.norm() < kMost))
       return StepStatus::kDiverged;
-    push_ = push;
-    model_->apply(tau, push);
+    push_ = base.force;
+    model_->apply(tau, base);
     contacts_->begin_step(*scene_);
     scene_->simulate(static_cast<float>(spec().physics_dt));
     scene_->fetchResults(true);

@@ -46,12 +46,13 @@ class SkeletonBackend final : public PhysicsBackend {
 
   // One linear equation for the next velocity, A v' = b, with everything that pushes and pulls without
   // bounds; then what has bounds, by the response A^-1 of all the rest.
-  StepStatus do_step(const JointVector& tau, const Vector3& push) noexcept override {
+  StepStatus do_step(const JointVector& tau, const Wrench& base) noexcept override {
     const double h = spec().physics_dt;
     dynamics_.update(now_, spec().gravity);
     DofMatrix A = dynamics_.mass_matrix();
     DofVector b = A * dynamics_.velocity() - h * dynamics_.bias();
-    b.head<3>() += h * push;
+    b.head<3>() += h * base.force;
+    b.segment<3>(3) += h * base.torque;
     b.tail(tau.size()) += h * tau;
     loops_.add(dynamics_, A, b);
     if (spec().fixed_base) hold_base(A, b);

@@ -7,6 +7,7 @@
 
 #include "physics/core/error.h"
 #include "physics/robot/actuator.h"
+#include "physics/robot/multibody.h"
 
 namespace crossgait {
 namespace {
@@ -71,6 +72,8 @@ PhysicsBackend::PhysicsBackend(WorldSpec spec) : spec_(std::move(spec)) {
   const int n = spec_.robot->joint_count();
   state_.q = state_.qd = torques_ = JointVector::Zero(n);
   next_ = state_;
+  wrenches_.reserve(kMaxWrenches);
+  poses_.reserve(spec_.robot->bodies.size());
 }
 
 RobotState PhysicsBackend::home_state() const {
@@ -105,6 +108,7 @@ void PhysicsBackend::reset(const RobotState& state) {
   }
   diverged_ = false;
   push_.setZero();
+  wrenches_.clear();
   torques_.setZero();
   contacts_.clear();
   drives_.restart();
@@ -120,10 +124,34 @@ void PhysicsBackend::compute_torques(const JointTargets& targets) noexcept {
   drives_.add_torques(targets, state_, torques_);
 }
 
+void PhysicsBackend::add_wrenches(JointVector& tau, Wrench& base) noexcept {
+  const RobotDescription& robot = *spec_.robot;
+  forward_kinematics(robot, state_, poses_);
+  const Vector3 p_WC = poses_[0] * robot.bodies[0].inertia.p_BC;
+  for (const BodyWrench& w : wrenches_) {
+    const Vector3 p_WP = poses_[static_cast<std::size_t>(w.body)] * w.p_BP;
+    base.force += w.wrench.force;
+    base.torque += w.wrench.torque + (p_WP - p_WC).cross(w.wrench.force);
+    for (int i = w.body; i > 0; i = robot.bodies[static_cast<std::size_t>(i)].parent) {
+      const Pose& X_WJ = poses_[static_cast<std::size_t>(i)];
+      const Vector3 moment = w.wrench.torque + (p_WP - X_WJ.translation()).cross(w.wrench.force);
+      tau[i - 1] += (X_WJ.linear() * robot.joint(i - 1).axis).dot(moment);
+    }
+  }
+}
+
 StepStatus PhysicsBackend::advance(const JointTargets& targets) noexcept {
   compute_torques(targets);
   const double h = spec_.physics_dt;
-  const StepStatus status = do_step(torques_, push_ / h);
+  Wrench base{push_ / h};
+  StepStatus status = StepStatus::kOk;
+  if (wrenches_.empty()) {
+    status = do_step(torques_, base);
+  } else {
+    JointVector tau = torques_;
+    add_wrenches(tau, base);
+    status = do_step(tau, base);
+  }
   push_.setZero();
   do_read_state(next_);
   if (status != StepStatus::kOk || !is_sane(next_)) {
@@ -188,8 +216,23 @@ void PhysicsBackend::apply_push(const Vector3& impulse) {
   push_ += impulse;
 }
 
+void PhysicsBackend::apply_wrench(const BodyWrench& wrench) {
+  constexpr std::string_view kSource = "apply_wrench";
+  if (wrench.body < 0 || wrench.body > robot().joint_count()) {
+    throw ConfigError(kSource, "body", fmt::format("an index in [0, {}]", robot().joint_count()),
+                      fmt::format("{}", wrench.body));
+  }
+  if (!wrench.wrench.force.allFinite() || !wrench.wrench.torque.allFinite() || !wrench.p_BP.allFinite())
+    throw ConfigError(kSource, "wrench", "finite force (N), torque (N m) and point (m)", "not finite");
+  if (wrenches_.size() == kMaxWrenches) {
+    throw ConfigError(kSource, "wrenches", fmt::format("at most {} at once", kMaxWrenches),
+                      fmt::format("{}", kMaxWrenches + 1));
+  }
+  wrenches_.push_back(wrench);
+}
+
 Snapshot PhysicsBackend::save() const {
-  Snapshot snapshot{info().name, state_, contacts_, torques_, push_, diverged_, {}, {}};
+  Snapshot snapshot{info().name, state_, contacts_, torques_, push_, diverged_, {}, {}, wrenches_};
   drives_.save(snapshot.drives);
   do_save(snapshot.engine);
   return snapshot;
@@ -216,6 +259,7 @@ void PhysicsBackend::restore(const Snapshot& snapshot) {
   torques_ = snapshot.torques;
   push_ = snapshot.push;
   diverged_ = snapshot.diverged;
+  wrenches_ = snapshot.wrenches;
 }
 
 }  // namespace crossgait

@@ -92,7 +92,11 @@ struct Snapshot {
   bool diverged = false;
   std::vector<double> drives;  ///< targets that are on their way
   std::vector<double> engine;  ///< the engine's own configuration, bit for bit
+  std::vector<BodyWrench> wrenches = {};
 };
+
+/// How many wrenches may act on a robot at once.
+inline constexpr std::size_t kMaxWrenches = 64;
 
 /// Angles within which joints are kept, by joint, rad.
 struct JointRanges {
@@ -119,7 +123,7 @@ class PhysicsBackend {
   const WorldSpec& spec() const { return spec_; }
   const RobotDescription& robot() const { return *spec_.robot; }
 
-  /// Puts the robot into `state` (time included) and forgets contacts and pending pushes.
+  /// Puts the robot into `state` (time included) and forgets contacts, pending pushes and wrenches.
   /// @throws ConfigError if sizes differ from the robot's or a value is not finite or the quaternion is not
   /// unit
   void reset(const RobotState& state);
@@ -164,6 +168,12 @@ class PhysicsBackend {
   /// @throws ConfigError if not finite
   void apply_push(const Vector3& impulse);
 
+  /// Lets a wrench act on a body in every physics step until `clear_wrenches` or a reset, beside those that
+  /// do. Engines get its generalised forces (J^T of `point_jacobian`) at the configuration that a step begins
+  /// with. @throws ConfigError if it is not finite, there is no such body, or kMaxWrenches act
+  void apply_wrench(const BodyWrench& wrench);
+  void clear_wrenches() noexcept { wrenches_.clear(); }
+
   Snapshot save() const;
   /// @throws ConfigError if the snapshot is of another engine or robot
   void restore(const Snapshot& snapshot);
@@ -174,9 +184,10 @@ class PhysicsBackend {
 
  private:
   virtual void do_reset(const RobotState& state) = 0;
-  /// One physics step under joint torques `tau` and base force `push` (N, in W, at the base's centre of
-  /// mass). kDiverged where the engine itself noticed; the caller checks the state it reads back besides.
-  virtual StepStatus do_step(const JointVector& tau, const Vector3& push) noexcept = 0;
+  /// One physics step under joint torques `tau` and a wrench on the base, its force at the base's centre of
+  /// mass; a fixed base does not feel it. kDiverged where the engine itself noticed; the caller checks the
+  /// state it reads back besides.
+  virtual StepStatus do_step(const JointVector& tau, const Wrench& base) noexcept = 0;
   virtual void do_read_state(RobotState& state) const noexcept = 0;
   virtual void do_read_contacts(ContactList& contacts) const noexcept = 0;
   virtual double do_terrain_height(double x, double y) const = 0;
@@ -189,6 +200,7 @@ class PhysicsBackend {
   virtual JointRanges do_joint_limits() const { return JointRanges(robot().joint_count()); }
 
   void compute_torques(const JointTargets& targets) noexcept;
+  void add_wrenches(JointVector& tau, Wrench& base) noexcept;
   [[nodiscard]] StepStatus advance(const JointTargets& targets) noexcept;
 
   WorldSpec spec_;
@@ -199,6 +211,8 @@ class PhysicsBackend {
   JointVector torques_;
   RobotState next_;                 ///< read back here, so that a diverged state never replaces a good one
   Vector3 push_ = Vector3::Zero();  ///< N s, pending
+  std::vector<BodyWrench> wrenches_;
+  std::vector<Pose> poses_;  ///< of the bodies, where a wrench acts
   bool diverged_ = false;
 };
 

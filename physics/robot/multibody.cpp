@@ -35,20 +35,6 @@ Vector6 motion_subspace(const Body& body, const Pose& X_WB, const Vector3& p_WO)
   return result;
 }
 
-/// Jacobian of the velocity of a body's centre of mass; rows in W, columns [v_WB, w_WB, qd].
-Eigen::Matrix3Xd centre_of_mass_jacobian(const RobotDescription& robot, const std::vector<Pose>& poses,
-                                         int body) {
-  const auto at = [](int i) { return static_cast<std::size_t>(i); };
-  const Vector3 p_WC = poses[at(body)] * robot.bodies[at(body)].inertia.p_BC;
-  Eigen::Matrix3Xd J = Eigen::Matrix3Xd::Zero(3, 6 + robot.joint_count());
-  J.leftCols<3>().setIdentity();
-  J.middleCols<3>(3) = -skew(p_WC - poses[0].translation());
-  for (int i = body; i > 0; i = robot.bodies[at(i)].parent) {
-    J.col(6 + i - 1) = motion_subspace(robot.bodies[at(i)], poses[at(i)], p_WC).head<3>();
-  }
-  return J;
-}
-
 RobotState at_zero_angles(const RobotDescription& robot) {
   RobotState state;
   state.q = JointVector::Zero(robot.joint_count());
@@ -72,6 +58,33 @@ void forward_kinematics(const RobotDescription& robot, const RobotState& state, 
     poses[i] =
         poses[static_cast<std::size_t>(body.parent)] * body.X_PB * Eigen::AngleAxisd(angle, body.joint.axis);
   }
+}
+
+void forward_velocities(const RobotDescription& robot, const RobotState& state,
+                        const std::vector<Pose>& poses, std::vector<BodyVelocity>& velocities) {
+  velocities.resize(robot.bodies.size());
+  velocities[0] = {state.v_WB, state.w_WB};
+  for (std::size_t i = 1; i < robot.bodies.size(); ++i) {
+    const Body& body = robot.bodies[i];
+    const auto parent = static_cast<std::size_t>(body.parent);
+    const BodyVelocity& of_parent = velocities[parent];
+    const Vector3 way = poses[i].translation() - poses[parent].translation();
+    velocities[i].v = of_parent.v + of_parent.w.cross(way);
+    velocities[i].w =
+        of_parent.w + poses[i].linear() * body.joint.axis * state.qd[static_cast<Eigen::Index>(i) - 1];
+  }
+}
+
+Eigen::MatrixXd point_jacobian(const RobotDescription& robot, const std::vector<Pose>& poses, int body,
+                               const Vector3& p_BP) {
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  const Vector3 p_WP = poses[at(body)] * p_BP;
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, 6 + robot.joint_count());
+  J.topLeftCorner<6, 6>().setIdentity();
+  J.block<3, 3>(0, 3) = -skew(p_WP - poses[0].translation());
+  for (int i = body; i > 0; i = robot.bodies[at(i)].parent)
+    J.col(6 + i - 1) = motion_subspace(robot.bodies[at(i)], poses[at(i)], p_WP);
+  return J;
 }
 
 Eigen::MatrixXd mass_matrix(const RobotDescription& robot, const RobotState& state) {
@@ -126,7 +139,8 @@ std::vector<double> translational_inverse_weights(const RobotDescription& robot,
   const Eigen::Index size = M.rows();
   std::vector<double> weights;
   for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
-    const Eigen::MatrixXd J = centre_of_mass_jacobian(robot, poses, static_cast<int>(i)).rightCols(size);
+    const Eigen::MatrixXd J = point_jacobian(robot, poses, static_cast<int>(i), robot.bodies[i].inertia.p_BC)
+                                  .topRightCorner(3, size);
     weights.push_back(size == 0 ? 0 : (J * M.solve(J.transpose())).trace() / 3);
   }
   return weights;

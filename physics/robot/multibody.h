@@ -13,6 +13,22 @@ namespace crossgait {
 /// size).
 void forward_kinematics(const RobotDescription& robot, const RobotState& state, std::vector<Pose>& poses);
 
+/// Velocity of a body in W: of its origin (m/s), and angular (rad/s).
+struct BodyVelocity {
+  Vector3 v = Vector3::Zero(), w = Vector3::Zero();
+};
+
+/// Velocities of all bodies. @param poses  of the same state. `velocities` is resized as `poses` is there.
+void forward_velocities(const RobotDescription& robot, const RobotState& state,
+                        const std::vector<Pose>& poses, std::vector<BodyVelocity>& velocities);
+
+/// Jacobian of a point that is fixed in a body, 6 x (6 + joints): rows are the velocity of the point and the
+/// body's angular velocity in W, columns [v_WB, w_WB, qd] as those of `mass_matrix`. Source: Featherstone,
+/// Rigid Body Dynamics Algorithms, 2008, section 4.1.
+/// @param p_BP  in the body's frame, m
+Eigen::MatrixXd point_jacobian(const RobotDescription& robot, const std::vector<Pose>& poses, int body,
+                               const Vector3& p_BP);
+
 /// Joint-space inertia by the composite-rigid-body algorithm (Featherstone, Rigid Body Dynamics Algorithms,
 /// 2008, section 6.2) in world axes, including armature. Rows and columns [v_WB, w_WB, qd], of size 6 +
 /// joints.

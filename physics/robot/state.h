@@ -27,6 +27,19 @@ struct RobotState {
   Pose X_WB() const { return make_pose(q_WB, p_WB); }
 };
 
+/// A force and a torque together, in W.
+struct Wrench {
+  Vector3 force = Vector3::Zero();   ///< N
+  Vector3 torque = Vector3::Zero();  ///< N m
+};
+
+/// What pulls at one body from outside, the force at a point of it.
+struct BodyWrench {
+  int body = 0;  ///< index into RobotDescription::bodies
+  Wrench wrench;
+  Vector3 p_BP = Vector3::Zero();  ///< in the body's frame, m
+};
+
 /// Position targets of the actuated joints, in the order of `RobotDescription::actuated_joints()`, rad.
 struct JointTargets {
   JointVector q;

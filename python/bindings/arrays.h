@@ -28,6 +28,7 @@ struct NumpyEmpty {
   nb::handle empty = nb::module_::import_("numpy").attr("empty").inc_ref();
   nb::handle bool_type = nb::module_::import_("numpy").attr("bool_").inc_ref();
   nb::handle int64_type = nb::module_::import_("numpy").attr("int64").inc_ref();
+  nb::handle float_type = nb::module_::import_("builtins").attr("float").inc_ref();
   nb::handle object_type = nb::module_::import_("builtins").attr("object").inc_ref();
 
   static const NumpyEmpty& get() {

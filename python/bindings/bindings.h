@@ -15,6 +15,7 @@ void bind_terrain(nb::module_& m);
 void bind_world(nb::module_& m);
 void bind_kinematics(nb::module_& m);
 void bind_gait(nb::module_& m);
+void bind_batch(nb::module_& m);
 void bind_environment_config(nb::module_& m);
 void bind_environment(nb::module_& m);
 void bind_vector_environment(nb::module_& m);

@@ -9,6 +9,7 @@
 #include "backends/registry.h"
 #include "parity/report.h"
 #include "python/bindings/arrays.h"
+#include "python/bindings/batch.h"
 #include "python/bindings/bindings.h"
 #include "python/bindings/busy.h"
 #include "python/bindings/json.h"
@@ -36,6 +37,7 @@ Environment make_environment(const EnvConfig& config, const std::string& engine)
 
 nb::object reset(Environment& self, std::uint64_t seed) {
   const NewArray<double> observation(self.env->observation_size());
+  ++self.revision;
   {
     const Working working(&self);
     self.env->reset(seed, {observation.data, self.env->observation_size()});
@@ -48,6 +50,7 @@ nb::tuple step(Environment& self, const AnyArray& action) {
   const auto numbers = doubles(action, std::array{self.env->action_size()}, "action", self.action);
   const NewArray<double> observation(self.env->observation_size());
   StepResult result;
+  ++self.revision;
   {
     const Working working(&self);
     result = self.env->step(numbers, {observation.data, self.env->observation_size()});
@@ -56,8 +59,21 @@ nb::tuple step(Environment& self, const AnyArray& action) {
   return nb::make_tuple(observation.array, result.reward, result.terminated, result.truncated);
 }
 
+nb::object observe_start(Environment& self) {
+  const NewArray<double> observation(self.env->observation_size());
+  self.env->observe_start({observation.data, self.env->observation_size()});
+  self.bounds.find({observation.data, self.env->observation_size()}, self.outside);
+  return observation.array;
+}
+
 nb::dict info_of(const Environment& self) {
-  return info(self.env->info(), self.env->config().reward, self.bounds.names(self.outside));
+  nb::dict made = info(self.env->info(), self.env->config().reward, self.bounds.names(self.outside));
+  if (const EnvExtension* own = self.env->extension(); own != nullptr) {
+    const std::span<const double> values = own->reward_terms();
+    for (std::size_t i = 0; i < values.size(); ++i)
+      made["reward_terms"][self.env->config().extension->reward_terms[i].c_str()] = values[i];
+  }
+  return made;
 }
 
 nb::object parameters_of(const QuadrupedEnv& env) {
@@ -114,7 +130,16 @@ void bind_view(nb::module_& m) {
              v.envs->set_command(v.index, {vx, vy, yaw_rate});
            }),
            nb::arg("vx"), nb::arg("vy") = 0, nb::arg("yaw_rate") = 0,
-           "Asks for another velocity until its episode ends, m/s and rad/s.");
+           "Asks for another velocity until its episode ends, m/s and rad/s.")
+      .def("save", guarded([](const EnvironmentView& v) {
+             return std::const_pointer_cast<QuadrupedEnv::Saved>(v.get().save());
+           }),
+           "Everything that the rest of its episode depends on. Raises ConfigError before the first reset.")
+      .def("restore", guarded([](EnvironmentView& v, const QuadrupedEnv::Saved& saved) {
+             v.envs->restore(v.index, saved);
+           }),
+           nb::arg("saved"),
+           "Continues there, bit for bit; its later episodes are those that they were. Raises ConfigError.");
 }
 
 }  // namespace
@@ -123,6 +148,15 @@ void bind_environment(nb::module_& m) {
   m.def("derived_seed", &derived_seed, nb::arg("seed"), nb::arg("index"),
         "Seed of the index-th thing that hangs on `seed`: an environment of a vector, an episode of a "
         "rollout.");
+  m.def(
+      "reward_terms",
+      [] {
+        nb::dict all;
+        for (const RewardTerm& term : reward_terms())
+          all[std::string(term.name).c_str()] = std::string(term.help);
+        return all;
+      },
+      nb::sig("def reward_terms() -> dict[str, str]"), "What the names of the table of rewards mean.");
   nb::class_<QuadrupedEnv::Saved>(m, "SavedEpisode",
                                   "An instant of an episode: restoring it continues bit for bit.");
   bind_view(m);
@@ -146,6 +180,7 @@ void bind_environment(nb::module_& m) {
       .def_prop_ro("info", guarded(&info_of), nb::sig("def info(self) -> dict[str, typing.Any]"),
                    "What is known of the last step; of the start after `reset`.")
       .def("set_command", guarded([](Environment& e, double vx, double vy, double yaw_rate) {
+             ++e.revision;
              e.env->set_command({vx, vy, yaw_rate});
            }),
            nb::arg("vx"), nb::arg("vy") = 0, nb::arg("yaw_rate") = 0,
@@ -154,9 +189,18 @@ void bind_environment(nb::module_& m) {
              return std::const_pointer_cast<QuadrupedEnv::Saved>(e.env->save());
            }),
            "Everything that the rest of the episode depends on. Raises ConfigError before the first reset.")
-      .def("restore",
-           guarded([](Environment& e, const QuadrupedEnv::Saved& saved) { e.env->restore(saved); }),
-           nb::arg("saved"), "Raises ConfigError if it is of another configuration or engine.");
+      .def("restore", guarded([](Environment& e, const QuadrupedEnv::Saved& saved) {
+             ++e.revision;
+             e.env->restore(saved);
+           }),
+           nb::arg("saved"), "Raises ConfigError if it is of another configuration or engine.")
+      .def("observe_start", guarded(&observe_start),
+           nb::sig("def observe_start(self) -> numpy.typing.NDArray[numpy.float64]"),
+           "The first observation anew, of what was set since `reset`. Raises ConfigError after a step.")
+      .def("batch", guarded([](Environment& e) {
+             return Batch{&e, &e.revision, nullptr, e.env.get(), &e.revision};
+           }),
+           nb::keep_alive<0, 1>(), "It as arrays of one row, and what changes it between steps.");
 }
 
 }  // namespace crossgait::python

@@ -18,6 +18,7 @@ struct Environment {
   ObservationBounds bounds;
   std::vector<double> action = {};        ///< of float32
   std::vector<std::size_t> outside = {};  ///< of the last observation
+  std::uint64_t revision = 0;             ///< grows whenever something may have changed
 
   const QuadrupedEnv& get() const { return *env; }
 };

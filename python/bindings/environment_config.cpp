@@ -14,6 +14,7 @@
 #include "python/bindings/inputs.h"
 #include "python/bindings/json.h"
 #include "python/bindings/robot.h"
+#include "python/bindings/terms.h"
 
 namespace crossgait::python {
 namespace {
@@ -216,7 +217,10 @@ void bind_saying(nb::class_<EnvConfig>& c) {
                                 nb::repr(to_python(to_json(config))).c_str());
            })
       .def(
-          "__eq__", [](const EnvConfig& a, const EnvConfig& b) { return to_yaml(a) == to_yaml(b); },
+          "__eq__",
+          [](const EnvConfig& a, const EnvConfig& b) {
+            return a.extension == b.extension && to_yaml(a) == to_yaml(b);
+          },
           nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
       .def("__hash__", [](const EnvConfig& config) { return std::hash<std::string>()(to_yaml(config)); })
       .def("__getstate__", [](const EnvConfig& config) { return to_yaml(config); })
@@ -234,6 +238,7 @@ void bind_environment_config(nb::module_& m) {
       "Immutable.");
   bind_making(config);
   bind_saying(config);
+  bind_terms(config);
 }
 
 }  // namespace crossgait::python

@@ -15,6 +15,7 @@ NB_MODULE(_core, m) {
   bind_terrain(m);
   bind_world(m);
   bind_environment_config(m);
+  bind_batch(m);
   bind_environment(m);
   bind_vector_environment(m);
   bind_policy(m);

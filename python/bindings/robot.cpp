@@ -3,15 +3,19 @@
 #include <filesystem>
 #include <map>
 
+#include <fmt/ranges.h>
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
 #include "ik/leg_kinematics.h"
+#include "physics/core/error.h"
 #include "physics/robot/multibody.h"
+#include "physics/robot/robot_identity.h"
 #include "physics/robot_files/data_path.h"
 #include "python/bindings/bindings.h"
 
@@ -22,20 +26,6 @@ Robot load(const std::string& name_or_file) {
   LoadedRobot loaded = load_robot_with_report(find_robot(name_or_file));
   return {name_or_file, std::make_shared<const RobotDescription>(std::move(loaded.robot)),
           std::move(loaded.report)};
-}
-
-std::vector<std::string> joint_names(const RobotDescription& robot, bool actuated_only) {
-  std::vector<std::string> names;
-  for (int i = 0; i < robot.joint_count(); ++i) {
-    if (!actuated_only || robot.joint(i).actuated) names.push_back(robot.joint(i).name);
-  }
-  return names;
-}
-
-std::vector<std::string> body_names(const RobotDescription& robot) {
-  std::vector<std::string> names;
-  for (const Body& body : robot.bodies) names.push_back(body.name);
-  return names;
 }
 
 nb::list visuals(const RobotDescription& robot) {
@@ -96,7 +86,46 @@ nb::list inferences(const Robot& robot) {
   return all;
 }
 
+// What a robot is loaded by anywhere on this machine, and what tells whether it is still the same.
+nb::tuple pickled(const Robot& robot) {
+  const std::string from =
+      std::filesystem::exists(robot.from) ? std::filesystem::absolute(robot.from).string() : robot.from;
+  const std::string hash = identity_hash(*robot.description);
+  if (identity_hash(*load(from).description) != hash)
+    throw ConfigError(from, "robot", "a robot as its file says, to be pickled",
+                      "another: the file has changed, or an environment has set servos");
+  return nb::make_tuple(from, hash);
+}
+
+Robot unpickled(const std::string& from, const std::string& hash) {
+  Robot robot = load(from);
+  if (identity_hash(*robot.description) != hash)
+    throw ConfigError(from, "robot", "the robot that was pickled", "another: its file has changed");
+  return robot;
+}
+
 }  // namespace
+
+std::vector<std::string> joint_names(const RobotDescription& robot, bool actuated_only) {
+  std::vector<std::string> names;
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    if (!actuated_only || robot.joint(i).actuated) names.push_back(robot.joint(i).name);
+  }
+  return names;
+}
+
+std::vector<std::string> body_names(const RobotDescription& robot) {
+  std::vector<std::string> names;
+  for (const Body& body : robot.bodies) names.push_back(body.name);
+  return names;
+}
+
+int body_index(const RobotDescription& robot, const std::string& name, const std::string& source) {
+  for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
+    if (robot.bodies[i].name == name) return static_cast<int>(i);
+  }
+  throw ConfigError(source, "body", fmt::format("one of {}", fmt::join(body_names(robot), ", ")), name);
+}
 
 Robot robot_of(const RobotChoice& choice) {
   const auto* robot = std::get_if<Robot>(&choice);
@@ -167,6 +196,11 @@ void bind_robot(nb::module_& m) {
             return to_yaml({*r.description, r.report}, r.report.file);
           },
           "The whole robot.yaml: with it beside the robot's file nothing is inferred.")
+      .def("__getstate__", &pickled, nb::sig("def __getstate__(self) -> tuple[str, str]"))
+      .def("__setstate__",
+           [](Robot& r, const std::pair<std::string, std::string>& state) {
+             new (&r) Robot(unpickled(state.first, state.second));
+           })
       .def("__repr__", [](const Robot& r) {
         return "<crossgait.Robot '" + r.description->name +
                "': " + std::to_string(r.description->joint_count()) + " joints, " +

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "physics/robot_files/robot_report.h"
 
@@ -21,5 +22,10 @@ struct Robot {
 using RobotChoice = std::variant<Robot, std::filesystem::path>;
 /// @throws ConfigError for one that cannot be read
 Robot robot_of(const RobotChoice& choice);
+
+std::vector<std::string> joint_names(const RobotDescription& robot, bool actuated_only);
+std::vector<std::string> body_names(const RobotDescription& robot);
+/// @throws ConfigError naming `source`, listing the names
+int body_index(const RobotDescription& robot, const std::string& name, const std::string& source);
 
 }  // namespace crossgait::python

@@ -4,6 +4,7 @@
 #include "env/vector_env.h"
 #include "physics/core/error.h"
 #include "python/bindings/arrays.h"
+#include "python/bindings/batch.h"
 #include "python/bindings/bindings.h"
 #include "python/bindings/busy.h"
 #include "python/bindings/environment.h"
@@ -42,7 +43,8 @@ const void* identity_of(const VectorEnvironment& v) noexcept { return v.envs.get
 AutoReset auto_reset_of(const std::string& name) {
   if (name == "next_step") return AutoReset::kNextStep;
   if (name == "same_step") return AutoReset::kSameStep;
-  throw ConfigError("vector environment", "auto_reset", "next_step or same_step", name);
+  if (name == "disabled") return AutoReset::kDisabled;
+  throw ConfigError("vector environment", "auto_reset", "next_step, same_step or disabled", name);
 }
 
 VectorEnvironment make(const EnvConfig& config, std::size_t environments, const std::string& engine,
@@ -102,6 +104,38 @@ nb::tuple step(VectorEnvironment& self, const AnyArray& actions) {
                         keeps_final ? last.array : nb::none());
 }
 
+using Observations = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+// The rows of the caller's array, which are written where `which` says.
+std::span<double> rows_of(const VectorEnvironment& self, const AnyArray& which, const Observations& array) {
+  const std::size_t count = self.envs->size(), width = self.envs->observation_size();
+  if (which.ndim() != 1 || which.size() != count || which.dtype() != nb::dtype<bool>())
+    throw ConfigError("vector environment", "which", "bool of shape (" + std::to_string(count) + ",)",
+                      "another array");
+  if (array.shape(0) != count || array.shape(1) != width)
+    throw ConfigError("vector environment", "observations", "shape " + shape_text(std::array{count, width}),
+                      "shape " + shape_text(std::array{array.shape(0), array.shape(1)}));
+  return {array.data(), count * width};
+}
+
+void reset_some(VectorEnvironment& self, const AnyArray& which, const Observations& observations) {
+  const std::span<double> rows = rows_of(self, which, observations);
+  const std::span flags(static_cast<const std::uint8_t*>(which.data()), which.size());
+  const Working working(identity_of(self));
+  self.envs->reset_some(flags, rows);
+  self.find_outside(rows.data(), self.outside);
+}
+
+void observe_start(VectorEnvironment& self, const AnyArray& which, const Observations& observations) {
+  const std::span<double> rows = rows_of(self, which, observations);
+  const std::size_t width = self.envs->observation_size();
+  for (std::size_t i = 0; i < self.envs->size(); ++i) {
+    if (static_cast<const bool*>(which.data())[i])
+      self.envs->edit(i).observe_start(rows.subspan(i * width, width));
+  }
+  self.find_outside(rows.data(), self.outside);
+}
+
 nb::dict infos_of(const VectorEnvironment& self) {
   return infos(
       self.envs->size(), self.weights(), [&](std::size_t i) { return &self.envs->environment(i).info(); },
@@ -140,7 +174,8 @@ void bind_vector_environment(nb::module_& m) {
       "call raises RuntimeError.")
       .def(nb::new_(&make), nb::arg("config"), nb::arg("environments"), nb::kw_only(), nb::arg("engine") = "",
            nb::arg("workers") = 1, nb::arg("auto_reset") = "next_step",
-           "`auto_reset` is next_step or same_step, as Gymnasium's AutoresetMode. Raises ConfigError.")
+           "`auto_reset` is next_step, same_step or disabled, as Gymnasium's AutoresetMode. Raises "
+           "ConfigError.")
       .def_prop_ro("size", guarded([](const VectorEnvironment& v) { return v.envs->size(); }))
       .def_prop_ro("workers", guarded([](const VectorEnvironment& v) { return v.envs->workers(); }))
       .def_prop_ro("config",
@@ -169,6 +204,22 @@ void bind_vector_environment(nb::module_& m) {
            "arrays, the caller's to keep. With same_step rows of `final_observations` are set where an "
            "episode ended in "
            "this step, and mean nothing elsewhere; with next_step it is None. Raises ConfigError.")
+      .def("reset_some", guarded(&reset_some), nb::arg("which"), nb::arg("observations").noconvert(),
+           nb::sig("def reset_some(self, which: numpy.typing.NDArray[numpy.bool_], observations: "
+                   "numpy.typing.NDArray[numpy.float64]) -> None"),
+           "Begins the next episode of those, and writes their rows of `observations`, the caller's float64 "
+           "array. "
+           "Raises ConfigError.")
+      .def("observe_start", guarded(&observe_start), nb::arg("which"), nb::arg("observations").noconvert(),
+           nb::sig("def observe_start(self, which: numpy.typing.NDArray[numpy.bool_], observations: "
+                   "numpy.typing.NDArray[numpy.float64]) -> None"),
+           "Writes the first observations of those anew, of what was set since their episode began. Raises "
+           "ConfigError "
+           "after a step of it.")
+      .def("batch", guarded([](VectorEnvironment& v) {
+             return Batch{identity_of(v), &v.envs->revision(), v.envs.get(), nullptr, nullptr};
+           }),
+           nb::keep_alive<0, 1>(), "All as arrays, and what changes them between steps.")
       .def("environment", guarded(&environment_of), nb::arg("index"), nb::keep_alive<0, 1>(),
            "One of them, to look at. Raises IndexError.")
       .def("infos", guarded(&infos_of), nb::sig("def infos(self) -> dict[str, typing.Any]"),

@@ -3,12 +3,14 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include "backends/registry.h"
+#include "env/env_arrays.h"
 #include "physics/core/error.h"
 #include "physics/robot/multibody.h"
 #include "python/bindings/arrays.h"
@@ -58,6 +60,44 @@ std::unique_ptr<PhysicsBackend> make_world(const RobotChoice& chosen, const Terr
   return world;
 }
 
+int body_of(const PhysicsBackend& world, const std::variant<int, std::string>& body) {
+  if (const auto* name = std::get_if<std::string>(&body)) return body_index(world.robot(), *name, "world");
+  const int index = std::get<int>(body);
+  if (index < 0 || index > world.robot().joint_count())
+    throw nb::index_error(("body " + std::to_string(index)).c_str());
+  return index;
+}
+
+Vector3 point_of(const PhysicsBackend& world, int body, const nb::object& point) {
+  return point.is_none() ? world.robot().bodies[static_cast<std::size_t>(body)].inertia.p_BC
+                         : vector3(point, "point");
+}
+
+void apply_wrench(PhysicsBackend& world, const std::variant<int, std::string>& body, const nb::object& force,
+                  const nb::object& torque, const nb::object& point) {
+  const int index = body_of(world, body);
+  const Vector3 moment = torque.is_none() ? Vector3(Vector3::Zero()) : vector3(torque, "torque");
+  world.apply_wrench({index, {vector3(force, "force"), moment}, point_of(world, index, point)});
+}
+
+std::pair<Vector3, Vector3> body_velocity(const PhysicsBackend& world,
+                                          const std::variant<int, std::string>& body) {
+  std::vector<Pose> poses;
+  std::vector<BodyVelocity> velocities;
+  forward_kinematics(world.robot(), world.state(), poses);
+  forward_velocities(world.robot(), world.state(), poses, velocities);
+  const BodyVelocity& of = velocities[static_cast<std::size_t>(body_of(world, body))];
+  return {of.v, of.w};
+}
+
+Eigen::MatrixXd jacobian(const PhysicsBackend& world, const std::variant<int, std::string>& body,
+                         const nb::object& point) {
+  std::vector<Pose> poses;
+  forward_kinematics(world.robot(), world.state(), poses);
+  const int index = body_of(world, body);
+  return point_jacobian(world.robot(), poses, index, point_of(world, index, point));
+}
+
 const char* step(PhysicsBackend& world, const nb::object& targets, int substeps) {
   if (substeps < 1) throw ConfigError("world", "substeps", "at least 1", std::to_string(substeps));
   const JointTargets joints{joint_vector(targets, "targets")};
@@ -66,11 +106,32 @@ const char* step(PhysicsBackend& world, const nb::object& targets, int substeps)
     const Working working(&world);
     status = world.step(joints, substeps);
   }
+  if (status != StepStatus::kInvalidTargets) world.clear_wrenches();
   if (status == StepStatus::kInvalidTargets)
     throw ConfigError(
         "world", "targets", std::to_string(world.robot().actuated_joints().size()) + " finite numbers, rad",
         std::to_string(joints.q.size()) + " numbers" + (joints.q.allFinite() ? "" : ", not all finite"));
   return status == StepStatus::kOk ? "ok" : "diverged";
+}
+
+// What `write` puts down, as an array of its own.
+nb::object numbers_of_state(std::size_t size, const RobotState& state,
+                            void (*write)(const RobotState&, double*)) {
+  const NewArray<double> made(size);
+  write(state, made.data);
+  return made.array;
+}
+
+// Sizes the joints by what is given.
+void set_numbers(RobotState& state, const nb::object& given, const char* what, Eigen::Index first,
+                 JointVector RobotState::*joints, void (*read)(const double*, RobotState&)) {
+  const auto array = numbers_of(given);
+  const Eigen::Index count = vector_of(array, what).size() - first;
+  if (count < 0 || count > kMaxJoints)
+    throw ConfigError("state", what, std::to_string(first) + " numbers of the base and one for each joint",
+                      std::to_string(count + first) + " numbers");
+  (state.*joints).resize(count);
+  read(array.data(), state);
 }
 
 std::vector<Eigen::Matrix4d> poses(const RobotDescription& robot, const RobotState& state) {
@@ -113,6 +174,32 @@ void bind_state(nb::module_& m) {
           "qd", [](const RobotState& s) { return Eigen::VectorXd(s.qd); },
           [](RobotState& s, const nb::object& qd) { s.qd = joint_vector(qd, "qd"); },
           "Joint velocities, rad/s.")
+      .def_prop_rw(
+          "qpos",
+          [](const RobotState& s) {
+            return numbers_of_state(7 + static_cast<std::size_t>(s.q.size()), s, &write_qpos);
+          },
+          [](RobotState& s, const nb::object& qpos) {
+            set_numbers(s, qpos, "qpos", 7, &RobotState::q, &read_qpos);
+          },
+          nb::for_getter(nb::sig("def qpos(self) -> numpy.typing.NDArray[numpy.float64]")),
+          nb::for_setter(nb::sig("def qpos(self, qpos: numpy.typing.ArrayLike, /) -> None")),
+          "p_WB, q_WB (w, x, y, z) and q in one array of its own: m, -, rad. MuJoCo's order, but for the "
+          "joints', "
+          "which is `Robot.joints`.")
+      .def_prop_rw(
+          "qvel",
+          [](const RobotState& s) {
+            return numbers_of_state(6 + static_cast<std::size_t>(s.qd.size()), s, &write_qvel);
+          },
+          [](RobotState& s, const nb::object& qvel) {
+            set_numbers(s, qvel, "qvel", 6, &RobotState::qd, &read_qvel);
+          },
+          nb::for_getter(nb::sig("def qvel(self) -> numpy.typing.NDArray[numpy.float64]")),
+          nb::for_setter(nb::sig("def qvel(self, qvel: numpy.typing.ArrayLike, /) -> None")),
+          "v_WB, w_WB and qd in one array of its own: m/s, rad/s. The angular velocity is in W; MuJoCo's "
+          "free joint "
+          "has it in the base's frame.")
       .def_prop_ro(
           "roll_pitch_yaw", [](const RobotState& s) { return roll_pitch_yaw(s.q_WB); }, "rad.")
       .def("__repr__", [](const RobotState& s) {
@@ -187,12 +274,26 @@ void bind_world(nb::module_& m) {
                      return std::vector<FootContact>(feet.begin(), feet.end());
                    }),
                    "Contacts of the feet FL, FR, RL, RR.")
-      .def("body_pose", guarded([](const PhysicsBackend& w, int body) {
-             if (body < 0 || body > w.robot().joint_count())
-               throw nb::index_error(("body " + std::to_string(body)).c_str());
-             return Eigen::Matrix4d(w.body_pose(body).matrix());
+      .def("body_pose", guarded([](const PhysicsBackend& w, const std::variant<int, std::string>& body) {
+             return Eigen::Matrix4d(w.body_pose(body_of(w, body)).matrix());
            }),
-           nb::arg("body"), "Pose in W as the engine has it, 4 x 4.")
+           nb::arg("body"), "Pose of a body, by name or index, in W as the engine has it, 4 x 4.")
+      .def("body_velocity", guarded(&body_velocity), nb::arg("body"),
+           "Velocity of a body's origin (m/s) and its angular velocity (rad/s), both in W.")
+      .def("jacobian", guarded(&jacobian), nb::arg("body"), nb::arg("point").none() = nb::none(),
+           nb::sig("def jacobian(self, body: int | str, point: numpy.typing.ArrayLike | None = None) -> "
+                   "numpy.typing.NDArray[numpy.float64]"),
+           "Of a point of a body (its frame, m; None: its centre of mass), 6 x the columns of `State.qvel`: "
+           "velocity "
+           "of the point and angular velocity of the body, both in W, are jacobian @ qvel.")
+      .def("apply_wrench", guarded(&apply_wrench), nb::arg("body"), nb::arg("force"),
+           nb::arg("torque").none() = nb::none(), nb::arg("point").none() = nb::none(),
+           nb::sig(
+               "def apply_wrench(self, body: int | str, force: numpy.typing.ArrayLike, torque: "
+               "numpy.typing.ArrayLike | None = None, point: numpy.typing.ArrayLike | None = None) -> None"),
+           "Lets a force (N) and torque (N m), in W, act on a body during the next call of `step`, the force "
+           "at a "
+           "point of the body's frame (m; None: its centre of mass). Wrenches add up. Raises ConfigError.")
       .def("mass_matrix", guarded(&PhysicsBackend::mass_matrix),
            "Joint-space inertia with armature; rows and columns v_WB, w_WB, qd (the joints alone with a "
            "fixed base).")

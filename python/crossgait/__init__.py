@@ -8,6 +8,7 @@ True
 from __future__ import annotations
 
 from crossgait._core import (
+    Batch,
     Contact,
     Controller,
     Engine,
@@ -61,11 +62,13 @@ from crossgait.studies import (
     verdict,
     walk,
 )
+from crossgait.terms import Terms, with_terms
 from crossgait.traces import Trace
 
 __version__ = version()
 
 __all__ = [
+    "Batch",
     "Bench",
     "CompareResult",
     "ConfigError",
@@ -88,6 +91,7 @@ __all__ = [
     "Snapshot",
     "StartRanges",
     "State",
+    "Terms",
     "Terrain",
     "Trace",
     "Transfer",
@@ -118,4 +122,5 @@ __all__ = [
     "tune",
     "verdict",
     "walk",
+    "with_terms",
 ]

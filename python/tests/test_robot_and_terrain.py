@@ -1,13 +1,15 @@
 from __future__ import annotations
 
 import gc
+import pickle
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import crossgait
-from crossgait import ConfigError, Robot, Terrain
+from crossgait import ConfigError, EnvironmentConfig, Robot, Terrain, _core
 
 
 @pytest.mark.parametrize("name", crossgait.robots())
@@ -88,3 +90,18 @@ def test_bad_terrains_are_refused() -> None:
         Terrain.from_heights(np.zeros((2, 2), dtype=np.float32), size_x=-1, size_y=1)
     with pytest.raises(ConfigError, match="as many"):
         Terrain().height(np.zeros(2), np.zeros(3))
+
+
+def test_a_robot_is_pickled_by_its_file_and_refused_once_that_changes(tmp_path: Path) -> None:
+    robot = Robot.load("serial_quadruped")
+    assert pickle.loads(pickle.dumps(robot)).to_yaml() == robot.to_yaml()
+    for name in ("robot.urdf", "robot.yaml"):
+        shutil.copy(Path(crossgait.models_dir(), "robots/serial_quadruped", name), tmp_path / name)
+    kept = pickle.dumps(Robot.load(tmp_path / "robot.yaml"))
+    urdf = tmp_path / "robot.urdf"
+    urdf.write_text(urdf.read_text().replace('<mass value="5.2"/>', '<mass value="5.3"/>'))
+    with pytest.raises(ConfigError, match="its file has changed"):
+        pickle.loads(kept)
+    changed = _core.Environment(EnvironmentConfig(action="joints", servos={"kp": 7.5})).robot
+    with pytest.raises(ConfigError, match="an environment has set servos"):
+        pickle.dumps(changed)

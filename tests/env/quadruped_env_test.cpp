@@ -369,5 +369,68 @@ TEST_P(Environment, KeepsWhatBeginsOutsideItsRange) {
   }
 }
 
+TEST_P(Environment, IsChangedBetweenStepsAndContinuesFromWhatWasSaved) {
+  QuadrupedEnv env = make_env({});
+  std::vector<double> seen(env.observation_size()), expected = seen;
+  EXPECT_THROW(env.set_state({}), ConfigError);
+  env.reset(0, seen);
+  const std::vector<double> first = seen;
+  env.observe_start(seen);
+  EXPECT_EQ(seen, first);  // nothing was set
+  for (int i = 0; i < 5; ++i) env.step(zeros(env), seen);
+  const auto saved = env.save();
+  for (int i = 0; i < 5; ++i) env.step(zeros(env), expected);
+
+  env.restore(*saved);
+  const double distance = env.info().distance;
+  RobotState lifted = env.world().state();
+  lifted.p_WB += Vector3(3, -1, 0.1);
+  lifted.q_WB = from_roll_pitch_yaw(0, 0, 1) * lifted.q_WB;
+  env.set_state(lifted);
+  EXPECT_NEAR(env.info().distance, distance, 1e-9);  // neither way nor turn is made: rounding of metres
+  EXPECT_LT(std::abs(env.info().roll_pitch_yaw.z()), 0.1);
+  EXPECT_EQ(env.world().state().time, saved->physics.state.time);
+  env.apply_wrench({0, {{0, 0, 1}}});
+  env.set_changes({parse_quantity_change("mass=x1.5", "test")});
+  env.step(zeros(env), seen);
+  EXPECT_EQ(env.world().save().wrenches.size(), 0U);  // of one step
+
+  env.restore(*saved);
+  EXPECT_TRUE(env.changes().empty());
+  for (int i = 0; i < 5; ++i) env.step(zeros(env), seen);
+  EXPECT_EQ(seen, expected);
+
+  env.set_changes({parse_quantity_change("mass=x1", "test")});  // the same world, built anew
+  env.restore(*saved);
+  for (int i = 0; i < 5; ++i) env.step(zeros(env), seen);
+  EXPECT_EQ(seen, expected);
+  EXPECT_THROW(env.set_changes({parse_quantity_change("physics_dt=0.0005", "test")}), ConfigError);
+  EXPECT_THROW(env.observe_start(seen), ConfigError);
+  env.end_episode(true);
+  EXPECT_THROW(env.apply_wrench({}), ConfigError);
+  EXPECT_TRUE(env.step(zeros(env), seen).terminated);
+}
+
+TEST(FootTimes, CountSwingsAndStances) {
+  LegArray<FootContact> contacts{};
+  FootTimes times;
+  times.begin(contacts);
+  times.add(contacts, 0.25);
+  contacts[Leg::FL].touching = true;
+  times.add(contacts, 0.25);
+  EXPECT_TRUE(times.landed[Leg::FL]);
+  EXPECT_FALSE(times.landed[Leg::RR]);
+  EXPECT_EQ(times.last_air[Leg::FL], 0.5);
+  EXPECT_EQ(times.contact[Leg::FL], 0.25);
+  EXPECT_EQ(times.air[Leg::RR], 0.5);
+  times.add(contacts, 0.25);
+  EXPECT_FALSE(times.landed[Leg::FL]);
+  contacts[Leg::FL].touching = false;
+  times.add(contacts, 0.25);
+  EXPECT_TRUE(times.lifted[Leg::FL]);
+  EXPECT_EQ(times.last_contact[Leg::FL], 0.75);
+  EXPECT_EQ(times.air[Leg::FL], 0.25);
+}
+
 }  // namespace
 }  // namespace crossgait

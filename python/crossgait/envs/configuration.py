@@ -8,12 +8,15 @@ from typing import Any
 from crossgait._core import EnvironmentConfig, available_engines
 from crossgait.errors import ConfigError
 from crossgait.inputs import EnvironmentLike, as_environment
+from crossgait.terms import Terms, with_terms
 
 ConfigLike = EnvironmentLike | None
 
 
-def make_config(action: str, config: ConfigLike, keys: Mapping[str, Any]) -> EnvironmentConfig:
-    """Read `config` and set `keys` in it; those that are None leave it as it is.
+def make_config(
+    action: str, config: ConfigLike, keys: Mapping[str, Any], terms: Terms | None = None
+) -> EnvironmentConfig:
+    """Read `config` and set `keys` in it, and `terms`; those that are None leave it as it is.
 
     Without a `config`, or in a mapping that does not say so, the action is `action` and the engine the first available
     one. Raises ConfigError, also if the configuration's action is another than `action`, "gait" or "joints".
@@ -26,4 +29,5 @@ def make_config(action: str, config: ConfigLike, keys: Mapping[str, Any]) -> Env
     if made.action != action:
         raise ConfigError("config", "action", f"{action}, which this environment is of", made.action)
     given = {key: value for key, value in keys.items() if value is not None}
-    return made.updated(given, "keyword arguments") if given else made
+    made = made.updated(given, "keyword arguments") if given else made
+    return made if terms is None else with_terms(made, terms)

@@ -17,6 +17,7 @@ from crossgait.envs.seeds import episode_seed, refuse_options
 from crossgait.envs.spaces import action_space, observation_dtype, observation_space
 from crossgait.inputs import EngineLike, TerrainLike
 from crossgait.layout import EnvironmentLayout
+from crossgait.terms import Terms
 
 Observation = npt.NDArray[np.float64] | npt.NDArray[np.float32]
 
@@ -31,6 +32,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
     Attributes:
         core: the environment of the core, with `state`, `robot`, `terrain`, `foot_contacts`, `summary()`, `save()`,
             `restore()`.
+        batch: its state as arrays of one row, and what changes it: `set_state`, `apply_wrench`, `set_parameters`.
         layout: names, units and bounds of observation and action.
 
     """
@@ -45,6 +47,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         *,
         engine: EngineLike | None = None,
         terrain: TerrainLike | None = None,
+        terms: Terms | None = None,
         dtype: npt.DTypeLike = np.float64,
         render_mode: str | None = None,
         width: int = 640,
@@ -59,6 +62,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
                 defaults.
             engine: in the place of the configuration's; see `crossgait.available_engines()`.
             terrain: the same; a `Terrain`, or what makes one.
+            terms: rewards, observations, terminations, events and curricula of your own.
             dtype: of observations, float64 or float32.
             render_mode: "rgb_array", "depth_array" or "human" (a window).
             width: of frames, pixels.
@@ -71,8 +75,9 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
             ConfigError: for a configuration that is wrong, naming the key.
 
         """
-        made = make_config(self.action, config, {"engine": engine, "terrain": terrain} | keys)
+        made = make_config(self.action, config, {"engine": engine, "terrain": terrain} | keys, terms)
         self.core = _core.Environment(made)
+        self.batch = self.core.batch()
         self.layout = EnvironmentLayout.of(self.core)
         self._dtype = observation_dtype(dtype)
         self._single = self._dtype == np.float32

@@ -19,9 +19,11 @@ from crossgait.envs.quadruped_env import Observation
 from crossgait.envs.render_mode import Drawn, known_camera, known_render_mode
 from crossgait.envs.seeds import episode_seed, refuse_options
 from crossgait.envs.spaces import action_space, observation_dtype, observation_space
+from crossgait.envs.termed_vector import TermedVectorEnvironment
 from crossgait.errors import ConfigError
 from crossgait.inputs import EngineLike, TerrainLike
 from crossgait.layout import EnvironmentLayout
+from crossgait.terms import Terms
 
 Flags = npt.NDArray[np.bool_]
 
@@ -44,6 +46,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
 
     Attributes:
         core: the vector environment of the core; `core.environment(i)` looks at one of them.
+        batch: the state of all as arrays, and what changes it: `set_state`, `apply_wrench`, `set_parameters`.
         layout: names, units and bounds of one observation and action.
 
     """
@@ -63,6 +66,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         *,
         engine: EngineLike | None = None,
         terrain: TerrainLike | None = None,
+        terms: Terms | None = None,
         workers: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         max_episode_steps: int | None = None,
@@ -80,6 +84,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
             config: as of `QuadrupedEnv`; so are engine, terrain, dtype, width, height, camera and keys.
             engine: the engine of all.
             terrain: the ground of all.
+            terms: as of `QuadrupedEnv`; they see all environments at once.
             workers: threads; as many as the process may use cores, but no more than environments, unless given.
             autoreset_mode: what happens at the end of an episode, NEXT_STEP or SAME_STEP.
             max_episode_steps: ends episodes earlier than the configuration does.
@@ -94,7 +99,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
             ConfigError: for what is wrong, naming the key.
 
         """
-        made = make_config(self.action, config, {"engine": engine, "terrain": terrain} | keys)
+        made = make_config(self.action, config, {"engine": engine, "terrain": terrain} | keys, terms)
         if max_episode_steps is not None:
             seconds = min(made.episode_seconds, max_episode_steps * made.policy_dt)
             made = make_config(self.action, made, {"episode_seconds": seconds})
@@ -103,8 +108,14 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
             raise ConfigError("vector environment", "num_envs", "at least 1", str(num_envs))
         if workers is None:
             workers = min(num_envs, len(os.sched_getaffinity(0)))
-        self.core = _core.VectorEnvironment(made, num_envs, workers=workers, auto_reset=_AUTO_RESET[mode])
-        self.layout = EnvironmentLayout.of(self.core.environment(0))
+        self.core: _core.VectorEnvironment | TermedVectorEnvironment
+        if made.terms is None:
+            self.core = _core.VectorEnvironment(made, num_envs, workers=workers, auto_reset=_AUTO_RESET[mode])
+            self.layout = EnvironmentLayout.of(self.core.environment(0))
+        else:
+            self.core = TermedVectorEnvironment(made, num_envs, workers=workers, auto_reset=_AUTO_RESET[mode])
+            self.layout = EnvironmentLayout.of(self.core)
+        self.batch = self.core.batch()
         self.num_envs = num_envs
         self._dtype = observation_dtype(dtype)
         self.single_observation_space = observation_space(self.layout, self._dtype)
@@ -122,7 +133,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
     @property
     def config(self) -> _core.EnvironmentConfig:
         """What all are made of."""
-        return self.core.environment(0).config
+        return self.core.config
 
     @property
     def episode_seeds(self) -> npt.NDArray[np.uint64]:

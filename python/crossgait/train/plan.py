@@ -14,6 +14,7 @@ from crossgait import _core
 from crossgait._core import EnvironmentConfig, PolicyInterface
 from crossgait.errors import ConfigError
 from crossgait.sweep.strict_yaml import parse_yaml, read_yaml, write_yaml
+from crossgait.terms import Terms, with_terms
 from crossgait.train.keys import (
     COMMAND,
     HIERARCHY,
@@ -88,6 +89,9 @@ class Plan:
         if not isinstance(given, dict):
             raise ConfigError(source, "file", "a mapping", shown(given))
         given = json.loads(json.dumps(given))
+        if "terms" in given:
+            expected = "none: they are functions of the program that trained, which begins with Plan.with_terms"
+            raise ConfigError(source, "terms", expected, shown(given["terms"]))
         for change in changes:
             _apply_change(given, change)
         document = filled(source, given, TABLE)
@@ -98,6 +102,25 @@ class Plan:
         plan = Plan(source, document, stages, _evaluated(source, document, stages[-1].environment))
         _check(plan)
         return plan if document["hierarchy"] is None else replace(plan, parts=_parts(plan, folder or Path()))
+
+    def with_terms(self, terms: Terms) -> Plan:
+        """Return the plan with `terms` in all of its environments, for a `Trainer` of this process.
+
+        The file names them, and so cannot be trained from: functions are in no file. Raises ConfigError, also for a
+        hierarchical policy, whose parts see other observations.
+        """
+        if self.parts:
+            raise ConfigError(self.source, "terms", "none of a hierarchical policy", "some")
+        stages = tuple(
+            replace(
+                stage,
+                environment=with_terms(stage.environment, terms),
+                mix=tuple(replace(share, environment=with_terms(share.environment, terms)) for share in stage.mix),
+            )
+            for stage in self.stages
+        )
+        document = self.document | {"terms": terms.names}
+        return replace(self, document=document, stages=stages, evaluated=with_terms(self.evaluated, terms))
 
     def to_yaml(self) -> str:
         """The whole, with every default."""

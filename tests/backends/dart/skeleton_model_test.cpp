@@ -66,7 +66,7 @@ TEST(SkeletonModel, ForwardDynamicsAreThoseOfItsInertiaAndJacobians) {
     DofVector rest = DofVector::Zero(machine.v.size());
     machine.model.place(machine.X_WC, machine.q, rest);
     DofVector a = rest, force = rest, Ma(rest.size());
-    machine.model.free_velocity(1, push, a);  // a step of 1 s from rest: the acceleration
+    machine.model.free_velocity(1, {push}, a);  // a step of 1 s from rest: the acceleration
     PointJacobian J;
     for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
       const int body = static_cast<int>(i);

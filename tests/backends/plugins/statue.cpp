@@ -23,7 +23,7 @@ class StatueBackend final : public PhysicsBackend {
     pose_.v_WB = pose_.w_WB = Vector3::Zero();
     pose_.qd.setZero();
   }
-  StepStatus do_step(const JointVector&, const Vector3&) noexcept override { return StepStatus::kOk; }
+  StepStatus do_step(const JointVector&, const Wrench&) noexcept override { return StepStatus::kOk; }
   void do_read_state(RobotState& state) const noexcept override { state = pose_; }
   void do_read_contacts(ContactList&) const noexcept override {}
   double do_terrain_height(double x, double y) const override { return spec().terrain.height(x, y); }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "physics/robot/actuator.h"
+#include "physics/robot/multibody.h"
 #include "tests/physics/core/config_error.h"
 #include "tests/physics/robot_files/scratch_robot.h"
 #include "tests/support/constants.h"
@@ -31,13 +32,15 @@ class Puppet : public PhysicsBackend {
   std::vector<double> memory;             // that the engine saves
   std::vector<JointVector> torques_seen;  // step by step
   std::vector<Vector3> pushes_seen;       // likewise
+  std::vector<Vector3> turns_seen;        // torques on the base, likewise
   mutable std::vector<int> bodies_seen;
 
  private:
   void do_reset(const RobotState& state) override { now = state; }
-  StepStatus do_step(const JointVector& tau, const Vector3& push) noexcept override {
+  StepStatus do_step(const JointVector& tau, const Wrench& base) noexcept override {
     torques_seen.push_back(tau);
-    pushes_seen.push_back(push);
+    pushes_seen.push_back(base.force);
+    turns_seen.push_back(base.torque);
     if (move) move(now);
     return answer;
   }
@@ -383,6 +386,53 @@ TEST(SharedPush, IsSpreadOverTheNextPhysicsStep) {
   ASSERT_EQ(world.step(target(0)), StepStatus::kOk);
   EXPECT_EQ(world.pushes_seen.back(), Vector3(0, 0, 0));
   EXPECT_EQ(config_error([&] { world.apply_push({0, kNaN, 0}); }).element(), "impulse");
+}
+
+TEST(SharedWrench, HasThePowerOfItsGeneralisedForces) {
+  Puppet world(puppet_world());
+  RobotState state = turning();
+  state.q << 0.7, -0.4;
+  state.qd << 1.5, -2;
+  world.reset(state);
+  const BodyWrench pull{2, {{3, -2, 5}, {0.1, 0.2, -0.3}}, {0.02, -0.01, -0.1}};
+  world.apply_wrench(pull);
+  ASSERT_EQ(world.step(target(0), 2), StepStatus::kOk);
+  world.clear_wrenches();
+  ASSERT_EQ(world.step(target(0)), StepStatus::kOk);
+  // The puppet does not move: what is different between the steps is the wrench.
+  const JointVector tau = world.torques_seen[0] - world.torques_seen[2];
+  EXPECT_EQ(world.torques_seen[1], world.torques_seen[0]);
+  EXPECT_EQ(world.torques(), world.torques_seen[2]);  // of servos and damping alone
+  std::vector<Pose> poses;
+  std::vector<BodyVelocity> velocities;
+  forward_kinematics(world.robot(), state, poses);
+  forward_velocities(world.robot(), state, poses, velocities);
+  const auto velocity = [&](std::size_t body, const Vector3& p_BP) {
+    return Vector3(velocities[body].v + velocities[body].w.cross(poses[body].linear() * p_BP));
+  };
+  const double of_body =
+      pull.wrench.force.dot(velocity(2, pull.p_BP)) + pull.wrench.torque.dot(velocities[2].w);
+  const double of_robot = world.pushes_seen[0].dot(velocity(0, world.robot().bodies[0].inertia.p_BC)) +
+                          world.turns_seen[0].dot(velocities[0].w) + tau.dot(state.qd);
+  EXPECT_NEAR(of_robot, of_body, 1e-13);  // rounding of sums of some 10 W
+  EXPECT_GT(tau.norm(), 0.1);
+  EXPECT_EQ(world.turns_seen[2], Vector3(0, 0, 0));
+}
+
+TEST(SharedWrench, IsOfABodyFiniteAndOneOfSoMany) {
+  Puppet world(puppet_world());
+  world.reset(turning());
+  EXPECT_EQ(config_error([&] { world.apply_wrench({3, {}}); }).element(), "body");
+  EXPECT_EQ(config_error([&] { world.apply_wrench({0, {{kNaN, 0, 0}}}); }).element(), "wrench");
+  for (std::size_t i = 0; i < kMaxWrenches; ++i) world.apply_wrench({0, {{1, 0, 0}}});
+  EXPECT_EQ(config_error([&] { world.apply_wrench({0, {{1, 0, 0}}}); }).element(), "wrenches");
+  const Snapshot saved = world.save();
+  world.reset();
+  ASSERT_EQ(world.step(target(0)), StepStatus::kOk);
+  EXPECT_EQ(world.pushes_seen.back(), Vector3(0, 0, 0));
+  world.restore(saved);
+  ASSERT_EQ(world.step(target(0)), StepStatus::kOk);
+  EXPECT_EQ(world.pushes_seen.back(), Vector3(64, 0, 0));
 }
 
 Contact touch_of(int leg, double distance, const Vector3& force, double slip = 0) {

@@ -69,6 +69,36 @@ double kinetic_energy(const RobotDescription& robot, const RobotState& state) {
   return energy;
 }
 
+TEST(Multibody, JacobianAndVelocitiesAreDifferencesOfPoses) {
+  constexpr double dt = 1e-5;
+  const Vector3 p_BP(0.03, -0.02, 0.05);
+  for (const char* name : kRobots) {
+    const RobotDescription robot = load_model(name);
+    std::mt19937 random(3);
+    const RobotState state = random_state(robot, random);
+    std::vector<Pose> before, after, now;
+    std::vector<BodyVelocity> velocities;
+    forward_kinematics(robot, advanced(state, -dt), before);
+    forward_kinematics(robot, advanced(state, dt), after);
+    forward_kinematics(robot, state, now);
+    forward_velocities(robot, state, now, velocities);
+    for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
+      const Eigen::MatrixXd J = point_jacobian(robot, now, static_cast<int>(i), p_BP);
+      const Eigen::Matrix<double, 6, 1> moved = J * velocity(state);
+      const Eigen::AngleAxisd turn(after[i].linear() * before[i].linear().transpose());
+      const Vector3 v = (after[i] * p_BP - before[i] * p_BP) / (2 * dt),
+                    w = turn.axis() * turn.angle() / (2 * dt);
+      // Third order in dt with rates up to 10 rad/s: 1e-10 * 1e3 / 6 and rounding, 1e-16 / dt.
+      EXPECT_LT((moved.head<3>() - v).norm(), 1e-7) << name << i;
+      EXPECT_LT((moved.tail<3>() - w).norm(), 1e-7) << name << i;
+      const Vector3 at_point = velocities[i].v + velocities[i].w.cross(now[i].linear() * p_BP);
+      // The same sums in another order: rounding of numbers up to 20.
+      EXPECT_LT((at_point - moved.head<3>()).norm(), 1e-13) << name << i;
+      EXPECT_LT((velocities[i].w - moved.tail<3>()).norm(), 1e-13) << name << i;
+    }
+  }
+}
+
 TEST(Multibody, PendulumHasTheTextbookInertia) {
   RobotDescription robot = pendulum_chain(1);
   robot.bodies[1].joint.armature = 0.01;

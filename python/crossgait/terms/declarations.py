@@ -1,0 +1,155 @@
+"""What terms are: a function each, with its weight and parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from crossgait._core import reward_terms
+from crossgait.errors import ConfigError
+
+#: Observation groups: what the policy sees, and what a critic may see besides.
+GROUPS = ("policy", "critic")
+#: When events happen: as environments are made, as an episode begins, or now and then within one.
+MODES = ("startup", "reset", "interval")
+
+Params = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class RewardTerm:
+    """`weight` times `function(env, **params)`, an array (n,), is added to every step's reward."""
+
+    function: Callable[..., Any]
+    weight: float = 1.0
+    params: Params = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ObservationTerm:
+    """Numbers of `function(env, **params)`, an array (n,) or (n, k).
+
+    Of a number x the group shows clip(scale (x + n)), n uniform in +-noise.
+    """
+
+    function: Callable[..., Any]
+    params: Params = field(default_factory=dict)
+    scale: float = 1.0
+    clip: float = math.inf
+    noise: float = 0.0
+
+
+@dataclass(frozen=True)
+class TerminationTerm:
+    """Ends the episodes where `function(env, **params)`, a bool array (n,), is true: truncated with `time_out`."""
+
+    function: Callable[..., Any]
+    params: Params = field(default_factory=dict)
+    time_out: bool = False
+
+
+@dataclass(frozen=True)
+class EventTerm:
+    """Calls `function(env, indices, **params)`, which changes the environments of `indices` (an int array).
+
+    `mode` is "startup" (once, in the first episode), "reset" (as an episode begins, before its first observation) or
+    "interval" (within episodes, after times drawn uniformly from `interval`, s).
+    """
+
+    function: Callable[..., Any]
+    mode: str = "reset"
+    interval: tuple[float, float] | None = None
+    params: Params = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class CurriculumTerm:
+    """Calls `function(env, indices, **params)` when the episodes of `indices` have ended, before the next begin."""
+
+    function: Callable[..., Any]
+    params: Params = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Terms:
+    """Terms by name, beside the tables of the configuration.
+
+    Every function takes `env`, a `crossgait.Batch` of all environments, first. A term may be an object that is called
+    and remembers: it has a `reset(env, indices)`, which is called when episodes begin. Each batch of environments has a
+    copy of it.
+
+    Attributes:
+        rewards: names are none of the table's.
+        observations: terms by group, "policy" and "critic".
+
+    Raises:
+        ConfigError: for what is no term, or none of its place.
+
+    """
+
+    rewards: Mapping[str, RewardTerm] = field(default_factory=dict)
+    observations: Mapping[str, Mapping[str, ObservationTerm]] = field(default_factory=dict)
+    terminations: Mapping[str, TerminationTerm] = field(default_factory=dict)
+    events: Mapping[str, EventTerm] = field(default_factory=dict)
+    curriculum: Mapping[str, CurriculumTerm] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check all of it."""
+        for group in self.observations:
+            if group not in GROUPS:
+                raise ConfigError("terms", "observations", f"groups of {', '.join(GROUPS)}", str(group))
+            _check(f"observations.{group}", self.observations[group], ObservationTerm)
+        _check("rewards", self.rewards, RewardTerm)
+        _check("terminations", self.terminations, TerminationTerm)
+        _check("events", self.events, EventTerm)
+        _check("curriculum", self.curriculum, CurriculumTerm)
+        for name in self.rewards:
+            if name in reward_terms():
+                raise ConfigError("terms", f"rewards.{name}", "a name that is none of the table's", "one of them")
+        for name, event in self.events.items():
+            _check_event(name, event)
+
+    @property
+    def names(self) -> list[str]:
+        """Of all terms: "rewards.feet_air_time"."""
+        names = []
+        for each in fields(self):
+            members = getattr(self, each.name)
+            groups = (
+                {f"{each.name}.{g}": t for g, t in members.items()}
+                if each.name == "observations"
+                else {each.name: members}
+            )
+            names += [f"{place}.{name}" for place, terms in groups.items() for name in terms]
+        return names
+
+
+def _check(place: str, terms: Mapping[str, Any], kind: type) -> None:
+    for name, term in terms.items():
+        if not isinstance(term, kind):
+            raise ConfigError("terms", f"{place}.{name}", f"a {kind.__name__}", type(term).__name__)
+        function = getattr(term, "function", None)
+        if not callable(function):
+            raise ConfigError("terms", f"{place}.{name}", "a function", repr(function))
+        for key in ("weight", "scale", "noise"):
+            if not math.isfinite(getattr(term, key, 0.0)):
+                raise ConfigError("terms", f"{place}.{name}", f"a finite {key}", repr(getattr(term, key)))
+        if getattr(term, "noise", 0.0) < 0 or not getattr(term, "clip", 1.0) > 0:
+            raise ConfigError("terms", f"{place}.{name}", "noise >= 0 and clip > 0", repr(term))
+
+
+def _check_event(name: str, event: EventTerm) -> None:
+    place = f"events.{name}"
+    if event.mode not in MODES:
+        raise ConfigError("terms", f"{place}.mode", ", ".join(MODES), repr(event.mode))
+    if (event.mode == "interval") != (event.interval is not None):
+        raise ConfigError("terms", f"{place}.interval", "(min, max) s, of mode interval alone", repr(event.interval))
+    if event.interval is not None and not 0 < event.interval[0] <= event.interval[1] < math.inf:
+        raise ConfigError("terms", f"{place}.interval", "0 < min <= max", repr(event.interval))
+
+
+def function_name(function: Callable[..., Any]) -> str:
+    """For messages."""
+    return getattr(function, "__name__", type(function).__name__)

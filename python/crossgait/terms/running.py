@@ -1,0 +1,223 @@
+"""Terms at work: what their functions return, checked, for the environments of a batch."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from crossgait._core import Batch
+from crossgait.errors import ConfigError
+from crossgait.terms.declarations import ObservationTerm, Terms
+
+FloatArray = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+Indices = npt.NDArray[np.intp]
+
+#: What the core holds of Python's: see python/bindings/terms.cpp.
+held: dict[int, Any] = {}
+
+LARGEST = 1e6  #: numbers of observations stay within it, as the spaces of environments say
+
+
+class RunningTerms:
+    """The terms of a batch of environments; it remembers what is to come of events, and the last rewards.
+
+    Attributes:
+        reward_values: of the last `rewards`, weighted, by name, each (n,).
+
+    """
+
+    def __init__(self, terms: Terms, env: Batch) -> None:
+        """Nothing is called before `begin`."""
+        # What remembers is of these environments alone.
+        self._remembering: list[Any] = []
+        self.terms, self.env = self._own(terms), env
+        self.reward_values: dict[str, FloatArray] = {}
+        self._count = env.num_envs
+        self._started = False
+        self._intervals = {name: event for name, event in terms.events.items() if event.mode == "interval"}
+        self._due = {name: np.zeros(self._count) for name in self._intervals}
+
+    def _own(self, terms: Terms) -> Terms:
+        def mine(members: Mapping[str, Any]) -> dict[str, Any]:
+            return {name: self._copied(term) for name, term in members.items()}
+
+        observations = {group: mine(members) for group, members in terms.observations.items()}
+        parts = (terms.terminations, terms.events, terms.curriculum)
+        return Terms(mine(terms.rewards), observations, *map(mine, parts))
+
+    def _copied(self, term: Any) -> Any:
+        if not hasattr(term.function, "reset"):
+            return term
+        function = copy.deepcopy(term.function)
+        self._remembering.append(function)
+        return replace(term, function=function)
+
+    def seed(self, seed: int) -> None:
+        """Begin the random numbers of terms anew."""
+        self.env.random = np.random.default_rng(seed)
+
+    def begin(self, indices: Indices) -> bool:
+        """Episodes of `indices` have begun; return whether events may have changed them."""
+        for function in self._remembering:
+            function.reset(self.env, indices)
+        changed = False
+        for name, event in self.terms.events.items():
+            if event.mode == "reset" or (event.mode == "startup" and not self._started):
+                event.function(self.env, indices, **event.params)
+                changed = True
+            elif event.mode == "interval":
+                self._draw(name, indices)
+        self._started = True
+        return changed
+
+    def _draw(self, name: str, indices: Indices) -> None:
+        low, high = self._intervals[name].interval or (0.0, 0.0)
+        self._due[name][indices] = self.env.random.uniform(low, high, len(indices))
+
+    def change(self, going: Flags) -> None:
+        """Do the events of mode interval that are due, where episodes go on."""
+        for name, event in self._intervals.items():
+            due = self._due[name]
+            due -= self.env.step_dt
+            indices = np.flatnonzero((due <= 1e-9) & going)  # rounding of sums of time steps
+            if len(indices):
+                event.function(self.env, indices, **event.params)
+                self._draw(name, indices)
+
+    def end(self, indices: Indices) -> None:
+        """Episodes of `indices` have ended, and the next are about to begin."""
+        for term in self.terms.curriculum.values():
+            term.function(self.env, indices, **term.params)
+
+    def terminations(self) -> tuple[Flags, Flags]:
+        """Return which episodes terms terminate and truncate."""
+        ended = np.zeros((2, self._count), np.bool_)
+        for name, term in self.terms.terminations.items():
+            value = np.asarray(term.function(self.env, **term.params))
+            if value.dtype != np.bool_ or value.shape != (self._count,):
+                raise _wrong(f"terminations.{name}", f"bool of shape ({self._count},)", value)
+            ended[int(term.time_out)] |= value
+        return ended[0], ended[1]
+
+    def rewards(self) -> FloatArray:
+        """Return the sum of weight times value, (n,)."""
+        total = np.zeros(self._count)
+        for name, term in self.terms.rewards.items():
+            value = np.asarray(term.function(self.env, **term.params), np.float64)
+            if value.shape != (self._count,):
+                raise _wrong(f"rewards.{name}", f"shape ({self._count},)", value)
+            value = term.weight * value
+            self.reward_values[name] = value
+            total += value
+        # One look at the sum: what is not finite does not leave it.
+        if not np.isfinite(total).all():
+            for name, value in self.reward_values.items():
+                _check_finite(f"rewards.{name}", value)
+        return total
+
+    def observe(self, group: str) -> FloatArray:
+        """Return the numbers of a group's terms beside each other, (n, width)."""
+        terms = self.terms.observations.get(group, {})
+        parts = [self._observe(f"observations.{group}.{name}", term) for name, term in terms.items()]
+        return np.concatenate(parts, axis=1) if parts else np.zeros((self._count, 0))
+
+    def _observe(self, place: str, term: ObservationTerm) -> FloatArray:
+        value = np.asarray(term.function(self.env, **term.params), np.float64)
+        if value.ndim == 1:
+            value = value[:, None]
+        if value.ndim != 2 or value.shape[0] != self._count:
+            raise _wrong(place, f"shape ({self._count},) or ({self._count}, k)", value)
+        if term.noise:
+            value = value + self.env.random.uniform(-term.noise, term.noise, value.shape)
+        if term.scale != 1:
+            value = value * term.scale
+        if term.clip < np.inf:
+            value = value.clip(-term.clip, term.clip)
+        if not (np.abs(value) <= LARGEST).all():
+            _check_finite(place, value)
+            raise ConfigError("terms", place, f"numbers within +-{LARGEST:g}", f"{np.abs(value).max():g}")
+        return value
+
+    def save(self) -> Any:
+        """What the rest depends on."""
+        remembered = [vars(function) for function in self._remembering]
+        return copy.deepcopy((self.env.random.bit_generator.state, self._due, self._started, remembered))
+
+    def restore(self, saved: Any) -> None:
+        """Continue there."""
+        state, due, self._started, remembered = copy.deepcopy(saved)
+        for function, attributes in zip(self._remembering, remembered, strict=True):
+            vars(function).update(attributes)
+        self.env.random.bit_generator.state = state
+        for name, times in due.items():
+            self._due[name][:] = times
+
+
+class EpisodeTerms:
+    """The terms of one environment, as the core calls them: `_core.EnvironmentConfig._with_terms`."""
+
+    def __init__(self, terms: Terms, env: Batch) -> None:
+        """Of a batch of one."""
+        self.running = RunningTerms(terms, env)
+        self._one = np.zeros(1, np.intp)
+        self._going = np.ones(1, np.bool_)
+        self._begun = False
+
+    def begin(self, seed: int) -> None:
+        """An episode has begun."""
+        if self._begun:
+            self.running.end(self._one)
+        self._begun = True
+        self.running.seed(seed)
+        self.running.begin(self._one)
+
+    def step(self) -> tuple[float, bool, bool, list[float]]:
+        """Reward of a step, whether it ends the episode (terminated, truncated), and the rewards of terms."""
+        terminated, truncated = self.running.terminations()
+        reward = self.running.rewards()
+        values = [float(value[0]) for value in self.running.reward_values.values()]
+        return float(reward[0]), bool(terminated[0]), bool(truncated[0]), values
+
+    def change(self) -> None:
+        """The episode goes on."""
+        self.running.change(self._going)
+
+    def observe(self) -> FloatArray:
+        """What the policy sees beside the blocks."""
+        return np.asarray(self.running.observe("policy")[0])
+
+    def save(self) -> Any:
+        """As `RunningTerms.save`."""
+        return self.running.save()
+
+    def restore(self, saved: Any) -> None:
+        """As `RunningTerms.restore`."""
+        self.running.restore(saved)
+
+
+def _wrong(place: str, expected: str, value: npt.NDArray[Any]) -> ConfigError:
+    return ConfigError("terms", place, expected, f"{value.dtype} of shape {value.shape}")
+
+
+def _check_finite(place: str, value: FloatArray) -> None:
+    wrong = np.argwhere(~np.isfinite(value))
+    if len(wrong):
+        found = value[tuple(wrong[0])]
+        raise ConfigError("terms", place, "finite numbers", f"{found} in environment {wrong[0][0]}")
+
+
+def widths(terms: Terms, env: Batch) -> Mapping[str, dict[str, int]]:
+    """How many numbers each observation term has, by group; `env` has begun."""
+    running = RunningTerms(terms, env)
+    running.seed(0)
+    running.begin(np.arange(env.num_envs))
+    return {
+        group: {name: running._observe(f"observations.{group}.{name}", term).shape[1] for name, term in members.items()}
+        for group, members in terms.observations.items()
+    }

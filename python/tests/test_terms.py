@@ -1,0 +1,285 @@
+"""Terms in Python: alone, in vectors, in rollouts and verdicts."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+import training
+
+import crossgait
+import crossgait.envs
+from crossgait import ConfigError, EnvironmentConfig, _core, terms
+from crossgait.train import Plan
+from crossgait.train.trainer import Trainer
+
+Env = crossgait.Batch
+CONFIG = EnvironmentConfig(
+    action="joints", robot="serial_quadruped", settle_seconds=0.1, episode_seconds=0.2, command={"vx": 0.4}
+)
+
+
+def forward(env: Env) -> np.ndarray:
+    return env.base_linear_velocity_b[:, 0]
+
+
+def height(env: Env) -> np.ndarray:
+    return env.base_position[:, 2]
+
+
+def nothing(env: Env) -> np.ndarray:
+    return np.zeros(env.num_envs)
+
+
+def lift(env: Env, indices: np.ndarray, way: float) -> None:
+    qpos = env.qpos[indices]
+    qpos[:, 2] += way
+    env.set_state(qpos=qpos, indices=indices.tolist())
+
+
+def slow(env: Env, speed: float) -> np.ndarray:
+    return np.asarray((env.time > 0.09) & (np.abs(env.base_linear_velocity[:, 0]) < speed))
+
+
+EVERY = terms.Terms(
+    rewards={"forward": terms.RewardTerm(forward, weight=2.0), "air": terms.RewardTerm(terms.feet_air_time)},
+    observations={
+        "policy": {
+            "height": terms.ObservationTerm(height, scale=2.0),
+            "feet": terms.ObservationTerm(lambda e: e.foot_contacts),
+        },
+        "critic": {"forces": terms.ObservationTerm(lambda e: e.foot_forces.reshape(e.num_envs, -1))},
+    },
+    terminations={"slow": terms.TerminationTerm(slow, {"speed": 0.2})},
+    events={
+        "lift": terms.EventTerm(lift, params={"way": 0.05}),
+        "push": terms.EventTerm(terms.push_by_setting_velocity, "interval", (0.04, 0.08), {"speed": 0.3}),
+    },
+)
+
+
+def make(number: int, mine: terms.Terms | None, **keys: Any) -> crossgait.envs.JointControlVectorEnv:
+    return crossgait.envs.JointControlVectorEnv(number, CONFIG, terms=mine, **keys)
+
+
+def drawn(envs: crossgait.envs.JointControlVectorEnv, step: int) -> np.ndarray:
+    shape = (envs.num_envs, len(envs.layout.action))
+    return np.random.default_rng(step).uniform(-1, 1, shape)
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_terms_that_say_nothing_change_no_bit(mode: str) -> None:
+    silent = terms.Terms(rewards={"nothing": terms.RewardTerm(nothing)})
+    plain, termed = make(3, None, autoreset_mode=mode), make(3, silent, autoreset_mode=mode)
+    assert np.array_equal(plain.reset(seed=3)[0], termed.reset(seed=3)[0])
+    for step in range(25):
+        for a, b in zip(plain.step(drawn(plain, step))[:4], termed.step(drawn(termed, step))[:4], strict=True):
+            assert np.array_equal(a, b), step
+
+
+def test_one_environment_and_a_vector_of_one_are_the_same() -> None:
+    envs = make(1, EVERY)
+    seen, _ = envs.reset(seed=5)
+    env = gymnasium.make("Crossgait/JointControl-v0", config=CONFIG, terms=EVERY)
+    alone = env.unwrapped
+    assert isinstance(alone, crossgait.envs.QuadrupedEnv)
+    assert alone.layout == envs.layout
+    assert alone.layout.observation.names[-5:] == ("height", "feet[0]", "feet[1]", "feet[2]", "feet[3]")
+    first, _ = env.reset(seed=int(envs.episode_seeds[0]))
+    # Events of the vector draw from its own seed, those of one environment from the episode's; lifting draws none.
+    assert np.array_equal(first, seen[0])
+    result, alone_result = envs.step(drawn(envs, 0)), env.step(drawn(envs, 0)[0])
+    assert np.array_equal(result[0][0], alone_result[0])
+    assert result[1][0] == alone_result[1]
+    rewards = alone_result[4]["reward_terms"]
+    assert rewards["forward"] == pytest.approx(2 * forward(alone.batch)[0], abs=1e-12)
+    assert result[4]["reward_terms"]["forward"][0] == rewards["forward"]
+    assert alone.layout.hash != crossgait.envs.JointControlEnv(CONFIG).layout.hash
+
+
+def test_rewards_terminations_and_observations_are_what_the_functions_say() -> None:
+    envs = make(4, EVERY, autoreset_mode="SameStep")
+    plain = make(4, None, autoreset_mode="SameStep")
+    envs.reset(seed=1)
+    plain.reset(seed=1)
+    ended = False
+    for step in range(12):
+        observations, rewards, terminated, _, infos = envs.step(drawn(envs, step))
+        assert np.array_equal(observations[:, -5], 2 * envs.batch.base_position[:, 2])
+        shown = infos["final_info"] if terminated.any() else infos
+        of_terms = shown["reward_terms"]
+        assert np.isfinite(rewards).all()
+        if terminated.any():
+            ended = True
+            assert infos["final_obs"][np.flatnonzero(terminated)[0]].shape == observations[0].shape
+            assert np.array_equal(of_terms["_forward"], terminated)
+    assert ended  # random actions are slow
+    assert envs.core.group("critic").shape == (4, 12)
+
+
+def test_a_reward_in_five_lines_trains_and_rolls_out() -> None:
+    config = crossgait.with_terms(CONFIG, EVERY)
+    rolled = crossgait.rollout("zero", config, episodes=2, workers=2)
+    plain = crossgait.rollout("zero", CONFIG, episodes=2)
+    means = [r.to_frame()["total_reward"].mean() for r in (rolled, plain)]
+    assert means[0] != means[1]
+
+
+def test_a_verdict_judges_a_policy_that_sees_terms() -> None:
+    sizes: list[int] = []
+
+    def policy() -> Any:
+        def act(observation: np.ndarray) -> np.ndarray:
+            sizes.append(len(observation))
+            return np.full(12, 0.1 * observation[-5])
+
+        return act
+
+    config = crossgait.with_terms(CONFIG, terms.Terms(observations=EVERY.observations))
+    judged = crossgait.verdict(
+        crossgait.FunctionPolicy(policy),
+        environment=config,
+        engines=crossgait.available_engines()[:2],
+        starts=4,
+        workers=2,
+    )
+    assert judged.word
+    assert set(sizes) == {48 + 5}
+
+
+def test_what_cannot_carry_terms_says_so(tmp_path: Any) -> None:
+    config = crossgait.with_terms(CONFIG, EVERY)
+    assert config.updated(friction=0.5).terms is EVERY
+    with pytest.raises(ConfigError, match="functions of the program"):
+        pickle.loads(pickle.dumps(config))
+    with pytest.raises(ConfigError, match="functions of the program"):
+        EnvironmentConfig.parse(config.to_yaml())
+    assert "rewards.forward" in config.to_yaml()
+
+
+@pytest.mark.parametrize(
+    ("function", "found"),
+    [
+        (lambda env: np.full(env.num_envs, np.nan), "nan in environment 0"),
+        (lambda env: env.foot_forces, "shape (2, 4, 3)"),
+        (lambda env: 1.0, "shape ()"),
+    ],
+)
+def test_a_term_that_is_wrong_is_named(function: Any, found: str) -> None:
+    bad = terms.Terms(rewards={"mine": terms.RewardTerm(function)})
+    envs = make(2, bad)
+    envs.reset(seed=0)
+    with pytest.raises(ConfigError, match=r"rewards\.mine") as error:
+        envs.step(drawn(envs, 0))
+    assert found in str(error.value)
+    env = crossgait.envs.JointControlEnv(CONFIG, terms=bad)
+    env.reset(seed=0)
+    with pytest.raises(ConfigError, match=r"rewards\.mine"):
+        env.step(drawn(envs, 0)[0])
+
+
+def test_declarations_are_checked() -> None:
+    with pytest.raises(ConfigError, match="none of the table's"):
+        terms.Terms(rewards={"alive": terms.RewardTerm(nothing)})
+    with pytest.raises(ConfigError, match="a RewardTerm"):
+        terms.Terms(rewards={"mine": terms.ObservationTerm(nothing)})  # type: ignore[dict-item]
+    with pytest.raises(ConfigError, match="interval"):
+        terms.Terms(events={"push": terms.EventTerm(lift, "interval")})
+    with pytest.raises(ConfigError, match="policy, critic"):
+        terms.Terms(observations={"actor": {}})
+
+
+def test_saving_an_environment_saves_its_terms() -> None:
+    env = crossgait.envs.JointControlEnv(CONFIG, terms=EVERY)
+    env.reset(seed=2)
+    action = np.zeros(12)
+    env.step(action)
+    saved = env.core.save()
+    expected = [env.step(action)[0] for _ in range(3)]
+    env.core.restore(saved)
+    for observation in expected:
+        assert np.array_equal(env.step(action)[0], observation)
+
+
+def test_a_batch_whose_environment_is_gone_is_an_error() -> None:
+    kept: list[Env] = []
+
+    def keeping(env: Env) -> np.ndarray:
+        kept.append(env)
+        return nothing(env)
+
+    env = crossgait.envs.JointControlEnv(CONFIG, terms=terms.Terms(rewards={"mine": terms.RewardTerm(keeping)}))
+    env.reset(seed=0)
+    env.step(np.zeros(12))
+    array = kept[0].qpos
+    del env
+    import gc
+
+    gc.collect()
+    assert np.isfinite(array).all()  # NumPy's own
+    with pytest.raises(ConfigError, match="gone"):
+        _ = kept[0].qvel
+
+
+def test_curricula_and_remembering_terms_hear_of_episodes() -> None:
+    class Steps:
+        def __init__(self) -> None:
+            self.since: dict[int, int] = {}
+
+        def reset(self, env: Env, indices: np.ndarray) -> None:
+            self.since |= dict.fromkeys(indices.tolist(), 0)
+
+        def __call__(self, env: Env) -> np.ndarray:
+            self.since = {i: n + 1 for i, n in self.since.items()}
+            return np.array([self.since[i] for i in range(env.num_envs)], np.float64)
+
+    heard: list[list[int]] = []
+    mine = terms.Terms(
+        rewards={"steps": terms.RewardTerm(Steps())},
+        curriculum={"hear": terms.CurriculumTerm(lambda env, indices: heard.append(indices.tolist()))},
+    )
+    envs = make(2, mine, autoreset_mode="SameStep")
+    envs.reset(seed=0)
+    for _ in range(10):  # of 20 ms: an episode
+        infos = envs.step(np.zeros((2, 12)))[4]
+    assert heard == [[0, 1]]
+    assert infos["final_info"]["reward_terms"]["steps"].tolist() == [10, 10]
+
+
+def test_ready_terms_are_what_they_say() -> None:
+    core = _core.VectorEnvironment(CONFIG, 2)
+    core.reset(0)
+    batch = core.batch()
+    core.step(np.zeros((2, 12)))
+    middle = batch.joint_limits.mean(axis=1)
+    qpos = np.concatenate([[0, 0, 1, 1, 0, 0, 0], middle])
+    batch.set_state(qpos, np.zeros(18))
+    assert not terms.joint_pos_limits(batch).any()
+    qpos[7] = batch.joint_limits[0, 1]
+    batch.set_state(qpos)
+    half = np.diff(batch.joint_limits[0])[0] / 2
+    assert terms.joint_pos_limits(batch, soft=0.9) == pytest.approx([0.1 * half] * 2, abs=1e-9)
+    assert not terms.undesired_contacts(batch, ["trunk"]).any()
+    batch.set_state(np.concatenate([[0, 0, 0.05, 0, 1, 0, 0], middle]))  # on its back, in the ground
+    core.step(np.zeros((2, 12)))
+    assert terms.illegal_contact(batch, ["trunk"]).all()
+    assert terms.base_height_below(batch, 0.5).all()
+
+
+def test_a_plan_trains_with_terms_and_evaluates_them(tmp_path: Path) -> None:
+    mine = terms.Terms(
+        rewards={"forward": terms.RewardTerm(forward)},
+        observations={"policy": {"height": terms.ObservationTerm(height)}},
+    )
+    asked = {"engines": ["mujoco"], "episodes": 1, "final_episodes": 1, "every": 160}
+    plan = Plan.parse(training.small(steps=160, evaluation=asked, environments=2), "test")
+    trainer = Trainer(plan.with_terms(mine), tmp_path, resume=False)
+    trainer.run()
+    policy = crossgait.Policy.load(tmp_path / "last.safetensors", trainer.plan.evaluated)
+    assert policy.layout.observation.names[-1] == "height"
+    with pytest.raises(ConfigError, match=r"Plan\.with_terms"):
+        Plan.parse(trainer.plan.document, "again")
