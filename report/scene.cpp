@@ -62,7 +62,7 @@ class Shapes {
     bool dropped = false;
     for (const VisualShape& visual : body.visuals) {
       const bool is_mesh = visual.type == VisualType::kMesh;
-      const std::optional<std::size_t> index = 
+      const std::optional<std::size_t> index =
           is_mesh ? index_of(visual.mesh, detail_ / visual.scale.cwiseAbs().maxCoeff()) : std::nullopt;
       if (is_mesh && !index) {
         notes_.push_back(fmt::format("{} of {} is no {} mesh that can be read{}: {}",
