@@ -195,7 +195,7 @@ inline int leg_of_shape(const RobotDescription& robot, int body, int shape) {
   return -1;
 }
 
-/// Reads `robot.yaml` (which names its URDF or MJCF), or a bare `.urdf` or `.xml` (MJCF: mjcf_reader.h) with,
+/// Reads `robot.yaml` (which names its URDF, MJCF or SDF), or a bare file of these (robot_formats.h) with,
 /// if there is one, a `.yaml` of the same stem or `robot.yaml` beside it. What the files do not say is
 /// inferred (robot_inference.h, `load_robot_with_report`).
 /// @throws ConfigError naming file and element.

@@ -243,8 +243,8 @@ TEST_F(MjcfReader, AMeshGivesMassWhereNoneIsGiven) {
 
 TEST_F(MjcfReader, MeshesThatAreNotThereAreDroppedAndCounted) {
   MadeMjcf mjcf;
-  mjcf.asset = R"(<mesh name="gone" file="gone.stl"/><mesh name="ply" file="../gone.ply"/>)";
-  mjcf.thigh = R"(<geom type="mesh" mesh="gone" group="3"/><geom type="mesh" mesh="ply" group="3"/>
+  mjcf.asset = R"(<mesh name="gone" file="gone.stl"/><mesh name="foreign" file="../gone.ply"/>)";
+  mjcf.thigh = R"(<geom type="mesh" mesh="gone" group="3"/><geom type="mesh" mesh="foreign" group="3"/>
                   <geom type="mesh" mesh="gone" contype="0" conaffinity="0"/>)";
   const ParsedRobot robot = tree(mjcf);
   EXPECT_TRUE(body(robot, "FL_thigh").shapes.empty());

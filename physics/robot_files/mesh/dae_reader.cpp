@@ -22,8 +22,7 @@ namespace {
 
 using Transform = Eigen::Affine3d;
 
-constexpr std::size_t kMostNumbers = 8'000'000;  // read in all: 600,000 triangles with normals and texture
-constexpr std::size_t kMostInputs = 100;         // of a primitive
+constexpr std::size_t kMostInputs = 100;  // of a primitive
 
 /// A list of numbers, taken one by one: those of a mesh are many.
 class DaeNumbers {
@@ -31,7 +30,6 @@ class DaeNumbers {
   DaeNumbers(const TiXmlElement& element, const std::string& path) : element_(element), path_(path) {
     for (auto* node = element.FirstChild(); node != nullptr; node = node->NextSibling())
       if (node->ToText() != nullptr) text_ += node->ValueStr() + " ";
-    rest_ = text_;
   }
 
   bool next(double& number) {
@@ -49,7 +47,8 @@ class DaeNumbers {
     if (error != std::errc() || end != word.data() + word.size()) fail("whole numbers from 0 on", word);
     return true;
   }
-  /// As many as there have to be.
+  std::size_t size() const { return text_.size(); }  ///< bytes
+  /// Takes as many as there have to be.
   std::vector<double> all(std::size_t count) {
     std::vector<double> numbers;
     for (double number = 0; numbers.size() <= count && next(number);) numbers.push_back(number);
@@ -60,10 +59,10 @@ class DaeNumbers {
  private:
   std::string_view next_word_of() {
     constexpr std::string_view kBlanks = " \t\r\n";
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size()));
-    const std::string_view word = rest_.substr(0, rest_.find_first_of(kBlanks));
-    rest_.remove_prefix(word.size());
-    return word;
+    const std::string_view text = text_;
+    const std::size_t first = std::min(text.find_first_not_of(kBlanks, at_), text.size());
+    at_ = std::min(text.find_first_of(kBlanks, first), text.size());
+    return text.substr(first, at_ - first);
   }
   [[noreturn]] void fail(std::string_view expected, std::string_view found) const {
     throw ConfigError(path_, fmt::format("line {}, {}", element_.Row(), element_.Value()), expected,
@@ -73,7 +72,7 @@ class DaeNumbers {
   const TiXmlElement& element_;
   const std::string& path_;
   std::string text_;
-  std::string_view rest_;
+  std::size_t at_ = 0;
 };
 
 class DaeReader {
@@ -137,10 +136,16 @@ class DaeReader {
     if (++looked_at_ > kDaeBudget.values)
       fail(e, fmt::format("at most {} elements, each as often as it is shown", kDaeBudget.values), "more");
   }
-  void count_numbers(const TiXmlElement& e, std::size_t more) {
-    numbers_ += more;
-    if (numbers_ > kMostNumbers)
-      fail(e, fmt::format("at most {} numbers, each as often as it is shown", kMostNumbers), "more");
+  /// Takes the numbers in an element. Their text counts as often as it is read, as much as a file may have.
+  DaeNumbers numbers_in(const TiXmlElement& e) {
+    DaeNumbers numbers(e, path_);
+    bytes_ += numbers.size();
+    if (bytes_ > kMeshBudget.bytes)
+      fail(e,
+           fmt::format("at most {} of numbers, each as often as it is shown",
+                       size_in_words(kMeshBudget.bytes)),
+           "more");
+    return numbers;
   }
 
   /// Adds what nodes inside an element show. They nest, and name each other, as deep as elements may.
@@ -169,20 +174,20 @@ class DaeReader {
   }
 
   /// What an element of a node moves it by; the identity for elements that do not.
-  Transform transform_of(const TiXmlElement& e) const {
+  Transform transform_of(const TiXmlElement& e) {
     const std::string& tag = e.ValueStr();
     Transform X = Transform::Identity();
     if (tag == "matrix") {
-      const std::vector<double> m = DaeNumbers(e, path_).all(16);
+      const std::vector<double> m = numbers_in(e).all(16);
       for (Eigen::Index row = 0; row < 3; ++row)
         for (Eigen::Index column = 0; column < 4; ++column)
           X.matrix()(row, column) = m[static_cast<std::size_t>(4 * row + column)];
     } else if (tag == "translate" || tag == "scale") {
-      const std::vector<double> v = DaeNumbers(e, path_).all(3);
+      const std::vector<double> v = numbers_in(e).all(3);
       const Vector3 xyz(v[0], v[1], v[2]);
       X = tag == "scale" ? Transform(Eigen::Scaling(xyz)) : Transform(Eigen::Translation3d(xyz));
     } else if (tag == "rotate") {
-      const std::vector<double> v = DaeNumbers(e, path_).all(4);
+      const std::vector<double> v = numbers_in(e).all(4);
       const Vector3 axis(v[0], v[1], v[2]);
       if (axis.norm() > 0) X = Eigen::AngleAxisd(v[3] / kDegreesPerRadian, axis.normalized());
     } else if (tag == "skew" || tag == "lookat") {
@@ -233,9 +238,8 @@ class DaeReader {
     corners.vertices = &known->second;
     std::vector<std::size_t> counts;  // of a polylist's polygons
     if (const TiXmlElement* vcount = primitive.FirstChildElement("vcount")) {
-      DaeNumbers numbers(*vcount, path_);
+      DaeNumbers numbers = numbers_in(*vcount);
       for (std::size_t count = 0; numbers.next(count);) counts.push_back(count);
-      count_numbers(*vcount, counts.size());
     }
     for_each(primitive, "p", [&](const TiXmlElement& p) {
       look_at(p);
@@ -267,7 +271,7 @@ class DaeReader {
     const std::uint64_t stride = number("stride", 3), skipped = number("offset", 0);
     if (stride < 3) fail(*accessor, "three coordinates a vertex", fmt::format("{}", stride));
     Numbers known;
-    DaeNumbers numbers(*array, path_);
+    DaeNumbers numbers = numbers_in(*array);
     double value = 0;
     for (std::uint64_t i = 0; i < skipped; ++i)
       if (!numbers.next(value)) break;
@@ -277,7 +281,6 @@ class DaeReader {
       for (; k < stride && (more = numbers.next(value)); ++k)
         if (k < 3) v[static_cast<Eigen::Index>(k)] = value;
       if (k < 3) break;
-      count_numbers(*array, k);
       known.push_back(add_vertex(*array, X * v));
     }
     return known;
@@ -319,7 +322,7 @@ class DaeReader {
   Numbers read_corners(const TiXmlElement& p, const Corners& corners) {
     const Numbers& vertices = *corners.vertices;
     Numbers all;
-    DaeNumbers numbers(p, path_);
+    DaeNumbers numbers = numbers_in(p);
     std::size_t index = 0, count = 0;
     for (; numbers.next(index); ++count) {
       if (count % corners.stride != corners.offset) continue;
@@ -327,7 +330,6 @@ class DaeReader {
         fail(p, fmt::format("numbers of the {} vertices", vertices.size()), fmt::format("{}", index));
       all.push_back(vertices[index]);
     }
-    count_numbers(p, count);
     return all;
   }
 
@@ -346,7 +348,7 @@ class DaeReader {
   std::map<std::string, const TiXmlElement*> ids_;
   std::map<std::tuple<double, double, double>, std::uint32_t> vertices_;
   TriangleMesh mesh_;
-  std::size_t numbers_ = 0, looked_at_ = 0;  ///< so far, for their budgets
+  std::size_t bytes_ = 0, looked_at_ = 0;  ///< so far, for their budgets
 };
 
 }  // namespace

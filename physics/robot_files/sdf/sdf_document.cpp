@@ -118,12 +118,17 @@ std::string SdfElement::attribute(std::string_view name) const {
 }
 
 void SdfElement::pass_over(std::string_view child, const std::vector<std::string_view>& texts) const {
-  for (const SdfElement* e : all(child)) {
-    e->is_read = texts.empty() || std::ranges::find(texts, e->text) != texts.end();
-    if (!texts.empty()) continue;
-    for (const SdfAttribute& a : e->attributes) a.is_read = true;
-    for (const SdfElement& below : e->children) e->pass_over(below.tag);
+  for (const SdfElement& e : children) {
+    if (e.tag != child) continue;
+    if (texts.empty()) e.pass_over_all();
+    if (std::ranges::find(texts, e.text) != texts.end()) e.is_read = true;
   }
+}
+
+void SdfElement::pass_over_all() const {
+  is_read = true;
+  for (const SdfAttribute& a : attributes) a.is_read = true;
+  for (const SdfElement& e : children) e.pass_over_all();
 }
 
 std::string sdf_place(const SdfElement& element, const std::string& main_file) {

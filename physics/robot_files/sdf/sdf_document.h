@@ -41,6 +41,8 @@ struct SdfElement {
   /// Takes children of that tag for read, with all that is in them, if they say one of `texts`, or whatever
   /// they say if there are none.
   void pass_over(std::string_view child, const std::vector<std::string_view>& texts = {}) const;
+  /// Takes itself and all that is in it for read.
+  void pass_over_all() const;
 };
 
 /// "joint 'knee', axis (line 7)", with the name of the file if it is not the main one.

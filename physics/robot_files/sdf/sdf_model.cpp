@@ -68,6 +68,8 @@ class ModelResolver {
       const SdfElement* pose = joint->find("pose");
       const std::string on = scope.full(sdf_needed(*joint, "child").text);
       frames_.add(scope.prefix + name_of(*joint), {base_of(pose, scope, on), sdf_pose(pose), on, joint});
+      if (joints_.size() == 2 * kMaxUrdfLinks)
+        fail_at(*joint, fmt::format("at most {} joints", 2 * kMaxUrdfLinks), "more");
       joints_.emplace_back(joint, scope);
     }
     for (const SdfElement* frame : model.all("frame")) {

@@ -85,7 +85,7 @@ void read_servos_of(const SdfModel& model, const std::string& main_file, ParsedR
     const std::string file = plugin.element->attribute("filename");
     warnings.list(" <plugin> not run: ",
                   fmt::format("'{}'", printable_text(file.empty() ? name : file, 200)));
-    for (const SdfElement& e : plugin.element->children) plugin.element->pass_over(e.tag);
+    plugin.element->pass_over_all();
   }
 }
 

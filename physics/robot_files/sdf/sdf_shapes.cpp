@@ -121,7 +121,7 @@ std::vector<int> SdfShapes::add(const SdfElement& link, const std::string& name,
 }
 
 std::string SdfShapes::name_of(const SdfElement& collision, const std::string& link) {
-  const std::string own = collision.attribute("name");
+  std::string own = collision.attribute("name");
   if (!own.empty() && names_.insert(own).second) return own;
   std::string name = own.empty() ? link + "_collision" : fmt::format("{}_{}", link, own);
   while (!names_.insert(name).second) name = fmt::format("{}_collision_{}", link, next_name_++);
