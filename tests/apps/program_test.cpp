@@ -96,8 +96,8 @@ TEST(Program, DemoRunsCommandsThatItPrints) {
   EXPECT_TRUE(std::regex_search(demo.out, policy)) << demo.out;
   if (!page_template().empty()) {
     EXPECT_NE(demo.err.find("wrote demo_page.html ("), std::string::npos) << demo.err;
-    EXPECT_EQ(document_of("demo_page.html").at("motion").at("runs").size(), 3U);
-    EXPECT_EQ(document_of("demo_page-policy.html").at("motion").at("runs").size(), 3U);
+    EXPECT_EQ(document_of("demo_page.html").at("motions").at(0).at("runs").size(), 3U);
+    EXPECT_EQ(document_of("demo_page-policy.html").at("motions").at(0).at("runs").size(), 3U);
   }
   // A command of it, as it is printed.
   const std::size_t at = demo.out.find("$ crossgait ") + 12;
