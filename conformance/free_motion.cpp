@@ -249,7 +249,7 @@ std::vector<Check> free_motion_checks() {
        "A wrench on a body moves the robot as its generalised forces do, until it is taken away",
        {rounds_to(400, "momenta of base and joints off h J^T (f, t)", "kg m/s, kg m^2/s",
                   "rounding of 5 bodies, of numbers up to 0.01"),
-        rounds_to(4, "left of a wrench after a reset", "m/s, rad/s", "rounding; 3 if it were remembered"),
+        rounds_to(4, "left of a wrench after a reset", "m/s, rad/s", "rounding: nothing else moves it"),
         rounds_to(4, "left of one that was taken away", "m/s, rad/s", "the same")},
        wrench},
   };

@@ -69,6 +69,7 @@ OWNERS: dict[str, tuple[Callable[[], Any], dict[str, Read]]] = {
             "reset": lambda b: b.reset(2),
             "step": lambda b: b.step(np.zeros((3, 16))),
             "environment": lambda b: b.environment(1),
+            "arrays": lambda b: b.batch(),
             "info": lambda b: b.info(2),
             "final_info": lambda b: b.final_info(2),
         },
