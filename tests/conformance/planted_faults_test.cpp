@@ -98,6 +98,7 @@ std::vector<Planted> of_model_and_motion() {
       {"tumbling", [](WorldSpec& spec) { spec.physics_dt *= 2; }},
       {"robot_in_the_air", [](WorldSpec& spec) { spec.gravity.z() = -0.1; }},
       {"push", mass},
+      {"wrench", mass},
       {"pendulum_small_swings", of_joints(&Joint::armature, 1.01)},
       {"pendulum_large_swings", of_gravity(1.01)},
       {"armature", of_joints(&Joint::armature, 1.001)},

@@ -10,7 +10,7 @@
 namespace crossgait {
 
 /// Takes stiffness, damping and torque limits of joints from Gazebo's JointPositionController: torque =
-/// p_gain (target - angle) - d_gain speed, between cmd_min and cmd_max, where its defaults are 1, .01 and
+/// p_gain (target - angle) - d_gain speed, between cmd_min and cmd_max, where its defaults are 1, 0.01 and
 /// +-1000; the lesser of that limit and the joint's counts. Integral gains and offsets are not simulated, and
 /// counted, as is one that commands speeds. No other plug-in is run: they are listed. @throws ConfigError
 /// naming the element for a joint that does not move
