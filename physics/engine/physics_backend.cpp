@@ -39,12 +39,12 @@ JointRanges joint_limits(const RobotDescription& robot) {
   return limits;
 }
 
-std::vector<std::string> not_of_law(const ContactSpec& contact, const Capabilities& has) {
-  const bool soft = has.soft_contact || has.soft_friction;
+std::vector<std::string> not_of_law(const ContactSpec& contact, const Capabilities& capabilities) {
+  const bool soft = capabilities.soft_contact || capabilities.soft_friction;
   const std::pair<std::string_view, bool> concerns[] = {
-      {"condim", has.turning_friction},
-      {"impratio", has.soft_friction},
-      {"cone", has.pyramidal_cone},
+      {"condim", capabilities.turning_friction},
+      {"impratio", capabilities.soft_friction},
+      {"cone", capabilities.pyramidal_cone},
       {"solref", soft},
       {"solimp", soft},
   };
