@@ -120,8 +120,8 @@ def test_variations_that_do_not_concern_an_engine_are_left_out(tmp_path: Path, e
     [
         ("", "study", "walks"),
         ("[1]", "study", "keys"),
-        ("walks: [{gait: trot}]\nseed: 3", "seed", "one of engines"),
-        ("walks: [{gate: trot}]", "walks[0].gate", "one of robot"),
+        ("walks: [{gait: trot}]\nseed: 3", "seed", "one of the keys engines"),
+        ("walks: [{gate: trot}]", "walks[0].gate", "one of the keys robot"),
         ("walks: [{seconds: long}]", "walks[0].seconds", "finite number"),
         ("walks: [{seconds: [1, .nan]}]", "walks[0].seconds[1]", "finite number"),
         ("walks: [{seconds: []}]", "walks[0].seconds", "list"),

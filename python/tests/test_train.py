@@ -93,7 +93,7 @@ def test_the_command_ends_with_2_for_what_is_wrong(tmp_path: Path) -> None:
         (["nowhere.yaml"], "nowhere.yaml: file"),
         (["--preset", "flying"], "preset: expected one of adaptive"),
         (["--preset", "adaptive", "--set", "steps"], "expected KEY=VALUE"),
-        (["--preset", "adaptive", "--set", "algorithm.n_step=4"], "algorithm.n_step: expected one of n_steps"),
+        (["--preset", "adaptive", "--set", "algorithm.n_step=4"], "unknown key 'n_step' (did you mean n_steps?)"),
         (["--resume", "--out", "nowhere"], "no config.yaml"),
         ([], "either CONFIG.yaml or --preset"),
     ):

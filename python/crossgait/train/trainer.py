@@ -59,7 +59,7 @@ class Trained:
 
 
 class Trainer:
-    """One run in one folder. It holds the folder's lock for as long as it lives (`crossgait.train.folder`)."""
+    """One run in one folder, whose lock is held by whoever makes it (`crossgait.train.folder.locked`)."""
 
     def __init__(
         self,
