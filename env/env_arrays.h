@@ -41,9 +41,10 @@ std::size_t qpos_size(const RobotDescription& robot) noexcept;
 std::size_t qvel_size(const RobotDescription& robot) noexcept;
 void write_qpos(const RobotState& state, double* out) noexcept;
 void write_qvel(const RobotState& state, double* out) noexcept;
-/// Sets what `qpos` and `qvel` say; the rest stays as it is. The quaternion is taken as it is.
-/// @param qpos, qvel  of qpos_size and qvel_size numbers
+/// Sets where the robot is; the rest stays as it is. The quaternion is taken as it is.
+/// @param qpos  qpos_size numbers
 void read_qpos(const double* qpos, RobotState& state);
+/// Sets how it moves; the rest stays as it is. @param qvel  qvel_size numbers
 void read_qvel(const double* qvel, RobotState& state);
 
 }  // namespace crossgait

@@ -23,8 +23,8 @@ double sdf_size(const SdfElement& parent, std::string_view child, double otherwi
 /// A bound: "inf", "-inf" and numbers from 1e16 on, SDF's own words for none, are infinite.
 double sdf_bound(const SdfElement& parent, std::string_view child, double otherwise);
 bool sdf_flag(const SdfElement& parent, std::string_view child, bool otherwise);
-/// Reads a <pose>, wherever it is relative to: Euler angles, also in degrees, or a quaternion. Null and empty
-/// ones are the identity.
+/// Reads a `<pose>`, wherever it is relative to: Euler angles, also in degrees, or a quaternion. Null and
+/// empty ones are the identity.
 Pose sdf_pose(const SdfElement* pose);
 
 }  // namespace crossgait
