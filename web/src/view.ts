@@ -542,8 +542,13 @@ export class View {
     if (box.width === 0 || box.height === 0) return;
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.renderer.setSize(box.width, box.height, false);
+    const was = this.distanceFor(this.watched);
     this.camera.aspect = box.width / box.height;
     this.camera.updateProjectionMatrix();
+    // Whoever was in the picture stays in it: a narrower one is seen from further off.
+    const { target } = this.controls;
+    const offset = this.camera.position.clone().sub(target);
+    this.camera.position.copy(target).addScaledVector(offset, this.distanceFor(this.watched) / was);
     this.drawNow();
   }
 }
