@@ -132,14 +132,10 @@ void EnvOptions::require_gait(const EnvConfig& c) const {
 
 std::vector<std::string> notes_on(const LoadedEnv& environment) {
   const EnvConfig& config = environment.config;
-  std::vector<std::string> notes;
   RobotDescription robot = *environment.robot;
   config.servos.apply(robot, config.source);
-  if (std::string loop = servo_loop_warning(robot, config.physics_dt); !loop.empty())
-    notes.push_back(std::move(loop));
-  const ContactSpec touching = resolve_contact(robot.contact, config.contact, config.source);
-  if (std::string soft = softness_warning(robot, touching, config.physics_dt); !soft.empty())
-    notes.push_back(std::move(soft));
+  std::vector<std::string> notes =
+      step_warnings(robot, resolve_contact(robot.contact, config.contact, config.source), config.physics_dt);
   if (config.action == ActionKind::kJoints) return notes;
   const GaitScale scale = gait_scale(*environment.robot);
   GaitParameters usual = scaled(find_gait(config.gait), scale).preferred;

@@ -25,11 +25,7 @@ void run(const StandCommand& options) {
   world.physics_dt = options.physics_dt;
   world.contact = resolve_contact(world.robot->contact, options.contact.make(), "stand");
   world.validate();
-  if (const std::string soft = softness_warning(*world.robot, world.contact, options.physics_dt);
-      !soft.empty())
-    print_notes({soft});
-  if (const std::string loop = servo_loop_warning(*world.robot, options.physics_dt); !loop.empty())
-    print_notes({loop});
+  print_notes(step_warnings(*world.robot, world.contact, options.physics_dt));
   const std::vector<std::string> engines = options.engines.empty() ? available_engines() : options.engines;
   ResultInputs inputs = of_robot(*world.robot);
   inputs.engines = engines;

@@ -83,11 +83,8 @@ LoadedWalk WalkOptions::make() const {
                       error.found());
   }
   const auto robot = std::make_shared<const RobotDescription>(load_robot_with_warnings(config.robot));
-  if (const std::string loop = servo_loop_warning(*robot, config.physics_dt); !loop.empty())
-    print_notes({loop});
-  const ContactSpec touching = resolve_contact(robot->contact, made.contact, "walk");
-  if (const std::string soft = softness_warning(*robot, touching, config.physics_dt); !soft.empty())
-    print_notes({soft});
+  print_notes(
+      step_warnings(*robot, resolve_contact(robot->contact, made.contact, "walk"), config.physics_dt));
   const GaitScale scale = gait_scale(*robot);
   made.gait = choose_gait(gait, settings, velocity_command(), scale);
   print_notes(outside_ranges(made.gait.parameters,

@@ -223,6 +223,12 @@ std::string softness_warning(const RobotDescription& robot, const ContactSpec& c
       fmt::join(shorter, ", "), least, dt);
 }
 
+std::vector<std::string> step_warnings(const RobotDescription& robot, const ContactSpec& contact, double dt) {
+  std::vector<std::string> warnings{softness_warning(robot, contact, dt), servo_loop_warning(robot, dt)};
+  std::erase(warnings, "");
+  return warnings;
+}
+
 std::vector<RobotQuantity> robot_quantities(const LoadedRobot& loaded, const WorldSpec& world) {
   return Quantities(loaded, world).list();
 }
@@ -240,10 +246,8 @@ std::vector<std::string> robot_warnings(const LoadedRobot& loaded, const WorldSp
     warnings.push_back(fmt::format("not as the file says in contact and steps: {}", fmt::join(lost, "; ")));
   // At the world's steps, and at the file's if those are longer.
   const double dt = std::max(world.physics_dt, loaded.report.contact.timestep.value_or(0));
-  if (std::string soft = softness_warning(loaded.robot, world.contact, dt); !soft.empty())
-    warnings.push_back(std::move(soft));
-  if (std::string loop = servo_loop_warning(loaded.robot, dt); !loop.empty())
-    warnings.push_back(std::move(loop));
+  for (std::string& warning : step_warnings(loaded.robot, world.contact, dt))
+    warnings.push_back(std::move(warning));
   return warnings;
 }
 

@@ -41,6 +41,9 @@ std::string servo_loop_warning(const RobotDescription& robot, double dt);
 /// and what is simulated (time_constant_in_steps); empty if none is. @param contact  as asked
 std::string softness_warning(const RobotDescription& robot, const ContactSpec& contact, double dt);
 
+/// Both of them, those that there are. @param contact  as asked
+std::vector<std::string> step_warnings(const RobotDescription& robot, const ContactSpec& contact, double dt);
+
 /// A table in which what is alike for several joints or feet is one row.
 std::string describe(const std::vector<RobotQuantity>& quantities);
 /// Lists of `of, name, unit, file, used, why`; nothing is null.
