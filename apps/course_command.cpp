@@ -54,10 +54,9 @@ PageTable numbers_of(const CourseResult& result) {
 }
 
 // Of a section its first run in every engine.
-Motion replay_of(const CourseResult& result, const LoadedEnv& method, const Course& course,
-                 const CourseSection& section) {
+Motion replay_of(const CourseResult& result, const NamedPolicy& policy, const LoadedEnv& method,
+                 const Course& course, const CourseSection& section) {
   constexpr double kSampleTime = 0.02, kFrame = 0.04;  // s: a course is long
-  const NamedPolicy policy = find_policy(result.policy);
   LoadedEnv here = section_environment(method, course, section);
   std::vector<WatchedEpisode> episodes;
   for (const std::string& engine : engines_of(result)) {
@@ -72,7 +71,8 @@ Motion replay_of(const CourseResult& result, const LoadedEnv& method, const Cour
   return motion;
 }
 
-ReportPage page_of(const CourseResult& result, const LoadedEnv& method, const Course& course) {
+ReportPage page_of(const CourseResult& result, const NamedPolicy& policy, const LoadedEnv& method,
+                   const Course& course) {
   ReportPage page;
   page.title = fmt::format("{} on course {}", short_name(result.policy), result.course);
   page.summary = summary(result);
@@ -82,7 +82,7 @@ ReportPage page_of(const CourseResult& result, const LoadedEnv& method, const Co
   const std::vector<std::string> done = sections_of(result);
   for (const CourseSection& section : course.sections) {
     if (std::find(done.begin(), done.end(), section.name) != done.end())
-      page.motions.push_back(replay_of(result, method, course, section));
+      page.motions.push_back(replay_of(result, policy, method, course, section));
   }
   page.sentences.push_back("Replayed: the first run of every section.");
   return page;
@@ -110,10 +110,11 @@ void run(const CourseCommand& options) {
       options.json.provenance({subject_of(options, method, course), engines, {{"--engines", engines}}});
   options.page.check(section_environment(method, course, course.sections.front()).config);
   ProgressLine progress("on the course");
-  const CourseResult result = run_course(course, method, find_policy(options.policy), engines, options.runs,
+  const NamedPolicy policy = find_policy(options.policy);
+  const CourseResult result = run_course(course, method, policy, engines, options.runs,
                                          [&](double share) { progress.update(share); });
   if (options.page.asked() && !result.cells.empty())
-    options.page.write(page_of(result, method, course), provenance);
+    options.page.write(page_of(result, policy, method, course), provenance);
   options.json.emit(describe(result), to_json(result), provenance);
   if (result.interrupted) {
     throw EndedEarly(fmt::format("{} of {} are finished, and written as asked", result.cells.size(),

@@ -31,10 +31,10 @@ std::string episodes_done(const Rollout& rollout, std::size_t asked) {
 }
 
 ReportPage page_of(const Rollout& rollout, const LoadedEnv& environment,
-                   const std::vector<std::string>& policies) {
+                   const std::vector<NamedPolicy>& policies) {
   std::vector<WatchedEpisode> episodes;
-  for (const std::string& policy : policies)
-    episodes.push_back({short_name(policy), environment, find_policy(policy)});
+  for (const NamedPolicy& policy : policies)
+    episodes.push_back({short_name(policy.name), environment, policy});
   ReportPage page;
   page.tables.push_back({table(rollout)});
   page.title = page.tables.front().table.rows().front().front();
@@ -49,20 +49,22 @@ void run(const RolloutCommand& options) {
   const LoadedEnv environment = options.env.make(options.policies.empty() ? "" : options.policies.front());
   const EnvConfig& config = environment.config;
   options.page.check(config);
-  std::vector<std::string> policies = options.policies;
-  if (options.baseline && std::find(policies.begin(), policies.end(), "zero") == policies.end())
-    policies.emplace_back("zero");
+  std::vector<std::string> names = options.policies;
+  if (options.baseline && std::find(names.begin(), names.end(), "zero") == names.end())
+    names.emplace_back("zero");
   const Provenance provenance =
-      options.json.provenance({policy_subject(environment, policies, options.runs.seed),
+      options.json.provenance({policy_subject(environment, names, options.runs.seed),
                                {config.engine},
                                {{"--engine", {config.engine}}}});
+  std::vector<NamedPolicy> policies;  // read once, whoever runs them
+  for (const std::string& name : names) policies.push_back(find_policy(name));
   ProgressLine progress("rolling out");
   const Rollout rollout =
       roll_out(environment, policies, options.runs, [&](double share) { progress.update(share); });
   // Made anew, and that of an interrupted rollout too, if its first episode is among those that are done.
   if (!options.trace.empty() && !rollout.policies.empty()) {
     TraceWriter trace(environment.robot, options.trace);
-    record_episode(environment, options.policies.front(), options.runs.seed, trace);
+    record_episode(environment, policies.front(), options.runs.seed, trace);
     trace.finish();
   }
   if (options.page.asked() && !rollout.policies.empty())
