@@ -62,13 +62,18 @@ std::vector<double> tumbling(const Subject& subject) {
           coarse.position};
 }
 
+/// Columns of `mass_matrix`: [v_WB, w_WB, qd].
+Eigen::VectorXd velocities(const RobotState& s) {
+  Eigen::VectorXd v(6 + s.qd.size());
+  v << s.v_WB, s.w_WB, s.qd;
+  return v;
+}
+
 /// Linear (kg m/s) and angular (about the centre of mass, kg m^2/s) momentum of a whole robot.
 std::pair<Vector3, Vector3> momenta(const RobotDescription& robot, const RobotState& s) {
-  Eigen::VectorXd v(6 + robot.joint_count());
-  v << s.v_WB, s.w_WB, s.qd;
   RobotDescription bare = robot;  // the rotors that armature stands for carry no momentum of the robot's
   for (Body& body : bare.bodies) body.joint.armature = 0;
-  const Eigen::VectorXd p = mass_matrix(bare, s) * v;
+  const Eigen::VectorXd p = mass_matrix(bare, s) * velocities(s);
   std::vector<Pose> poses;
   forward_kinematics(robot, s, poses);
   Vector3 c = Vector3::Zero();
@@ -142,22 +147,14 @@ std::vector<double> push(const Subject& subject) {
   robot->reset(start);
   robot->apply_push({0.05, -0.02, 0.03});
   advance(*robot, scenes::home_targets(*spec.robot));
-  Eigen::VectorXd velocities(6 + spec.robot->joint_count());
-  velocities << robot->state().v_WB, robot->state().w_WB, robot->state().qd;
   // After one step from rest the momentum is M(q0) v, to rounding.
-  const Eigen::VectorXd p = mass_matrix(*spec.robot, start) * velocities;
+  const Eigen::VectorXd p = mass_matrix(*spec.robot, start) * velocities(robot->state());
 
   body->apply_push({1, 0, 0});
   body->reset();
   advance(*body, {});
   return {velocity, turning, (p.head<3>() - Vector3(0.05, -0.02, 0.03)).norm(),
           std::abs(body->state().v_WB.x())};
-}
-
-Eigen::VectorXd velocities(const RobotState& s) {
-  Eigen::VectorXd v(6 + s.qd.size());
-  v << s.v_WB, s.w_WB, s.qd;
-  return v;
 }
 
 std::vector<double> wrench(const Subject& subject) {

@@ -34,9 +34,8 @@ void GrowthFit::add(double time_s, double difference) {
   const bool is_slow = begun_s_ >= 0 && time_s > begun_s_ + enough_s;
   for (std::size_t i = 0; i < kWidths.size(); ++i) {
     Windows& windows = windows_[i];
-    if (i > 0 && is_slow) continue;
     // What is before the beginning is of no use to narrow windows.
-    if (i > 0 && begun_s_ < 0) continue;
+    if (i > 0 && (is_slow || begun_s_ < 0)) continue;
     if (windows.empty() || time_s >= windows.back().begin_s + kWidths[i]) windows.push_back({time_s, 0});
     windows.back().largest = std::max(windows.back().largest, difference);
   }

@@ -17,6 +17,13 @@ void parse_xml(const std::string& text, const ReadBudget& budget, const std::str
   }
 }
 
+std::string trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return "";
+  return std::string(text.substr(first, text.find_last_not_of(kBlanks) - first + 1));
+}
+
 std::string attribute_of(const TiXmlElement& element, const char* name) {
   const char* value = element.Attribute(name);
   return value == nullptr ? "" : value;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "physics/core/read_budget.h"
 
@@ -14,6 +15,9 @@ namespace crossgait {
 /// @throws ConfigError naming `source` and the line where it is not well-formed
 void parse_xml(const std::string& text, const ReadBudget& budget, const std::string& source,
                TiXmlDocument& document);
+
+/// The text without the blanks around it.
+std::string trimmed(std::string_view text);
 
 /// The attribute of that name, or "".
 std::string attribute_of(const TiXmlElement& element, const char* name);

@@ -16,14 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Without the blanks around it, behind which older compilers look for one number more.
-std::string trimmed(std::string_view value) {
-  constexpr std::string_view kBlanks = " \t\r\n";
-  const std::size_t first = value.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return "";
-  return std::string(value.substr(first, value.find_last_not_of(kBlanks) - first + 1));
-}
-
 void print_element(const MjcfElement& element, MjcfPrint& print) {
   print.lines.push_back(&element);
   print.xml += "<" + element.tag;
@@ -122,6 +114,7 @@ void MjcfDocument::copy_children(const XmlElement& from, const std::string& file
     element.file = &file;
     element.line = e->Row();
     for (auto* a = e->FirstAttribute(); a != nullptr; a = a->Next())
+      // Behind blanks older compilers look for one number more.
       element.attributes.emplace_back(a->Name(), trimmed(a->Value()));
     if (depth >= kMjcfBudget.depth) fail_at(element, fmt::format("at most {} levels", depth), "more");
     if (++elements_ > kMjcfBudget.values) {

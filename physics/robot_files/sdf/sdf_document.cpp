@@ -31,12 +31,10 @@ int minor_of(std::string_view version) {
 }
 
 std::string text_in(const TiXmlElement& element) {
-  constexpr std::string_view kBlanks = " \t\r\n";
   std::string text;
   for (auto* node = element.FirstChild(); node != nullptr; node = node->NextSibling())
     if (node->ToText() != nullptr) text += node->ValueStr();
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+  return trimmed(text);
 }
 
 std::string place_of(const SdfElement& element, const std::string& inside) {
