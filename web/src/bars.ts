@@ -1,9 +1,8 @@
 // Estimates with their intervals as bars over one axis, a row of a table each.
 import type { Interval } from "./document";
 import { digits, h, svg } from "./dom";
+import { HEIGHT, WIDTH, intervalPicture, scalePicture } from "./interval_row";
 
-const WIDTH = 230;
-const HEIGHT = 22;
 const ASIDE = 8; // px beside the outermost ends
 
 export class Bars {
@@ -25,42 +24,24 @@ export class Bars {
       number,
       number,
     ];
-    const middle = HEIGHT / 2;
-    return svg(
-      "svg",
-      {
-        viewBox: `0 0 ${WIDTH} ${HEIGHT}`,
-        width: WIDTH,
-        height: HEIGHT,
-        role: "img",
-        "aria-label": `${digits(row.estimate)}, from ${digits(row.low)} to ${digits(row.high)}`,
-      },
-      svg("rect", {
-        x: Math.min(zero, estimate),
-        y: middle - 5,
-        width: Math.abs(estimate - zero),
-        height: 10,
-        class: "bar",
-      }),
-      svg("line", { x1: zero, x2: zero, y1: 0, y2: HEIGHT, class: "zero" }),
-      svg("line", { x1: low, x2: high, y1: middle, y2: middle, class: "interval" }),
-      svg("circle", { cx: estimate, cy: middle, r: 4, class: "dot" }),
+    const [x, width] = [Math.min(zero, estimate), Math.abs(estimate - zero)];
+    return intervalPicture(
+      `${digits(row.estimate)}, from ${digits(row.low)} to ${digits(row.high)}`,
+      [low, estimate, high],
+      zero,
+      svg("rect", { x, y: HEIGHT / 2 - 5, width, height: 10, class: "bar" }),
     );
   }
 
   /** Below the last row: zero and the ends. */
   scale(): SVGElement {
     const ends = [this.low, 0, this.high].filter((at, i, all) => all.indexOf(at) === i);
-    return svg(
-      "svg",
-      { viewBox: `0 0 ${WIDTH} 14`, width: WIDTH, height: 14, "aria-hidden": "true" },
-      ...ends.map((at) =>
-        svg(
-          "text",
-          { x: this.x(at), y: 11, "text-anchor": at === this.high ? "end" : at === this.low ? "start" : "middle" },
-          digits(at),
-        ),
-      ),
+    return scalePicture(
+      ends.map((at) => ({
+        x: this.x(at),
+        text: digits(at),
+        anchor: at === this.high ? "end" : at === this.low ? "start" : "middle",
+      })),
     );
   }
 

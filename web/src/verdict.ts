@@ -1,9 +1,7 @@
 // A verdict: every statistic as a dot with its interval between the limits, the words, and what the gap comes from.
 import type { Verdict } from "./document";
 import { digits, h, scroller, svg, typeset } from "./dom";
-
-const WIDTH = 230;
-const HEIGHT = 22;
+import { HEIGHT, WIDTH, intervalPicture, scalePicture } from "./interval_row";
 
 type Statistic = Verdict["statistics"][number];
 
@@ -22,33 +20,23 @@ class Axis {
   }
   picture(s: Statistic): SVGElement {
     const [from, to] = [this.x(-1), this.x(1)];
-    const middle = HEIGHT / 2;
-    const [low, gap, high] = [s.low, s.gap, s.high].map((at) => this.x(s.margin > 0 ? at / s.margin : 0));
-    return svg(
-      "svg",
-      {
-        viewBox: `0 0 ${WIDTH} ${HEIGHT}`,
-        width: WIDTH,
-        height: HEIGHT,
-        role: "img",
-        "aria-label": `${digits(s.gap)}, from ${digits(s.low)} to ${digits(s.high)}; margin ${digits(s.margin)}`,
-      },
+    const [low, gap, high] = [s.low, s.gap, s.high].map((at) => this.x(s.margin > 0 ? at / s.margin : 0)) as [
+      number,
+      number,
+      number,
+    ];
+    return intervalPicture(
+      `${digits(s.gap)}, from ${digits(s.low)} to ${digits(s.high)}; margin ${digits(s.margin)}`,
+      [low, gap, high],
+      WIDTH / 2,
       svg("rect", { x: from, y: 0, width: to - from, height: HEIGHT, class: "within" }),
-      svg("line", { x1: WIDTH / 2, x2: WIDTH / 2, y1: 0, y2: HEIGHT, class: "zero" }),
-      svg("line", { x1: low, x2: high, y1: middle, y2: middle, class: `interval ${s.word}` }),
-      svg("circle", { cx: gap, cy: middle, r: 4, class: `dot ${s.word}` }),
+      s.word,
     );
   }
   /** Below the last row: zero and the margins. */
   scale(): SVGElement {
     const ticks = [-10, -1, 0, 1, 10].filter((at) => Math.abs(this.x(at) - WIDTH / 2) <= WIDTH / 2 - 6);
-    return svg(
-      "svg",
-      { viewBox: `0 0 ${WIDTH} 14`, width: WIDTH, height: 14, "aria-hidden": "true" },
-      ...ticks.map((at) =>
-        svg("text", { x: this.x(at), y: 11, "text-anchor": "middle" }, `${at}`.replace("-", "\u2212")),
-      ),
-    );
+    return scalePicture(ticks.map((at) => ({ x: this.x(at), text: `${at}`.replace("-", "\u2212"), anchor: "middle" })));
   }
 }
 
