@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-import gymnasium
 import numpy as np
 import numpy.typing as npt
 
@@ -20,9 +19,9 @@ with needed_for("environments of rsl_rl", "rsl-rl"):
     import torch
     from tensordict import TensorDict
 
-import crossgait.envs
 from crossgait._core import Batch
 from crossgait.envs.not_copyable import NotCopyable
+from crossgait.envs.quadruped_vector_env import same_step_vector
 from crossgait.envs.termed_vector import TermedVectorEnvironment
 from crossgait.inputs import as_environment
 from crossgait.terms import TerminationTerm, Terms
@@ -68,12 +67,9 @@ class VecEnv(NotCopyable, RslVecEnv):  # type: ignore[misc]  # untyped
         # Episodes end by a term too: lengths are the runner's to set.
         mine = settings.pop("terms", None) or _terms_of(settings.get("config")) or Terms()
         timed = TerminationTerm(self._is_over, time_out=True)
-        vector = gymnasium.make_vec(
+        self.vector = vector = same_step_vector(
             env_id,
-            num_envs=num_envs,
-            vectorization_mode="vector_entry_point",
-            dtype=np.float32,
-            autoreset_mode=gymnasium.vector.AutoresetMode.SAME_STEP,
+            num_envs,
             terms=Terms(
                 mine.rewards,
                 mine.observations,
@@ -83,8 +79,6 @@ class VecEnv(NotCopyable, RslVecEnv):  # type: ignore[misc]  # untyped
             ),
             **settings,
         )
-        assert isinstance(vector, crossgait.envs.QuadrupedVectorEnv)
-        self.vector = vector
         self._core = cast(TermedVectorEnvironment, vector.core)
         config = vector.config
         self.num_envs = num_envs

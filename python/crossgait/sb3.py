@@ -23,6 +23,7 @@ except ImportError as error:
 import crossgait.envs
 from crossgait import _core
 from crossgait.envs.not_copyable import NotCopyable
+from crossgait.envs.quadruped_vector_env import same_step_vector
 from crossgait.layout import EnvironmentLayout
 
 
@@ -71,16 +72,7 @@ class CrossgaitVecEnv(NotCopyable, VecEnv):
             ConfigError: for what is wrong, naming the key.
 
         """
-        vector = gymnasium.make_vec(
-            env_id,
-            num_envs=num_envs,
-            vectorization_mode="vector_entry_point",
-            dtype=np.float32,
-            autoreset_mode=gymnasium.vector.AutoresetMode.SAME_STEP,
-            **settings,
-        )
-        assert isinstance(vector, crossgait.envs.QuadrupedVectorEnv)
-        self.vector = vector
+        self.vector = vector = same_step_vector(env_id, num_envs, **settings)
         self._environments = [SubEnvironment(vector, i) for i in range(num_envs)]
         self._actions: npt.NDArray[Any] | None = None
         self.core_seconds = 0.0

@@ -216,3 +216,20 @@ class JointControlVectorEnv(QuadrupedVectorEnv):
     """Of `JointControlEnv`."""
 
     action = "joints"
+
+
+def same_step_vector(env_id: str, num_envs: int, **settings: Any) -> QuadrupedVectorEnv:
+    """Make what the wrappers for learners step: observations of float32, episodes begun in the step that ends them.
+
+    Raises ConfigError for what is wrong, naming the key.
+    """
+    vector = gymnasium.make_vec(
+        env_id,
+        num_envs=num_envs,
+        vectorization_mode="vector_entry_point",
+        dtype=np.float32,
+        autoreset_mode=AutoresetMode.SAME_STEP,
+        **settings,
+    )
+    assert isinstance(vector, QuadrupedVectorEnv)
+    return vector
