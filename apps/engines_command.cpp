@@ -26,6 +26,7 @@ nlohmann::ordered_json to_json(const EngineListing& entry) {
             {"soft_friction", entry.info.capabilities.soft_friction},
             {"turning_friction", entry.info.capabilities.turning_friction},
             {"pyramidal_cone", entry.info.capabilities.pyramidal_cone},
+            {"error_reduction", entry.info.capabilities.error_reduction},
             {"sweeps", entry.info.capabilities.sweeps},
             {"exact_field_query", entry.info.capabilities.exact_field_query},
             {"allocates", entry.info.capabilities.allocates},

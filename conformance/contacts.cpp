@@ -59,6 +59,29 @@ std::vector<double> penetration(const Subject& subject) {
   return {deepest / (is_soft(subject) ? bound : 10 * kGravity * 1e-6)};
 }
 
+/// A ball of 5 cm at rest, 2 mm in the ground: the speed after a step, off what was asked for, over that.
+double off_asked_speed(const Subject& subject, double erp, double fastest, double cfm) {
+  constexpr double kRadius = 0.05, kDepth = 0.002;
+  WorldSpec spec = scenes::world_of(scenes::block(ShapeType::kSphere, {kRadius, 0, 0}));
+  spec.contact.erp = erp;
+  spec.contact.max_depenetration_velocity = fastest;
+  spec.contact.cfm = cfm;
+  const auto world = subject.make(spec);
+  RobotState state = world->home_state();
+  state.p_WB = {0, 0, kRadius - kDepth};
+  world->reset(state);
+  advance(*world, {});
+  const double falling = -kGravity * spec.physics_dt,
+               asked = std::min(erp * kDepth / spec.physics_dt, fastest);
+  const double expected = falling + (asked - falling) / (1 + cfm);
+  return std::abs(world->state().v_WB.z() / expected - 1);
+}
+
+std::vector<double> error_reduction(const Subject& subject) {
+  return {off_asked_speed(subject, 0.1, 1, 0), off_asked_speed(subject, 0.5, 0.05, 0),
+          off_asked_speed(subject, 0.1, 1, 0.5)};
+}
+
 /// Differences of the contacts under four standing feet from where the terrain says that they are.
 struct Geometry {
   double position = 0, distance = 0, normal = 0, others = 0, pushing = 0, cone = 0;
@@ -174,6 +197,17 @@ std::vector<Check> contact_checks() {
        {at_most(1, "depth over what the law allows", "",
                 "soft: R f = K imp r at the least impedance; hard: 10 g h^2")},
        penetration},
+      {"error_reduction",
+       "Hard contact undoes as much of a penetration in a step, as fast and as softly, as it is asked to",
+       {with_rounding(at_most(1e-6, "speed with erp 0.1, relative", "",
+                              "the solver's tolerance: one row, which gravity and the depth alone load"),
+                      1000),
+        with_rounding(
+            at_most(1e-6, "speed with max_depenetration_velocity 0.05 m/s, relative", "", "the same"), 1000),
+        with_rounding(at_most(1e-6, "speed with cfm 0.5, relative", "", "the same"), 1000)},
+       error_reduction,
+       {"Capabilities::error_reduction",
+        [](const Subject& subject) { return subject.engine.info.capabilities.error_reduction; }}},
       {"contact_geometry",
        "Contacts are Terrain::touch_sphere's, named for their feet, midway in the overlap, and push",
        {at_most(0, "feet without, or contacts beside the feet's", "",

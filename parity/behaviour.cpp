@@ -144,9 +144,11 @@ std::string Behaviour::why_not(const Variation& variation) const {
       is_whole_multiple(control_dt, step) &&
       std::all_of(delays.begin(), delays.end(), [step](double d) { return is_whole_multiple(d, step); });
   if (!whole) return "the control step would not be a whole number of steps";
-  const double softened = contact_time_constant * variation.softness;
+  const double softened = contact.softness.time_constant * variation.softness;
   if (variation.softness < 1 && time_constant_in_steps(softened, physics_dt) > (1 + 1e-9) * softened)
     return "contacts are as stiff as the step lets them be";
+  if (variation.erp > 1 && contact.erp == 0) return "no penetration is undone";
+  if (variation.erp * contact.erp > 1) return "a step undoes more than half of a penetration";
   return "";
 }
 
@@ -185,7 +187,8 @@ Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const T
   behaviour.name = fmt::format("{} on {}, {:g} s", setup.gait, world.terrain.name(), setup.timing.seconds);
   behaviour.statistics = motion_statistics(*world.robot, true);
   behaviour.physics_dt = world.physics_dt;
-  behaviour.contact_time_constant =
+  behaviour.contact = world.contact;
+  behaviour.contact.softness.time_constant =
       time_constant_in_steps(world.contact.softness.time_constant, world.physics_dt);
   behaviour.control_dt = setup.timing.control_dt;
   behaviour.delays = delays_of(*world.robot);
@@ -228,7 +231,7 @@ Behaviour policy_behaviour(LoadedEnv environment, PolicyFactory policy, const st
   behaviour.seconds = config.episode_seconds;
   behaviour.cut_dt = config.policy_dt;
   behaviour.physics_dt = config.physics_dt;
-  behaviour.contact_time_constant = world.contact.softness.time_constant;
+  behaviour.contact = world.contact;
   behaviour.control_dt = config.control_dt;
   behaviour.delays = delays_of(*robot);
   const PolicyRuns runs(environment, std::move(policy), seed);

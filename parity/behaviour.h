@@ -66,11 +66,12 @@ struct Behaviour {
   /// the time to settle, so that the first touch is on it. Empty for behaviours that record none.
   std::function<Trace(const Engine& engine, std::size_t start)> trace;
   double physics_dt = 0, control_dt = 0;  ///< s, as asked
-  double contact_time_constant = 0;       ///< of soft contacts, s, in steps of that length
+  ContactSpec contact;                    ///< as asked, in steps of that length
   std::vector<double> delays;             ///< of the robot's drives, s; none of them 0
 
   /// Says why it cannot be run so: control step or delays would no longer be whole numbers of physics steps,
-  /// or contacts are as stiff as MuJoCo's law lets them be. Empty where it can.
+  /// or contacts are as stiff as MuJoCo's law lets them be, or a step undoes more than half of a penetration,
+  /// or none of it. Empty where it can.
   std::string why_not(const Variation& variation) const;
   bool allows(const Variation& variation) const { return why_not(variation).empty(); }
 };

@@ -14,8 +14,9 @@ struct Variation {
   enum class Kind { kNominal, kTimeStep, kSetting };
   std::string_view name = "as asked";
   Kind kind = Kind::kNominal;
-  /// Factors on the world's time step, solver iterations, impratio, and time constant of its softness.
-  double step = 1, iterations = 1, impratio = 1, softness = 1;
+  /// Factors on the world's time step, solver iterations, impratio, time constant of its softness, and share
+  /// of a penetration that a step undoes.
+  double step = 1, iterations = 1, impratio = 1, softness = 1, erp = 1;
   /// Whether an engine declares that it can make a difference there; null: in every engine.
   bool (*concerns)(const Capabilities&) = nullptr;
 

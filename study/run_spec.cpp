@@ -172,8 +172,11 @@ Json describe_run(Json behaviour, const EngineInfo& engine, const Variation& v, 
   run["crossgait"] = crossgait_version();
   run["engine"] = engine.name;
   run["engine_version"] = engine.version;
-  run["variation"] = {
-      {"step", v.step}, {"iterations", v.iterations}, {"impratio", v.impratio}, {"softness", v.softness}};
+  run["variation"] = {{"step", v.step},
+                      {"iterations", v.iterations},
+                      {"impratio", v.impratio},
+                      {"softness", v.softness},
+                      {"erp", v.erp}};
   run["start"] = start;
   run["horizon_s"] = horizon == kToTheEnd ? Json(nullptr) : Json(horizon);
   return run;

@@ -19,6 +19,7 @@ EngineInfo make_info(const ContactFactors& factors, bool own_code) {
   info.capabilities.soft_contact = !factors.hard_normal;
   info.capabilities.soft_friction = !factors.hard_friction;
   info.capabilities.turning_friction = contact::is_solved_by_minimum(factors);
+  info.capabilities.error_reduction = contact::has_error_reduction(factors);
   info.capabilities.sweeps = factors.sweeps;
   info.capabilities.allocates = factors.narrowphase;  // Bullet's own code
   const std::string way = factors.sweeps ? "/sweeps" : "", points = factors.narrowphase ? "/narrowphase" : "";

@@ -53,8 +53,9 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
                                         const btContactSolverInfo& info, btIDebugDraw* drawer) override;
   btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
                                          const btContactSolverInfo& info) override;
-  void bound_correction(btMultiBodySolverConstraint& row, double violation, double fastest) const noexcept;
-  void refer_to_joint_stage(btMultiBodySolverConstraint& row) noexcept;
+  void bound_correction(btMultiBodySolverConstraint& row, double violation, double share,
+                        double fastest) const noexcept;
+  void refer_to_joint_stage(btMultiBodySolverConstraint& row, double mixing) noexcept;
   void make_joint_rows();
   void report_native_contacts() noexcept;
 

@@ -1,7 +1,7 @@
 // bullet:own, by the code of Bullet's library as it ships: hard contact (position error reduction erp2 = 0.2,
 // no softness), friction bounded by the normal impulse of the sweep, motors for the dry friction of joints.
 // Two changes: rows respond through the joint stage (armature, closed loops) instead of the bare tree, and
-// penetrations are undone no faster than hard contact allows (HardContact::most_push_out).
+// penetrations are undone no faster than the world allows (ContactSpec::max_depenetration_velocity).
 #include <algorithm>
 #include <cmath>
 
@@ -61,17 +61,18 @@ btScalar ConstraintSolver::solveGroupCacheFriendlySetup(btCollisionObject** bodi
     btMultiBodySolverConstraint& row = m_multiBodyNonContactConstraints[i];
     if (const auto* limit = dynamic_cast<const btMultiBodyJointLimitConstraint*>(row.m_orgConstraint))
       bound_correction(row, -static_cast<double>(limit->getPosition(row.m_orgDofIndex)),
-                       contact::kFastestReturn);
-    refer_to_joint_stage(row);
+                       contact::kLimitReduction, contact::kFastestReturn);
+    refer_to_joint_stage(row, 0);
   }
   for (int i = 0; i < m_multiBodyNormalContactConstraints.size(); ++i) {
     btMultiBodySolverConstraint& row = m_multiBodyNormalContactConstraints[i];
     const auto* point = static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
-    bound_correction(row, -static_cast<double>(point->getDistance()), contact::kHardContact.most_push_out);
-    refer_to_joint_stage(row);
+    bound_correction(row, -static_cast<double>(point->getDistance()), spec_.contact.erp,
+                     spec_.contact.max_depenetration_velocity);
+    refer_to_joint_stage(row, spec_.contact.cfm);
   }
   for (int i = 0; i < m_multiBodyFrictionContactConstraints.size(); ++i) {
-    refer_to_joint_stage(m_multiBodyFrictionContactConstraints[i]);
+    refer_to_joint_stage(m_multiBodyFrictionContactConstraints[i], spec_.contact.cfm);
   }
   for (int i = 0; i + 1 < m_multiBodyFrictionContactConstraints.size(); i += 2) {
     scale_alike(m_multiBodyFrictionContactConstraints[i], m_multiBodyFrictionContactConstraints[i + 1]);
@@ -79,16 +80,20 @@ btScalar ConstraintSolver::solveGroupCacheFriendlySetup(btCollisionObject** bodi
   return result;
 }
 
-// Takes from a row what undoes its violation (m or rad) beyond the speed that hard contacts or limits allow.
-void ConstraintSolver::bound_correction(btMultiBodySolverConstraint& row, double violation,
+// Has a row undo `share` of its violation (m or rad) in the step, at the speed `fastest` at most. Bullet
+// undoes the share of contacts of all rows alike.
+void ConstraintSolver::bound_correction(btMultiBodySolverConstraint& row, double violation, double share,
                                         double fastest) const noexcept {
-  const double excess = contact::kHardContact.error_reduction * violation / spec_.physics_dt - fastest;
-  if (excess > 0) row.m_rhs -= excess * row.m_jacDiagABInv;
+  if (violation <= 0) return;
+  const double undone = spec_.contact.erp * violation / spec_.physics_dt;
+  const double wanted = std::min(share * violation / spec_.physics_dt, fastest);
+  row.m_rhs -= (undone - wanted) * row.m_jacDiagABInv;
 }
 
 // Bullet iterates  dlambda = rhs - lambda cfm - (J dv) / (d + C)  with d = J M0^-1 J'. Replaces M0^-1 J' by
 // the response of the whole machine and the right-hand side by what the joint stage left to do.
-void ConstraintSolver::refer_to_joint_stage(btMultiBodySolverConstraint& row) noexcept {
+// `mixing` is added to its response to itself, as a share of it.
+void ConstraintSolver::refer_to_joint_stage(btMultiBodySolverConstraint& row, double mixing) noexcept {
   const int at = jacobian_index(row);
   const Eigen::Index n = before_.size();
   const Eigen::Map<const Eigen::VectorXd> J(&m_data.m_jacobians[at], n);
@@ -101,9 +106,10 @@ void ConstraintSolver::refer_to_joint_stage(btMultiBodySolverConstraint& row) no
   joints_.project(y);
   joints_.inertia().finish_solve(y);
   response = y;
-  const double inverse = 1 / (J.dot(y) + softness);
+  const double answer = J.dot(y), added = softness + mixing * answer;
+  const double inverse = 1 / (answer + added);
   row.m_jacDiagABInv = inverse;
-  row.m_cfm = softness * inverse;
+  row.m_cfm = added * inverse;
   row.m_rhs = wanted * inverse;
 }
 

@@ -48,6 +48,7 @@ ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, con
                            const JointStage& joints, bool sweeps)
     : spec_(spec),
       factors_(factors),
+      hard_(hard_contact(spec.contact, factors)),
       bodies_(bodies),
       joints_(joints),
       contact_law_(spec.contact.softness, spec.physics_dt),
@@ -78,11 +79,10 @@ ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, con
       primal_ = std::make_unique<PrimalProblem>(dofs, coupled, coefficient());
     }
   } else if (bound == FrictionBound::kDisc && (sweeps_ || (factors_.coulomb && frictional_joints_.empty()))) {
-    sweep_ = std::make_unique<SweepProblem>(dofs, joints_.coupled_dofs(), coefficient());
+    sweep_ = std::make_unique<SweepProblem>(dofs, joints_.coupled_dofs(), coefficient(), hard_.mixing);
   } else {
     dual_ = std::make_unique<DualProblem>(
-        joints_, static_cast<int>(frictional_joints_.size() + limited_joints_.size()), bound,
-        factors_.stock ? kStockContact.mixing : kHardContact.mixing);
+        joints_, static_cast<int>(frictional_joints_.size() + limited_joints_.size()), bound, hard_.mixing);
   }
   for (int body = 0; body <= spec.robot->joint_count(); ++body)
     dofs_.push_back(joints_.inertia().dofs_of(body));
@@ -301,8 +301,7 @@ double ContactStage::set_row(const ContactPoint& point, int axis, ContactRows& r
     if (axis > 0) return 0;
     const double h = spec_.physics_dt;  // a gap may close, of a penetration a share is undone
     if (point.distance > 0) return -point.distance / h;
-    const HardContact& hard = factors_.stock ? kStockContact : kHardContact;
-    return std::min(-hard.error_reduction * point.distance / h, hard.most_push_out);
+    return std::min(-hard_.error_reduction * point.distance / h, hard_.most_push_out);
   }
   const double imp = rows.impedance = contact_law_.impedance(point.distance);
   const double R = SoftLaw::regularization(imp, inverse_weights_[static_cast<std::size_t>(point.body)]);

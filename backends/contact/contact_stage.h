@@ -84,6 +84,7 @@ class ContactStage {
 
   const WorldSpec& spec_;
   LawFactors factors_;
+  HardContact hard_;
   const BodyKinematics& bodies_;
   const JointStage& joints_;
   SoftLaw contact_law_, friction_law_;

@@ -29,8 +29,7 @@ std::optional<LimitRow> limit_row(const LimitedJoint& joint, bool hard, double a
   const double gap = is_lower ? to_lower : to_upper, away = is_lower ? 1 : -1;
   if (hard) {
     if (gap + away * ahead > kReach) return std::nullopt;
-    const double target =
-        gap > 0 ? -gap / step : std::min(-kHardContact.error_reduction * gap / step, kFastestReturn);
+    const double target = gap > 0 ? -gap / step : std::min(-kLimitReduction * gap / step, kFastestReturn);
     return LimitRow{away, 0, target};
   }
   if (gap >= 0) return std::nullopt;

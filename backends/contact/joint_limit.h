@@ -18,9 +18,9 @@ struct LimitedJoint {
 };
 std::vector<LimitedJoint> limited_joints(const WorldSpec& spec);
 
-/// Hard limits undo the share of a violation that hard contacts do (kHardContact), at this speed at most,
-/// rad/s: a robot that begins 0.1 rad beyond a limit is not thrown about.
-inline constexpr double kFastestReturn = 1;
+/// Hard limits undo this share of a violation in a step (Bullet's default, btContactSolverInfo::m_erp2), at
+/// this speed at most, rad/s: a robot that begins 0.1 rad beyond a limit is not thrown about.
+inline constexpr double kLimitReduction = 0.2, kFastestReturn = 1;
 
 /// What a limit asks of the speed at which a joint goes away from it.
 struct LimitRow {

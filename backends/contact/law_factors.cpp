@@ -54,6 +54,13 @@ bool is_solved_by_minimum(const LawFactors& factors) {
          !factors.hard_joint_limits;
 }
 
+bool has_error_reduction(const LawFactors& factors) { return factors.hard_normal && !factors.stock; }
+
+HardContact hard_contact(const ContactSpec& contact, const LawFactors& factors) {
+  if (factors.stock) return {.error_reduction = 0.01, .most_push_out = 1e-3, .mixing = 1e-5};
+  return {contact.erp, contact.max_depenetration_velocity, factors.hard_normal ? contact.cfm : 0.0};
+}
+
 std::string family_name(const LawFactors& factors) { return factors.hard_normal ? "rigid" : "compliant"; }
 
 std::vector<std::string> own_parts() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "backends/contact/factor_table.h"
+#include "physics/robot/contact_settings.h"
 
 namespace crossgait::contact {
 
@@ -21,24 +22,23 @@ struct LawFactors {
 
   // Beyond hard contact with Coulomb's disc, with all of the above: laws of their own.
   bool pyramid = false;  ///< friction is bounded along the slip and across it, each by itself
-  bool stock = false;    ///< as DART ships: see HardContact
+  bool stock = false;    ///< as DART ships: see hard_contact
 
   bool operator==(const LawFactors&) const = default;
 };
 
-/// Constants of hard contact.
+/// How hard contact undoes a penetration, and how its rows are softened.
 struct HardContact {
   double error_reduction;  ///< share of a penetration that is undone in a step
   double most_push_out;    ///< speed at which it is undone at most, m/s
   double mixing;           ///< constraint force mixing, as a share of each row's own response
 };
-/// Bullet's default share (btContactSolverInfo::m_erp2), of which Bullet bounds no speed: a foot that finds
-/// itself 20 mm in the ground would be thrown out at 4 m/s. 0.3 m/s is a fall from 5 mm; at a step of 1 ms it
-/// is met by penetrations beyond 1.5 mm, which speculative contacts let no foot reach that was above the
-/// ground before.
-inline constexpr HardContact kHardContact{0.2, 0.3, 0};
-/// DART's (DART 6.12, dart/constraint/ContactConstraint.cpp: DART_ERP, DART_MAX_ERV, DART_CFM).
-inline constexpr HardContact kStockContact{0.01, 1e-3, 1e-5};
+/// Returns what the world asks for (ContactSpec::erp, max_depenetration_velocity, cfm), or what DART ships
+/// with (DART 6.12, dart/constraint/ContactConstraint.cpp: DART_ERP, DART_MAX_ERV, DART_CFM) where that is a
+/// factor.
+HardContact hard_contact(const ContactSpec& contact, const LawFactors& factors);
+/// Says whether penetrations are undone as the world asks: Capabilities::error_reduction.
+bool has_error_reduction(const LawFactors& factors);
 
 /// In the order in which `needs` are satisfied.
 const std::vector<FactorRow<LawFactors>>& law_factor_rows();

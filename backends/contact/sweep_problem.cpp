@@ -5,8 +5,10 @@
 
 namespace crossgait::contact {
 
-SweepProblem::SweepProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction)
+SweepProblem::SweepProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction,
+                           double mixing)
     : friction_(friction),
+      mixing_(mixing),
       loops_(dofs, coupled),
       reach_(static_cast<std::size_t>(dofs)),
       row_(3, dofs),
@@ -38,7 +40,6 @@ void SweepProblem::add_contact(std::span<const int> dofs, const PointJacobian& Z
   Contact& contact = contacts_[static_cast<std::size_t>(contact_count_++)];
   contact.dofs = &reach(dofs);
   contact.first = columns_;
-  contact.R = R;
   contact.b = b;
   contact.x.setZero();
   for (const int dof : *contact.dofs) row_.col(dof).setZero();
@@ -49,6 +50,9 @@ void SweepProblem::add_contact(std::span<const int> dofs, const PointJacobian& Z
     A += row_.col(dof).cwiseAbs2();
     Z_.col(columns_++) = row_.col(dof);
   }
+  const Vector3 mixed = mixing_ * (A - R);
+  contact.R = R + mixed;
+  A += mixed;
   contact.normal_step = A[0] > 0 ? 1 / A[0] : 0;
   // One step size for both directions, or friction would not oppose slip.
   const double across = std::max(A[1], A[2]);

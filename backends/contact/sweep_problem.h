@@ -23,7 +23,8 @@ namespace crossgait::contact {
 class SweepProblem {
  public:
   /// @param coupled  as in PrimalProblem
-  SweepProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction);
+  /// @param mixing   as in DualProblem
+  SweepProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction, double mixing);
 
   /// Filled in like PrimalProblem, R >= 0.
   void begin(const Eigen::MatrixXd& loops) noexcept;
@@ -69,7 +70,7 @@ class SweepProblem {
   void sweep_tangents(Change& change) noexcept;
   void finish() noexcept;
 
-  double friction_;
+  double friction_, mixing_;
   int columns_ = 0, contact_count_ = 0, bounded_count_ = 0;
   std::array<Contact, kMaxContacts> contacts_;
   std::array<Bounded, kMaxBoundedRows> bounded_;

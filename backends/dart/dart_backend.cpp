@@ -29,6 +29,7 @@ EngineInfo make_info(const DartFactors& factors) {
   info.capabilities.soft_contact = !factors.hard_normal;
   info.capabilities.soft_friction = !factors.hard_friction;
   info.capabilities.turning_friction = contact::is_solved_by_minimum(factors);
+  info.capabilities.error_reduction = contact::has_error_reduction(factors);
   info.capabilities.exact_field_query = true;  // the ground is Crossgait's
   info.capabilities.allocates = true;
   info.laws = {.contact = contact::law_name(factors),

@@ -47,6 +47,9 @@ std::vector<std::string> not_of_law(const ContactSpec& contact, const Capabiliti
       {"cone", capabilities.pyramidal_cone},
       {"solref", soft},
       {"solimp", soft},
+      {"erp", capabilities.error_reduction},
+      {"max_depenetration_velocity", capabilities.error_reduction},
+      {"cfm", capabilities.error_reduction},
   };
   std::vector<std::string> names;
   for (const auto& [name, is_of_law] : concerns) {

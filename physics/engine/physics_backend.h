@@ -32,6 +32,7 @@ struct Capabilities {
   bool soft_friction = false;     ///< honours ContactSpec::impratio
   bool turning_friction = false;  ///< honours ContactSpec::condim, torsional and rolling friction
   bool pyramidal_cone = false;    ///< honours ContactSpec::cone
+  bool error_reduction = false;   ///< honours ContactSpec::erp, max_depenetration_velocity and cfm
   bool sweeps = false;            ///< SolverSpec::iterations bounds what it finds, not only its effort
   bool exact_field_query =
       false;  ///< terrain_height is exact to rounding (1e-12 m) rather than to the ray test (2e-6 m)

@@ -107,6 +107,30 @@ const ContactSetting kSettings[] = {
      get_solref,
      set_solref},
     {"solimp", "-, -, m, -, -", "impedances, width, midpoint, power", 1, 5, {}, get_solimp, set_solimp},
+    {"erp",
+     "-",
+     "share of a penetration that hard contact undoes in a step, 0 to 1",
+     1,
+     1,
+     {},
+     get_number<&ContactSpec::erp>,
+     set_number<&ContactSpec::erp>},
+    {"max_depenetration_velocity",
+     "m/s",
+     "speed at which it is undone at most, 0 to 100",
+     1,
+     1,
+     {},
+     get_number<&ContactSpec::max_depenetration_velocity>,
+     set_number<&ContactSpec::max_depenetration_velocity>},
+    {"cfm",
+     "-",
+     "constraint force mixing of hard contact, as a share of each row's response to itself, 0 to 1",
+     1,
+     1,
+     {},
+     get_number<&ContactSpec::cfm>,
+     set_number<&ContactSpec::cfm>},
 };
 
 // From how many dimensions on a setting makes a difference.
@@ -299,6 +323,10 @@ void validate_contact(const ContactSpec& contact, std::string_view source) {
   check(contact.impratio > 0 && contact.impratio <= 10 * kMostImpratio, "contact.impratio",
         "a ratio in (0, 10000]", contact.impratio);
   validate_softness(contact.softness, source, "contact.softness");
+  check(contact.erp >= 0 && contact.erp <= 1, "contact.erp", "a share in [0, 1]", contact.erp);
+  check(contact.max_depenetration_velocity >= 0 && contact.max_depenetration_velocity <= 100,
+        "contact.max_depenetration_velocity", "a speed in [0, 100] m/s", contact.max_depenetration_velocity);
+  check(contact.cfm >= 0 && contact.cfm <= 1, "contact.cfm", "a share in [0, 1]", contact.cfm);
 }
 
 }  // namespace crossgait

@@ -135,6 +135,7 @@ std::vector<Planted> of_contact() {
       {"slip_speed", of_terrain("slope:angle=10,size_x=4,size_y=4,cell=0.05,flat_radius=0")},
       {"standing", of_gravity(1.01)},
       {"penetration", [](WorldSpec& spec) { spec.contact.softness.time_constant = 0.08; }},
+      {"error_reduction", [](WorldSpec& spec) { spec.contact.cfm += 1e-3; }},
       {"contact_geometry", of_shapes(1.001)},
       {"trotting", of_joints(&Joint::kp, 0.2)},
       {"no_contact", of_shapes(8)},

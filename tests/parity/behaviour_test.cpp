@@ -28,12 +28,13 @@ TEST(Variations, AreFactorsOnTheWorld) {
     v.apply(result, world.physics_dt);
     return result;
   };
-  const WorldSpec one = varied({.step = 0.5, .iterations = 0.5, .impratio = 10, .softness = 0.25});
+  const WorldSpec one = varied({.step = 0.5, .iterations = 0.5, .impratio = 10, .softness = 0.25, .erp = 2});
   EXPECT_DOUBLE_EQ(one.physics_dt, 5e-4);
   EXPECT_EQ(one.solver.iterations, 13);                          // 12.5, to the nearest
   EXPECT_EQ(varied({.iterations = 0.01}).solver.iterations, 1);  // and never none
   EXPECT_DOUBLE_EQ(one.contact.impratio, 20);
   EXPECT_DOUBLE_EQ(one.contact.softness.time_constant, 0.25 * world.contact.softness.time_constant);
+  EXPECT_EQ(one.contact.erp, 2 * world.contact.erp);
   EXPECT_EQ(one.solver.tolerance, world.solver.tolerance);
   const WorldSpec same = varied(nominal_variation());
   EXPECT_EQ(same.physics_dt, world.physics_dt);
@@ -47,12 +48,12 @@ TEST(Variations, BeginAsAskedAndConcernTheEnginesThatDeclareThem) {
   EXPECT_EQ(half_step().step, 0.5);
   EXPECT_EQ(quarter_step().step, 0.25);
   EngineInfo rigid, soft;
-  rigid.capabilities.sweeps = true;
+  rigid.capabilities.sweeps = rigid.capabilities.error_reduction = true;
   soft.capabilities.soft_contact = soft.capabilities.soft_friction = true;
   for (const Variation& v : variations()) {
     EXPECT_EQ(&find_variation(v.name), &v);
     EXPECT_EQ(v.of(rigid), v.impratio == 1 && v.softness == 1) << v.name;
-    EXPECT_EQ(v.of(soft), v.iterations == 1) << v.name;
+    EXPECT_EQ(v.of(soft), v.iterations == 1 && v.erp == 1) << v.name;
   }
   EXPECT_THROW((void)find_variation("no such"), ConfigError);
 }
@@ -80,11 +81,17 @@ TEST(Variations, KeepTheLawOfTheStepsThatWereAskedFor) {
 TEST(Variations, AreNotOfContactsThatCannotBeStiffer) {
   Behaviour behaviour;
   behaviour.physics_dt = behaviour.control_dt = 1e-3;
-  behaviour.contact_time_constant = 2e-3;
+  behaviour.contact.softness.time_constant = 2e-3;
   EXPECT_EQ(behaviour.why_not({.softness = 0.5}), "contacts are as stiff as the step lets them be");
   EXPECT_EQ(behaviour.why_not({.impratio = 10}), "");
-  behaviour.contact_time_constant = 4e-3;
+  behaviour.contact.softness.time_constant = 4e-3;
   EXPECT_EQ(behaviour.why_not({.softness = 0.5}), "");
+  EXPECT_EQ(behaviour.why_not({.erp = 2}), "");
+  behaviour.contact.erp = 0.6;
+  EXPECT_EQ(behaviour.why_not({.erp = 2}), "a step undoes more than half of a penetration");
+  EXPECT_EQ(behaviour.why_not({.iterations = 0.2}), "");
+  behaviour.contact.erp = 0;
+  EXPECT_EQ(behaviour.why_not({.erp = 2}), "no penetration is undone");
 }
 
 TEST(Variations, HaveToDivideTheControlStep) {

@@ -128,10 +128,10 @@ TEST(VerdictReport, SaysTheRule) {
   verdicts.options.looks = 2;
   verdicts.options.confidence = 0.9;
   verdicts.variations = {"as asked", "half the time step"};
-  verdicts.left_out = {"a fifth of the sweeps: reason"};
+  verdicts.left_out = {"a tenth of the sweeps: reason"};
   const std::string text = describe_rule(verdicts);
   for (const char* part : {"7 starts, look 1 of 2 that were planned", "as asked, half the time step",
-                           "95 % interval", "90 % confidence", "Left out: a fifth of the sweeps: reason."})
+                           "95 % interval", "90 % confidence", "Left out: a tenth of the sweeps: reason."})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 

@@ -167,11 +167,11 @@ TEST(ReachVerdicts, ShowWhatAnEngineThatDeclaresASettingChangesByItself) {
   for (const OwnChange& change : all.pairs.front().statistics[0].own)
     own[change.engine + ", " + change.variation] = change.change.estimate;
   EXPECT_NEAR(own.at("a, ten times the impratio"), 1, 1e-12);
-  EXPECT_NEAR(own.at("b, a fifth of the sweeps"), 1.5, 1e-12);
+  EXPECT_NEAR(own.at("b, a tenth of the sweeps"), 1.5, 1e-12);
   EXPECT_FALSE(own.contains("b, ten times the impratio"));
   EXPECT_NEAR(own.at("a, half the time step"), 0, 1e-12);
   EXPECT_EQ(all.variations, (std::vector<std::string>{"as asked", "half the time step",
-                                                      "ten times the impratio", "a fifth of the sweeps"}));
+                                                      "ten times the impratio", "a tenth of the sweeps"}));
 }
 
 TEST(ReachVerdicts, EndAtTheFirstLookThatSettlesEveryPair) {

@@ -75,8 +75,10 @@ TEST(ContactFactors, EnginesAreFoundByName) {
 }
 
 double largest_difference(const std::string& a, const std::string& b, const std::string& terrain,
-                          int iterations, const scenes::RobotPtr& robot = scenes::quadruped()) {
+                          int iterations, const scenes::RobotPtr& robot = scenes::quadruped(),
+                          const std::string& contact = "friction=0.6") {
   WorldSpec spec = scenes::world_of(robot);
+  parse_contact_settings(contact, "test").apply(spec.contact);
   spec.terrain = make_terrain(terrain);
   spec.solver.tolerance = 1e-12;
   spec.solver.iterations = iterations;
@@ -106,6 +108,36 @@ TEST(ContactFactors, AreAllThereIs) {
   EXPECT_LT(largest_difference("bullet:own", "bullet-sweeps", "flat", 5000,
                                scenes::with_joint_friction(scenes::serial_quadruped(), 0.2)),
             1e-6);
+}
+
+// The library's rows, the sweeps of ours and the converged solution follow what is asked of hard contact.
+TEST(ContactFactors, AreAllThereIsWhateverIsAskedOfHardContact) {
+  const scenes::RobotPtr limited = scenes::with_joint_limits(scenes::quadruped(), 0.3);
+  for (const char* contact : {"erp=0.05", "erp=0.8", "max_depenetration_velocity=0.01", "cfm=0.001",
+                              "cfm=0.3", "erp=0.4,max_depenetration_velocity=5,cfm=0.01"}) {
+    SCOPED_TRACE(contact);
+    EXPECT_LT(largest_difference("bullet:own", "bullet-sweeps", "flat", 2000, scenes::quadruped(), contact),
+              1e-8);
+    EXPECT_LT(largest_difference("bullet:own", "bullet-sweeps", "flat", 2000, limited, contact), 1e-8);
+    EXPECT_LT(largest_difference("bullet", "bullet-sweeps", "flat", 2000, scenes::quadruped(), contact),
+              1e-8);
+  }
+  const auto changed = [](const char* engine, const char* contact) {
+    WorldSpec spec = scenes::world_of(scenes::quadruped()), other = spec;
+    parse_contact_settings(contact, "test").apply(other.contact);
+    const auto x = make(engine, spec), y = make(engine, other);
+    const scenes::Trot trot(*spec.robot);
+    for (int i = 0; i < 500; ++i) {
+      const JointTargets targets = trot.targets(i * 1e-3);
+      EXPECT_EQ(x->step(targets), StepStatus::kOk);
+      EXPECT_EQ(y->step(targets), StepStatus::kOk);
+    }
+    return (x->state().p_WB - y->state().p_WB).norm();
+  };
+  for (const char* contact : {"erp=0.8", "cfm=0.3"}) {
+    EXPECT_GT(changed("bullet", contact), 1e-6) << contact;
+    EXPECT_EQ(changed("bullet:matched", contact), 0) << contact;  // not of its law
+  }
 }
 
 TEST(ContactFactors, EachChangesSomethingOrIsRounding) {

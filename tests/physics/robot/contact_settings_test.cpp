@@ -21,7 +21,7 @@ ContactSpec applied(std::string_view text) {
 TEST(ContactSettings, ReadsEachByItsName) {
   const ContactSpec c = applied(
       "friction=0.8,torsional_friction=0.02,rolling_friction=0.01,condim=6,impratio=100,cone=pyramidal,"
-      "solref=0.005:2,solimp=0.8 0.99 0.002");
+      "solref=0.005:2,solimp=0.8 0.99 0.002,erp=0.4,max_depenetration_velocity=2,cfm=0.01");
   EXPECT_EQ(c.friction, 0.8);
   EXPECT_EQ(c.torsional_friction, 0.02);
   EXPECT_EQ(c.rolling_friction, 0.01);
@@ -32,6 +32,9 @@ TEST(ContactSettings, ReadsEachByItsName) {
   EXPECT_EQ(c.softness.damping_ratio, 2);
   EXPECT_EQ(c.softness.impedance_max, 0.99);
   EXPECT_EQ(c.softness.impedance_midpoint, Softness().impedance_midpoint);  // not said
+  EXPECT_EQ(c.erp, 0.4);
+  EXPECT_EQ(c.max_depenetration_velocity, 2);
+  EXPECT_EQ(c.cfm, 0.01);
 }
 
 TEST(ContactSettings, ASettingThatIsNotSaidStaysAsItIs) {
@@ -91,6 +94,9 @@ TEST(ContactSettings, RefusesWhatMakesNoSense) {
                                     {"solref=-1:2", "solref", "-1"},
                                     {"solref=", "solref", "''"},
                                     {"solimp=0.9:0.5", "solimp", "0.5"},
+                                    {"erp=1.5", "erp", "1.5"},
+                                    {"max_depenetration_velocity=-1", "max_depenetration_velocity", "-1"},
+                                    {"cfm=-0.1", "cfm", "-0.1"},
                                     {"friction=-1", "friction", "-1"}}) {
     const ConfigError error = config_error([&] { (void)parse_contact_settings(wrong.text, "test"); });
     EXPECT_EQ(error.source(), "test") << wrong.text;
