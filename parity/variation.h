@@ -9,14 +9,14 @@
 
 namespace crossgait {
 
-/// One way of setting up the same world.
+/// Describes one way of setting up the same world.
 struct Variation {
   enum class Kind { kNominal, kTimeStep, kSetting };
   std::string_view name = "as asked";
   Kind kind = Kind::kNominal;
   /// Factors on the world's time step, solver iterations, impratio, and time constant of its softness.
   double step = 1, iterations = 1, impratio = 1, softness = 1;
-  /// Whether an engine declares that it can make a difference there; null: in every engine.
+  /// Tells whether an engine declares that it can make a difference there; null: in every engine.
   bool (*concerns)(const Capabilities&) = nullptr;
 
   bool of(const EngineInfo& engine) const { return concerns == nullptr || concerns(engine.capabilities); }
@@ -26,7 +26,7 @@ struct Variation {
 
 /// Lists them: as asked, half the time step, a quarter of it, then settings.
 std::span<const Variation> variations();
-/// As asked; half the time step; a quarter of it.
+/// Returns the variation as asked; those below half the time step, or a quarter of it.
 const Variation& nominal_variation();
 const Variation& half_step();
 const Variation& quarter_step();

@@ -19,7 +19,7 @@ inline constexpr std::size_t kMaxStoreBytes = std::size_t{16} << 30U;
 /// Stores from this size on get an index beside them; smaller ones are read in less time than it matters.
 inline constexpr std::size_t kIndexedStoreBytes = std::size_t{16} << 20U;
 
-/// Places of the runs of a store by their hashes. Of rows of one hash the last that has a result counts.
+/// Finds a store's runs by their hashes. Of rows of one hash the last that has a result counts.
 ///
 /// It is kept in FILE.index beside the store FILE. An index that is missing, torn, of another file, or of a
 /// store that was changed otherwise than by appending, is not used: the store is read from its beginning,
@@ -34,8 +34,8 @@ class RunIndex {
 
   /// Runs that have a result.
   std::size_t size() const noexcept { return size_; }
-  /// Bytes of the store as it was read; of them, those of a last line that was cut off; and whether a last
-  /// line is whole but for its end.
+  /// Counts bytes of the store as it was read; of them, those of a last line that was cut off; and whether a
+  /// last line is whole but for its end.
   std::size_t bytes() const noexcept { return bytes_; }
   std::size_t torn_bytes() const noexcept { return torn_bytes_; }
   bool lacks_line_end() const noexcept { return lacks_line_end_; }
@@ -55,7 +55,7 @@ class RunIndex {
   void save(std::size_t least_bytes = kIndexedStoreBytes) noexcept;
 
  private:
-  /// Of a row: where it begins, and whether its run failed.
+  /// Says of a row where it begins, and whether its run failed.
   struct Place {
     std::uint64_t hash = 0, begin : 63 = 0, failed : 1 = 0;
   };
