@@ -8,7 +8,7 @@
 
 namespace crossgait {
 
-/// A regular file that is open for appending, under a lock (`flock`) that ends with this object, or with its
+/// Holds a regular file open for appending, under a lock (`flock`) that ends with this object, or with its
 /// process, however that ends. Whoever comes meanwhile is refused, not kept waiting: other objects of this
 /// process too. `python -m crossgait.sweep` takes the same lock.
 class LockedFile {

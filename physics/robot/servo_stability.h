@@ -7,7 +7,7 @@
 
 namespace crossgait {
 
-/// The joint whose servo loop steps of time are the longest for.
+/// Describes the joint whose servo loop steps of time are the longest for.
 struct ServoLoop {
   int joint = -1;      ///< index
   double ratio = 0;    ///< kd dt / I + kp dt^2 / (2 I): from 2 on it is unstable, from 1 on it overshoots
