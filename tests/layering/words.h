@@ -24,7 +24,7 @@ struct WordReport {
 /// (change log, stored results) and for docs/words.md and what tests it.
 WordReport find_words(const std::filesystem::path& root, const std::vector<std::string>& words);
 
-/// Lines, from 1, whose prose has a number without the zero before its point: ".5 s". Prose is what is
+/// Finds lines, from 1, whose prose has a number without the zero before its point: ".5 s". Prose is what is
 /// outside of code in a document, else what comments say, without quotations.
 std::vector<int> bare_decimals(std::string_view text, bool is_document);
 

@@ -19,7 +19,7 @@ struct Pair {
   std::string a, b;
 };
 
-/// Every two engines of `names` that `choose(laws of a, of b)`.
+/// Lists every two engines of `names` that `choose(laws of a, of b)`.
 template <typename Choose>
 std::vector<Pair> pairs_of(Choose choose, const std::vector<std::string>& names = available_engines()) {
   const auto laws = [](const std::string& name) { return find_engine(name).info.laws; };
