@@ -7,7 +7,7 @@
 
 namespace crossgait::apps {
 
-/// Charts what `crossgait bench` prints, section by section. @param result  as `read_bench` takes it
+/// Shows what `crossgait bench` prints, with charts by section. @param result  as `read_bench` takes it
 ReportPage bench_page(const nlohmann::ordered_json& result);
 
 }  // namespace crossgait::apps

@@ -33,7 +33,7 @@ std::string describe(const Card& card);
 /// Writes a card as docs/schemas/conformance.json describes it.
 nlohmann::ordered_json to_json(const Card& card);
 
-/// Lists checks, what they prove, requirement, precondition, as the table in docs/adding-an-engine.md.
+/// Tabulates all checks with proof, requirement and precondition, as in docs/adding-an-engine.md.
 std::string markdown_of_checks();
 
 }  // namespace crossgait::conformance

@@ -50,10 +50,10 @@ class FootTargetTracker {
     return standing_state(feet, terrain, Placement());
   }
 
-  /// Serves GaitGenerator::set_rolling_correction at standing feet (leg frames, m), mean of the legs. Two
-  /// things come between a sweep and the body's advance. While the centre of a spherical foot moves by dp,
-  /// its link turns by w dp, and the foot rolls on by r w x z dp. And what the servos do not make up for of
-  /// their load gives way by J K^-1 J' F, which differs from one end of the sweep to the other.
+  /// Returns what GaitGenerator::set_rolling_correction takes at standing feet (leg frames, m), legs' mean.
+  /// Two things come between a sweep and the body's advance. While the centre of a spherical foot moves by
+  /// dp, its link turns by w dp, and the foot rolls on by r w x z dp. And what the servos do not make up for
+  /// of their load gives way by J K^-1 J' F, which differs from one end of the sweep to the other.
   /// @throws ConfigError if a foot is out of reach
   Vector2 rolling_correction(const LegArray<Vector3>& feet, const GaitParameters& parameters) const;
 

@@ -37,8 +37,8 @@ std::string_view name(Shape shape) noexcept;
 /// 12, 4 and 1 % (tests/parity/paired_differences_test.cpp).
 Shape shape_of(const std::vector<double>& sample, double margin);
 
-/// Returns the fewest differences with which the sign test tells a median from a limit with an error of at
-/// most `error`, both sides together: 2 / 2^n. With fewer the interval is the sample's range, and holds less.
+/// Returns how few differences let the sign test tell a median from a limit with an error up to `error`, both
+/// sides together: 2 / 2^n. With fewer the interval is the sample's range, and holds less often.
 std::size_t fewest_for_median(double error) noexcept;
 
 /// Holds differences of pairs, of which all are independent draws. The median's interval is the narrowest

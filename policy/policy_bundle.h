@@ -30,7 +30,7 @@ struct MlpNetwork {
   Eigen::VectorXd observation_mean, observation_std;                  ///< both empty: not normalised
   double observation_clip = std::numeric_limits<double>::infinity();  ///< of the normalised observation
 
-  /// Acts in double precision for any layout: slow, plain, and independent of MlpPolicy, which it checks.
+  /// Runs in double precision for any layout: slow, plain, and independent of MlpPolicy, which it checks.
   Eigen::VectorXd evaluate(const Eigen::VectorXd& observation) const;
 };
 

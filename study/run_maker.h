@@ -20,7 +20,7 @@ class RunMaker {
 
   /// Returns `to_json` of one run in an available engine. @throws ConfigError
   nlohmann::json describe(const std::string& engine, const Variation& variation, std::size_t start) const;
-  /// Tells if it keeps time steps whole (Behaviour::allows). @throws ConfigError as `make_behaviour`
+  /// Tells if a variation keeps time steps whole (Behaviour::allows). @throws ConfigError as `make_behaviour`
   bool allows(const std::string& engine, const Variation& variation) const;
   /// Makes the run. @returns its `stored_run`  @throws ConfigError
   std::string make(const std::string& engine, const Variation& variation, std::size_t start) const;

@@ -13,7 +13,7 @@
 namespace crossgait::contact {
 
 /// Obeys ConeProblem::solve_coulomb's law: each normal impulse pushes and stops its approach whatever
-/// friction does, and its tangents are the point of the disc of radius friction * normal that opposes slip.
+/// friction does, its tangents are the point of the disc of radius friction * normal that opposes slip best.
 ///
 /// Sweeps go over the rows as Bullet's do (btMultiBodyConstraintSolver::solveSingleIteration): bounded rows,
 /// in turns from either end, then all normals, then the tangents of each contact together. What a row has

@@ -61,7 +61,7 @@ class ThrowMujocoErrors {
   ThreadHandlers before_;
 };
 
-/// Finds what finds the contacts of `model`, if this thread is within a call for that model; otherwise none.
+/// Returns the finder of `model`'s contacts, if this thread is within a call for that model; otherwise none.
 TerrainCollision* collision_of(const mjModel* model) noexcept;
 
 }  // namespace crossgait::mujoco

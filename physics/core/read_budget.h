@@ -7,7 +7,7 @@
 
 namespace crossgait {
 
-/// Says beyond what a reader refuses a file with a ConfigError that names the limit. They are chosen so that
+/// Limits files: beyond any of these a reader refuses one by a ConfigError naming it. They are chosen so that
 /// the worst file within them is read, or refused, in about a second and in less than 200 MB of memory, and
 /// lie an order of magnitude above the largest file that Crossgait itself writes or brings along.
 struct ReadBudget {
