@@ -34,8 +34,8 @@ void check_outputs(const CLI::App& command);
 struct DerivedOutput {
   std::string option, path;
 };
-/// Checks the same once inputs are read: of files that are derived, and of what was read, which files that
-/// were named may have named themselves. @throws ConfigError naming the option
+/// Checks derived outputs once inputs are read: of files that are derived, and of what was read, which files
+/// that were named may have named themselves. @throws ConfigError naming the option
 void check_outputs_apart(const CLI::App& command, const std::vector<DerivedOutput>& derived);
 
 /// Sets what a command is to do, once its options are read and its outputs are known to be writable.
@@ -105,14 +105,14 @@ struct JsonOption {
   const Invocation* invocation_ = nullptr;
 };
 
-/// Prints for people: names come from files, so control characters stand as `\xNN`.
+/// Prints `text` for people: names come from files, so control characters stand as `\xNN`.
 /// @throws std::runtime_error if standard output does not take it
 void print(const std::string& text);
-/// Prints for programs (JSON, CSV, YAML): as it is, but on a terminal as `print`. @throws as `print`
+/// Prints for programs (JSON, CSV, YAML): bytes as they are, but on a terminal as `print`. @throws as `print`
 void print_data(const std::string& bytes);
 /// Says on standard error which file was written, and how large it is. Nothing of what is no regular file.
 void print_written(const std::string& path);
-/// Prints on standard error, as `print`; says nothing if that is closed.
+/// Prints `text` on standard error, as `print`; says nothing if that is closed.
 void print_error(const std::string& text);
 
 /// Opens standard streams that are closed such that using them fails, so that no other file takes their

@@ -33,15 +33,15 @@ class EngineRegistry {
   /// Lists what is available by rank (EnginePlugin::rank), then the rest: refused plug-ins, names that an
   /// earlier plug-in has, and engines that come with Crossgait but were not built or not found.
   const std::vector<EngineListing>& listings() const noexcept { return listings_; }
-  /// Names those available.
+  /// Names the available engines.
   std::vector<std::string> available() const;
   const std::vector<EngineFamily>& families() const noexcept { return families_; }
   /// @throws ConfigError for an unknown or unavailable name (listing the available ones)
   Engine find(std::string_view name) const;
-  /// Compiles by the plug-in with the newest library of those that can (EnginePlugin::compile_mjcf).
+  /// Compiles `text` by the plug-in with the newest library of those that can (EnginePlugin::compile_mjcf).
   /// @throws ConfigError naming `text.source` if none can, std::runtime_error with the engine's words
   MjcfModel compile_mjcf(const MjcfText& text) const;
-  /// Tells whether one can.
+  /// Tells whether a plug-in can compile MJCF.
   bool compiles_mjcf() const { return newest_mjcf_compiler() != nullptr; }
 
  private:
@@ -61,10 +61,10 @@ class EngineRegistry {
 
 /// Lists every engine Crossgait knows, available or not, in a fixed order.
 const std::vector<EngineListing>& known_engines();
-/// Names those available. The first is what commands use by default.
+/// Names the available engines. The first is what commands use by default.
 std::vector<std::string> available_engines();
 
-/// Lists those available.
+/// Lists the available families.
 const std::vector<EngineFamily>& engine_families();
 
 /// Finds the engine of a name: one of `available_engines()`; "bullet:native" is an alias of "bullet". A

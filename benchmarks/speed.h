@@ -44,7 +44,7 @@ class SceneRunner {
   SceneRunner(const SpeedScene& scene, const Engine& engine);
   /// Returns the CPU time of the scene, per step, s. @throws std::runtime_error if the engine diverges
   double run();
-  /// Runs it `times` times without looking at a clock. False if the engine diverged.
+  /// Runs the scene `times` times without looking at a clock. False if the engine diverged.
   bool repeat(int times);
   /// Returns the mean number of contacts per step; runs the scene once.
   double count_contacts();

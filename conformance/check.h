@@ -45,8 +45,8 @@ struct Requirement {
   bool holds(double value, Precision precision) const noexcept;
   /// Returns the bound as text: "<= 1e-11", ">= 0.3", "0.48 to 0.52", "reported" if it has none.
   std::string bound(Precision precision) const;
-  /// Returns the same for engines of any precision: "<= 100 eps", "<= 1e-11 + 100 eps", "0.48 - 9 eps to 0.52
-  /// + 9 eps".
+  /// Returns the bound for engines of any precision: "<= 100 eps", "<= 1e-11 + 100 eps", "0.48 - 9 eps to
+  /// 0.52 + 9 eps".
   std::string bound() const;
 };
 
@@ -54,7 +54,7 @@ struct Requirement {
 Requirement at_most(double bound, std::string what, std::string unit, std::string reason);
 /// Requires at most what rounding comes to. @param roundings  epsilon() of the engine's precision
 Requirement rounds_to(double roundings, std::string what, std::string unit, std::string reason);
-/// Returns the same requirement with bounds that give way by an engine's rounding.
+/// Returns the requirement with bounds that give way by an engine's rounding.
 Requirement with_rounding(Requirement requirement, double roundings);
 Requirement at_least(double bound, std::string what, std::string unit, std::string reason);
 Requirement between(double low, double high, std::string what, std::string unit, std::string reason);

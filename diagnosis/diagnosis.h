@@ -79,7 +79,7 @@ Diagnosis diagnose(const LoadedEnv& environment, const std::string& policy, cons
 nlohmann::ordered_json to_json(const Diagnosis& diagnosis, const std::string& file = {});
 /// Says in a sentence what would decide, where the diagnosis abstains; else empty.
 std::string deciding_sentence(const Diagnosis& diagnosis);
-/// Tabulates what it was asked and what came of it, by command: as given, then with the first of the ranking.
+/// Tabulates what was asked and what came of it, by command: as given, then with the first of the ranking.
 Table walks_table(const Diagnosis& diagnosis);
 /// Tells which of the rows of `walks_table` are as asked.
 std::vector<bool> walks_done(const Diagnosis& diagnosis);

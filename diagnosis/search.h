@@ -51,10 +51,10 @@ class Search {
   /// Lists every change that the table has for `before`, a candidate or the base, but of fields that it has
   /// changed.
   std::vector<Candidate> changes(const Candidate* before) const;
-  /// Returns the same change of its last field in another strength.
+  /// Returns `candidate` with the change of its last field in another strength.
   static Candidate in_strength(const Candidate& candidate, double strength);
 
-  /// Runs those that have not been; what no environment can be is dropped.
+  /// Runs those candidates that have not been; what no environment can be is dropped.
   /// @throws Interrupted from `progress`
   void glance(std::vector<Candidate>& candidates, const Progress& progress);
   void once(std::vector<Candidate>& candidates, const Progress& progress);

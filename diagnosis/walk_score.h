@@ -27,7 +27,7 @@ struct WalkMeasure {
 /// ended by failures alone. Nothing is randomised.
 EnvConfig test_episode(EnvConfig config, const VelocityCommand& command, double seconds);
 
-/// Walks by command: straight, turning left and right, standing.
+/// Names a command to walk by: straight, turning left and right, standing.
 struct WalkCommand {
   std::string name;
   VelocityCommand velocity;
@@ -59,7 +59,7 @@ struct WalkTolerance {
 /// for a walk that lasts, and 3 plus the share of the time that was left for one that does not.
 double walk_score(const WalkMeasure& walk) noexcept;
 
-/// Walks of one configuration.
+/// Holds the walks of one configuration.
 struct WalkResult {
   std::vector<WalkMeasure> walks;  ///< command by command, seed by seed
   std::vector<double> scores;      ///< of the same

@@ -17,9 +17,9 @@ struct EnvArray {
   std::string_view help;  ///< what it is, in which frame and order
   /// Sizes of the array of one environment; none of a number.
   std::vector<std::size_t> (*shape)(const QuadrupedEnv& env);
-  /// Writes it in C order; the environment has begun. Null of what is true or false.
+  /// Writes the quantity in C order; the environment has begun. Null of what is true or false.
   void (*write)(const QuadrupedEnv& env, double* out);
-  /// Writes what is true or false in the same way.
+  /// Writes a quantity that is true or false in the same way.
   void (*write_flags)(const QuadrupedEnv& env, bool* out) = nullptr;
 };
 
@@ -44,7 +44,7 @@ void write_qvel(const RobotState& state, double* out) noexcept;
 /// Sets where the robot is; the rest stays as it is. The quaternion is taken as it is.
 /// @param qpos  qpos_size numbers
 void read_qpos(const double* qpos, RobotState& state);
-/// Sets how it moves; the rest stays as it is. @param qvel  qvel_size numbers
+/// Sets how `state` moves; the rest stays as it is. @param qvel  qvel_size numbers
 void read_qvel(const double* qvel, RobotState& state);
 
 }  // namespace crossgait

@@ -92,15 +92,15 @@ struct EnvConfig {
 
 /// Returns the guide's environment: its trot, the ranges that its parameters adapt in, its delta scales.
 EnvConfig guide_environment();
-/// Returns one for policies that command joints, as commonly trained: 20 ms policy steps, targets half a
-/// radian about home, `joint_policy_observation`, a walk forward at `command`, a reward for following it.
+/// Returns an environment for policies that command joints, as usual: 20 ms policy steps, targets half a
+/// radian about home, `joint_policy_observation`, a walk forward at `command`, and a reward for that.
 EnvConfig joint_environment();
 
 /// Reads a configuration; what the file does not mention keeps its default (parameters: the gait's
 /// preferred). Files that it names are found from its own folder. Unknown keys and values are errors that
 /// name the line. @throws ConfigError
 EnvConfig load_env_config(const std::string& path);
-/// Reads the same from text; `source` stands for the file in messages.
+/// Reads a configuration from text; `source` stands for the file in messages.
 EnvConfig parse_env_config(const std::string& text, const std::string& source);
 /// Returns `base` with what `text` says in the place of its own, key by key. `action` and `preset` are what a
 /// configuration begins with, and no keys here. @throws ConfigError

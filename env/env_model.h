@@ -33,7 +33,7 @@ struct EnvModel {
   /// Reads nothing that `loaded` has read. @throws ConfigError for a bad configuration
   static std::shared_ptr<const EnvModel> make(const LoadedEnv& loaded);
 
-  /// Returns what it was made of, from which others are made without reading the files again.
+  /// Returns what the model was made of, from which others are made without reading the files again.
   LoadedEnv loaded() const;
 
   /// Returns the configuration with everything set that follows from the robot.

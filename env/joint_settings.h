@@ -65,7 +65,7 @@ struct JointActionSettings {
   bool operator==(const JointActionSettings&) const = default;
 };
 
-/// Holds the same read against a robot: numbers in the order of the action.
+/// Holds an action of joints read against a robot: numbers in the order of the action.
 struct JointActionTable {
   std::vector<int> servos;                     ///< joint indices
   std::vector<Eigen::Index> slots;             ///< of those in JointTargets

@@ -22,7 +22,7 @@ struct LoadedEnv {
   /// Takes a robot that has been read from where `environment.robot` says.
   LoadedEnv(EnvConfig environment, std::shared_ptr<const RobotDescription> read);
 
-  /// Returns other settings of the same: what they name by another text is read, and nothing else.
+  /// Returns other settings of the environment: what they name by another text is read, and nothing else.
   /// @throws ConfigError
   LoadedEnv with(EnvConfig changed) const;
 };

@@ -32,7 +32,7 @@ struct ObservationTerm {
     constexpr double kNone = std::numeric_limits<double>::infinity();
     return scale.empty() && clip == kNone && clip_unscaled == kNone && noise == 0 && !remembered();
   }
-  /// Tells whether it takes knowing what was.
+  /// Tells whether seeing the term takes knowing what was.
   bool remembered() const { return delay > 0 || history > 1; }
 
   bool operator==(const ObservationTerm&) const = default;

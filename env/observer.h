@@ -22,8 +22,8 @@ class Observer {
   Observer(const std::vector<ObservationTerm>& terms, const ObservationContext& context, double policy_dt,
            double control_dt);
 
-  /// Has one entry per number. What a scale changes is in its unit, what is seen late in its name:
-  /// "v_B.x@0.02" is that of 0.02 s ago.
+  /// Describes the observation, one entry per number. What a scale changes is in its unit, what is seen late
+  /// in its name: "v_B.x@0.02" is that of 0.02 s ago.
   const Layout& layout() const noexcept { return layout_; }
 
   /// Begins an episode. @param seed  of the noise

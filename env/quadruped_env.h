@@ -47,7 +47,7 @@ class QuadrupedEnv {
   /// Builds the world, unless the configuration randomises it; nothing moves before `reset`.
   /// @throws ConfigError for a world that cannot be built
   QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine);
-  /// Makes a model of its own. @throws ConfigError for a bad configuration besides
+  /// Makes an environment with a model of its own. @throws ConfigError for a bad configuration besides
   QuadrupedEnv(const LoadedEnv& loaded, Engine engine);
   ~QuadrupedEnv() = default;
   QuadrupedEnv(const QuadrupedEnv&) = delete;

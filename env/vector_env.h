@@ -56,8 +56,8 @@ class VectorEnv {
   std::size_t observation_size() const noexcept { return environments_.front()->observation_size(); }
   std::size_t action_size() const noexcept { return environments_.front()->action_size(); }
   const QuadrupedEnv& environment(std::size_t i) const { return *environments_.at(i); }
-  /// Returns the same, to be changed between steps: its state, command, world. Not to be reset, restored or
-  /// ended but by the functions below, which this has to know of.
+  /// Returns an environment to be changed between steps: its state, command, world. Not to be reset, restored
+  /// or ended but by the functions below, which this has to know of.
   QuadrupedEnv& edit(std::size_t i) {
     ++revision_;
     return *environments_.at(i);
@@ -82,7 +82,7 @@ class VectorEnv {
   /// @throws ConfigError as QuadrupedEnv::restore does
   void restore(std::size_t i, const QuadrupedEnv::Saved& saved);
 
-  /// Makes one policy step everywhere. @param actions  environments x action_size
+  /// Makes one policy step in every environment. @param actions  environments x action_size
   /// @throws ConfigError for a wrong size (before anything changes), or if a reset makes an impossible draw
   void step(std::span<const double> actions, const VectorStep& out);
 

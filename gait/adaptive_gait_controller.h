@@ -43,7 +43,7 @@ class AdaptiveGaitController {
   /// Sets offsets of the targets in their leg frames (z up: a positive z raises the foot), m, every
   /// coordinate clipped to +-residual_scale; not finite: zero.
   void set_residuals(const LegArray<Vector3>& residuals) noexcept;
-  /// Applies both from one action vector in [-1, 1] (clipped): times rows' delta_scale, times residual_scale.
+  /// Applies deltas and residuals of one action in [-1, 1] (clipped): times delta_scale and residual_scale.
   void apply_action(std::span<const double> action) noexcept;
 
   /// Advances by dt (s) and returns the targets with residuals.

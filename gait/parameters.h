@@ -58,7 +58,7 @@ constexpr GaitParameters guide_parameters() {
           .load_share = 0.35};
 }
 
-/// Returns those of the guide's adaptive controller, which differ (body_height 0.05, step_length 0.06, ...).
+/// Returns the guide's adaptive controller's parameters (body_height 0.05, step_length 0.06, ...).
 constexpr GaitParameters guide_adaptive_parameters() {
   GaitParameters p = guide_parameters();
   p.step_height = 0.04;
@@ -142,7 +142,7 @@ struct GaitSettings {
   std::vector<Value> values;  ///< each name once
   std::optional<SwingCurve> swing;
 
-  /// Returns every one of them.
+  /// Returns settings of every parameter.
   static GaitSettings all(const GaitParameters& parameters);
   /// Returns a value by name, added with 0 if it is not there.
   double& operator[](std::string_view name);

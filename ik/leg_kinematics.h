@@ -119,7 +119,7 @@ class LegKinematics {
 /// (`is_serial_leg`), else by least squares from the home posture. @throws ConfigError as
 /// `five_bar_geometry`, `serial_leg_geometry` and `least_squares_leg_geometry`, or if the robot has no legs
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg);
-/// Makes the same of a serial leg of a robot that does not say where its legs are.
+/// Makes those of a serial leg of a robot that does not say where its legs are.
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);
 
 /// Makes the kinematics of all legs.

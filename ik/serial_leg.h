@@ -33,7 +33,7 @@ struct SerialChain {
 };
 SerialChain chain_of(const SerialLegJoints& joints);
 
-/// Returns those of a leg that is serial.
+/// Returns the joints of a leg that is serial.
 SerialLegJoints serial_leg_joints(const LegModel& model);
 
 /// @throws ConfigError naming file, leg and joint unless the joints are `robot`'s, hang on each other in

@@ -51,7 +51,7 @@ inline Vector3 tilted(const TiltMount& g, const Vector2& p, double c, double s) 
   return {p.x(), g.side * (a * c + D * s - a), b - (D * c - a * s)};
 }
 
-/// Does the same for a velocity in the leg's plane.
+/// Turns a velocity in the leg's plane in the same way.
 inline Vector3 tilted_velocity(const TiltMount& g, const Vector2& v, double c, double s) {
   return {v.x(), g.side * s * v.y(), -c * v.y()};
 }

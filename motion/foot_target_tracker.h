@@ -45,7 +45,7 @@ class FootTargetTracker {
   /// @throws ConfigError if a foot is out of reach
   RobotState standing_state(const LegArray<Vector3>& feet, const Terrain& terrain,
                             const Placement& placement) const;
-  /// Stands it over the world's origin, facing +x.
+  /// Stands the robot over the world's origin, facing +x.
   RobotState standing_state(const LegArray<Vector3>& feet, const Terrain& terrain) const {
     return standing_state(feet, terrain, Placement());
   }

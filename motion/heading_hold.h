@@ -20,7 +20,7 @@ struct HeadingHold {
   static constexpr HeadingHold none() { return {.on = false}; }
 };
 
-/// Scales it for gaits of this size: its cycles are longer by `time()`, so that it answers as much slower.
+/// Scales `hold` for gaits of this size: cycles are longer by `time()`, so it answers as much slower.
 inline HeadingHold scaled(HeadingHold hold, const GaitScale& scale) noexcept {
   hold.gain /= scale.time();
   hold.max_rate /= scale.time();

@@ -46,7 +46,7 @@ struct OutcomeRow {
 std::span<const OutcomeRow> outcome_rows();
 const OutcomeRow& outcome_row(Outcome outcome) noexcept;
 std::string_view name(Outcome outcome) noexcept;
-/// Tells if it fell, collapsed, had a loop open or diverged: whatever ends a motion but leaving the ground.
+/// Tells if it is a fall, collapse, open loop or divergence: whatever ends a motion but leaving the ground.
 bool is_failure(Outcome outcome) noexcept;
 struct OutcomeSet;
 /// Lists the names in the order of the table.
@@ -66,8 +66,8 @@ struct OutcomeSet {
     return *this;
   }
   bool operator==(const OutcomeSet&) const = default;
-  /// Returns those named, and divergence, after which nothing goes on. @throws ConfigError for an unknown
-  /// name, or an outcome that is known at the end alone
+  /// Returns the named outcomes, and divergence, after which nothing goes on. @throws ConfigError for an
+  /// unknown name, or an outcome that is known at the end alone
   static OutcomeSet of_names(const std::vector<std::string>& names);
 
   /// Returns what ends a walk: the end of its terrain, beyond which it would be of a fall into nothing, and

@@ -95,7 +95,7 @@ const StatisticRow& statistic_row(const StatisticSource& source);
 /// Reads a statistic as one number: the mean of legs, 1 or 0 for an outcome that held or did not.
 /// @returns empty for what the motion has no value of, and for positions
 std::optional<double> number_of(const StatisticRow& row, const MotionSummary& motion) noexcept;
-/// Writes it as tables of walks show it, "-" if it is empty.
+/// Writes the statistic as tables of walks show it, "-" if it is empty.
 std::string text_of(const StatisticRow& row, const MotionSummary& motion);
 
 }  // namespace crossgait

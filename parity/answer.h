@@ -18,8 +18,8 @@ std::string listed(const std::vector<std::string>& parts);
 /// Names groups as a spreadsheet names its columns: "A", "B", ..., "Z", "AA", ...
 std::string group_name(std::size_t index);
 
-/// Runs that did the same: as long as one another, and within `DivergenceTolerances::exact()` of each other
-/// at every step.
+/// Holds runs that did the same: as long as one another, and within `DivergenceTolerances::exact()` of each
+/// other at every step.
 struct RunGroup {
   std::string name;               ///< as `group_name`
   std::vector<std::size_t> runs;  ///< places in Comparison::runs, rising
@@ -35,7 +35,7 @@ std::vector<RunGroup> groups_of(const Comparison& comparison);
 /// Says what became of a run, after a subject: "walked 1.02 m", "slid 1.53 m back", "fell at 1.67 s".
 std::string outcome_phrase(const MotionSummary& motion);
 
-/// Says it in one sentence: "trot on flat walked 1.33 m in mujoco (5 s)."
+/// Says in one sentence: "trot on flat walked 1.33 m in mujoco (5 s)."
 std::string summary(const WalkRun& run);
 /// Says what came out in which engine, and how far those lie apart that came to the same. A second sentence
 /// where the law decided and not the code: an engine did the same as another under its laws, and something

@@ -31,10 +31,10 @@ struct StartRanges {
   /// whole robot. Empty: 0.02 m/s of the reference robot, by size.
   std::optional<double> push_mps = {};
 
-  /// Returns them with everything that goes by the robot's size.
+  /// Returns the ranges with everything that goes by the robot's size.
   StartRanges with_defaults(const RobotDescription& robot) const;
 
-  /// Returns the same as ranges of an environment. Rows of `base` that are on stay as they are.
+  /// Returns these ranges as those of an environment. Rows of `base` that are on stay as they are.
   Randomisation over(Randomisation base, const RobotDescription& robot) const;
 };
 
@@ -77,7 +77,7 @@ struct Behaviour {
 
 /// Lists the keys of its statistics.
 std::vector<std::string> keys_of(const Behaviour& behaviour);
-/// Returns the same, with other margins. @throws ConfigError for a key that is none of its statistics'
+/// Returns `behaviour` with other margins. @throws ConfigError for a key that is none of its statistics'
 Behaviour with_margins(Behaviour behaviour, const Margins& margins);
 
 /// Derives the seed of the ground of start `k` where random terrains have this seed: as those of starts are,
@@ -91,8 +91,8 @@ using TerrainOfStart = std::function<Terrain(std::size_t start)>;
 Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const TerrainOfStart& terrain,
                          const StartRanges& ranges = {}, std::uint64_t seed = 0);
 
-/// Makes one of a policy in its environment, from starts of the same ranges; those that its randomisation has
-/// on stay as they are. Runs read no file of the environment's.
+/// Makes a behaviour of a policy in its environment, from starts of the same ranges; those that its
+/// randomisation has on stay as they are. Runs read no file of the environment's.
 Behaviour policy_behaviour(LoadedEnv environment, PolicyFactory policy, const std::string& name,
                            const StartRanges& ranges = {}, std::uint64_t seed = 0);
 

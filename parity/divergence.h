@@ -21,11 +21,11 @@ struct DivergenceTolerances {
   double load = std::numeric_limits<double>::infinity();
   double torque = std::numeric_limits<double>::infinity();
 
-  /// Returns those of engines of one contact law: rounding with room (a 5 s trot differs by about 1e-14 m).
+  /// Returns tolerances of one contact law: rounding with room (a 5 s trot differs by about 1e-14 m).
   static DivergenceTolerances exact() { return {.position = 1e-6, .joint = 1e-6, .attitude = 1e-6}; }
 
-  /// Returns those for the first sign of a known change: about 1e-4 of the size of each (legs of a tenth of a
-  /// metre, angles of a radian, a weight of several N, torques of a tenth N m).
+  /// Returns tolerances for the first sign of a known change: about 1e-4 of the size of each (legs of a tenth
+  /// of a metre, angles of a radian, a weight of several N, torques of a tenth N m).
   static DivergenceTolerances fine() {
     return {.position = 1e-5, .joint = 1e-4, .attitude = 1e-4, .load = 1e-3, .torque = 1e-5};
   }
@@ -49,7 +49,7 @@ struct OneStepDifference {
   double at_s = 0;  ///< where the largest of the three is, simulated time
   int steps = 0;    ///< control steps that were made so
 
-  /// Returns the largest, m or rad.
+  /// Returns the largest difference, m or rad.
   double largest() const noexcept;
 };
 
@@ -66,7 +66,7 @@ struct PairDifference {
   PartingWatch parting{0};  ///< of robots of that leg length; of none nothing is found
 };
 
-/// Tells whether all that was compared of them lies within `DivergenceTolerances::exact()`.
+/// Tells whether all that was compared of a pair lies within `DivergenceTolerances::exact()`.
 bool is_same(const PairDifference& pair) noexcept;
 
 /// Returns the angle of the rotation between two orientations, in [0, pi], rad. Accurate near zero.

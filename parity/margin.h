@@ -15,7 +15,7 @@ struct Margin {
   bool per_second = false;  ///< the absolute one is for a second of motion
   std::string reason;       ///< why this much
 
-  /// Returns it for a statistic of that size after that many seconds, in its unit.
+  /// Returns the margin for a statistic of that size after that many seconds, in its unit.
   double at(double size, double seconds) const noexcept;
   /// Says "2 % or 0.001 m a second"; without the unit where it is "-".
   std::string words(std::string_view unit) const;

@@ -37,7 +37,7 @@ struct PressedFoot {
 };
 /// Returns the robot at home, its feet up to 1 mm deep in the ground, sliding forward. @param speed m/s
 RobotState pressed(const PhysicsBackend& world, double speed);
-/// Takes one step from there. Both worlds are to start from the state of one.
+/// Takes one step from a pressed state. Both worlds are to start from the state of one.
 LegArray<PressedFoot> press_feet(PhysicsBackend& world, const RobotState& pressed);
 
 /// Returns the robot at home, turned to `attitude` over the origin, with the lowest contact feature of `body`
@@ -49,10 +49,10 @@ struct PressedBody {
   double depth = 0;  ///< of its deepest contact, m; 0 if it does not touch
   int points = 0;    ///< where it touches
 };
-/// Takes one step from there. @returns empty if the engine cannot take it: bodies that were deeper fly apart
+/// Steps from a pressed state. @returns empty if the engine cannot take it: bodies that were deeper fly apart
 std::optional<PressedBody> press_body(PhysicsBackend& world, const RobotState& pressed, int body);
 
-/// Returns it high in the air with every joint turning and the loops a little open.
+/// Returns a robot high in the air with every joint turning and the loops a little open.
 RobotState swinging(const PhysicsBackend& world);
 /// Measures velocities after one step from there with the servos holding `state`'s angles: [v_WB, w_WB, qd].
 Eigen::VectorXd swing(PhysicsBackend& world, const RobotState& state);

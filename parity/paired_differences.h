@@ -19,14 +19,14 @@ enum class Estimand {
   kMean,    ///< with Student's t
   kMedian,  ///< with the sign test's exact interval between order statistics, whatever the distribution
 };
-/// Names it: "mean", "median".
+/// Names an estimand: "mean", "median".
 std::string_view name(Estimand estimand) noexcept;
 /// Returns the mean or the median of some values.
 double estimate_of(const std::vector<double>& values, Estimand estimand);
 
 /// Says what a sample looks like, as far as it matters for the interval of its mean.
 enum class Shape { kRegular, kHeavyTails, kTwoHumps };
-/// Names it: "regular", "heavy tails", "two humps".
+/// Names a shape: "regular", "heavy tails", "two humps".
 std::string_view name(Shape shape) noexcept;
 
 /// Looks for what makes an interval of the mean untrue. *Heavy tails*: a sample that lies more than 8 of the

@@ -25,7 +25,7 @@ class PartingWatch {
  public:
   /// @param leg_length  RobotDescription::home_height, m; 0: nothing parts
   explicit PartingWatch(double leg_length) noexcept : leg_length_(leg_length) {}
-  /// Takes one more state of both, at the same time. The first of them are how the two stand.
+  /// Takes one more state of both runs, at the same time. The first of them are how the two stand.
   void add(const RobotState& a, const RobotState& b) noexcept;
   const Parting& found() const noexcept { return found_; }
 

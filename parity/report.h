@@ -29,10 +29,10 @@ std::string outcome_in_words(const MotionSummary& motion);
 Table statistics_table(const std::string& heading, const std::vector<WalkRun>& runs);
 /// Describes one run: what it comes to (answer.h), then its statistics.
 std::string describe(const WalkRun& run);
-/// Describes what it comes to (answer.h), groups of engines that did the same, their statistics side by side,
-/// and what engines of the same laws kept.
+/// Describes what a comparison comes to (answer.h), groups of engines that did the same, their statistics
+/// side by side, and what engines of the same laws kept.
 std::string describe(const Comparison& comparison);
-/// Describes the same without statistics and parity.
+/// Describes a comparison without statistics and parity.
 std::string describe_briefly(const Comparison& comparison);
 
 }  // namespace crossgait

@@ -24,7 +24,7 @@ struct Variation {
   void apply(WorldSpec& world, double physics_dt) const;
 };
 
-/// Lists them: as asked, half the time step, a quarter of it, then settings.
+/// Lists the variations: as asked, half the time step, a quarter of it, then settings.
 std::span<const Variation> variations();
 /// Returns the variation as asked; those below half the time step, or a quarter of it.
 const Variation& nominal_variation();

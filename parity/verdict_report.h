@@ -17,14 +17,14 @@ std::string label(const Statistic& statistic);
 /// Returns "-0.113 m": with its sign and unit.
 std::string signed_amount(double amount, const Statistic& statistic);
 
-/// Returns one of `pairs` in docs/schemas/verdict.json.
+/// Writes an entry of `pairs` in docs/schemas/verdict.json.
 nlohmann::ordered_json to_json(const Verdict& verdict);
 /// Returns {"walked": 9, "fell": 15}: of those that came about.
 nlohmann::ordered_json to_json(const OutcomeCounts& outcomes);
 /// Returns "walked 9, fell 15"
 std::string describe(const OutcomeCounts& outcomes);
-/// Describes it by a table with one line per statistic, the reasons of words that are not definite, and what
-/// each engine changes by itself where the engines do not agree.
+/// Describes a verdict by a table with one line per statistic, the reasons of words that are not definite,
+/// and what each engine changes by itself where the engines do not agree.
 std::string describe(const Verdict& verdict);
 /// Says how the words were reached, in a few lines.
 std::string describe_rule(const Verdicts& verdicts);

@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// Lists their names, sorted: of folders NAME that hold NAME.safetensors or NAME.yaml.
+/// Lists the policies' names, sorted: of folders NAME that hold NAME.safetensors or NAME.yaml.
 std::vector<std::string> policy_names();
 
 /// Finds the file of a folder NAME, by its path or as the name of a policy that comes with Crossgait:

@@ -37,7 +37,7 @@ class Policy {
   void act(std::span<const double> observation, std::span<double> action) noexcept;
 
   const PolicyInterface& interface() const noexcept { return interface_; }
-  /// Returns its name in tables: "zero", "random", the file's name.
+  /// Returns the policy's name in tables: "zero", "random", the file's name.
   const std::string& name() const noexcept { return name_; }
 
  protected:
@@ -61,7 +61,7 @@ using PolicyFactory = std::function<std::unique_ptr<Policy>(const PolicyInterfac
 /// @throws ConfigError for an unknown name, a file that is no policy, or one of another layout version
 PolicyFactory load_policy(const std::string& text);
 
-/// Makes one instance of it. @throws ConfigError as both do
+/// Makes one instance of a policy. @throws ConfigError as both do
 std::unique_ptr<Policy> make_policy(const std::string& text, const PolicyInterface& interface);
 
 }  // namespace crossgait

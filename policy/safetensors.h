@@ -23,7 +23,7 @@ struct Tensor {
 /// Describes a shape: "[3, 4]".
 std::string describe_shape(const std::vector<std::size_t>& shape);
 
-/// Holds what such a file says.
+/// Holds what a safetensors file says.
 struct TensorFile {
   std::map<std::string, Tensor> tensors;
   std::map<std::string, std::string> metadata;
@@ -35,7 +35,7 @@ struct TensorFile {
 /// asks for; no name may repeat. Format: https://github.com/huggingface/safetensors#format
 /// @throws ConfigError naming the file and the tensor or the part of the header
 TensorFile read_safetensors(const std::string& path);
-/// Reads the same from memory; `source` stands for the file in messages.
+/// Reads a file from memory; `source` stands for the file in messages.
 TensorFile parse_safetensors(std::string_view bytes, const std::string& source);
 
 /// Writes `file` whole or not at all; equal contents give equal bytes. F32 values are rounded to nearest.

@@ -17,7 +17,7 @@ namespace crossgait {
 /// meshes of one robot in several motions.
 class PageNumbers {
  public:
-  /// Adds them as floats: of 7 digits, more than a picture shows.
+  /// Adds `values` as floats: of 7 digits, more than a picture shows.
   nlohmann::ordered_json add(std::span<const double> values);
   nlohmann::ordered_json add(std::span<const std::uint32_t> values);
 

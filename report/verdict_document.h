@@ -20,7 +20,7 @@ struct VerdictDocument {
   /// `outcomes`, `statistics`, `models` and `attribution` (null if there is none), checked to be there.
   std::vector<nlohmann::ordered_json> pairs;
 
-  /// Adds it onto the end of what a page has of each.
+  /// Adds the verdict onto the end of what a page has of each.
   void add_to(ReportPage& page) &&;
 };
 

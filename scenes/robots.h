@@ -53,7 +53,7 @@ RobotPtr sled();
 
 /// Makes one body of 0.5 kg with one shape centred on the origin: `size` as in CollisionShape.
 RobotPtr block(ShapeType type, const Vector3& size);
-/// Makes the same with a shape that is no more than a type and sizes.
+/// Makes a block whose shape is no more than a type and sizes.
 RobotPtr block(CollisionShape shape);
 /// Makes a gem: a hull of 12 points, no two at one height in any pose that it rests in, about 0.1 m across.
 CollisionShape gem();

@@ -31,7 +31,7 @@ struct Course {
 /// @param name_or_file  a name in `models_dir()`/courses, or the path of a .yaml file
 /// @throws ConfigError naming file, line and key
 Course load_course(const std::string& name_or_file);
-/// Keeps those of these names, in the course's order; all if none. "slope" is also every "slope-...".
+/// Keeps the named sections, in the course's order; all if none. "slope" is also every "slope-...".
 /// @throws ConfigError
 Course with_sections(Course course, const std::vector<std::string>& names);
 

@@ -64,7 +64,7 @@ Progress progress_of(const StageProgress& progress, const std::string& stage);
 /// engine that is named twice, and for `explain` where no pair has a family
 EngineComparison judge_engines(const LoadedBehaviour& loaded, const std::vector<std::string>& engines,
                                const JudgeOptions& options = {}, const StageProgress& progress = {});
-/// Does the same of a behaviour that is no specification's, whose runs nothing stores.
+/// Judges a behaviour that is no specification's, whose runs nothing stores.
 /// @param world  that it takes place in
 EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& world,
                                const std::vector<std::string>& names, const JudgeOptions& options = {},

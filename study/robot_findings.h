@@ -40,12 +40,12 @@ struct RobotFinding {
 /// Mesh shapes count as what stands for them.
 std::vector<RobotFinding> robot_findings(const LoadedRobot& loaded);
 
-/// Lists the same, and the robot's warnings (robot_warnings).
+/// Lists the findings, and the robot's warnings (robot_warnings).
 std::vector<RobotFinding> all_findings(const LoadedRobot& loaded, const WorldSpec& world);
 
 /// Writes a line for each: "error: link 'shin': ...; likely ...".
 std::string describe(const std::vector<RobotFinding>& findings);
-/// Lists of `severity, of, what, likely`.
+/// Writes lists of `severity, of, what, likely`.
 nlohmann::ordered_json to_json(const std::vector<RobotFinding>& findings);
 
 }  // namespace crossgait

@@ -34,8 +34,8 @@ struct LintReport {
   bool is_known(const LintedRobot& robot, const RobotFinding& finding) const;
   /// Counts findings of this severity or worse that are not known.
   std::size_t count_new(Severity least) const;
-  /// Writes it as lines; JSON; SARIF 2.1.0 (OASIS), known findings `unchanged`; or JUnit's XML, where a robot
-  /// is a suite and a finding that is an error and not known a failure.
+  /// Writes findings as lines; JSON; SARIF 2.1.0 (OASIS), known findings `unchanged`; or JUnit's XML, where a
+  /// robot is a suite and a finding that is an error and not known a failure.
   std::string text(LintFormat format) const;
 };
 

@@ -18,7 +18,7 @@ RobotDescription in_order_of(const RobotDescription& a, const RobotDescription& 
 /// ("gains", "effort", "damping", ...), "softness" of loops, dry friction and joint limits, and "geometry",
 /// which is all that no other part has: lengths, axes, limits, shapes, feet, home pose.
 std::vector<std::string> robot_parts();
-/// Lists those in which two descriptions are not the same but for rounding (a share of 1e-9). @param b  in
+/// Lists parts in which two descriptions are not the same but for rounding (a share of 1e-9). @param b  in
 /// the order of `a`
 std::vector<std::string> unlike_parts(const RobotDescription& a, const RobotDescription& b);
 /// Returns `a` with one part of `b`. @param b  in the order of `a`

@@ -41,12 +41,12 @@ std::string servo_loop_warning(const RobotDescription& robot, double dt);
 /// and what is simulated (time_constant_in_steps); empty if none is. @param contact  as asked
 std::string softness_warning(const RobotDescription& robot, const ContactSpec& contact, double dt);
 
-/// Lists both of them, those that there are. @param contact  as asked
+/// Lists both warnings of steps, those that there are. @param contact  as asked
 std::vector<std::string> step_warnings(const RobotDescription& robot, const ContactSpec& contact, double dt);
 
 /// Tabulates quantities; what is alike for several joints or feet is one row.
 std::string describe(const std::vector<RobotQuantity>& quantities);
-/// Lists of `of, name, unit, file, used, why`; nothing is null.
+/// Writes lists of `of, name, unit, file, used, why`; nothing is null.
 nlohmann::ordered_json to_json(const std::vector<RobotQuantity>& quantities);
 
 }  // namespace crossgait

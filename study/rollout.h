@@ -41,7 +41,7 @@ struct NamedPolicy {
   std::string name;
   PolicyFactory make;
 };
-/// Reads it as `load_policy` does. @throws ConfigError
+/// Reads a policy as `load_policy` does. @throws ConfigError
 NamedPolicy find_policy(const std::string& text);
 
 /// Runs every policy on the same worlds. An interruption leaves the episodes that are finished. @throws

@@ -32,7 +32,7 @@ class RunIndex {
   /// @throws ConfigError naming file and line for what is no stored run, or a store beyond the bounds above
   explicit RunIndex(std::string store, Begin begin = Begin::kFromIndex);
 
-  /// Runs that have a result.
+  /// Counts runs that have a result.
   std::size_t size() const noexcept { return size_; }
   /// Counts bytes of the store as it was read; of them, those of a last line that was cut off; and whether a
   /// last line is whole but for its end.
@@ -47,7 +47,7 @@ class RunIndex {
   /// its end
   void add(std::uint64_t hash, std::size_t begin, std::size_t end);
 
-  /// Hashes of all rows, in their order, and of each whether it is of a run that failed.
+  /// Lists hashes of all rows, in their order, and of each whether it is of a run that failed.
   std::vector<std::pair<std::uint64_t, bool>> rows() const;
 
   /// Writes FILE.index if the store is large enough and enough of it is new, and no file of somebody else's

@@ -41,7 +41,7 @@ struct LoadedPolicy {
   std::vector<FileRead> files;  ///< that the policy was made of: its own, and those that it names
 };
 
-/// Holds the same with its robot and ground, read once: whoever describes, judges and runs it means the same.
+/// Holds a behaviour, robot and ground read once: whoever describes, judges and runs it means the same one.
 struct LoadedBehaviour {
   std::variant<LoadedWalk, LoadedPolicy> what;
   StartRanges starts;
@@ -59,7 +59,7 @@ struct LoadedBehaviour {
   const WorldSpec& world() const;
 };
 
-/// Describes one run of it.
+/// Describes one run of a behaviour.
 struct RunSpec {
   BehaviourSpec behaviour;
   std::string engine, engine_version;  ///< EngineInfo::name and EngineInfo::version
@@ -92,7 +92,7 @@ nlohmann::json identity_of_robot(const RobotDescription& robot);
 /// Makes what is judged and run. @throws ConfigError for what cannot be made
 Behaviour make_behaviour(const LoadedBehaviour& loaded);
 
-/// Makes the same of any walk: on the ground of `walk`, whose random terrains differ from start to start.
+/// Makes a behaviour of any walk: on the ground of `walk`, whose random terrains differ by start.
 Behaviour make_behaviour(const LoadedWalk& walk, const WalkSetup& setup, const StartRanges& starts,
                          std::uint64_t seed);
 

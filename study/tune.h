@@ -61,7 +61,7 @@ Tuning tune_gait(const LoadedEnv& method, const std::vector<std::string>& engine
 /// Writes keys as in docs/schemas/tune.json.
 nlohmann::ordered_json to_json(const Tuning& tuning);
 std::string describe(const Tuning& tuning);
-/// Tabulates what it says: parameters before and after, and their speeds in every engine.
+/// Tabulates what a tuning says: parameters before and after, and their speeds in every engine.
 std::array<Table, 2> tables(const Tuning& tuning);
 
 }  // namespace crossgait

@@ -23,13 +23,13 @@ struct WalkComparison {
   bool interrupted = false;                 ///< before its end, by a progress that threw Interrupted
 };
 
-/// Walks the same walk in every engine. An interruption leaves the walks up to the same step, or the walks
+/// Runs the same walk in every engine. An interruption leaves the walks up to the same step, or the walks
 /// without a verdict. @throws ConfigError for fewer than two engines, or one twice
 WalkComparison compare_walks(const LoadedWalk& loaded, const std::vector<std::string>& engines,
                              const CompareOptions& options = {}, const StageProgress& progress = {},
                              const TraceSinks& sinks = {});
 
-/// Walks the same of any walk in its world, without a verdict.
+/// Runs any walk in its world in every engine, without a verdict.
 Comparison compare_walks(const WorldSpec& world, const WalkSetup& setup,
                          const std::vector<std::string>& engines, const DivergenceTolerances& tolerances = {},
                          const StageProgress& progress = {}, const TraceSinks& sinks = {});

@@ -33,8 +33,8 @@ class LiveView {
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
 
-  /// Executes it before the next step, after those that wait already. Called from any thread; returns when it
-  /// is done.
+  /// Executes a command before the next step, after those that wait already. Called from any thread; returns
+  /// when it is done.
   /// @throws ConfigError as ViewSession::apply, or if too many wait
   void execute(const ViewCommand& command);
   /// Returns the newest frame, as soon as it is not number `seen`; the same again after `patience`.

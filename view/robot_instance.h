@@ -26,11 +26,11 @@ class RobotInstance {
   RobotInstance(const RobotInstance&) = delete;
   RobotInstance& operator=(const RobotInstance&) = delete;
 
-  /// Copies it as it is into another engine: generalised coordinates, velocities and time of the world, phase
+  /// Copies this as it is into another engine: generalised coordinates, velocities and time of the world, phase
   /// and parameters of the gait, statistics. Contacts, pending pushes and servo targets that are on their way
   /// are forgotten, as `PhysicsBackend::reset` does. @throws ConfigError if the world cannot be made
   virtual std::unique_ptr<RobotInstance> with_engine(const Engine& engine) const = 0;
-  /// Makes it anew on another ground, standing at its origin, gait and parameters kept. @throws ConfigError
+  /// Makes one anew on another ground, standing at its origin, gait and parameters kept. @throws ConfigError
   virtual std::unique_ptr<RobotInstance> with_terrain(const Engine& engine,
                                                       const TerrainChoice& ground) const = 0;
 

@@ -49,7 +49,7 @@ class ViewSession {
   /// Makes robots that stand, settled. @throws ConfigError
   ViewSession(const ViewSetup& setup, EngineProvider provider);
 
-  /// Applies it at once, before the next step. A command that is refused changes nothing.
+  /// Applies a command at once, before the next step. A command that is refused changes nothing.
   /// @throws ConfigError for what is out of bounds, not known or cannot be made
   void apply(const ViewCommand& command);
   /// Steps all robots together; does nothing while paused. Memory stays as it is, but for a recording

@@ -44,7 +44,7 @@ struct ConeProblem {
   struct Sweep {
     double change = 0, largest = 0;
   };
-  /// Does one sweep of either, from `x`.
+  /// Does one sweep over all contacts, from `x`.
   Sweep sweep() noexcept;
   Sweep sweep_coulomb() noexcept;
   /// Finds, before the first `sweep_coulomb`, what bounds friction where that is given.

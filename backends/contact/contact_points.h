@@ -16,7 +16,7 @@ struct BodyFeature {
   Vector3 axis_C = Vector3::UnitZ();  ///< of a rim
 };
 
-/// Lists those of all bodies that can move. @param X_BC  as in BodyKinematics
+/// Lists the features of all bodies that can move. @param X_BC  as in BodyKinematics
 std::vector<BodyFeature> body_features(const RobotDescription& robot, bool fixed_base,
                                        const std::vector<Pose>& X_BC);
 

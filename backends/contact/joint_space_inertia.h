@@ -49,7 +49,7 @@ class JointSpaceInertia {
   void half_multiply(DofVector& x) const noexcept;
   /// Returns the last dof that moves a body: that of its joint; -1 for what nothing moves.
   int last_dof(int body) const noexcept { return body > 0 ? 5 + body : (first_ == 0 ? 5 : -1); }
-  /// Lists all that move it, rising.
+  /// Lists all dofs that move a body, rising.
   std::vector<int> dofs_of(int body) const;
   /// Returns M0 (without armature), symmetric.
   Eigen::MatrixXd bare_matrix() const;

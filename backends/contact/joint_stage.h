@@ -37,7 +37,7 @@ class JointStage {
   /// Computes E = half_solve(J') of the loops over the root of their regularisation, dofs x 3 loops: the
   /// inverse of what `project` does is 1 + E E'.
   void scaled_loop_rows(Eigen::MatrixXd& E) const noexcept;
-  /// Sets of dofs that act on one another: of each body those that move it, and both ends of each loop.
+  /// Lists sets of dofs that act on one another: of each body those that move it, and both ends of each loop.
   std::vector<std::vector<int>> coupled_dofs() const;
 
  private:

@@ -33,7 +33,7 @@ using ErrorText = std::array<char, 256>;
 /// @returns whether MuJoCo reported no error; if it did, `error` (if given) says which
 bool run_in_mujoco(const CalledFor& who, void (*call)(void* data), void* data, ErrorText* error) noexcept;
 
-/// Does the same for a function object without arguments.
+/// Calls a function object without arguments in the same way.
 template <typename Call>
 bool try_in_mujoco(const CalledFor& who, Call call, ErrorText* error = nullptr) noexcept {
   static_assert(std::is_trivially_destructible_v<Call>);
@@ -41,15 +41,15 @@ bool try_in_mujoco(const CalledFor& who, Call call, ErrorText* error = nullptr) 
       who, [](void* data) { (*static_cast<Call*>(data))(); }, &call, error);
 }
 
-/// Does the same. @throws std::runtime_error with MuJoCo's words
+/// Calls it likewise, and throws what MuJoCo said. @throws std::runtime_error with MuJoCo's words
 template <typename Call>
 void in_mujoco(const CalledFor& who, Call call) {
   ErrorText error{};
   if (!try_in_mujoco(who, call, &error)) throw std::runtime_error(fmt::format("MuJoCo: {}", error.data()));
 }
 
-/// Makes, while one lives, an error of MuJoCo in this thread a std::runtime_error that is thrown: for those
-/// functions that are written in C++ and hold what has to be released (mj_loadXML, its lock).
+/// Throws, while one lives, an error of MuJoCo in this thread as std::runtime_error: for those functions that
+/// are written in C++ and hold what has to be released (mj_loadXML, its lock).
 class ThrowMujocoErrors {
  public:
   ThrowMujocoErrors() noexcept;

@@ -28,7 +28,7 @@ class TerrainCollision {
   /// Returns how many points were too many, of the last step.
   int dropped() const noexcept { return points_.dropped; }
 
-  /// Fills in those of one geom, at most kMaxPlaneContacts. @returns how many
+  /// Fills in the contacts of one geom, at most kMaxPlaneContacts. @returns how many
   int write(const mjData& data, int geom, FoundContact* contacts) noexcept;
 
  private:

@@ -116,7 +116,7 @@ inline void find_inertia(const mjModel* m, mjData* d) {
 #endif
 }
 
-/// Copies it as a full matrix, nv x nv.
+/// Copies the inertia as a full matrix, nv x nv.
 inline void copy_inertia(const mjModel* m, const mjData* d, mjtNum* matrix) {
 #if mjVERSION_HEADER < 3010000
   mj_fullM(m, matrix, d->qM);

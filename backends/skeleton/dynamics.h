@@ -25,13 +25,13 @@ class Dynamics {
   /// @param robot  has to outlive it
   explicit Dynamics(const RobotDescription& robot);
 
-  /// Computes everything below, for a state. @param gravity  m/s^2
+  /// Computes every quantity below for a state. @param gravity  m/s^2
   void update(const RobotState& state, const Vector3& gravity) noexcept;
 
   const Pose& pose(int body) const { return links_[static_cast<std::size_t>(body)].X_WB; }
   const Vector3& base_centre() const { return links_[0].centre; }  ///< in W, m
   const DofVector& velocity() const { return velocity_; }
-  /// Returns it with armature included; kg, kg m, kg m^2.
+  /// Returns the mass matrix, armature included; kg, kg m, kg m^2.
   const DofMatrix& mass_matrix() const { return M_; }
   /// Returns forces that keep v' at zero, gravity included; N, N m.
   const DofVector& bias() const { return bias_; }

@@ -15,7 +15,7 @@ class Fnv1a {
     return *this;
   }
   std::uint64_t value() const noexcept { return hash_; }
-  /// Writes it as 16 hexadecimal digits.
+  /// Writes the hash as 16 hexadecimal digits.
   std::string hex() const;
 
  private:

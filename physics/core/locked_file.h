@@ -26,8 +26,8 @@ class LockedFile {
 
   const std::string& path() const noexcept { return path_; }
 
-  /// Appends all of it or nothing. Once it returns, the bytes outlive this process; within two seconds of
-  /// further pieces, a power cut. @returns where they begin, bytes from the file's beginning
+  /// Appends all of `bytes` or nothing. Once it returns, the bytes outlive this process; within two seconds
+  /// of further pieces, a power cut. @returns where they begin, bytes from the file's beginning
   /// @throws ConfigError if there is no room, or the file cannot be written
   std::size_t append(std::string_view bytes);
 

@@ -38,7 +38,7 @@ class SharedProgress {
   /// @param progress outlives this
   SharedProgress(const Progress& progress, std::size_t parts) : progress_(progress), parts_(parts) {}
 
-  /// Tells, before a part is begun, whether it should be.
+  /// Tells, before a part is begun, that no more is wanted.
   bool interrupted() const noexcept { return interrupted_.load(std::memory_order_relaxed); }
   void part_done() {
     const std::scoped_lock lock(mutex_);

@@ -87,7 +87,7 @@ std::string size_in_words(std::size_t bytes);
 void check_json_budget(std::string_view text, const ReadBudget& budget, const std::string& source,
                        int line = 1);
 
-/// Checks the same of the elements of an XML text, and their attributes. @throws ConfigError naming `source`
+/// Checks the elements of an XML text, and their attributes, likewise. @throws ConfigError naming `source`
 /// and the line
 void check_xml_budget(std::string_view text, const ReadBudget& budget, const std::string& source);
 

@@ -29,7 +29,7 @@ class YamlValue {
  public:
   /// Reads a file of exactly one document within `kYamlBudget`. Duplicate keys anywhere in it are an error.
   static YamlValue load(const std::string& path);
-  /// Reads the same from text; `source` stands for the file in messages.
+  /// Reads a text's values; `source` stands for the file in messages.
   static YamlValue parse(const std::string& text, const std::string& source);
 
   /// Requires a mapping without other keys than these.

@@ -30,10 +30,10 @@ struct ContactFeature {
   double radius = 0;                  ///< of the sphere, or of those on the rim, m
 };
 
-/// Lists those of every shape of every body that can move, in the order of bodies and shapes.
+/// Lists the features of every shape of all bodies that can move, in the order of bodies and shapes.
 std::vector<ContactFeature> contact_features(const RobotDescription& robot, bool fixed_base);
 
-/// Returns how many a shape has.
+/// Counts a shape's features.
 int feature_count(const CollisionShape& shape);
 
 /// Returns how far from the shape's origin a feature reaches, m.

@@ -36,7 +36,7 @@ std::string_view pop_modifier(std::string_view& changes);
 struct ModelFactor {
   std::string name, summary;
   std::vector<std::string> needs;  ///< factors without which it means nothing; they come before it
-  /// Tells whether it can change anything of this robot's motion; null: of any robot's.
+  /// Tells whether the factor can change anything of this robot's motion; null: any robot's.
   bool (*applies_to)(const RobotDescription&) = nullptr;
   /// The modelling decision that it is a half of ("rigid contact"); factors of one group stand side by side
   /// in a family. Empty: a decision of its own, which goes by the factor's name.

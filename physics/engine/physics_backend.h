@@ -106,7 +106,7 @@ struct JointRanges {
 
   JointVector lower, upper;
 };
-/// Returns what a robot's description asks for.
+/// Returns the ranges that a robot's description asks for.
 JointRanges joint_limits(const RobotDescription& robot);
 
 /// Runs one world on one thread. Two instances may run on two threads.

@@ -29,7 +29,7 @@ struct WorldQuantity {
   std::function<void(WorldSpec& world, RobotDescription& robot, double factor)> scale;
 };
 
-/// Lists them.
+/// Lists the quantities.
 std::span<const WorldQuantity> world_quantities();
 /// @throws ConfigError naming `source`, listing the names
 const WorldQuantity& find_world_quantity(std::string_view name, std::string_view source);

@@ -60,7 +60,7 @@ struct ContactSettings {
   /// Checks number and range. @param source,element  for messages  @throws ConfigError
   void set(std::string_view name, std::vector<double> numbers, std::string_view source,
            std::string_view element);
-  /// Sets the same from text: a word, or numbers with blanks or colons between them, "0.005:1".
+  /// Sets a setting from text: a word, or numbers with blanks or colons between them, "0.005:1".
   void set(std::string_view name, std::string_view text, std::string_view source, std::string_view element);
   /// Takes over what `other` says.
   void add(const ContactSettings& other);
@@ -70,7 +70,7 @@ struct ContactSettings {
 /// Reads "impratio=100,solref=0.005:1,cone=pyramidal". @throws ConfigError naming `source`, also for a
 /// setting that is given twice
 ContactSettings parse_contact_settings(std::string_view text, std::string_view source);
-/// Returns that friction and nothing else. @throws ConfigError
+/// Returns settings of that friction and nothing else. @throws ConfigError
 ContactSettings friction_of(double coefficient);
 /// Returns every setting of a contact, said, but for friction of which its condim makes nothing.
 ContactSettings all_settings(const ContactSpec& contact);

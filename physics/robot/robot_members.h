@@ -133,7 +133,7 @@ struct MemberPath {
   std::string_view name = {};
   std::ptrdiff_t index = -1;  ///< of an element; -1: a member
 
-  /// Writes it: "bodies[3].joint.kp".
+  /// Writes the path: "bodies[3].joint.kp".
   std::string text() const {
     const std::string before = outer == nullptr ? "" : outer->text();
     if (index >= 0) return fmt::format("{}[{}]", before, index);

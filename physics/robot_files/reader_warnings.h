@@ -20,8 +20,8 @@ class ReaderWarnings {
   /// Adds a sentence of its own.
   void add(std::string_view sentence);
 
-  /// Lists them in the order of their first things, fit for a terminal; of very many kinds the last sentence
-  /// says how many more.
+  /// Lists warnings in the order of their first things, fit for a terminal; of very many kinds the last
+  /// sentence says how many more.
   std::vector<std::string> sentences() const;
 
  private:

@@ -17,7 +17,7 @@ ContactSettings contact_of_feet(const RobotDescription& robot, RobotReport& repo
 
 /// Reads a mapping from settings to numbers, lists of them, or words. @throws ConfigError
 ContactSettings read_contact_settings(const YamlValue& mapping);
-/// Writes the same as YAML in one line: "{impratio: 100, solref: [0.005, 1]}".
+/// Writes settings as YAML in one line: "{impratio: 100, solref: [0.005, 1]}".
 std::string yaml_of(const ContactSettings& contact);
 
 }  // namespace crossgait

@@ -26,7 +26,7 @@ std::span<const RobotFormat> robot_formats();
 /// Finds the format of a file by its extension; null if it has none of theirs.
 const RobotFormat* robot_format_of(std::string_view path);
 
-/// Finds the same; with an extension of no format, the one that takes any name.
+/// Finds a format; with an extension of none, the one that takes any name.
 const RobotFormat& robot_format_of_any(std::string_view path);
 
 /// Reads a robot's file by the reader of its format. @throws ConfigError naming file and element

@@ -106,7 +106,7 @@ inline nb::ndarray<const double, nb::c_contig, nb::device::cpu> numbers_of(const
       numpy.attr("ascontiguousarray")(values, numpy.attr("float64")));
 }
 
-/// Returns the same as a vector. @throws ConfigError naming `what` unless it has one dimension
+/// Returns numbers as a vector. @throws ConfigError naming `what` unless it has one dimension
 inline Eigen::Map<const Eigen::VectorXd> vector_of(
     const nb::ndarray<const double, nb::c_contig, nb::device::cpu>& array, const char* what) {
   if (array.ndim() != 1) throw ConfigError(what, "array", "one dimension", std::to_string(array.ndim()));

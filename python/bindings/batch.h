@@ -37,7 +37,7 @@ struct Batch {
     if (single == nullptr) throw ConfigError("environments", "batch", "an environment", "one that is gone");
     return *single;
   }
-  /// Returns the same to be changed.
+  /// Returns the environment to be changed.
   QuadrupedEnv& change(std::size_t i) {
     static_cast<void>(at(i));
     if (vector != nullptr) return vector->edit(i);

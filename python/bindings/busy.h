@@ -43,12 +43,12 @@ auto guarded(Result (*function)(Self&, Arguments...)) {
     return function(self, std::forward<Arguments>(arguments)...);
   };
 }
-/// Does the same of a lambda that captures nothing.
+/// Wraps a lambda that captures nothing likewise.
 template <typename Lambda>
 auto guarded(Lambda lambda) {
   return guarded(+lambda);
 }
-/// Does the same of member functions.
+/// Wraps member functions likewise.
 template <typename Result, typename Self, typename... Arguments>
 auto guarded(Result (Self::*function)(Arguments...)) {
   return [function](Self& self, Arguments... arguments) -> Result {

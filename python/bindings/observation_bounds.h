@@ -16,7 +16,7 @@ class ObservationBounds {
   explicit ObservationBounds(const Layout& layout);
   /// Finds indices of those outside, replacing `outside`.
   void find(std::span<const double> observation, std::vector<std::size_t>& outside) const;
-  /// Returns their names, a tuple of str.
+  /// Returns the entries' names, a tuple of str.
   nanobind::tuple names(const std::vector<std::size_t>& outside) const;
 
  private:

@@ -39,7 +39,7 @@ struct PythonPolicy {
   std::string name;
   SharedObject make;  ///< returns a fresh function of an observation, which returns an action
 
-  /// Returns it with what its policies raise going to `failure`, and their actions zero from then on.
+  /// Returns the policy with what it raises going to `failure`, and its actions zero from then on.
   NamedPolicy named(const std::shared_ptr<FirstFailure>& failure) const;
 };
 
@@ -52,7 +52,7 @@ struct BundlePolicy {
 /// A policy by name or file, one in Python, or one in memory.
 using PolicyChoice = std::variant<std::string, PythonPolicy, BundlePolicy>;
 
-/// Returns what tables call it.
+/// Returns what tables call a policy.
 std::string name_of(const PolicyChoice& choice);
 
 NamedPolicy named(const PolicyChoice& choice, const std::shared_ptr<FirstFailure>& failure);

@@ -28,7 +28,7 @@ WordReport find_words(const std::filesystem::path& root, const std::vector<std::
 /// outside of code in a document, else what comments say, without quotations.
 std::vector<int> bare_decimals(std::string_view text, bool is_document);
 
-/// Looks for such in all documents and headers at `root`, but for its history. @returns "file:line"
+/// Looks for such numbers in all documents and headers at `root`, but for its history. @returns "file:line"
 WordReport find_bare_decimals(const std::filesystem::path& root);
 
 }  // namespace crossgait::layering

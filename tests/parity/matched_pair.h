@@ -70,7 +70,7 @@ class MatchedPair : public ::testing::TestWithParam<Pair> {
 };
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(MatchedPair);
 
-/// Ends of families count along: a release of an engine without what it changed in the laws is one.
+/// Lists pairs; families' ends count along: a release of an engine without what it changed in laws is one.
 inline std::vector<Pair> matched_pairs() {
   std::vector<std::string> names = available_engines();
   for (const EngineFamily& family : engine_families()) {

@@ -12,7 +12,7 @@ namespace crossgait {
 /// Makes robots of scara_quadruped on flat ground, in engines of the registry.
 std::unique_ptr<ViewSession> make_view_session(const std::vector<std::string>& engines);
 
-/// Makes the same, driven by a policy of the environment.
+/// Makes a session driven by a policy of the environment.
 std::unique_ptr<ViewSession> make_policy_session(const std::vector<std::string>& engines,
                                                  const EnvConfig& config, const std::string& policy);
 

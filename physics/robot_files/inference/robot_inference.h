@@ -64,7 +64,7 @@ struct FootPlace {
 /// that is, or a cylinder across the leg; without these, a small sphere at the farthest point of its shapes.
 /// Nothing without shapes.
 std::optional<FootPlace> find_foot(const ParsedRobot& robot, const Body& body);
-/// Finds the same by what the body looks like.
+/// Finds a foot likewise by what the body looks like.
 std::optional<FootPlace> find_seen_foot(const Body& body);
 /// Finds the origin of the link fixed to a body that is farthest from its joint's axis, and a small radius.
 std::optional<FootPlace> find_foot_link(const ParsedRobot& robot, int body);

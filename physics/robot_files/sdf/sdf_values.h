@@ -14,7 +14,7 @@ namespace crossgait {
 
 /// Returns the child, which has to be there.
 const SdfElement& sdf_needed(const SdfElement& parent, std::string_view child);
-/// Reads so many finite numbers.
+/// Reads as many finite numbers as `count`.
 std::vector<double> sdf_numbers(const SdfElement& element, std::size_t count);
 Vector3 sdf_vector(const SdfElement& parent, std::string_view child, const Vector3& otherwise);
 double sdf_number(const SdfElement& parent, std::string_view child, double otherwise);
