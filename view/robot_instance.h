@@ -26,9 +26,9 @@ class RobotInstance {
   RobotInstance(const RobotInstance&) = delete;
   RobotInstance& operator=(const RobotInstance&) = delete;
 
-  /// Copies this as it is into another engine: generalised coordinates, velocities and time of the world, phase
-  /// and parameters of the gait, statistics. Contacts, pending pushes and servo targets that are on their way
-  /// are forgotten, as `PhysicsBackend::reset` does. @throws ConfigError if the world cannot be made
+  /// Copies this, as it is, into another engine: coordinates, velocities and time of the world, phase and
+  /// parameters of the gait, statistics. Contacts, pending pushes and servo targets that are on their way are
+  /// forgotten, as `PhysicsBackend::reset` does. @throws ConfigError if the world cannot be made
   virtual std::unique_ptr<RobotInstance> with_engine(const Engine& engine) const = 0;
   /// Makes one anew on another ground, standing at its origin, gait and parameters kept. @throws ConfigError
   virtual std::unique_ptr<RobotInstance> with_terrain(const Engine& engine,
