@@ -53,7 +53,7 @@ struct OutcomeSet;
 std::vector<std::string> outcome_names(const OutcomeSet& set);
 /// @throws ConfigError listing the known names
 Outcome find_outcome(std::string_view name);
-/// Finds one that may end a motion. @throws ConfigError also for an outcome that is known at the end alone
+/// Finds an outcome to end a motion. @throws ConfigError also for an outcome that is known at the end alone
 Outcome find_termination(std::string_view name);
 
 /// Holds some of the outcomes.

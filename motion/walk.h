@@ -61,7 +61,7 @@ class Walk {
   Clock::duration spent_{};
 };
 
-/// Runs the whole of it at once. @throws ConfigError as Walk does
+/// Runs the whole walk at once. @throws ConfigError as Walk does
 MotionSummary run_walk(PhysicsBackend& world, const ControllerPtr& controller, const WalkTiming& timing,
                        const WalkObserver& observer = {}, const Start& start = {},
                        const OutcomeSet& terminations = OutcomeSet::of_walks());

@@ -21,7 +21,7 @@ struct AuditFinding {
 /// may be its consequences.
 const std::vector<std::string>& audited_quantities();
 
-/// Holds what came of it.
+/// Holds what came of an audit.
 struct ModelAudit {
   std::vector<AuditFinding> findings;  ///< at most one per quantity, its largest
   /// Quantities of which there was something to compare, `audited_quantities` in their order. Not all are:

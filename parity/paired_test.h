@@ -12,7 +12,7 @@ struct Interval {
 
   double half_width() const noexcept { return (high - low) / 2; }
   bool contains(double value) const noexcept { return low <= value && value <= high; }
-  /// Tells whether the whole of it lies in (-margin, margin), or beyond one end of that.
+  /// Tells whether the whole interval lies in (-margin, margin), or beyond one end of that.
   bool within(double margin) const noexcept { return low > -margin && high < margin; }
   bool beyond(double margin) const noexcept { return low > margin || high < -margin; }
 };

@@ -16,7 +16,7 @@
 namespace crossgait {
 
 enum class Word { kAgrees, kDiffers, kStepDependent, kUnresolved };
-/// Names a word: "agrees", "differs", "step-dependent", "unresolved"
+/// Names a word: "agrees", "differs", "step-dependent", "unresolved".
 std::string_view name(Word word) noexcept;
 
 /// What a word is worth that is reached with less is not worth a word.

@@ -21,7 +21,7 @@ std::string signed_amount(double amount, const Statistic& statistic);
 nlohmann::ordered_json to_json(const Verdict& verdict);
 /// Returns {"walked": 9, "fell": 15}: of those that came about.
 nlohmann::ordered_json to_json(const OutcomeCounts& outcomes);
-/// Returns "walked 9, fell 15"
+/// Says "walked 9, fell 15".
 std::string describe(const OutcomeCounts& outcomes);
 /// Describes a verdict by a table with one line per statistic, the reasons of words that are not definite,
 /// and what each engine changes by itself where the engines do not agree.

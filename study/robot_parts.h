@@ -8,8 +8,8 @@
 
 namespace crossgait {
 
-/// Describes `a` by `b`: its bodies and joints in the order of `a`, by the roles of the legs and then as they
-/// come, under the names of `a`; joints whose axis points the other way are turned around.
+/// Returns `b` in the order of `a`: its bodies and joints by the roles of the legs and then as they come,
+/// under the names of `a`; joints whose axis points the other way are turned around.
 /// @throws ConfigError naming `b`'s file where it has other bodies, joints or servos, or counts angles
 /// from another zero
 RobotDescription in_order_of(const RobotDescription& a, const RobotDescription& b);

@@ -78,7 +78,7 @@ struct Transfer {
   bool interrupted = false;         ///< before its end, by a Progress that threw Interrupted
 };
 
-/// Runs a policy and none; interrupted, it leaves the cells that are finished. @throws ConfigError
+/// Compares a policy with none; interrupted, it leaves the cells that are finished. @throws ConfigError
 Transfer transfer_policy(const LoadedEnv& environment, const NamedPolicy& policy,
                          const std::vector<std::string>& engines, const std::vector<std::string>& terrains,
                          const EpisodeOptions& options, const Progress& progress = {});

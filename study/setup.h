@@ -53,7 +53,7 @@ WorldSetup read_setup(const std::string& text, const WorldSpec& a, std::string_v
 /// Returns `engine` with every world of it as it is under B. Its name says so: "mujoco with friction=0.4".
 Engine with_setup(const Engine& engine, const WorldSetup& setup);
 
-/// Leads from A to B by the factors of `factors_of`.
+/// Returns the family from A to B by the factors of `factors_of`.
 EngineFamily setup_family(const Engine& engine, const WorldSetup& setup);
 
 /// Says what B changes, a line each, and what both have in common.
