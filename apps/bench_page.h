@@ -7,7 +7,7 @@
 
 namespace crossgait::apps {
 
-/// What `crossgait bench` prints, and charts of each of its sections. @param result  as `read_bench` takes it
+/// Shows what `crossgait bench` prints, with charts by section. @param result  as `read_bench` takes it
 ReportPage bench_page(const nlohmann::ordered_json& result);
 
 }  // namespace crossgait::apps

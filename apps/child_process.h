@@ -12,7 +12,7 @@ struct ChildResult {
   std::string out, errors;
 };
 
-/// Thrown where a child has said itself what went wrong: its exit code becomes this program's.
+/// Is thrown where a child has said itself what went wrong: its exit code becomes this program's.
 struct ChildFailed {
   int exit_code = 1;
 };

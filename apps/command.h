@@ -44,7 +44,7 @@ namespace crossgait::apps {
   COMMAND(rerun)                    \
   COMMAND(completion)
 
-/// Each adds itself to the program: its options, its help and what it does.
+/// Declares what adds a command to the program: its options, its help and what it does.
 #define CROSSGAIT_DECLARE_COMMAND(NAME) void add_##NAME##_command(CLI::App& program, Invocation& invocation);
 CROSSGAIT_COMMANDS(CROSSGAIT_DECLARE_COMMAND)
 #undef CROSSGAIT_DECLARE_COMMAND
@@ -58,18 +58,18 @@ struct RequirementMissed : std::runtime_error {
 /// Says on standard error what the user may want to know of what was asked for.
 void print_notes(const std::vector<std::string>& notes);
 
-/// The robot of a name or file, and a note on standard error if its file holds what is doubtful.
+/// Reads the robot of a name or file, and notes on standard error if its file holds what is doubtful.
 /// @throws ConfigError
 RobotDescription load_robot_with_warnings(const std::string& robot);
 
-/// A name with `--robot`'s meaning: a bundled robot's name or a file. Adds it and `--servos`.
+/// Adds an option with `--robot`'s meaning, a bundled robot's name or a file, and `--servos`.
 void add_robot_option(CLI::App& command, std::string& robot);
-/// `--servos`, which sets where robots that are read from then on have their gains from. Part of
+/// Adds `--servos`, which sets where robots that are read from then on have their gains from. Part of
 /// `add_robot_option`.
 void add_servos_option(CLI::App& command);
-/// What is wrong with a seed, empty if nothing is.
+/// Says what is wrong with a seed; empty if nothing is.
 std::string problem_with_seed(const std::string& text);
-/// A whole number from 0 to 2^64 - 1; anything else is refused, instead of wrapping around.
+/// Adds an option for a whole number from 0 to 2^64 - 1; others are refused, instead of wrapping around.
 /// @param seed  of type std::uint64_t, or an optional one
 template <typename Seed>
 CLI::Option* add_seed_option(CLI::App& command, const std::string& name, Seed& seed,
@@ -77,14 +77,14 @@ CLI::Option* add_seed_option(CLI::App& command, const std::string& name, Seed& s
   return command.add_option(name, seed, help)->check(problem_with_seed)->type_name("UINT64");
 }
 
-/// `X,Y,Z` as exactly `count` finite numbers. @throws ConfigError naming `option`
+/// Parses `X,Y,Z` as exactly `count` finite numbers. @throws ConfigError naming `option`
 std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& option,
                                   const std::string& expected);
 
 /// Takes the line of progress away, if there is one: before anything else is said.
 void clear_progress() noexcept;
 
-/// One line on standard error that says how far a long job is. Silent unless that is a terminal, and for the
+/// Shows on one line of standard error how far a long job is. Silent unless that is a terminal, and for the
 /// first two seconds. From its making on, a signal ends the job: `update` throws Interrupted then.
 class ProgressLine {
  public:
@@ -100,7 +100,7 @@ class ProgressLine {
   std::chrono::steady_clock::time_point begin_;
 };
 
-/// A ProgressLine per stage of a job that has several.
+/// Shows a ProgressLine per stage of a job that has several.
 class Stages {
  public:
   std::function<void(const std::string& stage, double share)> progress();

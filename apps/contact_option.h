@@ -15,7 +15,7 @@ struct ContactOptions {
   std::string settings;  ///< NAME=VALUE,...
 
   void add_to(CLI::App& command);
-  /// What was asked for. @throws ConfigError naming the option
+  /// Makes the settings that the options ask for. @throws ConfigError naming the option
   ContactSettings make() const;
 };
 

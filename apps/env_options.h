@@ -9,17 +9,17 @@
 
 namespace crossgait::apps {
 
-/// `--workers`. Adds the option alone.
+/// Adds `--workers` alone.
 void add_workers_option(CLI::App& command, std::size_t& workers);
 
-/// What options may say of an environment.
+/// Says what options may set of an environment.
 enum class EnvScope {
   kAll,
   kManyWorlds,   ///< all but --engine and --terrain: where a command takes lists of them
   kMethodAlone,  ///< what moves the robot: where a course says everything else
 };
 
-/// A configuration file and what is given on top of it.
+/// Holds a configuration file and what is given on top of it.
 struct EnvOptions {
   std::string config;
   std::optional<std::string> engine, robot, terrain, gait;
@@ -47,15 +47,15 @@ void apply_settings(const std::vector<std::string>& settings, EnvConfig& config)
 /// Reads the robot of a configuration, with its warnings. @throws ConfigError
 LoadedEnv load_with_warnings(const EnvConfig& config);
 
-/// A sentence for every parameter that begins outside its range: one that adapts, or one that is not as the
-/// gait prefers it.
+/// Returns a sentence for every parameter that begins outside its range: one that adapts, or one that is not
+/// as the gait prefers it.
 std::vector<std::string> notes_on(const LoadedEnv& environment);
 
-/// What policies are looked at in, for their provenance. @param seed  of the episodes
+/// Describes what policies are looked at in, for their provenance. @param seed  of the episodes
 nlohmann::json policy_subject(const LoadedEnv& environment, const std::vector<std::string>& policies,
                               std::uint64_t seed);
 
-/// `--episodes`, `--seed`, `--workers`.
+/// Adds `--episodes`, `--seed`, `--workers`.
 void add_episode_options(CLI::App& command, EpisodeOptions& options);
 
 }  // namespace crossgait::apps

@@ -8,13 +8,13 @@ namespace crossgait::apps {
 
 inline constexpr int kInterruptedExit = 130;  // 128 + SIGINT, as shells have it
 
-/// From now on the first SIGINT or SIGTERM is remembered; the second ends the program as usual. A signal that
-/// the program was started to ignore stays ignored.
+/// Remembers the first SIGINT or SIGTERM from now on; the second ends the program as usual. A signal that the
+/// program was started to ignore stays ignored.
 void listen_for_interruption();
 /// @throws Interrupted (physics/core/progress.h) if there was one
 void check_interruption();
 
-/// Thrown by a command whose job was interrupted, after what is done was written.
+/// Is thrown by a command whose job was interrupted, after what is done was written.
 class EndedEarly : public std::runtime_error {
  public:
   /// @param what  how far it came, and what is kept

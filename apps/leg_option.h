@@ -21,7 +21,7 @@ struct LegOption {
   LegBranch branch(const LegKinematics& kinematics) const;
 };
 
-/// "mode 2", "knee backward".
+/// Names a branch: "mode 2", "knee backward".
 std::string branch_text(const LegKinematics& kinematics, LegBranch branch);
 
 }  // namespace crossgait::apps

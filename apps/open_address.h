@@ -13,9 +13,9 @@ std::string temporary_file(const std::string& name);
 /// standard error what to do.
 void open_page(const std::string& path);
 
-/// By xdg-open, of a file that leads on to it: arguments of a program are for all users of a machine to read,
-/// the file is for its owner alone, and is removed with this object. Says on standard error if that is not
-/// possible.
+/// Opens an address by xdg-open, of a file that leads on to it: arguments of a program are for all users of a
+/// machine to read, the file is for its owner alone, and is removed with this object. Says on standard error
+/// if that is not possible.
 class OpenedAddress {
  public:
   explicit OpenedAddress(const std::string& address);

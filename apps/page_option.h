@@ -22,11 +22,11 @@ class PageOption {
       const std::string& help = "Write a page that replays it in 3D, with plots, as one HTML file");
   bool asked() const { return open_ || !path_.empty(); }
 
-  /// Before anything long. @throws ConfigError if no page could be made, or of so long a walk
+  /// Checks the page before anything long. @throws ConfigError if no page could be made, or of so long a walk
   void check(const WalkConfig& config) const;
   void check(const EnvConfig& config) const;
   void check() const;
-  /// Where --report says, or where temporary files are; says so, and opens it if that was asked for.
+  /// Writes the page where --report says, or where temporary files are; says so, and opens it if asked to.
   void write(ReportPage page, const Provenance& provenance) const;
 
  private:
@@ -46,7 +46,7 @@ class RunRecording final : public TraceSink {
   void add(const TraceSample& sample) override;
   /// Returns null where nothing is asked for.
   TraceSink* sink() { return file_ || samples_ ? this : nullptr; }
-  /// Once the walk is over. @throws ConfigError if the file cannot be written
+  /// Closes the trace once the walk is over. @throws ConfigError if the file cannot be written
   void finish_trace();
   /// Returns what a page shows, which is gone then.
   Trace take_samples() { return samples_->take(); }
@@ -57,7 +57,7 @@ class RunRecording final : public TraceSink {
   std::optional<TraceRecorder> samples_;
 };
 
-/// The page of walks in one world. @param recordings  of the walks, in their order
+/// Makes the page of walks in one world. @param recordings  of the walks, in their order
 ReportPage page_of_walks(const WorldSpec& world, const std::vector<WalkRun>& walked,
                          const std::vector<PairDifference>& pairs, std::vector<RunRecording>& recordings);
 

@@ -14,8 +14,8 @@ struct PolicyOption {
   /// @param command  that has the options of a walk; stays the caller's
   void add_to(CLI::App& command);
   bool asked() const { return !policy.empty(); }
-  /// The environment: of --config, of the policy itself, or the one that the walk's options describe. On top
-  /// of a file come terrain, friction, velocity and duration that were asked for.
+  /// Loads the environment: of --config, of the policy itself, or the one that the walk's options describe.
+  /// On top of a file come terrain, friction, velocity and duration that were asked for.
   /// @throws ConfigError also for another option of a walk beside a file, which says it
   LoadedEnv environment(const WalkOptions& walk) const;
 

@@ -8,12 +8,12 @@
 
 namespace crossgait::apps {
 
-/// The interpreter whose package is meant: CROSSGAIT_PYTHON, which the package's own program sets, or
+/// Returns the interpreter whose package is meant: CROSSGAIT_PYTHON, which the package's own program sets, or
 /// python3.
 std::string python();
 
-/// To be called before a command does anything. @param extra  of the package, which brings what the module
-/// takes
+/// Checks that `module` can be imported; call it before a command does anything. @param extra  of the
+/// package, which brings what the module takes
 /// @throws ConfigError naming `command` and what to install, unless that Python has the module
 void require_python_module(const std::string& command, const std::string& module, const std::string& extra);
 

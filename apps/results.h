@@ -17,7 +17,7 @@
 
 namespace crossgait::apps {
 
-/// An option that names a file to write, or "-" for standard output. It is no part of how a result is made.
+/// Adds an option that names a file to write, or "-" for standard output; no part of how a result is made.
 /// @param value  of type std::string
 CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::string& value,
                                const std::string& help);
@@ -26,19 +26,19 @@ CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::
 inline constexpr const char* kOutputs = "Outputs";
 inline constexpr const char* kExecution = "Execution";
 
-/// Before a command does anything: every file that it is to write can be written, is another than each
-/// further one by whatever name, and is none that an option names to be read. @throws ConfigError naming the
-/// option
+/// Checks, before a command does anything, that every file that it is to write can be written, is another
+/// than each further one by whatever name, and is none that an option names to be read. @throws ConfigError
+/// naming the option
 void check_outputs(const CLI::App& command);
-/// A file whose name a command makes of an option's value, one for each engine for example.
+/// Describes a file whose name a command makes of an option's value, one for each engine for example.
 struct DerivedOutput {
   std::string option, path;
 };
-/// The same once inputs are read: of files that are derived, and of what was read, which files that were
-/// named may have named themselves. @throws ConfigError naming the option
+/// Checks derived outputs once inputs are read: of files that are derived, and of what was read, which files
+/// that were named may have named themselves. @throws ConfigError naming the option
 void check_outputs_apart(const CLI::App& command, const std::vector<DerivedOutput>& derived);
 
-/// What a command is to do, once its options are read and its outputs are known to be writable.
+/// Sets what a command is to do, once its options are read and its outputs are known to be writable.
 template <typename Run>
 void on_run(CLI::App& command, Run run) {
   command.callback([&command, run] {
@@ -48,7 +48,7 @@ void on_run(CLI::App& command, Run run) {
   });
 }
 
-/// What a command knows of its result beside what its options say.
+/// Holds what a command knows of its result beside what its options say.
 struct ResultInputs {
   nlohmann::json subject;            ///< Provenance::subject
   std::vector<std::string> engines;  ///< by name
@@ -63,7 +63,7 @@ ResultInputs of_robot(const RobotDescription& robot);
 /// Returns the inputs of a result of a robot and a gait with all its parameters. @throws ConfigError
 ResultInputs of_gait(std::shared_ptr<const RobotDescription> robot, const GaitChoice& gait);
 
-/// A result that a command wrote.
+/// Holds a result that a command wrote.
 struct Recorded {
   std::string file;
   nlohmann::json result;
@@ -71,28 +71,28 @@ struct Recorded {
 /// @throws ConfigError if the file is no JSON object, or beyond kResultBudget
 Recorded read_result(const std::string& file);
 
-/// A command line that the program runs after another.
+/// Describes a command line that the program runs after another.
 struct NextCommand {
   std::string words;  ///< what it is for; printed before it, with the command line. Empty: nothing is printed
   std::vector<std::string> arguments;
 };
 
-/// One command line that the program runs, and what becomes of it.
+/// Describes one command line that the program runs, and what becomes of it.
 struct Invocation {
   /// Command lines to be run after this one, by a callback; up to the first that does not end with 0.
   std::vector<NextCommand> next = {};
   std::optional<Recorded> recorded = {};  ///< the result that this one makes again, or those of `next` are to
 };
 
-/// `--json FILE|-`. With "-" the JSON is all that is written to standard output.
+/// Writes `--json FILE|-`. With "-" the JSON is all that is written to standard output.
 struct JsonOption {
   std::string path;
 
   /// @param invocation  that the command is a part of; stays the caller's
   void add_to(CLI::App& command, const Invocation& invocation);
   bool to_stdout() const { return path == "-"; }
-  /// To be called before anything long, and before files change. @throws ConfigError if the result that is to
-  /// be made again (`crossgait rerun`) was made of something else, or an engine is not there
+  /// Returns the provenance; call it before anything long, and before files change. @throws ConfigError if
+  /// the result to be made again (`crossgait rerun`) was made of something else, or an engine is not there
   Provenance provenance(const ResultInputs& inputs = {}) const;
   /// Writes `json` with its provenance where it was asked for, then prints `text` unless JSON goes to
   /// standard output.
@@ -105,20 +105,20 @@ struct JsonOption {
   const Invocation* invocation_ = nullptr;
 };
 
-/// Prints for people: names come from files, so control characters stand as `\xNN`.
+/// Prints `text` for people: names come from files, so control characters stand as `\xNN`.
 /// @throws std::runtime_error if standard output does not take it
 void print(const std::string& text);
-/// Prints for programs (JSON, CSV, YAML): as it is, but on a terminal as `print`. @throws as `print`
+/// Prints for programs (JSON, CSV, YAML): bytes as they are, but on a terminal as `print`. @throws as `print`
 void print_data(const std::string& bytes);
 /// Says on standard error which file was written, and how large it is. Nothing of what is no regular file.
 void print_written(const std::string& path);
-/// Prints on standard error, as `print`; says nothing if that is closed.
+/// Prints `text` on standard error, as `print`; says nothing if that is closed.
 void print_error(const std::string& text);
 
-/// At the very beginning: standard streams that are closed are opened such that using them fails, so that no
-/// other file takes their place.
+/// Opens standard streams that are closed such that using them fails, so that no other file takes their
+/// place; call it at the very beginning.
 void keep_standard_streams();
-/// At the very end. @throws std::runtime_error if standard output did not take all that was printed
+/// Flushes standard output at the end. @throws std::runtime_error if it did not take all that was printed
 void flush_standard_output();
 
 }  // namespace crossgait::apps

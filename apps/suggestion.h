@@ -7,13 +7,13 @@
 
 namespace crossgait::apps {
 
-/// "Did you mean walk?" for a command line that was refused; empty if nothing comes near.
+/// Asks "Did you mean walk?" for a command line that was refused; empty if nothing comes near.
 std::string suggestion(const CLI::App& program);
 
-/// Arguments that the command does not take, in their order; empty if there is none.
+/// Lists arguments that the command does not take, in their order; empty if there is none.
 std::string unexpected(const CLI::App& program);
 
-/// `There is no command "wlak".` if that is what was refused; otherwise empty.
+/// Says `There is no command "wlak".` if that is what was refused; otherwise empty.
 std::string unknown_command(const CLI::App& program);
 
 }  // namespace crossgait::apps

@@ -9,7 +9,7 @@ namespace crossgait::apps {
 /// Returns the width of the terminal that standard output is, in characters; empty if it is none, or unknown.
 std::optional<std::size_t> terminal_width();
 
-/// Whether a stream is a terminal that takes colours: not with NO_COLOR (no-color.org), nor if TERM is dumb.
+/// Tells if a stream is a terminal that takes colours: not with NO_COLOR (no-color.org), nor if TERM is dumb.
 /// @param stream  its file descriptor
 bool takes_colours(int stream);
 

@@ -23,13 +23,13 @@ struct WalkOptions {
   /// Reads robot and ground, for everything that the command does with them.
   /// @throws ConfigError also for an unknown gait or parameter
   LoadedWalk make() const;
-  /// Of --command or --speed. @throws ConfigError
+  /// Returns the velocity that --command or --speed asks for. @throws ConfigError
   std::optional<VelocityCommand> velocity_command() const;
-  /// What a walk looks at, for its provenance.
+  /// Describes what a walk looks at, for its provenance.
   static nlohmann::json subject(const LoadedWalk& walk);
 };
 
-/// "12.3 of 300 s are walked": of a walk that was interrupted.
+/// Says "12.3 of 300 s are walked": of a walk that was interrupted.
 std::string how_far(double walked, double asked);
 
 }  // namespace crossgait::apps

@@ -13,7 +13,7 @@ struct BundledEngine {
   std::string library;  ///< where its library comes from, for who has none; empty where it is known
 };
 
-/// Written by CMake (cmake/CrossgaitBundledEngine.cmake).
+/// Lists the engines; written by CMake (cmake/CrossgaitBundledEngine.cmake).
 const std::vector<BundledEngine>& bundled_engines();
 
 }  // namespace crossgait

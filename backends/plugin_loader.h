@@ -8,7 +8,7 @@
 
 namespace crossgait {
 
-/// A file and what came of opening it. What was opened stays so for the life of the process.
+/// Holds a file and what came of opening it. What was opened stays so for the life of the process.
 struct LoadedPlugin {
   std::string file;                      ///< with links resolved
   const EnginePlugin* plugin = nullptr;  ///< null if it was refused
@@ -21,17 +21,17 @@ struct LoadedPlugin {
 /// to it, by giving an address at which nothing is or by never returning, nobody can refuse.
 LoadedPlugin load_plugin(const std::string& file);
 
-/// Folders in which plug-ins are looked for:
+/// Lists the folders in which plug-ins are looked for:
 ///  1. those that the environment variable CROSSGAIT_ENGINE_PATH lists, separated by colons;
 ///  2. those in which the program or shared library that this code is in finds its libraries: its run path
 ///     leads to the engines that come with Crossgait (the CMake target crossgait::backends sets it).
 /// @throws ConfigError if CROSSGAIT_ENGINE_PATH lists what is no folder
 std::vector<std::string> plugin_folders();
 
-/// Files libcrossgait_engine_*.so in these folders, by folder and then by name, links resolved, each once.
+/// Lists files libcrossgait_engine_*.so in these folders by folder, then by name, links resolved, each once.
 std::vector<std::string> plugin_files(const std::vector<std::string>& folders);
 
-/// "mujoco" of ".../libcrossgait_engine_mujoco.so".
+/// Returns "mujoco" of ".../libcrossgait_engine_mujoco.so".
 std::string plugin_name(const std::string& file);
 
 }  // namespace crossgait

@@ -20,7 +20,7 @@ inline constexpr double kReferenceStep = 1e-3 / 16;  ///< s
 inline constexpr double kAccuracyHorizon = 0.8;      ///< s, one gait cycle
 inline constexpr double kStabilityHorizon = 4;       ///< s, five gait cycles
 
-/// One engine with one step on one terrain.
+/// Holds the errors of one engine with one step on one terrain.
 struct AccuracyPoint {
   std::string terrain, engine;
   double step_s = 0;
@@ -30,7 +30,7 @@ struct AccuracyPoint {
   double cost_ratio = 1;                   ///< to the first engine at the same step in the same round, median
 };
 
-/// The largest step with which the trot neither falls nor diverges.
+/// Holds the largest step with which the trot neither falls nor diverges.
 struct StableStep {
   std::string terrain, engine;
   std::vector<double> tried_s;      ///< ascending, up to the first that fails or 32 ms
@@ -49,8 +49,8 @@ struct AccuracySettings {
   int rounds = 7;  ///< of timing; every engine and step has its turn in each
 };
 
-/// Whether five cycles of the trot at this step (commands with every step if it is longer than theirs) stay
-/// upright (within 60 degrees), off the belly (base above half its height at home, over the ground) and
+/// Tells whether five cycles of the trot at this step (commands with every step if it is longer than theirs)
+/// stay upright (within 60 degrees), off the belly (base above half its height at home, over the ground) and
 /// finite.
 bool trot_survives(const std::string& engine, const std::string& terrain, double step);
 

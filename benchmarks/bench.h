@@ -14,7 +14,7 @@
 
 namespace crossgait::benchmarks {
 
-/// speed, accuracy, analytic, feet.
+/// Returns the names speed, accuracy, analytic, feet.
 const std::vector<std::string>& bench_sections();
 
 struct BenchOptions {
@@ -23,7 +23,7 @@ struct BenchOptions {
   bool quick = false;                 ///< fewer repetitions and shorter standing
 };
 
-/// If `progress` throws Interrupted, the sections that are finished, and "interrupted": true.
+/// Runs sections; if `progress` throws Interrupted, returns the finished ones, and "interrupted": true.
 /// @throws ConfigError for an unknown or repeated section or engine, or none
 /// @throws std::runtime_error if an engine diverges where it must not
 nlohmann::ordered_json run_bench(const BenchOptions& options, const Progress& progress);
@@ -31,7 +31,7 @@ nlohmann::ordered_json run_bench(const BenchOptions& options, const Progress& pr
 /// Reads a result that `crossgait bench --json` wrote. @throws ConfigError if it is not one
 nlohmann::ordered_json read_bench(const std::string& path);
 
-/// As tables.
+/// Describes a result as tables.
 std::string describe_bench(const nlohmann::ordered_json& result);
 
 }  // namespace crossgait::benchmarks

@@ -8,14 +8,14 @@
 
 namespace crossgait::benchmarks {
 
-/// Errors of one quantity over the physics step, and how fast they vanish with it.
+/// Holds errors of one quantity over the physics step, and how fast they vanish with it.
 struct Convergence {
   std::string quantity, unit, engine;
   std::vector<double> step_s, error;
   double order = 0;  ///< p of error = C step^p
 };
 
-/// free_fall, pendulum_period, tumbling_momentum and tumbling_energy at steps of 4, 2, 1 and 1/2 ms.
+/// Measures free_fall, pendulum_period, tumbling_momentum and tumbling_energy at steps of 4, 2, 1 and 1/2 ms.
 std::vector<Convergence> measure_convergence(const std::vector<std::string>& engines,
                                              const Progress& progress);
 

@@ -15,7 +15,7 @@ struct FeetSettings {
   int strides = 6;  ///< of each leg, at full step length
 };
 
-/// One engine on one terrain, physics step 1 ms.
+/// Holds what the feet do in one engine on one terrain, physics step 1 ms.
 struct FootCard {
   std::string engine, terrain;
   // Standing in the home pose.

@@ -5,8 +5,8 @@
 
 namespace crossgait::benchmarks {
 
-/// Processor, cores, operating system, kernel, compiler, versions of libraries, date (UTC) and the system's
-/// load (runnable threads, mean of the last minute). What cannot be found out is left out.
+/// Describes processor, cores, operating system, kernel, compiler, versions of libraries, date (UTC) and the
+/// system's load (runnable threads, mean of the last minute). What cannot be found out is left out.
 nlohmann::ordered_json describe_machine();
 
 }  // namespace crossgait::benchmarks

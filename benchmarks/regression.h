@@ -11,17 +11,17 @@
 
 namespace crossgait::benchmarks {
 
-/// One figure of a result. The smaller, the better.
+/// Holds one figure of a result. The smaller, the better.
 struct Figure {
   std::string name;  ///< with all settings that it depends on, e.g. "speed, trot_flat: bullet over mujoco"
   double value = 0;  ///< infinite where the engine did not get through
   double floor = 0;  ///< smaller values count as this: rounding errors are neither better nor worse
 };
 
-/// Every figure of a result that can be compared. @throws nlohmann::json::exception for one that lacks a key
+/// Lists all figures that can be compared. @throws nlohmann::json::exception for one that lacks a key
 std::vector<Figure> comparable_figures(const nlohmann::ordered_json& result);
 
-/// One figure in both results.
+/// Holds one figure in both results.
 struct Change {
   std::string name;
   double before = 0, after = 0;

@@ -15,7 +15,7 @@ struct ScalingSettings {
   int repeats = 6;  ///< of the scene by each thread in a turn
 };
 
-/// One engine on so many threads, a world of its own on each.
+/// Holds the speed of one engine on so many threads, a world of its own on each.
 struct ThreadSpeed {
   std::string engine;
   int threads = 1;
@@ -23,7 +23,7 @@ struct ThreadSpeed {
   Quartiles efficiency;         ///< per thread, over that of one thread in the same round
 };
 
-/// Trot on the plane. @throws std::runtime_error if an engine diverges
+/// Measures a trot on the plane. @throws std::runtime_error if an engine diverges
 std::vector<ThreadSpeed> measure_scaling(const ScalingSettings& settings, const Progress& progress);
 
 struct OverheadSettings {
@@ -32,8 +32,8 @@ struct OverheadSettings {
   double seconds = 2;  ///< of trot
 };
 
-/// A walk (gait, kinematics, engine, statistics) against the engine alone on the servo targets recorded from
-/// it.
+/// Compares a walk (gait, kinematics, engine, statistics) with the engine alone on the servo targets recorded
+/// from it.
 struct Overhead {
   std::string engine, terrain;
   Quartiles eta;        ///< physics steps per second of the walk over those of the engine alone

@@ -12,7 +12,7 @@
 
 namespace crossgait::benchmarks {
 
-/// A motion to be timed.
+/// Describes a motion to be timed.
 struct SpeedScene {
   std::string name, summary;
   WorldSpec spec;
@@ -21,7 +21,7 @@ struct SpeedScene {
   std::function<JointTargets(double time)> targets;
 };
 
-/// swing, stand, trot_flat, trot_rough, pile.
+/// Returns the scenes swing, stand, trot_flat, trot_rough, pile.
 std::vector<SpeedScene> speed_scenes();
 
 struct SpeedSettings {
@@ -29,7 +29,7 @@ struct SpeedSettings {
   int rounds = 31;                   ///< every engine has its turn in each
 };
 
-/// One scene in one engine.
+/// Holds the speed of one scene in one engine.
 struct SceneSpeed {
   std::string scene, engine;
   double contacts = 0;    ///< mean number per step
@@ -37,16 +37,16 @@ struct SceneSpeed {
   Quartiles ratio;        ///< to the first engine in the same round
 };
 
-/// A world that stands where a scene begins, and can be put back there bit for bit.
+/// Runs a world that stands where a scene begins, and can be put back there bit for bit.
 class SceneRunner {
  public:
   /// @throws std::runtime_error if the engine diverges on the way
   SceneRunner(const SpeedScene& scene, const Engine& engine);
-  /// CPU time of the scene, per step, s. @throws std::runtime_error if the engine diverges
+  /// Returns the CPU time of the scene, per step, s. @throws std::runtime_error if the engine diverges
   double run();
-  /// `times` runs of it without looking at a clock. False if the engine diverged.
+  /// Runs the scene `times` times without looking at a clock. False if the engine diverged.
   bool repeat(int times);
-  /// Mean number of contacts per step; runs the scene once.
+  /// Returns the mean number of contacts per step; runs the scene once.
   double count_contacts();
 
  private:

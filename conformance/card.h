@@ -24,16 +24,16 @@ struct Card {
 /// @throws ConfigError for an engine or a check that is not there
 Card check_engine(std::string_view engine, const std::vector<std::string>& only, const Progress& progress);
 
-/// "passed", "failed", "skipped".
+/// Names a status: "passed", "failed", "skipped".
 std::string_view name(Status status);
 
-/// Every check with what it proves, every number with its bound; at the end how many passed, failed and were
-/// skipped, and which.
+/// Describes every check with what it proves, every number with its bound; at the end how many passed, failed
+/// and were skipped, and which.
 std::string describe(const Card& card);
-/// docs/schemas/conformance.json.
+/// Writes a card as docs/schemas/conformance.json describes it.
 nlohmann::ordered_json to_json(const Card& card);
 
-/// All checks with what they prove, requirement and precondition, as the table in docs/adding-an-engine.md.
+/// Tabulates all checks with proof, requirement and precondition, as in docs/adding-an-engine.md.
 std::string markdown_of_checks();
 
 }  // namespace crossgait::conformance

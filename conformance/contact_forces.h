@@ -7,8 +7,8 @@
 
 namespace crossgait::conformance {
 
-/// How deep a soft contact with default softness sinks at rest under `force`, at most, m: MuJoCo's R f = K
-/// imp r with impedance at its least. @param inverse_weight  1/kg
+/// Computes how deep a soft contact with default softness sinks at rest under `force`, at most, m: MuJoCo's R
+/// f = K imp r with impedance at its least. @param inverse_weight  1/kg
 inline double sinking(double force, double inverse_weight) {
   const Softness soft;
   const double R = (1 - soft.impedance_min) / soft.impedance_min * inverse_weight;

@@ -12,7 +12,7 @@ namespace crossgait::conformance {
 /// A hundred times that, for other compilers and processors, up to the next power of ten.
 inline constexpr double kSameLength = 1e-10, kSameAngle = 1e-9, kSameForce = 1e-8;  // m, rad, N
 
-/// Largest differences over a run.
+/// Holds the largest differences over a run.
 struct Difference {
   double position = 0;  ///< of the base, m
   double joints = 0;    ///< rad
@@ -29,7 +29,7 @@ using Targets = std::function<JointTargets(double time)>;
 Difference run_in_step(const Engine& a, const Engine& b, WorldSpec spec, const RobotState* start,
                        const Targets& targets, double seconds);
 
-/// What five seconds of the scenes' trot come to.
+/// Sums up five seconds of the scenes' trot.
 struct TrotSummary {
   double distance_m = 0, rms_roll_deg = 0, rms_pitch_deg = 0;
 };

@@ -25,33 +25,33 @@ std::vector<Check> parity_checks();
 /// @throws std::runtime_error if the engine does not take the step
 void advance(PhysicsBackend& world, const JointTargets& targets, int steps = 1);
 
-/// An arm of this one link on a fixed base, let go. @param gravity,angle,speed  m/s^2 in W, rad, rad/s
+/// Makes an arm of this one link on a fixed base, let go. @param gravity,angle,speed  m/s^2 in W, rad, rad/s
 std::unique_ptr<PhysicsBackend> swinging_arm(const Subject& subject, const scenes::ArmLink& link,
                                              const Vector3& gravity, double angle, double speed = 0);
 
-/// That the engine has a law of this kind. @param law  its member's name
+/// Demands that the engine has a law of this kind. @param law  its member's name
 template <std::string Laws::*kLaw>
 Precondition has_law(std::string_view law) {
   return {"Laws::" + std::string(law) + " is not empty",
           [](const Subject& subject) { return !(subject.engine.info.laws.*kLaw).empty(); }};
 }
 
-/// A world of `robot` on a terrain of this name.
+/// Describes a world of `robot` on a terrain of this name.
 WorldSpec world_on(const char* terrain, const scenes::RobotPtr& robot);
 
-/// Largest difference from `expected`, each relative to its number.
+/// Returns the largest difference from `expected`, each relative to its number.
 double relative_difference(const JointVector& found, const JointVector& expected);
 
-/// Ratio of two errors, of a fine step over a coarse one, as near to what is `expected` of it as the rounding
-/// of both, at most `rounding`, leaves open.
+/// Returns the ratio of two errors, of a fine step over a coarse one, as near to what is `expected` of it as
+/// the rounding of both, at most `rounding`, leaves open.
 double convergence(double fine, double coarse, double expected, double rounding);
 
-/// How fast what rests may be moved by the way in which the engine solves its law of contact, m/s. A solver
-/// that stops after a few iterations, whether it has converged or not ("/temporal" in Laws::contact), leaves
-/// a fifth of what gravity adds in a step of 1 ms.
+/// Returns how fast what rests may be moved by the way in which the engine solves its law of contact, m/s. A
+/// solver that stops after a few iterations, whether it has converged or not ("/temporal" in Laws::contact),
+/// leaves a fifth of what gravity adds in a step of 1 ms.
 double residual_speed(const Subject& subject);
 
-/// Whether contact is soft by declaration.
+/// Tells whether contact is soft by declaration.
 bool is_soft(const Subject& subject);
 
 /// Returns the largest loop gap of its poses by forward kinematics of the state, m.

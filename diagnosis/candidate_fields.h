@@ -13,7 +13,7 @@
 
 namespace crossgait {
 
-/// Another value of a field.
+/// Describes another value of a field.
 struct FieldChange {
   std::string to;  ///< in words, "0.05"
   std::function<void(EnvConfig&)> apply;
@@ -22,21 +22,21 @@ struct FieldChange {
   std::function<FieldChange(double strength)> in_strength = {};
 };
 
-/// One field of an environment, by the name that imports give it.
+/// Describes one field of an environment, by the name that imports give it.
 struct CandidateField {
   std::string name;
   std::string from;  ///< its value, in words
   std::vector<FieldChange> changes;
 };
 
-/// What there is to change, and what it is now.
+/// Holds what there is to change, and what it is now.
 struct FieldContext {
   const EnvModel& model;           ///< of the environment in question
   const EnvConfig& config;         ///< the same, with order, home and scale of every joint stated
   std::vector<ServoPlace> servos;  ///< in the robot's order
 };
 
-/// One row of the table: a field, or a field of every block.
+/// A row of the table describes a field, or a field of every block.
 struct FieldRow {
   std::string_view name, help;
   bool physics;  ///< the contact law or the engine; all others are of the contract
@@ -45,10 +45,10 @@ struct FieldRow {
   std::vector<CandidateField> (*fields)(const FieldContext& context);
 };
 
-/// The table.
+/// Returns the table.
 std::span<const FieldRow> field_rows();
 
-/// `config` with order, home and scale of every joint stated.
+/// Returns `config` with order, home and scale of every joint stated.
 EnvConfig with_joints_resolved(const EnvModel& model);
 
 }  // namespace crossgait

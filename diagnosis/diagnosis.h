@@ -14,7 +14,7 @@
 
 namespace crossgait {
 
-/// How to look for a cause.
+/// Says how to look for a cause.
 struct DiagnosisOptions {
   std::size_t workers = 1;  ///< threads; results do not depend on them
   std::uint64_t seed = 0;
@@ -24,16 +24,16 @@ struct DiagnosisOptions {
   bool search = true;                           ///< else it is only seen whether it does what it is asked
 };
 
-/// What a wrong walk comes from.
+/// Says what a wrong walk comes from.
 enum class CauseKind {
   kContract,  ///< a field of the environment
   kPhysics,   ///< the contact law or the engine
   kPolicy,    ///< nothing around it
 };
-/// "contract", "physics", "policy".
+/// Names a kind of cause: "contract", "physics", "policy".
 std::string_view name(CauseKind kind) noexcept;
 
-/// A change of one field, or of two, and what it does to the score (walk_score, mean over all walks).
+/// Describes a change of one field or two, and what it does to the score (walk_score, mean over all walks).
 struct RankedChange {
   std::string field;     ///< "servos.kp"; of two "history + servos.kp"
   std::string from, to;  ///< in words
@@ -75,21 +75,21 @@ struct Diagnosis {
 Diagnosis diagnose(const LoadedEnv& environment, const std::string& policy, const DiagnosisOptions& options,
                    const Progress& progress = {});
 
-/// Keys as in docs/schemas/diagnose.json. @param file  that `environment` was written to; empty: none
+/// Writes keys as in docs/schemas/diagnose.json. @param file  that `environment` was written to; empty: none
 nlohmann::ordered_json to_json(const Diagnosis& diagnosis, const std::string& file = {});
-/// What would decide, where it abstains, as a sentence; else empty.
+/// Says in a sentence what would decide, where the diagnosis abstains; else empty.
 std::string deciding_sentence(const Diagnosis& diagnosis);
-/// What it was asked and what came of it, command by command: as given, then with the first of the ranking.
+/// Tabulates what was asked and what came of it, by command: as given, then with the first of the ranking.
 Table walks_table(const Diagnosis& diagnosis);
-/// Which of the rows of `walks_table` are as asked.
+/// Tells which of the rows of `walks_table` are as asked.
 std::vector<bool> walks_done(const Diagnosis& diagnosis);
-/// The changes with their effects. @param longest  values of more characters are cut short
+/// Tabulates the changes with their effects. @param longest  values of more characters are cut short
 Table ranking_table(const Diagnosis& diagnosis, std::size_t longest = std::string::npos);
-/// "passed", "failed" or, where it is not judged, "noted".
+/// Says "passed", "failed" or, where it is not judged, "noted".
 std::string_view result_of(const StandingTest& test) noexcept;
-/// The tests without walking. @param explained  also what passing shows, and what it does not
+/// Tabulates the tests without walking. @param explained  also what passing shows, and what it does not
 Table tests_table(const Diagnosis& diagnosis, bool explained);
-/// The summary, the tests and the ranking, as text.
+/// Describes the summary, the tests and the ranking, as text.
 std::string describe(const Diagnosis& diagnosis);
 
 }  // namespace crossgait

@@ -6,8 +6,8 @@
 
 namespace crossgait {
 
-/// Names of fields that nobody said, as import.json in the policy's folder lists them; nothing for a policy
-/// without one.
+/// Lists the names of fields that nobody said, as import.json in the policy's folder has them; nothing for a
+/// policy without one.
 /// @param policy  as `load_policy` takes it  @throws ConfigError for a table that cannot be read
 std::vector<std::string> unstated_fields(const std::string& policy);
 

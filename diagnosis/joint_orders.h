@@ -11,7 +11,7 @@
 
 namespace crossgait {
 
-/// Where a servo is: its leg, and which of that leg's it is, from the hip.
+/// Says where a servo is: its leg, and which of that leg's it is, from the hip.
 struct ServoPlace {
   std::string joint;
   Leg leg;
@@ -20,7 +20,7 @@ struct ServoPlace {
 /// Returns the place of every servo, in the robot's order. @throws ConfigError for a robot without legs
 std::vector<ServoPlace> servo_places(const RobotDescription& robot);
 
-/// A rule that gives the servos of any quadruped an order.
+/// Describes a rule that gives the servos of any quadruped an order.
 struct JointOrder {
   enum class By { kLeg, kDepth, kFile };  ///< leg after leg; all hips first; as the robot's file
   std::string_view name;
@@ -29,9 +29,9 @@ struct JointOrder {
   bool legs_by_name;        ///< in the place of `legs`: sorted by the names of their first joints
   std::string_view holds_for;
 };
-/// The conventions. A change of a rule in a later release is a row of its own.
+/// Returns the conventions. A change of a rule in a later release is a row of its own.
 std::span<const JointOrder> joint_orders();
-/// The servos' names in that order.
+/// Lists the servos' names in that order.
 std::vector<std::string> joints_in_order(const JointOrder& order, const std::vector<ServoPlace>& servos);
 
 }  // namespace crossgait

@@ -13,7 +13,7 @@
 
 namespace crossgait {
 
-/// Changes of the environment, and what came of them.
+/// Holds changes of the environment, and what came of them.
 struct Candidate {
   std::string field, from, to;             ///< of two "a + b"
   std::vector<std::string> fields;         ///< one or two
@@ -26,7 +26,7 @@ struct Candidate {
   std::optional<WalkResult> whole;         ///< every command from every start
 };
 
-/// Which fields are looked at whatever a first glance says.
+/// Says which fields are looked at whatever a first glance says.
 struct Suspicion {
   std::vector<std::string> unstated;  ///< names of fields that nobody said
   std::vector<std::string> suspects;  ///< what names begin with that a test without walking points at
@@ -35,7 +35,7 @@ struct Suspicion {
   bool is_suspect(const std::string& field) const;
 };
 
-/// The walks of a diagnosis. A patient's environment, with the joints' numbers stated, is the base of all.
+/// Runs the walks of a diagnosis. A patient's environment, with its joints' numbers stated, is their base.
 class Search {
  public:
   /// @param policy  outlives this
@@ -46,15 +46,15 @@ class Search {
   const WalkTest& whole_test() const noexcept { return whole_; }
   std::size_t configurations() const noexcept { return configurations_; }
 
-  /// The patient as it is. From then on a glance is the command that it does worst.
+  /// Walks the patient as it is. From then on a glance is the command that it does worst.
   WalkResult examine();
-  /// Every change that the table has for `before`, a candidate or the base, but of fields that it has
+  /// Lists every change that the table has for `before`, a candidate or the base, but of fields that it has
   /// changed.
   std::vector<Candidate> changes(const Candidate* before) const;
-  /// The same change of its last field in another strength.
+  /// Returns `candidate` with the change of its last field in another strength.
   static Candidate in_strength(const Candidate& candidate, double strength);
 
-  /// Runs those that have not been; what no environment can be is dropped.
+  /// Runs those candidates that have not been; what no environment can be is dropped.
   /// @throws Interrupted from `progress`
   void glance(std::vector<Candidate>& candidates, const Progress& progress);
   void once(std::vector<Candidate>& candidates, const Progress& progress);
@@ -74,8 +74,8 @@ class Search {
   std::size_t configurations_ = 0;
 };
 
-/// The best first, at most `each` of a field and `most` in all, by the scores of `result`; and the best of
-/// each field that is suspect or unstated.
+/// Returns the best first, at most `each` of a field and `most` in all, by the scores of `result`; and the
+/// best of each field that is suspect or unstated.
 std::vector<Candidate> best_of_fields(std::vector<Candidate> candidates,
                                       std::optional<WalkResult> Candidate::*result, std::size_t each,
                                       std::size_t most);

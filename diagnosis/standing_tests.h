@@ -11,7 +11,7 @@
 
 namespace crossgait {
 
-/// What came of a test.
+/// Says what came of a test.
 struct StandingTest {
   std::string name;
   std::string proves;  ///< what passing shows
@@ -19,7 +19,7 @@ struct StandingTest {
   bool judged = true;  ///< false: `found` is for the reader, or says why there was nothing to ask
   bool passed = true;
   std::string found = {};  ///< in numbers, with units
-  /// What names of fields begin with that a failure points at.
+  /// Beginnings of the names of fields that a failure points at.
   std::vector<std::string> suspects = {};
 };
 

@@ -11,7 +11,7 @@
 
 namespace crossgait {
 
-/// One walk: what was asked, and what came of it after the first second, in which the robot sets off.
+/// Sums up one walk: what was asked, and what came of it after the first second, in which the robot sets off.
 struct WalkMeasure {
   VelocityCommand asked;
   double speed_error = 0;     ///< |mean velocity in the heading's frame - asked|, m/s
@@ -23,17 +23,17 @@ struct WalkMeasure {
   bool fell = false;          ///< it ended before its time
 };
 
-/// The environment for one episode of a test: of so long (s, whole policy steps), under one command, ended by
-/// failures alone. Nothing is randomised.
+/// Returns the environment for one episode of a test: of so long (s, whole policy steps), under one command,
+/// ended by failures alone. Nothing is randomised.
 EnvConfig test_episode(EnvConfig config, const VelocityCommand& command, double seconds);
 
-/// Walks by command: straight, turning left and right, standing.
+/// Names a command to walk by: straight, turning left and right, standing.
 struct WalkCommand {
   std::string name;
   VelocityCommand velocity;
 };
 
-/// What a policy is asked.
+/// Says what a policy is asked.
 struct WalkTest {
   std::vector<WalkCommand> commands;
   std::size_t seeds = 1;  ///< of each command: another heading and a little tilt at the start
@@ -41,36 +41,36 @@ struct WalkTest {
   std::size_t first = 0;  ///< the first of the seeds
 };
 
-/// Straight ahead, to both sides and standing, about what `config` asks for.
+/// Lists commands straight ahead, to both sides and standing, about what `config` asks for.
 /// @returns speeds in m/s: its own forward speed (half a metre a second if that is less than a tenth), turns
 ///          of 0.4 rad/s
 std::vector<WalkCommand> walk_commands(const EnvConfig& config);
 
-/// Bounds within which a walk counts as what was asked.
+/// Bounds how far a walk that counts as asked may be from it.
 struct WalkTolerance {
   double speed_share = 0.2, speed = 0.05;        ///< of what is asked, and m/s on top of it
   double yaw_rate_share = 0.2, yaw_rate = 0.12;  ///< the same, rad/s on top of it
 };
 
-/// Score of a walk, 0 for what was asked to the letter without effort. The sum of
+/// Scores a walk, 0 for what was asked to the letter without effort. The sum of
 ///   speed error over the larger of the command and 0.3 m/s, at most 1,
 ///   yaw rate error over the larger of the command and 0.4 rad/s, at most 1,
 ///   0.3 jitter over 500 rad/s^2, 0.2 effort over 3 and 0.3 tilt over 0.2 rad, each at most 1,
 /// for a walk that lasts, and 3 plus the share of the time that was left for one that does not.
 double walk_score(const WalkMeasure& walk) noexcept;
 
-/// Walks of one configuration.
+/// Holds the walks of one configuration.
 struct WalkResult {
   std::vector<WalkMeasure> walks;  ///< command by command, seed by seed
   std::vector<double> scores;      ///< of the same
 
   double mean() const noexcept;  ///< of the scores
-  /// Means over commands, seed by seed.
+  /// Averages over commands, seed by seed.
   std::vector<double> by_seed(std::size_t seeds) const;
   std::size_t falls() const noexcept;
 };
 
-/// What came of one command, over its seeds.
+/// Sums up what came of one command, over its seeds.
 struct CommandResult {
   VelocityCommand asked;
   std::size_t falls = 0;
@@ -83,15 +83,15 @@ struct CommandResult {
 std::vector<CommandResult> by_command(const WalkResult& result, std::size_t seeds,
                                       const WalkTolerance& tolerance = {});
 
-/// Whether every command was done: no walk fell, and the mean of the seeds of each is within the tolerance.
+/// Tells if every command was done: no walk fell, and the mean of the seeds of each is within the tolerance.
 bool does_what_is_asked(const WalkResult& result, std::size_t seeds, const WalkTolerance& tolerance = {});
-/// What is worst about it, in words: "falls in 3 of 8 walks", "walks straight ahead at 0.2 m/s instead of
+/// Says in words what is worst about it: "falls in 3 of 8 walks", "walks straight ahead at 0.2 m/s instead of
 /// 0.5".
 std::string what_is_wrong(const WalkResult& result, const WalkTest& test,
                           const WalkTolerance& tolerance = {});
 
-/// The environment in which `run_walks` walks a command of `test`. What it randomises is replaced by the
-/// test's own starts; walk k is that of derived_seed(seed, test.first + k).
+/// Makes the environment in which `run_walks` walks a command of `test`. What it randomises is replaced by
+/// the test's own starts; walk k is that of derived_seed(seed, test.first + k).
 /// @throws ConfigError for a configuration that cannot be
 LoadedEnv walk_environment(const LoadedEnv& environment, const WalkTest& test, const WalkCommand& command);
 

@@ -11,22 +11,22 @@
 
 namespace crossgait {
 
-/// One row of the table: a quantity of one environment.
+/// A row of the table describes a quantity of one environment.
 struct EnvArray {
   std::string_view name, unit;
   std::string_view help;  ///< what it is, in which frame and order
   /// Sizes of the array of one environment; none of a number.
   std::vector<std::size_t> (*shape)(const QuadrupedEnv& env);
-  /// Writes it in C order; the environment has begun. Null of what is true or false.
+  /// Writes the quantity in C order; the environment has begun. Null of what is true or false.
   void (*write)(const QuadrupedEnv& env, double* out);
-  /// The same of what is true or false.
+  /// Writes a quantity that is true or false in the same way.
   void (*write_flags)(const QuadrupedEnv& env, bool* out) = nullptr;
 };
 
-/// The table. `qpos` and `qvel` come first: other arrays are parts of them (`env_array_parts`).
+/// Returns the table. `qpos` and `qvel` come first: other arrays are parts of them (`env_array_parts`).
 std::span<const EnvArray> env_arrays();
 
-/// Columns of `qpos` or `qvel` by a name of their own.
+/// Names columns of `qpos` or `qvel`.
 struct EnvArrayPart {
   std::string_view name, unit, help;
   bool of_velocity;         ///< of qvel
@@ -34,9 +34,9 @@ struct EnvArrayPart {
 };
 std::span<const EnvArrayPart> env_array_parts();
 
-/// How many numbers describe where a robot is: position (3) and unit quaternion (w, x, y, z) of the base, and
-/// joint angles; and how it moves: velocity of the base's origin and angular velocity, both in W, and joint
-/// velocities.
+/// Counts the numbers that describe where a robot is: position (3) and unit quaternion (w, x, y, z) of the
+/// base, and joint angles; and how it moves: velocity of the base's origin and angular velocity, both in W,
+/// and joint velocities.
 std::size_t qpos_size(const RobotDescription& robot) noexcept;
 std::size_t qvel_size(const RobotDescription& robot) noexcept;
 void write_qpos(const RobotState& state, double* out) noexcept;
@@ -44,7 +44,7 @@ void write_qvel(const RobotState& state, double* out) noexcept;
 /// Sets where the robot is; the rest stays as it is. The quaternion is taken as it is.
 /// @param qpos  qpos_size numbers
 void read_qpos(const double* qpos, RobotState& state);
-/// Sets how it moves; the rest stays as it is. @param qvel  qvel_size numbers
+/// Sets how `state` moves; the rest stays as it is. @param qvel  qvel_size numbers
 void read_qvel(const double* qvel, RobotState& state);
 
 }  // namespace crossgait

@@ -17,15 +17,15 @@
 
 namespace crossgait {
 
-/// What an action changes.
+/// Says what an action changes.
 enum class ActionKind {
   kGait,    ///< parameters and foot targets of a gait, by deltas and residuals
   kJoints,  ///< targets of the servos
 };
-/// "gait", "joints".
+/// Names a kind of action: "gait", "joints".
 std::string_view name(ActionKind kind) noexcept;
 
-/// The initialisers are the defaults. `docs/environment.md` shows the same as YAML.
+/// Holds a configuration, whose initialisers are the defaults. `docs/environment.md` shows the same as YAML.
 struct EnvConfig {
   std::string engine = "mujoco";          ///< see `crossgait engines`; used by whoever makes it
   std::string robot = "scara_quadruped";  ///< a bundled robot or a file
@@ -66,7 +66,7 @@ struct EnvConfig {
   std::shared_ptr<const EnvExtensionModel> extension = nullptr;
 
   std::string source = "environment";  ///< the file that it was read from, for messages
-  /// A value of a file that is only found to be wrong when it is used.
+  /// Says where a value of a file stands that is only found to be wrong when it is used.
   struct Place {
     std::string value, source, element;  ///< the text; the file; its line and key
   };
@@ -75,8 +75,8 @@ struct EnvConfig {
   /// @throws ConfigError naming `origin` and the field
   void validate(std::string_view origin = "environment") const;
 
-  /// What `make` makes of `value`, a member of this. What it throws names the line of the file that said so,
-  /// if one did.
+  /// Returns what `make` makes of `value`, a member of this. What it throws names the line of the file that
+  /// said so, if one did.
   template <typename Make>
   auto at_its_place(const std::string& value, const Make& make) const {
     try {
@@ -90,23 +90,23 @@ struct EnvConfig {
   [[noreturn]] void fail_at_its_place(const std::string& value, const ConfigError& error) const;
 };
 
-/// The guide's environment: its trot, the ranges that its parameters adapt in, its delta scales.
+/// Returns the guide's environment: its trot, the ranges that its parameters adapt in, its delta scales.
 EnvConfig guide_environment();
-/// One for policies that command joints, as they are commonly trained: 20 ms policy steps, targets half a
-/// radian about home, `joint_policy_observation`, a walk forward at `command`, and a reward for following it.
+/// Returns an environment for policies that command joints, as usual: 20 ms policy steps, targets half a
+/// radian about home, `joint_policy_observation`, a walk forward at `command`, and a reward for that.
 EnvConfig joint_environment();
 
 /// Reads a configuration; what the file does not mention keeps its default (parameters: the gait's
 /// preferred). Files that it names are found from its own folder. Unknown keys and values are errors that
 /// name the line. @throws ConfigError
 EnvConfig load_env_config(const std::string& path);
-/// The same from text; `source` stands for the file in messages.
+/// Reads a configuration from text; `source` stands for the file in messages.
 EnvConfig parse_env_config(const std::string& text, const std::string& source);
-/// `base` with what `text` says in the place of its own, key by key. `action` and `preset` are what a
+/// Returns `base` with what `text` says in the place of its own, key by key. `action` and `preset` are what a
 /// configuration begins with, and no keys here. @throws ConfigError
 EnvConfig override_env_config(const EnvConfig& base, const std::string& text, const std::string& source);
-/// The configuration as YAML that `parse_env_config` reads back unchanged. Files are named by their whole
-/// path, so that it may be kept anywhere.
+/// Writes the configuration as YAML that `parse_env_config` reads back unchanged. Files are named by their
+/// whole path, so that it may be kept anywhere.
 std::string to_yaml(const EnvConfig& config);
 
 }  // namespace crossgait

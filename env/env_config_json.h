@@ -7,8 +7,8 @@
 
 namespace crossgait {
 
-/// The configuration with the keys and values of its YAML (`to_yaml`, which writes this down); keys that say
-/// nothing are left out. `parse_env_config` reads its text back unchanged.
+/// Returns the configuration with the keys and values of its YAML (`to_yaml`, which writes this down); keys
+/// that say nothing are left out. `parse_env_config` reads its text back unchanged.
 nlohmann::ordered_json to_json(const EnvConfig& config);
 
 }  // namespace crossgait

@@ -15,10 +15,10 @@ namespace crossgait {
 
 class QuadrupedEnv;
 
-/// Terms of one environment, which calls them on the thread that steps it. What they throw ends its step.
+/// Adds terms to an environment, which calls them on the thread that steps it; a throw ends its step.
 class EnvExtension {
  public:
-  /// What terms say of a step.
+  /// Holds what terms say of a step.
   struct Step {
     double reward = 0;  ///< on top of the tables'
     bool terminated = false, truncated = false;
@@ -28,17 +28,17 @@ class EnvExtension {
   EnvExtension(const EnvExtension&) = delete;
   EnvExtension& operator=(const EnvExtension&) = delete;
 
-  /// An episode has begun, and may be changed before its first observation.
+  /// Is called when an episode has begun, which may be changed before its first observation.
   virtual void begin(QuadrupedEnv& env, std::uint64_t seed) = 0;
-  /// A policy step was made; it is not rewarded yet.
+  /// Is called when a policy step was made; it is not rewarded yet.
   virtual Step step(QuadrupedEnv& env) = 0;
-  /// The episode goes on after a step, and may be changed before its observation.
+  /// Is called when the episode goes on after a step, and may be changed before its observation.
   virtual void change(QuadrupedEnv& env) = 0;
   /// Writes the numbers behind those of the blocks.
   virtual void observe(const QuadrupedEnv& env, std::span<double> out) = 0;
-  /// Values of `EnvExtensionModel::reward_terms` in the last step, weighted.
+  /// Returns values of `EnvExtensionModel::reward_terms` in the last step, weighted.
   virtual std::span<const double> reward_terms() const noexcept = 0;
-  /// What the rest of the episode depends on.
+  /// Saves what the rest of the episode depends on.
   virtual std::shared_ptr<const void> save() const = 0;
   virtual void restore(const std::shared_ptr<const void>& saved) = 0;
 
@@ -46,7 +46,7 @@ class EnvExtension {
   EnvExtension() = default;
 };
 
-/// What all environments of a configuration share of it.
+/// Holds what all environments of a configuration share of it.
 struct EnvExtensionModel {
   std::vector<std::string> terms;         ///< names of all, for documents: no file holds the functions
   std::vector<std::string> reward_terms;  ///< names

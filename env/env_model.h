@@ -33,12 +33,12 @@ struct EnvModel {
   /// Reads nothing that `loaded` has read. @throws ConfigError for a bad configuration
   static std::shared_ptr<const EnvModel> make(const LoadedEnv& loaded);
 
-  /// What it was made of, from which others are made without reading the files again.
+  /// Returns what the model was made of, from which others are made without reading the files again.
   LoadedEnv loaded() const;
 
   /// Returns the configuration with everything set that follows from the robot.
   EnvConfig resolved() const;
-  /// A gait's controller as it is before an episode.
+  /// Makes a gait's controller as it is before an episode.
   AdaptiveGaitController make_controller() const;
 };
 

@@ -12,7 +12,7 @@
 
 namespace crossgait {
 
-/// One episode.
+/// Sums up one episode.
 struct EpisodeSummary {
   std::uint64_t seed = 0;
   MotionSummary motion;
@@ -33,14 +33,14 @@ EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed
 /// Makes what one worker needs. Called once per worker, on the caller's thread.
 using EnvFactory = std::function<std::unique_ptr<QuadrupedEnv>()>;
 
-/// Episode k runs with derived_seed(seed, k) for environment and policy, so that two policies meet the same
+/// Runs episode k with derived_seed(seed, k) for environment and policy, so that two policies meet the same
 /// worlds; results are in that order and the same for any number of workers. If `progress` throws
 /// Interrupted, the episodes that are finished are returned.
 std::vector<EpisodeSummary> evaluate_policy(const EnvFactory& make_env, const PolicyFactory& make_policy,
                                             std::size_t episodes, std::uint64_t seed, std::size_t workers = 1,
                                             const Progress& progress = {});
 
-/// What a set of episodes comes to.
+/// Holds what a set of episodes comes to.
 struct Evaluation {
   std::size_t episodes = 0;
   MeanAndDeviation total_reward;
@@ -53,7 +53,7 @@ struct Evaluation {
   std::size_t count(Outcome outcome) const noexcept { return outcomes[static_cast<std::size_t>(outcome)]; }
   /// Averages the mean speeds of the episodes, m/s.
   double mean_speed() const { return motion.of(&MotionSummary::mean_speed_mps).mean; }
-  /// Episodes that an outcome of `EnvConfig::terminations` cut short, or would by default.
+  /// Counts episodes that an outcome of `EnvConfig::terminations` cut short, or would by default.
   std::size_t ended_early() const noexcept;
 };
 Evaluation sum_up(const std::vector<EpisodeSummary>& episodes);

@@ -5,20 +5,20 @@
 
 namespace crossgait {
 
-/// Times of feet on the ground and off it, looked at after every policy step: what comes and goes within one
-/// is not seen. As Isaac Lab's contact sensors count them.
+/// Keeps times of feet on the ground and off it, looked at after every policy step: what comes and goes
+/// within one is not seen. As Isaac Lab's contact sensors count them.
 struct FootTimes {
   LegArray<double> air{}, contact{};            ///< of the present phase so far, s; zero in the other one
   LegArray<double> last_air{}, last_contact{};  ///< of the last phase that ended, s
   LegArray<bool> touching{};
   LegArray<bool> landed{}, lifted{};  ///< in the last policy step
 
-  /// The episode begins.
+  /// Begins an episode.
   void begin(const LegArray<FootContact>& contacts) noexcept {
     *this = {};
     for (const Leg leg : kLegs) touching[leg] = contacts[leg].touching;
   }
-  /// A policy step of `dt` s has ended.
+  /// Adds a policy step of `dt` s that has ended.
   void add(const LegArray<FootContact>& contacts, double dt) noexcept {
     for (const Leg leg : kLegs) {
       const bool now = contacts[leg].touching;

@@ -9,17 +9,17 @@
 
 namespace crossgait {
 
-/// The gait of an episode. A value: a copy goes on from there.
+/// Walks the gait of an episode. A value: a copy goes on from there.
 class GaitControl final : public GaitWalker<AdaptiveGaitController> {
  public:
   /// @throws ConfigError as FootTargetTracker
   explicit GaitControl(const EnvModel& model);
 
-  /// An episode begins, from the stand. @param command  empty: steps of step_length
+  /// Begins an episode, from the stand. @param command  empty: steps of step_length
   void restart(const std::optional<VelocityCommand>& command);
   /// @param action  in [-1, 1], as AdaptiveGaitController takes it
   void apply(std::span<const double> action) noexcept { mutable_generator().apply_action(action); }
-  /// From the next step on; finite.
+  /// Sets a finite command, from the next step on.
   void set_command(const VelocityCommand& command) noexcept;
 
   const AdaptiveGaitController& controller() const noexcept { return generator(); }

@@ -10,13 +10,13 @@
 
 namespace crossgait {
 
-/// The targets of an episode, and those that are still on their way. A value: a copy goes on from there.
+/// Holds the targets of an episode, and those still on their way. A value: a copy goes on from there.
 class JointControl final : public Controller {
  public:
   /// @throws ConfigError if the robot's chains do not meet at home
   explicit JointControl(const EnvModel& model);
 
-  /// An episode begins, at home. @param command  that the policy is told to follow
+  /// Begins an episode, at home. @param command  that the policy is told to follow
   void restart(const std::optional<VelocityCommand>& command);
   /// @param action  in the order of the table, clipped; its targets hold from the next control step, or that
   ///                many later which the delay takes

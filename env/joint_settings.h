@@ -13,10 +13,10 @@
 
 namespace crossgait {
 
-/// In a file, the servos that are not named beside it.
+/// Name of the servos that are not named beside it in a file.
 inline constexpr std::string_view kAllServos = "all";
 
-/// One number for every servo, numbers for some of them by the joint's name, or nothing.
+/// Holds one number for every servo, numbers for some of them by the joint's name, or nothing.
 struct ServoNumbers {
   std::optional<double> all;
   std::map<std::string, double> by_name;
@@ -27,11 +27,11 @@ struct ServoNumbers {
   bool operator==(const ServoNumbers&) const = default;
 };
 
-/// The servos that a policy was made for, in the place of the robot's own; what is empty stays as it is.
+/// Describes the servos that a policy was made for, in the place of the robot's own; what is empty stays.
 struct ServoSettings {
   std::array<ServoNumbers, kJointNumbers.size()> numbers;  ///< in the order of kJointNumbers, in its units
 
-  /// By the name of its row, "kp". @throws ConfigError listing the known names
+  /// Returns the numbers by the name of their row, "kp". @throws ConfigError listing the known names
   ServoNumbers& operator[](std::string_view name);
 
   bool empty() const noexcept;
@@ -41,16 +41,16 @@ struct ServoSettings {
   bool operator==(const ServoSettings&) const = default;
 };
 
-/// What an action of joints says.
+/// Says what an action of joints means.
 enum class JointCommand {
   kPosition,  ///< target = offset + scale x action
   kRelative,  ///< target = angle at the action's instant + scale x action
   kTorque,    ///< the servo's torque = scale x action, within its effort
 };
-/// "position", "relative", "torque".
+/// Names a command: "position", "relative", "torque".
 std::string_view name(JointCommand command) noexcept;
 
-/// An action that commands joints.
+/// Describes an action that commands joints.
 struct JointActionSettings {
   std::vector<std::string> order;  ///< of the servos in actions and observations; empty: the robot's
   JointCommand command = JointCommand::kPosition;
@@ -65,7 +65,7 @@ struct JointActionSettings {
   bool operator==(const JointActionSettings&) const = default;
 };
 
-/// The same read against a robot: numbers in the order of the action.
+/// Holds an action of joints read against a robot: numbers in the order of the action.
 struct JointActionTable {
   std::vector<int> servos;                     ///< joint indices
   std::vector<Eigen::Index> slots;             ///< of those in JointTargets
@@ -74,7 +74,7 @@ struct JointActionTable {
   std::vector<double> lower = {}, upper = {};  ///< rad, infinite where nothing clips
   JointCommand command = JointCommand::kPosition;
 
-  /// What a number of the action means: "0.5 rad from 0.900".
+  /// Says what a number of the action means: "0.5 rad from 0.900".
   std::string target_unit(std::size_t i) const;
 
   /// @throws ConfigError naming `source` unless `order` holds every servo of the robot once, every name is a
@@ -83,7 +83,7 @@ struct JointActionTable {
                                std::string_view source);
 };
 
-/// "rad from 0.900".
+/// Says "rad from 0.900".
 std::string measured_from(std::string_view unit, double zero);
 
 }  // namespace crossgait

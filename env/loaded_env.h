@@ -8,8 +8,8 @@
 
 namespace crossgait {
 
-/// A configuration whose robot and ground are read once, however many environments are made of it: whoever
-/// describes it, runs it and shows it means the same robot on the same ground.
+/// Holds a configuration whose robot and ground are read once, however many environments are made of it:
+/// whoever describes it, runs it and shows it means the same robot on the same ground.
 struct LoadedEnv {
   EnvConfig config;
   std::shared_ptr<const RobotDescription> robot;  ///< as its file has it; `config.servos` come on top
@@ -19,10 +19,10 @@ struct LoadedEnv {
   /// wherever one that is read is asked for. @throws ConfigError for a configuration that is not valid, or a
   /// robot that cannot be read
   LoadedEnv(const EnvConfig& environment);
-  /// Of a robot that has been read from where `environment.robot` says.
+  /// Takes a robot that has been read from where `environment.robot` says.
   LoadedEnv(EnvConfig environment, std::shared_ptr<const RobotDescription> read);
 
-  /// Other settings of the same: what they name by another text is read, and nothing else.
+  /// Returns other settings of the environment: what they name by another text is read, and nothing else.
   /// @throws ConfigError
   LoadedEnv with(EnvConfig changed) const;
 };

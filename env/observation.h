@@ -17,7 +17,7 @@
 
 namespace crossgait {
 
-/// What there is to see at one instant. References are valid during the call alone.
+/// Holds what there is to see at one instant. References are valid during the call alone.
 struct ObservationSource {
   const PhysicsBackend& world;
   const FootStates& feet;
@@ -33,7 +33,7 @@ struct ObservationSource {
   double time = 0;  ///< since the episode began, s
 };
 
-/// What the layout of a block depends on.
+/// Holds what the layout of a block depends on.
 struct ObservationContext {
   std::vector<std::string> actuated_joints;  ///< names
   std::span<const double> home;              ///< their home angles, rad
@@ -43,7 +43,7 @@ struct ObservationContext {
   ObservationSettings settings = {};
 };
 
-/// One row of the table of blocks.
+/// A row of the table describes a block.
 struct ObservationBlock {
   std::string_view name, help;
   bool standard;  ///< part of the default observation of gaits
@@ -53,23 +53,23 @@ struct ObservationBlock {
   bool needs_gait = false;  ///< there is nothing to see of it where actions command joints
 };
 
-/// The table. The standard blocks come first, in the order of the default observation: 65 numbers and one per
-/// adapted parameter.
+/// Returns the table. The standard blocks come first, in the order of the default observation: 65 numbers and
+/// one per adapted parameter.
 std::span<const ObservationBlock> observation_blocks();
 /// @throws ConfigError listing the known names
 const ObservationBlock& find_observation_block(std::string_view name);
-/// The standard blocks.
+/// Returns the standard blocks.
 std::vector<ObservationTerm> standard_observation();
-/// What joint policies are commonly trained on: linear and angular velocity of the base in its own frame,
-/// direction of gravity there, joint angles from home, joint velocities, last action, command.
+/// Returns what joint policies are commonly trained on: linear and angular velocity of the base in its own
+/// frame, direction of gravity there, joint angles from home, joint velocities, last action, command.
 std::vector<ObservationTerm> joint_policy_observation();
 
-/// Deltas of the adapted parameters ("delta.step_height", ...), then residuals ("residual.FL.x", ...), all in
-/// [-1, 1]. Where a parameter's delta scale or range is not the table's, the units of its entries say so: the
-/// numbers mean something else, and so the layout's hash is another.
+/// Lays out deltas of the adapted parameters ("delta.step_height", ...), then residuals ("residual.FL.x",
+/// ...), all in [-1, 1]. Where a parameter's delta scale or range is not the table's, the units of its
+/// entries say so: the numbers mean something else, and so the layout's hash is another.
 Layout action_layout(std::span<const ParameterRow> parameters);
-/// Targets of the servos ("target.FL_hip_joint", ...), within +-limit. Scale and home are in the units, and
-/// so in the layout's hash: "0.5 rad from 0.9".
+/// Lays out targets of the servos ("target.FL_hip_joint", ...), within +-limit. Scale and home are in the
+/// units, and so in the layout's hash: "0.5 rad from 0.9".
 Layout joint_action_layout(std::span<const std::string> servos, const JointActionTable& joints, double limit);
 
 /// Radius of the ring of terrain heights about the base of a robot of the reference's size, m (gait/scale.h).

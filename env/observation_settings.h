@@ -6,7 +6,7 @@
 
 namespace crossgait {
 
-/// How `history` of observation terms is laid out and begins.
+/// Says how `history` of observation terms is laid out and begins.
 struct HistorySettings {
   enum class By { kTerm, kFrame };  ///< all of a term's instants together, or all terms of an instant
   enum class Order { kNewestFirst, kOldestFirst };
@@ -21,7 +21,7 @@ std::string_view name(HistorySettings::By by) noexcept;
 std::string_view name(HistorySettings::Order order) noexcept;
 std::string_view name(HistorySettings::Before before) noexcept;
 
-/// A clock that only tells the time: it moves nothing.
+/// Describes a clock that only tells the time: it moves nothing.
 struct GaitClock {
   double frequency = 0;        ///< Hz
   std::vector<double> phases;  ///< at the episode's beginning, in cycles; one pair of numbers each
@@ -29,7 +29,7 @@ struct GaitClock {
   bool operator==(const GaitClock&) const = default;
 };
 
-/// Ground below a grid that moves and turns with the base: its height less the ground's, less `offset`.
+/// Describes ground below a grid that goes with the base: its height less the ground's, less `offset`.
 struct HeightScan {
   std::vector<double> x, y;  ///< ahead and left of the base, m
   double offset = 0;         ///< m

@@ -9,9 +9,9 @@
 
 namespace crossgait {
 
-/// One item of an environment's `observation`. By default the block as it is. Of a number x of the block a
-/// policy sees clamp(scale clamp(x + n, +-clip_unscaled), +-clip), n uniform in +-noise, as it was `delay`
-/// seconds ago; with `history` also as it was in the policy steps before, laid out as HistorySettings say.
+/// Describes an item of an `observation`. By default the block as it is. Of a number x of the block a policy
+/// sees clamp(scale clamp(x + n, +-clip_unscaled), +-clip), n uniform in +-noise, as it was `delay` seconds
+/// ago; with `history` also as it was in the policy steps before, laid out as HistorySettings say.
 struct ObservationTerm {
   std::string block;          ///< name in the table (env/observation.h)
   std::vector<double> scale;  ///< one for all its numbers or one each; empty: 1
@@ -27,12 +27,12 @@ struct ObservationTerm {
   ObservationTerm(std::string_view name) : block(name) {}        // NOLINT(google-explicit-constructor)
   ObservationTerm(const char* name) : block(name) {}             // NOLINT(google-explicit-constructor)
 
-  /// Whether the block is seen as it is.
+  /// Tells whether the block is seen as it is.
   bool plain() const {
     constexpr double kNone = std::numeric_limits<double>::infinity();
     return scale.empty() && clip == kNone && clip_unscaled == kNone && noise == 0 && !remembered();
   }
-  /// Whether it takes knowing what was.
+  /// Tells whether seeing the term takes knowing what was.
   bool remembered() const { return delay > 0 || history > 1; }
 
   bool operator==(const ObservationTerm&) const = default;

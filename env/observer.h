@@ -12,8 +12,8 @@
 
 namespace crossgait {
 
-/// What a policy sees, term by term (ObservationTerm). A value that remembers what it saw: a copy goes on
-/// from there.
+/// Observes what a policy sees, term by term (ObservationTerm). A value that remembers what it saw: a copy
+/// goes on from there.
 class Observer {
  public:
   Observer() = default;
@@ -22,17 +22,17 @@ class Observer {
   Observer(const std::vector<ObservationTerm>& terms, const ObservationContext& context, double policy_dt,
            double control_dt);
 
-  /// One entry per number. What a scale changes is in its unit, what is seen late in its name: "v_B.x@0.02"
-  /// is that of 0.02 s ago.
+  /// Describes the observation, one entry per number. What a scale changes is in its unit, what is seen late
+  /// in its name: "v_B.x@0.02" is that of 0.02 s ago.
   const Layout& layout() const noexcept { return layout_; }
 
-  /// An episode begins. @param seed  of the noise
+  /// Begins an episode. @param seed  of the noise
   void restart(std::uint64_t seed) noexcept;
-  /// Whether `look` wants to be called after each control step within a policy step, for delays that end
-  /// there.
+  /// Tells whether `look` wants to be called after each control step within a policy step, for delays that
+  /// end there.
   bool samples_substeps() const noexcept { return samples_substeps_; }
   void sample(const ObservationSource& source) noexcept;
-  /// Looks, and writes what is to be seen. @param out  of layout().size()
+  /// Looks at the world, and writes what is to be seen. @param out  of layout().size()
   void observe(const ObservationSource& source, std::span<double> out) noexcept;
 
  private:
@@ -47,7 +47,7 @@ class Observer {
     std::size_t begin = 0;  // in a row of the memory
   };
 
-  /// What a term shows of one instant: `age` policy steps before the newest that it sees.
+  /// Adds what a term shows of one instant: `age` policy steps before the newest that it sees.
   void add_entries(const ObservationTerm& term, const Layout& block, int age, double policy_dt);
   void describe(const std::vector<ObservationTerm>& terms, const std::vector<Layout>& blocks,
                 double policy_dt);

@@ -23,7 +23,7 @@ struct StepResult {
   bool done() const noexcept { return terminated || truncated; }
 };
 
-/// What the last step did, beside the observation.
+/// Holds what the last step did, beside the observation.
 struct StepInfo {
   double time = 0;                           ///< of the episode, s
   std::optional<GaitParameters> parameters;  ///< as adapted so far, where actions adapt a gait
@@ -40,14 +40,14 @@ struct StepInfo {
   Outcome outcome = Outcome::kWalked;  ///< the worst so far of those that are known at once
 };
 
-/// One environment: one world, one thread; its actions are of either kind (EnvConfig::action). The same
+/// Runs one environment: one world, one thread; its actions are of either kind (EnvConfig::action). The same
 /// configuration, seed and actions give the same observations bit for bit, after `reset` as after `restore`.
 class QuadrupedEnv {
  public:
   /// Builds the world, unless the configuration randomises it; nothing moves before `reset`.
   /// @throws ConfigError for a world that cannot be built
   QuadrupedEnv(std::shared_ptr<const EnvModel> model, Engine engine);
-  /// With a model of its own. @throws ConfigError for a bad configuration besides
+  /// Makes an environment with a model of its own. @throws ConfigError for a bad configuration besides
   QuadrupedEnv(const LoadedEnv& loaded, Engine engine);
   ~QuadrupedEnv() = default;
   QuadrupedEnv(const QuadrupedEnv&) = delete;
@@ -58,7 +58,7 @@ class QuadrupedEnv {
   const Engine& engine() const noexcept { return engine_; }
   const Layout& observation_layout() const noexcept { return interface().observation; }
   const Layout& action_layout() const noexcept { return interface().action; }
-  /// What a policy for this environment runs on.
+  /// Describes what a policy for this environment runs on.
   const PolicyInterface& interface() const noexcept { return model_->interface; }
   std::size_t observation_size() const noexcept { return interface().observation.size(); }
   std::size_t action_size() const noexcept { return interface().action.size(); }
@@ -67,39 +67,39 @@ class QuadrupedEnv {
   /// anew if the configuration randomises it. @throws ConfigError for a wrong size or an impossible draw
   void reset(std::uint64_t seed, std::span<double> observation);
 
-  /// One policy step. Entries of the action are clipped to their layout's bounds; not finite counts as zero.
-  /// After the end of an episode nothing moves until `reset`: the last observation again, no reward, the same
-  /// flags.
+  /// Makes one policy step. Entries of the action are clipped to their layout's bounds; not finite counts as
+  /// zero. After the end of an episode nothing moves until `reset`: the last observation again, no reward,
+  /// the same flags.
   /// @throws ConfigError for a wrong size or before the first `reset` (before anything changes)
   StepResult step(std::span<const double> action, std::span<double> observation);
 
   /// Returns what is known of the last step; of the start after `reset`.
   const StepInfo& info() const noexcept { return episode_.info; }
-  /// The world. @throws ConfigError before the first `reset` where the configuration randomises it
+  /// Returns the world. @throws ConfigError before the first `reset` where the configuration randomises it
   const PhysicsBackend& world() const {
     if (world_ == nullptr) require_begun("world");
     return *world_;
   }
-  /// The gait that actions adapt; null where they command joints.
+  /// Returns the gait that actions adapt; null where they command joints.
   const AdaptiveGaitController* gait() const noexcept;
   const FootStates& feet() const noexcept { return feet_; }
   const FootTimes& foot_times() const noexcept { return episode_.foot_times; }
-  /// Joint velocities after the last policy step less those before it, over its time, rad/s^2.
+  /// Returns joint velocities after the last policy step less those before it, over its time, rad/s^2.
   const JointVector& joint_acceleration() const noexcept { return episode_.joint_acceleration; }
-  /// The action of the last step and of the one before, clipped; zeros before the first.
+  /// Returns the last step's action and that of the one before, clipped; zeros before the first.
   std::span<const double> action() const noexcept { return episode_.action; }
   std::span<const double> last_action() const noexcept { return episode_.last_action; }
   const VelocityCommand& command() const noexcept { return episode_.command; }
-  /// Height of the base's origin over the ground below it, m.
+  /// Returns the height of the base's origin over the ground below it, m.
   double height() const noexcept { return episode_.loop.statistics().height(); }
-  /// Whether there has been a `reset`.
+  /// Tells whether there has been a `reset`.
   bool begun() const noexcept { return episode_.begun; }
-  /// The program's terms, or null.
+  /// Returns the program's terms, or null.
   const EnvExtension* extension() const noexcept { return extension_.get(); }
-  /// How the last step ended; neither flag before the first.
+  /// Says how the last step ended; neither flag before the first.
   const StepResult& result() const noexcept { return episode_.result; }
   const ControlTargets& targets() const noexcept { return episode_.loop.targets(); }
-  /// The episode so far. @throws ConfigError as `world` does
+  /// Sums up the episode so far. @throws ConfigError as `world` does
   MotionSummary summary() const { return episode_.loop.statistics().summary(world()); }
 
   /// Asks for another velocity from the next step on. @throws ConfigError if it is not finite
@@ -128,7 +128,7 @@ class QuadrupedEnv {
   void observe_start(std::span<double> observation);
 
   struct Saved;
-  /// Everything that the rest of the episode depends on. @throws ConfigError before the first `reset`
+  /// Saves everything that the rest of the episode depends on. @throws ConfigError before the first `reset`
   std::shared_ptr<const Saved> save() const;
   /// Continues where `saved` was, bit for bit. @throws ConfigError if it is of another configuration or
   /// engine

@@ -12,7 +12,7 @@
 
 namespace crossgait {
 
-/// What is randomised. Scales multiply the configured value; the others add to it.
+/// Lists what is randomised. Scales multiply the configured value; the others add to it.
 enum class Randomised : std::size_t {
   kStartX,
   kStartY,
@@ -33,7 +33,7 @@ enum class Randomised : std::size_t {
   kJointFriction,
 };
 
-/// One row of the table.
+/// A row of the table describes what is drawn.
 struct RandomisationRow {
   Randomised what;
   std::string_view name, unit, help;
@@ -41,15 +41,15 @@ struct RandomisationRow {
   double min, max;  ///< what a range must stay within
 };
 
-/// The table, in the order of the enumeration.
+/// Returns the table, in the order of the enumeration.
 std::span<const RandomisationRow> randomisation_rows();
 /// @throws ConfigError listing the known names
 const RandomisationRow& find_randomisation(std::string_view name);
 
-/// As many as there are in the enumeration, of which this is the last.
+/// Number of rows in the enumeration, of which this is the last.
 inline constexpr std::size_t kRandomisations = static_cast<std::size_t>(Randomised::kJointFriction) + 1;
 
-/// A range per row; the neutral ones draw nothing.
+/// Holds a range per row; the neutral ones draw nothing.
 struct Randomisation {
   std::array<Range, kRandomisations> ranges;
 
@@ -57,13 +57,13 @@ struct Randomisation {
   Range& operator[](Randomised what) { return ranges[static_cast<std::size_t>(what)]; }
   const Range& operator[](Randomised what) const { return ranges[static_cast<std::size_t>(what)]; }
   bool is_on(Randomised what) const;
-  /// Whether a world has to be built anew for every episode.
+  /// Tells whether a world has to be built anew for every episode.
   bool changes_world() const;
   /// @throws ConfigError naming the row
   void validate() const;
 };
 
-/// One draw of everything. `values` are neutral where nothing is randomised.
+/// Holds one draw of everything. `values` are neutral where nothing is randomised.
 struct RandomDraw {
   std::array<double, kRandomisations> values;
 
@@ -75,15 +75,15 @@ struct RandomDraw {
 /// it was before they were in the table.
 RandomDraw draw(const Randomisation& randomisation, Random& random) noexcept;
 
-/// Where the draw puts the robot down.
+/// Says where the draw puts the robot down.
 Placement placement_of(const RandomDraw& draw) noexcept;
 
-/// The pushes of a motion whose draw is `draw`; none where no impulse is randomised.
+/// Returns the pushes of a motion whose draw is `draw`; none where no impulse is randomised.
 /// @param random  goes on from where the draws ended
 Pushes pushes_of(const Randomisation& randomisation, const RandomDraw& draw, const Random& random) noexcept;
 
-/// `nominal` with the draw's friction, masses and servos. Masses scale with their inertias; each body but the
-/// trunk draws its own factor. The terrain is the caller's: it comes from a text and a seed.
+/// Returns `nominal` with the draw's friction, masses and servos. Masses scale with their inertias; each body
+/// but the trunk draws its own factor. The terrain is the caller's: it comes from a text and a seed.
 WorldSpec randomised_world(const WorldSpec& nominal, const Randomisation& randomisation,
                            const RandomDraw& draw, Random& random);
 

@@ -16,7 +16,7 @@
 
 namespace crossgait {
 
-/// Everything that a reward may look at: one policy step, from the instant before it to the one after.
+/// Holds everything that a reward may look at: one policy step, from the instant before it to the one after.
 /// Vectors are those of the environment; references are valid during the call alone.
 struct StepRecord {
   double dt;  ///< of the policy step, s
@@ -39,19 +39,19 @@ struct StepRecord {
   bool terminated;  ///< the episode ended by an outcome: a fall, divergence, ... (EnvConfig::terminations)
 };
 
-/// One row of the table. The reward is the sum of weight times value.
+/// A row of the table describes a term. The reward is the sum of weight times value.
 struct RewardTerm {
   std::string_view name, unit, help;
   double guide_weight;  ///< in the guide's reward; zero if it has no such term
   double (*value)(const StepRecord& record);
 };
 
-/// The table. The order is that of RewardTerms.
+/// Returns the table. The order is that of RewardTerms.
 std::span<const RewardTerm> reward_terms();
 /// @throws ConfigError listing the known names
 std::size_t find_reward_term(std::string_view name);
 
-/// One number per row of the table.
+/// Holds one number per row of the table.
 class RewardTerms {
  public:
   static std::size_t size() noexcept;  ///< rows of the table
@@ -70,7 +70,7 @@ class RewardTerms {
   std::array<double, kMost> values_{};
 };
 
-/// The guide's reward: 2000 vx, -2 |vy|, ...
+/// Returns the guide's reward: 2000 vx, -2 |vy|, ...
 RewardTerms guide_reward_weights();
 
 /// Writes weight times value of every term with a weight, zero for the others. @returns their sum

@@ -12,7 +12,7 @@
 
 namespace crossgait {
 
-/// What happens when an episode ends; Gymnasium's AutoresetMode.
+/// Says what happens when an episode ends; Gymnasium's AutoresetMode.
 enum class AutoReset {
   kNextStep,  ///< the step after it ignores its action, resets and returns the first observation, reward 0
   kSameStep,  ///< the step that ends it returns the next episode's first observation; the last one of the
@@ -27,10 +27,10 @@ struct VectorEnvOptions {
   Progress progress = {};  ///< of making them; called by the caller's thread
 };
 
-/// How many environments there may be at once.
+/// Largest number of environments at once.
 inline constexpr std::size_t kMaxEnvironments = 100'000;
 
-/// The caller's arrays, row-major with one row per environment. A caller may keep them between steps.
+/// Holds the caller's arrays, row-major with one row per environment. A caller may keep them between steps.
 struct VectorStep {
   std::span<double> observations;  ///< environments x observation_size
   std::span<double> rewards;       ///< environments
@@ -43,7 +43,7 @@ struct VectorStep {
   std::span<StepInfo> final_infos = {};
 };
 
-/// N environments of one configuration. Results are the same bit for bit for any number of workers:
+/// Runs N environments of one configuration. Results are the same bit for bit for any number of workers:
 /// environment i draws from derived_seed(seed, i), its k-th episode from derived_seed of that and k.
 class VectorEnv {
  public:
@@ -56,15 +56,15 @@ class VectorEnv {
   std::size_t observation_size() const noexcept { return environments_.front()->observation_size(); }
   std::size_t action_size() const noexcept { return environments_.front()->action_size(); }
   const QuadrupedEnv& environment(std::size_t i) const { return *environments_.at(i); }
-  /// The same, to be changed between steps: its state, command, world. Not to be reset, restored or ended but
-  /// by the functions below, which this has to know of.
+  /// Returns an environment to be changed between steps: its state, command, world. Not to be reset, restored
+  /// or ended but by the functions below, which this has to know of.
   QuadrupedEnv& edit(std::size_t i) {
     ++revision_;
     return *environments_.at(i);
   }
   /// Grows whenever something may have changed.
   const std::uint64_t& revision() const noexcept { return revision_; }
-  /// Seed of the episode that the environment is in: what `QuadrupedEnv::reset` takes to repeat it.
+  /// Returns the seed of the environment's episode: what `QuadrupedEnv::reset` takes to repeat it.
   /// @throws ConfigError before the first `reset`
   std::uint64_t episode_seed(std::size_t i) const;
 
@@ -82,7 +82,7 @@ class VectorEnv {
   /// @throws ConfigError as QuadrupedEnv::restore does
   void restore(std::size_t i, const QuadrupedEnv::Saved& saved);
 
-  /// One policy step everywhere. @param actions  environments x action_size
+  /// Makes one policy step in every environment. @param actions  environments x action_size
   /// @throws ConfigError for a wrong size (before anything changes), or if a reset makes an impossible draw
   void step(std::span<const double> actions, const VectorStep& out);
 
@@ -90,9 +90,9 @@ class VectorEnv {
   /// finite
   void set_command(std::size_t i, const VelocityCommand& command) { edit(i).set_command(command); }
 
-  /// Episodes that ended because the engine diverged, since construction. Each began anew like any other.
+  /// Counts episodes ended because the engine diverged. Each began anew like any other.
   std::uint64_t diverged() const noexcept;
-  /// Episodes begun so far, those of `reset` included.
+  /// Counts episodes begun so far, those of `reset` included.
   std::uint64_t episodes() const noexcept;
 
  private:

@@ -29,28 +29,28 @@ class AdaptiveGaitController {
   /// a bad residual_scale
   AdaptiveGaitController(const Gait& gait, const AdaptiveGaitOptions& options, const LegArray<Vector3>& p_BL);
 
-  /// Back to the initial parameters, phase 0 and no residuals.
+  /// Goes back to the initial parameters, phase 0 and no residuals.
   void reset(GaitGenerator::Start start = GaitGenerator::Start::kWalking) noexcept;
 
-  /// Rows of the parameters that adapt, with the ranges and delta scales that hold here.
+  /// Returns rows of the parameters that adapt, with the ranges and delta scales that hold here.
   std::span<const ParameterRow> adapted() const noexcept { return adapted_; }
-  /// Deltas of the parameters, then x, y, z residuals of FL, FR, RL, RR.
+  /// Counts deltas of the parameters, then x, y, z residuals of FL, FR, RL, RR.
   std::size_t action_size() const noexcept { return adapted_.size() + 3 * kLegs.size(); }
 
   /// Adds to the parameters, each as its row's `moved` says. What is not finite counts as zero, and
   /// so does what is missing from a span that is too short. @param deltas  in the units of the rows
   void add_deltas(std::span<const double> deltas) noexcept;
-  /// Offsets of the targets in their leg frames (z up: a positive z raises the foot), m, every coordinate
-  /// clipped to +-residual_scale; not finite: zero.
+  /// Sets offsets of the targets in their leg frames (z up: a positive z raises the foot), m, every
+  /// coordinate clipped to +-residual_scale; not finite: zero.
   void set_residuals(const LegArray<Vector3>& residuals) noexcept;
-  /// Both from one action vector in [-1, 1] (clipped): times the rows' delta_scale and times residual_scale.
+  /// Applies deltas and residuals of one action in [-1, 1] (clipped): times delta_scale and residual_scale.
   void apply_action(std::span<const double> action) noexcept;
 
   /// Advances by dt (s) and returns the targets with residuals.
   const LegArray<FootTarget>& update(double dt) noexcept;
 
   const LegArray<FootTarget>& targets() const noexcept { return targets_; }
-  /// As adapted so far; `generator().effective()` is what is in effect.
+  /// Returns parameters as adapted so far; `generator().effective()` is what is in effect.
   const GaitParameters& parameters() const noexcept { return generator_.parameters(); }
   /// Writes the adapted parameters, each normalised from its range to [-1, 1]; beyond, where one is outside
   /// it.
@@ -61,7 +61,7 @@ class AdaptiveGaitController {
   bool is_swing(Leg leg) const noexcept { return targets_[leg].swing; }
   const LegArray<Vector3>& residuals() const noexcept { return residuals_; }
 
-  /// To change gait, or walk at a commanded velocity.
+  /// Returns the generator, to change gait, or walk at a commanded velocity.
   GaitGenerator& generator() noexcept { return generator_; }
   const GaitGenerator& generator() const noexcept { return generator_; }
 

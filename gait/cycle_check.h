@@ -10,14 +10,14 @@
 
 namespace crossgait {
 
-/// Whether a leg can put its foot on a target of its leg frame (z up, m): a question for kinematics, which
-/// gaits know nothing of.
+/// Tells whether a leg can put its foot on a target of its leg frame (z up, m): a question for kinematics,
+/// which gaits know nothing of.
 using TargetCheck = std::function<bool(Leg leg, const Vector3& target)>;
 
 struct CycleCheck {
   int targets = 0;      ///< looked at
   int unreachable = 0;  ///< of these
-  /// The first unreachable one.
+  /// Describes the first unreachable one.
   struct Failure {
     Leg leg = Leg::FL;
     double phase = 0;  ///< of the clock
@@ -38,8 +38,8 @@ struct CycleCheck {
 CycleCheck check_cycle(const Gait& gait, const GaitParameters& parameters, const TargetCheck& check,
                        int samples = 400);
 
-/// Step limits of `gait`: the longest steps along x and along y whose cycles are reachable, then both shrunk
-/// alike until the steps in 16 directions are.
+/// Finds step limits of `gait`: the longest steps along x and along y whose cycles are reachable, then both
+/// shrunk alike until the steps in 16 directions are.
 /// @throws ConfigError naming the first unreachable target if not even stepping on the spot is, and as
 /// check_cycle
 StepLimits reachable_steps(const Gait& gait, const GaitParameters& parameters, const TargetCheck& check,

@@ -12,48 +12,48 @@ namespace crossgait {
 
 using Vector2 = Eigen::Vector2d;
 
-/// A point of a foot's path in units of the stride.
+/// Describes a point of a foot's path in units of the stride.
 struct StridePoint {
   double along = 0;  ///< in half step vectors: -1 at lift-off, +1 at touchdown
   double lift = 0;   ///< in units of `swing_lift`
 };
 
-/// The guide's swing at progress u: a cubic Bezier with control points along (-1, -shape, shape, 1) and lift
-/// (0, 1, 1, 0), shape clamped to [.05, 0.95]. Its apex is at lift 3/4.
+/// Returns the guide's swing at progress u: a cubic Bezier with control points along (-1, -shape, shape, 1)
+/// and lift (0, 1, 1, 0), shape clamped to [0.05, 0.95]. Its apex is at lift 3/4.
 StridePoint bezier_swing(double u, double shape) noexcept;
 
-/// A swing whose velocity at both ends is that of the stance, and whose apex is at lift 1: along = a v + b
-/// v^3 with v = 2u - 1, lift = (4 u (1 - u))^2.
+/// Returns a swing whose velocity at both ends is that of the stance, and whose apex is at lift 1: along = a
+/// v + b v^3 with v = 2u - 1, lift = (4 u (1 - u))^2.
 StridePoint matched_swing(double u, double duty) noexcept;
 
-/// Highest lift asked of a swing, m: step_height + foot_clearance, at most body_height - 1e-4.
+/// Returns the highest lift asked of a swing, m: step_height + foot_clearance, at most body_height - 1e-4.
 double swing_lift(const GaitParameters& parameters) noexcept;
 
-/// Outward shift of a standing foot from its leg's plane, m: stance_width / 2 + lateral offset.
+/// Returns the outward shift of a standing foot from its leg's plane, m: stance_width / 2 + lateral offset.
 double outward_shift(const GaitParameters& parameters, Leg leg) noexcept;
 
-/// What places one foot besides the parameters.
+/// Holds what places one foot besides the parameters.
 struct FootStride {
   Vector2 step = Vector2::Zero();          ///< step vector, x forward, y left, m
   double lift_scale = 1;                   ///< 0 standing to 1 full stride
   SwingCurve curve = SwingCurve::kBezier;  ///< in place of GaitParameters::swing
 };
 
-/// Foot centre in the leg frame (x forward, y left, z up: a standing foot is at z = -body_height), m.
+/// Places a foot's centre in the leg frame (x forward, y left, z up: standing, it is at z = -body_height), m.
 Vector3 foot_position(const GaitParameters& parameters, Leg leg, const LegPhase& phase,
                       const FootStride& stride) noexcept;
 
-/// Speed of a body that goes `step_length` while a foot stands: step_length / (duty_factor cycle_time), m/s.
+/// Returns a body's speed with one `step_length` per stance: step_length / (duty_factor cycle_time), m/s.
 inline double nominal_speed(const GaitParameters& parameters) noexcept {
   return parameters.step_length / (parameters.duty_factor * parameters.cycle_time);
 }
 
-/// Lateral distance between the centres of left and right feet, m.
+/// Holds lateral distances between the centres of left and right feet, m.
 struct FootSpacing {
   double front = 0, rear = 0;
 };
 
-/// Not to be mistaken for stance_width: the leg planes are apart too.
+/// Returns the spacing, not to be mistaken for stance_width: the leg planes are apart too.
 /// @param p_BL  origins of the leg frames in the base frame, m
 FootSpacing foot_spacing(const GaitParameters& parameters, const LegArray<Vector3>& p_BL) noexcept;
 

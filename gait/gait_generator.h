@@ -10,7 +10,7 @@
 
 namespace crossgait {
 
-/// What one foot should do now.
+/// Says what one foot should do now.
 struct FootTarget {
   Vector3 position = Vector3::Zero();  ///< foot centre in the leg frame (x forward, y left, z up), m
   bool swing = false;                  ///< in the air
@@ -37,7 +37,7 @@ class GaitGenerator {
   GaitGenerator(const Gait& gait, const GaitParameters& parameters, const LegArray<Vector3>& p_BL,
                 const StepLimits& limits = {});
 
-  /// Back to phase 0 with the gait, parameters and command last set, all in effect at once.
+  /// Goes back to phase 0 with the gait, parameters and command last set, all in effect at once.
   void reset(Start start = Start::kWalking) noexcept;
 
   /// @returns false, changing nothing, if they are not valid
@@ -48,15 +48,15 @@ class GaitGenerator {
   /// Walks as commanded; at (nearly) zero velocity it stands.
   /// @returns false, changing nothing, if it is not finite
   [[nodiscard]] bool set_command(const VelocityCommand& command) noexcept;
-  /// Back to steps of step_length.
+  /// Goes back to steps of step_length.
   void clear_command() noexcept;
   /// Turns besides, at this yaw rate (rad/s), wherever steps lead: for heading control. It alone starts no
   /// walk. Clamped; not finite: 0.
   void set_steering(double yaw_rate) noexcept;
 
-  /// How far a foot's centre sweeps for each metre that the body is to advance, forward and sideways: less
-  /// than 1 for feet that roll as their legs turn (FootTargetTracker::rolling_correction). Steps are advances
-  /// of the body. To be set while standing. @param sweep  positive
+  /// Sets how far a foot's centre sweeps for each metre that the body is to advance, forward and sideways:
+  /// less than 1 for feet that roll as their legs turn (FootTargetTracker::rolling_correction). Steps are
+  /// advances of the body. To be set while standing. @param sweep  positive
   void set_rolling_correction(const Vector2& sweep) noexcept { rolling_correction_ = sweep; }
 
   /// Advances by dt (s) and returns the targets. Without effect unless dt is positive and finite.
@@ -64,23 +64,23 @@ class GaitGenerator {
 
   const LegArray<FootTarget>& targets() const noexcept { return targets_; }
   const Gait& gait() const noexcept { return gait_; }
-  /// As last set.
+  /// Returns the parameters as last set.
   const GaitParameters& parameters() const noexcept { return wanted_; }
-  /// What moves the feet: parameters, steps and lift as far as they have taken effect.
+  /// Holds what moves the feet: parameters, steps and lift as far as they have taken effect.
   struct Stride {
     GaitParameters parameters;
     LegArray<Vector2> step = no_steps();  ///< m
     double lift_scale = 1;                ///< 0 standing to 1
   };
   const Stride& effective() const noexcept { return effective_; }
-  /// Phase of the gait's clock, in [0, 1).
+  /// Returns the phase of the gait's clock, in [0, 1).
   double phase() const noexcept { return clock_.phase(); }
   std::string_view current_phase_name() const noexcept { return phase_name(gait_, clock_.phase()); }
-  /// Fraction of the command that the steps can follow, in (0, 1]; 1 without a command.
+  /// Returns the fraction of the command that the steps can follow, in (0, 1]; 1 without a command.
   double limit_factor() const noexcept { return limit_factor_; }
   /// Stands still: no foot moves until something changes.
   bool is_standing() const noexcept;
-  /// False while legs are still on their way to a new gait.
+  /// Returns false while legs are still on their way to a new gait.
   bool in_step() const noexcept { return in_step_; }
 
   /// Shares of the top foot speed, see above. Their sum with the gait's own motion stays below 1.5.

@@ -7,16 +7,16 @@
 
 namespace crossgait {
 
-/// A gait and the speeds it is for.
+/// Holds a gait and the speeds it is for.
 struct SpeedBand {
   Gait gait;
   double below =
       0;  ///< used for speeds below this and not below the previous band's, m/s; the last band has no end
 };
 
-/// walk below 0.08 m/s, trot above, each with its preferred parameters.
+/// Returns two bands: walk below 0.08 m/s, trot above, each with its preferred parameters.
 std::vector<SpeedBand> default_speed_bands();
-/// The guide's: walk below 0.1 m/s, trot below 0.3, gallop above.
+/// Returns the guide's bands: walk below 0.1 m/s, trot below 0.3, gallop above.
 std::vector<SpeedBand> guide_speed_bands();
 
 struct MultiGaitOptions {
@@ -31,7 +31,7 @@ struct MultiGaitOptions {
   StepLimits limits;
 };
 
-/// The guide's bands, and how it shortens its cycles.
+/// Returns the guide's bands, and how it shortens its cycles.
 MultiGaitOptions guide_multi_gait_options();
 
 /// Walks at a commanded velocity with the gait for its speed (of the fastest foot, for turns), or with a
@@ -43,19 +43,19 @@ class MultiGaitController {
   /// @throws ConfigError naming the option
   MultiGaitController(const MultiGaitOptions& options, const LegArray<Vector3>& p_BL);
 
-  /// Back to standing still, with no command and no forced gait.
+  /// Goes back to standing still, with no command and no forced gait.
   void reset() noexcept;
 
-  /// Forward speed, m/s; negative reverses. @returns false, changing nothing, if it is not finite
+  /// Sets the forward speed, m/s; negative reverses. @returns false, changing nothing, if it is not finite
   [[nodiscard]] bool set_speed(double speed) noexcept { return set_command({speed, 0, 0}); }
   /// @returns false, changing nothing, if it is not finite
   [[nodiscard]] bool set_command(const VelocityCommand& command) noexcept;
   /// Sets MultiGaitOptions::parameters. @returns false, changing nothing, if they are not valid
   [[nodiscard]] bool set_parameters(const GaitParameters& parameters) noexcept;
 
-  /// As GaitGenerator's.
+  /// Does what GaitGenerator's does.
   void set_rolling_correction(const Vector2& sweep) noexcept { generator_.set_rolling_correction(sweep); }
-  /// As GaitGenerator's. It has no say in the choice of gait.
+  /// Does what GaitGenerator's does. It has no say in the choice of gait.
   void set_steering(double yaw_rate) noexcept { generator_.set_steering(yaw_rate); }
 
   /// Uses this gait at every speed. It must be valid.
@@ -66,7 +66,7 @@ class MultiGaitController {
   const LegArray<FootTarget>& update(double dt) noexcept { return generator_.update(dt); }
 
   const VelocityCommand& command() const noexcept { return command_; }
-  /// Targets, phase, gait, limit factor and the rest.
+  /// Returns the generator: targets, phase, gait, limit factor and the rest.
   const GaitGenerator& generator() const noexcept { return generator_; }
 
  private:

@@ -12,16 +12,16 @@
 
 namespace crossgait {
 
-/// Which path a swinging foot takes; see foot_trajectory.h.
+/// Says which path a swinging foot takes; see foot_trajectory.h.
 enum class SwingCurve {
   kBezier,   ///< the guide's: apex at 3/4 of step_height + foot_clearance, lands moving forward
   kMatched,  ///< apex at step_height + foot_clearance, lifts off and lands at ground speed
 };
 
-/// "bezier", "matched".
+/// Names a curve: "bezier", "matched".
 std::string_view name(SwingCurve curve) noexcept;
 
-/// Parameters of a gait. The initialisers are the defaults, the only ones there are: those of the trot.
+/// Holds parameters of a gait. The initialisers are the defaults, the only ones there are: those of the trot.
 struct GaitParameters {
   double step_height = 0.04;   ///< lift of a swinging foot, m; adds to foot_clearance
   double step_length = 0.04;   ///< way of the body over a foot's stance, m: ground speed = step_length /
@@ -45,7 +45,7 @@ struct GaitParameters {
   SwingCurve swing = SwingCurve::kBezier;
 };
 
-/// The numbers of the guide's GaitParameters (body_height 0.07, step_length 0.05, step_height 0.015, ...).
+/// Returns the guide's GaitParameters (body_height 0.07, step_length 0.05, step_height 0.015, ...).
 constexpr GaitParameters guide_parameters() {
   return {.step_height = 0.015,
           .step_length = 0.05,
@@ -58,7 +58,7 @@ constexpr GaitParameters guide_parameters() {
           .load_share = 0.35};
 }
 
-/// Those of the guide's adaptive controller, which are others (body_height 0.05, step_length 0.06, ...).
+/// Returns the guide's adaptive controller's parameters (body_height 0.05, step_length 0.06, ...).
 constexpr GaitParameters guide_adaptive_parameters() {
   GaitParameters p = guide_parameters();
   p.step_height = 0.04;
@@ -67,37 +67,37 @@ constexpr GaitParameters guide_adaptive_parameters() {
   return p;
 }
 
-/// One tunable parameter. Adaptation, normalisation, action and observation layouts, traces and plots follow
-/// from its row; `--set` goes by its name and takes every valid value (`is_valid`).
+/// Describes one tunable parameter. Adaptation, normalisation, action and observation layouts, traces and
+/// plots follow from its row; `--set` goes by its name and takes every valid value (`is_valid`).
 struct ParameterRow {
   std::string_view name, unit, help;
   double GaitParameters::*member;
   double min, max;     ///< range for tuning and adaptation
   double delta_scale;  ///< change per adaptation step at full action
 
-  /// What a value is multiplied by for a robot `length_scale` times as high, by its unit: lengths by as much,
+  /// Returns the factor of a value for a robot `length_scale` times as high, by its unit: lengths by as much,
   /// times and speeds by its root (`kUnits`, parameters.cpp). @throws std::logic_error for an unknown unit
   double factor(double length_scale) const;
   constexpr double default_value() const { return GaitParameters{}.*member; }
   constexpr double clip(double value) const { return value < min ? min : value > max ? max : value; }
-  /// `value` + `delta`, clipped to the range. A value outside it stays where it is or comes nearer: only
-  /// deltas move it.
+  /// Returns `value` + `delta`, clipped to the range. A value outside it stays where it is or comes nearer:
+  /// only deltas move it.
   constexpr double moved(double value, double delta) const {
     const double low = value < min ? value : min, high = value > max ? value : max, sum = value + delta;
     return sum < low ? low : sum > high ? high : sum;
   }
-  /// [min, max] to [-1, 1].
+  /// Maps [min, max] to [-1, 1].
   constexpr double normalise(double value) const { return 2 * ((value - min) / (max - min)) - 1; }
 };
 
-/// The table. Its order is that of action and observation vectors.
+/// Returns the table. Its order is that of action and observation vectors.
 std::span<const ParameterRow> gait_parameters();
 
 /// @throws ConfigError listing the known names
 const ParameterRow& find_parameter(std::string_view name);
 
-/// What takes the place of the table's ranges and delta scales where parameters adapt or are tuned. What is
-/// not mentioned is the table's.
+/// Takes the place of the table's ranges and delta scales where parameters adapt or are tuned. What is not
+/// mentioned is the table's.
 struct AdaptationRanges {
   struct Interval {
     double min = 0, max = 0;
@@ -109,17 +109,17 @@ struct AdaptationRanges {
   double length_scale = 1;                     ///< the table's are multiplied by their rows' `factor` of it
 
   bool operator==(const AdaptationRanges&) const = default;
-  /// The table's row with what is replaced. @throws ConfigError listing the known names
+  /// Returns the table's row with what is replaced. @throws ConfigError listing the known names
   ParameterRow row(std::string_view name) const;
   /// @throws ConfigError naming `source` and "ranges.<name>" or "delta_scales.<name>" for an unknown name, a
   /// range that is empty or reaches beyond the valid values, or a scale outside (0, max - min]
   void validate(std::string_view source) const;
 };
 
-/// The guide's ranges and delta scales of its six parameters.
+/// Returns the guide's ranges and delta scales of its six parameters.
 AdaptationRanges guide_ranges();
 
-/// A sentence for every parameter that is neither within its range nor as `usual` has it.
+/// Returns a sentence for every parameter that is neither within its range nor as `usual` has it.
 std::vector<std::string> outside_ranges(const GaitParameters& parameters, const GaitParameters& usual,
                                         const AdaptationRanges& ranges = {});
 
@@ -131,7 +131,7 @@ void set(GaitParameters& parameters, std::string_view name, double value);
 /// @throws ConfigError as `set`, and for text that is no such assignment
 void assign(GaitParameters& parameters, std::string_view text);
 
-/// Some of a gait's parameters, by name; the others are left to whoever knows the gait and the robot.
+/// Holds some of a gait's parameters, by name; the others are left to whoever knows the gait and the robot.
 struct GaitSettings {
   struct Value {
     std::string name;
@@ -142,26 +142,26 @@ struct GaitSettings {
   std::vector<Value> values;  ///< each name once
   std::optional<SwingCurve> swing;
 
-  /// Every one of them.
+  /// Returns settings of every parameter.
   static GaitSettings all(const GaitParameters& parameters);
-  /// Added with 0 if it is not there.
+  /// Returns a value by name, added with 0 if it is not there.
   double& operator[](std::string_view name);
   std::optional<double> find(std::string_view name) const;
   GaitParameters over(GaitParameters parameters) const;
   bool operator==(const GaitSettings&) const = default;
 };
 
-/// As above.
+/// Sets a parameter as above.
 void set(GaitSettings& settings, std::string_view name, double value);
 void assign(GaitSettings& settings, std::string_view text);
 /// @throws ConfigError (naming `source` and the parameter) for an unknown name or a value that is not valid
 void validate(const GaitSettings& settings, std::string_view source);
 
-/// Every parameter of the table moved into its range.
+/// Moves every parameter of the table into its range.
 GaitParameters clip(const GaitParameters& parameters) noexcept;
 
-/// Whether the formulas hold: finite, lengths and heights not negative, body_height positive, cycle_time at
-/// least 0.05 s, duty_factor 0.05 to 0.95, load_share 0 to 2. Wider than the table's ranges.
+/// Tells whether the formulas hold: finite, lengths and heights not negative, body_height positive,
+/// cycle_time at least 0.05 s, duty_factor 0.05 to 0.95, load_share 0 to 2. Wider than the table's ranges.
 bool is_valid(const GaitParameters& parameters) noexcept;
 
 /// @throws ConfigError (naming `source` and the parameter) unless `is_valid`

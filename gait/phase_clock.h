@@ -5,7 +5,7 @@
 
 namespace crossgait {
 
-/// Phase of a cycle in [0, 1). Being normalised, it stays where it is when the cycle time changes.
+/// Keeps the phase of a cycle in [0, 1). Being normalised, it stays where it is when the cycle time changes.
 class PhaseClock {
  public:
   double phase() const noexcept { return phase_; }

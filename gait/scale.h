@@ -24,14 +24,14 @@ struct GaitScale {
 /// Compares a robot with the reference; one without a standing height has the reference's scale.
 GaitScale gait_scale(const RobotDescription& robot) noexcept;
 
-/// Lengths times `length`, times times `time()`.
+/// Scales lengths by `length` and times by `time()`.
 GaitParameters scaled(const GaitParameters& parameters, const GaitScale& scale) noexcept;
-/// With the preferred parameters that a robot of this size and these legs walks with.
+/// Returns the gait with the preferred parameters that a robot of this size and these legs walks with.
 Gait scaled(const Gait& gait, const GaitScale& scale) noexcept;
 StepLimits scaled(const StepLimits& limits, const GaitScale& scale) noexcept;
-/// Bands, hysteresis, steps and cycles; the gaits of the bands as above.
+/// Scales bands, hysteresis, steps and cycles; the gaits of the bands as above.
 MultiGaitOptions scaled(MultiGaitOptions options, const GaitScale& scale);
-/// The table's ranges and delta scales at this size; what `ranges` states itself stays.
+/// Scales the table's ranges and delta scales to this size; what `ranges` states itself stays.
 AdaptationRanges scaled(AdaptationRanges ranges, const GaitScale& scale);
 
 }  // namespace crossgait

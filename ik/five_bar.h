@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// On which side the elbows bend; up and down as in `place_links`.
+/// Says on which side the elbows bend; up and down as in `place_links`.
 enum class WorkingMode {
   kUpDown = 1,    ///< a up, b down: knees crossed inward
   kDownUp = 2,    ///< a down, b up: knees outward; the default
@@ -19,13 +19,13 @@ enum class WorkingMode {
 
 inline constexpr WorkingMode kDefaultMode = WorkingMode::kDownUp;
 
-/// 1 to 4; empty for anything else.
+/// Returns modes 1 to 4; empty for anything else.
 constexpr std::optional<WorkingMode> working_mode(int number) {
   if (number < 1 || number > 4) return std::nullopt;
   return static_cast<WorkingMode>(number);
 }
 
-/// +1 for up, -1 for down.
+/// Holds +1 for up, -1 for down.
 struct ElbowSigns {
   double a, b;
 };
@@ -34,7 +34,7 @@ constexpr ElbowSigns elbow_signs(WorkingMode mode) {
           mode == WorkingMode::kDownUp || mode == WorkingMode::kBothUp ? 1.0 : -1.0};
 }
 
-/// Both chains of a five-bar.
+/// Holds both chains of a five-bar.
 struct FiveBarSolution {
   IkStatus status = IkStatus::kOk;
   TwoLinkSolution a, b;
@@ -50,15 +50,15 @@ struct FiveBarSolution {
 /// within reach of both shoulders. Continuous in p.
 [[nodiscard]] IkStatus clamp_to_workspace(const FiveBarGeometry& geometry, Vector2& p) noexcept;
 
-/// Forward kinematics of the plane.
+/// Holds what forward kinematics of the plane find.
 struct FiveBarClosure {
   bool closed = false;             ///< false if the elbows are too far apart, or coincide: `foot` lies midway
   Vector2 foot = Vector2::Zero();  ///< (x, depth) from midway between the shoulders, m
   ChainLinks a, b;
 };
 
-/// The two tips meet in one of two points, mirrored in the line through the elbows; taken is the one whose
-/// elbows bend as `mode` says, and the lower one if that leaves a choice.
+/// Finds where the two tips meet: one of two points, mirrored in the line through the elbows; taken is the
+/// one whose elbows bend as `mode` says, and the lower one if that leaves a choice.
 /// @param upper_a,upper_b  upper links as vectors (x, depth) of their lengths, m
 [[nodiscard]] FiveBarClosure close_five_bar(const FiveBarGeometry& geometry, const Vector2& upper_a,
                                             const Vector2& upper_b, WorkingMode mode) noexcept;

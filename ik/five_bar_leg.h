@@ -5,7 +5,7 @@
 
 namespace crossgait {
 
-/// Joint angles of one leg in the robot's sign convention, rad.
+/// Holds joint angles of one leg in the robot's sign convention, rad.
 struct LegAngles {
   double tilt = 0, shoulder_left = 0, shoulder_right = 0, elbow_left = 0, elbow_right = 0;
 };
@@ -15,14 +15,14 @@ struct LegSolution {
   LegAngles angles;
 };
 
-/// Joint angles that put the foot's centre on `target`, or on the workspace's boundary if it is out of reach;
-/// see IkStatus. Never NaN, continuous in the target (except on the tilt axis, where "outward" has no
+/// Finds joint angles that put the foot's centre on `target`, or on the workspace's boundary if it is out of
+/// reach; see IkStatus. Never NaN, continuous in the target (except on the tilt axis, where "outward" has no
 /// direction).
 /// @param target  foot centre in the leg frame (x forward, y left, z up: negative below the shoulders), m
 [[nodiscard]] LegSolution solve_leg(const FiveBarGeometry& geometry, const Vector3& target,
                                     WorkingMode mode = kDefaultMode) noexcept;
 
-/// The angles that are driven, rad.
+/// Holds the angles that are driven, rad.
 struct ServoAngles {
   double tilt = 0, shoulder_left = 0, shoulder_right = 0;
 };
@@ -32,7 +32,7 @@ struct ServoSolution {
   ServoAngles angles;
 };
 
-/// `solve_leg` without the passive elbows, for control loops: the same angles in two thirds of the time.
+/// Does `solve_leg` without the passive elbows, for control loops: the same angles in two thirds of the time.
 [[nodiscard]] ServoSolution solve_servos(const FiveBarGeometry& geometry, const Vector3& target,
                                          WorkingMode mode = kDefaultMode) noexcept;
 
@@ -42,17 +42,17 @@ struct LegPosition {
   double elbow_left = 0, elbow_right = 0;  ///< passive joint angles, rad
 };
 
-/// Foot and passive elbows from the three actuated angles (rad). Of the two ways to close the linkage, the
-/// one in which the elbows bend as `mode` says: the inverse of `solve_leg` in mode 2, and in every mode if
-/// both chains are alike. With unlike chains both ways can bend so in the other modes; then the foot is the
-/// lower of the two.
+/// Computes foot and passive elbows from the three actuated angles (rad). Of the two ways to close the
+/// linkage, the one in which the elbows bend as `mode` says: the inverse of `solve_leg` in mode 2, and in
+/// every mode if both chains are alike. With unlike chains both ways can bend so in the other modes; then the
+/// foot is the lower of the two.
 [[nodiscard]] LegPosition forward_leg(const FiveBarGeometry& geometry, double tilt, double shoulder_left,
                                       double shoulder_right, WorkingMode mode = kDefaultMode) noexcept;
 
-/// d foot / d (tilt, shoulder_left, shoulder_right), m/rad, rows x, y, z of the leg frame: velocity of the
-/// foot per joint velocity. Differentiates |foot - elbow| = lower link for either chain. Not finite where the
-/// lower links are parallel
-/// (`LegMargins::parallel` is zero).
+/// Computes d foot / d (tilt, shoulder_left, shoulder_right), m/rad, rows x, y, z of the leg
+/// frame: velocity of the foot per joint velocity. Differentiates |foot - elbow| = lower link
+/// for either chain. Not finite where the lower links are parallel (`LegMargins::parallel` is
+/// zero).
 Matrix3 leg_jacobian(const FiveBarGeometry& geometry, const LegAngles& q) noexcept;
 
 /// Returns the margins of all five joints.

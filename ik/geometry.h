@@ -7,11 +7,11 @@
 
 namespace crossgait {
 
-/// A five-bar leg on a tilt joint. Chain a is shoulder_left (the rear one), chain b shoulder_right.
+/// Describes a five-bar leg on a tilt joint. Chain a is shoulder_left (the rear one), chain b shoulder_right.
 struct FiveBarGeometry : TiltMount {
   TwoLinkChain a, b;
 
-  /// Distance of the two shoulder axes, m.
+  /// Returns the distance of the two shoulder axes, m.
   double base_distance() const { return b.shoulder_x - a.shoulder_x; }
 };
 
@@ -22,7 +22,7 @@ struct FiveBarGeometry : TiltMount {
 ///   shoulder_right; the lower links joined by a loop closure at the foot's centre.
 FiveBarGeometry five_bar_geometry(const RobotDescription& robot, Leg leg);
 
-/// `five_bar_geometry` of all legs.
+/// Returns `five_bar_geometry` of all legs.
 LegArray<FiveBarGeometry> five_bar_geometry(const RobotDescription& robot);
 
 /// @throws ConfigError (naming `source`) unless lengths are positive and the chains can meet everywhere

@@ -5,7 +5,7 @@
 
 namespace crossgait {
 
-/// Whatever the status, the angles are finite.
+/// Says what came of inverse kinematics; whatever the status, the angles are finite.
 enum class IkStatus {
   kOk,
   kClampedTooFar,      ///< beyond the links' reach: moved to the nearest reachable point of the leg's plane
@@ -14,7 +14,7 @@ enum class IkStatus {
   kInvalidTarget,      ///< not finite: the angles are those of a safe neutral point
 };
 
-/// "ok", "clamped_too_far", "clamped_too_near", "clamped_joint_limit", "invalid_target".
+/// Names a status: "ok", "clamped_too_far", "clamped_too_near", "clamped_joint_limit", "invalid_target".
 std::string_view name(IkStatus status) noexcept;
 
 }  // namespace crossgait

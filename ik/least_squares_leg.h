@@ -8,7 +8,7 @@
 
 namespace crossgait {
 
-/// One joint: its frame in the frame of the joint before, at zero angle; the first one's in the leg frame.
+/// Describes a joint: its frame in that of the joint before, at zero angle; the first's in the leg frame.
 struct LegLink {
   Matrix3 R = Matrix3::Identity();
   Vector3 p = Vector3::Zero();      ///< m
@@ -52,13 +52,13 @@ struct LeastSquaresSolution {
 /// A solution is one if the foot is this near to its target, m.
 inline constexpr double kConverged = 1e-10;
 
-/// Joint angles that put the foot's centre on `target` to `kConverged`, sought from `start` (moved into the
-/// joint limits) by Levenberg and Marquardt's method in the variables' box: joints at a limit that the step
-/// would pass are held. The knee stays on the side to which it is bent in `start`; one that is straight or
-/// folded to 0.05 rad goes where its limits leave more room. Where a search ends away from the target others
-/// start from other postures, at most five in all of at most 60 iterations each; the nearest posture is the
-/// answer. Of feet at random over the whole range of a robot's joints about 2 in 1000 are missed from its
-/// home posture.
+/// Finds joint angles that put the foot's centre on `target` to `kConverged`, sought from `start` (moved into
+/// the joint limits) by Levenberg and Marquardt's method in the variables' box: joints at a limit that the
+/// step would pass are held. The knee stays on the side to which it is bent in `start`; one that is straight
+/// or folded to 0.05 rad goes where its limits leave more room. Where a search ends away from the target
+/// others start from other postures, at most five in all of at most 60 iterations each; the nearest posture
+/// is the answer. Of feet at random over the whole range of a robot's joints about 2 in 1000 are missed from
+/// its home posture.
 ///
 /// Short of the target, the status is kClampedJointLimit if the joints without limits would get there from
 /// the same posture, else kClampedTooNear or kClampedTooFar: whether the target is nearer to the hip than the
@@ -69,27 +69,27 @@ inline constexpr double kConverged = 1e-10;
                                                        const Vector3& target,
                                                        const LegJointAngles& start) noexcept;
 
-/// From the posture that the geometry holds for this branch.
+/// Starts from the posture that the geometry holds for this branch.
 [[nodiscard]] inline LeastSquaresSolution solve_least_squares(const LeastSquaresLegGeometry& geometry,
                                                               const Vector3& target,
                                                               KneeBranch branch) noexcept {
   return solve_least_squares(geometry, target, geometry.start(branch));
 }
 
-/// Foot centre in the leg frame, m.
+/// Computes the foot's centre in the leg frame, m.
 [[nodiscard]] Vector3 forward_least_squares(const LeastSquaresLegGeometry& geometry,
                                             const LegJointAngles& q) noexcept;
 
-/// d foot / d joint, m/rad, rows x, y, z of the leg frame: axis x (foot - joint). The last column of a leg of
-/// two joints is zero.
+/// Computes d foot / d joint, m/rad, rows x, y, z of the leg frame: axis x (foot - joint). The last column of
+/// a leg of two joints is zero.
 Matrix3 least_squares_jacobian(const LeastSquaresLegGeometry& geometry, const LegJointAngles& q) noexcept;
 
-/// `serial` is the bend of the knee from straight or folded, seen along its axis: between the hip's and the
-/// foot's directions from it. `parallel` is pi/2: there is no such singularity.
+/// Returns margins, of which `serial` is the bend of the knee from straight or folded, seen along its axis:
+/// between the hip's and the foot's directions from it. `parallel` is pi/2: there is no such singularity.
 LegMargins least_squares_margins(const LeastSquaresLegGeometry& geometry, const LegJointAngles& q) noexcept;
 
-/// Angle from thigh to shin about the knee's axis, counted from where +y lies on it: positive if the knee is
-/// bent forward. In (-pi, pi], rad.
+/// Returns the angle from thigh to shin about the knee's axis, counted from where +y lies on it: positive if
+/// the knee is bent forward. In (-pi, pi], rad.
 double knee_bend(const LeastSquaresLegGeometry& geometry, const LegJointAngles& q) noexcept;
 
 }  // namespace crossgait

@@ -21,13 +21,13 @@ class LegFrames {
   /// @throws ConfigError naming the robot's file, the leg and `what`
   [[noreturn]] void fail(std::string_view what, const std::string& expected, const std::string& found) const;
 
-  /// Pose of the body that joint `joint` moves, in the base frame, at zero joint angles.
+  /// Returns the pose of the body that joint `joint` moves, in the base frame, at zero joint angles.
   Pose pose(int joint) const;
 
-  /// Whether the axis of joint `joint` is parallel to the unit vector `direction` of the base frame.
+  /// Tells whether the axis of joint `joint` is parallel to the unit vector `direction` of the base frame.
   bool is_along(int joint, const Vector3& direction) const;
 
-  /// Sign of a joint axis along `direction` of the base frame. @throws ConfigError unless they are parallel
+  /// Returns a joint axis' sign along `direction` (base frame). @throws ConfigError unless they are parallel
   double axis_sign(int joint, const Vector3& direction, std::string_view along) const;
 
   /// @throws ConfigError unless the body of `joint` hangs on `parent_body`
@@ -49,9 +49,9 @@ class LegFrames {
   double aligned_;
 };
 
-/// Lengths, zero directions, signs and limits of the chain of two joints about y that ends at `tip` (in the
-/// frame of the second joint's body, m): everything but `shoulder_x`. @throws ConfigError if the axes do not
-/// fit
+/// Returns lengths, zero directions, signs and limits of the chain of two joints about y that ends at `tip`
+/// (in the frame of the second joint's body, m): everything but `shoulder_x`. @throws ConfigError if the axes
+/// do not fit
 TwoLinkChain two_link_chain(const LegFrames& frames, int shoulder, int elbow, const Vector3& tip);
 
 }  // namespace crossgait

@@ -14,7 +14,7 @@ namespace crossgait {
 
 enum class LegKind { kFiveBar, kSerial, kLeastSquares };
 
-/// "five_bar", "serial", "least_squares".
+/// Names a kind of leg: "five_bar", "serial", "least_squares".
 std::string_view name(LegKind kind) noexcept;
 
 /// Angles of the driven joints, in the order tilt, shoulder_left, shoulder_right or abduction (if any), hip,
@@ -28,8 +28,8 @@ struct LegPosture {
   PassiveVector passive;
 };
 
-/// Which of the postures that put the foot on a target. A leg goes by what it has: a five-bar by `mode`,
-/// others by `knee`.
+/// Says which of the postures that put the foot on a target a leg takes. A leg goes by what it has: a
+/// five-bar by `mode`, others by `knee`.
 struct LegBranch {
   WorkingMode mode = kDefaultMode;
   KneeBranch knee = KneeBranch::kBackward;
@@ -49,9 +49,9 @@ struct LegForward {
 /// d foot / d servos, m/rad, rows x, y, z of the leg frame, a column for each servo.
 using LegJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3>;
 
-/// A value over the kinds of legs. Its functions are those of the kind (solve_leg, solve_serial,
-/// solve_least_squares and so on), which say what they promise; `noexcept` and without allocation. Vectors
-/// that are given have `servo_count` and `passive_count` numbers.
+/// Holds the kinematics of a leg of any kind, as a value. Its functions are those of the kind (solve_leg,
+/// solve_serial, solve_least_squares and so on), which say what they promise; `noexcept` and without
+/// allocation. Vectors that are given have `servo_count` and `passive_count` numbers.
 class LegKinematics {
  public:
   /// Makes the kinematics of a leg alone, without a robot: joints are numbered in the order of their roles.
@@ -62,21 +62,21 @@ class LegKinematics {
       : LegKinematics(Kind(geometry), joints, home) {}
 
   LegKind kind() const noexcept { return static_cast<LegKind>(leg_.index()); }
-  /// The geometry of its kind, or nullptr: `as<FiveBarGeometry>()`.
+  /// Returns the geometry of its kind, or nullptr: `as<FiveBarGeometry>()`.
   template <typename Geometry>
   const Geometry* as() const noexcept {
     return std::get_if<Geometry>(&leg_);
   }
 
-  /// p_BL: origin of the leg frame in the base frame, m.
+  /// Returns p_BL: origin of the leg frame in the base frame, m.
   const Vector3& origin() const noexcept;
 
-  /// That of the robot's home posture: what `inverse` and `forward` take unless told otherwise.
+  /// Returns the branch of the robot's home posture: what `inverse` and `forward` take unless told otherwise.
   LegBranch home_branch() const noexcept { return home_; }
 
   int servo_count() const noexcept { return servo_count_; }
   int passive_count() const noexcept { return passive_count_; }
-  /// Indices into joint vectors, in the order of ServoVector and PassiveVector.
+  /// Returns indices into joint vectors, in the order of ServoVector and PassiveVector.
   std::span<const int> servo_joints() const noexcept {
     return {joints_.data(), static_cast<std::size_t>(servo_count_)};
   }
@@ -115,17 +115,17 @@ class LegKinematics {
   int servo_count_ = 0, passive_count_ = 0;
 };
 
-/// Kinematics of a leg of `robot`: a five-bar's; a serial leg's in closed form if its axes allow
+/// Makes the kinematics of a leg of `robot`: a five-bar's; a serial leg's in closed form if its axes allow
 /// (`is_serial_leg`), else by least squares from the home posture. @throws ConfigError as
 /// `five_bar_geometry`, `serial_leg_geometry` and `least_squares_leg_geometry`, or if the robot has no legs
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg);
-/// The same of a serial leg of a robot that does not say where its legs are.
+/// Makes those of a serial leg of a robot that does not say where its legs are.
 LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);
 
 /// Makes the kinematics of all legs.
 LegArray<LegKinematics> make_leg_kinematics(const RobotDescription& robot);
 
-/// p_BL of every leg: where gaits and velocity commands take the legs to be, m.
+/// Returns p_BL of every leg: where gaits and velocity commands take the legs to be, m.
 LegArray<Vector3> leg_origins(const LegArray<LegKinematics>& legs);
 LegArray<Vector3> leg_origins(const RobotDescription& robot);
 

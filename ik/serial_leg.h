@@ -11,13 +11,13 @@
 
 namespace crossgait {
 
-/// Where a leg with its foot below the hip has its knee: towards +x or -x of the line from hip to foot. The
-/// angle from thigh to shin, in the leg's plane, is positive or negative.
+/// Says where a leg with its foot below the hip has its knee: towards +x or -x of the line from hip to foot.
+/// The angle from thigh to shin, in the leg's plane, is positive or negative.
 enum class KneeBranch { kForward = 1, kBackward = -1 };
 
 constexpr double knee_sign(KneeBranch branch) { return branch == KneeBranch::kForward ? 1.0 : -1.0; }
 
-/// Which joints of a robot make a serial leg (indices into joint vectors), and where its foot is.
+/// Says which joints of a robot make a serial leg (indices into joint vectors), and where its foot is.
 struct SerialLegJoints {
   int abduction = -1;  ///< -1: none, the hip is on the base
   int hip = -1, knee = -1;
@@ -26,14 +26,14 @@ struct SerialLegJoints {
   bool hip_first = false;          ///< the abduction is between hip and knee
 };
 
-/// The joints in a row from the base, two or three of them, and which of these is the hip.
+/// Holds the joints in a row from the base, two or three of them, and which of these is the hip.
 struct SerialChain {
   std::array<int, 3> joints{-1, -1, -1};
   int count = 0, hip = 0;
 };
 SerialChain chain_of(const SerialLegJoints& joints);
 
-/// Those of a leg that is serial.
+/// Returns the joints of a leg that is serial.
 SerialLegJoints serial_leg_joints(const LegModel& model);
 
 /// @throws ConfigError naming file, leg and joint unless the joints are `robot`'s, hang on each other in
@@ -41,8 +41,8 @@ SerialLegJoints serial_leg_joints(const LegModel& model);
 ///   row, the first on the base, and the foot is on the knee's body
 void validate(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);
 
-/// Without an abduction joint the leg's plane is y = 0 of the leg frame, and nothing but p_BL and `side` is
-/// used of the mount.
+/// Describes a serial leg; without an abduction joint its plane is y = 0 of the leg frame, and nothing but
+/// p_BL and `side` is used of the mount.
 struct SerialLegGeometry : TiltMount {
   bool has_abduction = true;
   TwoLinkChain chain;  ///< hip, thigh, knee, shin; shoulder_x is 0
@@ -55,9 +55,9 @@ struct SerialLegGeometry : TiltMount {
 /// very worst.
 inline constexpr double kSerialAlignment = 1e-4;
 
-/// Whether the axes of the joints are those of a serial leg, each within `tolerance` (rad): abduction along
-/// +-x, hip and knee along +-y of the base, at zero angles, and the abduction first. @throws ConfigError if
-/// they do not hang on each other
+/// Tells whether the axes of the joints are those of a serial leg, each within `tolerance` (rad): abduction
+/// along +-x, hip and knee along +-y of the base, at zero angles, and the abduction first. @throws
+/// ConfigError if they do not hang on each other
 bool is_serial_leg(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints,
                    double tolerance = kSerialAlignment);
 
@@ -68,7 +68,7 @@ bool is_serial_leg(const RobotDescription& robot, Leg leg, const SerialLegJoints
 SerialLegGeometry serial_leg_geometry(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints,
                                       double tolerance = kSerialAlignment);
 
-/// Joint angles in the robot's sign convention, rad; `abduction` is 0 without such a joint.
+/// Holds joint angles in the robot's sign convention, rad; `abduction` is 0 without such a joint.
 struct SerialAngles {
   double abduction = 0, hip = 0, knee = 0;
 };
@@ -78,11 +78,11 @@ struct SerialSolution {
   SerialAngles angles;
 };
 
-/// Joint angles that put the foot's centre on `target`, or on the nearest point that the links reach in the
-/// leg's plane. That plane goes through the target, and what counts is the foot below the abduction axis, D
-/// >= 0: a target nearer to the axis than the plane is too near. Without abduction a target off the plane by
-/// more than 1e-9 m (to which kinematics and engines agree) is too far. Angles are whole turns away from what
-/// atan2 gives where that brings them inside their limits, and then clamped one by one.
+/// Finds joint angles that put the foot's centre on `target`, or on the nearest point that the links reach in
+/// the leg's plane. That plane goes through the target, and what counts is the foot below the abduction axis,
+/// D >= 0: a target nearer to the axis than the plane is too near. Without abduction a target off the plane
+/// by more than 1e-9 m (to which kinematics and engines agree) is too far. Angles are whole turns away from
+/// what atan2 gives where that brings them inside their limits, and then clamped one by one.
 ///
 /// Never NaN. The foot is continuous in the target except where the nearest point is not unique: at the hip
 /// axis (straight down is taken) and on the abduction axis; and while no joint limit is passed on the far
@@ -91,19 +91,19 @@ struct SerialSolution {
 [[nodiscard]] SerialSolution solve_serial(const SerialLegGeometry& geometry, const Vector3& target,
                                           KneeBranch branch) noexcept;
 
-/// Foot centre in the leg frame, m.
+/// Computes the foot's centre in the leg frame, m.
 [[nodiscard]] Vector3 forward_serial(const SerialLegGeometry& geometry, const SerialAngles& q) noexcept;
 
-/// d foot / d (abduction, hip, knee), m/rad, rows x, y, z of the leg frame. The first column is zero without
-/// abduction.
+/// Computes d foot / d (abduction, hip, knee), m/rad, rows x, y, z of the leg frame. The first column is zero
+/// without abduction.
 Matrix3 serial_jacobian(const SerialLegGeometry& geometry, const SerialAngles& q) noexcept;
 
-/// `joint_limit` is that of the leg's joints. `serial` is the smaller of the knee's bend from straight or
-/// folded and the angle whose tangent is D over the leg's length: at D = 0 the abduction cannot move the foot
-/// out of what hip and knee do. A serial leg has no parallel singularity: pi/2, the largest there is.
+/// Returns the margins, `joint_limit` that of the leg's joints; `serial` is the smaller of the knee's bend
+/// from straight or folded and the angle whose tangent is D over the leg's length: at D = 0 the abduction
+/// cannot move the foot out of what hip and knee do. A serial leg has no parallel singularity: pi/2.
 LegMargins serial_margins(const SerialLegGeometry& geometry, const SerialAngles& q) noexcept;
 
-/// Angle from thigh to shin in the leg's plane, in (-pi, pi], rad: zero if the knee is straight.
+/// Returns the angle from thigh to shin in the leg's plane, in (-pi, pi], rad: zero if the knee is straight.
 double knee_bend(const SerialLegGeometry& geometry, double knee) noexcept;
 
 }  // namespace crossgait

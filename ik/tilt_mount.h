@@ -26,7 +26,7 @@ struct TiltMount {
   JointLimits tilt_limits;
 };
 
-/// The plane through a target: what inverse kinematics do about the tilt axis.
+/// Describes the plane through a target: what inverse kinematics do about the tilt axis.
 struct TiltedPlane {
   double tilt = 0;        ///< of the joint, rad
   double D = 0;           ///< of the foot below the axis, in the plane, m
@@ -45,18 +45,18 @@ inline TiltedPlane plane_through(const TiltMount& g, double y, double z, double 
   return {g.tilt_sign * std::atan2(Y * D - Z * a, Z * D + Y * a), D, too_near};
 }
 
-/// Foot in the leg frame from its place in the leg's plane and the outward tilt (cos, sin).
+/// Places the foot in the leg frame from its place in the leg's plane and the outward tilt (cos, sin).
 inline Vector3 tilted(const TiltMount& g, const Vector2& p, double c, double s) {
   const double a = g.axis_to_plane_out, b = g.axis_to_shoulder_down, D = p.y() + b;
   return {p.x(), g.side * (a * c + D * s - a), b - (D * c - a * s)};
 }
 
-/// The same for a velocity in the leg's plane.
+/// Turns a velocity in the leg's plane in the same way.
 inline Vector3 tilted_velocity(const TiltMount& g, const Vector2& v, double c, double s) {
   return {v.x(), g.side * s * v.y(), -c * v.y()};
 }
 
-/// d foot / d tilt, m/rad, with the foot `depth` below the shoulders.
+/// Computes d foot / d tilt, m/rad, with the foot `depth` below the shoulders.
 inline Vector3 tilt_column(const TiltMount& g, double depth, double c, double s) {
   const double D = depth + g.axis_to_shoulder_down, a = g.axis_to_plane_out;
   return g.tilt_sign * Vector3(0, g.side * (D * c - a * s), D * s + a * c);

@@ -19,7 +19,7 @@ struct JointLimits {
   double upper = 3.14159265358979323846;   ///< rad
 };
 
-/// Shoulder, upper link, elbow, lower link; of a serial leg hip, thigh, knee, shin.
+/// Describes shoulder, upper link, elbow, lower link; of a serial leg hip, thigh, knee, shin.
 struct TwoLinkChain {
   double shoulder_x = 0;        ///< of the shoulder axis in the leg frame, m
   double upper = 0;             ///< length of the upper link, m
@@ -32,24 +32,24 @@ struct TwoLinkChain {
   JointLimits shoulder_limits, elbow_limits;
 };
 
-/// Upper and lower link of one chain as vectors (x, depth), m.
+/// Holds the upper and lower link of one chain as vectors (x, depth), m.
 struct ChainLinks {
   Vector2 upper = Vector2::Zero(), lower = Vector2::Zero();
 };
 
-/// Links of `chain` with its tip on the reachable point `p` of the leg's plane. "Up" is a positive angle from
-/// upper to lower link, +acos(...): with the tip below the shoulder the elbow lies towards +x of the line
-/// from shoulder to tip; "down" towards -x. @param elbow_sign +1 up, -1 down
+/// Places the links of `chain` with its tip on the reachable point `p` of the leg's plane. "Up" is a positive
+/// angle from upper to lower link, +acos(...): with the tip below the shoulder the elbow lies towards +x of
+/// the line from shoulder to tip; "down" towards -x. @param elbow_sign +1 up, -1 down
 ChainLinks place_links(const TwoLinkChain& chain, const Vector2& p, double elbow_sign) noexcept;
 
-/// Angles of a two-link chain, rad.
+/// Holds angles of a two-link chain, rad.
 struct TwoLinkSolution {
   IkStatus status = IkStatus::kOk;
   double upper = 0;  ///< plane angle of the upper link, in (-pi, pi]
   double elbow = 0;  ///< from upper to lower link, in [-pi, pi]; its sign is that of `elbow_sign`
 };
 
-/// Plane angles of `links`, the elbow's with the sign `elbow_sign`; status kOk.
+/// Computes plane angles of `links`, the elbow's with the sign `elbow_sign`; status kOk.
 TwoLinkSolution plane_angles(const ChainLinks& links, double elbow_sign) noexcept;
 
 /// Places the tip of a chain that starts at the origin on (x, depth): the law of cosines,
@@ -71,20 +71,20 @@ inline double smallest_reach(const TwoLinkChain& c) {
   return std::max(std::abs(c.upper - c.lower), kSmallestFold);
 }
 
-/// The cross product in the plane: positive if v lies at a larger plane angle than u.
+/// Returns the cross product in the plane: positive if v lies at a larger plane angle than u.
 inline double cross(const Vector2& u, const Vector2& v) { return u.x() * v.y() - u.y() * v.x(); }
 
-/// `v` turned by the plane angle of cosine c and sine s.
+/// Returns `v` turned by the plane angle of cosine c and sine s.
 inline Vector2 rotate(const Vector2& v, double c, double s) {
   return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
 }
 
-/// Plane angle from `from` to `to`, rad.
+/// Returns the plane angle from `from` to `to`, rad.
 inline double angle_between(const Vector2& from, const Vector2& to) {
   return std::atan2(cross(from, to), from.dot(to));
 }
 
-/// Joint angles of placed links, in [-pi, pi], and the links of joint angles.
+/// Returns joint angles of placed links, in [-pi, pi]; those below give the links of joint angles.
 inline double shoulder_angle(const TwoLinkChain& c, const ChainLinks& links) {
   return c.shoulder_sign * angle_between(c.upper_zero, links.upper);
 }
@@ -99,7 +99,7 @@ inline Vector2 lower_link(const TwoLinkChain& c, const Vector2& upper, double el
   return c.lower * rotate(zero, std::cos(elbow), c.elbow_sign * std::sin(elbow));
 }
 
-/// How far a posture is from trouble. All rad, zero at the edge.
+/// Says how far a posture is from trouble. All rad, zero at the edge.
 struct LegMargins {
   double joint_limit = 0;  ///< smallest distance of the joints to a limit; negative beyond it
   double serial =
@@ -108,12 +108,12 @@ struct LegMargins {
       0;  ///< angle between the lines of the lower links: at zero the foot can move with locked servos
 };
 
-/// Bend of the elbow from straight or folded, whichever is nearer, rad.
+/// Returns the bend of the elbow from straight or folded, whichever is nearer, rad.
 inline double elbow_margin(const ChainLinks& links) {
   return std::atan2(std::abs(cross(links.upper, links.lower)), std::abs(links.upper.dot(links.lower)));
 }
 
-/// Distance to the nearer limit, negative beyond it, rad.
+/// Returns the distance to the nearer limit, negative beyond it, rad.
 inline double limit_margin(double angle, const JointLimits& limits) {
   return std::min(angle - limits.lower, limits.upper - angle);
 }
@@ -125,7 +125,7 @@ inline bool clamp_angle(double& angle, const JointLimits& limits) {
   return angle != wanted;
 }
 
-/// `angle` by whole turns nearest to the middle of `limits`; of limits wider than a turn, to the angle
+/// Turns `angle` by whole turns nearest to the middle of `limits`; of limits wider than a turn, to the angle
 /// nearest to zero that has half a turn on either side.
 inline double nearest_turn(double angle, const JointLimits& limits) {
   constexpr double kTurn = 6.283185307179586477;
@@ -135,7 +135,7 @@ inline double nearest_turn(double angle, const JointLimits& limits) {
   return angle + kTurn * std::nearbyint((middle - angle) / kTurn);
 }
 
-/// `nearest_turn`, then `clamp_angle`. @returns whether a limit binds.
+/// Applies `nearest_turn`, then `clamp_angle`. @returns whether a limit binds.
 inline bool fit_angle(double& angle, const JointLimits& limits) {
   angle = nearest_turn(angle, limits);
   return clamp_angle(angle, limits);

@@ -10,16 +10,16 @@
 
 namespace crossgait {
 
-/// How a motion begins.
+/// Says how a motion begins.
 struct Start {
   Placement placement;
   double warm_up = 0;  ///< of the motion itself, after settling and before statistics begin, s
   Pushes pushes;       ///< times count from the beginning of the statistics
 };
 
-/// A value: a copy taken between two calls and used with a world that was saved and restored along with it
-/// continues bit for bit. It keeps no reference to world or controller; both are handed over with every call,
-/// and have to be the same ones from `start` on.
+/// Runs a motion as a value: a copy taken between two calls and used with a world that was saved and restored
+/// along with it continues bit for bit. It keeps no reference to world or controller; both are handed over
+/// with every call, and have to be the same ones from `start` on.
 class ClosedLoop {
  public:
   struct Options {
@@ -35,17 +35,17 @@ class ClosedLoop {
   /// of the world's physics step, the place is off the terrain, or the controller cannot stand
   void start(PhysicsBackend& world, Controller& controller, const Start& start = {});
 
-  /// `steps` more control steps; fewer, if an outcome ends the motion. @returns false once it has ended
+  /// Runs `steps` more control steps; fewer, if an outcome ends the motion. @returns false once it has ended
   bool advance(PhysicsBackend& world, Controller& controller, int steps);
 
-  /// The world's robot was put elsewhere by hand.
+  /// Takes note that the world's robot was put elsewhere by hand.
   void moved(const PhysicsBackend& world) noexcept { statistics_.moved(world); }
 
   bool ended() const noexcept { return ended_; }
   /// Returns the targets of the last control step.
   const ControlTargets& targets() const noexcept { return targets_; }
   const MotionStatistics& statistics() const noexcept { return statistics_; }
-  /// Since the beginning, s.
+  /// Returns the time since the beginning, s.
   double time() const noexcept { return static_cast<double>(steps_) * options_.control_dt; }
 
  private:

@@ -12,18 +12,18 @@
 
 namespace crossgait {
 
-/// Where a robot is put down: over (x, y) in W, m, turned by the angles, rad.
+/// Says where a robot is put down: over (x, y) in W, m, turned by the angles, rad.
 struct Placement {
   double x = 0, y = 0, roll = 0, pitch = 0, yaw = 0;
 };
 
-/// What a leg is meant to do in a control step.
+/// Says what a leg is meant to do in a control step.
 struct ScheduledLeg {
   bool swing = false;   ///< to be in the air
   double progress = 0;  ///< of that swing or stance, 0 to 1
 };
 
-/// One control step's targets, and what the controller means by them as far as it knows.
+/// Holds one control step's targets, and what the controller means by them as far as it knows.
 struct ControlTargets {
   JointTargets joints;
   std::optional<LegArray<ScheduledLeg>> contact_schedule;  ///< where there is a gait
@@ -39,11 +39,11 @@ class Controller {
  public:
   virtual ~Controller() = default;
 
-  /// The robot at rest as it stands on `terrain` before the motion. Throws ConfigError if it cannot.
+  /// Returns the robot at rest as it stands on `terrain` before the motion. Throws ConfigError if it cannot.
   virtual RobotState initial_state(const Terrain& terrain, const Placement& placement) const = 0;
-  /// Targets that hold that pose for the next dt (s).
+  /// Sets targets that hold that pose for the next dt (s).
   virtual void hold_pose(double dt, ControlTargets& targets) = 0;
-  /// Targets of the motion for the next dt (s).
+  /// Sets targets of the motion for the next dt (s).
   virtual void advance(double dt, ControlTargets& targets) = 0;
   /// Takes in where the robot is before the motion's next dt (s): what feedback there is. Nothing by default.
   virtual void observe(const RobotState& /*state*/, double /*dt*/) {}

@@ -17,8 +17,8 @@ struct FootStates {
   }
 };
 
-/// Forward kinematics from the base to each foot along the bodies between. Reads the robot once; the robot
-/// need not outlive it.
+/// Computes forward kinematics from the base to each foot along the bodies between. Reads the robot once; the
+/// robot need not outlive it.
 class FootKinematics {
  public:
   /// @throws ConfigError if the robot has no legs or a foot hangs on more than `kMaxChain` joints

@@ -16,8 +16,8 @@
 
 namespace crossgait {
 
-/// What a mass weighs on level ground of `world`, N/kg: the part of its gravity that presses on it. On an
-/// incline (gravity that is tilted) the rest pulls along the ground.
+/// Returns what a mass weighs on level ground of `world`, N/kg: the part of its gravity that presses on it.
+/// On an incline (gravity that is tilted) the rest pulls along the ground.
 double weight_per_mass(const WorldSpec& world) noexcept;
 
 /// Solves all four legs at once. Constructing one reads the geometry of the robot; updates allocate nothing.
@@ -34,33 +34,33 @@ class FootTargetTracker {
   /// @returns targets of the actuated joints
   const JointTargets& update(const LegArray<Vector3>& feet, double dt) noexcept;
 
-  /// Share of the load that standing legs make up for, of a gait's parameters; without one, that of the
-  /// default parameters.
+  /// Sets the share of the load that standing legs make up for, of a gait's parameters; without one, that of
+  /// the default parameters.
   void set_load_share(double share) noexcept { load_share_ = share; }
 
   /// Forgets the last update, so that the next one starts from rest, and the count of clamped solutions.
   void restart() noexcept;
 
-  /// The robot at rest with its feet where `feet` says (in the leg frames) and just clear of `terrain`.
+  /// Stands the robot at rest with its feet where `feet` says (leg frames) and just clear of `terrain`.
   /// @throws ConfigError if a foot is out of reach
   RobotState standing_state(const LegArray<Vector3>& feet, const Terrain& terrain,
                             const Placement& placement) const;
-  /// Over the world's origin, facing +x.
+  /// Stands the robot over the world's origin, facing +x.
   RobotState standing_state(const LegArray<Vector3>& feet, const Terrain& terrain) const {
     return standing_state(feet, terrain, Placement());
   }
 
-  /// For GaitGenerator::set_rolling_correction, at these standing feet (leg frames, m), mean of the legs. Two
-  /// things come between a sweep and the body's advance. While the centre of a spherical foot moves by dp,
-  /// its link turns by w dp, and the foot rolls on by r w x z dp. And what the servos do not make up for of
-  /// their load gives way by J K^-1 J' F, which differs from one end of the sweep to the other.
+  /// Returns what GaitGenerator::set_rolling_correction takes at standing feet (leg frames, m), legs' mean.
+  /// Two things come between a sweep and the body's advance. While the centre of a spherical foot moves by
+  /// dp, its link turns by w dp, and the foot rolls on by r w x z dp. And what the servos do not make up for
+  /// of their load gives way by J K^-1 J' F, which differs from one end of the sweep to the other.
   /// @throws ConfigError if a foot is out of reach
   Vector2 rolling_correction(const LegArray<Vector3>& feet, const GaitParameters& parameters) const;
 
   const LegArray<LegKinematics>& kinematics() const noexcept { return kinematics_; }
-  /// Status of each leg in the last update.
+  /// Returns the status of each leg in the last update.
   const LegArray<IkStatus>& status() const noexcept { return status_; }
-  /// Leg solutions that were not kOk since construction or `restart`.
+  /// Counts leg solutions that were not kOk since construction or `restart`.
   std::int64_t clamped() const noexcept { return clamped_; }
 
  private:
@@ -94,7 +94,7 @@ class FootTargetTracker {
   std::int64_t clamped_ = 0;
 };
 
-/// Joint targets for feet (in the leg frames, m) after `dt` more seconds, and how many legs could not follow.
+/// Solves for feet (in the leg frames, m) after `dt` more seconds, and counts legs that could not follow.
 void solve_legs(FootTargetTracker& legs, const LegArray<Vector3>& feet, double dt,
                 ControlTargets& out) noexcept;
 

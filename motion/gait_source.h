@@ -20,7 +20,7 @@ constexpr bool is_automatic(std::string_view gait) {
   return gait == kAutomaticGait || gait == kGuidesAutomaticGait;
 }
 
-/// What to walk: a gait, or whichever suits the commanded speed.
+/// Says what to walk: a gait, or whichever suits the commanded speed.
 struct GaitChoice {
   std::optional<Gait> gait;                ///< empty: by speed (MultiGaitController)
   std::vector<SpeedBand> bands;            ///< then of these, each with its own preferred parameters
@@ -31,8 +31,8 @@ struct GaitChoice {
   std::string name() const { return gait ? std::string(gait->name) : automatic; }
 };
 
-/// A gait by name with its preferred parameters, changed by assignments "name=value" (see gait/parameters.h).
-/// Where the gait is chosen by speed they change every one of them.
+/// Returns a gait by name with its preferred parameters, changed by assignments "name=value" (see
+/// gait/parameters.h). Where the gait is chosen by speed they change every one of them.
 /// @param gait  a name of `gaits()`, or an automatic one, which needs a command
 /// @param scale  of the robot that is to walk (`gait_scale`): preferred parameters are those of its size;
 ///               settings are absolute
@@ -43,7 +43,7 @@ GaitChoice choose_gait(const std::string& gait, const std::vector<std::string>& 
 /// Returns the options of a gait that is chosen by speed, at the robot's size.
 MultiGaitOptions multi_gait_options(const GaitChoice& choice, const GaitScale& scale);
 
-/// The positions alone, as FootTargetTracker takes them.
+/// Returns the positions alone, as FootTargetTracker takes them.
 LegArray<Vector3> target_positions(const LegArray<FootTarget>& targets) noexcept;
 
 /// Sends a gait's targets for the next `dt` (s) to legs that make up for its share of their load, and says
@@ -55,7 +55,7 @@ void drive_legs(FootTargetTracker& legs, const GaitGenerator& generator, const L
 /// Returns the body's velocity by steps of step_length: one step per stance.
 VelocityCommand nominal_velocity(const GaitGenerator& generator) noexcept;
 
-/// What stands between a gait and the servos besides kinematics. Each can be switched off.
+/// Says what stands between a gait and the servos besides kinematics. Each can be switched off.
 struct GaitLayers {
   ServoCompensation compensation;
   HeadingHold heading_hold;
@@ -70,7 +70,7 @@ ControllerPtr make_gait_controller(const GaitChoice& choice, const WorldSpec& wo
 /// says where the feet stand.
 using FootTargets = std::function<LegArray<Vector3>(double dt)>;
 
-/// Feet from anywhere else: recorded, computed, commanded. Nothing is known of what they mean, so that
+/// Takes feet from anywhere else: recorded, computed, commanded. Nothing is known of what they mean, so that
 /// statistics of swing and progress stay empty. @throws ConfigError if the robot has no legs
 ControllerPtr make_feet_controller(FootTargets feet, const WorldSpec& world,
                                    const ServoCompensation& compensation = {});

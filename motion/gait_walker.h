@@ -13,7 +13,7 @@
 
 namespace crossgait {
 
-/// The generator that makes the steps, whichever of the three stands around it.
+/// Returns the generator that makes the steps, whichever of the three stands around it.
 inline const GaitGenerator& generator_of(const GaitGenerator& gait) noexcept { return gait; }
 inline const GaitGenerator& generator_of(const MultiGaitController& gait) noexcept {
   return gait.generator();
@@ -22,7 +22,7 @@ inline const GaitGenerator& generator_of(const AdaptiveGaitController& gait) noe
   return gait.generator();
 }
 
-/// Where the feet are to be, with whatever comes on top of the steps.
+/// Returns where the feet are to be, with whatever comes on top of the steps.
 template <typename Generator>
 const LegArray<FootTarget>& feet_of(const Generator& gait) noexcept {
   return generator_of(gait).targets();
@@ -31,7 +31,7 @@ inline const LegArray<FootTarget>& feet_of(const AdaptiveGaitController& gait) n
   return gait.targets();
 }
 
-/// What takes sweep and steering.
+/// Returns what takes sweep and steering.
 inline GaitGenerator& steered(GaitGenerator& gait) noexcept { return gait; }
 inline MultiGaitController& steered(MultiGaitController& gait) noexcept { return gait; }
 inline GaitGenerator& steered(AdaptiveGaitController& gait) noexcept { return gait.generator(); }
@@ -49,7 +49,7 @@ class GaitWalker : public Controller {
         hold_heading_(heading_hold),
         command_(command) {}
 
-  /// A motion begins: the generator's first targets are where the robot stands, and nothing is remembered. To
+  /// Begins a motion: the generator's first targets are where the robot stands, and nothing is remembered. To
   /// be called before anything else. @throws ConfigError if they are out of reach
   void begin() {
     legs_.restart();

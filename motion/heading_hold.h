@@ -9,9 +9,9 @@
 
 namespace crossgait {
 
-/// Turning that is added to the command's yaw rate: gain x (heading wanted - heading), bounded. The heading
-/// wanted is that of the first look, turned by the commanded yaw rate from then on. Proportional control
-/// alone: a commanded turn is followed at its rate, a little behind in angle.
+/// Adds turning to the command's yaw rate: gain x (heading wanted - heading), bounded. The heading wanted is
+/// that of the first look, turned by the commanded yaw rate from then on. Proportional control alone: a
+/// commanded turn is followed at its rate, a little behind in angle.
 struct HeadingHold {
   bool on = true;
   double gain = 2;  ///< 1/s. A gait answers within a cycle, so that gain x cycle_time should stay below 1
@@ -20,17 +20,17 @@ struct HeadingHold {
   static constexpr HeadingHold none() { return {.on = false}; }
 };
 
-/// For gaits of this size: its cycles are longer by `time()`, so that it answers as much slower.
+/// Scales `hold` for gaits of this size: cycles are longer by `time()`, so it answers as much slower.
 inline HeadingHold scaled(HeadingHold hold, const GaitScale& scale) noexcept {
   hold.gain /= scale.time();
   hold.max_rate /= scale.time();
   return hold;
 }
 
-/// What one motion's heading hold remembers. A value: saved and restored with the motion.
+/// Remembers what one motion's heading hold needs. A value: saved and restored with the motion.
 class HeadingHoldState {
  public:
-  /// The next look begins a motion.
+  /// Makes the next look begin a motion.
   void restart() noexcept { wanted_.reset(); }
 
   /// @param commanded  yaw rate that is commanded for the next `dt` (s), rad/s

@@ -10,7 +10,7 @@
 
 namespace crossgait {
 
-/// Mean and deviation of the sample, zero for a single value.
+/// Holds mean and deviation of the sample, zero for a single value.
 struct MeanAndDeviation {
   double mean = 0, deviation = 0;
 };
@@ -28,7 +28,7 @@ class MotionAverages {
 
   MeanAndDeviation& of(double MotionSummary::*member) { return *at(member).mean; }
   MeanAndDeviation& of(LegArray<double> MotionSummary::*member) { return *at(member).mean; }
-  /// Empty where no motion has a value; of those that have one.
+  /// Averages a statistic over those motions that have a value; empty where none has.
   std::optional<MeanAndDeviation>& of(std::optional<double> MotionSummary::*member) {
     return at(member).mean;
   }
@@ -41,7 +41,7 @@ class MotionAverages {
   }
   std::int64_t of(std::int64_t MotionSummary::*member) const { return at(member).sum; }
 
-  /// One row's, as its `average.how` says.
+  /// Holds a row's average, as its `average.how` says.
   struct Value {
     std::optional<MeanAndDeviation> mean;
     std::int64_t sum = 0;

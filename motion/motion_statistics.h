@@ -15,8 +15,8 @@
 
 namespace crossgait {
 
-/// Statistics of a motion proper, without settling. Speeds are per simulated second, never per wall-clock
-/// second. Each has a row in motion/statistic_rows.cpp.
+/// Holds statistics of a motion proper, without settling. Speeds are per simulated second, never per
+/// wall-clock second. Each has a row in motion/statistic_rows.cpp.
 struct MotionSummary {
   Outcome outcome = Outcome::kWalked;  ///< the worst that holds
   /// When each outcome that is known at once first held, s since the motion began.
@@ -58,13 +58,13 @@ struct MotionSummary {
   double wall_seconds = 0;  ///< of the whole motion, settling included; set by whoever ran it
 
   bool has(Outcome which) const noexcept { return first_at_s[static_cast<std::size_t>(which)].has_value(); }
-  /// Whether any outcome is a failure (`is_failure`).
+  /// Tells whether any outcome is a failure (`is_failure`).
   bool failed() const noexcept;
 };
 
-/// What jumps within a control step, summed up at every physics step: torques jump when targets do, feet
-/// touch down and lift off. One sample of it at the end of a control step says as much about that instant as
-/// about the motion. Differences of two of these over `seconds` are the means between them.
+/// Sums up what jumps within a control step, at every physics step: torques jump when targets do, feet touch
+/// down and lift off. One sample of it at the end of a control step says as much about that instant as about
+/// the motion. Differences of two of these over `seconds` are the means between them.
 struct MotionIntegrals {
   double seconds = 0;
   /// Mechanical work of the servos, J: |servo torque x mean joint velocity| of every physics step, over its
@@ -89,25 +89,25 @@ class MotionStatistics {
   /// Knows the robot; sees nothing yet.
   explicit MotionStatistics(const RobotDescription& robot, const OutcomeLimits& limits = {});
 
-  /// The motion begins now. @param standing_height  of the base over the ground where it was put down, m
+  /// Begins the motion now. @param standing_height  of the base over the ground where it was put down, m
   void begin(const PhysicsBackend& world, double standing_height) noexcept;
-  /// After every physics step of a control step with these targets.
+  /// Is called after every physics step of a control step with these targets.
   void add_physics_step(const PhysicsBackend& world, const ControlTargets& targets) noexcept;
-  /// After every control step of `dt` seconds, the same for all steps of a motion.
+  /// Is called after every control step of `dt` seconds, the same for all steps of a motion.
   void add_control_step(const PhysicsBackend& world, const ControlTargets& targets, double dt) noexcept;
-  /// The robot was put elsewhere by hand: that way and turn are none of the motion's.
+  /// Takes note that the robot was put elsewhere by hand: that way and turn are none of the motion's.
   void moved(const PhysicsBackend& world) noexcept;
   void note(Outcome outcome) noexcept;
 
-  /// Outcomes so far, of those that are known at once.
+  /// Tells whether an outcome has come about, of those that are known at once.
   bool has(Outcome outcome) const noexcept {
     return t_.first_at_s[static_cast<std::size_t>(outcome)].has_value();
   }
-  /// The worst of them, or kWalked.
+  /// Returns the worst of them, or kWalked.
   Outcome worst() const noexcept;
-  /// Whether any of `terminations` has come about.
+  /// Tells whether any of `terminations` has come about.
   bool any(const OutcomeSet& terminations) const noexcept;
-  /// Roll, pitch, and yaw since the beginning, after the last control step, rad.
+  /// Returns roll, pitch, and yaw since the beginning, after the last control step, rad.
   const Vector3& roll_pitch_yaw() const noexcept { return t_.roll_pitch_yaw; }
   double start_yaw() const noexcept { return t_.start_yaw; }
   /// Returns the height of the base over the ground when the motion began, settled, m.
@@ -138,13 +138,13 @@ class MotionStatistics {
   std::shared_ptr<const LoopGaps> loop_gaps_;  // the same for all copies
   double leg_length_, mass_;
 
-  /// Physics steps of planned swing, and those of them in which the foot carried load.
+  /// Counts physics steps of planned swing, and those of them in which the foot carried load.
   struct Swing {
     std::int64_t steps = 0, loaded = 0;
   };
   static std::optional<double> loaded_fraction(const LegArray<Swing>& legs) noexcept;
 
-  /// All that changes as the motion goes on. SI units and radians; distances are along the ground.
+  /// Holds all that changes as the motion goes on. SI units and radians; distances are along the ground.
   struct Totals {
     // Set when the motion begins.
     double weight = 0;           ///< of the robot

@@ -11,7 +11,7 @@
 
 namespace crossgait {
 
-/// From worst to best. Where several hold, the first of this list is the outcome.
+/// Lists outcomes from worst to best. Where several hold, the first of this list is the outcome.
 enum class Outcome : std::uint8_t {
   kDiverged,      ///< the engine produced a state that is not finite
   kLoopViolated,  ///< a loop of the mechanism opened: the numbers no longer describe the machine
@@ -25,38 +25,38 @@ enum class Outcome : std::uint8_t {
   kTooSlow,       ///< went the right way, but less than half of it, or turned less than half
   kWalked,        ///< none of the above
 };
-/// As many as there are in the enumeration, of which this is the last.
+/// Number of outcomes in the enumeration, of which this is the last.
 inline constexpr std::size_t kOutcomes = static_cast<std::size_t>(Outcome::kWalked) + 1;
 
 struct OutcomeLimits;
 
-/// One row of the table of outcomes.
+/// A row of the table describes an outcome.
 struct OutcomeRow {
   Outcome outcome;
   std::string_view name;   ///< in JSON and YAML: "loop_violated"
   std::string_view words;  ///< in tables: "loop violated"
-  /// In sentences, after a subject; {} is how far it came: "made no progress ({})".
+  /// Words in sentences, after a subject; {} is how far it came: "made no progress ({})".
   std::string_view phrase;
   bool at_once;  ///< known the moment it happens, and may end a motion; the others at its end alone
   std::string (*holds)(const OutcomeLimits& limits);  ///< says when, in the documents
   std::string_view reason;                            ///< of the limits, in the documents
 };
 
-/// The table, in the order of the enumeration.
+/// Returns the table, in the order of the enumeration.
 std::span<const OutcomeRow> outcome_rows();
 const OutcomeRow& outcome_row(Outcome outcome) noexcept;
 std::string_view name(Outcome outcome) noexcept;
-/// Fell, collapsed, had a loop open or diverged: whatever ends a motion but leaving the ground.
+/// Tells if it is a fall, collapse, open loop or divergence: whatever ends a motion but leaving the ground.
 bool is_failure(Outcome outcome) noexcept;
 struct OutcomeSet;
-/// In the order of the table.
+/// Lists the names in the order of the table.
 std::vector<std::string> outcome_names(const OutcomeSet& set);
 /// @throws ConfigError listing the known names
 Outcome find_outcome(std::string_view name);
-/// One that may end a motion. @throws ConfigError also for an outcome that is known at the end alone
+/// Finds an outcome to end a motion. @throws ConfigError also for an outcome that is known at the end alone
 Outcome find_termination(std::string_view name);
 
-/// Some of the outcomes.
+/// Holds some of the outcomes.
 struct OutcomeSet {
   std::array<bool, kOutcomes> in{};
 
@@ -66,21 +66,21 @@ struct OutcomeSet {
     return *this;
   }
   bool operator==(const OutcomeSet&) const = default;
-  /// Those named, and divergence, after which nothing goes on. @throws ConfigError for an unknown name, or an
-  /// outcome that is known at the end alone
+  /// Returns the named outcomes, and divergence, after which nothing goes on. @throws ConfigError for an
+  /// unknown name, or an outcome that is known at the end alone
   static OutcomeSet of_names(const std::vector<std::string>& names);
 
-  /// What ends a walk: the end of its terrain, beyond which it would be of a fall into nothing, and
+  /// Returns what ends a walk: the end of its terrain, beyond which it would be of a fall into nothing, and
   /// divergence. Not a fall, so that it is on the trace.
   static OutcomeSet of_walks() noexcept {
     return OutcomeSet().add(Outcome::kDiverged).add(Outcome::kLeftTerrain);
   }
-  /// What ends an episode: everything after which walking on means nothing.
+  /// Returns what ends an episode: everything after which walking on means nothing.
   static OutcomeSet of_episodes() noexcept;
 };
 
-/// When an outcome holds. Lengths are in leg lengths, which are RobotDescription::home_height: the height of
-/// the base in the home pose.
+/// Says when an outcome holds. Lengths are in leg lengths, which are RobotDescription::home_height: the
+/// height of the base in the home pose.
 struct OutcomeLimits {
   double tilt_deg = 60;     ///< fell: |roll| or |pitch| beyond this, degrees
   double low_height = 0.5;  ///< collapsed: base below this share of the height it was put down at ...

@@ -8,10 +8,10 @@
 
 namespace crossgait {
 
-/// A value that draws as it goes: copies continue alike.
+/// Draws as it goes, as a value: copies continue alike.
 class Pushes {
  public:
-  /// None.
+  /// Makes no pushes.
   Pushes() = default;
   /// Pushes until the motion ends or `most` of them are done.
   /// @param impulse   N s, drawn anew for every push; its direction is uniform in the plane of W
@@ -21,7 +21,7 @@ class Pushes {
   /// @param random    what is drawn from
   Pushes(const Range& impulse, const Range& interval, double first, long most, const Random& random);
 
-  /// The impulse (N s, in W) if one is due at `time` (s); the next is then due an interval later.
+  /// Returns the impulse (N s, in W) if one is due at `time` (s); the next is then due an interval later.
   std::optional<Vector3> due(double time) noexcept;
 
  private:

@@ -20,26 +20,26 @@ struct ServoCompensation {
   static constexpr ServoCompensation none() { return {.lag = false, .load = false}; }
 };
 
-/// How the legs share a load, adding up to 1: evenly among the lowest feet, a foot `depth` above them none,
-/// smoothly between. @param feet  targets in the leg frames (z up), m
+/// Says how the legs share a load, adding up to 1: evenly among the lowest feet, a foot `depth` above them
+/// none, smoothly between. @param feet  targets in the leg frames (z up), m
 LegArray<double> load_shares(const LegArray<Vector3>& feet, double depth) noexcept;
 
-/// What resists the motion of a joint.
+/// Describes what resists the motion of a joint.
 struct JointDrag {
   double damping = 0;   ///< N m s/rad
   double friction = 0;  ///< dry, N m
   double slow = 1;      ///< rad/s, above 0
 
-  /// N m, to overcome at `rate` (rad/s).
+  /// Returns the torque to overcome at `rate` (rad/s), N m.
   double torque(double rate) const noexcept { return damping * rate + dry(rate); }
   /// Returns the torque of friction alone: friction rate / sqrt(rate^2 + slow^2), so that a target that turns
   /// round does not jump.
   double dry(double rate) const noexcept;
 };
 
-/// Force (N, leg frame) with which a foot must push to overcome the drag of the passive elbows while it moves
-/// at `velocity` (m/s, leg frame). By virtual work, with the elbow's rate -r.p' / cross(upper, lower), r =
-/// foot - shoulder in the leg's plane, from differentiating the chain; the servos' torque for it is J' F.
+/// Returns the force (N, leg frame) with which a foot must push to overcome passive elbows' drag while it
+/// moves at `velocity` (m/s, leg frame). By virtual work, with the elbow's rate -r.p' / cross(upper, lower),
+/// r = foot - shoulder in the leg's plane, from differentiating the chain; the servos' torque for it is J' F.
 /// @param foot     position in the leg frame, m, within reach
 Vector3 elbow_drag_force(const FiveBarGeometry& geometry, const Vector3& foot, WorkingMode mode,
                          const Vector3& velocity, const JointDrag& elbow) noexcept;

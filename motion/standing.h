@@ -6,8 +6,8 @@
 
 namespace crossgait {
 
-/// The robot at rest with these joint angles (rad), where `placement` says, so high that no foot is below
-/// `terrain` and the nearest one just clear of it.
+/// Returns the robot at rest with these joint angles (rad), where `placement` says, so high that no foot is
+/// below `terrain` and the nearest one just clear of it.
 RobotState standing_on(const Terrain& terrain, const Placement& placement, const RobotDescription& robot,
                        const JointVector& q);
 

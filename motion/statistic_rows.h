@@ -26,12 +26,12 @@ struct OutcomeTime {
   bool operator==(const OutcomeTime&) const = default;
 };
 
-/// Where a summary holds the value of a statistic. Its type is the type in JSON; an absent value is null.
+/// Says where a summary holds a value of a statistic. Its type is the type in JSON; an absent value is null.
 using StatisticSource = std::variant<double MotionSummary::*, std::optional<double> MotionSummary::*,
                                      std::int64_t MotionSummary::*, LegArray<double> MotionSummary::*,
                                      Vector3 MotionSummary::*, OutcomeHeld, OutcomeTime>;
 
-/// How tables of walks show a statistic; not at all without a label.
+/// Says how tables of walks show a statistic; not at all without a label.
 struct StatisticText {
   std::string_view label;        ///< with the unit
   int digits = 0;                ///< after the point
@@ -39,13 +39,13 @@ struct StatisticText {
   std::string_view before = {};  ///< key of an earlier row that this one is shown before
 };
 
-/// What a margin of the judge, given for the reference robot (gait/scale.h), grows with.
+/// Says what a margin of the judge, given for the reference robot (gait/scale.h), grows with.
 enum class MarginScale : std::uint8_t { kFixed, kLength, kSpeed };
 
-/// How a verdict judges a statistic; not at all without a name. The margin is a difference that nobody would
-/// act on: the larger of a share of the statistic and an absolute amount, which grows with the length of a
-/// motion where the statistic itself does. Margins are chosen, not measured: no logs of one robot's repeated
-/// runs come with Crossgait.
+/// Says how a verdict judges a statistic; not at all without a name. The margin is a difference that nobody
+/// would act on: the larger of a share of the statistic and an absolute amount, which grows with the length
+/// of a motion where the statistic itself does. Margins are chosen, not measured: no logs of one robot's
+/// repeated runs come with Crossgait.
 struct StatisticJudged {
   std::string_view name;
   double relative_margin = 0, absolute_margin = 0;
@@ -56,14 +56,14 @@ struct StatisticJudged {
   std::string_view before = {};  ///< key of an earlier row that this one is judged before
 };
 
-/// What a set of episodes says of a statistic.
+/// Says what becomes of a statistic over a set of episodes.
 enum class OverEpisodes : std::uint8_t {
   kNone,
   kMean,  ///< and deviation, over the episodes that have a value
   kSum,   ///< of a count
 };
 
-/// How episodes are summed up.
+/// Says how episodes are summed up.
 struct StatisticAverage {
   OverEpisodes how = OverEpisodes::kNone;
   std::optional<int> digits = {};  ///< after the point in tables; without, tables do not show it
@@ -71,7 +71,7 @@ struct StatisticAverage {
   std::string_view before = {};    ///< key of an earlier row that JSON has it before
 };
 
-/// One statistic.
+/// Describes one statistic.
 struct StatisticRow {
   std::string_view key;   ///< in JSON, in schemas and in Python
   std::string_view unit;  ///< "-" of a pure number
@@ -84,7 +84,7 @@ struct StatisticRow {
 
 /// Lists every statistic, in the order of JSON. `outcome` and `outcome_at_s` stand before them there.
 std::span<const StatisticRow> statistic_rows();
-/// List the rows that tables of walks show, that verdicts judge, and that episodes are summed up by.
+/// Lists the rows that tables of walks show, that verdicts judge, and that episodes are summed up by.
 const std::vector<const StatisticRow*>& shown_statistics();
 const std::vector<const StatisticRow*>& judged_statistics();
 const std::vector<const StatisticRow*>& averaged_statistics();
@@ -95,7 +95,7 @@ const StatisticRow& statistic_row(const StatisticSource& source);
 /// Reads a statistic as one number: the mean of legs, 1 or 0 for an outcome that held or did not.
 /// @returns empty for what the motion has no value of, and for positions
 std::optional<double> number_of(const StatisticRow& row, const MotionSummary& motion) noexcept;
-/// Writes it as tables of walks show it, "-" if it is empty.
+/// Writes the statistic as tables of walks show it, "-" if it is empty.
 std::string text_of(const StatisticRow& row, const MotionSummary& motion);
 
 }  // namespace crossgait

@@ -14,13 +14,13 @@
 
 namespace crossgait {
 
-/// One control step.
+/// Holds what one control step did.
 struct TraceSample {
   RobotState state;
   JointTargets targets;
   LegArray<bool> contact{};
   LegArray<double> load{};  ///< magnitude of the force on each foot, N
-  /// On each foot, in W, N.
+  /// Force on each foot, in W, N.
   LegArray<Vector3> force{{Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), Vector3::Zero()}};
   /// Deepest contact point of each foot, in W, m; zero of one that does not touch.
   LegArray<Vector3> p_WP{{Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), Vector3::Zero()}};
@@ -31,15 +31,15 @@ struct TraceSample {
   std::optional<GaitParameters> parameters;  ///< of the gait, where there is one
 
   TraceSample() = default;
-  /// Now, after a control step towards `control`.
+  /// Takes the state now, after a control step towards `control`.
   TraceSample(const PhysicsBackend& world, const ControlTargets& control);
 };
 
 using Trace = std::vector<TraceSample>;
 
-/// What a trace holds as a table: columns time, p_WB.{x,y,z}, q_WB.{w,x,y,z}, v_WB.{x,y,z}, w_WB.{x,y,z},
-/// q.JOINT, qd.JOINT, target.JOINT, contact.LEG, load.LEG, force.LEG.{x,y,z}, p_WP.LEG.{x,y,z}, and where its
-/// first sample knows them torque.JOINT, planned.LEG (1: meant to stand) and param.NAME. SI units.
+/// Names a trace's columns: time, p_WB.{x,y,z}, q_WB.{w,x,y,z}, v_WB.{x,y,z}, w_WB.{x,y,z}, q.JOINT,
+/// qd.JOINT, target.JOINT, contact.LEG, load.LEG, force.LEG.{x,y,z}, p_WP.LEG.{x,y,z}, and where its first
+/// sample knows them torque.JOINT, planned.LEG (1: meant to stand) and param.NAME. SI units.
 class TraceColumns {
  public:
   TraceColumns(const RobotDescription& robot, const TraceSample& first);
@@ -68,7 +68,7 @@ class TraceSink {
   TraceSink& operator=(TraceSink&&) = default;
 };
 
-/// What takes the steps of several runs: one for each, in their order, or none. They stay the caller's.
+/// Takes the steps of several runs: one sink for each, in their order, or none. They stay the caller's.
 using TraceSinks = std::vector<TraceSink*>;
 
 /// Keeps the samples of a run in memory.

@@ -21,7 +21,7 @@ class TraceTable {
   bool has(std::string_view name) const { return index_.contains(name); }
   /// @throws ConfigError if there is none of that name
   const std::vector<double>& column(std::string_view name) const;
-  /// All names, in the order of the file.
+  /// Lists all names, in the order of the file.
   const std::vector<std::string>& names() const { return names_; }
 
  private:

@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// Timing of a walk. All in simulated seconds.
+/// Holds the timing of a walk. All in simulated seconds.
 struct WalkTiming {
   double seconds = 5;  ///< of walking, s
   double control_dt =
@@ -22,11 +22,11 @@ struct WalkTiming {
   /// @throws ConfigError if a time is out of range, there are more than 2^31 - 1 control steps, or the
   /// control step is not a whole number of physics steps
   void validate(double physics_dt) const;
-  /// Control steps of the walk proper.
+  /// Counts the control steps of the walk proper.
   int control_steps() const;
 };
 
-/// What an observer sees after every control step. References are valid during the call alone.
+/// Holds what an observer sees after every control step. References are valid during the call alone.
 struct WalkSample {
   const PhysicsBackend& world;
   const ControlTargets& targets;
@@ -34,7 +34,7 @@ struct WalkSample {
 /// @returns false to end the walk early
 using WalkObserver = std::function<bool(const WalkSample&)>;
 
-/// A walk that its caller advances, so that several can go in step. World and its observers stay the
+/// Runs a walk that its caller advances, so that several can go in step. World and its observers stay the
 /// caller's.
 class Walk {
  public:
@@ -44,11 +44,11 @@ class Walk {
   Walk(PhysicsBackend& world, ControllerPtr controller, const WalkTiming& timing, const Start& start = {},
        const OutcomeSet& terminations = OutcomeSet::of_walks());
 
-  /// One more control step. @returns false, with nothing to show, once the walk is over
+  /// Makes one more control step. @returns false, with nothing to show, once the walk is over
   bool advance();
-  /// After the last control step.
+  /// Returns what there is to see after the last control step.
   WalkSample sample() const { return {world_, loop_.targets()}; }
-  /// Up to here; its wall time is what was spent in this object.
+  /// Sums up the walk up to here; its wall time is what was spent in this object.
   MotionSummary summary() const;
 
  private:
@@ -61,7 +61,7 @@ class Walk {
   Clock::duration spent_{};
 };
 
-/// The whole of it at once. @throws ConfigError as Walk does
+/// Runs the whole walk at once. @throws ConfigError as Walk does
 MotionSummary run_walk(PhysicsBackend& world, const ControllerPtr& controller, const WalkTiming& timing,
                        const WalkObserver& observer = {}, const Start& start = {},
                        const OutcomeSet& terminations = OutcomeSet::of_walks());

@@ -18,13 +18,13 @@ std::string listed(const std::vector<std::string>& parts);
 /// Names groups as a spreadsheet names its columns: "A", "B", ..., "Z", "AA", ...
 std::string group_name(std::size_t index);
 
-/// Runs that did the same: as long as one another, and within `DivergenceTolerances::exact()` of each other
-/// at every step.
+/// Holds runs that did the same: as long as one another, and within `DivergenceTolerances::exact()` of each
+/// other at every step.
 struct RunGroup {
   std::string name;               ///< as `group_name`
   std::vector<std::size_t> runs;  ///< places in Comparison::runs, rising
   double apart_m = 0;             ///< largest distance between the bases of any two of them
-  /// Of the first run of group A and the first of this one; null for A itself.
+  /// Difference between the first run of group A and the first of this one; null for A itself.
   const PairDifference* from_first = nullptr;
 };
 
@@ -32,22 +32,22 @@ struct RunGroup {
 /// @returns groups that point into `comparison`
 std::vector<RunGroup> groups_of(const Comparison& comparison);
 
-/// What became of a run, after a subject: "walked 1.02 m", "slid 1.53 m back", "fell at 1.67 s".
+/// Says what became of a run, after a subject: "walked 1.02 m", "slid 1.53 m back", "fell at 1.67 s".
 std::string outcome_phrase(const MotionSummary& motion);
 
-/// One sentence: "trot on flat walked 1.33 m in mujoco (5 s)."
+/// Says in one sentence: "trot on flat walked 1.33 m in mujoco (5 s)."
 std::string summary(const WalkRun& run);
-/// What came out in which engine, and how far those lie apart that came to the same. A second sentence where
-/// the law decided and not the code: an engine did the same as another under its laws, and something else
-/// under its own.
+/// Says what came out in which engine, and how far those lie apart that came to the same. A second sentence
+/// where the law decided and not the code: an engine did the same as another under its laws, and something
+/// else under its own.
 std::string summary(const Comparison& comparison);
 
-/// Of every group a line: "A = mujoco, bullet:matched: walked 1.02 m, the same to 1.3e-10 m".
+/// Writes a line of every group: "A = mujoco, bullet:matched: walked 1.02 m, the same to 1.3e-10 m".
 std::vector<std::string> describe_groups(const Comparison& comparison);
-/// How parting is measured, and what engines of the same laws must keep; a line each.
+/// Says how parting is measured, and what engines of the same laws must keep; a line each.
 std::vector<std::string> describe_parity(const Comparison& comparison);
 
-/// Keys as in docs/schemas/compare.json, `groups`.
+/// Writes keys as in docs/schemas/compare.json, `groups`.
 nlohmann::ordered_json groups_json(const Comparison& comparison);
 
 }  // namespace crossgait

@@ -10,7 +10,7 @@
 
 namespace crossgait {
 
-/// What one factor does, per statistic. Each is the mean over starts of a paired difference, with its t
+/// Holds what one factor does, per statistic. Each is the mean over starts of a paired difference, with its t
 /// interval at confidence 1 - (1 - confidence) / (factors * statistics).
 struct FactorEffect {
   ModelFactor factor;
@@ -26,17 +26,17 @@ struct FactorEffect {
   std::optional<FirstDivergence> first_divergence;
 };
 
-/// Which modelling decision a factor is of: its group, or itself.
+/// Returns the modelling decision that a factor is of: its group, or itself.
 const std::string& group_of(const ModelFactor& factor) noexcept;
 
-/// What one modelling decision does: the sum of its factors' effects, per statistic.
+/// Holds what one modelling decision does: the sum of its factors' effects, per statistic.
 struct GroupEffect {
   std::string name;
   std::vector<std::size_t> factors;  ///< by their places
   std::vector<Interval> effect;
 };
 
-/// What a gap comes from.
+/// Says what a gap comes from.
 struct Cause {
   enum class Kind {
     kNothing,   ///< the gap is within its margin, or cannot be told from zero
@@ -57,8 +57,8 @@ struct Attribution {
   std::vector<double> margin;              ///< differences that nobody would act on
   std::vector<FactorEffect> effects;       ///< in the order of the family
   std::vector<GroupEffect> groups;
-  /// The two groups that do most together beyond what each does alone, and how much, per statistic; empty
-  /// where there is one group.
+  /// Names the two groups that do most together beyond what each does alone, and how much, per statistic;
+  /// empty where there is one group.
   struct Interaction {
     std::string first, second;
     double amount = 0;

@@ -15,13 +15,13 @@
 
 namespace crossgait {
 
-/// One number of a run.
+/// Describes one number of a run.
 struct Statistic {
   std::string key, name, unit;
   Margin margin;
 };
 
-/// How far apart the starts of a verdict lie. Each start draws uniformly, the same in every engine.
+/// Says how far apart the starts of a verdict lie. Each start draws uniformly, the same in every engine.
 struct StartRanges {
   /// Each way along x and y; empty: 0.1 m of the reference robot, by size (gait/scale.h).
   std::optional<double> position_m = {};
@@ -31,17 +31,17 @@ struct StartRanges {
   /// whole robot. Empty: 0.02 m/s of the reference robot, by size.
   std::optional<double> push_mps = {};
 
-  /// With everything that goes by the robot's size.
+  /// Returns the ranges with everything that goes by the robot's size.
   StartRanges with_defaults(const RobotDescription& robot) const;
 
-  /// The same as ranges of an environment. Rows of `base` that are on stay as they are.
+  /// Returns these ranges as those of an environment. Rows of `base` that are on stay as they are.
   Randomisation over(Randomisation base, const RobotDescription& robot) const;
 };
 
 /// What sums of steps may be off by, of a step.
 inline constexpr double kStepRounding = 1e-6;
 
-/// What came of a run.
+/// Holds what came of a run.
 struct BehaviourRun {
   std::vector<std::optional<double>> values;  ///< one per statistic; empty where the motion has none
   Outcome outcome = Outcome::kWalked;
@@ -76,24 +76,24 @@ struct Behaviour {
   bool allows(const Variation& variation) const { return why_not(variation).empty(); }
 };
 
-/// The keys of its statistics.
+/// Lists the keys of its statistics.
 std::vector<std::string> keys_of(const Behaviour& behaviour);
-/// The same, with other margins. @throws ConfigError for a key that is none of its statistics'
+/// Returns `behaviour` with other margins. @throws ConfigError for a key that is none of its statistics'
 Behaviour with_margins(Behaviour behaviour, const Margins& margins);
 
-/// Seed of the ground of start `k` where random terrains have this seed: derived as those of starts are, so
-/// that no two seeds share a ground, and by another stream of numbers than the start's.
+/// Derives the seed of the ground of start `k` where random terrains have this seed: as those of starts are,
+/// so that no two seeds share a ground, and by another stream of numbers than the start's.
 std::uint64_t terrain_seed_of_start(std::uint64_t terrain_seed, std::size_t k) noexcept;
 
 /// The ground of start `k`; random terrains differ from start to start.
 using TerrainOfStart = std::function<Terrain(std::size_t start)>;
 
-/// A gait, walked by `run_walk` until it fails. @param world whose terrain is replaced by `terrain`'s
+/// Walks a gait by `run_walk` until it fails. @param world whose terrain is replaced by `terrain`'s
 Behaviour walk_behaviour(const WorldSpec& world, const WalkSetup& setup, const TerrainOfStart& terrain,
                          const StartRanges& ranges = {}, std::uint64_t seed = 0);
 
-/// A policy in its environment, from starts of the same ranges; those that its randomisation has on stay as
-/// they are. Runs read no file of the environment's.
+/// Makes a behaviour of a policy in its environment, from starts of the same ranges; those that its
+/// randomisation has on stay as they are. Runs read no file of the environment's.
 Behaviour policy_behaviour(LoadedEnv environment, PolicyFactory policy, const std::string& name,
                            const StartRanges& ranges = {}, std::uint64_t seed = 0);
 

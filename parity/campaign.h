@@ -21,8 +21,8 @@ class Campaign {
   Campaign(const Behaviour& behaviour, std::span<const Engine> engines, std::size_t workers)
       : behaviour_(behaviour), engines_(engines), workers_(workers) {}
 
-  /// One run: engine and variation by their places, start, and after how many cuts of the behaviour it is
-  /// cut (0: it goes to its end).
+  /// Names one run: engine and variation by their places, start, and after how many cuts of the behaviour it
+  /// is cut (0: it goes to its end).
   struct Key {
     std::size_t engine = 0, variation = 0, start = 0, cuts = 0;
     bool operator<(const Key& other) const {
@@ -37,7 +37,7 @@ class Campaign {
   /// Makes all runs that were not found. @throws ConfigError, Interrupted
   void make_missing(const Progress& progress);
 
-  /// After how many whole cuts the run is over that ended first; 0 if each went on to the end.
+  /// Returns after how many whole cuts the run is over that ended first; 0 if each went on to the end.
   std::size_t first_end(std::span<const BehaviourRun* const> runs) const;
   bool ended_early(const BehaviourRun& run) const;
 

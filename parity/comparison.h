@@ -13,7 +13,7 @@
 
 namespace crossgait {
 
-/// One engine's walk.
+/// Holds one engine's walk.
 struct WalkRun {
   EngineInfo engine;
   std::string terrain, gait;
@@ -29,7 +29,7 @@ struct Comparison {
   bool interrupted = false;           ///< all runs in the same step, as WalkRun
 };
 
-/// The controller's side of a walk, the same for every engine.
+/// Holds the controller's side of a walk, the same for every engine.
 struct WalkSetup {
   std::string gait;  ///< its name, for reports
   /// Makes a fresh controller for each run in that world: state must not leak from one into the next.
@@ -54,7 +54,7 @@ inline constexpr double kParityHorizon = 1;
 /// compared one by one.
 std::vector<std::string> missed_parity(const Comparison& comparison);
 
-/// A pair of which nothing has been compared yet.
+/// Returns a pair of which nothing has been compared yet.
 /// @param tolerances  of engines of unlike laws; those of the same are held to `exact()`
 /// @param leg_length  of the robot (Parting), m
 PairDifference pair_of(const EngineInfo& a, const EngineInfo& b, const DivergenceTolerances& tolerances,
@@ -63,7 +63,7 @@ PairDifference pair_of(const EngineInfo& a, const EngineInfo& b, const Divergenc
 /// Makes another world like one of those that are compared, by its place.
 using AnotherWorld = std::function<std::unique_ptr<PhysicsBackend>(std::size_t place)>;
 
-/// All walks in step, compared as they go: memory does not grow with their length. Interrupted as
+/// Runs all walks in step, compared as they go: memory does not grow with their length. Interrupted as
 /// `record_walk`.
 /// @param tolerances for pairs of which one is an independent opinion; two engines of the same laws
 ///                   are held to `DivergenceTolerances::exact()`

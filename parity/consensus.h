@@ -10,7 +10,7 @@
 
 namespace crossgait {
 
-/// One engine of those that were judged.
+/// Describes one engine of those that were judged.
 struct JudgedEngine {
   std::string name, law, family;  ///< Laws::contact_law, Laws::contact_family
 };
@@ -39,7 +39,7 @@ struct Consensus {
   std::string reason;                   ///< why an outlier is named, or none
 };
 
-/// What is said of every pair, engine by engine.
+/// Tabulates what is said of every pair, engine by engine.
 /// @param title  of the table
 /// @param words  of all pairs, as `reach_verdicts` has them
 Table words_table(const std::string& title, const std::vector<JudgedEngine>& engines,
@@ -49,7 +49,7 @@ Table words_table(const std::string& title, const std::vector<JudgedEngine>& eng
 /// @param pairs    `reach_verdicts` of them
 Consensus find_consensus(const std::vector<JudgedEngine>& engines, const std::vector<Verdict>& pairs);
 
-/// Where the pair of engines i < k of n stands.
+/// Returns where the pair of engines i < k of n stands.
 constexpr std::size_t pair_index(std::size_t i, std::size_t k, std::size_t n) noexcept {
   return i * (2 * n - i - 1) / 2 + k - i - 1;
 }

@@ -18,8 +18,8 @@ double student_quantile(double probability, double degrees);
 /// Returns the probability of at least `successes` of `trials` that succeed with `share` each.
 double binomial_tail(std::size_t successes, std::size_t trials, double share);
 
-/// Clopper and Pearson's exact limits (1934) of a share of which `successes` of `trials` were seen: below the
-/// lower one, and above the upper one, as many or as few would come with a probability of less than `tail`.
+/// Returns Clopper and Pearson's exact limits (1934) of a share of which `successes` of `trials` were seen:
+/// below the lower one, and above the upper one, as many or as few come with less than `tail` probability.
 double share_lower_limit(std::size_t successes, std::size_t trials, double tail);
 double share_upper_limit(std::size_t successes, std::size_t trials, double tail);
 

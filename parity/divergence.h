@@ -11,7 +11,7 @@
 
 namespace crossgait {
 
-/// Bounds within which two runs count as the same.
+/// Bounds how far two runs that count as the same may differ.
 struct DivergenceTolerances {
   double position = 1e-3;  ///< of the base, m
   double joint = 1e-2;     ///< largest difference of a joint angle, rad
@@ -21,17 +21,17 @@ struct DivergenceTolerances {
   double load = std::numeric_limits<double>::infinity();
   double torque = std::numeric_limits<double>::infinity();
 
-  /// For engines that declare the same contact law: rounding with room (a 5 s trot differs by about 1e-14 m).
+  /// Returns tolerances of one contact law: rounding with room (a 5 s trot differs by about 1e-14 m).
   static DivergenceTolerances exact() { return {.position = 1e-6, .joint = 1e-6, .attitude = 1e-6}; }
 
-  /// For the first sign of a known change: about 1e-4 of the size of each (legs of a tenth of a metre, angles
-  /// of a radian, a weight of several N, torques of a tenth N m).
+  /// Returns tolerances for the first sign of a known change: about 1e-4 of the size of each (legs of a tenth
+  /// of a metre, angles of a radian, a weight of several N, torques of a tenth N m).
   static DivergenceTolerances fine() {
     return {.position = 1e-5, .joint = 1e-4, .attitude = 1e-4, .load = 1e-3, .torque = 1e-5};
   }
 };
 
-/// The first time one quantity left its tolerance.
+/// Describes the first time one quantity left its tolerance.
 struct FirstDivergence {
   std::string quantity;  ///< "position", "joint", "attitude", "load" or "torque"
   double time_s = 0;
@@ -42,14 +42,14 @@ struct FirstDivergence {
   std::optional<double> carried = {};
 };
 
-/// How far two engines lie apart after one control step from the same state with the same targets, at most
-/// (one_step.h).
+/// Holds how far two engines lie apart after one control step from the same state with the same targets, at
+/// most (one_step.h).
 struct OneStepDifference {
   double position_m = 0, joint_rad = 0, attitude_rad = 0;
   double at_s = 0;  ///< where the largest of the three is, simulated time
   int steps = 0;    ///< control steps that were made so
 
-  /// The largest, m or rad.
+  /// Returns the largest difference, m or rad.
   double largest() const noexcept;
 };
 
@@ -66,10 +66,10 @@ struct PairDifference {
   PartingWatch parting{0};  ///< of robots of that leg length; of none nothing is found
 };
 
-/// Whether all that was compared of them lies within `DivergenceTolerances::exact()`.
+/// Tells whether all that was compared of a pair lies within `DivergenceTolerances::exact()`.
 bool is_same(const PairDifference& pair) noexcept;
 
-/// Angle of the rotation between two orientations, in [0, pi], rad. Accurate near zero.
+/// Returns the angle of the rotation between two orientations, in [0, pi], rad. Accurate near zero.
 double attitude_difference(const Quaternion& a, const Quaternion& b) noexcept;
 
 /// Takes one more step of both runs into `result`, which has its tolerances.
@@ -78,7 +78,7 @@ double compare_samples(const TraceSample& a, const TraceSample& b, PairDifferenc
 
 /// Compares sample by sample over the time both runs cover, into `result`, which has its tolerances.
 void compare_traces(const Trace& a, const Trace& b, PairDifference& result);
-/// The same of two runs of no engines.
+/// Compares two runs of no engines in the same way.
 PairDifference compare_traces(const Trace& a, const Trace& b, const DivergenceTolerances& tolerances);
 
 }  // namespace crossgait

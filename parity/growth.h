@@ -7,14 +7,14 @@
 
 namespace crossgait {
 
-/// An exponential through the differences of two runs.
+/// Describes an exponential through the differences of two runs.
 struct DifferenceGrowth {
   double per_half_second = 1;   ///< factor
   double from_s = 0, to_s = 0;  ///< simulated time that it was fitted over
   double at_from = 0;           ///< the difference that it begins with, m or rad
   double spread = 1;            ///< standard deviation about it, as a factor: 2 is "within a factor of two"
 
-  /// When it reaches `difference`, simulated time, s.
+  /// Returns when it reaches `difference`, simulated time, s.
   double reaches_s(double difference) const noexcept;
 };
 
@@ -24,10 +24,10 @@ class GrowthFit {
   /// @param difference  of positions (m) and angles (rad), the largest
   void add(double time_s, double difference);
 
-  /// By least squares of the logarithm, of the largest difference in every tenth of a second, from where it
-  /// is beyond rounding (1e-14) up to where it is as large as the motion (0.01). Fast chaos is done with that
-  /// in less than a second: then in every twentieth, fiftieth or hundredth. Empty for less than ten of these,
-  /// or where it does not grow: by less than a fifth in half a second, or no more than what it scatters by.
+  /// Fits the logarithm, by least squares, of the largest difference in every tenth of a second, from where
+  /// it is beyond rounding (1e-14) to where it is as large as the motion (0.01). Fast chaos takes less than a
+  /// second: then in every twentieth, fiftieth or hundredth. Empty for less than ten of these, or where it
+  /// does not grow: by less than a fifth in half a second, or no more than what it scatters by.
   std::optional<DifferenceGrowth> fit() const;
 
  private:

@@ -11,14 +11,14 @@
 
 namespace crossgait {
 
-/// Numbers of two engines from the same starts.
+/// Holds numbers of two engines from the same starts.
 struct PairedValues {
   std::vector<double> a, b;
 
   std::vector<double> differences() const;
 };
 
-/// One statistic of one pair of engines, as measured.
+/// Holds one statistic of one pair of engines, as measured.
 struct StatisticRuns {
   Statistic statistic;
   double seconds = 0;       ///< of motion, mean of the pairs
@@ -28,7 +28,7 @@ struct StatisticRuns {
   /// Whether any run as asked, of either engine, has a value: a robot that stays where it is has no heading.
   bool is_defined = false;
   PairedValues as_asked;
-  /// Of each pair as asked: whether a run of it ended early, so that it is compared up to then.
+  /// Whether a run of each pair as asked ended early, so that it is compared up to then.
   std::vector<bool> ends_early;
   /// The same starts over the time that both engines last at both steps; empty where it was not run.
   PairedValues at_step, at_half, at_quarter;

@@ -8,16 +8,16 @@
 
 namespace crossgait {
 
-/// The larger of a share of the statistic and an absolute amount.
+/// Holds the larger of a share of the statistic and an absolute amount.
 struct Margin {
   double relative = 0;      ///< of the mean size of the statistic in the two engines
   double absolute = 0;      ///< in its unit
   bool per_second = false;  ///< the absolute one is for a second of motion
   std::string reason;       ///< why this much
 
-  /// For a statistic of that size after that many seconds, in its unit.
+  /// Returns the margin for a statistic of that size after that many seconds, in its unit.
   double at(double size, double seconds) const noexcept;
-  /// "2 % or 0.001 m a second"; without the unit where it is "-".
+  /// Says "2 % or 0.001 m a second"; without the unit where it is "-".
   std::string words(std::string_view unit) const;
 };
 

@@ -8,7 +8,7 @@
 
 namespace crossgait {
 
-/// One number that two worlds hold differently.
+/// Describes one number that two worlds hold differently.
 struct AuditFinding {
   std::string quantity;  ///< "mass", "armature", "joint axis", ...; see `audited_quantities`
   std::string element;   ///< the body, joint, foot or place: "body FL_lower_left"; empty for the whole world
@@ -16,12 +16,12 @@ struct AuditFinding {
   std::string unit;      ///< "-" for none, or for entries of a pose
 };
 
-/// What the audit looks at, in order: from what is read off directly to what is inferred from motion, and
-/// each after all that could be mistaken for it. The first finding is therefore the cause, and later ones may
-/// be its consequences.
+/// Lists what the audit looks at, in order: from what is read off directly to what is inferred from motion,
+/// and each after all that could be mistaken for it. The first finding is therefore the cause, and later ones
+/// may be its consequences.
 const std::vector<std::string>& audited_quantities();
 
-/// What came of it.
+/// Holds what came of an audit.
 struct ModelAudit {
   std::vector<AuditFinding> findings;  ///< at most one per quantity, its largest
   /// Quantities of which there was something to compare, `audited_quantities` in their order. Not all are:
@@ -48,9 +48,9 @@ struct ModelAudit {
 /// @throws ConfigError if the two robots have different bodies
 ModelAudit audit_models(PhysicsBackend& a, PhysicsBackend& b);
 
-/// "mass, body trunk: 0.4 against 0.42 kg; ..."
+/// Describes findings: "mass, body trunk: 0.4 against 0.42 kg; ..."
 std::string describe(const std::vector<AuditFinding>& findings);
-/// The findings, or what is the same; then what was not compared.
+/// Describes the findings, or what is the same; then what was not compared.
 std::string describe(const ModelAudit& audit);
 
 }  // namespace crossgait

@@ -13,17 +13,17 @@ namespace crossgait {
 /// (docs/parity-measurements.md).
 inline constexpr double kOneStepTolerance = 1e-9;  // m, rad
 
-/// A world of an engine that is put where another's walk is before every control step.
+/// Steps a world of an engine that is put where another's walk is before every control step.
 class OneStepCheck {
  public:
   /// @param world  of the engine that is checked; the check's own
   OneStepCheck(std::unique_ptr<PhysicsBackend> world, int substeps);
 
-  /// After each control step of the walk that is followed, `reference`. @param sample  of it, now
+  /// Checks after each control step of the walk that is followed, `reference`. @param sample  of it, now
   void add(const PhysicsBackend& reference, const TraceSample& sample);
 
   const OneStepDifference& difference() const noexcept { return difference_; }
-  /// FirstDivergence::carried, up to now.
+  /// Returns FirstDivergence::carried, up to now.
   double carried() const noexcept { return carried_; }
 
  private:

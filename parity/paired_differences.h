@@ -10,23 +10,23 @@
 
 namespace crossgait {
 
-/// Zero for none.
+/// Returns the mean, zero for none.
 double mean_of(const std::vector<double>& values) noexcept;
 double median_of(std::vector<double> values);
 
-/// What is estimated.
+/// Says what is estimated.
 enum class Estimand {
   kMean,    ///< with Student's t
   kMedian,  ///< with the sign test's exact interval between order statistics, whatever the distribution
 };
-/// "mean", "median"
+/// Names an estimand: "mean", "median".
 std::string_view name(Estimand estimand) noexcept;
-/// The mean or the median of some values.
+/// Returns the mean or the median of some values.
 double estimate_of(const std::vector<double>& values, Estimand estimand);
 
-/// What a sample looks like, as far as it matters for the interval of its mean.
+/// Says what a sample looks like, as far as it matters for the interval of its mean.
 enum class Shape { kRegular, kHeavyTails, kTwoHumps };
-/// "regular", "heavy tails", "two humps"
+/// Names a shape: "regular", "heavy tails", "two humps".
 std::string_view name(Shape shape) noexcept;
 
 /// Looks for what makes an interval of the mean untrue. *Heavy tails*: a sample that lies more than 8 of the
@@ -37,12 +37,12 @@ std::string_view name(Shape shape) noexcept;
 /// 12, 4 and 1 % (tests/parity/paired_differences_test.cpp).
 Shape shape_of(const std::vector<double>& sample, double margin);
 
-/// Fewest differences of which the sign test can tell a median from a limit with an error of at most `error`,
-/// both sides together: 2 / 2^n. With fewer the interval is the range of the sample, and holds less often.
+/// Returns how few differences let the sign test tell a median from a limit with an error up to `error`, both
+/// sides together: 2 / 2^n. With fewer the interval is the sample's range, and holds less often.
 std::size_t fewest_for_median(double error) noexcept;
 
-/// Differences of pairs, of which all are independent draws. The median's interval is the narrowest between
-/// order statistics that has the confidence; the whole range where none has (`fewest_for_median`).
+/// Holds differences of pairs, of which all are independent draws. The median's interval is the narrowest
+/// between order statistics that has the confidence; the whole range where none has (`fewest_for_median`).
 ///
 /// A mean's interval is Student's, wider by an allowance at either end: the resolution, or the sample's
 /// deviation where that is less. Differences that are skewed or tied make Student's intervals too short by a
@@ -61,7 +61,7 @@ class PairedDifferences final : public PairedTest {
  private:
   double p_above(double limit) const override { return p_past(limit, 1); }
   double p_below(double limit) const override { return p_past(limit, -1); }
-  /// P value against "not past `limit`", upwards (side 1) or downwards (-1).
+  /// Returns the P value against "not past `limit`", upwards (side 1) or downwards (-1).
   double p_past(double limit, double side) const;
 
   std::vector<double> sorted_;

@@ -8,7 +8,7 @@
 
 namespace crossgait {
 
-/// Counts of pairs in which something happened in one engine alone. What it did in both, or in neither, says
+/// Counts pairs in which something happened in one engine alone. What it did in both, or in neither, says
 /// nothing about the difference of the two shares, which is (only_b - only_a) / pairs.
 ///
 /// Up to 100 pairs, tests and intervals are exact and unconditional: a P value is the largest probability,
@@ -27,8 +27,8 @@ class PairedShares final : public PairedTest {
   double p_above(double limit) const override;
   double p_below(double limit) const override;
   double lower_limit(double tail) const;
-  /// Whether the P value against "at most `limit`" is `tail` or less, without looking for it where it is
-  /// found from limits.
+  /// Tells whether the P value against "at most `limit`" is `tail` or less, without looking for it where it
+  /// is found from limits.
   bool rejects_at_most(double limit, double tail) const;
 
   std::size_t pairs_, only_a_, only_b_;

@@ -7,12 +7,12 @@
 
 namespace crossgait {
 
-/// What two runs have parted by once their bases have moved to one another by more than this: leg lengths, or
-/// radians, which at a leg's length is the same. A foot lands elsewhere then; the compliance of a contact, a
-/// few hundredths of that, does not count.
+/// Distance, in leg lengths or radians (which at a leg's length is the same), that the bases of two runs must
+/// move to one another to have parted. A foot lands elsewhere then; the compliance of a contact, a few
+/// hundredths of that, does not count.
 inline constexpr double kPartedLegs = 0.05;
 
-/// How two runs went different ways.
+/// Says how two runs went different ways.
 struct Parting {
   double standing_m = 0;         ///< between the bases when the motion began
   double standing_rad = 0;       ///< between their orientations then
@@ -25,7 +25,7 @@ class PartingWatch {
  public:
   /// @param leg_length  RobotDescription::home_height, m; 0: nothing parts
   explicit PartingWatch(double leg_length) noexcept : leg_length_(leg_length) {}
-  /// Takes one more state of both, at the same time. The first of them are how the two stand.
+  /// Takes one more state of both runs, at the same time. The first of them are how the two stand.
   void add(const RobotState& a, const RobotState& b) noexcept;
   const Parting& found() const noexcept { return found_; }
 

@@ -14,11 +14,11 @@ namespace crossgait {
 std::unique_ptr<const PairedTest> row_test(const PairedValues& values, bool is_share, Estimand estimand,
                                            double margin = 0);
 
-/// The margin for a statistic of the size that `values` have, after so many seconds.
+/// Returns the margin for a statistic of the size that `values` have, after so many seconds.
 double margin_of(const Statistic& statistic, const PairedValues& values, Estimand estimand, double seconds);
-/// Onto what is there already, behind a semicolon.
+/// Adds to what is there already, behind a semicolon.
 void add_reason(StatisticVerdict& verdict, const std::string& reason);
-/// Whether an outcome came about in no start in one engine alone.
+/// Tells whether an outcome came about in no start in one engine alone.
 bool is_alike(bool is_share, const PairedValues& values) noexcept;
 
 }  // namespace crossgait

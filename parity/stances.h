@@ -6,15 +6,15 @@
 
 namespace crossgait {
 
-/// A time in which a foot is on the ground.
+/// Holds a time in which a foot is on the ground.
 struct Stance {
   double begin = 0, end = 0;  ///< s
 };
 
-/// What `shortest` is where nobody says otherwise, s: hard contacts bounce for some milliseconds.
+/// Default of `shortest`, s: hard contacts bounce for some milliseconds.
 inline constexpr double kShortestContact = 0.02;
 
-/// Time from each row to the next, s; the last row lasts as long as the one before.
+/// Returns when a row ends, s: as the next begins; the last row lasts as long as the one before.
 double row_end(const std::vector<double>& time, std::size_t row);
 
 /// @param contact  1 where there is contact, one per time

@@ -5,7 +5,7 @@
 
 namespace crossgait {
 
-/// Errors that a row has.
+/// Holds errors that a row has.
 struct RowErrors {
   double tail = 0;          ///< of each one-sided test behind *agrees*
   double simultaneous = 0;  ///< of an interval

@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// One way of setting up the same world.
+/// Describes one way of setting up the same world.
 struct Variation {
   enum class Kind { kNominal, kTimeStep, kSetting };
   std::string_view name = "as asked";
@@ -17,7 +17,7 @@ struct Variation {
   /// Factors on the world's time step, solver iterations, impratio, time constant of its softness, and share
   /// of a penetration that a step undoes.
   double step = 1, iterations = 1, impratio = 1, softness = 1, erp = 1;
-  /// Whether an engine declares that it can make a difference there; null: in every engine.
+  /// Tells whether an engine declares that it can make a difference there; null: in every engine.
   bool (*concerns)(const Capabilities&) = nullptr;
 
   bool of(const EngineInfo& engine) const { return concerns == nullptr || concerns(engine.capabilities); }
@@ -25,9 +25,9 @@ struct Variation {
   void apply(WorldSpec& world, double physics_dt) const;
 };
 
-/// Lists them: as asked, half the time step, a quarter of it, then settings.
+/// Lists the variations: as asked, half the time step, a quarter of it, then settings.
 std::span<const Variation> variations();
-/// As asked; half the time step; a quarter of it.
+/// Returns the variation as asked; those below half the time step, or a quarter of it.
 const Variation& nominal_variation();
 const Variation& half_step();
 const Variation& quarter_step();

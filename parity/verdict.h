@@ -16,13 +16,13 @@
 namespace crossgait {
 
 enum class Word { kAgrees, kDiffers, kStepDependent, kUnresolved };
-/// "agrees", "differs", "step-dependent", "unresolved"
+/// Names a word: "agrees", "differs", "step-dependent", "unresolved".
 std::string_view name(Word word) noexcept;
 
 /// What a word is worth that is reached with less is not worth a word.
 inline constexpr double kLeastConfidence = 0.8;
 
-/// How a verdict is reached.
+/// Says how a verdict is reached.
 struct VerdictOptions {
   std::size_t starts = 12;   ///< at least 4; words are given from kFewestStarts on
   std::size_t looks = 1;     ///< planned: after starts / looks starts, twice as many, and so on
@@ -40,7 +40,7 @@ inline constexpr std::size_t kFewestStarts = 6;
 /// Error of each of the two one-sided tests behind *agrees*, at one look.
 inline constexpr double kEquivalenceTail = 0.05;
 
-/// What the gap is when both engines take half the time step.
+/// Holds what the gap is when both engines take half the time step.
 struct StepCheck {
   Interval half;    ///< the gap at half the step, at the confidence of the gap
   Interval change;  ///< from the gap as asked to that at half the step, paired
@@ -49,16 +49,16 @@ struct StepCheck {
   std::optional<double> quarter, order, extrapolated;
 };
 
-/// What an engine's own number changes by, from the same starts, when it is set up otherwise.
+/// Holds what an engine's own number changes by, from the same starts, when it is set up otherwise.
 struct OwnChange {
   std::string engine, variation;
   Interval change;  ///< mean, in the statistic's unit, at 95 %
 };
 
-/// The rule. Both engines run from every start k; d_k = b_k - a_k is their difference. The **gap** is what
-/// lies behind the d_k: their mean, or their median where a run ended early, or `shape_of` finds heavy tails
-/// or two humps. Without either it is that of runs that do not end early. How far the starts lie apart has no
-/// part in it. Against the statistic's margin the word is
+/// Holds a verdict by this rule. Both engines run from every start k; d_k = b_k - a_k is their difference.
+/// The **gap** is what lies behind the d_k: their mean, or their median where a run ended early, or
+/// `shape_of` finds heavy tails or two humps. Without either it is that of runs that do not end early. How
+/// far the starts lie apart has no part in it. Against the statistic's margin the word is
 /// - **agrees** if the 90 % interval of the gap lies within the margin: two one-sided tests at 5 %
 ///   (Schuirmann 1987);
 /// - **differs** if the gap is beyond the margin, by tests that hold for all statistics of all pairs together
@@ -81,8 +81,8 @@ struct StatisticVerdict {
   std::optional<std::size_t> starts_needed;  ///< for a word that is unresolved
 };
 
-/// Where runs fail, both runs of a pair are cut at the earlier failure, so that they are compared over the
-/// same time.
+/// Says where runs that fail are cut: both of a pair at the earlier failure, so that they are compared over
+/// the same time.
 struct PairCut {
   std::size_t pairs = 0;              ///< of which one run or both ended early
   bool any_failed = false;            ///< not all of these left the terrain
@@ -93,8 +93,8 @@ struct PairCut {
   Interval difference_s;
 };
 
-/// The word for several together: *differs* if any of them does, else *step-dependent*, else *unresolved*,
-/// else *agrees*. @tparam Judged  has a `word`
+/// Returns the word for several together: *differs* if any of them does, else *step-dependent*, else
+/// *unresolved*, else *agrees*. @tparam Judged  has a `word`
 template <typename Judged>
 Word worst_word(const std::vector<Judged>& judged) noexcept {
   for (const Word word : {Word::kDiffers, Word::kStepDependent, Word::kUnresolved}) {
@@ -118,7 +118,7 @@ struct Verdict {
   std::optional<std::size_t> starts_needed;
 };
 
-/// Verdicts of all pairs, and how they were reached.
+/// Holds verdicts of all pairs, and how they were reached.
 struct Verdicts {
   VerdictOptions options;
   std::size_t starts = 0, looks_made = 0;  ///< starts that were looked at last

@@ -12,28 +12,28 @@
 namespace crossgait {
 
 nlohmann::ordered_json to_json(const Interval& interval);
-/// "slip, m"; the name alone where there is no unit.
+/// Returns the label "slip, m"; the name alone where there is no unit.
 std::string label(const Statistic& statistic);
-/// "-0.113 m": with its sign and unit.
+/// Returns "-0.113 m": with its sign and unit.
 std::string signed_amount(double amount, const Statistic& statistic);
 
-/// One of `pairs` in docs/schemas/verdict.json.
+/// Writes an entry of `pairs` in docs/schemas/verdict.json.
 nlohmann::ordered_json to_json(const Verdict& verdict);
-/// {"walked": 9, "fell": 15}: of those that came about.
+/// Returns {"walked": 9, "fell": 15}: of those that came about.
 nlohmann::ordered_json to_json(const OutcomeCounts& outcomes);
-/// "walked 9, fell 15"
+/// Says "walked 9, fell 15".
 std::string describe(const OutcomeCounts& outcomes);
-/// A table with one line per statistic, the reasons of words that are not definite, and what each engine
-/// changes by itself where the engines do not agree.
+/// Describes a verdict by a table with one line per statistic, the reasons of words that are not definite,
+/// and what each engine changes by itself where the engines do not agree.
 std::string describe(const Verdict& verdict);
-/// How the words were reached, in a few lines.
+/// Says how the words were reached, in a few lines.
 std::string describe_rule(const Verdicts& verdicts);
 
-/// A list, empty where the models are the same.
+/// Returns a list, empty where the models are the same.
 nlohmann::ordered_json to_json(const std::vector<AuditFinding>& findings);
 
 nlohmann::ordered_json to_json(const Attribution& attribution);
-/// What each factor does to each statistic, the way from one engine to the other, and what to blame.
+/// Says what each factor does to each statistic, the way from one engine to the other, and what to blame.
 std::string describe(const Attribution& attribution);
 
 }  // namespace crossgait

@@ -12,13 +12,13 @@
 
 namespace crossgait {
 
-/// Two engines by their places.
+/// Names two engines by their places.
 struct EnginePair {
   std::size_t a = 0, b = 0;
   bool operator<(const EnginePair& other) const { return std::tie(a, b) < std::tie(other.a, other.b); }
 };
 
-/// What is needed of the runs of some engines. Everything is incomplete until the campaign is (Campaign).
+/// Keeps what is needed of some engines' runs. All is incomplete until the campaign is (Campaign).
 class VerdictRuns {
  public:
   VerdictRuns(const Behaviour& behaviour, std::span<const Engine> engines, const VerdictOptions& options)
@@ -29,11 +29,11 @@ class VerdictRuns {
 
   Campaign& campaign() { return campaign_; }
 
-  /// The rows of a pair from its first starts: the behaviour's statistics, then outcomes.
+  /// Returns the rows of a pair from its first starts: the behaviour's statistics, then outcomes.
   /// @param quarter  with a quarter of the time step, too
   std::vector<StatisticRuns> rows(const EnginePair& pair, std::size_t starts, bool quarter);
   OutcomeCounts outcomes(std::size_t engine, std::size_t starts);
-  /// Empty where nothing was cut.
+  /// Returns where the pair is cut; empty where nothing was.
   std::optional<PairCut> cut(const EnginePair& pair, std::size_t starts);
 
  private:

@@ -9,18 +9,18 @@
 
 namespace crossgait {
 
-/// Their names, sorted: of folders NAME that hold NAME.safetensors or NAME.yaml.
+/// Lists the policies' names, sorted: of folders NAME that hold NAME.safetensors or NAME.yaml.
 std::vector<std::string> policy_names();
 
-/// The file of a folder NAME, by its path or as the name of a policy that comes with Crossgait:
+/// Finds the file of a folder NAME, by its path or as the name of a policy that comes with Crossgait:
 /// NAME.safetensors or NAME.yaml. Any other text itself, as it may be a file's path.
 /// @throws ConfigError for a folder without such a file
 std::string find_policy_file(const std::string& text);
 
-/// The environment.yaml of that folder; nothing for any other text.
+/// Returns the environment.yaml of that folder; nothing for any other text.
 std::optional<std::string> environment_of_policy(const std::string& text);
-/// `given`, which is a file or a policy whose environment is meant; without one that of `policy`, empty if it
-/// has none.
+/// Returns `given`, which is a file or a policy whose environment is meant; without one that of `policy`,
+/// empty if it has none.
 std::string environment_file(const std::string& given, const std::string& policy);
 
 }  // namespace crossgait

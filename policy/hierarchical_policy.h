@@ -21,8 +21,8 @@ struct HierarchicalOptions {
   bool hold_deltas = false;
 };
 
-/// The planner writes the action's deltas at its own pace, first in step 0; the residual policy writes the
-/// residuals in every step. Each sees its own part of the observation.
+/// Joins two policies: the planner writes the action's deltas at its own pace, first in step 0; the residual
+/// policy writes the residuals in every step. Each sees its own part of the observation.
 class HierarchicalPolicy final : public Policy {
  public:
   /// @param planner   its interface's policy_dt, a multiple of interface.policy_dt, is the time between plans
@@ -32,11 +32,11 @@ class HierarchicalPolicy final : public Policy {
   HierarchicalPolicy(std::string name, const PolicyInterface& interface, std::unique_ptr<Policy> planner,
                      std::unique_ptr<Policy> residual, const HierarchicalOptions& options = {});
 
-  /// Policy steps from one plan to the next.
+  /// Returns the policy steps from one plan to the next.
   std::int64_t planner_period() const noexcept { return period_; }
 
  private:
-  /// A policy and where its numbers are among those of the whole.
+  /// Holds a policy and where its numbers are among those of the whole.
   struct Member {
     Member(const std::string& source, const PolicyInterface& whole, std::unique_ptr<Policy> member);
     void act(std::span<const double> whole_observation) noexcept;
@@ -55,7 +55,7 @@ class HierarchicalPolicy final : public Policy {
   std::int64_t period_ = 1, acts_ = 0;
 };
 
-/// What a member of a hierarchical policy runs on.
+/// Describes what a member of a hierarchical policy runs on.
 /// @param observation  names of entries, or beginnings of names that end in "." and stand for all such
 /// entries
 ///                     in order; empty: the whole observation

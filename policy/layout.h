@@ -17,11 +17,11 @@ namespace crossgait {
 ///   3  ranges and delta scales of gaits that step: param.*, delta.* of 2 were the guide's
 inline constexpr int kLayoutVersion = 3;
 
-/// The present version in words: "3 (ranges of gaits that step)".
+/// Says the present version in words: "3 (ranges of gaits that step)".
 std::string layout_version_in_words();
 
-/// What is wrong with the version that a policy states, in words that follow "found ": "1: trained for leg
-/// frames with z down". Nothing if it is `kLayoutVersion`.
+/// Says what is wrong with the version that a policy states, in words that follow "found ": "1: trained for
+/// leg frames with z down". Nothing if it is `kLayoutVersion`.
 /// @param stated  as written; a policy that states none is of version 1, which had no such entry
 /// @param made    how it came to be: "trained", "written"
 std::optional<std::string> layout_version_error(const std::optional<std::string>& stated,
@@ -31,21 +31,21 @@ std::optional<std::string> layout_version_error(const std::optional<std::string>
 inline constexpr std::string_view kDeltaPrefix = "delta.", kResidualPrefix = "residual.",
                                   kTargetPrefix = "target.";
 
-/// One number of a vector.
+/// Describes one number of a vector.
 struct LayoutEntry {
   std::string name;    ///< unique in its layout, e.g. "delta.step_height", "p_WB.x", "contact.FL"
   std::string unit;    ///< "m", "rad/s", "-"
   double min, max;     ///< what it stays within; infinite where nothing bounds it
   double reach = 1e6;  ///< far beyond what a robot that walks or falls reaches, either way
 
-  /// Bounds that are finite, as tools of reinforcement learning expect: `min` and `max`, wider by the
+  /// Returns bounds that are finite, as tools of reinforcement learning expect: `min` and `max`, wider by the
   /// rounding of unit vectors and normalised parameters, or the reach where they are infinite.
   double low() const;
   double high() const;
   bool operator==(const LayoutEntry&) const = default;
 };
 
-/// The entries of a vector in order.
+/// Holds the entries of a vector in order.
 struct Layout {
   std::vector<LayoutEntry> entries;
 
@@ -54,13 +54,13 @@ struct Layout {
   std::vector<std::string> names() const;
 };
 
-/// 64-bit FNV-1a over `kLayoutVersion` and the names and units of both layouts, as 16 hexadecimal digits:
-/// what a policy was trained for. Ranges do not count: a policy may run where limits differ. Source: RFC
+/// Hashes what a policy was trained for: 64-bit FNV-1a over `kLayoutVersion` and the names and units of both
+/// layouts, as 16 hexadecimal digits. Ranges do not count: a policy may run where limits differ. Source: RFC
 /// draft-eastlake-fnv.
 std::string layout_hash(const Layout& observation, const Layout& action);
 
-/// The first place where two lists of names differ, in words that follow "the observation " ("has 69 entries
-/// where 71 were expected; entry 65 is param.step_height, expected terrain.front"); empty if they are equal.
+/// Says where two lists of names differ first, in words that follow "the observation " ("has 69 entries where
+/// 71 were expected; entry 65 is param.step_height, expected terrain.front"); empty if they are equal.
 std::string layout_difference(const std::vector<std::string>& expected,
                               const std::vector<std::string>& found);
 

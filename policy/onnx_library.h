@@ -11,7 +11,7 @@ namespace crossgait {
 /// first network is read.
 void set_python_of_onnxruntime(const std::string& executable);
 
-/// Functions of ONNX Runtime's C interface, as places in its table. Source: struct OrtApi of
+/// Names functions of ONNX Runtime's C interface, as places in its table. Source: struct OrtApi of
 /// onnxruntime_c_api.h, version 1, whose order is fixed for every later release (the table only grows).
 enum class OrtFunction : std::size_t {
   kGetErrorMessage = 2,
@@ -43,7 +43,7 @@ enum class OrtFunction : std::size_t {
   kReleaseSessionOptions = 100,
 };
 
-/// The library of this process, opened once and never closed.
+/// Holds the library of this process, opened once and never closed.
 class OnnxLibrary {
  public:
   /// @throws ConfigError naming `source`, where no library is found or it cannot be opened, saying what to

@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// An input or output of single precision. Dimensions that the file leaves open are 1.
+/// Describes an input or output of single precision. Dimensions that the file leaves open are 1.
 struct OnnxTensor {
   std::string name;
   std::vector<std::int64_t> shape;
@@ -17,7 +17,7 @@ struct OnnxTensor {
   std::size_t size() const noexcept;
 };
 
-/// A network that is read; never changed, and shared by those who compute with it on several threads at once.
+/// Holds a network that is read; never changed, and shared by those that compute with it on several threads.
 class OnnxNetwork {
  public:
   /// Returns the bytes of a file. @throws ConfigError if it cannot be read
@@ -41,7 +41,7 @@ class OnnxNetwork {
   std::vector<OnnxTensor> inputs_, outputs_;
 };
 
-/// One user's numbers in and out of a network.
+/// Holds one user's numbers in and out of a network.
 class OnnxRun {
  public:
   explicit OnnxRun(std::shared_ptr<const OnnxNetwork> network);

@@ -13,7 +13,7 @@ namespace crossgait {
 
 class YamlValue;
 
-/// What the inputs and outputs of a network are.
+/// Says what the inputs and outputs of a network are.
 struct OnnxPolicyPorts {
   std::string observation, action;
   /// Input and output: what an output holds after an action is its input's before the next, and zero before
@@ -43,8 +43,8 @@ class OnnxPolicy final : public Policy {
 
 /// Takes a description of kind `onnx` and reads its network (docs/policies.md). @throws ConfigError
 PolicyFactory load_onnx_policy(const YamlValue& root);
-/// The same network for any interface of its sizes: what the description says of layout and time between two
-/// actions is not asked.
+/// Loads the same network for any interface of its sizes: what the description says of layout and time
+/// between two actions is not asked.
 PolicyFactory load_relabelled_onnx_policy(const YamlValue& root);
 
 }  // namespace crossgait

@@ -12,14 +12,14 @@
 
 namespace crossgait {
 
-/// What a policy runs on: the layouts of an environment and its pace.
+/// Describes what a policy runs on: the layouts of an environment and its pace.
 struct PolicyInterface {
   Layout observation, action;
   double policy_dt = 2e-3;           ///< s between two actions
   AdaptationRanges adaptation = {};  ///< what the numbers of parameters and deltas mean, beside the table
 };
 
-/// One instance serves one environment at a time: it may remember what happened since `reset`.
+/// Acts for one environment at a time with each instance: it may remember what happened since `reset`.
 class Policy {
  public:
   virtual ~Policy() = default;
@@ -28,7 +28,7 @@ class Policy {
   Policy(Policy&&) = delete;
   Policy& operator=(Policy&&) = delete;
 
-  /// An episode begins. @param seed  of whatever the policy draws
+  /// Begins an episode. @param seed  of whatever the policy draws
   void reset(std::uint64_t seed) noexcept { do_reset(seed); }
   /// @param observation  of interface().observation.size(), raw as the environment gives it
   /// @param action       of interface().action.size(), written within its layout's bounds whatever the
@@ -37,7 +37,7 @@ class Policy {
   void act(std::span<const double> observation, std::span<double> action) noexcept;
 
   const PolicyInterface& interface() const noexcept { return interface_; }
-  /// For tables: "zero", "random", the file's name.
+  /// Returns the policy's name in tables: "zero", "random", the file's name.
   const std::string& name() const noexcept { return name_; }
 
  protected:
@@ -61,7 +61,7 @@ using PolicyFactory = std::function<std::unique_ptr<Policy>(const PolicyInterfac
 /// @throws ConfigError for an unknown name, a file that is no policy, or one of another layout version
 PolicyFactory load_policy(const std::string& text);
 
-/// One instance of it. @throws ConfigError as both do
+/// Makes one instance of a policy. @throws ConfigError as both do
 std::unique_ptr<Policy> make_policy(const std::string& text, const PolicyInterface& interface);
 
 }  // namespace crossgait

@@ -12,17 +12,17 @@
 
 namespace crossgait {
 
-/// kSwish: x / (1 + exp(-x)), also called SiLU.
+/// Names activations; kSwish is x / (1 + exp(-x)), also called SiLU.
 enum class MlpActivation { kTanh, kElu, kRelu, kSwish };
 enum class MlpOutput { kLinear, kTanh };
 
-/// y = weight x + bias.
+/// Computes y = weight x + bias.
 struct MlpLayer {
   Eigen::MatrixXd weight;  ///< [outputs, inputs]
   Eigen::VectorXd bias;
 };
 
-/// Normalisation, clip, then layers: `activation` after all but the last, `output` after the last.
+/// Applies normalisation, clip, then layers: `activation` after all but the last, `output` after the last.
 struct MlpNetwork {
   std::vector<MlpLayer> layers;
   MlpActivation activation = MlpActivation::kTanh;
@@ -30,7 +30,7 @@ struct MlpNetwork {
   Eigen::VectorXd observation_mean, observation_std;                  ///< both empty: not normalised
   double observation_clip = std::numeric_limits<double>::infinity();  ///< of the normalised observation
 
-  /// In double precision and for any layout: slow, plain, and independent of MlpPolicy, which it checks.
+  /// Runs in double precision for any layout: slow, plain, and independent of MlpPolicy, which it checks.
   Eigen::VectorXd evaluate(const Eigen::VectorXd& observation) const;
 };
 
@@ -50,14 +50,14 @@ PolicyBundle read_policy_bundle(const std::string& path);
 /// @throws ConfigError saying in which entry the layouts differ, unless the bundle is for this interface
 void check_interface(const PolicyBundle& bundle, const PolicyInterface& interface, const std::string& path);
 
-/// A network for `interface`, its weights and biases rounded to single precision as a file holds them, with
-/// golden pairs of its own choice.
+/// Makes a network for `interface`, its weights and biases rounded to single precision as a file holds them,
+/// with golden pairs of its own choice.
 /// @param source  what stands for the file in messages
 /// @throws ConfigError if the network does not fit the interface or is not finite
 PolicyBundle make_policy_bundle(const MlpNetwork& network, const PolicyInterface& interface,
                                 const std::string& source);
 
-/// `bundle` with other golden pairs: raw observations, and the actions of whoever made the network.
+/// Returns `bundle` with other golden pairs: raw observations, and the actions of whoever made the network.
 /// @throws ConfigError unless they are finite, 1 to `kMaxGoldenPairs` rows of the bundle's sizes
 PolicyBundle with_golden_pairs(PolicyBundle bundle, const Eigen::MatrixXd& observation,
                                const Eigen::MatrixXd& action, const std::string& source);

@@ -10,7 +10,7 @@
 
 namespace crossgait {
 
-/// A network that runs on any interface of its sizes.
+/// Holds a network that runs on any interface of its sizes.
 struct RelabelledPolicy {
   PolicyFactory make;                                 ///< of an interface of its sizes
   std::optional<std::string> layout_hash;             ///< of what it states that it was made for

@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// An array. Values are doubles in memory, which hold both kinds exactly.
+/// Holds an array. Values are doubles in memory, which hold both kinds exactly.
 struct Tensor {
   enum class Kind { kF32, kF64 };
 
@@ -20,10 +20,10 @@ struct Tensor {
   bool operator==(const Tensor&) const = default;
 };
 
-/// "[3, 4]".
+/// Describes a shape: "[3, 4]".
 std::string describe_shape(const std::vector<std::size_t>& shape);
 
-/// What such a file holds.
+/// Holds what a safetensors file says.
 struct TensorFile {
   std::map<std::string, Tensor> tensors;
   std::map<std::string, std::string> metadata;
@@ -35,7 +35,7 @@ struct TensorFile {
 /// asks for; no name may repeat. Format: https://github.com/huggingface/safetensors#format
 /// @throws ConfigError naming the file and the tensor or the part of the header
 TensorFile read_safetensors(const std::string& path);
-/// The same from memory; `source` stands for the file in messages.
+/// Reads a file from memory; `source` stands for the file in messages.
 TensorFile parse_safetensors(std::string_view bytes, const std::string& source);
 
 /// Writes `file` whole or not at all; equal contents give equal bytes. F32 values are rounded to nearest.

@@ -11,7 +11,7 @@ namespace crossgait {
 
 class YamlValue;
 
-/// One entry of an action during one step of the timetable: constant + gain * observation.
+/// Sets one entry of an action during one step of the timetable: constant + gain * observation.
 struct ScriptedEntry {
   std::size_t action = 0;  ///< index in the action
   double constant = 0, gain = 0;

@@ -16,7 +16,7 @@ class ZeroPolicy final : public Policy {
   void do_act(std::span<const double> observation, std::span<double> action) noexcept override;
 };
 
-/// Every entry of every action uniform in [-1, 1): the same sequence for a seed on every machine.
+/// Draws every entry of every action uniformly from [-1, 1): the same sequence for a seed on every machine.
 class RandomPolicy final : public Policy {
  public:
   explicit RandomPolicy(PolicyInterface interface);

@@ -13,7 +13,7 @@
 
 namespace crossgait {
 
-/// One pair of axes. Drawn from back to front: shades, boxes, paths, then lines and dots.
+/// Describes one pair of axes. Drawn from back to front: shades, boxes, paths, then lines and dots.
 struct Chart {
   using Point = std::array<double, 2>;  ///< x, y in the units of the axes
 
@@ -29,7 +29,7 @@ struct Chart {
     std::vector<Point> points;
   };
 
-  /// Rectangles of one colour along the axes.
+  /// Holds rectangles of one colour along the axes.
   struct Boxes {
     struct Box {
       Point min{}, max{};
@@ -40,7 +40,7 @@ struct Chart {
     std::vector<Box> boxes;
   };
 
-  /// Values on a regular grid as shades, from dark (zero) to bright (the highest of all charts beside it).
+  /// Shades values on a regular grid, from dark (zero) to bright (the highest of all charts beside it).
   struct Shades {
     std::string label;                          ///< of the scale, with its unit
     Point min{}, max{};                         ///< first and last grid point
@@ -63,9 +63,9 @@ struct Charts {
   std::vector<Chart> charts;
 };
 
-/// Keys as the members. `points` are finite numbers alone; `style` is dots, line or path; a box is x and y of
-/// its least corner, then of its largest; `values` of shades refer to `numbers`, NaN where there is none;
-/// `y_names` are pairs of number and name.
+/// Writes keys as the members. `points` are finite numbers alone; `style` is dots, line or path; a box is x
+/// and y of its least corner, then of its largest; `values` of shades refer to `numbers`, NaN where there is
+/// none; `y_names` are pairs of number and name.
 nlohmann::ordered_json to_json(const Charts& charts, PageNumbers& numbers);
 
 }  // namespace crossgait

@@ -33,15 +33,15 @@ struct Motion {
 
 inline constexpr std::size_t kMaxFrames = 20'000;  ///< of a run
 
-/// Numbers of samples that are frames: those at least `frame_time` (s) behind the last one, and the last one.
+/// Lists samples that are frames: those at least `frame_time` (s) behind the last one, and the last one.
 std::vector<std::size_t> frame_rows(const std::vector<double>& time, double frame_time = kFrameTime);
 
-/// Keys: `name`, `side_by_side`, `scene` (scene.h), `runs`, `pairs`, `panels` and `constants` (panels.h),
-/// `shortest_contact` and `notes`. Of a run: `name`, `engine`, `time` (s, of every frame), `poses` (of every
-/// body in W at every frame: x, y, z in m, then the quaternion x, y, z, w), `feet` (centres in W, m: frame,
-/// leg, x y z), `forces` (on feet in W, N, alike), `force_directions` (false: only the magnitudes are known,
-/// as z), `contact` and `planned` (by leg, pairs begin, end of stances in s). Of a pair: indices `a` and `b`
-/// of runs, `first_divergence` or null.
+/// Writes the keys `name`, `side_by_side`, `scene` (scene.h), `runs`, `pairs`, `panels` and `constants`
+/// (panels.h), `shortest_contact` and `notes`. Of a run: `name`, `engine`, `time` (s, of every frame),
+/// `poses` (of every body in W at every frame: x, y, z in m, then the quaternion x, y, z, w), `feet` (centres
+/// in W, m: frame, leg, x y z), `forces` (on feet in W, N, alike), `force_directions` (false: only the
+/// magnitudes are known, as z), `contact` and `planned` (by leg, pairs begin, end of stances in s). Of a
+/// pair: indices `a` and `b` of runs, `first_divergence` or null.
 /// @throws ConfigError for a run without a sample, or a robot without legs
 nlohmann::ordered_json motion_document(const Motion& motion, PageNumbers& numbers);
 

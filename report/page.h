@@ -14,16 +14,16 @@
 
 namespace crossgait {
 
-/// What a cell of a table means, for who does not read it.
+/// Says what a cell of a table means, for who does not read it.
 enum class Mark { kNone, kGood, kMixed, kBad };
 
-/// A column of estimates with their intervals, drawn as bars over one axis.
+/// Describes a column of estimates with their intervals, drawn as bars over one axis.
 struct IntervalColumn {
   std::string label;                          ///< with its unit
   std::vector<std::optional<Interval>> rows;  ///< as many as the table has
 };
 
-/// A table of a page.
+/// Holds a table of a page.
 struct PageTable {
   Table table;             ///< its header: first the heading, then a name per run
   std::string title = {};  ///< of one that is part of the answer, which stands in front of all else
@@ -48,19 +48,19 @@ struct ReportPage {
 /// @throws ConfigError if Crossgait was built without the page, before anything long is done for one
 void require_page();
 
-/// The document within the page: `schema` ("report", 2), the members above, `crossgait` (the version) and
-/// `motions` as `motion_document` makes them. Numbers of it are in `numbers`.
+/// Writes the document within the page: `schema` ("report", 2), the members above, `crossgait` (the version)
+/// and `motions` as `motion_document` makes them. Numbers of it are in `numbers`.
 nlohmann::ordered_json report_document(const ReportPage& page, PageNumbers& numbers);
 
-/// `json` in a form that a `script` element can hold: it ends no element and begins no comment, whatever it
-/// says.
+/// Writes `json` in a form that a `script` element can hold: it ends no element and begins no comment,
+/// whatever it says.
 std::string script_text(const nlohmann::ordered_json& json);
 
-/// The page that shows what a server simulates (view/server.h): the same template without a report, which may
-/// ask the server that it came from, and nobody else. @throws ConfigError as `require_page`
+/// Returns the page that shows what a server simulates (view/server.h): the same template without a report,
+/// which may ask the server that it came from, and nobody else. @throws ConfigError as `require_page`
 std::string live_page();
 
-/// The page. @throws ConfigError as `require_page` and `motion_document` do
+/// Writes the page. @throws ConfigError as `require_page` and `motion_document` do
 std::string report_html(const ReportPage& page);
 
 }  // namespace crossgait

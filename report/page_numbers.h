@@ -12,12 +12,12 @@
 
 namespace crossgait {
 
-/// Numbers of four bytes one behind the other, little endian. What `add` returns, {"at", "count"}, says where
-/// they are, counted in numbers. The same numbers are there once, however often they are added: the meshes of
-/// one robot in several motions.
+/// Holds numbers of four bytes one behind the other, little endian. What `add` returns, {"at", "count"}, says
+/// where they are, counted in numbers. The same numbers are there once, however often they are added: the
+/// meshes of one robot in several motions.
 class PageNumbers {
  public:
-  /// As floats: of 7 digits, more than a picture shows.
+  /// Adds `values` as floats: of 7 digits, more than a picture shows.
   nlohmann::ordered_json add(std::span<const double> values);
   nlohmann::ordered_json add(std::span<const std::uint32_t> values);
 

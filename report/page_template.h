@@ -5,7 +5,7 @@
 
 namespace crossgait {
 
-/// Empty where Crossgait was built without the page (CROSSGAIT_WITH_PAGE).
+/// Returns the template; empty where Crossgait was built without the page (CROSSGAIT_WITH_PAGE).
 std::string_view page_template();
 
 }  // namespace crossgait

@@ -16,7 +16,7 @@ namespace crossgait {
 
 struct Motion;
 
-/// How far two runs lie apart, per frame of the first.
+/// Holds how far two runs lie apart, per frame of the first.
 struct PairPanels {
   std::vector<double> position_m, joint_rad, attitude_rad;
 };
@@ -28,12 +28,12 @@ struct PairPanels {
 /// run.
 class PanelMaker {
  public:
-  /// All of it stays the caller's. @param frames  of each run
+  /// Takes what stays the caller's. @param frames  of each run
   PanelMaker(const Motion& motion, const std::vector<RunFrames>& frames, PageNumbers& numbers);
 
   void add_pair(std::size_t a, std::size_t b, const PairPanels& differences);
   nlohmann::ordered_json finish();
-  /// The gait parameters that no run changes and all share: objects with `name`, `unit` and `value`.
+  /// Returns the gait parameters that no run changes and all share: objects with `name`, `unit` and `value`.
   const nlohmann::ordered_json& constants() const { return constants_; }
 
  private:
@@ -47,7 +47,7 @@ class PanelMaker {
            const std::vector<Series>& series, std::string_view leg = {});
   /// A number of a run's sample `row`; none where the run does not know it.
   using Value = std::function<std::optional<double>(const RecordedRun& run, std::size_t row)>;
-  /// One series of every run that knows the value, times `scale`.
+  /// Makes one series of every run that knows the value, times `scale`.
   std::vector<Series> series_of(const Value& value, double scale, const std::string& label = {},
                                 bool dashed = false) const;
   void add_base();

@@ -14,13 +14,13 @@ namespace crossgait {
 /// frame.
 inline constexpr std::size_t kMaxPageSteps = 100'000;
 
-/// In front of the name of a reward term: a column of what a policy step earned by it.
+/// Prefix of the name of a reward term: a column of what a policy step earned by it.
 inline constexpr std::string_view kRewardColumn = "reward.";
-/// In front of the name of a gait parameter.
+/// Prefix of the name of a gait parameter.
 inline constexpr std::string_view kParameterColumn = "param.";
 
 struct RecordedRun {
-  /// Something else that is known of every sample.
+  /// Holds something else that is known of every sample.
   struct Column {
     std::string name;
     std::vector<double> values;  ///< a number for each sample
@@ -47,7 +47,7 @@ struct RecordedRun {
 /// that is none
 RecordedRun recorded_run(std::string name, const TraceTable& table, const RobotDescription& robot);
 
-/// What a page shows of a run.
+/// Holds what a page shows of a run.
 struct RunFrames {
   std::vector<std::size_t> rows;        ///< numbers of samples, one per frame
   std::vector<LegArray<Vector3>> p_WF;  ///< centres of the feet at each frame, m

@@ -20,11 +20,11 @@ struct VerdictDocument {
   /// `outcomes`, `statistics`, `models` and `attribution` (null if there is none), checked to be there.
   std::vector<nlohmann::ordered_json> pairs;
 
-  /// Onto the end of what a page has of each.
+  /// Adds the verdict onto the end of what a page has of each.
   void add_to(ReportPage& page) &&;
 };
 
-/// What a page needs of a verdict (docs/schemas/verdict.json).
+/// Reads what a page needs of a verdict (docs/schemas/verdict.json).
 /// @throws ConfigError naming `file` and what is missing or of another kind
 VerdictDocument verdict_document(const nlohmann::json& verdict, const std::string& file);
 

@@ -12,7 +12,7 @@
 
 namespace crossgait {
 
-/// One run of a page.
+/// Holds one run of a page.
 struct WatchedEpisode {
   std::string name;  ///< what the page calls it
   LoadedEnv environment;

@@ -6,7 +6,7 @@
 
 namespace crossgait::scenes {
 
-/// A second of free rotation without gravity: largest drifts.
+/// Holds the largest drifts of a second of free rotation without gravity.
 struct TumblingDrift {
   double momentum = 0;          ///< of the angular momentum, relative
   double energy = 0;            ///< of the energy of rotation at the end, relative, with its sign
@@ -17,10 +17,10 @@ struct TumblingDrift {
 /// @throws std::runtime_error (as all below) if the engine diverges
 TumblingDrift measure_tumbling(const Engine& engine, double h);
 
-/// Distance from the parabola after a second of free fall, m.
+/// Returns the distance from the parabola after a second of free fall, m.
 double free_fall_error(const Engine& engine, double h);
 
-/// Mean period over `swings` full swings from rest at `amplitude` (rad), s, timed by zero crossings.
+/// Times the mean period, s, of `swings` full swings from rest at `amplitude` (rad) by zero crossings.
 double pendulum_period(const Engine& engine, const ArmLink& link, double amplitude, double h, int swings);
 /// Returns the error of the period of a swing of 143 degrees against the elliptic integral, relative.
 double pendulum_error(const Engine& engine, double h);

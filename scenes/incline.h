@@ -7,7 +7,7 @@
 
 namespace crossgait::scenes {
 
-/// A world of the sled with an incline, and how its surface lies in W.
+/// Holds a world of the sled with an incline, and how its surface lies in W.
 struct Incline {
   WorldSpec spec;
   Vector3 normal, downhill;
@@ -15,18 +15,18 @@ struct Incline {
 
 /// Climbs by `angle` towards `heading`, rad.
 using MakeIncline = Incline (*)(double angle, double heading);
-/// The plane, under tilted gravity.
+/// Makes the plane, under tilted gravity.
 Incline tilted_gravity(double angle, double heading);
-/// A height field of plane triangles, under upright gravity.
+/// Makes a height field of plane triangles, under upright gravity.
 Incline inclined_field(double angle, double heading);
 
 inline constexpr double kInclineFriction = 0.6;
 
-/// Angle at which the friction coefficient is `friction_over_tangent` times tan(angle), rad.
+/// Returns the angle at which the friction coefficient is `friction_over_tangent` times tan(angle), rad.
 double incline_angle(double friction_over_tangent);
 
-/// What the sled did on an incline on either side of the friction cone: the worst over eight headings. It is
-/// let go, given 0.2 s to settle and watched for 0.3 s, in steps of 1 ms.
+/// Holds what the sled did on an incline on either side of the friction cone: the worst over eight headings.
+/// It is let go, given 0.2 s to settle and watched for 0.3 s, in steps of 1 ms.
 struct FrictionCone {
   /// A tenth inside, where it should stick.
   double creep_speed = 0;     ///< m/s

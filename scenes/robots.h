@@ -12,21 +12,21 @@ namespace crossgait::scenes {
 
 using RobotPtr = std::shared_ptr<const RobotDescription>;
 
-/// models/robots/scara_quadruped and models/robots/scara_quadruped_long.
+/// Loads models/robots/scara_quadruped and models/robots/scara_quadruped_long.
 RobotPtr quadruped();
 RobotPtr long_quadruped();
-/// models/robots/serial_quadruped.
+/// Loads models/robots/serial_quadruped.
 RobotPtr serial_quadruped();
 
-/// A solid box's mass properties about its own centre, which lies at `p_BC`.
+/// Returns a solid box's mass properties about its own centre, which lies at `p_BC`.
 SpatialInertia solid_box(double mass, const Vector3& half_extents, const Vector3& p_BC = Vector3::Zero());
 
-/// One rigid body, 0.7 kg, with three different principal moments about axes of its own and a centre of mass
-/// off its origin. No shapes.
+/// Makes one rigid body, 0.7 kg, with three different principal moments about axes of its own and a centre of
+/// mass off its origin. No shapes.
 RobotPtr tumbling_body();
 
-/// One link of a planar arm: turns about +y and hangs straight down at zero. Its centre of mass is `length`
-/// below its joint, the next link's joint `2 length`.
+/// Describes one link of a planar arm: it turns about +y and hangs straight down at zero. Its centre of mass
+/// is `length` below its joint, the next link's joint `2 length`.
 struct ArmLink {
   double mass = 0.2;      ///< kg
   double length = 0.25;   ///< m
@@ -43,7 +43,7 @@ struct ArmLink {
   /// Returns the inertia of the link alone, about its joint, with the armature.
   double joint_inertia() const { return inertia + mass * length * length + armature; }
 };
-/// Links in series, the first on a base that is meant to be fixed. No shapes.
+/// Makes links in series, the first on a base that is meant to be fixed. No shapes.
 RobotPtr arm(const std::vector<ArmLink>& links);
 
 /// One body of 1 kg on four spheres of radius `kSledRadius` whose centres are at the corners of a rectangle
@@ -51,39 +51,39 @@ RobotPtr arm(const std::vector<ArmLink>& links);
 inline constexpr double kSledRadius = 0.02;
 RobotPtr sled();
 
-/// One body of 0.5 kg with one shape centred on the origin: `size` as in CollisionShape.
+/// Makes one body of 0.5 kg with one shape centred on the origin: `size` as in CollisionShape.
 RobotPtr block(ShapeType type, const Vector3& size);
-/// The same with a shape that is no more than a type and sizes.
+/// Makes a block whose shape is no more than a type and sizes.
 RobotPtr block(CollisionShape shape);
-/// A gem: the hull of 12 points, no two at one height in any of the poses it rests in, about 0.1 m across.
+/// Makes a gem: a hull of 12 points, no two at one height in any pose that it rests in, about 0.1 m across.
 CollisionShape gem();
-/// A trunk with a box, its centre of mass off its origin, that swings a cylinder, a capsule, a hull and a box
-/// on servos: it lands on any of them.
+/// Makes a trunk with a box, its centre of mass off its origin, that swings a cylinder, a capsule, a hull and
+/// a box on servos: it lands on any of them.
 RobotPtr assortment();
 
-/// A trunk on servo-driven legs of one link each: 32, as many as a robot may have joints, stand on as many
-/// spheres as eight quadrupeds.
+/// Makes a trunk on servo-driven legs of one link each: 32, as many as a robot may have joints, stand on as
+/// many spheres as eight quadrupeds.
 /// @param legs  even, up to kMaxJoints
 /// @param toes  spheres per leg, side by side
 RobotPtr millipede(int legs = kMaxJoints, int toes = 1);
 
-/// A trunk of 30 kg on its belly, which is `points` spheres in two rows, with four legs of one link in the
-/// air.
+/// Makes a trunk of 30 kg on its belly, which is `points` spheres in two rows, with four legs of one link in
+/// the air.
 RobotPtr heavy_sledge(int points);
 
-/// Everything at once that a frame or sign error could hide behind elsewhere: a base whose centre of mass is
-/// off its origin, full inertia tensors, rotated joint frames, oblique axes, a branch, a loop, unequal
-/// drives.
+/// Makes a robot of everything at once that a frame or sign error could hide behind elsewhere: a base whose
+/// centre of mass is off its origin, full inertia tensors, rotated joint frames, oblique axes, a branch, a
+/// loop, unequal drives.
 RobotPtr awkward_robot();
 
 /// Validates a robot built in code, after filling in a zero home pose. @throws ConfigError if it is not a
 /// valid robot
 RobotPtr finished(RobotDescription robot);
-/// The robot without loop closures (and so without legs, which require them).
+/// Returns the robot without loop closures (and so without legs, which require them).
 RobotPtr without_loops(const RobotPtr& robot);
-/// The robot with this dry friction in every joint, N m.
+/// Returns the robot with this dry friction in every joint, N m.
 RobotPtr with_joint_friction(const RobotPtr& robot, double friction);
-/// The robot with every joint, and so its targets, kept within `range` rad of its home, either way.
+/// Returns the robot with every joint, and so its targets, kept within `range` rad of its home, either way.
 RobotPtr with_joint_limits(const RobotPtr& robot, double range);
 
 }  // namespace crossgait::scenes

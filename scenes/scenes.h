@@ -9,23 +9,23 @@
 
 namespace crossgait::scenes {
 
-/// A world of `robot`, everything else by default.
+/// Describes a world of `robot`, everything else by default.
 WorldSpec world_of(RobotPtr robot);
 
-/// Targets that hold the home pose.
+/// Returns targets that hold the home pose.
 JointTargets home_targets(const RobotDescription& robot);
 
-/// Every joint anywhere within its limits or a radian of home (whichever is nearer), any attitude, some
+/// Draws every joint anywhere within its limits or a radian of home (whichever is nearer), any attitude, some
 /// speed: no pose that a machine would take, but one that equations of motion must hold in. Loops are not
 /// closed.
 RobotState random_state(const RobotDescription& robot, std::mt19937& random);
 
-/// Bit for bit.
+/// Compares states bit for bit.
 bool identical(const RobotState& a, const RobotState& b);
 
-/// A trot in closed form, feet commanded through the robot's inverse kinematics: stands for `kStand`, then
-/// diagonal pairs (FL, RR first) swing in turn, strides growing over the first cycle. Kept apart from gait/,
-/// so that what is measured of engines does not move when a gait changes.
+/// Computes a trot in closed form, feet commanded through the robot's inverse kinematics: it stands for
+/// `kStand`, then diagonal pairs (FL, RR first) swing in turn, strides growing over the first cycle. Kept
+/// apart from gait/, so that what is measured of engines does not move when a gait changes.
 class Trot {
  public:
   static constexpr double kStand = 0.5;         ///< s
@@ -35,7 +35,7 @@ class Trot {
 
   explicit Trot(const RobotDescription& robot);
   JointTargets targets(double time) const noexcept;
-  /// True for a leg that is commanded into the air at `time`.
+  /// Returns true for a leg that is commanded into the air at `time`.
   static bool swings(Leg leg, double time) noexcept;
 
  private:
@@ -43,7 +43,7 @@ class Trot {
   LegArray<Vector3> rest_;  ///< foot in the leg frame at home
 };
 
-/// Every foot on its own circle and every tilt swinging, for a robot that hangs in the air.
+/// Moves every foot on its own circle and every tilt, for a robot that hangs in the air.
 class Swing {
  public:
   explicit Swing(const RobotDescription& robot);

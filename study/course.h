@@ -10,7 +10,7 @@
 
 namespace crossgait {
 
-/// One thing that is hard.
+/// Describes one thing that is hard.
 struct CourseSection {
   std::string name;
   std::string terrain = "flat";  ///< as `make_terrain` takes it; a random one is another in every run
@@ -21,7 +21,7 @@ struct CourseSection {
   Range push_interval{0, 0};     ///< to the first push and between two, s
 };
 
-/// Read from YAML (docs/course.md).
+/// Holds a course, read from YAML (docs/course.md).
 struct Course {
   std::string name;     ///< of its file, without folder and extension
   double seconds = 20;  ///< of a run
@@ -31,24 +31,24 @@ struct Course {
 /// @param name_or_file  a name in `models_dir()`/courses, or the path of a .yaml file
 /// @throws ConfigError naming file, line and key
 Course load_course(const std::string& name_or_file);
-/// Those of these names, in the course's order; all if there are none. "slope" is also every "slope-...".
+/// Keeps the named sections, in the course's order; all if none. "slope" is also every "slope-...".
 /// @throws ConfigError
 Course with_sections(Course course, const std::vector<std::string>& names);
 
-/// The environment of a section. What moves the robot (robot, servos, action, gait and its parameters,
+/// Makes the environment of a section. What moves the robot (robot, servos, action, gait and its parameters,
 /// observation, time steps) is the method's; everything else is the course's: ground, friction, load, pushes,
 /// the speed that is asked for, how long, what ends a run, and the start, drawn within `StartRanges` without
 /// its push.
 /// @throws ConfigError
 LoadedEnv section_environment(const LoadedEnv& method, const Course& course, const CourseSection& section);
 
-/// Distance made over distance asked for, forward in the direction that the robot faced when it set off, from
-/// 0 to
-/// 1. A run that ended early (a fall, a robot whose loops opened or that left the field) has made what it
-/// made until then.
+/// Returns distance made over distance asked for, forward in the direction that the
+/// robot faced when it set off, from 0 to 1. A run that ended early (a fall, a
+/// robot whose loops opened or that left the field) has made what it made until
+/// then.
 double course_score(const EpisodeSummary& run, const Course& course, const CourseSection& section) noexcept;
 
-/// The runs of one section in one engine.
+/// Holds the runs of one section in one engine.
 struct CourseCell {
   CourseSection section;
   std::string engine;
@@ -56,7 +56,7 @@ struct CourseCell {
   Evaluation all;
 };
 
-/// A policy's way over a course.
+/// Holds a policy's way over a course.
 struct CourseResult {
   std::string course, policy;
   std::size_t runs = 0;  ///< of each section
@@ -64,19 +64,19 @@ struct CourseResult {
   std::vector<CourseCell> cells;  ///< section by section, engine by engine
   bool interrupted = false;       ///< before its end, by a Progress that threw Interrupted
 
-  /// Over the sections in one engine, which count alike: the mean, and the deviation from run to run of the
-  /// mean over sections.
+  /// Averages over the sections in one engine, which count alike: the mean, and the deviation from run to run
+  /// of the mean over sections.
   MeanAndDeviation score(const std::string& engine) const;
 };
 
-/// Run k of a section meets the same world whatever the policy and in every engine. An interruption leaves
-/// the cells that are finished. @throws ConfigError
+/// Runs a course; run k of a section meets the same world whatever the policy and in every engine. An
+/// interruption leaves the cells that are finished. @throws ConfigError
 CourseResult run_course(const Course& course, const LoadedEnv& method, const NamedPolicy& policy,
                         const std::vector<std::string>& engines, const EpisodeOptions& options,
                         const Progress& progress = {});
 
-/// Engines that did the same on all sections that both finished: as many runs came to each outcome, and every
-/// run's score is within `kSameCourseScore` of the other's.
+/// Holds engines that did the same on all sections that both finished: as many runs came to each outcome, and
+/// every run's score is within `kSameCourseScore` of the other's.
 struct CourseGroup {
   std::string name;  ///< as `group_name`
   std::vector<std::string> engines;
@@ -86,26 +86,26 @@ struct CourseGroup {
 inline constexpr double kSameCourseScore = 0.01;
 /// Groups the engines, in the order of their first.
 std::vector<CourseGroup> groups_of(const CourseResult& result);
-/// Of every group a line: "A = mujoco, bullet:matched: made 97 %, every run the same to 0.2 %"; of others
-/// than A also how far their sections are from it.
+/// Writes a line of every group: "A = mujoco, bullet:matched: made 97 %, every run the same to 0.2 %"; of
+/// others than A also how far their sections are from it.
 std::vector<std::string> describe_groups(const CourseResult& result);
 
 /// Returns null where that engine has not finished that section.
 const CourseCell* find_cell(const CourseResult& result, const std::string& section,
                             const std::string& engine) noexcept;
-/// The engines in the order of their first cells.
+/// Lists the engines in the order of their first cells.
 std::vector<std::string> engines_of(const CourseResult& result);
-/// The sections in the order of their first cells.
+/// Lists the sections in the order of their first cells.
 std::vector<std::string> sections_of(const CourseResult& result);
 
-/// How much of the way it made in which engine, and on which section engines differ most.
+/// Says how much of the way it made in which engine, and on which section engines differ most.
 std::string summary(const CourseResult& result);
-/// Keys as in docs/schemas/course.json.
+/// Writes keys as in docs/schemas/course.json.
 nlohmann::ordered_json to_json(const CourseResult& result);
-/// A row of every cell, section by section, then one of every engine over all sections.
+/// Tabulates every cell, section by section, then every engine over all sections, a row each.
 Table table(const CourseResult& result);
-/// How much of the way was made and what became of the runs: a row of every section, a column of every
-/// engine.
+/// Tabulates how much of the way was made and what became of the runs: a row of every section, a column of
+/// every engine.
 Table outcome_table(const CourseResult& result);
 std::string describe(const CourseResult& result);
 

@@ -25,7 +25,7 @@ struct JudgeOptions {
   std::optional<WorldSetup> against = {};
 };
 
-/// What belongs to a pair's verdict.
+/// Holds what belongs to a pair's verdict.
 struct PairBackground {
   ModelAudit models;                ///< what the two engines' worlds hold differently
   std::vector<std::string> shared;  ///< what they agree in because it is the same code (shared_parts)
@@ -39,23 +39,23 @@ struct EngineComparison {
   ContactSpec contact;
   std::optional<WorldSetup> against;  ///< under which every second engine is the one before it
   Verdicts verdicts;
-  /// One for each pair. Attributions are of pairs that do not agree and lie at the ends of a family; pairs at
-  /// the ends of one family share theirs.
+  /// Background of each pair. Attributions are of pairs that do not agree and lie at the ends of a family;
+  /// pairs at the ends of one family share theirs.
   std::vector<PairBackground> backgrounds;
   Consensus consensus;
   /// Starts that `stored_runs` held already, if not all: whoever has looked at those looks again now.
   std::size_t starts_held = 0;
 };
 
-/// The word for all engines: the worst of the pairs.
+/// Returns the word for all engines: the worst of the pairs.
 Word word_of(const EngineComparison& comparison) noexcept;
-/// The engines at these places, by their names.
+/// Names the engines at these places.
 std::vector<std::string> names_of(const EngineComparison& comparison, const std::vector<std::size_t>& places);
 
-/// What is being done, for a line of progress, and the share of it that is done.
+/// Tells what is being done, for a line of progress, and the share of it that is done.
 using StageProgress = std::function<void(const std::string& stage, double share)>;
 
-/// The part of `progress` that a stage of that name has; nothing if nobody listens.
+/// Returns the part of `progress` that a stage of that name has; nothing if nobody listens.
 Progress progress_of(const StageProgress& progress, const std::string& stage);
 
 /// Audits all worlds, runs the behaviour in every engine, judges all pairs, and explains if asked; no engine
@@ -64,24 +64,24 @@ Progress progress_of(const StageProgress& progress, const std::string& stage);
 /// engine that is named twice, and for `explain` where no pair has a family
 EngineComparison judge_engines(const LoadedBehaviour& loaded, const std::vector<std::string>& engines,
                                const JudgeOptions& options = {}, const StageProgress& progress = {});
-/// The same of a behaviour that is no specification's, whose runs nothing stores.
+/// Judges a behaviour that is no specification's, whose runs nothing stores.
 /// @param world  that it takes place in
 EngineComparison judge_engines(const Behaviour& behaviour, const WorldSpec& world,
                                const std::vector<std::string>& names, const JudgeOptions& options = {},
                                const StageProgress& progress = {});
 
-/// The family whose ends are `a` and `b`, either way round; an engine of the same laws may stand for an end.
-/// Else the part of one between two engines of which one has some of the other's factors ("bullet:matched"
-/// and "bullet:matched+coulomb").
+/// Finds the family whose ends are `a` and `b`, either way round; an engine of the same laws may stand for an
+/// end. Else the part of one between two engines of which one has some of the other's factors
+/// ("bullet:matched" and "bullet:matched+coulomb").
 /// @throws ConfigError if there is none
 EngineFamily find_family(const Engine& a, const Engine& b);
 
-/// What a colleague can repeat, in one to three sentences: what depends on the engine, what does not, why,
-/// and how sure that is.
+/// Says what a colleague can repeat, in one to three sentences: what depends on the engine, what does not,
+/// why, and how sure that is.
 std::string summary(const EngineComparison& comparison);
-/// Keys as in docs/schemas/verdict.json.
+/// Writes keys as in docs/schemas/verdict.json.
 nlohmann::ordered_json to_json(const EngineComparison& comparison);
-/// The summary first, then tables, then how the words were reached.
+/// Writes the summary first, then tables, then how the words were reached.
 std::string describe(const EngineComparison& comparison);
 
 }  // namespace crossgait

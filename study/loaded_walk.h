@@ -8,8 +8,8 @@
 
 namespace crossgait {
 
-/// A walk whose robot and ground are read once, however often it is walked: whoever describes it, walks it,
-/// records it and shows it means the same robot on the same ground.
+/// Holds a walk whose robot and ground are read once, however often it is walked: whoever describes it, walks
+/// it, records it and shows it means the same robot on the same ground.
 struct LoadedWalk {
   WalkConfig config;
   TerrainSource ground;  ///< of other seeds too
@@ -18,7 +18,7 @@ struct LoadedWalk {
   /// Reads robot and ground. Not explicit: a configuration may stand wherever one that is read is asked for.
   /// @throws ConfigError for what cannot be read or makes no world
   LoadedWalk(const WalkConfig& walk);
-  /// Of a robot that has been read from where `walk.robot` says.
+  /// Takes a robot that has been read from where `walk.robot` says.
   LoadedWalk(WalkConfig walk, std::shared_ptr<const RobotDescription> read);
 };
 

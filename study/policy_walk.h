@@ -9,8 +9,8 @@
 
 namespace crossgait {
 
-/// The first episode of a policy in every engine, from the same start, compared after every policy step over
-/// the time that both of a pair go on. An interruption leaves the engines whose episode is finished.
+/// Runs the first episode of a policy in every engine, from the same start, compared after every policy step
+/// over the time that both of a pair go on. An interruption leaves the engines whose episode is finished.
 /// @param policy      read, or of whoever calls
 /// @param seed        of the episode, as `roll_out` has it
 /// @param tolerances  as `compare_engines`

@@ -29,10 +29,10 @@ Provenance with_files_read(Provenance provenance);
 /// elsewhere on another, and is named "<models>/...".
 std::string path_of_shown(const std::string& shown);
 
-/// Keys as in docs/schemas/README.md; `hash` is that of all others.
+/// Writes keys as in docs/schemas/README.md; `hash` is that of all others.
 nlohmann::ordered_json to_json(const Provenance& provenance);
 
-/// The command and its arguments that a result names. @param result  as a command wrote it
+/// Returns the command and its arguments that a result names. @param result  as a command wrote it
 /// @throws ConfigError naming `file` if it names none
 std::vector<std::string> command_of(const nlohmann::json& result, const std::string& file);
 

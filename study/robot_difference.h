@@ -27,15 +27,15 @@ struct RobotDifference {
 /// differs by a hundredth of the larger or less.
 RobotDifference robot_difference(const RobotDescription& a, const RobotDescription& b);
 
-/// How far two descriptions lie apart in the speed at which they walk (over the commanded one), in the engine
-/// where that is most, and how far engines do with one description, the one for which that is most.
+/// Holds how far two descriptions lie apart in the speed at which they walk (over the commanded one), in the
+/// engine where that is most, and how far engines do with one description, the one for which that is most.
 struct WalkGaps {
   double descriptions = 0, engines = 0;
 };
 WalkGaps walk_gaps(const Trial& a, const Trial& b);
 
 std::string describe(const RobotDifference& difference, const WalkGaps& gaps);
-/// `unlike` (lists of `of, name, unit, a, b`), `alike`, `gap_of_descriptions`, `gap_of_engines`.
+/// Writes `unlike` (lists of `of, name, unit, a, b`), `alike`, `gap_of_descriptions`, `gap_of_engines`.
 nlohmann::ordered_json to_json(const RobotDifference& difference, const WalkGaps& gaps);
 
 }  // namespace crossgait

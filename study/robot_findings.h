@@ -18,7 +18,7 @@ enum class Severity {
   kError,    ///< of no real machine
 };
 
-/// "note", "warning" or "error".
+/// Names a severity: "note", "warning" or "error".
 std::string_view name(Severity severity) noexcept;
 
 struct RobotFinding {
@@ -40,12 +40,12 @@ struct RobotFinding {
 /// Mesh shapes count as what stands for them.
 std::vector<RobotFinding> robot_findings(const LoadedRobot& loaded);
 
-/// The same, and the robot's warnings (robot_warnings).
+/// Lists the findings, and the robot's warnings (robot_warnings).
 std::vector<RobotFinding> all_findings(const LoadedRobot& loaded, const WorldSpec& world);
 
-/// A line for each: "error: link 'shin': ...; likely ...".
+/// Writes a line for each: "error: link 'shin': ...; likely ...".
 std::string describe(const std::vector<RobotFinding>& findings);
-/// Lists of `severity, of, what, likely`.
+/// Writes lists of `severity, of, what, likely`.
 nlohmann::ordered_json to_json(const std::vector<RobotFinding>& findings);
 
 }  // namespace crossgait

@@ -21,7 +21,7 @@ enum class LintFormat { kText, kJson, kSarif, kJunit };
 /// not walk. A file that cannot be read is a finding, too.
 LintedRobot lint_robot(const std::string& file, const std::vector<std::string>& engines);
 
-/// What is known of findings: file, of and what, numbers left out, for these differ in the last digit.
+/// Findings that are known: file, of and what, numbers left out, for these differ in the last digit.
 using LintBaseline = std::set<std::string>;
 
 /// Takes the findings of an earlier run, in JSON. @throws ConfigError naming the file if it is no such
@@ -32,10 +32,10 @@ struct LintReport {
   LintBaseline known;
 
   bool is_known(const LintedRobot& robot, const RobotFinding& finding) const;
-  /// Findings of this severity or worse that are not known.
+  /// Counts findings of this severity or worse that are not known.
   std::size_t count_new(Severity least) const;
-  /// As lines; JSON; SARIF 2.1.0 (OASIS), known findings `unchanged`; or JUnit's XML, where a robot is a
-  /// suite and a finding that is an error and not known a failure.
+  /// Writes findings as lines; JSON; SARIF 2.1.0 (OASIS), known findings `unchanged`; or JUnit's XML, where a
+  /// robot is a suite and a finding that is an error and not known a failure.
   std::string text(LintFormat format) const;
 };
 

@@ -12,7 +12,7 @@
 
 namespace crossgait {
 
-/// Nothing, a number, several, or a word.
+/// Holds nothing, a number, several, or a word.
 using QuantityValue = std::variant<std::monostate, double, std::vector<double>, std::string>;
 
 struct RobotQuantity {
@@ -29,8 +29,8 @@ struct RobotQuantity {
 /// @param world  in which the robot would be
 std::vector<RobotQuantity> robot_quantities(const LoadedRobot& loaded, const WorldSpec& world);
 
-/// The warnings of the robot's report and those that only a world tells: contact and steps of time of the
-/// file that are not simulated, with both numbers, and servo loops for which the steps are too long.
+/// Lists the warnings of the robot's report and those that only a world tells: contact and steps of time of
+/// the file that are not simulated, with both numbers, and servo loops for which the steps are too long.
 std::vector<std::string> robot_warnings(const LoadedRobot& loaded, const WorldSpec& world);
 
 /// Says that steps of `dt` (s) are too long for a robot's explicit servos, with numbers; empty if they are
@@ -41,12 +41,12 @@ std::string servo_loop_warning(const RobotDescription& robot, double dt);
 /// and what is simulated (time_constant_in_steps); empty if none is. @param contact  as asked
 std::string softness_warning(const RobotDescription& robot, const ContactSpec& contact, double dt);
 
-/// Both of them, those that there are. @param contact  as asked
+/// Lists both warnings of steps, those that there are. @param contact  as asked
 std::vector<std::string> step_warnings(const RobotDescription& robot, const ContactSpec& contact, double dt);
 
-/// A table in which what is alike for several joints or feet is one row.
+/// Tabulates quantities; what is alike for several joints or feet is one row.
 std::string describe(const std::vector<RobotQuantity>& quantities);
-/// Lists of `of, name, unit, file, used, why`; nothing is null.
+/// Writes lists of `of, name, unit, file, used, why`; nothing is null.
 nlohmann::ordered_json to_json(const std::vector<RobotQuantity>& quantities);
 
 }  // namespace crossgait

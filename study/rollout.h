@@ -13,16 +13,16 @@
 
 namespace crossgait {
 
-/// How many episodes, from which seed, on how many threads.
+/// Says how many episodes, from which seed, on how many threads.
 struct EpisodeOptions {
   std::size_t episodes = 3, workers = default_workers();
   std::uint64_t seed = 0;
 
-  /// As many threads as the machine has.
+  /// Returns as many threads as the machine has.
   static std::size_t default_workers();
 };
 
-/// One policy's episodes.
+/// Holds one policy's episodes.
 struct PolicyEpisodes {
   std::string policy;
   std::vector<EpisodeSummary> episodes;
@@ -36,15 +36,15 @@ struct Rollout {
   bool interrupted = false;  ///< before its end, by a Progress that threw Interrupted
 };
 
-/// A policy, and what tables call it.
+/// Names a policy as tables do, and makes it.
 struct NamedPolicy {
   std::string name;
   PolicyFactory make;
 };
-/// Reads it as `load_policy` does. @throws ConfigError
+/// Reads a policy as `load_policy` does. @throws ConfigError
 NamedPolicy find_policy(const std::string& text);
 
-/// Every policy on the same worlds. An interruption leaves the episodes that are finished. @throws
+/// Runs every policy on the same worlds. An interruption leaves the episodes that are finished. @throws
 /// ConfigError
 Rollout roll_out(const LoadedEnv& environment, std::span<const NamedPolicy> policies,
                  const EpisodeOptions& options, const Progress& progress = {});
@@ -56,7 +56,7 @@ Rollout roll_out(const LoadedEnv& environment, const std::vector<std::string>& p
 EpisodeSummary watch_episode(const LoadedEnv& environment, const NamedPolicy& policy, std::uint64_t seed,
                              const std::function<void(const QuadrupedEnv&)>& observer,
                              std::size_t episode = 0);
-/// The same episode as a trace: `sink` takes what it is after every policy step.
+/// Records the same episode as a trace: `sink` takes what it is after every policy step.
 void record_episode(const LoadedEnv& environment, const NamedPolicy& policy, std::uint64_t seed,
                     TraceSink& sink);
 inline void record_episode(const LoadedEnv& environment, const std::string& policy, std::uint64_t seed,
@@ -64,7 +64,7 @@ inline void record_episode(const LoadedEnv& environment, const std::string& poli
   record_episode(environment, find_policy(policy), seed, sink);
 }
 
-/// One policy, and none, in one engine on one ground.
+/// Compares one policy with none, in one engine on one ground.
 struct TransferCell {
   std::string terrain, engine;
   Evaluation policy, baseline;
@@ -78,7 +78,7 @@ struct Transfer {
   bool interrupted = false;         ///< before its end, by a Progress that threw Interrupted
 };
 
-/// An interruption leaves the cells that are finished. @throws ConfigError
+/// Compares a policy with none; interrupted, it leaves the cells that are finished. @throws ConfigError
 Transfer transfer_policy(const LoadedEnv& environment, const NamedPolicy& policy,
                          const std::vector<std::string>& engines, const std::vector<std::string>& terrains,
                          const EpisodeOptions& options, const Progress& progress = {});
@@ -93,9 +93,9 @@ inline Transfer transfer_policy(const LoadedEnv& environment, const std::string&
 /// @throws ConfigError
 EnvFactory env_factory(const LoadedEnv& environment);
 
-/// How fast every policy went, and how its episodes ended.
+/// Says how fast every policy went, and how its episodes ended.
 std::string summary(const Rollout& rollout);
-/// Keys as in docs/schemas.
+/// Writes keys as in docs/schemas.
 nlohmann::ordered_json to_json(const Evaluation& evaluation);
 nlohmann::ordered_json to_json(const EpisodeSummary& episode);
 nlohmann::ordered_json to_json(const Rollout& rollout);
@@ -104,10 +104,10 @@ Table table(const Rollout& rollout);
 Table table(const Transfer& transfer);
 std::string describe(const Rollout& rollout);
 std::string describe(const Transfer& transfer);
-/// A policy's name in a table: a file's without its folder.
+/// Returns a policy's name in a table: a file's without its folder.
 std::string short_name(const std::string& policy);
 
-/// "3 fell, 1 left the terrain", "all walked".
+/// Says "3 fell, 1 left the terrain", "all walked".
 std::string outcomes_in_words(const Evaluation& evaluation);
 
 }  // namespace crossgait

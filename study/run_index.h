@@ -19,7 +19,7 @@ inline constexpr std::size_t kMaxStoreBytes = std::size_t{16} << 30U;
 /// Stores from this size on get an index beside them; smaller ones are read in less time than it matters.
 inline constexpr std::size_t kIndexedStoreBytes = std::size_t{16} << 20U;
 
-/// Places of the runs of a store by their hashes. Of rows of one hash the last that has a result counts.
+/// Finds a store's runs by their hashes. Of rows of one hash the last that has a result counts.
 ///
 /// It is kept in FILE.index beside the store FILE. An index that is missing, torn, of another file, or of a
 /// store that was changed otherwise than by appending, is not used: the store is read from its beginning,
@@ -32,10 +32,10 @@ class RunIndex {
   /// @throws ConfigError naming file and line for what is no stored run, or a store beyond the bounds above
   explicit RunIndex(std::string store, Begin begin = Begin::kFromIndex);
 
-  /// Runs that have a result.
+  /// Counts runs that have a result.
   std::size_t size() const noexcept { return size_; }
-  /// Bytes of the store as it was read; of them, those of a last line that was cut off; and whether a last
-  /// line is whole but for its end.
+  /// Counts bytes of the store as it was read; of them, those of a last line that was cut off; and whether a
+  /// last line is whole but for its end.
   std::size_t bytes() const noexcept { return bytes_; }
   std::size_t torn_bytes() const noexcept { return torn_bytes_; }
   bool lacks_line_end() const noexcept { return lacks_line_end_; }
@@ -47,7 +47,7 @@ class RunIndex {
   /// its end
   void add(std::uint64_t hash, std::size_t begin, std::size_t end);
 
-  /// Hashes of all rows, in their order, and of each whether it is of a run that failed.
+  /// Lists hashes of all rows, in their order, and of each whether it is of a run that failed.
   std::vector<std::pair<std::uint64_t, bool>> rows() const;
 
   /// Writes FILE.index if the store is large enough and enough of it is new, and no file of somebody else's
@@ -55,7 +55,7 @@ class RunIndex {
   void save(std::size_t least_bytes = kIndexedStoreBytes) noexcept;
 
  private:
-  /// Of a row: where it begins, and whether its run failed.
+  /// Says of a row where it begins, and whether its run failed.
   struct Place {
     std::uint64_t hash = 0, begin : 63 = 0, failed : 1 = 0;
   };

@@ -18,9 +18,9 @@ class RunMaker {
   /// @throws ConfigError for a robot, ground or environment that cannot be read
   explicit RunMaker(LoadedBehaviour loaded);
 
-  /// `to_json` of one run in an available engine. @throws ConfigError
+  /// Returns `to_json` of one run in an available engine. @throws ConfigError
   nlohmann::json describe(const std::string& engine, const Variation& variation, std::size_t start) const;
-  /// Whether a variation keeps time steps whole (Behaviour::allows). @throws ConfigError as `make_behaviour`
+  /// Tells if a variation keeps time steps whole (Behaviour::allows). @throws ConfigError as `make_behaviour`
   bool allows(const std::string& engine, const Variation& variation) const;
   /// Makes the run. @returns its `stored_run`  @throws ConfigError
   std::string make(const std::string& engine, const Variation& variation, std::size_t start) const;

@@ -18,20 +18,20 @@
 
 namespace crossgait {
 
-/// A policy in its environment.
+/// Names a policy in its environment.
 struct PolicyConfig {
   EnvConfig environment;        ///< its engine is the run's
   std::string policy = "zero";  ///< as `load_policy` takes it
 };
 
-/// What a verdict, a sweep or a single run is about, in whatever engine.
+/// Says what a verdict, a sweep or a single run is about, in whatever engine.
 struct BehaviourSpec {
   std::variant<WalkConfig, PolicyConfig> what;
   StartRanges starts;
   std::uint64_t seed = 0;  ///< of the starts
 };
 
-/// A policy in its environment, whose files are read.
+/// Holds a policy in its environment, whose files are read.
 struct LoadedPolicy {
   /// @param name  of the policy, as `load_policy` takes it. @throws ConfigError
   LoadedPolicy(const LoadedEnv& environment, const std::string& name);
@@ -41,25 +41,25 @@ struct LoadedPolicy {
   std::vector<FileRead> files;  ///< that the policy was made of: its own, and those that it names
 };
 
-/// The same with its robot and ground, read once: whoever describes, judges and runs it means the same one.
+/// Holds a behaviour, robot and ground read once: whoever describes, judges and runs it means the same one.
 struct LoadedBehaviour {
   std::variant<LoadedWalk, LoadedPolicy> what;
   StartRanges starts;
   std::uint64_t seed = 0;
   nlohmann::json described;  ///< as it stands in a run: `behaviour`, `starts` and `seed`
 
-  /// Not explicit: a specification may stand wherever one that is read is asked for. @throws ConfigError
+  /// Converts: a specification may stand wherever one that is read is asked for. @throws ConfigError
   LoadedBehaviour(const BehaviourSpec& spec);
   LoadedBehaviour(LoadedWalk walk, const StartRanges& ranges, std::uint64_t of_starts);
   LoadedBehaviour(const PolicyConfig& policy, const StartRanges& ranges, std::uint64_t of_starts);
   LoadedBehaviour(const LoadedEnv& environment, const std::string& policy, const StartRanges& ranges,
                   std::uint64_t of_starts);
 
-  /// That it takes place in: a walk's, or its environment's.
+  /// Returns the world that it takes place in: a walk's, or its environment's.
   const WorldSpec& world() const;
 };
 
-/// One run of it.
+/// Describes one run of a behaviour.
 struct RunSpec {
   BehaviourSpec behaviour;
   std::string engine, engine_version;  ///< EngineInfo::name and EngineInfo::version
@@ -69,30 +69,30 @@ struct RunSpec {
   std::string crossgait = std::string(crossgait_version());
 };
 
-/// What came of a run, by the keys of the behaviour's statistics.
+/// Says what came of a run, by the keys of the behaviour's statistics.
 struct RunResult {
   std::vector<std::string> keys;
   BehaviourRun run;
 };
 
-/// Everything that the result of a run depends on, and nothing else: keys sorted, no spaces, numbers with as
-/// many digits as bring them back. Files of policies and terrains stand with the SHA-256 of their bytes.
-/// `schema` is run/4.
+/// Writes everything that the result of a run depends on, and nothing else: keys sorted, no spaces, numbers
+/// with as many digits as bring them back. Files of policies and terrains stand with the SHA-256 of their
+/// bytes. `schema` is run/4.
 nlohmann::json to_json(const RunSpec& spec);
-/// One run of a behaviour that is described already. @param behaviour  LoadedBehaviour::described
+/// Describes one run of a behaviour that is described already. @param behaviour  LoadedBehaviour::described
 nlohmann::json describe_run(nlohmann::json behaviour, const EngineInfo& engine, const Variation& variation,
                             std::size_t start, double horizon = kToTheEnd);
 std::string canonical_json(const RunSpec& run);
-/// 64-bit FNV-1a of the canonical JSON, as 16 hexadecimal digits.
+/// Returns the 64-bit FNV-1a of the canonical JSON, as 16 hexadecimal digits.
 std::string run_hash(const RunSpec& run);
 
 /// Returns the robot's name and `identity_hash`.
 nlohmann::json identity_of_robot(const RobotDescription& robot);
 
-/// What is judged and run. @throws ConfigError for what cannot be made
+/// Makes what is judged and run. @throws ConfigError for what cannot be made
 Behaviour make_behaviour(const LoadedBehaviour& loaded);
 
-/// The same of any walk: on the ground of `walk`, whose random terrains differ from start to start.
+/// Makes a behaviour of any walk: on the ground of `walk`, whose random terrains differ by start.
 Behaviour make_behaviour(const LoadedWalk& walk, const WalkSetup& setup, const StartRanges& starts,
                          std::uint64_t seed);
 

@@ -13,13 +13,13 @@
 
 namespace crossgait {
 
-/// A line of a store, without its end: {"hash", "run", "result": {"outcome", "seconds", KEY: value or null}}.
+/// Writes a line but its end: {"hash", "run", "result": {"outcome", "seconds", KEY: value or null}}.
 /// @param run  `to_json(RunSpec)`  @throws ConfigError if keys and values differ in number
 std::string stored_run(const nlohmann::json& run, const RunResult& result);
 
-/// A file that only grows, a `stored_run` on each line. Runs that a sweep could not make have an "error" for
-/// a result, and count as not stored. It is one process's at a time, by the lock that sweeps take
-/// (`LockedFile`): others are refused.
+/// Keeps runs in a file that only grows, a `stored_run` on each line. Runs that a sweep could not make have
+/// an "error" for a result, and count as not stored. It is one process's at a time, by the lock that sweeps
+/// take (`LockedFile`): others are refused.
 ///
 /// Opening it changes nothing in it. With the first run that is added, a last line that is the beginning of a
 /// stored run and no more (its writer was killed, or lost power) is cut off, to be made again; a last line
@@ -53,10 +53,10 @@ class RunStore {
   bool lacks_line_end_ = false;  ///< of a last line that is whole
 };
 
-/// How many runs a store holds, whoever writes it. @throws ConfigError as RunStore, but for its lock
+/// Counts the runs that a store holds, whoever writes it. @throws ConfigError as RunStore, but for its lock
 std::size_t count_stored_runs(const std::string& path);
 
-/// `behaviour`, made of `loaded`, that looks a run up before it makes it, and stores what it made.
+/// Returns `behaviour`, made of `loaded`, that looks a run up before it makes it, and stores what it made.
 Behaviour with_store(Behaviour behaviour, const LoadedBehaviour& loaded, std::shared_ptr<RunStore> store);
 
 }  // namespace crossgait

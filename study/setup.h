@@ -12,7 +12,7 @@
 
 namespace crossgait {
 
-/// One thing in which B differs from A.
+/// Describes one thing in which B differs from A.
 struct SetupChange {
   std::string name;      ///< of a quantity (world_quantities), or a part of another robot file (robot_parts)
   std::string group;     ///< what it is a part of: "gains", "mass properties", "contact"
@@ -22,7 +22,7 @@ struct SetupChange {
   std::function<void(WorldSpec&)> apply;
 };
 
-/// The worlds alone differ: controller, starts and pushes are those of A in both, whatever B is made of.
+/// Lets the worlds alone differ: controller, starts and pushes are A's in both, whatever B is made of.
 struct WorldSetup {
   std::string text;  ///< as asked for, files by their robot's name and the beginning of its identity
   WorldSpec a;
@@ -32,15 +32,15 @@ struct WorldSetup {
 
 /// Every set of factors is run, so there are no more of them than this.
 inline constexpr std::size_t kMostSetupFactors = 8;
-/// What is one factor of a gap between setups.
+/// Says what is one factor of a gap between setups.
 enum class SetupFactorOf {
   kChange,  ///< each change
   kGroup,   ///< all changes of one group, where there are too many
   kKind,    ///< where there are too many groups, those of servos, those of joints, and time step with gravity
 };
-/// "change", "group", "kind"
+/// Names a level: "change", "group", "kind".
 std::string_view name(SetupFactorOf level) noexcept;
-/// The first that makes no more than kMostSetupFactors.
+/// Returns the first that makes no more than kMostSetupFactors.
 SetupFactorOf factors_of(const WorldSetup& setup);
 
 /// Reads "friction=0.4,mass=x1.1,robot=other.yaml": names of world_quantities with a value or a factor, and
@@ -50,15 +50,15 @@ SetupFactorOf factors_of(const WorldSetup& setup);
 /// for a world that cannot be
 WorldSetup read_setup(const std::string& text, const WorldSpec& a, std::string_view source = "--against");
 
-/// `engine` with every world of it as it is under B. Its name says so: "mujoco with friction=0.4".
+/// Returns `engine` with every world of it as it is under B. Its name says so: "mujoco with friction=0.4".
 Engine with_setup(const Engine& engine, const WorldSetup& setup);
 
-/// From A to B by the factors of `factors_of`.
+/// Returns the family from A to B by the factors of `factors_of`.
 EngineFamily setup_family(const Engine& engine, const WorldSetup& setup);
 
-/// What B changes, a line each, and what both have in common.
+/// Says what B changes, a line each, and what both have in common.
 std::string describe(const WorldSetup& setup);
-/// `text`, `factor` ("change", "group" or "kind") and `changes` of `name, group, unit, from, to`.
+/// Writes `text`, `factor` ("change", "group" or "kind") and `changes` of `name, group, unit, from, to`.
 nlohmann::ordered_json to_json(const WorldSetup& setup);
 
 }  // namespace crossgait

@@ -32,10 +32,10 @@ struct Standing {
 /// ground, in each engine. @throws ConfigError for an engine that is not there, or fewer seconds than 0.5
 std::vector<Standing> stand(const WorldSpec& world, const std::vector<std::string>& engines, double seconds);
 
-/// A table for each engine.
+/// Writes a table for each engine.
 std::string describe(const std::vector<Standing>& standings);
-/// By engine: `outcome, height_m, sag_m, roll_rad, pitch_rad`, `joints` of `name, target, reached, torque,
-/// share_of_effort`.
+/// Writes by engine: `outcome, height_m, sag_m, roll_rad, pitch_rad`, `joints` of `name, target, reached,
+/// torque, share_of_effort`.
 nlohmann::ordered_json to_json(const std::vector<Standing>& standings);
 
 }  // namespace crossgait

@@ -10,7 +10,7 @@
 
 namespace crossgait {
 
-/// What a line of a store says.
+/// Holds what a line of a store says.
 struct StoredRow {
   std::uint64_t hash = 0;
   std::optional<RunResult> result;  ///< none of a run that failed
@@ -20,10 +20,10 @@ struct StoredRow {
 /// @param number  of the line, for errors  @throws ConfigError naming file and line for what is no stored run
 StoredRow read_stored_row(std::string_view line, const std::string& path, std::size_t number);
 
-/// The number that a hash of 16 hexadecimal digits stands for; none for other text.
+/// Returns the number that a hash of 16 hexadecimal digits stands for; none for other text.
 std::optional<std::uint64_t> parse_run_hash(std::string_view text) noexcept;
 
-/// Whether a last line without end is what the writer of a row leaves that is stopped on its way: the
+/// Tells whether a last line without end is what the writer of a row leaves that is stopped on its way: the
 /// beginning of a row, as `stored_run` writes it, and no whole value behind which something else stands.
 bool is_torn_row(std::string_view line);
 

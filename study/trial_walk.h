@@ -28,7 +28,7 @@ struct Trial {
   bool passed() const;
 };
 
-/// On flat ground, as `crossgait walk` would. @throws ConfigError
+/// Tries a robot on flat ground, as `crossgait walk` would. @throws ConfigError
 Trial try_robot(std::shared_ptr<const RobotDescription> robot, const std::vector<std::string>& engines,
                 double seconds = 2);
 

@@ -16,7 +16,7 @@
 
 namespace crossgait {
 
-/// What sets of parameters are chosen by, where there is no course.
+/// Says what sets of parameters are chosen by, where there is no course.
 enum class TuneFor {
   kSpeed,
   kCost,  ///< the least cost of transport at 95 % or more of the speed that the command asks for
@@ -29,12 +29,12 @@ struct TuneOptions {
   std::size_t unseen = 3;       ///< other terrain seeds, or runs, for the checks
   std::size_t workers = EpisodeOptions::default_workers();
   std::uint64_t seed = 0;  ///< of the search, and the first terrain seed
-  /// By whose score sets are chosen, the lowest of all engines (study/course.h); by speed if there is none.
+  /// Course by whose score sets are chosen, the lowest of all engines (study/course.h); by speed if none.
   std::optional<Course> course = {};
   TuneFor aim = TuneFor::kSpeed;
 };
 
-/// The same parameters in every engine on one set of terrain seeds.
+/// Checks the same parameters in every engine on one set of terrain seeds.
 struct TuneCheck {
   std::string ground, parameters;         ///< "seeds tuned on" or "unseen seeds"; "default" or "tuned"
   std::vector<Evaluation> per_engine;     ///< as Tuning::engines; empty on a course
@@ -58,10 +58,10 @@ struct Tuning {
 Tuning tune_gait(const LoadedEnv& method, const std::vector<std::string>& engines, const TuneOptions& options,
                  const Progress& progress = {});
 
-/// Keys as in docs/schemas/tune.json.
+/// Writes keys as in docs/schemas/tune.json.
 nlohmann::ordered_json to_json(const Tuning& tuning);
 std::string describe(const Tuning& tuning);
-/// What it says: parameters before and after, and their speeds in every engine.
+/// Tabulates what a tuning says: parameters before and after, and their speeds in every engine.
 std::array<Table, 2> tables(const Tuning& tuning);
 
 }  // namespace crossgait

@@ -23,18 +23,18 @@ struct WalkComparison {
   bool interrupted = false;                 ///< before its end, by a progress that threw Interrupted
 };
 
-/// The same walk in every engine. An interruption leaves the walks up to the same step, or the walks without
-/// a verdict. @throws ConfigError for fewer than two engines, or one twice
+/// Runs the same walk in every engine. An interruption leaves the walks up to the same step, or the walks
+/// without a verdict. @throws ConfigError for fewer than two engines, or one twice
 WalkComparison compare_walks(const LoadedWalk& loaded, const std::vector<std::string>& engines,
                              const CompareOptions& options = {}, const StageProgress& progress = {},
                              const TraceSinks& sinks = {});
 
-/// The same of any walk in its world, without a verdict.
+/// Runs any walk in its world in every engine, without a verdict.
 Comparison compare_walks(const WorldSpec& world, const WalkSetup& setup,
                          const std::vector<std::string>& engines, const DivergenceTolerances& tolerances = {},
                          const StageProgress& progress = {}, const TraceSinks& sinks = {});
 
-/// With their schemas: docs/schemas/walk.json and compare.json.
+/// Writes results with their schemas: docs/schemas/walk.json and compare.json.
 nlohmann::ordered_json report(const WalkRun& run);
 nlohmann::ordered_json report(const WalkComparison& result);
 

@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// The initialisers are the defaults of `crossgait walk`.
+/// Describes a walk; the initialisers are the defaults of `crossgait walk`.
 struct WalkConfig {
   std::string robot = "scara_quadruped";  ///< a bundled robot or a file
   std::string terrain = "flat";           ///< as `make_terrain` takes it
@@ -23,9 +23,9 @@ struct WalkConfig {
   WalkTiming timing;
   OutcomeSet terminations = OutcomeSet::of_walks();  ///< outcomes that end it before its time
 
-  /// The controller's side of it.
+  /// Returns the controller's side of it.
   WalkSetup setup() const;
-  /// An environment in which the zero policy walks like this, one policy step per control step.
+  /// Describes an environment in which the zero policy walks like this, one policy step per control step.
   /// @throws ConfigError for what an environment cannot do: `auto`, no compensation
   EnvConfig environment() const;
 };

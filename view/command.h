@@ -12,43 +12,43 @@
 
 namespace crossgait {
 
-/// {"do": "drive", "vx": m/s, "vy": m/s, "yaw_rate": rad/s}
+/// Holds {"do": "drive", "vx": m/s, "vy": m/s, "yaw_rate": rad/s}.
 struct DriveCommand {
   VelocityCommand velocity;
 };
-/// {"do": "gait", "gait": NAME}, `auto` among them
+/// Holds {"do": "gait", "gait": NAME}, `auto` among them.
 struct GaitCommand {
   std::string gait;
 };
-/// {"do": "set", "name": PARAMETER, "value": NUMBER}
+/// Holds {"do": "set", "name": PARAMETER, "value": NUMBER}.
 struct ParameterCommand {
   std::string name;
   double value = 0;
 };
-/// {"do": "curve", "curve": NAME}: of SwingCurve
+/// Holds {"do": "curve", "curve": NAME}: of SwingCurve.
 struct CurveCommand {
   std::string curve;
 };
-/// {"do": "push", "impulse": [x, y, z]}, N s, in the axes of W
+/// Holds {"do": "push", "impulse": [x, y, z]}, N s, in the axes of W.
 struct PushCommand {
   Vector3 impulse = Vector3::Zero();
 };
-/// {"do": "terrain", "terrain": "NAME[:k=v,...]", "seed": NUMBER}: a generator, never a file
+/// Holds {"do": "terrain", "terrain": "NAME[:k=v,...]", "seed": NUMBER}: a generator, never a file.
 struct TerrainCommand {
   std::string terrain;
   std::uint64_t seed = 0;
 };
-/// {"do": "engines", "engines": [NAME, ...]}: one, or several side by side
+/// Holds {"do": "engines", "engines": [NAME, ...]}: one, or several side by side.
 struct EnginesCommand {
   std::vector<std::string> engines;
 };
-/// {"do": "pause", "on": BOOL}
+/// Holds {"do": "pause", "on": BOOL}.
 struct PauseCommand {
   bool on = false;
 };
-/// {"do": "stand"}: up again, at the origin
+/// Holds {"do": "stand"}: up again, at the origin.
 struct StandCommand {};
-/// {"do": "record", "on": BOOL}
+/// Holds {"do": "record", "on": BOOL}.
 struct RecordCommand {
   bool on = false;
 };
@@ -59,8 +59,8 @@ using ViewCommand = std::variant<DriveCommand, GaitCommand, ParameterCommand, Cu
 /// Longest text of a command, bytes.
 inline constexpr std::size_t kMaxCommandBytes = 4096;
 
-/// What `text` says. Ranges are the session's to check. @throws ConfigError for text that is no JSON object,
-/// an unknown command, and keys that are missing, unknown or of another type
+/// Reads what `text` says. Ranges are the session's to check. @throws ConfigError for text that is no JSON
+/// object, an unknown command, and keys that are missing, unknown or of another type
 ViewCommand parse_view_command(std::string_view text);
 
 }  // namespace crossgait

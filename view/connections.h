@@ -19,9 +19,9 @@ struct ConnectionLimits {
   std::size_t waiting = 64;  ///< connections that no thread has taken up
 };
 
-/// A server that answers one request per connection, and that nobody holds up: whoever has not sent a whole
-/// request in time is let go, however much of it came; of those that wait the newest is next, and the oldest
-/// is let go where they are too many. `Range` is not looked at: everything is sent whole.
+/// Answers one request per connection, as a server that nobody holds up: whoever has not sent a whole request
+/// in time is let go, however much of it came; of those that wait the newest is next, and the oldest is let
+/// go where they are too many. `Range` is not looked at: everything is sent whole.
 class BoundedServer : public httplib::Server {
  public:
   /// @throws std::system_error if its threads cannot be started

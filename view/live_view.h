@@ -15,15 +15,15 @@
 
 namespace crossgait {
 
-/// A frame as text, the same for all that watch.
+/// Holds a frame as text, the same for all that watch.
 struct LiveFrame {
   std::uint64_t number = 0;  ///< from 1
   std::shared_ptr<const std::string> json;
 };
 
-/// Simulated time follows the clock: whole control steps, twenty milliseconds of them at a time, then a
-/// frame. Where the machine is too slow the simulation falls behind and is not hurried after. The physics
-/// never sees the clock. Only the newest frame is kept: who does not come for it in time misses it.
+/// Simulates by the clock: whole control steps, twenty milliseconds of them at a time, then a frame. Where
+/// the machine is too slow the simulation falls behind and is not hurried after. The physics never sees the
+/// clock. Only the newest frame is kept: who does not come for it in time misses it.
 class LiveView {
  public:
   /// Starts the thread. @param session  is its own from now on
@@ -33,18 +33,18 @@ class LiveView {
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
 
-  /// Done before the next step, after those that wait already. Called from any thread; returns when it is
-  /// done.
+  /// Executes a command before the next step, after those that wait already. Called from any thread; returns
+  /// when it is done.
   /// @throws ConfigError as ViewSession::apply, or if too many wait
   void execute(const ViewCommand& command);
-  /// The newest frame, as soon as it is not number `seen`; the same again after `patience`.
+  /// Returns the newest frame, as soon as it is not number `seen`; the same again after `patience`.
   LiveFrame next_frame(std::uint64_t seen, std::chrono::milliseconds patience) const;
-  /// ViewSession::options and ViewSession::scene as text.
+  /// Returns ViewSession::options and ViewSession::scene as text.
   std::shared_ptr<const std::string> options() const { return options_; }
   std::shared_ptr<const std::string> scene() const;
-  /// ViewSession::recording.
+  /// Returns ViewSession::recording.
   std::shared_ptr<const ReportPage> recording() const;
-  /// Why the simulation ended, empty while it goes on.
+  /// Says why the simulation ended, empty while it goes on.
   std::string failure() const;
 
  private:

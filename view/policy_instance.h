@@ -16,12 +16,12 @@ class PolicyInstance final : public RobotInstance {
   /// may, and its command begins at zero. @param policy  as `load_policy` takes it. @throws ConfigError
   PolicyInstance(const Engine& engine, const LoadedEnv& environment, const std::string& policy);
 
-  /// A policy that remembers what it saw begins anew.
+  /// Begins a policy anew that remembers what it saw.
   std::unique_ptr<RobotInstance> with_engine(const Engine& engine) const override;
   std::unique_ptr<RobotInstance> with_terrain(const Engine& engine,
                                               const TerrainChoice& ground) const override;
 
-  /// Control steps are made a policy step at a time, with the first of it.
+  /// Makes control steps a policy step at a time, with the first of it.
   void step() override;
   void stand_up() override;
   void push(const Vector3& impulse) override;

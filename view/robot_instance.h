@@ -12,13 +12,13 @@
 
 namespace crossgait {
 
-/// A ground by generator, as `make_terrain` takes it.
+/// Describes a ground by generator, as `make_terrain` takes it.
 struct TerrainChoice {
   std::string terrain;
   std::uint64_t seed = 0;
 };
 
-/// What drives it is a gait (gait_instance.h) or a policy (policy_instance.h).
+/// Drives one robot by a gait (gait_instance.h) or a policy (policy_instance.h).
 class RobotInstance {
  public:
   RobotInstance() = default;
@@ -26,26 +26,26 @@ class RobotInstance {
   RobotInstance(const RobotInstance&) = delete;
   RobotInstance& operator=(const RobotInstance&) = delete;
 
-  /// As it is now, in another engine: generalised coordinates, velocities and time of the world, phase and
+  /// Copies this, as it is, into another engine: coordinates, velocities and time of the world, phase and
   /// parameters of the gait, statistics. Contacts, pending pushes and servo targets that are on their way are
   /// forgotten, as `PhysicsBackend::reset` does. @throws ConfigError if the world cannot be made
   virtual std::unique_ptr<RobotInstance> with_engine(const Engine& engine) const = 0;
-  /// Anew on another ground, standing at its origin, gait and parameters as they are. @throws ConfigError
+  /// Makes one anew on another ground, standing at its origin, gait and parameters kept. @throws ConfigError
   virtual std::unique_ptr<RobotInstance> with_terrain(const Engine& engine,
                                                       const TerrainChoice& ground) const = 0;
 
   /// Goes on by one control step, unless it has ended (it left the ground, the engine diverged).
   virtual void step() = 0;
-  /// Back to the stand at the origin, settled, without a command. @throws ConfigError if the parameters leave
-  /// no stand
+  /// Goes back to the stand at the origin, settled, without a command. @throws ConfigError if the parameters
+  /// leave no stand
   virtual void stand_up() = 0;
   /// @param impulse  N s, in W, at the base. @throws ConfigError if not finite
   virtual void push(const Vector3& impulse) = 0;
 
   /// @throws ConfigError beyond `drive_limits`, or not finite
   virtual void set_command(const VelocityCommand& command) = 0;
-  /// With the parameters that it prefers; `auto` is the gait for the speed. @throws ConfigError for an
-  /// unknown name, or where a policy drives
+  /// Sets a gait with the parameters that it prefers; `auto` is the gait for the speed. @throws ConfigError
+  /// for an unknown name, or where a policy drives
   virtual void set_gait(const std::string& gait) = 0;
   /// @throws ConfigError for an unknown name, a value outside `parameter_range`, or where a policy drives
   virtual void set_parameter(const std::string& name, double value) = 0;
@@ -54,14 +54,14 @@ class RobotInstance {
   virtual void set_curve(const std::string& curve) = 0;
 
   virtual const VelocityCommand& command() const noexcept = 0;
-  /// What `set_gait` was told; a policy's own gait; empty where joints are commanded.
+  /// Returns what `set_gait` was told; a policy's own gait; empty where joints are commanded.
   virtual std::string chosen_gait() const = 0;
-  /// Null where joints are commanded.
+  /// Returns the gait; null where joints are commanded.
   virtual const GaitGenerator* gait() const noexcept = 0;
   virtual const PhysicsBackend& world() const noexcept = 0;
   /// Returns the targets of the last control step.
   virtual const ControlTargets& targets() const noexcept = 0;
-  /// kWalked while all is well, else the worst so far.
+  /// Returns kWalked while all is well, else the worst so far.
   virtual Outcome outcome() const noexcept = 0;
 };
 

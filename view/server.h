@@ -9,8 +9,8 @@
 
 namespace crossgait {
 
-/// Whether Crossgait was built with a server (cpp-httplib). @throws ConfigError from `require_view_server` if
-/// not
+/// Checks that Crossgait was built with a server (cpp-httplib). @throws ConfigError from
+/// `require_view_server` if not
 void require_view_server();
 
 struct ViewServerOptions {
@@ -36,7 +36,7 @@ class ViewServer {
   ViewServer& operator=(const ViewServer&) = delete;
 
   int port() const noexcept;
-  /// With the token: who knows it may drive.
+  /// Returns the address with the token: who knows it may drive.
   std::string address() const;
 
  private:

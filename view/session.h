@@ -18,13 +18,13 @@
 
 namespace crossgait {
 
-/// Engines as a session reaches them.
+/// Provides engines as a session reaches them.
 struct EngineProvider {
   std::vector<std::string> names;                       ///< that may be asked for
   std::function<Engine(const std::string& name)> find;  ///< throws ConfigError
 };
 
-/// A policy that drives, and the environment that it is for.
+/// Holds a policy that drives, and the environment that it is for.
 struct ViewPolicy {
   LoadedEnv environment;
   std::string policy;  ///< as `load_policy` takes it
@@ -46,13 +46,13 @@ inline constexpr std::size_t kMaxRecordedSteps = 30'000;
 
 class ViewSession {
  public:
-  /// Robots stand, settled. @throws ConfigError
+  /// Makes robots that stand, settled. @throws ConfigError
   ViewSession(const ViewSetup& setup, EngineProvider provider);
 
-  /// At once, before the next step. A command that is refused changes nothing.
+  /// Applies a command at once, before the next step. A command that is refused changes nothing.
   /// @throws ConfigError for what is out of bounds, not known or cannot be made
   void apply(const ViewCommand& command);
-  /// Control steps of all robots, in step; none while paused. Memory stays as it is, but for a recording
+  /// Steps all robots together; does nothing while paused. Memory stays as it is, but for a recording
   void advance(int steps);
 
   double control_dt() const noexcept { return setup_.control_dt; }
@@ -61,25 +61,25 @@ class ViewSession {
 
   // As documents, for pages (session_documents.cpp).
 
-  /// What does not change: `engines`, `most_engines`, `gaits` (`name`, `summary`), `parameters` (`name`,
-  /// `unit`, `help`, `min`, `max`), `curves` (of the swing), `terrains` (`name`, `help`), `limits`
+  /// Writes what does not change: `engines`, `most_engines`, `gaits` (`name`, `summary`), `parameters`
+  /// (`name`, `unit`, `help`, `min`, `max`), `curves` (of the swing), `terrains` (`name`, `help`), `limits`
   /// (`forward`, `left`, `yaw_rate`, `push`), `mass` (kg) and `policy` (its name, null where a hand drives).
   nlohmann::ordered_json options() const;
-  /// What changes with the ground: `revision`, `scene` (report/scene.h) and its `numbers` in base64.
+  /// Writes what changes with the ground: `revision`, `scene` (report/scene.h) and its `numbers` in base64.
   nlohmann::ordered_json scene() const;
   /// Grows with every change of the ground.
   int scene_revision() const noexcept { return scene_revision_; }
-  /// The moment: `scene` (revision), `paused`, `chosen` (what the driver chose, `auto` perhaps), `gait` (the
-  /// one that walks), `curve`, `phase` and `parameters` (values, in the order of `options`; all five null
-  /// where joints are commanded), `command` (`vx`, `vy`, `yaw_rate`), `terrain`, `seed`, `recorded` (s, null
-  /// if nothing is being recorded), `reports` (recordings so far) and `robots`: `engine`, `law` (of contact),
-  /// `outcome`, `time` (s), `poses` of all bodies in W (x, y, z in m, quaternion x, y, z, w), `feet` (centres
-  /// in W, m), `forces` on them (in W, N), `contact` and `swing` by leg, `velocity` of the base (forward,
-  /// left in m/s, turning left in rad/s), `roll`, `pitch` (rad) and `height` over the ground (m). Numbers are
-  /// rounded to 1e-5.
+  /// Writes the moment: `scene` (revision), `paused`, `chosen` (what the driver chose, `auto` perhaps),
+  /// `gait` (the one that walks), `curve`, `phase` and `parameters` (values, in the order of `options`; all
+  /// five null where joints are commanded), `command` (`vx`, `vy`, `yaw_rate`), `terrain`, `seed`, `recorded`
+  /// (s, null if nothing is being recorded), `reports` (recordings so far) and `robots`: `engine`, `law` (of
+  /// contact), `outcome`, `time` (s), `poses` of all bodies in W (x, y, z in m, quaternion x, y, z, w),
+  /// `feet` (centres in W, m), `forces` on them (in W, N), `contact` and `swing` by leg, `velocity` of the
+  /// base (forward, left in m/s, turning left in rad/s), `roll`, `pitch` (rad) and `height` over the ground
+  /// (m). Numbers are rounded to 1e-5.
   nlohmann::ordered_json frame() const;
 
-  /// The last recording that was finished; null if there is none. It does not change any more.
+  /// Returns the last recording that was finished; null if there is none. It does not change any more.
   std::shared_ptr<const ReportPage> recording() const noexcept { return recording_; }
 
  private:

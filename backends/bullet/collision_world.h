@@ -14,8 +14,8 @@
 
 namespace crossgait::bullet {
 
-/// The btMultiBodyDynamicsWorld with one robot and one terrain, set up so that nothing but physics is left in
-/// it.
+/// Holds the btMultiBodyDynamicsWorld with one robot and one terrain, set up so that nothing but physics is
+/// left in it.
 class CollisionWorld {
  public:
   CollisionWorld(const WorldSpec& spec, const ContactFactors& factors, MultibodyModel& model,
@@ -24,12 +24,12 @@ class CollisionWorld {
   CollisionWorld(const CollisionWorld&) = delete;
   CollisionWorld& operator=(const CollisionWorld&) = delete;
 
-  /// Exactly one step of the spec's physics_dt. Contacts are found afresh: nothing survives from the last
-  /// step.
+  /// Takes exactly one step of the spec's physics_dt. Contacts are found afresh: nothing survives from the
+  /// last step.
   void step();
-  /// After the robot was moved by hand.
+  /// Takes note that the robot was moved by hand.
   void robot_moved();
-  /// Height of the terrain under (x, y) by Bullet's ray test; NaN where the ray misses.
+  /// Returns the height of the terrain under (x, y) by Bullet's ray test; NaN where the ray misses.
   double terrain_height(double x, double y) const;
 
  private:

@@ -12,11 +12,11 @@ namespace crossgait::bullet {
 using contact::DofVector;
 using contact::PointJacobian;
 
-/// M0 by the composite-rigid-body algorithm in world axes about the base's centre of mass (Featherstone 2008,
-/// section 6.2), for degrees of freedom in Bullet's order [w_W, v_W of the base's centre of mass, joint
-/// velocities]. Bullet itself offers the inverse of M0 alone, one column per 0.8 us tree traversal; every
-/// constraint row needs the inverse *with* armature. Tests hold M0 against the inverse that Bullet's
-/// articulated-body algorithm gives.
+/// Computes M0 by the composite-rigid-body algorithm in world axes about the base's centre of mass
+/// (Featherstone 2008, section 6.2), for degrees of freedom in Bullet's order [w_W, v_W of the base's centre
+/// of mass, joint velocities]. Bullet itself offers the inverse of M0 alone, one column per 0.8 us tree
+/// traversal; every constraint row needs the inverse *with* armature. Tests hold M0 against the inverse that
+/// Bullet's articulated-body algorithm gives.
 class CompositeInertia {
  public:
   explicit CompositeInertia(const btMultiBody& body);
@@ -24,7 +24,7 @@ class CompositeInertia {
   /// Reads the world transforms that Bullet cached for the current configuration, fills M0 and factors it.
   void update(contact::JointSpaceInertia& inertia) noexcept;
 
-  /// Velocity of the point p_WP of link `link` (-1: base) per unit of each dof, W. After `update`.
+  /// Finds the velocity of the point p_WP of link `link` (-1: base) per unit of each dof, W. After `update`.
   void point_jacobian(int link, const Vector3& p_WP, PointJacobian& J) const noexcept;
 
  private:

@@ -15,7 +15,7 @@
 
 namespace crossgait::bullet {
 
-/// How far above the ground a point of each link (base first) counts for Bullet's collision detection, m.
+/// Says how far above the ground a link's point (base first) counts for Bullet's collision detection, m.
 std::vector<double> contact_margins(const std::vector<contact::BodyFeature>& features, int links);
 
 /// Bullet's world calls it once per step, after its forward dynamics and collision detection. The joint stage
@@ -28,10 +28,10 @@ class ConstraintSolver final : public btMultiBodyConstraintSolver {
   ConstraintSolver(const WorldSpec& spec, const ContactFactors& factors, bool own_code,
                    MultibodyModel& model);
 
-  /// Call before the world steps: remembers velocities and the torques to apply.
+  /// Remembers velocities and the torques to apply; call it before the world steps.
   void begin_step(const JointVector& torque) noexcept;
-  /// False if the step produced a value that is not finite (velocities were then zeroed so that Bullet's
-  /// broadphase never sees one).
+  /// Returns false if the step produced a value that is not finite (velocities were then zeroed so that
+  /// Bullet's broadphase never sees one).
   bool finite() const noexcept { return finite_; }
   const contact::ContactStage& contact_stage() const noexcept { return contacts_; }
 

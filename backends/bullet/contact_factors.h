@@ -6,15 +6,15 @@
 
 namespace crossgait::bullet {
 
-/// Each piece is either MuJoCo's (false) or Bullet's (true). Everything else, the dynamics, the joint stage
-/// and the terrain, is the same in all of them.
+/// Says for each piece whether it is MuJoCo's (false) or Bullet's (true). Everything else, the dynamics, the
+/// joint stage and the terrain, is the same in all of them.
 struct ContactFactors : contact::LawFactors {
   bool narrowphase = false;  ///< contact points from Bullet's collision detection, not `touch_sphere` alone
   bool sweeps = false;       ///< as many projected Gauss-Seidel sweeps as Bullet makes, not a converged solve
 
-  /// MuJoCo's contact law in Bullet's dynamics.
+  /// Returns MuJoCo's contact law in Bullet's dynamics.
   static constexpr ContactFactors matched() { return {}; }
-  /// The law of Bullet as it ships.
+  /// Returns the law of Bullet as it ships.
   static constexpr ContactFactors native() {
     return {{true, true, true, true, true, true, true}, true, true};
   }
@@ -22,7 +22,7 @@ struct ContactFactors : contact::LawFactors {
   bool operator==(const ContactFactors&) const = default;
 };
 
-/// From "bullet:matched" to "bullet".
+/// Returns the factors from "bullet:matched" to "bullet".
 const contact::FactorTable<ContactFactors>& factor_table();
 
 }  // namespace crossgait::bullet

@@ -19,13 +19,13 @@ class MultibodyModel {
 
   btMultiBody& body() noexcept { return *body_; }
   const btMultiBody& body() const noexcept { return *body_; }
-  /// Pose of the principal frame P in the body's own frame.
+  /// Returns the pose of the principal frame P in the body's own frame.
   const Pose& X_BP(int body) const { return X_BP_[static_cast<std::size_t>(body)]; }
   /// Returns the poses of all bodies.
   const std::vector<Pose>& X_BP() const { return X_BP_; }
-  /// Where those of all bodies that can move touch the terrain. (Bullet's own routine loses small boxes on
-  /// height fields, and finds one point of a cylinder per step and gathers more over several, which a
-  /// restored run could not repeat.)
+  /// Lists the features with which bodies that can move touch the terrain. (Bullet's own routine loses small
+  /// boxes on height fields, and finds one point of a cylinder per step and gathers more over several, which
+  /// a restored run could not repeat.)
   std::vector<contact::BodyFeature> contact_features() const;
 
  private:

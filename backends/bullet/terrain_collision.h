@@ -13,7 +13,7 @@
 
 namespace crossgait::bullet {
 
-/// The shape of a link: a sphere or a rim (a flat cylinder) for each of its features, or no children.
+/// Makes the shape of a link: a sphere or a rim (a flat cylinder) for each of its features, or no children.
 /// @param features  have to outlive it
 /// @param children  keeps what the compound refers to
 std::unique_ptr<btCompoundShape> make_link_shape(const std::vector<contact::BodyFeature>& features, int link,

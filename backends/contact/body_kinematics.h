@@ -8,8 +8,8 @@
 
 namespace crossgait::contact {
 
-/// Asked in the configuration in which a step begins. Bodies are RobotDescription's; points and directions of
-/// a body are in its frame C, which the engine chooses. The functions may not throw nor allocate.
+/// Is asked in the configuration in which a step begins. Bodies are RobotDescription's; points and directions
+/// of a body are in its frame C, which the engine chooses. The functions may not throw nor allocate.
 struct BodyKinematics {
   std::vector<Pose> X_BC;  ///< by body: C in the body's own frame
   /// p_WP of a point fixed in a body, m.

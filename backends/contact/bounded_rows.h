@@ -9,10 +9,10 @@
 
 namespace crossgait::contact {
 
-/// Rows with w = A x + C y + b, where y are the contacts' impulses, such that x is at its upper bound where w
-/// < 0, at its lower one where w > 0 and between the two where w = 0: the minimum of 1/2 x'Ax + (C y + b)'x
-/// within the bounds. Friction of stuck joints is stiff against the contacts (with Gauss-Seidel sweeps over
-/// both a step takes four to eight times as long as without friction), so rows between their bounds are
+/// Solves rows with w = A x + C y + b, where y are the contacts' impulses, such that x is at its upper bound
+/// where w < 0, at its lower one where w > 0 and between the two where w = 0: the minimum of 1/2 x'Ax + (C y
+/// + b)'x within the bounds. Friction of stuck joints is stiff against the contacts (with Gauss-Seidel sweeps
+/// over both a step takes four to eight times as long as without friction), so rows between their bounds are
 /// eliminated exactly, and the contacts are solved in what remains.
 class BoundedRows {
  public:

@@ -9,14 +9,14 @@
 
 namespace crossgait::contact {
 
-/// Where a body can touch the terrain, in the frame C in which an engine takes points of it.
+/// Says where a body can touch the terrain, in the frame C in which an engine takes points of it.
 struct BodyFeature {
   ContactFeature feature;
   Vector3 p_CF = Vector3::Zero();     ///< centre, m
   Vector3 axis_C = Vector3::UnitZ();  ///< of a rim
 };
 
-/// Those of all bodies that can move. @param X_BC  as in BodyKinematics
+/// Lists the features of all bodies that can move. @param X_BC  as in BodyKinematics
 std::vector<BodyFeature> body_features(const RobotDescription& robot, bool fixed_base,
                                        const std::vector<Pose>& X_BC);
 

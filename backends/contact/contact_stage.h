@@ -17,8 +17,8 @@
 
 namespace crossgait::contact {
 
-/// With MuJoCo's factors contacts are placed midway between the surfaces, softened like MuJoCo's, and solved
-/// over true friction cones, of torsion and rolling too; any of these can be another's.
+/// Solves contacts; with MuJoCo's factors they are placed midway between the surfaces, softened like
+/// MuJoCo's, and solved over true friction cones, of torsion and rolling too; any of these can be another's.
 class ContactStage {
  public:
   /// @param spec,bodies,joints  must outlive it
@@ -31,7 +31,7 @@ class ContactStage {
   /// Forgets the contacts of the last step.
   void begin_step() noexcept { contacts_.clear(); }
 
-  /// After the joint stage: solves and reports.
+  /// Solves and reports after the joint stage.
   /// @param before  velocities before the step
   /// @param angles  of the joints before the step, rad
   /// @returns velocities after the step
@@ -42,7 +42,7 @@ class ContactStage {
   void report(const ContactPoint& point, const Vector3& force, const Vector3& velocity_before) noexcept;
   const ContactList& contacts() const noexcept { return contacts_; }
 
-  /// Dry friction of every joint, N m.
+  /// Returns the dry friction of every joint, N m.
   JointVector joint_friction() const;
   JointRanges joint_limits() const;
   const std::vector<FrictionalJoint>& frictional_joints() const noexcept { return frictional_joints_; }

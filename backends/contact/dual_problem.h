@@ -9,8 +9,8 @@
 
 namespace crossgait::contact {
 
-/// What laws need that have no primal problem: rows without regularisation, and Coulomb's law. Filled in as
-/// PrimalProblem is; grows with the number of contacts squared.
+/// Solves what laws need that have no primal problem: rows without regularisation, and Coulomb's law. Filled
+/// in as PrimalProblem is; grows with the number of contacts squared.
 class DualProblem {
  public:
   /// @param joints  must outlive it
@@ -19,7 +19,7 @@ class DualProblem {
   DualProblem(const JointStage& joints, int most_bounded, FrictionBound bound, double mixing);
 
   void begin() noexcept;
-  /// As in PrimalProblem, R >= 0.
+  /// Adds a contact as PrimalProblem does, R >= 0.
   void add_contact(std::span<const int> dofs, const PointJacobian& Z, const Vector3& R,
                    const Vector3& b) noexcept;
   void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,

@@ -27,7 +27,7 @@ struct FactorTable {
   /// All switches, in the order in which `needs` are satisfied.
   std::vector<FactorRow<Factors>> rows;
 
-  /// `base` with changes `+NAME` (on) and `-NAME` (off), one after the other.
+  /// Returns `base` with changes `+NAME` (on) and `-NAME` (off), one after the other.
   /// @throws ConfigError for an unknown factor, a change that changes nothing, or a combination without
   /// meaning; messages name `engine`
   Factors changed(Factors base, std::string_view changes, std::string_view engine) const {
@@ -43,7 +43,7 @@ struct FactorTable {
     return base;
   }
 
-  /// The shortest name: "bullet", "bullet:matched", "bullet:matched+surface", "bullet-sweeps".
+  /// Returns the shortest name: "bullet", "bullet:matched", "bullet:matched+surface", "bullet-sweeps".
   std::string name_of(const Factors& factors) const {
     std::string added, removed;
     std::size_t count = 0;
@@ -74,7 +74,7 @@ struct FactorTable {
   }
 };
 
-/// The engines between the two ends of a table. @param find  the engine of a name, of those that it knows
+/// Lists engines between the two ends of a table. @param find  the engine of a name, of those that it knows
 template <typename Factors>
 EngineFamily family_of(const FactorTable<Factors>& table, std::optional<Engine> (*find)(std::string_view)) {
   EngineFamily family{table.off, table.on, {}, {}};

@@ -7,14 +7,14 @@
 
 namespace crossgait::contact {
 
-/// Bounds of the impulse of a constraint row, N m s: dry friction's on either side, of a limit one is 0 and
-/// the other infinite. 0 lies within them.
+/// Bounds the impulse of a constraint row, N m s: dry friction's on either side, of a limit one is 0 and the
+/// other infinite. 0 lies within them.
 struct ImpulseBounds {
   double lower, upper;
 };
 inline constexpr ImpulseBounds kOnlyPushes{0, std::numeric_limits<double>::infinity()};
 
-/// Of each joint dry friction, and the limit that is nearer.
+/// Number of rows: dry friction of each joint, and the limit that is nearer.
 inline constexpr int kMaxBoundedRows = 2 * kMaxJoints;
 
 }  // namespace crossgait::contact

@@ -9,7 +9,7 @@
 
 namespace crossgait::contact {
 
-/// A joint with dry friction.
+/// Describes a joint with dry friction.
 struct FrictionalJoint {
   int joint = -1;             ///< as in RobotDescription::joint
   double friction = 0;        ///< N m

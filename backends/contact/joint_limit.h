@@ -9,7 +9,7 @@
 
 namespace crossgait::contact {
 
-/// A joint that is limited.
+/// Describes a joint that is limited.
 struct LimitedJoint {
   int joint = -1;             ///< as in RobotDescription::joint
   double lower, upper;        ///< rad
@@ -22,15 +22,15 @@ std::vector<LimitedJoint> limited_joints(const WorldSpec& spec);
 /// this speed at most, rad/s: a robot that begins 0.1 rad beyond a limit is not thrown about.
 inline constexpr double kLimitReduction = 0.2, kFastestReturn = 1;
 
-/// What a limit asks of the speed at which a joint goes away from it.
+/// Says what a limit asks of the speed at which a joint goes away from it.
 struct LimitRow {
   double away = 1;    ///< 1: of the lower limit, so that the angle rises; -1: of the upper one
   double R = 0;       ///< regularisation, 1/(kg m^2)
   double target = 0;  ///< speed away from the limit that the row asks for at least, rad/s
 };
-/// The row of the limit that is nearer, if it counts. MuJoCo's does from the limit on, and gives way like a
-/// spring and damper (MuJoCo 2.2 manual, "Computation > Constraint model > Limit"); a hard one lets the angle
-/// get as far as the limit within the step and no further, and undoes what is beyond it.
+/// Returns the row of the limit that is nearer, if it counts. MuJoCo's does from the limit on, and gives way
+/// like a spring and damper (MuJoCo 2.2 manual, "Computation > Constraint model > Limit"); a hard one lets
+/// the angle get as far as the limit within the step and no further, and undoes what is beyond it.
 /// @param angle,speed  of the joint before the step, rad and rad/s
 /// @param next_speed   the speed that it would have after the step, rad/s: limits out of reach do not count
 std::optional<LimitRow> limit_row(const LimitedJoint& joint, bool hard, double angle, double speed,

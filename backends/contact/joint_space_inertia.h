@@ -14,44 +14,44 @@ inline constexpr int kMaxDofs = 6 + kMaxJoints;
 using DofVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDofs, 1>;
 using PointJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxDofs>;
 
-/// M = M0 + diag(armature), factored as L^T D L along the tree (Featherstone 2008, section 6.5). M0 is the
+/// Factors M = M0 + diag(armature) as L^T D L along the tree (Featherstone 2008, section 6.5). M0 is the
 /// engine's: it fills the lower triangle, and calls `factor`.
 class JointSpaceInertia {
  public:
   JointSpaceInertia(const RobotDescription& robot, bool fixed_base);
 
-  /// M0, row >= column. Of joints only those are read whose bodies carry one another: `parent` leads from row
-  /// to column.
+  /// Returns an entry of M0, row >= column. Of joints only those are read whose bodies carry one another:
+  /// `parent` leads from row to column.
   double& bare(int row, int column) noexcept {
     return bare_[static_cast<std::size_t>(row * kMaxDofs + column)];
   }
   double bare(int row, int column) const noexcept {
     return bare_[static_cast<std::size_t>(row * kMaxDofs + column)];
   }
-  /// After M0 was filled.
+  /// Factors M after M0 was filled.
   void factor() noexcept;
 
   int dofs() const noexcept { return n_; }
-  /// First dof that can move: 0, or 6 for a fixed base.
+  /// Returns the first dof that can move: 0, or 6 for a fixed base.
   int first_dof() const noexcept { return first_; }
-  /// The dof one up the tree; -1 of a root.
+  /// Returns the dof one up the tree; -1 of a root.
   int parent(int dof) const noexcept { return parent_[static_cast<std::size_t>(dof)]; }
-  /// y = M0 x, without armature.
+  /// Computes y = M0 x, without armature.
   void multiply_bare(const DofVector& x, DofVector& y) const noexcept;
-  /// x <- D^-1/2 L^-T x, so that x.y afterwards is x^T M^-1 y.
+  /// Computes x <- D^-1/2 L^-T x, so that x.y afterwards is x^T M^-1 y.
   void half_solve(Eigen::Ref<DofVector> x) const noexcept;
-  /// x <- L^-1 D^-1/2 x, which completes `half_solve` to M^-1.
+  /// Computes x <- L^-1 D^-1/2 x, which completes `half_solve` to M^-1.
   void finish_solve(DofVector& x) const noexcept;
-  /// `half_solve` of the three rows of a point of `body` at once: J <- J L^-1 D^-1/2, by the dofs alone that
-  /// move the body; the other columns are not looked at.
+  /// Does `half_solve` of the three rows of a point of `body` at once: J <- J L^-1 D^-1/2, by the dofs alone
+  /// that move the body; the other columns are not looked at.
   void half_solve_rows(int body, PointJacobian& J) const noexcept;
-  /// x <- D^1/2 L x: undoes `finish_solve`.
+  /// Computes x <- D^1/2 L x: undoes `finish_solve`.
   void half_multiply(DofVector& x) const noexcept;
-  /// The last dof that moves a body: that of its joint; -1 for what nothing moves.
+  /// Returns the last dof that moves a body: that of its joint; -1 for what nothing moves.
   int last_dof(int body) const noexcept { return body > 0 ? 5 + body : (first_ == 0 ? 5 : -1); }
-  /// All that move it, rising.
+  /// Lists all dofs that move a body, rising.
   std::vector<int> dofs_of(int body) const;
-  /// M0 (without armature), symmetric.
+  /// Returns M0 (without armature), symmetric.
   Eigen::MatrixXd bare_matrix() const;
 
  private:

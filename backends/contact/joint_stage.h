@@ -17,7 +17,7 @@ class JointStage {
   /// @param spec,bodies  must outlive it
   JointStage(const WorldSpec& spec, const BodyKinematics& bodies);
 
-  /// For the engine to fill in each step, before `solve`.
+  /// Returns the inertia for the engine to fill in each step, before `solve`.
   JointSpaceInertia& inertia() noexcept { return inertia_; }
   const JointSpaceInertia& inertia() const noexcept { return inertia_; }
 
@@ -27,17 +27,17 @@ class JointStage {
   /// @param torque  joint torques, N m
   void solve(const DofVector& before, const DofVector& free, const JointVector& torque) noexcept;
 
-  /// Velocities after torques, armature and loops, before contact.
+  /// Returns velocities after torques, armature and loops, before contact.
   const DofVector& velocity() const noexcept { return velocity_; }
 
-  /// Given y = half_solve(J'), returns what remains of it once the loops respond: half_solve'(y_p) =
-  /// M_loops^-1 J'.
+  /// Projects y = half_solve(J') to what remains of it once the loops respond: half_solve'(y_p) = M_loops^-1
+  /// J'.
   void project(Eigen::Ref<DofVector> y) const noexcept;
 
-  /// E = half_solve(J') of the loops over the root of their regularisation, dofs x 3 loops: the inverse of
-  /// what `project` does is 1 + E E'.
+  /// Computes E = half_solve(J') of the loops over the root of their regularisation, dofs x 3 loops: the
+  /// inverse of what `project` does is 1 + E E'.
   void scaled_loop_rows(Eigen::MatrixXd& E) const noexcept;
-  /// Sets of dofs that act on one another: of each body those that move it, and both ends of each loop.
+  /// Lists sets of dofs that act on one another: of each body those that move it, and both ends of each loop.
   std::vector<std::vector<int>> coupled_dofs() const;
 
  private:

@@ -10,7 +10,7 @@
 
 namespace crossgait::contact {
 
-/// Each piece is either MuJoCo's (false) or that of an engine with hard contact (true).
+/// Says for each piece whether it is MuJoCo's (false) or that of an engine with hard contact (true).
 struct LawFactors {
   bool surface = false;        ///< forces act on the robot's surface, not midway between the surfaces
   bool coulomb = false;        ///< friction <= mu normal given the normal impulse, not MuJoCo's convex cone
@@ -27,7 +27,7 @@ struct LawFactors {
   bool operator==(const LawFactors&) const = default;
 };
 
-/// How hard contact undoes a penetration, and how its rows are softened.
+/// Holds how hard contact undoes a penetration, and how its rows are softened.
 struct HardContact {
   double error_reduction;  ///< share of a penetration that is undone in a step
   double most_push_out;    ///< speed at which it is undone at most, m/s
@@ -40,19 +40,19 @@ HardContact hard_contact(const ContactSpec& contact, const LawFactors& factors);
 /// Says whether penetrations are undone as the world asks: Capabilities::error_reduction.
 bool has_error_reduction(const LawFactors& factors);
 
-/// In the order in which `needs` are satisfied.
+/// Lists the rows in the order in which `needs` are satisfied.
 const std::vector<FactorRow<LawFactors>>& law_factor_rows();
 
-/// As in Laws::contact, the same for every engine: "mujoco" where all are off, "hard" where all are on, else
-/// "mujoco+surface+coulomb"; "hard+pyramid", "dart" for stock. Dry friction and limits of joints are not of
-/// it.
+/// Names the law as in Laws::contact, the same for every engine: "mujoco" where all are off, "hard" where all
+/// are on, else "mujoco+surface+coulomb"; "hard+pyramid", "dart" for stock. Dry friction and limits of joints
+/// are not of it.
 std::string law_name(const LawFactors& factors);
-/// Whether contacts, dry friction and limits of joints are MuJoCo's minimum (PrimalProblem), of which torsion
-/// and rolling are a part: Capabilities::turning_friction.
+/// Tells whether contacts, dry friction and limits of joints are MuJoCo's minimum (PrimalProblem), of which
+/// torsion and rolling are a part: Capabilities::turning_friction.
 bool is_solved_by_minimum(const LawFactors& factors);
-/// Laws::contact_family: "rigid" where penetration stops at once.
+/// Returns Laws::contact_family: "rigid" where penetration stops at once.
 std::string family_name(const LawFactors& factors);
-/// EngineInfo::own_parts of every engine that is made of the contact stage.
+/// Returns EngineInfo::own_parts of every engine that is made of the contact stage.
 std::vector<std::string> own_parts();
 
 }  // namespace crossgait::contact

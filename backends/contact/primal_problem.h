@@ -35,26 +35,26 @@ class PrimalProblemOf {
   /// @param coupled  sets of dofs: those of the rows that will be added, and of the loops
   PrimalProblemOf(int dofs, const std::vector<std::vector<int>>& coupled, double friction);
 
-  /// Without any row. @param loops  E: dofs x rows
+  /// Begins without any row. @param loops  E: dofs x rows
   void begin(const Eigen::MatrixXd& loops) noexcept;
-  /// A contact, up to kMaxContacts.
+  /// Adds a contact, up to kMaxContacts.
   /// @param dofs  that it moves, rising; has to stay as it is until `solve` is done
   /// @param Z     kRows x dofs, of which those columns alone are read
   /// @param R     regularisation, > 0, the same for both tangents; of torsion and rolling such that
   ///              coefficient^2 R is as of the tangents, which makes the cone a round one
   void add_contact(std::span<const int> dofs, const RowsJacobian& Z, const Rows& R, const Rows& b) noexcept;
-  /// A row whose impulse is bounded, up to kMaxBoundedRows. @param z  by dofs, R > 0
+  /// Adds a row whose impulse is bounded, up to kMaxBoundedRows. @param z  by dofs, R > 0
   void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,
                    const ImpulseBounds& bounds) noexcept;
 
-  /// Newton's method with an exact line search, from `guess` or zero, whichever is better.
+  /// Solves by Newton's method with an exact line search, from `guess` or zero, whichever is better.
   /// @param tolerance  stops when u is known to this share of it. (The Hessian is at least the identity: u is
   /// no further from the solution than the gradient is long.)
   /// @returns iterations
   int solve(const DofVector& guess, double tolerance) noexcept;
 
   const DofVector& u() const noexcept { return u_; }
-  /// Impulse of the contact that was added as the i-th.
+  /// Returns the impulse of the contact that was added as the i-th.
   Rows contact_impulse(int i) const noexcept;
   double bounded_impulse(int i) const noexcept;
 

@@ -13,13 +13,13 @@ class SoftLaw {
   /// @param step physics step h, s; MuJoCo keeps the time constant at two steps or more
   SoftLaw(const Softness& softness, double step);
 
-  /// imp in (0, 1) at violation |r|, m.
+  /// Returns imp in (0, 1) at violation |r|, m.
   double impedance(double violation) const noexcept;
-  /// R = (1 - imp) / imp * inverse_weight, 1/kg.
+  /// Returns R = (1 - imp) / imp * inverse_weight, 1/kg.
   static double regularization(double impedance, double inverse_weight) noexcept {
     return (1 - impedance) / impedance * inverse_weight;
   }
-  /// Right-hand side for a row moving at `speed` with violation `r` and impedance `imp`, m/s.
+  /// Returns the right-hand side for a row moving at `speed` with violation `r` and impedance `imp`, m/s.
   double target_velocity(double speed, double imp, double r) const noexcept {
     return speed - step_ * (damping_ * speed + stiffness_ * imp * r);
   }

@@ -9,9 +9,9 @@
 
 namespace crossgait::contact {
 
-/// Factored as L^T D L from the last degree of freedom to the first (children before parents), over the
-/// entries alone that can be other than zero. Legs fill in towards the base and not each other: a robot of
-/// four legs of five joints takes a quarter of the work of a full matrix, one of 32 legs a tenth.
+/// Factors a matrix as L^T D L from the last degree of freedom to the first (children before parents), over
+/// the entries alone that can be other than zero. Legs fill in towards the base and not each other: a robot
+/// of four legs of five joints takes a quarter of the work of a full matrix, one of 32 legs a tenth.
 class SparseSymmetric {
  public:
   /// @param size     up to kMaxDofs
@@ -19,24 +19,24 @@ class SparseSymmetric {
   SparseSymmetric(int size, const std::vector<std::vector<int>>& coupled);
 
   void set_identity() noexcept;
-  /// From a matrix of the same size and pattern.
+  /// Copies a matrix of the same size and pattern.
   void copy_values(const SparseSymmetric& other) noexcept;
   /// Adds E E', whose entries lie within the pattern. @param E  size x any
   void add_products(const Eigen::MatrixXd& E) noexcept;
-  /// row >= column
+  /// Returns an entry, row >= column.
   double& at(int row, int column) noexcept {
     return values_[static_cast<std::size_t>(row * kMaxDofs + column)];
   }
-  /// In place: `set_identity` or `copy_values` begins anew.
+  /// Factors in place: `set_identity` or `copy_values` begins anew.
   void factor() noexcept;
-  /// x <- A^-1 x, after `factor`.
+  /// Solves x <- A^-1 x, after `factor`.
   void solve(DofVector& x) const noexcept;
 
-  /// The dofs that `half_solve_rows` reaches from these, rising.
+  /// Lists the dofs that `half_solve_rows` reaches from these, rising.
   std::vector<int> reach(const std::vector<int>& dofs) const;
-  /// J <- J L^-1 D^-1/2 for three rows that are zero but in `reach`; after `factor`.
+  /// Computes J <- J L^-1 D^-1/2 for three rows that are zero but in `reach`; after `factor`.
   void half_solve_rows(const std::vector<int>& reach, PointJacobian& J) const noexcept;
-  /// x <- L^-1 D^-1/2 x.
+  /// Computes x <- L^-1 D^-1/2 x.
   void finish_solve(DofVector& x) const noexcept;
 
  private:

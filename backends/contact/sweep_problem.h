@@ -12,8 +12,8 @@
 
 namespace crossgait::contact {
 
-/// The law of ConeProblem::solve_coulomb: each normal impulse pushes and stops its approach whatever friction
-/// does, and its tangents are the point of the disc of radius friction * normal that opposes slip best.
+/// Obeys ConeProblem::solve_coulomb's law: each normal impulse pushes and stops its approach whatever
+/// friction does, its tangents are the point of the disc of radius friction * normal that opposes slip best.
 ///
 /// Sweeps go over the rows as Bullet's do (btMultiBodyConstraintSolver::solveSingleIteration): bounded rows,
 /// in turns from either end, then all normals, then the tangents of each contact together. What a row has
@@ -26,21 +26,21 @@ class SweepProblem {
   /// @param mixing   as in DualProblem
   SweepProblem(int dofs, const std::vector<std::vector<int>>& coupled, double friction, double mixing);
 
-  /// Filled in like PrimalProblem, R >= 0.
+  /// Begins to be filled in like PrimalProblem, R >= 0.
   void begin(const Eigen::MatrixXd& loops) noexcept;
   void add_contact(std::span<const int> dofs, const PointJacobian& Z, const Vector3& R,
                    const Vector3& b) noexcept;
   void add_bounded(std::span<const int> dofs, const DofVector& z, double R, double b,
                    const ImpulseBounds& bounds) noexcept;
 
-  /// From zero, as Bullet does it, until no row's velocity changes by more than `enough` in a sweep, m/s or
-  /// rad/s (of two tangents the sum, signs and all: so it is in Bullet), or `max_sweeps` are done.
+  /// Sweeps from zero, as Bullet does it, until no row's velocity changes by more than `enough` in a sweep,
+  /// m/s or rad/s (of two tangents the sum, signs and all: so it is in Bullet), or `max_sweeps` are done.
   /// @returns sweeps
   int sweep(int max_sweeps, double enough) noexcept;
-  /// Until no impulse changes by more than this share of the largest. @returns sweeps
+  /// Sweeps until no impulse changes by more than this share of the largest. @returns sweeps
   int converge(int max_sweeps, double share) noexcept;
 
-  /// Velocities as in PrimalProblem.
+  /// Returns velocities as in PrimalProblem.
   const DofVector& u() const noexcept { return u_; }
   Vector3 contact_impulse(int i) const noexcept { return contacts_[static_cast<std::size_t>(i)].x; }
   double bounded_impulse(int i) const noexcept { return bounded_[static_cast<std::size_t>(i)].x; }

@@ -8,10 +8,10 @@
 
 namespace crossgait::dart {
 
-/// DART's dynamics under the law of a name (law.h). Nothing for names of others.
+/// Finds DART's dynamics under the law of a name (law.h). Nothing for names of others.
 /// @throws ConfigError if a change is invalid
 std::optional<Engine> find(std::string_view name);
-/// From "dart:matched" to "dart".
+/// Returns the family from "dart:matched" to "dart".
 EngineFamily family();
 
 }  // namespace crossgait::dart

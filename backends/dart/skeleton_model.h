@@ -13,8 +13,8 @@
 
 namespace crossgait::dart {
 
-/// Where the base is. DART keeps positions of a free joint as a logarithm and takes it back with an error of
-/// the third order near the identity (1e-9 m in a trot): the pose is kept beside it instead.
+/// Keeps where the base is. DART keeps positions of a free joint as a logarithm and takes it back with an
+/// error of the third order near the identity (1e-9 m in a trot): the pose is kept beside it instead.
 class BaseJoint final : public ::dart::dynamics::FreeJoint {
  public:
   explicit BaseJoint(const Properties& properties) : FreeJoint(properties) {}
@@ -30,7 +30,7 @@ class BaseJoint final : public ::dart::dynamics::FreeJoint {
   Pose X_WC_ = Pose::Identity();
 };
 
-/// Configuration and velocities are the caller's: DART integrates nothing. Its own are forward dynamics
+/// Leaves configuration and velocities to the caller: DART integrates nothing. Its own are forward dynamics
 /// (Featherstone's articulated bodies), inertias, Jacobians and poses.
 ///
 /// Degrees of freedom are [w_W, v_W of the base's centre of mass, joint velocities], in world axes; DART's
@@ -41,20 +41,20 @@ class SkeletonModel {
 
   /// @param X_WC  of the base's centre of mass  @param v  velocities
   void place(const Pose& X_WC, const JointVector& q, const contact::DofVector& v);
-  /// Velocities after a step of `h` seconds of gravity, gyroscopic forces and a wrench on the base (its force
-  /// at the centre of mass), without joint torques, armature, loops or contact.
+  /// Computes velocities after a step of `h` seconds of gravity, gyroscopic forces and a wrench on the base
+  /// (its force at the centre of mass), without joint torques, armature, loops or contact.
   void free_velocity(double h, const Wrench& base, contact::DofVector& v);
-  /// M0, without armature: the sum of J' I J over DART's bodies.
+  /// Computes M0, without armature: the sum of J' I J over DART's bodies.
   void bare_inertia(contact::JointSpaceInertia& inertia);
-  /// 3 x dofs: velocity in W of the point of `body` at p_WP.
+  /// Computes 3 x dofs: velocity in W of the point of `body` at p_WP.
   void point_jacobian(int body, const Vector3& p_WP, contact::PointJacobian& J) const;
 
-  /// Frame C of a body: its own axes, and for the base its centre of mass instead of its origin, since only
-  /// about that do linear and angular momentum decouple.
+  /// Returns frame C of a body: its own axes, and for the base its centre of mass instead of its origin,
+  /// since only about that do linear and angular momentum decouple.
   const std::vector<Pose>& X_BC() const noexcept { return X_BC_; }
-  /// Pose of C.
+  /// Returns the pose of C.
   const Pose& X_WC(int body) const { return node(body).getWorldTransform(); }
-  /// As DART holds it, in the body's own frame.
+  /// Returns inertia as DART holds it, in the body's own frame.
   SpatialInertia inertia(int body) const;
 
  private:

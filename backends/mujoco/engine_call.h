@@ -16,13 +16,13 @@ namespace crossgait::mujoco {
 
 class TerrainCollision;
 
-/// The world that MuJoCo is called for.
+/// Names the world that MuJoCo is called for.
 struct CalledFor {
   const mjModel* model;
   TerrainCollision* collision;  ///< of the model with its terrain
 };
 
-/// What MuJoCo said went wrong, zero-terminated.
+/// Holds what MuJoCo said went wrong, zero-terminated.
 using ErrorText = std::array<char, 256>;
 
 /// Runs call(data), which calls MuJoCo. Where MuJoCo reports an error (mju_error: a stack too small, a size
@@ -33,7 +33,7 @@ using ErrorText = std::array<char, 256>;
 /// @returns whether MuJoCo reported no error; if it did, `error` (if given) says which
 bool run_in_mujoco(const CalledFor& who, void (*call)(void* data), void* data, ErrorText* error) noexcept;
 
-/// The same for a function object without arguments.
+/// Calls a function object without arguments in the same way.
 template <typename Call>
 bool try_in_mujoco(const CalledFor& who, Call call, ErrorText* error = nullptr) noexcept {
   static_assert(std::is_trivially_destructible_v<Call>);
@@ -41,15 +41,15 @@ bool try_in_mujoco(const CalledFor& who, Call call, ErrorText* error = nullptr) 
       who, [](void* data) { (*static_cast<Call*>(data))(); }, &call, error);
 }
 
-/// The same. @throws std::runtime_error with MuJoCo's words
+/// Calls it likewise, and throws what MuJoCo said. @throws std::runtime_error with MuJoCo's words
 template <typename Call>
 void in_mujoco(const CalledFor& who, Call call) {
   ErrorText error{};
   if (!try_in_mujoco(who, call, &error)) throw std::runtime_error(fmt::format("MuJoCo: {}", error.data()));
 }
 
-/// While one lives, an error of MuJoCo in this thread is thrown as std::runtime_error: for those functions
-/// that are written in C++ and hold what has to be released (mj_loadXML, its lock).
+/// Throws, while one lives, an error of MuJoCo in this thread as std::runtime_error: for those functions that
+/// are written in C++ and hold what has to be released (mj_loadXML, its lock).
 class ThrowMujocoErrors {
  public:
   ThrowMujocoErrors() noexcept;
@@ -61,7 +61,7 @@ class ThrowMujocoErrors {
   ThreadHandlers before_;
 };
 
-/// What finds the contacts of `model`, if this thread is within a call for that model; otherwise none.
+/// Returns the finder of `model`'s contacts, if this thread is within a call for that model; otherwise none.
 TerrainCollision* collision_of(const mjModel* model) noexcept;
 
 }  // namespace crossgait::mujoco

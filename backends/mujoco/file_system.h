@@ -10,7 +10,7 @@
 
 namespace crossgait::mujoco {
 
-/// Megabytes large in 2.2.2: not for the stack.
+/// Holds files in memory; megabytes large in 2.2.2: not for the stack.
 class FileSystem {
  public:
   FileSystem() { mj_defaultVFS(files_.get()); }

@@ -5,8 +5,8 @@
 
 namespace crossgait::mujoco {
 
-/// What MuJoCo makes of an MJCF text, in Crossgait's terms. Opens no file: those that the text names have to
-/// be in it. @throws std::runtime_error with MuJoCo's words
+/// Returns what MuJoCo makes of an MJCF text, in Crossgait's terms. Opens no file: those that the text names
+/// have to be in it. @throws std::runtime_error with MuJoCo's words
 MjcfModel compile_text(const MjcfText& text);
 
 }  // namespace crossgait::mujoco

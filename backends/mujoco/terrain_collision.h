@@ -11,24 +11,24 @@
 
 namespace crossgait::mujoco {
 
-/// The contact points of one world, found for all of its shapes at once: no more than `kMaxContacts` are
+/// Finds the contact points of one world, for all of its shapes at once: no more than `kMaxContacts` are
 /// solved.
 class TerrainCollision {
  public:
   /// @param terrain  has to outlive this
   TerrainCollision(const RobotDescription& robot, bool fixed_base, const Terrain& terrain);
 
-  /// Once the model of the robot is compiled, before its first step.
+  /// Takes the model of the robot once it is compiled, before its first step.
   void set_model(const mjModel& model, const RobotDescription& robot);
-  /// Before every call that makes MuJoCo look for contacts.
+  /// Begins anew, before every call that makes MuJoCo look for contacts.
   void begin() noexcept {
     found_ = false;
     points_.clear();
   }
-  /// How many points were too many, of the last step.
+  /// Returns how many points were too many, of the last step.
   int dropped() const noexcept { return points_.dropped; }
 
-  /// Fills in those of one geom, at most kMaxPlaneContacts. @returns how many
+  /// Fills in the contacts of one geom, at most kMaxPlaneContacts. @returns how many
   int write(const mjData& data, int geom, FoundContact* contacts) noexcept;
 
  private:
@@ -48,8 +48,8 @@ class TerrainCollision {
   bool found_ = false;
 };
 
-/// Where MuJoCo looks for contacts of a plane or a height field with a sphere, capsule, cylinder or box, the
-/// points are those of contact_features.h, the same as in every engine. (MuJoCo's own: prisms of a height
+/// Makes the points those of contact_features.h, the same as in every engine, where MuJoCo looks for contacts
+/// of a plane or a height field with a sphere, capsule, cylinder or box. (MuJoCo's own: prisms of a height
 /// field, two contacts of a sphere on perfectly flat ground, one of them tilted by 5.5 degrees; at most four
 /// corners of a box on a plane.) MuJoCo's collision table is process-wide, so the replacement works for the
 /// model that its thread is stepping for Crossgait (engine_call.h) and hands all others to the routine that

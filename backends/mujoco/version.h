@@ -27,7 +27,7 @@ namespace crossgait::mujoco {
 /// v, the time derivative of the constraint's Jacobian times velocity. MuJoCo has no switch for it.
 inline constexpr bool kHasLoopBias = mjVERSION_HEADER >= 3007000;
 
-/// What one thread does with MuJoCo's messages. It comes before what the process does (mju_user_error,
+/// Says what one thread does with MuJoCo's messages. It comes before what the process does (mju_user_error,
 /// mju_setLogHandler).
 struct ThreadHandlers {
 #if mjVERSION_HEADER < 3010000
@@ -37,7 +37,7 @@ struct ThreadHandlers {
 #endif
 };
 
-/// Errors of this thread go to `kOnError` from now on; all else is dropped (MuJoCo's default prints, and
+/// Sends errors of this thread to `kOnError` from now on; all else is dropped (MuJoCo's default prints, and
 /// writes a log file into the working directory). @returns what was there before
 template <void (*kOnError)(const char* message)>
 ThreadHandlers take_errors() noexcept {
@@ -80,13 +80,13 @@ inline mjtNum* tangent_of(FoundContact& contact) { return contact.tangent; }
 /// it.
 inline constexpr int kMaxPlaneContacts = mjVERSION_HEADER < 3009000 ? mjMAXCONPAIR : 4;
 
-/// What makes Newton's method as exact as up to 3.10: it stopped after the step that gained less than the
-/// tolerance, and stops before it since 3.11.0 (the Newton decrement). It converges quadratically.
+/// Returns what makes Newton's method as exact as up to 3.10: it stopped after the step that gained less than
+/// the tolerance, and stops before it since 3.11.0 (the Newton decrement). It converges quadratically.
 constexpr double solver_tolerance(double tolerance) {
   return mjVERSION_HEADER < 3011000 ? tolerance : tolerance * tolerance;
 }
 
-/// A file in memory. @param name  without a folder, and not there yet; at most 2000 files
+/// Adds a file in memory. @param name  without a folder, and not there yet; at most 2000 files
 inline void add_file(mjVFS& files, const std::string& name, const std::string& bytes) {
 #if mjVERSION_HEADER < 313
   mj_makeEmptyFileVFS(&files, name.c_str(), static_cast<int>(bytes.size()));
@@ -96,7 +96,7 @@ inline void add_file(mjVFS& files, const std::string& name, const std::string& b
 #endif
 }
 
-/// Distance from `from` along `direction` to the first geom of `groups`; negative if there is none.
+/// Measures from `from` along `direction` to the first geom of `groups`; negative if there is none.
 inline mjtNum ray(const mjModel* m, const mjData* d, const mjtNum* from, const mjtNum* direction,
                   const mjtByte* groups) {
   int geom = -1;
@@ -107,7 +107,7 @@ inline mjtNum ray(const mjModel* m, const mjData* d, const mjtNum* from, const m
 #endif
 }
 
-/// The joint-space inertia, in MuJoCo's own storage: mj_crb alone leaves it as it was from 3.3.5 on.
+/// Computes the joint-space inertia, in MuJoCo's own storage: mj_crb alone leaves it as it was from 3.3.5 on.
 inline void find_inertia(const mjModel* m, mjData* d) {
 #if mjVERSION_HEADER < 333
   mj_crb(m, d);
@@ -116,7 +116,7 @@ inline void find_inertia(const mjModel* m, mjData* d) {
 #endif
 }
 
-/// As a full matrix, nv x nv.
+/// Copies the inertia as a full matrix, nv x nv.
 inline void copy_inertia(const mjModel* m, const mjData* d, mjtNum* matrix) {
 #if mjVERSION_HEADER < 3010000
   mj_fullM(m, matrix, d->qM);
@@ -125,7 +125,7 @@ inline void copy_inertia(const mjModel* m, const mjData* d, mjtNum* matrix) {
 #endif
 }
 
-/// Whether a constraint of a model as it was compiled holds.
+/// Tells whether a constraint of a model as it was compiled holds.
 inline bool is_active(const mjModel& m, int equality) {
 #if mjVERSION_HEADER < 300
   return m.eq_active[equality] != 0;
@@ -134,7 +134,7 @@ inline bool is_active(const mjModel& m, int equality) {
 #endif
 }
 
-/// Whether a constraint joins sites and not bodies.
+/// Tells whether a constraint joins sites and not bodies.
 inline bool joins_sites([[maybe_unused]] const mjModel& m, [[maybe_unused]] int equality) {
 #if mjVERSION_HEADER < 323
   return false;

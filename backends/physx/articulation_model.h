@@ -16,9 +16,9 @@
 
 namespace crossgait::physx {
 
-/// A tree of links in reduced coordinates with armature and dry friction in its joints, and the loops between
-/// links. A link's frame is at its centre of mass along the principal axes of its inertia, so that poses go
-/// in and come out as they are.
+/// Holds a tree of links in reduced coordinates with armature and dry friction in its joints, and the loops
+/// between links. A link's frame is at its centre of mass along the principal axes of its inertia, so that
+/// poses go in and come out as they are.
 ///
 /// The state is float32 numbers in PhysX's cache; every step begins by giving them to PhysX anew, so that
 /// nothing else is carried from step to step.
@@ -38,25 +38,25 @@ class ArticulationModel {
   bool take();
 
   px::PxArticulationLink& link(int body) const { return *links_[static_cast<std::size_t>(body)]; }
-  /// Frame of a link in its body.
+  /// Returns the frame of a link in its body.
   const Pose& X_BP(int body) const { return X_BP_[static_cast<std::size_t>(body)]; }
-  /// Before the step that was taken and after it, of the centre of mass, in W: m/s, rad/s.
+  /// Returns velocities before the step that was taken, and after it, of the mass centre, in W: m/s, rad/s.
   const px::PxSpatialVelocity& velocity_before(int body) const { return before_[index(body)]; }
   const px::PxSpatialVelocity& velocity_after(int body) const { return cache()->linkVelocity[index(body)]; }
-  /// Bodies that loops hold together are one group; others are one each.
+  /// Returns a body's group: bodies that loops hold together are one; others are one each.
   std::size_t group(int body) const { return groups_[static_cast<std::size_t>(body)]; }
-  /// Forces of contact (N, in W) in the step that was taken, by group: what its change of momentum has beside
-  /// gravity, joints and the push that was applied.
+  /// Computes forces of contact (N, in W) in the step that was taken, by group: what its change of momentum
+  /// has beside gravity, joints and the push that was applied.
   void contact_forces(const Vector3& push, std::vector<Vector3>& by_group) const;
 
   Pose body_pose(int body) const;
   SpatialInertia body_inertia(int body) const;
   Eigen::MatrixXd mass_matrix();
   double joint_friction(int joint) const;  ///< N m
-  /// rad; nothing for a joint that turns on.
+  /// Returns limits in rad; nothing for a joint that turns on.
   std::optional<std::pair<double, double>> joint_limits(int joint) const;
 
-  /// The state, number by number.
+  /// Saves the state, number by number.
   void save(std::vector<double>& numbers) const;
   void restore(const double* numbers);
 

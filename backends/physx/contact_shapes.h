@@ -13,10 +13,10 @@ namespace crossgait::physx {
 
 namespace px = ::physx;
 
-/// What PhysX needs of any custom geometry and nothing here asks for: rays, overlaps, sweeps, masses.
+/// Gives PhysX what it needs of custom geometry and nothing here asks for: rays, overlaps, sweeps, masses.
 class ContactGeometry : public px::PxCustomGeometry::Callbacks {
  public:
-  /// For users alone, and what would number them is not in the library.
+  /// Returns none: types are for users alone, and what would number them is not in the library.
   px::PxCustomGeometry::Type getCustomType() const override { return px::PxCustomGeometry::Type::INVALID(); }
   px::PxU32 raycast(const px::PxVec3& /*origin*/, const px::PxVec3& /*direction*/,
                     const px::PxGeometry& /*geometry*/, const px::PxTransform& /*pose*/, px::PxReal /*most*/,
@@ -46,15 +46,15 @@ class ContactGeometry : public px::PxCustomGeometry::Callbacks {
   }
 };
 
-/// A shape that touches the ground where contact_features.h says.
+/// Touches the ground where contact_features.h says.
 class FeatureGeometry final : public ContactGeometry {
  public:
   /// @param margin  how far above the ground points count, m
   FeatureGeometry(const RobotDescription& robot, int body, int shape, const Terrain& terrain, double margin);
 
-  /// Contacts of the shape in this pose.
+  /// Finds contacts of the shape in this pose.
   bool touch(const px::PxTransform& X_WG, bool ground_first, px::PxContactBuffer& contacts) const;
-  /// What `touch` found since `forget`.
+  /// Returns what `touch` found since `forget`.
   const contact::ContactPoints& points() const noexcept { return points_; }
   void forget() noexcept { points_.clear(); }
 
@@ -71,7 +71,7 @@ class FeatureGeometry final : public ContactGeometry {
   mutable contact::ContactPoints points_;
 };
 
-/// A height field: asks the shapes.
+/// Is a height field that asks the shapes.
 class FieldGeometry final : public ContactGeometry {
  public:
   explicit FieldGeometry(const Terrain& terrain);

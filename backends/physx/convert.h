@@ -18,7 +18,7 @@ inline px::PxQuat quaternion(const Quaternion& q) {
   return {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()),
           static_cast<float>(q.w())};
 }
-/// Made unit in float64: what is off 1 is float32's rounding.
+/// Converts and makes it unit in float64: what is off 1 is float32's rounding.
 inline Quaternion quaternion(const px::PxQuat& q) { return Quaternion(q.w, q.x, q.y, q.z).normalized(); }
 
 inline px::PxTransform transform(const Pose& X) {

@@ -14,8 +14,8 @@ namespace px = ::physx;
 /// @throws std::runtime_error if it cannot be made
 px::PxPhysics& the_physics();
 
-/// A cache of an articulation, out of a stock of those that worlds have given back: the function that frees
-/// one is not in the library.
+/// Takes a cache of an articulation out of a stock of those that worlds have given back: the function that
+/// frees one is not in the library.
 class CacheOfStock {
  public:
   explicit CacheOfStock(px::PxArticulationReducedCoordinate& articulation);

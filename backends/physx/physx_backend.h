@@ -8,10 +8,10 @@
 
 namespace crossgait::physx {
 
-/// PhysX under the settings of a name (settings.h). Nothing for names of others.
+/// Finds PhysX under the settings of a name (settings.h). Nothing for names of others.
 /// @throws ConfigError if a change is invalid
 std::optional<Engine> find(std::string_view name);
-/// From "physx:pgs" to "physx".
+/// Returns the family from "physx:pgs" to "physx".
 EngineFamily family();
 
 }  // namespace crossgait::physx

@@ -9,8 +9,8 @@
 
 namespace crossgait::physx {
 
-/// Numbers of PhysX's solver and contacts. The defaults are PhysX's own (PxSceneDesc, PxRigidBody, PxShape),
-/// at its own scale of a metre.
+/// Holds numbers of PhysX's solver and contacts. The defaults are PhysX's own (PxSceneDesc, PxRigidBody,
+/// PxShape), at its own scale of a metre.
 struct Settings {
   std::string name;
   bool temporal = true;  ///< PxSolverType::eTGS; else ePGS
@@ -19,7 +19,7 @@ struct Settings {
   double depenetration = 1e9;    ///< speed at which penetration is undone at most, m/s: no bound
 };
 
-/// From "physx:pgs" to "physx".
+/// Returns the factors from "physx:pgs" to "physx".
 const contact::FactorTable<Settings>& factor_table();
 
 /// Reads a name: an end with changes behind it, or what robots were trained under, "physx+isaacgym"

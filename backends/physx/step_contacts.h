@@ -24,10 +24,10 @@ class StepContacts final : public px::PxSimulationEventCallback {
   void build(px::PxScene& scene, const ArticulationModel& model);
   /// Forgets the contacts of the last step.
   void forget() noexcept;
-  /// PhysX keeps where a patch stuck and would hold it there: no part of a state that can be saved, so every
-  /// step finds its contacts anew.
+  /// Makes every step find its contacts anew: PhysX keeps where a patch stuck and would hold it there, no
+  /// part of a state that can be saved.
   void begin_step(px::PxScene& scene);
-  /// Contacts of the step that was taken.
+  /// Reads contacts of the step that was taken.
   void read(const ArticulationModel& model, const Vector3& push, ContactList& contacts) const noexcept;
 
   void onContact(const px::PxContactPairHeader& header, const px::PxContactPair* pairs,
@@ -62,7 +62,7 @@ class StepContacts final : public px::PxSimulationEventCallback {
   mutable std::vector<double> loads_;    ///< by group: sum of normal forces, N
 };
 
-/// Only the ground is touched.
+/// Lets only the ground be touched.
 px::PxFilterFlags only_ground(px::PxFilterObjectAttributes a, px::PxFilterData data_a,
                               px::PxFilterObjectAttributes b, px::PxFilterData data_b, px::PxPairFlags& flags,
                               const void* block, px::PxU32 size);

@@ -10,11 +10,11 @@
 
 namespace crossgait::skeleton {
 
-/// Hard contact with Coulomb's friction, at the level of velocities. A point under the ground is to leave it
-/// by a fifth of its depth in the next step, one above it may just reach it; its normal impulse pushes, and
-/// its friction, at most `friction` times that, opposes the slip. Joints are to stop, within their friction.
-/// Solved by projected Gauss-Seidel (e.g. Catto, Iterative Dynamics with Temporal Coherence, 2005), without
-/// anything kept from the last step.
+/// Solves hard contact with Coulomb's friction, at the level of velocities. A point under the ground is to
+/// leave it by a fifth of its depth in the next step, one above it may just reach it; its normal impulse
+/// pushes, and its friction, at most `friction` times that, opposes the slip. Joints are to stop, within
+/// their friction. Solved by projected Gauss-Seidel (e.g. Catto, Iterative Dynamics with Temporal Coherence,
+/// 2005), without anything kept from the last step.
 class Contacts {
  public:
   /// @param spec  has to outlive it

@@ -17,7 +17,7 @@ using DofVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDofs, 1>;
 using DofMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxDofs, kMaxDofs>;
 using PointJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxDofs>;
 
-/// cross_matrix(a) b = a x b.
+/// Returns cross_matrix(a) b = a x b.
 Matrix3 cross_matrix(const Vector3& a);
 
 class Dynamics {
@@ -25,15 +25,15 @@ class Dynamics {
   /// @param robot  has to outlive it
   explicit Dynamics(const RobotDescription& robot);
 
-  /// Everything below, for a state. @param gravity  m/s^2
+  /// Computes every quantity below for a state. @param gravity  m/s^2
   void update(const RobotState& state, const Vector3& gravity) noexcept;
 
   const Pose& pose(int body) const { return links_[static_cast<std::size_t>(body)].X_WB; }
   const Vector3& base_centre() const { return links_[0].centre; }  ///< in W, m
   const DofVector& velocity() const { return velocity_; }
-  /// Armature included; kg, kg m, kg m^2.
+  /// Returns the mass matrix, armature included; kg, kg m, kg m^2.
   const DofMatrix& mass_matrix() const { return M_; }
-  /// Forces that keep v' at zero, gravity included; N, N m.
+  /// Returns forces that keep v' at zero, gravity included; N, N m.
   const DofVector& bias() const { return bias_; }
   /// Returns the Jacobian of the velocity of a body's point at p_WP, rows in W.
   PointJacobian jacobian(int body, const Vector3& p_WP) const noexcept;

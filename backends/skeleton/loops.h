@@ -9,8 +9,8 @@
 
 namespace crossgait::skeleton {
 
-/// The law that RobotDescription::loop_softness speaks of (MuJoCo 2.2 manual, "Computation > Constraint
-/// model"). With the gap r and its Jacobian J an impulse y is given such that
+/// Solves the law that RobotDescription::loop_softness speaks of (MuJoCo 2.2 manual, "Computation >
+/// Constraint model"). With the gap r and its Jacobian J an impulse y is given such that
 ///     J v' + R y = J v - h (B J v + K imp r),
 /// R = (1 - imp) / imp times the inverse weight of the two bodies, B = 2 / (imp_max t_c) and
 /// K = 1 / (imp_max t_c d_r)^2. Nothing bounds y, so that it can be eliminated: J' R^-1 J is added to the

@@ -5,7 +5,7 @@
 
 namespace crossgait {
 
-/// The part of `v` at a right angle to the unit vector `axis`.
+/// Returns the part of `v` at a right angle to the unit vector `axis`.
 inline Vector3 across(const Vector3& v, const Vector3& axis) { return v - v.dot(axis) * axis; }
 
 }  // namespace crossgait

@@ -10,10 +10,10 @@ namespace crossgait {
 /// put; `path` itself if it is none. @throws ConfigError if they lead round in a circle
 std::string place_of_output(const std::string& path);
 
-/// A file that is written piece by piece into a temporary in the same folder, and renamed to `path` when it
-/// is whole: readers, and a program killed half-way, see the old file or the new one. A symbolic link stays;
-/// what it leads to is replaced. Where `path` exists and is no regular file (a pipe, /dev/null), it is
-/// written to directly.
+/// Writes a file piece by piece into a temporary in the same folder, renamed to `path` when it is whole:
+/// readers, and a program killed half-way, see the old file or the new one. A symbolic link stays; what it
+/// leads to is replaced. Where `path` exists and is no regular file (a pipe, /dev/null), it is written to
+/// directly.
 ///
 /// A program that was killed leaves its temporary, NAME.crossgait-PID-NUMBER.tmp. The next that is made in
 /// the folder removes those whose lock (`flock`) nobody holds.
@@ -28,7 +28,7 @@ class AtomicFile {
 
   /// @throws ConfigError if the device is full
   void write(std::string_view bytes);
-  /// The file is whole: it takes its place. @throws ConfigError if it cannot; nothing is left then
+  /// Puts the whole file in its place. @throws ConfigError if it cannot; nothing is left then
   void commit();
 
  private:
@@ -41,10 +41,10 @@ class AtomicFile {
   bool special_ = false;
 };
 
-/// The whole file at once. @throws ConfigError as AtomicFile does
+/// Writes the whole file at once. @throws ConfigError as AtomicFile does
 void write_file_atomically(const std::string& path, std::string_view bytes);
 
-/// Whether a file could be written there, before the work that it is for. Leaves nothing behind.
+/// Checks that a file could be written there, before the work that it is for. Leaves nothing behind.
 /// @throws ConfigError if it could not
 void check_writable(const std::string& path);
 

@@ -8,9 +8,9 @@
 
 namespace crossgait {
 
-/// Thrown by everything that loads or validates input (files, names, specifications). Never thrown by a step.
-/// `what()` reads "<source>: <element>: expected <expected>, found <found>"; programs exit with code 2. Of
-/// text that is long it keeps the beginning, and control characters stand as `\xNN`.
+/// Is thrown by everything that loads or validates input (files, names, specifications). Never thrown by a
+/// step. `what()` reads "<source>: <element>: expected <expected>, found <found>"; programs exit with code 2.
+/// Of text that is long it keeps the beginning, and control characters stand as `\xNN`.
 class ConfigError : public std::runtime_error {
  public:
   /// @param source   file path, option name or specification the input came from
@@ -29,8 +29,8 @@ class ConfigError : public std::runtime_error {
   std::string source_, element_, expected_, found_;
 };
 
-/// Foreign text for a terminal: its beginning, at most `most` bytes of whole characters of UTF-8, control
-/// characters and bytes that are no UTF-8 as `\xNN`.
+/// Returns foreign text for a terminal: its beginning, at most `most` bytes of whole characters of UTF-8,
+/// control characters and bytes that are no UTF-8 as `\xNN`.
 std::string printable_text(std::string_view text, std::size_t most);
 
 }  // namespace crossgait

@@ -7,7 +7,7 @@
 
 namespace crossgait {
 
-/// One file as a reader saw it.
+/// Holds one file as a reader saw it.
 struct FileRead {
   std::string path;    ///< as it was opened
   std::string sha256;  ///< of its bytes, 64 hexadecimal digits
@@ -34,12 +34,12 @@ class FilesRead {
   FilesRead(FilesRead&&) = delete;
   FilesRead& operator=(FilesRead&&) = delete;
 
-  /// In the order in which they were first read, each once.
+  /// Lists files in the order in which they were first read, each once.
   const std::vector<FileRead>& list() const noexcept { return files_; }
 
-  /// The innermost of this thread, or null.
+  /// Returns the innermost of this thread, or null.
   static const FilesRead* current() noexcept;
-  /// For whoever reads a file: tells the innermost of this thread, if there is one.
+  /// Tells the innermost of this thread, if there is one, of a file that was read.
   static void note(const std::string& path, std::string_view bytes);
 
  private:
@@ -50,8 +50,8 @@ class FilesRead {
   std::vector<FileRead> files_;
 };
 
-/// SHA-256 of a file that a reader may take, as `sha256sum` prints it. @throws ConfigError naming the file if
-/// it cannot be read
+/// Computes the SHA-256 of a file that a reader may take, as `sha256sum` prints it. @throws ConfigError
+/// naming the file if it cannot be read
 std::string file_sha256(const std::string& path);
 
 }  // namespace crossgait

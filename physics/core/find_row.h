@@ -35,7 +35,7 @@ auto& find_row(const Rows& rows, std::string_view name, std::string_view source,
   fail_unknown_name(name, known, source, element, also);
 }
 
-/// The same of rows with a member `name`.
+/// Finds the row whose member is `name`.
 template <std::ranges::forward_range Rows>
 auto& find_row(const Rows& rows, std::string_view name, std::string_view source, std::string_view element) {
   return find_row(rows, name, source, element, [](const auto& row) { return std::string_view(row.name); });

@@ -7,7 +7,7 @@
 
 namespace crossgait {
 
-/// 64-bit FNV-1a, the same on every machine. Source: RFC draft-eastlake-fnv.
+/// Computes 64-bit FNV-1a, the same on every machine. Source: RFC draft-eastlake-fnv.
 class Fnv1a {
  public:
   Fnv1a& add(std::string_view bytes) noexcept {
@@ -15,7 +15,7 @@ class Fnv1a {
     return *this;
   }
   std::uint64_t value() const noexcept { return hash_; }
-  /// As 16 hexadecimal digits.
+  /// Writes the hash as 16 hexadecimal digits.
   std::string hex() const;
 
  private:

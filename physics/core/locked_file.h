@@ -8,7 +8,7 @@
 
 namespace crossgait {
 
-/// A regular file that is open for appending, under a lock (`flock`) that ends with this object, or with its
+/// Holds a regular file open for appending, under a lock (`flock`) that ends with this object, or with its
 /// process, however that ends. Whoever comes meanwhile is refused, not kept waiting: other objects of this
 /// process too. `python -m crossgait.sweep` takes the same lock.
 class LockedFile {
@@ -26,8 +26,8 @@ class LockedFile {
 
   const std::string& path() const noexcept { return path_; }
 
-  /// Appends all of it or nothing. Once it returns, the bytes outlive this process; within two seconds of
-  /// further pieces, a power cut. @returns where they begin, bytes from the file's beginning
+  /// Appends all of `bytes` or nothing. Once it returns, the bytes outlive this process; within two seconds
+  /// of further pieces, a power cut. @returns where they begin, bytes from the file's beginning
   /// @throws ConfigError if there is no room, or the file cannot be written
   std::size_t append(std::string_view bytes);
 

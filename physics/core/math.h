@@ -18,7 +18,7 @@ using Pose = Eigen::Isometry3d;
 /// Most joints of one robot. A bound, so that vectors of joint values live inline and a step allocates
 /// nothing.
 inline constexpr int kMaxJoints = 32;
-/// One value per joint, in the order of `RobotDescription::joint_count()`. Inline storage.
+/// Holds one value per joint, in the order of `RobotDescription::joint_count()`. Inline storage.
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxJoints, 1>;
 
 /// Standard gravity as robots are judged by before there is a world, m/s^2. A world has its own (WorldSpec).
@@ -34,16 +34,16 @@ inline Pose make_pose(const Quaternion& q, const Vector3& p) {
   return X;
 }
 
-/// Roll, pitch, yaw (rad) of q = Rz(yaw) Ry(pitch) Rx(roll): the Z-Y-X convention of URDF and REP-103.
+/// Solves q = Rz(yaw) Ry(pitch) Rx(roll) for roll, pitch, yaw (rad): the Z-Y-X order of URDF and REP-103.
 Vector3 roll_pitch_yaw(const Quaternion& q);
-/// Inverse of `roll_pitch_yaw`.
+/// Inverts `roll_pitch_yaw`.
 Quaternion from_roll_pitch_yaw(double roll, double pitch, double yaw);
-/// A vector of the world in the frame of a heading `yaw` (rad): forward, to the left, up.
+/// Turns a vector of the world into the frame of a heading `yaw` (rad): forward, to the left, up.
 inline Vector3 in_heading_frame(const Vector3& v_W, double yaw) {
   const double c = std::cos(yaw), s = std::sin(yaw);
   return {c * v_W.x() + s * v_W.y(), c * v_W.y() - s * v_W.x(), v_W.z()};
 }
-/// The least rotation that takes z to `axis` (unit); about x where that is -z.
+/// Returns the least rotation that takes z to `axis` (unit); about x where that is -z.
 Quaternion rotation_of_z_to(const Vector3& axis);
 
 }  // namespace crossgait

@@ -13,7 +13,7 @@ namespace crossgait {
 /// It may throw `Interrupted`.
 using Progress = std::function<void(double share)>;
 
-/// Thrown by a Progress whose owner wants no more. What can hand over the part that is done says so, and
+/// Is thrown by a Progress whose owner wants no more. What can hand over the part that is done says so, and
 /// returns it; from anything else the exception comes out again.
 class Interrupted : public std::exception {
  public:
@@ -31,14 +31,14 @@ inline bool interrupted_at(const Progress& progress, double share) {
   }
 }
 
-/// Progress of a job whose parts are done on several threads. An Interrupted ends in it, so that the threads
-/// can put down their work instead of taking more.
+/// Shares the progress of a job whose parts are done on several threads. An Interrupted ends in it, so that
+/// the threads can put down their work instead of taking more.
 class SharedProgress {
  public:
   /// @param progress outlives this
   SharedProgress(const Progress& progress, std::size_t parts) : progress_(progress), parts_(parts) {}
 
-  /// Asked before a part is begun.
+  /// Tells, before a part is begun, that no more is wanted.
   bool interrupted() const noexcept { return interrupted_.load(std::memory_order_relaxed); }
   void part_done() {
     const std::scoped_lock lock(mutex_);
@@ -57,7 +57,7 @@ class SharedProgress {
   std::atomic<bool> interrupted_{false};
 };
 
-/// The part of `progress` that goes from `from` to `to`; nothing if nobody listens.
+/// Returns the part of `progress` that goes from `from` to `to`; nothing if nobody listens.
 inline Progress part_of(const Progress& progress, double from, double to) {
   return progress ? Progress([progress, from, to](double share) { progress(from + share * (to - from)); })
                   : Progress();

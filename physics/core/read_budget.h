@@ -7,9 +7,9 @@
 
 namespace crossgait {
 
-/// A reader refuses a file beyond any of these with a ConfigError that names the limit. They are chosen so
-/// that the worst file within them is read, or refused, in about a second and in less than 200 MB of memory,
-/// and lie an order of magnitude above the largest file that Crossgait itself writes or brings along.
+/// Limits files: beyond any of these a reader refuses one by a ConfigError naming it. They are chosen so that
+/// the worst file within them is read, or refused, in about a second and in less than 200 MB of memory, and
+/// lie an order of magnitude above the largest file that Crossgait itself writes or brings along.
 struct ReadBudget {
   std::size_t bytes = 0;   ///< size of the file
   std::size_t values = 0;  ///< values, elements or cells in it; aliases of YAML count as what they stand for
@@ -77,7 +77,7 @@ inline constexpr ReadBudget kTerrainTableBudget{64 * kMebibyte, std::size_t{1} <
 /// three times that.
 inline constexpr ReadBudget kPictureBudget{48 * kMebibyte, std::size_t{1} << 24U, 1};
 
-/// "64 MiB", "20 bytes".
+/// Says a size as "64 MiB", "20 bytes".
 std::string size_in_words(std::size_t bytes);
 
 /// Counts the values and levels of a JSON text without making anything of it; text that is no JSON is the
@@ -87,8 +87,8 @@ std::string size_in_words(std::size_t bytes);
 void check_json_budget(std::string_view text, const ReadBudget& budget, const std::string& source,
                        int line = 1);
 
-/// The same for the elements of an XML text, and their attributes. @throws ConfigError naming `source` and
-/// the line
+/// Checks the elements of an XML text, and their attributes, likewise. @throws ConfigError naming `source`
+/// and the line
 void check_xml_budget(std::string_view text, const ReadBudget& budget, const std::string& source);
 
 }  // namespace crossgait

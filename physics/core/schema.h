@@ -7,12 +7,12 @@
 
 namespace crossgait {
 
-/// `json` with {"schema": {"name", "version"}} in front. The schema is docs/schemas/NAME.json; its version is
-/// "draft" until the first release, and then a number that grows when a key goes, or changes its meaning,
-/// unit or type; a key that is added leaves it as it is.
+/// Returns `json` with {"schema": {"name", "version"}} in front. The schema is docs/schemas/NAME.json; its
+/// version is "draft" until the first release, and then a number that grows when a key goes, or changes its
+/// meaning, unit or type; a key that is added leaves it as it is.
 /// @throws std::logic_error for a name that has no schema
 nlohmann::ordered_json with_schema(std::string_view name, const nlohmann::ordered_json& json);
-/// {"name", "version"} alone. @throws std::logic_error as above
+/// Returns {"name", "version"} alone. @throws std::logic_error as above
 nlohmann::ordered_json schema(std::string_view name);
 
 }  // namespace crossgait

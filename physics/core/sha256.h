@@ -13,7 +13,7 @@ namespace crossgait {
 class Sha256 {
  public:
   Sha256& add(std::string_view bytes) noexcept;
-  /// As 64 hexadecimal digits, of all bytes so far; more may follow.
+  /// Writes the hash as 64 hexadecimal digits, of all bytes so far; more may follow.
   std::string hex() const;
 
  private:

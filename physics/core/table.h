@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// "1 episode", "3 episodes". @param noun  whose plural ends in s
+/// Counts things: "1 episode", "3 episodes". @param noun  whose plural ends in s
 std::string counted(std::size_t count, std::string_view noun);
 
 class Table {
@@ -17,9 +17,9 @@ class Table {
   explicit Table(std::vector<std::string> header);
   /// @param cells as many as the header has, or fewer
   void add_row(std::vector<std::string> cells);
-  /// Lines end in newlines; a rule separates header and rows. Widths count characters, not bytes, of UTF-8.
+  /// Writes lines, each with its end; a rule separates header and rows. Widths count characters of UTF-8.
   std::string str() const;
-  /// The header first.
+  /// Returns the rows, the header first.
   const std::vector<std::vector<std::string>>& rows() const noexcept { return rows_; }
 
  private:

@@ -18,8 +18,8 @@ namespace crossgait {
 class ConfigError;
 struct YamlNode;
 
-/// One value of a YAML file. Every function throws ConfigError naming the file, the line and the path of
-/// keys, as in "trot.yaml: line 4, swing.shape: expected a finite number, found 'fast'".
+/// Holds one value of a YAML file. Every function throws ConfigError naming the file, the line and the path
+/// of keys, as in "trot.yaml: line 4, swing.shape: expected a finite number, found 'fast'".
 ///
 ///     const YamlValue root = YamlValue::load(path);
 ///     root.allow_keys({"cycle_time", "swing"});          // anything else is an error
@@ -29,7 +29,7 @@ class YamlValue {
  public:
   /// Reads a file of exactly one document within `kYamlBudget`. Duplicate keys anywhere in it are an error.
   static YamlValue load(const std::string& path);
-  /// The same from text; `source` stands for the file in messages.
+  /// Reads a text's values; `source` stands for the file in messages.
   static YamlValue parse(const std::string& text, const std::string& source);
 
   /// Requires a mapping without other keys than these.
@@ -37,13 +37,13 @@ class YamlValue {
   void allow_keys(std::initializer_list<std::string_view> keys) const {
     allow_keys(std::span(keys.begin(), keys.size()));
   }
-  /// The value of a required key of a mapping.
+  /// Returns the value of a required key of a mapping.
   YamlValue at(std::string_view key) const;
-  /// The value of an optional key of a mapping.
+  /// Returns the value of an optional key of a mapping.
   std::optional<YamlValue> find(std::string_view key) const;
-  /// Keys and values of a mapping, in the order of the file.
+  /// Lists keys and values of a mapping, in the order of the file.
   std::vector<std::pair<std::string, YamlValue>> entries() const;
-  /// Elements of a sequence.
+  /// Lists elements of a sequence.
   std::vector<YamlValue> items() const;
 
   bool is_mapping() const noexcept;
@@ -57,7 +57,7 @@ class YamlValue {
   Vector3 vector3() const;     ///< a sequence of three numbers
 
   const std::string& source() const noexcept { return source_; }
-  /// "line 4, swing.shape": the line of the key (of the value, in a sequence) and the path; what errors name.
+  /// Says "line 4, swing.shape": the line of the key (of the value, in a sequence) and the path, for errors.
   std::string element() const;
   /// Reports this value as wrong in the reader's own terms.
   [[noreturn]] void fail(std::string_view expected, std::string_view found) const;
@@ -75,7 +75,7 @@ class YamlValue {
   int line_ = 0;
 };
 
-/// `text` as a YAML scalar that reads back as the same text, in quotes whatever it holds.
+/// Writes `text` as a YAML scalar that reads back as the same text, in quotes whatever it holds.
 std::string yaml_quoted(std::string_view text);
 
 }  // namespace crossgait

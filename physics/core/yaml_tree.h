@@ -7,7 +7,7 @@
 
 namespace crossgait {
 
-/// One value. Aliases share the node that they stand for.
+/// Holds one value. Aliases share the node that they stand for.
 struct YamlNode {
   enum class Kind { kNothing, kScalar, kSequence, kMap };
 
@@ -20,8 +20,8 @@ struct YamlNode {
   std::vector<std::shared_ptr<const YamlNode>> keys;   ///< of a map, as items
 };
 
-/// The one document of a text. @throws ConfigError naming `source` and the line: no YAML, none or several
-/// documents, an alias inside its own anchor, or more than `kYamlBudget` allows
+/// Reads the one document of a text. @throws ConfigError naming `source` and the line: no YAML, none or
+/// several documents, an alias inside its own anchor, or more than `kYamlBudget` allows
 std::shared_ptr<const YamlNode> read_yaml(const std::string& text, const std::string& source);
 
 }  // namespace crossgait

@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// A sphere of a shape (a corner or a vertex is one without radius), or a circle on which such spheres sit.
+/// Is a sphere of a shape (a corner or a vertex is one without radius), or a circle on which spheres sit.
 ///
 /// | shape | features |
 /// |---|---|
@@ -30,27 +30,27 @@ struct ContactFeature {
   double radius = 0;                  ///< of the sphere, or of those on the rim, m
 };
 
-/// Those of every shape of every body that can move, in the order of bodies and shapes.
+/// Lists the features of every shape of all bodies that can move, in the order of bodies and shapes.
 std::vector<ContactFeature> contact_features(const RobotDescription& robot, bool fixed_base);
 
-/// How many a shape has.
+/// Counts a shape's features.
 int feature_count(const CollisionShape& shape);
 
-/// How far from the shape's origin a feature reaches, m.
+/// Returns how far from the shape's origin a feature reaches, m.
 inline double reach(const ContactFeature& feature) {
   return feature.p_GC.norm() + feature.rim + feature.radius;
 }
 
-/// Centres of the spheres of one feature that may touch.
+/// Holds centres of the spheres of one feature that may touch.
 struct SphereCentres {
   std::array<Vector3, 3> points;
   int count = 0;
 };
 
-/// Of a sphere its centre. Of a rim the point nearest to the ground and the two a third of a turn from it:
-/// one point where a cylinder lies or tips, three where it stands (as MuJoCo has a cylinder touch a plane).
-/// "Nearest" is meant along the normal of the ground's point closest to the rim's centre
-/// (`Terrain::touch_sphere`); an upright rim begins anywhere.
+/// Places the spheres of a feature: of a sphere its centre. Of a rim the point nearest to the ground and the
+/// two a third of a turn from it: one point where a cylinder lies or tips, three where it stands (as MuJoCo
+/// has a cylinder touch a plane). "Nearest" is meant along the normal of the ground's point closest to the
+/// rim's centre (`Terrain::touch_sphere`); an upright rim begins anywhere.
 /// @param centre,axis  of the feature, in W
 /// @param margin  of points that are to be found above the ground, m
 /// @returns none where no point of the rim is within reach of the ground

@@ -12,7 +12,7 @@
 
 namespace crossgait {
 
-/// One engine in one mode.
+/// Describes one engine in one mode.
 struct Engine {
   EngineInfo info;
   /// Makes a world of its own. May be called from several threads at once.
@@ -25,25 +25,25 @@ struct Engine {
 /// The same engine, in which every world is changed before it is made.
 Engine with_change(Engine engine, std::function<void(WorldSpec&)> change);
 
-/// A name and the factors behind it: "bullet:matched+surface" -> "bullet:matched" and "+surface".
+/// Splits a name from the factors behind it: "bullet:matched+surface" -> "bullet:matched" and "+surface".
 std::pair<std::string_view, std::string_view> split_factors(std::string_view name);
 /// Takes the first change, its sign included, off `changes`, which are not empty: "+surface-coulomb" gives
 /// "+surface".
 std::string_view pop_modifier(std::string_view& changes);
 
-/// One modelling choice in which two engines differ and that can be changed on its own: a factor, as in a
-/// factorial experiment.
+/// Describes one modelling choice in which two engines differ and that can be changed on its own: a factor,
+/// as in a factorial experiment.
 struct ModelFactor {
   std::string name, summary;
   std::vector<std::string> needs;  ///< factors without which it means nothing; they come before it
-  /// Whether it can change anything of this robot's motion; null: of any robot's.
+  /// Tells whether the factor can change anything of this robot's motion; null: any robot's.
   bool (*applies_to)(const RobotDescription&) = nullptr;
   /// The modelling decision that it is a half of ("rigid contact"); factors of one group stand side by side
   /// in a family. Empty: a decision of its own, which goes by the factor's name.
   std::string group = {};
 };
 
-/// Two engines and everything that is different between them.
+/// Holds two engines and everything that is different between them.
 struct EngineFamily {
   std::string from, to;  ///< names of the engines without and with all factors
   std::vector<ModelFactor> factors;
@@ -55,7 +55,7 @@ struct EngineFamily {
   void validate() const;
 };
 
-/// Without the factors that do not concern `robot`, each of which takes part where one that needs it does.
+/// Drops the factors that do not concern `robot`, each of which takes part where one that needs it does.
 EngineFamily family_for(EngineFamily family, const RobotDescription& robot);
 
 }  // namespace crossgait

@@ -23,7 +23,7 @@ constexpr int kPluginInterfaceVersion = 3;
 
 namespace plugin_detail {
 
-/// Text put together by the compiler, so that it says how this very file was compiled, whatever is linked.
+/// Holds text put together by the compiler, so that it says how this file was compiled, whatever is linked.
 struct Text {
   std::array<char, 2048> bytes{};  // ends in zeros
   std::size_t size = 0;
@@ -50,7 +50,7 @@ struct Text {
   }
 };
 
-/// Everything that the binary interface hangs on and that a compiler knows.
+/// Names everything that the binary interface hangs on and that a compiler knows.
 consteval Text make_stamp() {
   Text text;
 #if defined(__clang__)
@@ -103,19 +103,19 @@ consteval Text make_stamp() {
   return text;
 }
 
-/// Of internal linkage on purpose: a plug-in's must never be taken for the program's.
+/// Stamp, of internal linkage on purpose: a plug-in's must never be taken for the program's.
 constexpr Text kStamp = make_stamp();
 
 }  // namespace plugin_detail
 
-/// One name that a plug-in offers.
+/// Describes one name that a plug-in offers.
 struct OfferedEngine {
   EngineInfo info;
   std::string summary;  ///< one line for lists
 };
 
-/// What a plug-in says of itself. It lives as long as the process, and so does the plug-in: engines, worlds
-/// and exceptions made of its code may be anywhere.
+/// Holds what a plug-in says of itself. It lives as long as the process, and so does the plug-in: engines,
+/// worlds and exceptions made of its code may be anywhere.
 struct EnginePlugin {
   // These two stay first, as they are: any program can read them and say why it takes nothing else.
   int interface_version = kPluginInterfaceVersion;
@@ -124,8 +124,8 @@ struct EnginePlugin {
   /// Place in lists: small numbers first, in the order found where they are equal. The first engine is what
   /// commands use by default.
   int rank = 100;
-  /// Version of the engine's headers that the plug-in was compiled with, and of the engine's library that it
-  /// found. A plug-in in which they differ is refused: the structures that they share may differ.
+  /// Says the version of the engine's headers that the plug-in was compiled with, below of the library that
+  /// it found. A plug-in in which they differ is refused: the structures that they share may differ.
   std::string (*header_version)() = nullptr;
   std::string (*library_version)() = nullptr;
   /// Names to list. At least one.
@@ -146,5 +146,5 @@ constexpr const char* kPluginFunction = "crossgait_engine_plugin";
 
 }  // namespace crossgait
 
-/// Defined by every plug-in, and the only symbol that it exports. Never null.
+/// Returns the plug-in; defined by every plug-in, and the only symbol that it exports. Never null.
 extern "C" __attribute__((visibility("default"))) const crossgait::EnginePlugin* crossgait_engine_plugin();

@@ -13,7 +13,7 @@
 
 namespace crossgait {
 
-/// Numbers that an engine keeps its state in and steps with.
+/// Says which numbers an engine keeps its state in and steps with.
 enum class Precision { kFloat64, kFloat32 };
 
 /// Returns the distance from 1 to the next number: what bounds of rounding are multiples of.
@@ -21,12 +21,12 @@ constexpr double epsilon(Precision precision) noexcept {
   return precision == Precision::kFloat32 ? std::numeric_limits<float>::epsilon()
                                           : std::numeric_limits<double>::epsilon();
 }
-/// "float64", "float32".
+/// Names a precision: "float64", "float32".
 constexpr std::string_view name_of(Precision precision) noexcept {
   return precision == Precision::kFloat32 ? "float32" : "float64";
 }
 
-/// What an engine and mode declares; tests skip on these and on nothing else.
+/// Says what an engine and mode declares; tests skip on these and on nothing else.
 struct Capabilities {
   bool soft_contact = false;      ///< honours ContactSpec::softness
   bool soft_friction = false;     ///< honours ContactSpec::impratio
@@ -42,9 +42,9 @@ struct Capabilities {
   bool operator==(const Capabilities&) const = default;
 };
 
-/// The laws that an engine solves, by name. Engines that agree in all of them solve the same equations, so
-/// that nothing but rounding may lie between them: they are held to the tight tolerances. Behind a slash
-/// stands how an engine departs from the law by the way in which it solves it: "hard/sweeps".
+/// Names the laws that an engine solves. Engines that agree in all of them solve the same equations, so that
+/// nothing but rounding may lie between them: they are held to the tight tolerances. Behind a slash stands
+/// how an engine departs from the law by the way in which it solves it: "hard/sweeps".
 struct Laws {
   std::string contact;         ///< normal force and friction between robot and terrain: "mujoco", "hard"
   std::string loops;           ///< of loop closures: "mujoco" (soft, with its reference acceleration)
@@ -54,7 +54,7 @@ struct Laws {
   /// that end it). Relatives count as one opinion where they agree.
   std::string contact_family;
 
-  /// The law of contact without the way in which it is solved: two engines of one are no two opinions of it.
+  /// Returns the law of contact without the way it is solved: two engines of one are no two opinions of it.
   std::string_view contact_law() const noexcept {
     return std::string_view(contact).substr(0, contact.find('/'));
   }
@@ -82,8 +82,8 @@ std::vector<std::string> not_of_law(const ContactSpec& contact, const Capabiliti
 /// Lists Crossgait's own code that both run on: what they agree in for that reason is no evidence.
 std::vector<std::string> shared_parts(const EngineInfo& a, const EngineInfo& b);
 
-/// A saved instant. Restoring it, in this or in another world built from the same WorldSpec, continues bit
-/// for bit.
+/// Holds a saved instant. Restoring it, in this or in another world built from the same WorldSpec, continues
+/// bit for bit.
 struct Snapshot {
   std::string engine_name;  ///< EngineInfo::name it came from
   RobotState state;
@@ -99,18 +99,18 @@ struct Snapshot {
 /// How many wrenches may act on a robot at once.
 inline constexpr std::size_t kMaxWrenches = 64;
 
-/// Angles within which joints are kept, by joint, rad.
+/// Holds angles within which joints are kept, by joint, rad.
 struct JointRanges {
-  /// None for any joint.
+  /// Makes a range without bounds for every joint.
   explicit JointRanges(int joints)
       : lower(JointVector::Constant(joints, -std::numeric_limits<double>::infinity())), upper(-lower) {}
 
   JointVector lower, upper;
 };
-/// What a robot's description asks for.
+/// Returns the ranges that a robot's description asks for.
 JointRanges joint_limits(const RobotDescription& robot);
 
-/// One instance = one world = one thread. Two instances may run on two threads.
+/// Runs one world on one thread. Two instances may run on two threads.
 ///
 /// Public functions validate and share what engines must not differ in (the servo law, divergence checks);
 /// engines implement the private virtual ones. See `docs/conventions.md` for frames.
@@ -130,8 +130,8 @@ class PhysicsBackend {
   void reset(const RobotState& state);
   /// Resets to `home_state()`.
   void reset() { reset(home_state()); }
-  /// Home pose at rest over the world origin, at home_height above the terrain's highest point under the
-  /// robot.
+  /// Returns the home pose at rest over the world origin, at home_height above the terrain's highest point
+  /// under the robot.
   RobotState home_state() const;
 
   /// Advances `substeps` physics steps holding `targets`; torques are recomputed every physics step:
@@ -144,25 +144,25 @@ class PhysicsBackend {
   [[nodiscard]] StepStatus step(const JointTargets& targets, int substeps = 1) noexcept;
 
   const RobotState& state() const noexcept { return state_; }
-  /// Contacts of the last physics step, at the configuration it began with. Empty after reset.
+  /// Returns contacts of the last physics step, at the configuration it began with. Empty after reset.
   const ContactList& contacts() const noexcept { return contacts_; }
   LegArray<FootContact> foot_contacts() const noexcept;
-  /// Torques applied in the last physics step, N m (servo minus damping).
+  /// Returns torques applied in the last physics step, N m (servo minus damping).
   const JointVector& torques() const noexcept { return torques_; }
 
-  /// Height of the terrain under (x, y), asked of the engine's own geometry by a ray, m. NaN where there is
-  /// none.
+  /// Returns the height of the terrain under (x, y), asked of the engine's own geometry by a ray, m. NaN
+  /// where there is none.
   double terrain_height(double x, double y) const { return do_terrain_height(x, y); }
-  /// Pose of a body in W as the engine has it now. `body` indexes RobotDescription::bodies.
+  /// Returns the pose of a body in W as the engine has it now. `body` indexes RobotDescription::bodies.
   Pose body_pose(int body) const;
-  /// Joint-space inertia of engine bodies plus armature; rows and columns [v_WB, w_WB, qd] (6 + joints), or
-  /// the joints alone for a fixed base. kg, kg m, kg m^2.
+  /// Returns the joint-space inertia of engine bodies plus armature; rows and columns [v_WB, w_WB, qd] (6 +
+  /// joints), or the joints alone for a fixed base. kg, kg m, kg m^2.
   Eigen::MatrixXd mass_matrix() const { return do_mass_matrix(); }
-  /// Mass properties as the engine holds them, in the frame of RobotDescription.
+  /// Returns mass properties as the engine holds them, in the frame of RobotDescription.
   SpatialInertia body_inertia(int body) const;
-  /// Dry friction of every joint as the engine holds it, N m; zero where it simulates none.
+  /// Returns the dry friction of every joint as the engine holds it, N m; zero where it simulates none.
   JointVector joint_friction() const { return do_joint_friction(); }
-  /// Angles that every joint is kept within as the engine holds them, rad; infinite where there are none.
+  /// Returns the angles that each joint is kept within as the engine holds them, rad; infinite if none.
   JointRanges joint_limits() const { return do_joint_limits(); }
 
   /// Adds an impulse (N s, in W) at the base's centre of mass, spread over the next physics step.
@@ -185,9 +185,9 @@ class PhysicsBackend {
 
  private:
   virtual void do_reset(const RobotState& state) = 0;
-  /// One physics step under joint torques `tau` and a wrench on the base, its force at the base's centre of
-  /// mass; a fixed base does not feel it. kDiverged where the engine itself noticed; the caller checks the
-  /// state it reads back besides.
+  /// Makes one physics step under joint torques `tau` and a wrench on the base, its force at the base's
+  /// centre of mass; a fixed base does not feel it. kDiverged where the engine itself noticed; the caller
+  /// checks the state it reads back besides.
   virtual StepStatus do_step(const JointVector& tau, const Wrench& base) noexcept = 0;
   virtual void do_read_state(RobotState& state) const noexcept = 0;
   virtual void do_read_contacts(ContactList& contacts) const noexcept = 0;

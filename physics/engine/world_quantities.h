@@ -12,8 +12,8 @@
 
 namespace crossgait {
 
-/// A quantity of a world. Numbers of joints are those of every joint that has them: a servo's and a drive's
-/// of every servo, others of all joints.
+/// Describes a quantity of a world. Numbers of joints are those of every joint that has them: a servo's and a
+/// drive's of every servo, others of all joints.
 struct WorldQuantity {
   std::string name;        ///< as settings of contact and numbers of joints are called in files; the joints'
                            ///< dry friction is `joint_friction` beside the ground's
@@ -29,7 +29,7 @@ struct WorldQuantity {
   std::function<void(WorldSpec& world, RobotDescription& robot, double factor)> scale;
 };
 
-/// Lists them.
+/// Lists the quantities.
 std::span<const WorldQuantity> world_quantities();
 /// @throws ConfigError naming `source`, listing the names
 const WorldQuantity& find_world_quantity(std::string_view name, std::string_view source);
@@ -40,7 +40,7 @@ std::string_view joint_number_group(const JointNumber& number) noexcept;
 /// Multiplies a body's mass and its inertia with it.
 void scale_mass(Body& body, double factor);
 
-/// A quantity changed to a value, or by a factor.
+/// Describes a quantity changed to a value, or by a factor.
 struct QuantityChange {
   const WorldQuantity* quantity = nullptr;
   std::vector<double> value;  ///< of a factor: one number
@@ -54,11 +54,11 @@ struct QuantityChange {
 /// @throws ConfigError naming `source` and the quantity
 QuantityChange parse_quantity_change(std::string_view text, std::string_view source);
 
-/// The value of a quantity for people: "0.6", "0.005:1", "pyramidal", "5 to 35"; empty where it has none.
+/// Writes a quantity's value for people: "0.6", "0.005:1", "pyramidal", "5 to 35"; empty where it has none.
 std::string quantity_text(const WorldQuantity& quantity, const WorldSpec& world);
 
-/// `varied`, which was made of `from` by scaling some numbers, with what differs between `from` and `to`:
-/// numbers that were scaled stay so by the same factor. The robots have the same bodies and joints.
+/// Returns `varied`, which was made of `from` by scaling some numbers, with what differs between `from` and
+/// `to`: numbers that were scaled stay so by the same factor. The robots have the same bodies and joints.
 WorldSpec carry_over(const WorldSpec& from, const WorldSpec& to, const WorldSpec& varied);
 
 }  // namespace crossgait

@@ -11,7 +11,7 @@ namespace crossgait {
 /// Physics steps, s. A thousandth of the usual one is far beyond where the engines' results stop changing.
 inline constexpr double kShortestPhysicsStep = 1e-6, kLongestPhysicsStep = 0.1;
 
-/// Effort of the iterative parts of an engine's solver.
+/// Holds the effort of the iterative parts of an engine's solver.
 struct SolverSpec {
   double tolerance = 1e-8;  ///< MuJoCo Newton and the matched cone solve stop here
   int iterations = 100;     ///< at most (MuJoCo's Newton, Bullet's projected Gauss-Seidel sweeps)

@@ -7,7 +7,7 @@
 
 namespace crossgait {
 
-/// The torque that a servo makes, N m:
+/// Computes the torque that a servo makes, N m:
 ///
 ///     tau = clamp(kp D(target - measured) - kd qd, -effort(-qd), effort(qd))
 ///
@@ -26,12 +26,12 @@ inline double clip_target(const Joint& joint, double target) noexcept {
   return std::clamp(std::clamp(target, joint.target_lower, joint.target_upper), joint.lower, joint.upper);
 }
 
-/// The torque of what a joint has beside a servo, N m: -damping qd - stiffness (q - spring_reference).
+/// Returns the torque of what a joint has but a servo, N m: -damping qd - stiffness (q - spring_reference).
 inline double passive_torque(const Joint& joint, double q, double qd) noexcept {
   return -joint.damping * qd - joint.stiffness * (q - joint.spring_reference);
 }
 
-/// The largest torque in the direction of negative torque, N m.
+/// Returns the largest torque in the direction of negative torque, N m.
 inline double negative_effort(const Joint& joint) noexcept {
   return joint.effort_negative > 0 ? joint.effort_negative : joint.effort_limit;
 }

@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// The value of a setting: a word, a number, or a list of numbers.
+/// Returns the value of a setting: a word, a number, or a list of numbers.
 nlohmann::ordered_json to_json(const ContactSetting& setting, std::span<const double> numbers);
 
 }  // namespace crossgait

@@ -10,7 +10,7 @@
 
 namespace crossgait {
 
-/// Softness of a constraint, in MuJoCo's terms (MuJoCo manual, "Computation > Constraint model >
+/// Holds the softness of a constraint, in MuJoCo's terms (MuJoCo manual, "Computation > Constraint model >
 /// Parameters"). These are its defaults.
 struct Softness {
   double time_constant = 0.02;  ///< s, at least two physics steps
@@ -19,12 +19,12 @@ struct Softness {
   double impedance_midpoint = 0.5, impedance_power = 2;                       ///< -, -
 };
 
-/// What bounds friction of soft contacts.
+/// Says what bounds friction of soft contacts.
 enum class FrictionCone : unsigned char { kElliptic, kPyramidal };
-/// "elliptic", "pyramidal"
+/// Names a cone: "elliptic", "pyramidal".
 std::string_view name(FrictionCone cone) noexcept;
 
-/// The contact *intent*. How each engine realises it is one documented function per engine
+/// Holds the contact *intent*. How each engine realises it is one documented function per engine
 /// (backends/mujoco/model_xml.cpp, backends/contact/soft_constraint.h, backends/bullet/native_contact.cpp).
 struct ContactSpec {
   double friction = 0.6;              ///< Coulomb coefficient between robot and terrain
@@ -44,7 +44,7 @@ struct ContactSpec {
   double cfm = 0;                           ///< added to each row's response to itself, as a share of it
 };
 
-/// A setting of contact by name. Its value is one number or several; of `cone` the place among its words.
+/// Is a setting of contact by name. Its value is one number or several; of `cone` the place among its words.
 struct ContactSetting {
   std::string_view name;  ///< as in YAML, options and results, and where MuJoCo has it as in MJCF
   std::string_view unit;
@@ -58,17 +58,17 @@ std::span<const ContactSetting> contact_settings();
 /// @throws ConfigError naming `source`, listing the names
 const ContactSetting& find_contact_setting(std::string_view name, std::string_view source);
 
-/// What is said of contact; what is not said is empty. By the places of `contact_settings`.
+/// Holds what is said of contact; what is not said is empty. By the places of `contact_settings`.
 struct ContactSettings {
   std::vector<std::optional<std::vector<double>>> said;
 
   bool is_empty() const noexcept;
-  /// The numbers of a setting; null where it is not said.
+  /// Returns the numbers of a setting; null where it is not said.
   const std::vector<double>* find(std::string_view name) const;
   /// Checks number and range. @param source,element  for messages  @throws ConfigError
   void set(std::string_view name, std::vector<double> numbers, std::string_view source,
            std::string_view element);
-  /// The same of text: a word, or numbers with blanks or colons between them, "0.005:1".
+  /// Sets a setting from text: a word, or numbers with blanks or colons between them, "0.005:1".
   void set(std::string_view name, std::string_view text, std::string_view source, std::string_view element);
   /// Takes over what `other` says.
   void add(const ContactSettings& other);
@@ -78,22 +78,22 @@ struct ContactSettings {
 /// Reads "impratio=100,solref=0.005:1,cone=pyramidal". @throws ConfigError naming `source`, also for a
 /// setting that is given twice
 ContactSettings parse_contact_settings(std::string_view text, std::string_view source);
-/// That friction and nothing else. @throws ConfigError
+/// Returns settings of that friction and nothing else. @throws ConfigError
 ContactSettings friction_of(double coefficient);
-/// Every setting of a contact, said, but for friction of which its condim makes nothing.
+/// Returns every setting of a contact, said, but for friction of which its condim makes nothing.
 ContactSettings all_settings(const ContactSpec& contact);
 /// How much of it there may be to ask for.
 inline constexpr double kMostImpratio = 1000;
-/// The value as `parse_contact_settings` reads it.
+/// Writes the value as `parse_contact_settings` reads it.
 std::string contact_setting_text(const ContactSetting& setting, std::span<const double> numbers);
 
-/// What is simulated: `asked` over `of_robot` over the defaults.
+/// Returns what is simulated: `asked` over `of_robot` over the defaults.
 /// @throws ConfigError naming `source` where `asked` says torsional or rolling friction of which condim makes
 /// nothing
 ContactSpec resolve_contact(const ContactSettings& of_robot, const ContactSettings& asked,
                             std::string_view source);
 
-/// The time constant that MuJoCo's law has in steps of `physics_dt`, s: two of them at least.
+/// Returns the time constant that MuJoCo's law has in steps of `physics_dt`, s: two of them at least.
 double time_constant_in_steps(double time_constant, double physics_dt) noexcept;
 
 /// Reads MuJoCo's numbers, solref in either form.

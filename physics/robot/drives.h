@@ -9,24 +9,24 @@
 
 namespace crossgait {
 
-/// Targets on their way (Joint::delay, Joint::lag) and errors of measurement (Joint::sensor_noise) over the
-/// servo law. Targets are clipped (Joint::lower, Joint::target_lower), delayed, and then followed: what a
-/// servo holds comes nearer to its target by the factor exp(-dt / lag) a step (MuJoCo's `filterexact`, which
-/// acts from the next step on).
-/// A value: a copy goes on from there.
+/// Puts targets on their way (Joint::delay, Joint::lag) and errors of measurement
+/// (Joint::sensor_noise) over the servo law. Targets are clipped (Joint::lower, Joint::target_lower),
+/// delayed, and then followed: what a servo holds comes nearer to its target by the factor exp(-dt /
+/// lag) a step (MuJoCo's `filterexact`, which acts from the next step on). A value: a copy goes on
+/// from there.
 class Drives {
  public:
   Drives() = default;
   /// @throws ConfigError if a servo's delay is no whole number of steps of `physics_dt` (s), or too many
   Drives(const RobotDescription& robot, double physics_dt);
 
-  /// The next targets are taken to have been on their way for ever.
+  /// Takes the next targets to have been on their way for ever.
   void restart() noexcept { steps_ = 0; }
   /// Adds the torques of the servos in the next physics step.
   /// @param targets  of RobotDescription::actuated_joints(), rad
   void add_torques(const JointTargets& targets, const RobotState& state, JointVector& torques) noexcept;
 
-  /// All that the rest depends on, at the end of `out`.
+  /// Appends all that the rest depends on to `out`.
   void save(std::vector<double>& out) const;
   /// @param saved  what `save` of drives of the same robot and step wrote
   void restore(const std::vector<double>& saved);

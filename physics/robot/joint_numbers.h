@@ -12,14 +12,14 @@
 
 namespace crossgait {
 
-/// Whose number it is, and so where files say it.
+/// Says whose number it is, and so where files say it.
 enum class JointNumberOf {
   kServo,  ///< a servo's gains and torque: key `servo` of a robot.yaml
   kJoint,  ///< any joint's
   kDrive,  ///< what a servo's drive falls short of, off unless it is said: key `drive`
 };
 
-/// One row: its name in files, its unit, and where it is kept.
+/// A row says a number's name in files, its unit, and where it is kept.
 struct JointNumber {
   std::string_view name, unit;
   double Joint::*member;
@@ -29,7 +29,7 @@ struct JointNumber {
   std::string_view words = {};  ///< in messages, in the place of name and unit
 };
 
-/// In the order in which environments write them.
+/// Numbers of joints, in the order in which environments write them.
 inline constexpr std::array kJointNumbers{
     JointNumber{"kp", "N m/rad", &Joint::kp, JointNumberOf::kServo, kLargestGain},
     JointNumber{"kd", "N m s/rad", &Joint::kd, JointNumberOf::kServo, kLargestGain},

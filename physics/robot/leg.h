@@ -16,16 +16,16 @@ inline constexpr std::array<Leg, kLegCount> kLegs{Leg::FL, Leg::FR, Leg::RL, Leg
 constexpr std::size_t index(Leg leg) { return static_cast<std::size_t>(leg); }
 constexpr bool is_left(Leg leg) { return leg == Leg::FL || leg == Leg::RL; }
 constexpr bool is_front(Leg leg) { return leg == Leg::FL || leg == Leg::FR; }
-/// +1 for left legs (outward is +y), -1 for right legs.
+/// Returns +1 for left legs (outward is +y), -1 for right legs.
 constexpr double side_sign(Leg leg) { return is_left(leg) ? 1.0 : -1.0; }
 
-/// "FL", "FR", "RL" or "RR".
+/// Names a leg: "FL", "FR", "RL" or "RR".
 constexpr std::string_view name(Leg leg) {
   constexpr std::array<std::string_view, kLegCount> names{"FL", "FR", "RL", "RR"};
   return names[index(leg)];
 }
 
-/// Inverse of `name`; empty for anything else.
+/// Inverts `name`; empty for anything else.
 constexpr std::optional<Leg> leg_from_name(std::string_view text) {
   for (const Leg leg : kLegs) {
     if (name(leg) == text) return leg;
@@ -33,7 +33,7 @@ constexpr std::optional<Leg> leg_from_name(std::string_view text) {
   return std::nullopt;
 }
 
-/// One value per leg, indexable by `Leg`.
+/// Holds one value per leg, indexable by `Leg`.
 template <typename T>
 struct LegArray : std::array<T, kLegCount> {
   using Base = std::array<T, kLegCount>;

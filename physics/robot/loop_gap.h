@@ -14,7 +14,7 @@ class LoopGaps {
  public:
   explicit LoopGaps(const RobotDescription& robot);
 
-  /// Largest distance between the two points of any loop closure, m; 0 without loops.
+  /// Returns the largest distance between the two points of any loop closure, m; 0 without loops.
   double largest(const JointVector& q) const noexcept;
 
  private:

@@ -14,7 +14,7 @@ struct PrincipalInertia {
 /// A diagonal inertia keeps the body's axes (and its exact numbers); others are diagonalised.
 PrincipalInertia principal_inertia(const SpatialInertia& inertia);
 
-/// Inverse: mass properties in the body frame.
+/// Inverts `principal_inertia`: mass properties in the body frame.
 SpatialInertia from_principal(double mass, const PrincipalInertia& principal);
 
 }  // namespace crossgait

@@ -19,7 +19,7 @@ inline SpatialInertia combine(const SpatialInertia& a, const SpatialInertia& b) 
   return sum;
 }
 
-/// The same mass properties in another frame. @param X_AB  of the frame they are in
+/// Returns mass properties in another frame. @param X_AB  of the frame they are in
 inline SpatialInertia moved(const Pose& X_AB, const SpatialInertia& inertia) {
   const Matrix3 R = X_AB.linear();
   SpatialInertia result{inertia.mass, X_AB * inertia.p_BC, R * inertia.I_C * R.transpose()};

@@ -14,7 +14,7 @@
 
 namespace crossgait {
 
-/// Mass properties of one body, in the body's frame.
+/// Holds mass properties of one body, in the body's frame.
 struct SpatialInertia {
   double mass = 0;                 ///< kg
   Vector3 p_BC = Vector3::Zero();  ///< centre of mass, m
@@ -23,7 +23,7 @@ struct SpatialInertia {
 
 enum class ShapeType { kSphere, kBox, kCylinder, kCapsule, kHull };
 
-/// In documents and in Python.
+/// Names a shape's type in documents and in Python.
 constexpr std::string_view name(ShapeType type) {
   constexpr std::array<std::string_view, 5> kNames{"sphere", "box", "cylinder", "capsule", "hull"};
   return kNames.at(static_cast<std::size_t>(type));
@@ -32,8 +32,8 @@ constexpr std::string_view name(ShapeType type) {
 /// Most vertices of a hull. MuJoCo takes 50 contacts of two geoms.
 inline constexpr int kMaxHullVertices = 32;
 
-/// A collision shape, rigidly attached to a body. Shapes of one robot never collide with each other, only
-/// with terrain, which they touch in the same places on every engine (contact_features.h).
+/// Describes a collision shape, rigidly attached to a body. Shapes of one robot never collide with each
+/// other, only with terrain, which they touch in the same places on every engine (contact_features.h).
 struct CollisionShape {
   std::string name;
   ShapeType type = ShapeType::kSphere;
@@ -46,13 +46,13 @@ struct CollisionShape {
 
 enum class VisualType { kSphere, kBox, kCylinder, kCapsule, kMesh };
 
-/// In documents and in Python.
+/// Names a shape's type in documents and in Python.
 constexpr std::string_view name(VisualType type) {
   constexpr std::array<std::string_view, 5> kNames{"sphere", "box", "cylinder", "capsule", "mesh"};
   return kNames.at(static_cast<std::size_t>(type));
 }
 
-/// What a body looks like. No engine sees it.
+/// Describes what a body looks like. No engine sees it.
 struct VisualShape {
   VisualType type = VisualType::kSphere;
   Vector3 size = Vector3::Zero();  ///< as CollisionShape's; capsule: (radius, half length between the centres
@@ -63,7 +63,7 @@ struct VisualShape {
   std::optional<Eigen::Vector4d> rgba;  ///< 0..1, if stated
 };
 
-/// The revolute joint that connects a body to its parent, and its drive.
+/// Describes the revolute joint that connects a body to its parent, and its drive.
 struct Joint {
   std::string name;
   Vector3 axis = Vector3::UnitZ();  ///< unit axis in the body frame (equal to the joint frame); right-handed
@@ -94,7 +94,7 @@ struct Joint {
   double sensor_noise = 0;   ///< of the angle that the servo measures, uniform in +- this, rad
 };
 
-/// One rigid body. Body 0 is the base; body i + 1 hangs on joint i.
+/// Describes one rigid body. Body 0 is the base; body i + 1 hangs on joint i.
 struct Body {
   std::string name;
   int parent = -1;               ///< index of the parent body, smaller than its own; -1 for the base
@@ -105,28 +105,28 @@ struct Body {
   std::vector<VisualShape> visuals;
 };
 
-/// Two points of two bodies held together by a soft ball joint (closes a kinematic loop).
+/// Holds two points of two bodies together by a soft ball joint (closes a kinematic loop).
 struct LoopClosure {
   std::string name;
   int body_a = 0, body_b = 0;
   Vector3 p_AP = Vector3::Zero(), p_BP = Vector3::Zero();  ///< the point in either body's frame, m
 };
 
-/// How the joints of a leg are arranged.
+/// Says how the joints of a leg are arranged.
 enum class LegLinkage {
   kFiveBar,   ///< two chains of shoulder and elbow on a tilt joint, joined at the foot by a loop
   kSerial,    ///< hip and knee, on an abduction joint or on the base
   kHipFirst,  ///< hip, abduction, knee: the abduction turns with the hip
 };
 
-/// A joint of a leg: what it is called, and the role (its index) that it hangs on; -1: on the base.
+/// Describes a joint of a leg: what it is called, and the role (its index) that it hangs on; -1: on the base.
 struct LegRole {
   std::string_view name;
   int parent;
   bool actuated;
 };
 
-/// One leg: its joints (indices into joint vectors) in the order of its roles, and its foot.
+/// Describes one leg: its joints (indices into joint vectors) in the order of its roles, and its foot.
 struct LegModel {
   LegLinkage linkage = LegLinkage::kFiveBar;
   std::vector<int> servos;         ///< tilt, shoulder_left, shoulder_right; or abduction (if any), hip, knee;
@@ -138,13 +138,13 @@ struct LegModel {
 
   /// Lists the roles of servos, then of passive joints.
   std::span<const LegRole> roles() const noexcept;
-  /// Servos, then passive joints: as `roles`.
+  /// Lists servos, then passive joints: as `roles`.
   std::vector<int> joints() const;
-  /// The joint in the role of this name, or -1.
+  /// Returns the joint in the role of this name, or -1.
   int joint(std::string_view role) const noexcept;
 };
 
-/// Everything the engines need to know of a robot.
+/// Holds everything the engines need to know of a robot.
 struct RobotDescription {
   std::string name;
   std::string source;        ///< file it came from, for messages
@@ -166,12 +166,12 @@ struct RobotDescription {
 
   int joint_count() const { return static_cast<int>(bodies.size()) - 1; }
   const Joint& joint(int i) const { return bodies[static_cast<std::size_t>(i) + 1].joint; }
-  /// Joint indices in the order of `JointTargets`.
+  /// Lists joint indices in the order of `JointTargets`.
   std::vector<int> actuated_joints() const;
   double total_mass() const;  ///< kg
-  /// Whether any joint has dry friction.
+  /// Tells whether any joint has dry friction.
   bool has_joint_friction() const noexcept;
-  /// Whether any joint is limited.
+  /// Tells whether any joint is limited.
   bool has_joint_limits() const noexcept;
 
   /// Checks every invariant stated above (finite, positive masses, physical inertias, tree order, loops
@@ -179,8 +179,8 @@ struct RobotDescription {
   void validate() const;
 };
 
-/// Index of the leg whose foot is shape `shape` of body `body`, or -1: the sphere centred on the foot's
-/// frame.
+/// Returns the index of the leg whose foot is shape `shape` of body `body`, or -1: the sphere centred on the
+/// foot's frame.
 inline int leg_of_shape(const RobotDescription& robot, int body, int shape) {
   if (!robot.legs) return -1;
   const CollisionShape& s =

@@ -21,18 +21,18 @@ inline constexpr double kLargestGain = 1e9;   ///< N m/rad, N m s/rad and N m: s
 inline constexpr double kLargestAngle = 1e6;  ///< rad, of joint limits
 inline constexpr double kLongestDelay = 1;    ///< s, of a drive
 
-/// Mass, offset and inertia within the limits above; inertia finite, symmetric, positive definite and that of
-/// some real body: none of its principal moments exceeds the sum of the other two.
+/// Checks mass, offset and inertia within the limits above; inertia finite, symmetric, positive definite and
+/// that of some real body: none of its principal moments exceeds the sum of the other two.
 void check_inertia(const SpatialInertia& inertia, std::string_view source, std::string_view element);
-/// Positive sizes or a hull's vertices, and a proper pose, within the limits above.
+/// Checks positive sizes or a hull's vertices, and a proper pose, within the limits above.
 void check_shape(const CollisionShape& shape, std::string_view source, std::string_view element);
-/// Unit axis, ordered limits, and damping, friction, armature and servo gains that are not negative.
+/// Checks unit axis, ordered limits, and damping, friction, armature and servo gains that are not negative.
 void check_joint(const Joint& joint, std::string_view source);
-/// Every number of a robot, whichever it is, is finite: what the other checks do not look at too.
+/// Checks that every number of a robot, whichever it is, is finite: what the other checks do not look at too.
 void check_finite(const RobotDescription& robot);
-/// Everything about a robot except its home pose.
+/// Checks everything about a robot except its home pose.
 void check_structure(const RobotDescription& robot);
-/// Sizes, limits and loops of the home pose. Requires a checked structure.
+/// Checks sizes, limits and loops of the home pose. Requires a checked structure.
 void check_home(const RobotDescription& robot);
 
 }  // namespace crossgait

@@ -11,7 +11,7 @@ namespace crossgait {
 /// are the robot's name, the file it came from, and what bodies look like.
 std::string identity_text(const RobotDescription& robot);
 
-/// SHA-256 of that text, 64 hexadecimal digits.
+/// Computes the SHA-256 of that text, 64 hexadecimal digits.
 std::string identity_hash(const RobotDescription& robot);
 
 }  // namespace crossgait

@@ -99,7 +99,7 @@ void for_each_member(T& leg, Visit&& visit) {
   visit("foot_body", foot_body), visit("p_BF", p_BF), visit("foot_radius", foot_radius);
 }
 
-/// Names are those of robot.yaml.
+/// Visits members by names that are those of robot.yaml.
 template <MaybeConst<Softness> T, typename Visit>
 void for_each_member(T& softness, Visit&& visit) {
   auto& [time_constant, damping_ratio, impedance_min, impedance_max, impedance_width, impedance_midpoint,
@@ -127,13 +127,13 @@ void for_each_member(T& robot, Visit&& visit) {
   visit("stance_offset", stance_offset);
 }
 
-/// Where a value is inside a robot. Its text is only made when it is asked for.
+/// Says where a value is inside a robot. Its text is only made when it is asked for.
 struct MemberPath {
   const MemberPath* outer = nullptr;
   std::string_view name = {};
   std::ptrdiff_t index = -1;  ///< of an element; -1: a member
 
-  /// "bodies[3].joint.kp"
+  /// Writes the path: "bodies[3].joint.kp".
   std::string text() const {
     const std::string before = outer == nullptr ? "" : outer->text();
     if (index >= 0) return fmt::format("{}[{}]", before, index);

@@ -9,8 +9,8 @@
 
 namespace crossgait {
 
-/// Configuration and velocity of a robot. World frame W: z up, x forward; base frame B at the base link's
-/// origin.
+/// Holds configuration and velocity of a robot. World frame W: z up, x forward; base frame B at the base
+/// link's origin.
 struct RobotState {
   double time = 0;                 ///< simulated seconds since reset
   Vector3 p_WB = Vector3::Zero();  ///< m
@@ -27,25 +27,25 @@ struct RobotState {
   Pose X_WB() const { return make_pose(q_WB, p_WB); }
 };
 
-/// A force and a torque together, in W.
+/// Holds a force and a torque together, in W.
 struct Wrench {
   Vector3 force = Vector3::Zero();   ///< N
   Vector3 torque = Vector3::Zero();  ///< N m
 };
 
-/// What pulls at one body from outside, the force at a point of it.
+/// Holds what pulls at one body from outside, the force at a point of it.
 struct BodyWrench {
   int body = 0;  ///< index into RobotDescription::bodies
   Wrench wrench;
   Vector3 p_BP = Vector3::Zero();  ///< in the body's frame, m
 };
 
-/// Position targets of the actuated joints, in the order of `RobotDescription::actuated_joints()`, rad.
+/// Holds position targets of the actuated joints, in the order of `RobotDescription::actuated_joints()`, rad.
 struct JointTargets {
   JointVector q;
 };
 
-/// One contact point between a body of the robot and the terrain, as the engine solved it in the last step.
+/// Is one contact point between a body of the robot and the terrain, as the engine solved it last step.
 struct Contact {
   int body = -1;                      ///< index into RobotDescription::bodies
   int leg = -1;                       ///< index of the leg whose foot it is, or -1
@@ -58,7 +58,7 @@ struct Contact {
 
 inline constexpr int kMaxContacts = 64;
 
-/// The `kMaxContacts` deepest of the points added, in the order of their adding; `dropped` counts the others.
+/// Keeps the `kMaxContacts` deepest of the points added, in the order of adding; `dropped` counts the others.
 template <typename Point>
 struct DeepestPoints {
   std::array<Point, kMaxContacts> points;
@@ -85,7 +85,7 @@ struct DeepestPoints {
 /// Contacts of the last physics step. Fixed capacity.
 using ContactList = DeepestPoints<Contact>;
 
-/// What one foot feels: all its contact points together.
+/// Holds what one foot feels: all its contact points together.
 struct FootContact {
   bool touching = false;            ///< carries a normal force
   Vector3 force = Vector3::Zero();  ///< sum, in W, N

@@ -10,7 +10,7 @@
 
 namespace crossgait {
 
-/// One contact, in MuJoCo's terms and units (MuJoCo manual, "Contact" and "Solver parameters").
+/// Holds one contact, in MuJoCo's terms and units (MuJoCo manual, "Contact" and "Solver parameters").
 struct ContactNumbers {
   std::array<double, 3> friction{1, 0.005, 0.0001};  ///< sliding, torsional (m), rolling (m)
   std::array<double, 2> solref{0.02, 1};             ///< time constant (s), damping ratio; or negative ones
@@ -19,14 +19,14 @@ struct ContactNumbers {
   std::set<std::string> stated;  ///< names of those that the file says; the others are MuJoCo's defaults
 };
 
-/// What a file says of contact and of the steps of time, where it says it.
+/// Holds what a file says of contact and of the steps of time, where it says it.
 struct ContactOfFile {
   std::optional<double> timestep, impratio;  ///< s, -
   std::optional<double> noslip_iterations;
   std::optional<std::array<double, 3>> gravity;  ///< m/s^2
   std::optional<std::string> cone, integrator;
-  /// Of each collision shape with the file's ground, by the shape's name; two rules of one file that meet are
-  /// combined as MuJoCo does.
+  /// Contacts of each collision shape with the file's ground, by the shape's name; two rules of one file that
+  /// meet are combined as MuJoCo does.
   std::map<std::string, ContactNumbers> shapes;
   std::string ground;  ///< what stood for the ground, for people
 };

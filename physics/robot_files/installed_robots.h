@@ -21,7 +21,7 @@ struct InstalledRobot {
 std::vector<InstalledRobot> installed_robots();
 inline constexpr int kMostInstalledFiles = 20'000;
 
-/// The best match of a name, in any case: a file called so; else one in a folder called so, or so with
+/// Finds the best match of a name, in any case: a file called so; else one in a folder called so, or so with
 /// `_description` behind or a maker before it (`unitree_go2`). Of several the first of the list.
 std::optional<InstalledRobot> find_installed_robot(std::string_view name);
 

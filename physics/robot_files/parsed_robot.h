@@ -10,20 +10,20 @@
 
 namespace crossgait {
 
-/// Where a link of the file ended up: fixed joints are merged into the moving body they belong to.
+/// Says where a link of the file ended up: fixed joints are merged into the moving body they belong to.
 struct LinkPlacement {
   int body = 0;                  ///< index into ParsedRobot::bodies
   Pose X_BL = Pose::Identity();  ///< pose of the link's frame in that body
   std::vector<int> shapes;       ///< indices of the link's own shapes in that body
 };
 
-/// Two points of two links that coincide.
+/// Names two points of two links that coincide.
 struct LinkLoop {
   std::string name, link_a, link_b;
   Vector3 p_a = Vector3::Zero(), p_b = Vector3::Zero();  ///< each in its link's frame, m
 };
 
-/// What a file says, of whichever format (robot_formats.h); bodies of an MJCF are links here.
+/// Holds what a file says, of whichever format (robot_formats.h); bodies of an MJCF are links here.
 struct ParsedRobot {
   std::string name;  ///< of the robot; empty if it has none
   /// Base first, parents before their children, siblings by joint name. A body is named after the link its

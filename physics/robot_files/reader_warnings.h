@@ -12,16 +12,16 @@ namespace crossgait {
 /// Counts things by their kind, and remembers where the first of each was.
 class ReaderWarnings {
  public:
-  /// One more thing of the kind that reads "<before><number><after>", e.g. ("ignored ", " <contact>").
+  /// Counts one more thing of the kind that reads "<before><number><after>", e.g. ("ignored ", " <contact>").
   /// @param where  of this one, e.g. "link 'shin' (line 7)"
   void count(std::string_view before, std::string_view after, std::string_view where);
-  /// One more thing of the kind that reads "<number> <what>", followed by the names of them all.
+  /// Counts one more thing of the kind that reads "<number> <what>", followed by the names of them all.
   void list(std::string_view what, std::string_view name);
-  /// A sentence of its own.
+  /// Adds a sentence of its own.
   void add(std::string_view sentence);
 
-  /// In the order of their first things, fit for a terminal; of very many kinds the last sentence says how
-  /// many more.
+  /// Lists warnings in the order of their first things, fit for a terminal; of very many kinds the last
+  /// sentence says how many more.
   std::vector<std::string> sentences() const;
 
  private:
@@ -29,7 +29,7 @@ class ReaderWarnings {
     std::string before, after, where;  ///< of the first, or of all
     std::size_t count = 0;
   };
-  /// The kind, with one thing more, or null if there are too many.
+  /// Returns the kind, with one thing more, or null if there are too many.
   Kind* more_of(std::string_view before, std::string_view after);
 
   std::vector<Kind> kinds_;

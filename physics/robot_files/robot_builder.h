@@ -39,17 +39,17 @@ class RobotBuilder {
   // robot_legs.cpp: which joints are legs, and the order of bodies that follows.
   void read_frame_and_legs();
   static Matrix3 read_frame(const YamlValue& frame);
-  /// Index of the body that a joint of the file moves, in the file's order, or -1.
+  /// Returns the index of the body that a joint of the file moves, in the file's order, or -1.
   int moved_body(const std::string& joint) const;
   int moved_body(const YamlValue& value, const std::string& joint) const;
   void take_legs(const LegArray<FoundChain>& chains);
-  /// The joints that a robot.yaml locks: a list of names, or angles by name.
+  /// Reads the joints that a robot.yaml locks: a list of names, or angles by name.
   std::map<std::string, double> read_locked(const YamlValue& locked) const;
   void lock(const std::map<std::string, double>& joints);
   void read_legs(const YamlValue& legs);
-  /// Whether the abduction of a leg hangs on its hip.
+  /// Tells whether the abduction of a leg hangs on its hip.
   bool is_hip_first(const YamlValue& leg) const;
-  /// Bodies of the legs first, leg by leg and role by role, then the rest in the file's order.
+  /// Orders bodies: those of the legs first, leg by leg and role by role, then the rest in the file's order.
   void order_bodies(LegArray<LegModel> models, const LegArray<std::vector<int>>& legs);
   void name_servos();
 
@@ -59,29 +59,29 @@ class RobotBuilder {
   // robot_feet.cpp
   void read_feet();
   void infer_foot(Leg leg);
-  /// By a wheel, collision shapes, visual ones or links, whichever there is first. @throws ConfigError if
-  /// none
+  /// Finds a foot by a wheel, collision shapes, visual ones or links, whichever there is first. @throws
+  /// ConfigError if none
   FootPlace find_foot_on(int body_index);
-  /// A link with one collision sphere, or a point of a link: `{link, point, radius}`.
+  /// Reads a link with one collision sphere, or a point of a link: `{link, point, radius}`.
   void read_foot(const YamlValue& value, Leg leg);
   Body& set_foot(Leg leg, int body_index, const Vector3& p_BF, double radius);
-  /// Where there is no such sphere on the body, one takes the place of its shapes.
+  /// Puts a sphere in the place of the body's shapes where there is none there.
   void put_foot(Leg leg, int body_index, const Vector3& p_BF, double radius);
 
   // robot_home.cpp: the home pose, and the heights that follow from it.
-  /// What the home pose is found by has to be right before.
+  /// Checks what the home pose is found by, before it is.
   void check_before_home();
   void read_heights_and_home();
   void infer_home(bool has_height);
-  /// The pose that the robot's file calls its home, if it has one and serial legs can stand in it.
+  /// Takes the pose that the robot's file calls its home, if it has one and serial legs can stand in it.
   bool take_home_of_file();
   /// Moves passive joints until the loops are closed. @returns whether they were nearly so
   bool close_home();
-  /// Angles per role, for every leg or leg by leg; passive joints' are refined until the loops are closed.
+  /// Reads angles per role, for every leg or each; passive joints' are refined until the loops are closed.
   void read_home(const YamlValue& home);
   std::vector<Pose> home_poses() const;
   void set_home_height();
-  /// Mean depth of the feet below the joints that swing them: hips, or the left shoulders.
+  /// Returns the mean depth of the feet below the joints that swing them: hips, or the left shoulders.
   double home_depth() const;
 
   std::optional<YamlValue> yaml_;

@@ -10,7 +10,7 @@
 
 namespace crossgait {
 
-/// One row: how a file of the format is known, and who reads it.
+/// A row says how a file of the format is known, and who reads it.
 struct RobotFormat {
   std::string_view name;  ///< for people
   std::string_view key;   ///< of a robot.yaml that names such a file
@@ -20,21 +20,21 @@ struct RobotFormat {
   ParsedRobot (*read)(const std::string& path);
 };
 
-/// The table. A robot.yaml without any of the keys is asked for the first.
+/// Returns the table. A robot.yaml without any of the keys is asked for the first.
 std::span<const RobotFormat> robot_formats();
 
 /// Finds the format of a file by its extension; null if it has none of theirs.
 const RobotFormat* robot_format_of(std::string_view path);
 
-/// The same; with an extension of no format, the one that takes any name.
+/// Finds a format; with an extension of none, the one that takes any name.
 const RobotFormat& robot_format_of_any(std::string_view path);
 
 /// Reads a robot's file by the reader of its format. @throws ConfigError naming file and element
 ParsedRobot read_robot_file(const std::string& path);
 
-/// ".xml or .mjcf"
+/// Says ".xml or .mjcf".
 std::string extensions_in_words(const RobotFormat& format);
-/// ".yaml, .urdf or .xml (MJCF)": the files that a robot is loaded from.
+/// Says ".yaml, .urdf or .xml (MJCF)": the files that a robot is loaded from.
 std::string robot_files_in_words();
 
 }  // namespace crossgait

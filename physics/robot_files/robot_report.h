@@ -32,22 +32,22 @@ struct LoadedRobot {
   RobotReport report;
 };
 
-/// Where the gains of servos come from.
+/// Says where the gains of servos come from.
 enum class ServoSource {
   kFile,  ///< the robot's files; the rule for what they do not say
   kRule,  ///< the rule (servo_rule), whatever they say. Torque limits stay theirs
 };
 
-/// Where robots have their gains from unless who reads them says: `kFile` until it is set, once, by a program
-/// before it reads any (`--servos`).
+/// Says where robots have their gains from unless who reads them says: `kFile` until it is set, once, by a
+/// program before it reads any (`--servos`).
 ServoSource servo_source() noexcept;
 void set_servo_source(ServoSource source) noexcept;
 
-/// As `load_robot`, with what was inferred and why.
+/// Loads a robot as `load_robot`, with what was inferred and why.
 LoadedRobot load_robot_with_report(const std::string& path, ServoSource servos = servo_source());
 
-/// The whole robot.yaml: with it beside the robot's file nothing is inferred, and the robot is the same but
-/// for rounding in the 17th digit. @param file  what the key of its format says
+/// Writes the whole robot.yaml: with it beside the robot's file nothing is inferred, and the robot is the
+/// same but for rounding in the 17th digit. @param file  what the key of its format says
 std::string to_yaml(const LoadedRobot& loaded, const std::string& file);
 
 }  // namespace crossgait

@@ -11,15 +11,15 @@ class TiXmlElement;
 
 namespace crossgait {
 
-/// XML within a budget, which is checked first: TinyXML calls itself for elements inside elements.
+/// Parses XML within a budget, which is checked first: TinyXML calls itself for elements inside elements.
 /// @throws ConfigError naming `source` and the line where it is not well-formed
 void parse_xml(const std::string& text, const ReadBudget& budget, const std::string& source,
                TiXmlDocument& document);
 
-/// The text without the blanks around it.
+/// Returns the text without the blanks around it.
 std::string trimmed(std::string_view text);
 
-/// The attribute of that name, or "".
+/// Returns the attribute of that name, or "".
 std::string attribute_of(const TiXmlElement& element, const char* name);
 
 }  // namespace crossgait

@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// A grey picture and, where the file says so, what it measures.
+/// Holds a grey picture and, where the file says so, what it measures.
 struct GreyImage {
   int columns = 0, rows = 0;
   std::vector<std::uint16_t> samples;  ///< row-major, top row first
@@ -25,13 +25,13 @@ struct GreyImage {
   std::optional<ValueRange> value_range;  ///< chunk pCAL, linear, in m
 };
 
-/// Every kind of PNG, interlaced or not. Colours become grey by their luminance (Rec. 709); alpha is ignored
-/// and gamma is not applied. Within `kPictureBudget` and kMaxHeightSamples pixels.
+/// Decodes every kind of PNG, interlaced or not. Colours become grey by their luminance (Rec. 709); alpha is
+/// ignored and gamma is not applied. Within `kPictureBudget` and kMaxHeightSamples pixels.
 /// @param path  for messages
 /// @throws ConfigError naming `path` and what was found
 GreyImage decode_grey_png(std::string_view bytes, const std::string& path);
 
-/// 16 bit, with sCAL and pCAL where the image has them. @throws ConfigError
+/// Encodes 16 bit, with sCAL and pCAL where the image has them. @throws ConfigError
 std::string encode_grey_png(const GreyImage& image, const std::string& path);
 
 }  // namespace crossgait

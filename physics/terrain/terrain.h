@@ -13,23 +13,23 @@
 
 namespace crossgait {
 
-/// Immutable and cheap to copy: worlds and environments share one height field.
+/// Holds ground that is immutable and cheap to copy: worlds and environments share one height field.
 class Terrain {
  public:
-  /// The infinite plane z = 0.
+  /// Makes the infinite plane z = 0.
   Terrain() = default;
   Terrain(std::string name, std::shared_ptr<const HeightField> field, std::string scale = {})
       : name_(std::move(name)), field_(std::move(field)), scale_(std::move(scale)) {}
 
-  /// The text it was made from.
+  /// Returns the text it was made from.
   const std::string& name() const { return name_; }
   /// Says of a file what its samples were taken to measure, in words, and which of it was given, came from
   /// the file or was assumed. Empty for anything else.
   const std::string& scale() const { return scale_; }
-  /// Null for the plane.
+  /// Returns the field, null for the plane.
   const HeightField* field() const { return field_.get(); }
 
-  /// Height that nothing of it exceeds, m.
+  /// Returns the height that nothing of it exceeds, m.
   double max() const noexcept { return field_ ? field_->max() : 0.0; }
   bool contains(double x, double y) const noexcept { return !field_ || field_->contains(x, y); }
   double height(double x, double y) const noexcept { return field_ ? field_->height(x, y) : 0.0; }
@@ -47,13 +47,13 @@ class Terrain {
 };
 
 inline constexpr int kRingSize = 8;
-/// Heights (m) on a circle of `radius` m about (x, y): front, front-right, right, back-right, back,
+/// Samples heights (m) on a circle of `radius` m about (x, y): front, front-right, right, back-right, back,
 /// back-left, left, front-left; clockwise seen from above and turned with the robot's yaw (rad): sample k
 /// stands at yaw - k pi/4.
 std::array<double, kRingSize> sample_ring(const Terrain& terrain, double x, double y, double yaw,
                                           double radius = 0.15) noexcept;
 
-/// One parameter of a terrain generator.
+/// Describes one parameter of a terrain generator.
 struct TerrainParameter {
   std::string_view name, unit, help;
   double value;        ///< default
@@ -61,13 +61,13 @@ struct TerrainParameter {
   bool whole = false;  ///< takes whole numbers only
 };
 
-/// One row of the generator table; `crossgait terrain list` prints it.
+/// A row of the table describes a generator; `crossgait terrain list` prints it.
 struct TerrainGenerator {
   std::string_view name, help;
   std::vector<TerrainParameter> parameters;
 };
 
-/// flat, slope, stairs, steps, waves, rough.
+/// Lists flat, slope, stairs, steps, waves, rough.
 const std::vector<TerrainGenerator>& terrain_generators();
 
 /// Makes a terrain from `NAME`, `NAME:key=value,...`, `FILE.png` or `FILE.csv`.
@@ -89,7 +89,7 @@ const std::vector<TerrainGenerator>& terrain_generators();
 /// @throws ConfigError naming the text, key, file, line or column
 Terrain make_terrain(std::string_view text, std::uint64_t seed = 0);
 
-/// Whether `make_terrain` takes `text` for a file's name, with or without settings behind a colon.
+/// Tells whether `make_terrain` takes `text` for a file's name, with or without settings behind a colon.
 bool is_terrain_file(std::string_view text);
 
 /// Writes 16-bit grey PNG, white = highest, with its scale (pixel size, heights of black and white), so that

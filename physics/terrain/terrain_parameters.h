@@ -12,10 +12,10 @@
 
 namespace crossgait {
 
-/// Foreign text for a message: in quotes, shortened, control characters as `\xNN`.
+/// Quotes foreign text for a message: in quotes, shortened, control characters as `\xNN`.
 std::string quoted(std::string_view text);
 
-/// Values of one terrain's parameters: those given, and the table's defaults for the rest.
+/// Holds values of one terrain's parameters: those given, and the table's defaults for the rest.
 class TerrainValues {
  public:
   /// @param table  the parameters there are; its names must outlive this object
@@ -25,7 +25,7 @@ class TerrainValues {
   TerrainValues(std::span<const TerrainParameter> table, const std::optional<std::string_view>& list,
                 std::string source);
 
-  /// Given or default. `name` must be in the table.
+  /// Returns the value, given or default. `name` must be in the table.
   double operator[](std::string_view name) const { return values_.at(name); }
   bool given(std::string_view name) const { return given_.contains(name); }
   const std::string& source() const { return source_; }

@@ -18,7 +18,7 @@ class TerrainSource {
   explicit TerrainSource(std::string text);
 
   const std::string& text() const noexcept;
-  /// As `make_terrain` does; of a file, whatever the seed, what was first read. @throws ConfigError
+  /// Makes what `make_terrain` does; of a file, whatever the seed, what was first read. @throws ConfigError
   Terrain make(std::uint64_t seed) const;
 
  private:

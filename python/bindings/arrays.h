@@ -20,10 +20,10 @@ namespace crossgait::python {
 
 namespace nb = nanobind;
 
-/// What functions take: float64 or float32, of any shape, in C order.
+/// Array that functions take: float64 or float32, of any shape, in C order.
 using AnyArray = nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>;
 
-/// numpy.empty, and types that it is asked for; found once, they live as long as the process.
+/// Holds numpy.empty, and types that it is asked for; found once, they live as long as the process.
 struct NumpyEmpty {
   nb::handle empty = nb::module_::import_("numpy").attr("empty").inc_ref();
   nb::handle bool_type = nb::module_::import_("numpy").attr("bool_").inc_ref();
@@ -37,8 +37,8 @@ struct NumpyEmpty {
   }
 };
 
-/// A new array of NumPy's, whose numbers are left as they come, and where they are. NumPy makes it: a step of
-/// an environment needs several, and nanobind's way to one (capsule, DLPack, numpy.array) takes longer.
+/// Is a new array of NumPy's, whose numbers are left as they come, and where they are. NumPy makes it: a step
+/// of an environment needs several, and nanobind's way to one (capsule, DLPack, numpy.array) takes longer.
 template <typename T>
 struct NewArray {
   T* data;
@@ -66,14 +66,14 @@ struct NewArray {
   }
 };
 
-/// As NumPy writes a shape: (12,), (4, 12).
+/// Writes a shape as NumPy does: (12,), (4, 12).
 inline std::string shape_text(std::span<const std::size_t> shape) {
   std::string text = "(";
   for (const std::size_t size : shape) text += (text.size() > 1 ? ", " : "") + std::to_string(size);
   return text + (shape.size() == 1 ? ",)" : ")");
 }
 
-/// The numbers of `array` as doubles: those of the array itself, or `copy` of float32.
+/// Returns the numbers of `array` as doubles: those of the array itself, or `copy` of float32.
 /// @throws ConfigError naming `what` unless it has this `shape` and either type
 template <std::size_t dimensions>
 std::span<const double> doubles(const AnyArray& array, const std::array<std::size_t, dimensions>& shape,
@@ -96,7 +96,7 @@ std::span<const double> doubles(const AnyArray& array, const std::array<std::siz
   return copy;
 }
 
-/// Whatever NumPy makes numbers of, as float64 in C order: arrays of any type, lists. @throws as
+/// Returns whatever NumPy makes numbers of, as float64 in C order: arrays of any type, lists. @throws as
 /// numpy.asarray does
 inline nb::ndarray<const double, nb::c_contig, nb::device::cpu> numbers_of(const nb::object& values) {
   nb::ndarray<const double, nb::c_contig, nb::device::cpu> array;
@@ -106,7 +106,7 @@ inline nb::ndarray<const double, nb::c_contig, nb::device::cpu> numbers_of(const
       numpy.attr("ascontiguousarray")(values, numpy.attr("float64")));
 }
 
-/// The same as a vector. @throws ConfigError naming `what` unless it has one dimension
+/// Returns numbers as a vector. @throws ConfigError naming `what` unless it has one dimension
 inline Eigen::Map<const Eigen::VectorXd> vector_of(
     const nb::ndarray<const double, nb::c_contig, nb::device::cpu>& array, const char* what) {
   if (array.ndim() != 1) throw ConfigError(what, "array", "one dimension", std::to_string(array.ndim()));

@@ -13,9 +13,9 @@
 
 namespace crossgait::python {
 
-/// One environment, or all of a vector; its owner outlives it.
+/// Holds one environment, or all of a vector; its owner outlives it.
 struct Batch {
-  /// A NumPy array and when it was filled.
+  /// Holds a NumPy array and when it was filled.
   struct Held {
     nanobind::object array;  // read-only
     void* data = nullptr;
@@ -37,7 +37,7 @@ struct Batch {
     if (single == nullptr) throw ConfigError("environments", "batch", "an environment", "one that is gone");
     return *single;
   }
-  /// The same to be changed.
+  /// Returns the environment to be changed.
   QuadrupedEnv& change(std::size_t i) {
     static_cast<void>(at(i));
     if (vector != nullptr) return vector->edit(i);

@@ -15,11 +15,11 @@ namespace crossgait::python {
 
 namespace nb = nanobind;
 
-/// A Python object that any thread may hold and let go of.
+/// Holds a Python object that any thread may hold and let go of.
 class SharedObject {
  public:
   explicit SharedObject(nb::object object);
-  /// To be called with the interpreter's lock held.
+  /// Returns the object; call it with the interpreter's lock held.
   const nb::object& get() const { return *object_; }
 
  private:
@@ -43,14 +43,14 @@ inline PyType_Slot kHolderSlots[] = {
 
 enum class Targets { kJoints, kFeet };
 
-/// A controller in Python, in the world and with the timing of `walk`, whose gait is not used.
+/// Runs a controller in Python, in the world and with the timing of `walk`, whose gait is not used.
 struct PythonController {
   PythonWalk walk;
   std::string name;
   Targets targets = Targets::kJoints;
   SharedObject make;  ///< returns a fresh function of a State, which returns targets
 
-  /// Its runs call into the interpreter from whatever thread they are on.
+  /// Makes a setup whose runs call into the interpreter from whatever thread they are on.
   WalkSetup setup() const;
 };
 

@@ -12,7 +12,7 @@ namespace crossgait::python {
 
 namespace nb = nanobind;
 
-/// What tells an object from others: its address. Views of an object have an overload that gives that one's.
+/// Tells an object from others by its address. Views of an object have an overload that gives that one's.
 template <typename T>
 const void* identity_of(const T& object) noexcept {
   return &object;
@@ -35,7 +35,7 @@ class Working {
   std::optional<nb::gil_scoped_release> release_;
 };
 
-/// The function, for a binding, with `check_idle` of its first argument before it.
+/// Wraps a function, for a binding, with `check_idle` of its first argument before it.
 template <typename Result, typename Self, typename... Arguments>
 auto guarded(Result (*function)(Self&, Arguments...)) {
   return [function](Self& self, Arguments... arguments) -> Result {
@@ -43,12 +43,12 @@ auto guarded(Result (*function)(Self&, Arguments...)) {
     return function(self, std::forward<Arguments>(arguments)...);
   };
 }
-/// The same of a lambda that captures nothing.
+/// Wraps a lambda that captures nothing likewise.
 template <typename Lambda>
 auto guarded(Lambda lambda) {
   return guarded(+lambda);
 }
-/// The same of member functions.
+/// Wraps member functions likewise.
 template <typename Result, typename Self, typename... Arguments>
 auto guarded(Result (Self::*function)(Arguments...)) {
   return [function](Self& self, Arguments... arguments) -> Result {

@@ -11,7 +11,7 @@
 
 namespace crossgait::python {
 
-/// One environment with room for what its steps write.
+/// Holds one environment with room for what its steps write.
 struct Environment {
   std::shared_ptr<const EnvModel> model;
   std::unique_ptr<QuadrupedEnv> env;
@@ -23,7 +23,7 @@ struct Environment {
   const QuadrupedEnv& get() const { return *env; }
 };
 
-/// One of the environments of a VectorEnv, which outlives it and alone steps it.
+/// Views one of the environments of a VectorEnv, which outlives it and alone steps it.
 struct EnvironmentView {
   VectorEnv* envs;
   std::size_t index;
@@ -31,7 +31,7 @@ struct EnvironmentView {
   const QuadrupedEnv& get() const { return envs->environment(index); }
 };
 
-/// Of the environments that it is one of, for `guarded`: they work all at once.
+/// Identifies the environments that it is one of, for `guarded`: they work all at once.
 inline const void* identity_of(const EnvironmentView& view) noexcept { return view.envs; }
 
 /// Makes a list of (name, unit, min, max, low, high) of a layout.

@@ -11,11 +11,11 @@
 
 namespace crossgait::python {
 
-/// The text of a terrain: of a name or a file itself; of a `Terrain`, "flat" or the file of its heights
-/// (`terrain_file`). @throws ConfigError naming `source` for anything else
+/// Returns the text of a terrain: of a name or a file itself; of a `Terrain`, "flat" or the file of its
+/// heights (`terrain_file`). @throws ConfigError naming `source` for anything else
 std::string terrain_text(nanobind::handle value, const std::string& source);
 
-/// The name or file of a robot, or of a `Robot`. @throws ConfigError likewise
+/// Returns the name or file of a robot, or of a `Robot`. @throws ConfigError likewise
 std::string robot_text(nanobind::handle value, const std::string& source);
 
 /// A terrain, or its name or file.
@@ -23,8 +23,8 @@ using TerrainChoice = std::variant<Terrain, std::filesystem::path>;
 /// @throws ConfigError for one that cannot be read
 Terrain terrain_of(const TerrainChoice& choice);
 
-/// Text that `make_terrain` gives back the same field of, to the last bit: a CSV file in the user's cache
-/// (`XDG_CACHE_HOME`, or ~/.cache), named by its contents, which is written unless it is there.
+/// Returns text that `make_terrain` gives back the same field of, to the last bit: a CSV file in the user's
+/// cache (`XDG_CACHE_HOME`, or ~/.cache), named by its contents, which is written unless it is there.
 /// @throws ConfigError if it cannot be written
 std::string terrain_file(const Terrain& terrain);
 

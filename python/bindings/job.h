@@ -17,7 +17,7 @@ namespace crossgait::python {
 
 namespace nb = nanobind;
 
-/// What runs on a thread of its own, and the thread that waits for it.
+/// Runs work on a thread of its own, for the thread that waits for it.
 class Job {
  public:
   /// `work` may throw, and asks its argument now and then whether to go on, which then throws Interrupted. It
@@ -29,7 +29,7 @@ class Job {
   static void wait_for_leftovers();
 };
 
-/// The value of `make(progress)`, made with the interpreter's lock released.
+/// Returns the value of `make(progress)`, made with the interpreter's lock released.
 template <typename Make>
 auto run_job(Make make, const nb::object& progress) {
   using Value = std::invoke_result_t<Make, const StageProgress&>;

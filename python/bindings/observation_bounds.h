@@ -12,11 +12,11 @@ namespace crossgait::python {
 
 class ObservationBounds {
  public:
-  /// LayoutEntry::low and LayoutEntry::high.
+  /// Takes LayoutEntry::low and LayoutEntry::high.
   explicit ObservationBounds(const Layout& layout);
-  /// Indices of those outside, replacing `outside`.
+  /// Finds indices of those outside, replacing `outside`.
   void find(std::span<const double> observation, std::vector<std::size_t>& outside) const;
-  /// Their names, a tuple of str.
+  /// Returns the entries' names, a tuple of str.
   nanobind::tuple names(const std::vector<std::size_t>& outside) const;
 
  private:

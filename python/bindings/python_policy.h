@@ -14,7 +14,7 @@
 
 namespace crossgait::python {
 
-/// The first exception of functions that are called where nothing may be thrown.
+/// Keeps the first exception of functions that are called where nothing may be thrown.
 class FirstFailure {
  public:
   void note(const std::exception_ptr& error) noexcept {
@@ -34,16 +34,16 @@ class FirstFailure {
   std::exception_ptr error_;
 };
 
-/// What makes a controller for every episode.
+/// Holds what makes a controller for every episode.
 struct PythonPolicy {
   std::string name;
   SharedObject make;  ///< returns a fresh function of an observation, which returns an action
 
-  /// What its policies raise goes to `failure`, and their actions are zero from then on.
+  /// Returns the policy with what it raises going to `failure`, and its actions zero from then on.
   NamedPolicy named(const std::shared_ptr<FirstFailure>& failure) const;
 };
 
-/// A network that is in no file: of a `Policy` in memory.
+/// Holds a network that is in no file: of a `Policy` in memory.
 struct BundlePolicy {
   PolicyBundle bundle;
   std::string name;
@@ -52,12 +52,12 @@ struct BundlePolicy {
 /// A policy by name or file, one in Python, or one in memory.
 using PolicyChoice = std::variant<std::string, PythonPolicy, BundlePolicy>;
 
-/// What tables call it.
+/// Returns what tables call a policy.
 std::string name_of(const PolicyChoice& choice);
 
 NamedPolicy named(const PolicyChoice& choice, const std::shared_ptr<FirstFailure>& failure);
 
-/// `progress`, which ends the work once a policy has failed.
+/// Returns `progress`, which ends the work once a policy has failed.
 StageProgress until(const std::shared_ptr<FirstFailure>& failure, const StageProgress& progress);
 
 void bind_python_policy(nb::module_& m);

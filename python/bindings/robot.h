@@ -11,7 +11,7 @@
 
 namespace crossgait::python {
 
-/// Immutable, and shared with whatever is made of it.
+/// Holds a robot that is immutable, and shared with whatever is made of it.
 struct Robot {
   std::string from;  ///< the name or file that it was loaded by
   std::shared_ptr<const RobotDescription> description;

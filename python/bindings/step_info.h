@@ -9,7 +9,7 @@
 
 namespace crossgait::python {
 
-/// Numbers of the step, its outcome and `reward_terms`: those that have a weight.
+/// Returns numbers of the step, its outcome and `reward_terms`: those that have a weight.
 nanobind::dict info(const StepInfo& step, const RewardTerms& weights, const nanobind::object& outside);
 
 /// The same of `count` environments as Gymnasium's vector environments have it: an array for every key and a

@@ -20,7 +20,7 @@ using Pair = nb::typed<nb::tuple, nb::any, nb::any>;
 /// A function of a stage and a share, or None.
 const auto kProgress = nb::arg("progress").none();
 
-/// A result as JSON and as the table that a command prints.
+/// Holds a result as JSON and as the table that a command prints.
 struct Report {
   Json json;
   std::string text;

@@ -27,12 +27,12 @@ class TraceNumbers final : public TraceSink {
   std::vector<double> numbers_;
 };
 
-/// One for each run, or none. A job whose caller is gone may go on filling them.
+/// Holds one for each run, or none. A job whose caller is gone may go on filling them.
 using Traces = std::shared_ptr<std::vector<TraceNumbers>>;
 
 TraceSinks sinks_of(const Traces& traces);
 
-/// (names of its columns, table) of each run; None if there is no trace.
+/// Returns (names of its columns, table) of each run; None if there is no trace.
 nanobind::object to_python(const Traces& traces);
 
 }  // namespace crossgait::python

@@ -15,7 +15,7 @@
 
 namespace crossgait::python {
 
-/// What a walk was asked for with: the keywords of `Walk`.
+/// Holds what a walk was asked for with: the keywords of `Walk`.
 struct WalkArguments {
   using Setting = std::variant<double, std::string>;  ///< of a gait parameter; its swing curve goes by name
 
@@ -33,7 +33,7 @@ struct WalkArguments {
   bool operator==(const WalkArguments&) const = default;
 };
 
-/// A walk that knows how to be made again.
+/// Holds a walk that knows how to be made again.
 struct PythonWalk : WalkConfig {
   PythonWalk() = default;
   /// @throws ConfigError

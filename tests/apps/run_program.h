@@ -18,20 +18,20 @@ struct ProgramResult {
 /// @param before    what the shell does first, such as "ulimit -f 100; "
 ProgramResult run_program(const std::string& arguments, const std::string& before = {});
 
-/// The same, watched: `signal`, if any, is sent `after` seconds of the processor's work behind the moment in
-/// which the program begins to listen for it; twenty times that if it does not work.
+/// Runs the same, watched: `signal`, if any, is sent `after` seconds of the processor's work behind the
+/// moment in which the program begins to listen for it; twenty times that if it does not work.
 ProgramResult run_watched(const std::string& arguments, int signal = 0, double after = 0);
 
-/// The contents of a file, "" if there is none.
+/// Returns the contents of a file, "" if there is none.
 std::string read_file(const std::string& name);
 
-/// The document of a page that the program wrote, as the page's script finds it.
+/// Returns the document of a page that the program wrote, as the page's script finds it.
 nlohmann::json document_of(const std::string& page);
 
-/// A result without what differs from run to run: times of the clock.
+/// Returns a result without what differs from run to run: times of the clock.
 nlohmann::json without_times(nlohmann::json result);
 
-/// The object that the program prints with `--json -`; expects exit code 0.
+/// Returns the object that the program prints with `--json -`; expects exit code 0.
 nlohmann::json run_json(const std::string& arguments);
 
 /// Writes a file into the scratch folder that tests run in. @returns `name`

@@ -16,8 +16,8 @@
 
 namespace crossgait {
 
-/// A quadruped of hips and knees about y: hips at x = +-0.2 and y = +-0.1 m, links of 0.2 m down, angles in
-/// degrees where the compiler says nothing.
+/// Describes a quadruped of hips and knees about y: hips at x = +-0.2 and y = +-0.1 m, links of 0.2 m down,
+/// angles in degrees where the compiler says nothing.
 struct MadeMjcf {
   std::string compiler, defaults, asset, sections;
   std::string trunk_joint = "<freejoint/>";

@@ -7,14 +7,14 @@ namespace crossgait::test {
 
 inline constexpr double kDt = 0.002;  ///< control step, s
 
-/// Origins of the leg frames in the base frame, m.
+/// Returns origins of the leg frames in the base frame, m.
 inline LegArray<Vector3> leg_origins() {
   LegArray<Vector3> p_BL;
   for (const Leg leg : kLegs) p_BL[leg] = {is_front(leg) ? 0.075 : -0.075, side_sign(leg) * 0.062, 0.0025};
   return p_BL;
 }
 
-/// Top speed of any foot over a cycle of the stride, m/s: central differences of the path at 400 phases.
+/// Finds the top speed of any foot over a cycle of the stride, m/s: central differences at 400 phases.
 inline double top_foot_speed(const GaitParameters& parameters, const LegArray<Vector2>& step,
                              SwingCurve curve) {
   constexpr int kSamples = 400;

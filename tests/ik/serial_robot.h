@@ -18,7 +18,7 @@ inline Vector3 random_direction(std::mt19937& random) {
   return Vector3(normal(random), normal(random), normal(random)).normalized();
 }
 
-/// A leg at zero angles, in the base frame: where its joints are and how they turn.
+/// Describes a leg at zero angles, in the base frame: where its joints are and how they turn.
 struct LegAtZero {
   Leg leg = Leg::FL;
   bool has_abduction = true;
@@ -30,7 +30,7 @@ struct LegAtZero {
   double shin() const { return Vector2(foot.x() - knee.x(), foot.z() - knee.z()).norm(); }
 };
 
-/// Any signs, offsets and zero angles.
+/// Draws any signs, offsets and zero angles.
 inline LegAtZero random_leg(std::mt19937& random, bool has_abduction) {
   const auto offset = [&](double size) {
     return Vector3(uniform(random, -size, size), uniform(random, -size, size), uniform(random, -size, size));
@@ -53,8 +53,8 @@ inline LegAtZero random_leg(std::mt19937& random, bool has_abduction) {
   return leg;
 }
 
-/// The joints' axes turned by `angle` about random directions across them, and the leg no longer in planes y
-/// = const.
+/// Turns the joints' axes by `angle` about random directions across them, and the leg no longer is in planes
+/// y = const.
 inline void make_oblique(LegAtZero& leg, double angle, std::mt19937& random) {
   for (Vector3* axis : {&leg.abduction_axis, &leg.hip_axis, &leg.knee_axis}) {
     const Vector3 across = axis->cross(random_direction(random)).normalized();
@@ -71,7 +71,7 @@ struct SerialRobot {
     if (joints.abduction == -1) return {joints.hip, joints.knee};
     return {joints.abduction, joints.hip, joints.knee};
   }
-  /// Foot centre in the base frame by the forward kinematics of physics/, which share nothing with ik/.
+  /// Places the foot in the base frame by the forward kinematics of physics/, which share nothing with ik/.
   Vector3 foot(const JointVector& q) const {
     RobotState state;
     state.q = q;
@@ -122,15 +122,15 @@ inline SerialLegGeometry geometry(const LegAtZero& leg, const SerialRobot& made)
   return serial_leg_geometry(made.robot, leg.leg, made.joints);
 }
 
-/// A foot in the base frame that the leg reaches: (x, depth) from the hip in the plane of the leg turned by
-/// `tilt` about +x, from the leg's own figures.
+/// Places a foot in the base frame that the leg reaches: (x, depth) from the hip in the plane of the leg
+/// turned by `tilt` about +x, from the leg's own figures.
 inline Vector3 foot_in_plane(const LegAtZero& leg, double x, double depth, double tilt) {
   Vector3 at_zero(leg.hip.x() + x, leg.foot.y(), leg.hip.z() - depth);
   if (!leg.has_abduction) return at_zero;
   return leg.abduction + Eigen::AngleAxisd(tilt, Vector3::UnitX()) * (at_zero - leg.abduction);
 }
 
-/// The same at random: anywhere in the ring between straight and folded that is below the abduction axis.
+/// Does so at random: anywhere in the ring between straight and folded that is below the abduction axis.
 inline Vector3 random_foot(const LegAtZero& leg, std::mt19937& random, double edge = 0) {
   const double near = std::abs(leg.thigh() - leg.shin()), far = leg.thigh() + leg.shin();
   while (true) {

@@ -8,7 +8,7 @@
 
 namespace crossgait::layering {
 
-/// One line that breaks a rule.
+/// Names one line that breaks a rule.
 struct Violation {
   std::string file;  ///< relative to the project's root
   int line = 0;      ///< from 1
@@ -23,8 +23,8 @@ struct TreeReport {
   int files = 0;  ///< .h and .cpp files looked at
 };
 
-/// Lines of `file` that include, in quotes, what is no file from `root` or beside it: nobody who reads the
-/// tree could follow them.
+/// Finds lines of `file` that include, in quotes, what is no file from `root` or beside it: nobody who reads
+/// the tree could follow them.
 std::vector<Violation> includes_that_lead_nowhere(const std::filesystem::path& root,
                                                   const std::filesystem::path& file, std::string_view text);
 

@@ -146,4 +146,82 @@ WordReport find_bare_decimals(const fs::path& root) {
   return report;
 }
 
+namespace {
+
+std::string_view without_indent(std::string_view line) {
+  return line.substr(std::min(line.find_first_not_of(' '), line.size()));
+}
+
+// A line of a comment before what it is of; "///<" is behind it.
+bool is_before_declaration(std::string_view line) {
+  return line.starts_with("///") && !line.starts_with("///<");
+}
+
+bool begins_as_fragment(std::string_view comment) {
+  static const std::array<std::string_view, 49> kOpenings{
+      "About",  "After",   "Against", "All",   "Also", "Around", "As",     "At",     "Before",   "Behind",
+      "Beside", "Beyond",  "Between", "Both",  "But",  "By",     "During", "For",    "From",     "How",
+      "In",     "Like",    "None",    "Not",   "Of",   "On",     "One",    "Only",   "Onto",     "Over",
+      "Per",    "Same",    "Than",    "Those", "To",   "Under",  "Until",  "What",   "Whatever", "When",
+      "Where",  "Whether", "Which",   "While", "Who",  "Whose",  "With",   "Within", "Without"};
+  const std::string_view text = without_indent(comment.substr(3));
+  std::size_t end = 0;
+  while (end < text.size() && in_word(text[end])) ++end;
+  return std::find(kOpenings.begin(), kOpenings.end(), text.substr(0, end)) != kOpenings.end();
+}
+
+// Whether `code` begins with a function, class, struct or enum: no member, alias, enumerator or blank line.
+bool begins_with_function_or_class(std::string_view code) {
+  std::string declaration;
+  while (!code.empty()) {
+    const std::size_t end = std::min(code.find('\n'), code.size());
+    std::string_view line = without_indent(code.substr(0, end));
+    code.remove_prefix(std::min(end + 1, code.size()));
+    if (declaration.empty() && line.empty()) return false;
+    if (declaration.empty() && line.starts_with("template")) continue;
+    line = line.substr(0, line.find("//"));
+    declaration.append(line).append(" ");
+    if (line.find_first_of(";{") != std::string_view::npos) break;
+  }
+  for (const std::string_view kind : {"class ", "struct ", "enum "})
+    if (declaration.starts_with(kind)) return true;
+  const std::size_t open = declaration.find('(');
+  return open != std::string::npos && open > 0 && in_word(declaration[open - 1]) &&
+         declaration.find_first_of("=;{") > open && declaration.find("std::function<") > open;
+}
+
+}  // namespace
+
+std::vector<int> verbless_comments(std::string_view header) {
+  std::vector<int> found;
+  int number = 0, first = 0;
+  bool in_comment = false, is_fragment = false;
+  for (std::size_t at = 0; at < header.size();) {
+    const std::size_t end = std::min(header.find('\n', at), header.size());
+    const std::string_view line = without_indent(header.substr(at, end - at));
+    ++number;
+    const bool is_comment = is_before_declaration(line);
+    if (is_comment && !in_comment) {
+      first = number;
+      is_fragment = begins_as_fragment(line);
+    }
+    if (!is_comment && in_comment && is_fragment && begins_with_function_or_class(header.substr(at)))
+      found.push_back(first);
+    in_comment = is_comment;
+    at = end + 1;
+  }
+  return found;
+}
+
+WordReport find_verbless_comments(const fs::path& root) {
+  WordReport report;
+  for_each_text(root, [&](const fs::path& file, const std::string& text) {
+    if (file.extension() != ".h") return;
+    ++report.files;
+    for (const int line : verbless_comments(text))
+      report.found.push_back(file.generic_string() + ":" + std::to_string(line));
+  });
+  return report;
+}
+
 }  // namespace crossgait::layering

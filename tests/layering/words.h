@@ -24,11 +24,19 @@ struct WordReport {
 /// (change log, stored results) and for docs/words.md and what tests it.
 WordReport find_words(const std::filesystem::path& root, const std::vector<std::string>& words);
 
-/// Lines, from 1, whose prose has a number without the zero before its point: ".5 s". Prose is what is
+/// Finds lines, from 1, whose prose has a number without the zero before its point: ".5 s". Prose is what is
 /// outside of code in a document, else what comments say, without quotations.
 std::vector<int> bare_decimals(std::string_view text, bool is_document);
 
-/// Looks for such in all documents and headers at `root`, but for its history. @returns "file:line"
+/// Looks for such numbers in all documents and headers at `root`, but for its history. @returns "file:line"
 WordReport find_bare_decimals(const std::filesystem::path& root);
+
+/// Finds doc comments (`///`) of functions, classes, structs and enums that begin with a preposition or a
+/// question word ("Of a robot.", "What a step did."), and so are most often no sentences.
+/// @returns their lines, from 1
+std::vector<int> verbless_comments(std::string_view header);
+
+/// Looks for such comments in all headers at `root`. @returns "file:line"
+WordReport find_verbless_comments(const std::filesystem::path& root);
 
 }  // namespace crossgait::layering

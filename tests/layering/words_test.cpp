@@ -44,6 +44,27 @@ TEST(Numbers, AreLookedForInProseAlone) {
   EXPECT_EQ(bare_decimals("double a = .5;\n/// of .5 s\nb; // x (.25)\n", false), (std::vector{2, 3}));
 }
 
+TEST(Comments, BeginWithNoFragment) {
+  const WordReport report = find_verbless_comments(CROSSGAIT_SOURCE_DIR);
+  for (const std::string& found : report.found)
+    ADD_FAILURE() << found << R"(: "Returns the mass of a robot.", not "Of a robot.")";
+  EXPECT_GT(report.files, 200);
+}
+
+TEST(Comments, AreLookedAtBeforeFunctionsAndClassesAlone) {
+  EXPECT_EQ(verbless_comments("/// Of a robot.\ndouble mass(int body) const;\n"), (std::vector{1}));
+  EXPECT_EQ(verbless_comments("\n  /// What it did,\n  /// and how.\n  template <int n>\n  struct A {\n"),
+            (std::vector{2}));
+  EXPECT_EQ(verbless_comments("/// Whether.\n[[nodiscard]] bool\nis_valid(double a = 1);"), (std::vector{1}));
+  EXPECT_EQ(verbless_comments("/// In place.\n  enum class Kind {\n"), (std::vector{1}));
+  EXPECT_TRUE(verbless_comments("/// Says what f() did.\n/// Of it.\nvoid f();\n").empty());
+  EXPECT_TRUE(verbless_comments("/// What f() took.\ndouble a = f();  ///< s\n").empty());
+  EXPECT_TRUE(verbless_comments("/// What it does.\nstd::function<void(int)> f;\n").empty());
+  EXPECT_TRUE(verbless_comments("/// Whether it can.\nbool (*can)(int) = nullptr;\n").empty());
+  EXPECT_TRUE(verbless_comments("/// As here.\nkA,  ///< f()\nkB,\n};\n").empty());
+  EXPECT_TRUE(verbless_comments("/// All throw.\n\nvoid f();\n").empty());
+}
+
 TEST(Words, AreFoundOnTheirOwn) {
   EXPECT_EQ(line_of_word("a\nb = old_name;\n", "old_name"), 2);
   EXPECT_EQ(line_of_word("old_name", "old_name"), 1);

@@ -16,14 +16,14 @@ inline ControllerPtr trot(const scenes::RobotPtr& robot, const std::optional<Vel
   return make_gait_controller(choose_gait("trot", {}, command), scenes::world_of(robot));
 }
 
-/// Feet that stay under the shoulders.
+/// Makes feet stay under the shoulders.
 inline ControllerPtr standing(const scenes::RobotPtr& robot, double height = 0.06) {
   LegArray<Vector3> feet;
   feet.fill(Vector3(0, 0, -height));
   return make_feet_controller([feet](double) { return feet; }, scenes::world_of(robot));
 }
 
-/// A controller made of functions, so that a test can change one of another's.
+/// Is a controller made of functions, so that a test can change one of another's.
 struct FunctionController final : Controller {
   explicit FunctionController(const ControllerPtr& of)
       : on_stand(
@@ -48,15 +48,15 @@ inline std::shared_ptr<FunctionController> functions_of(const ControllerPtr& con
   return std::make_shared<FunctionController>(controller);
 }
 
-/// The quadruped with servos that can hold next to nothing.
+/// Returns the quadruped with servos that can hold next to nothing.
 inline scenes::RobotPtr weak_quadruped() {
   RobotDescription robot = *scenes::quadruped();
   for (Body& body : robot.bodies) body.joint.effort_limit *= 0.01;
   return scenes::finished(robot);
 }
 
-/// The quadruped at a hundredth of its mass and of every force that moves it: the same motion, but for
-/// pushes.
+/// Returns the quadruped at a hundredth of its mass and of every force that moves it: the same motion, but
+/// for pushes.
 inline scenes::RobotPtr light_quadruped() {
   RobotDescription robot = *scenes::quadruped();
   for (Body& body : robot.bodies) {
@@ -69,10 +69,10 @@ inline scenes::RobotPtr light_quadruped() {
   return scenes::finished(robot);
 }
 
-/// A push that throws the robot beyond any state that an engine accepts, at `time` (s).
+/// Throws the robot beyond any state that an engine accepts, by a push at `time` (s).
 inline Pushes catastrophe(double time) { return {{1e9, 1e9}, {time, time}, time, 0, Random(1)}; }
 
-/// On a plane that falls away by `angle` towards +x.
+/// Describes a plane that falls away by `angle` towards +x.
 inline WorldSpec inclined(double angle, double friction) {
   WorldSpec spec = scenes::world_of(scenes::quadruped());
   spec.gravity = 9.81 * Vector3(std::sin(angle), 0, -std::cos(angle));

@@ -19,7 +19,7 @@ struct Pair {
   std::string a, b;
 };
 
-/// Every two engines of `names` that `choose(laws of a, of b)`.
+/// Lists every two engines of `names` that `choose(laws of a, of b)`.
 template <typename Choose>
 std::vector<Pair> pairs_of(Choose choose, const std::vector<std::string>& names = available_engines()) {
   const auto laws = [](const std::string& name) { return find_engine(name).info.laws; };
@@ -70,7 +70,7 @@ class MatchedPair : public ::testing::TestWithParam<Pair> {
 };
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(MatchedPair);
 
-/// Ends of families count along: a release of an engine without what it changed in the laws is one.
+/// Lists pairs; families' ends count along: a release of an engine without what it changed in laws is one.
 inline std::vector<Pair> matched_pairs() {
   std::vector<std::string> names = available_engines();
   for (const EngineFamily& family : engine_families()) {

@@ -10,7 +10,7 @@
 
 namespace crossgait {
 
-/// Something wrong with one engine's world, and what an audit that does not know it must call it.
+/// Holds something wrong with one engine's world, and what an audit that does not know it must call it.
 struct PlantedFault {
   std::string name;
   std::function<void(WorldSpec&)> plant;
@@ -18,13 +18,13 @@ struct PlantedFault {
   std::string terrain = "flat";
 };
 
-/// A change of the robot alone. The description is shared, so it is copied.
+/// Makes a change of the robot alone. The description is shared, so it is copied.
 std::function<void(WorldSpec&)> of_robot(std::function<void(RobotDescription&)> change);
 
-/// Every fault at the size at which it is still worth finding: a few per cent, or half a millimetre.
+/// Lists every fault at the size at which it is still worth finding: a few per cent, or half a millimetre.
 std::vector<PlantedFault> planted_faults();
 
-/// One that an audit begins to see at a tolerance, of a given size: a share, or m.
+/// Holds one that an audit begins to see at a tolerance, of a given size: a share, or m.
 struct TinyFault {
   std::string quantity;
   double tolerance = 0;
@@ -33,11 +33,11 @@ struct TinyFault {
 
 std::vector<TinyFault> tiny_faults();
 
-/// Where a gait has the feet before its first step, in the leg frames, m.
+/// Returns where a gait has the feet before its first step, in the leg frames, m.
 LegArray<Vector3> standing_feet(const std::string& gait, const RobotDescription& robot);
 
-/// A crawl that is in balance at every moment: one foot at a time is lifted, and the body leans away from it.
-/// On ground of good friction that gives little, nothing in it hangs on how contact is modelled.
+/// Makes a crawl that is in balance at every moment: one foot at a time is lifted, and the body leans away
+/// from it. On ground of good friction that gives little, nothing in it hangs on how contact is modelled.
 ControllerPtr careful_crawl(const WorldSpec& world);
 
 }  // namespace crossgait

@@ -16,13 +16,13 @@ inline Layout layout_of(const std::vector<std::string>& names) {
   return layout;
 }
 
-/// Two parameters that adapt, of which one is observed, and two residuals.
+/// Has two parameters that adapt, of which one is observed, and two residuals.
 inline PolicyInterface small_interface() {
   return {layout_of({"p_WB.x", "param.step_height", "terrain.front", "terrain.back"}),
           layout_of({"delta.step_height", "delta.step_length", "residual.FL.x", "residual.FL.z"}), 2e-3};
 }
 
-/// As large as an environment's.
+/// Is as large as an environment's.
 inline PolicyInterface large_interface(int observations = 69, int actions = 16) {
   PolicyInterface interface;
   const auto fill = [](Layout& layout, int size, char name) {
@@ -33,7 +33,7 @@ inline PolicyInterface large_interface(int observations = 69, int actions = 16) 
   return interface;
 }
 
-/// Random weights of the usual size (so that activations neither die out nor saturate) and normalisation.
+/// Draws random weights (so that activations neither die out nor saturate) and normalisation.
 inline MlpNetwork random_network(const PolicyInterface& interface, const std::vector<int>& hidden,
                                  std::uint64_t seed = 1) {
   Random random(seed);

@@ -16,14 +16,14 @@ class AllocationScope {
   AllocationScope(const AllocationScope&) = delete;
   AllocationScope& operator=(const AllocationScope&) = delete;
 
-  /// Allocations since construction; reallocations count as one each.
+  /// Counts allocations since construction; reallocations count as one each.
   std::size_t count() const noexcept;
 
  private:
   std::size_t before_;
 };
 
-/// The same for every thread of the process: for what shares its work out to threads of its own.
+/// Counts the same for every thread of the process: for what shares its work out to threads of its own.
 class ProcessAllocationScope {
  public:
   ProcessAllocationScope() noexcept;

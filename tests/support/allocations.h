@@ -36,7 +36,7 @@ inline std::size_t allocations_of_a_trot(const Engine& engine, const Terrain& te
   return scope.count();
 }
 
-/// A robot with shapes of every kind, thrown on to the ground.
+/// Throws a robot with shapes of every kind on to the ground.
 inline std::size_t allocations_of_a_fall(const Engine& engine, const Terrain& terrain) {
   WorldSpec spec = scenes::world_of(scenes::assortment());
   spec.terrain = terrain;
@@ -52,7 +52,7 @@ inline std::size_t allocations_of_a_fall(const Engine& engine, const Terrain& te
   return scope.count();
 }
 
-/// A robot with joint friction that lands on 60 points.
+/// Lands a robot with joint friction on 60 points.
 /// @param before  steps that do not count; it is in the air for the first ten
 inline std::size_t allocations_of_a_crowd_of_contacts(const Engine& engine, int before = 10) {
   const auto world =
@@ -83,7 +83,7 @@ inline std::size_t allocations_of_pushes_and_refused_targets(const Engine& engin
   return scope.count();
 }
 
-/// In the closed loop with pushes, on rough ground.
+/// Counts in the closed loop with pushes, on rough ground.
 inline std::size_t allocations_of_a_loop(const Engine& engine, const WorldSpec& spec,
                                          const ControllerPtr& controller) {
   const auto world = engine.make(spec);
@@ -124,7 +124,7 @@ inline std::size_t allocations_of_standing_feet(const Engine& engine) {
   return allocations_of_a_loop(engine, spec, make_feet_controller([feet](double) { return feet; }, spec));
 }
 
-/// Everything that an environment can observe and reward, on rough ground.
+/// Makes everything that an environment can observe and reward, on rough ground.
 inline EnvConfig full_environment() {
   EnvConfig config;
   config.terrain = "rough";
@@ -134,7 +134,7 @@ inline EnvConfig full_environment() {
   return config;
 }
 
-/// Joints commanded, seen late, noisy and with what came before.
+/// Commands joints, seen late, noisy and with what came before.
 inline EnvConfig full_joint_environment() {
   EnvConfig config = joint_environment();
   config.terrain = "rough";

@@ -21,12 +21,12 @@ class EngineTest : public ::testing::TestWithParam<std::string> {
   static std::unique_ptr<PhysicsBackend> make(const scenes::RobotPtr& robot) {
     return make(scenes::world_of(robot));
   }
-  /// What the world declares: the only thing that a test may skip or choose by.
+  /// Returns what the world declares: the only thing that a test may skip or choose by.
   static Capabilities capabilities() { return find_engine(GetParam()).info.capabilities; }
 };
 
-/// Available engines that come with Crossgait, without those that CROSSGAIT_ENGINE_PATH adds: for tests of
-/// what is stored about them.
+/// Lists available engines that come with Crossgait, without those that CROSSGAIT_ENGINE_PATH adds: for tests
+/// of what is stored about them.
 inline std::vector<std::string> own_engines() {
   std::vector<std::string> names = available_engines();
   std::erase_if(names, [](const std::string& name) {
@@ -37,7 +37,7 @@ inline std::vector<std::string> own_engines() {
   return names;
 }
 
-/// "bullet:matched" as a test name: "bullet_matched".
+/// Writes "bullet:matched" as a test name: "bullet_matched".
 inline std::string test_name(std::string_view world) {
   std::string name(world);
   std::replace_if(

@@ -31,14 +31,14 @@ inline void observe(EnvConfig& config, std::string_view block) {
   if (block == "constants") settings.constants = {0.25, -1};
 }
 
-/// Whether a block shows what an environment has anyway, and no setting.
+/// Tells whether a block shows what an environment has anyway, and no setting.
 inline bool needs_no_setting(const ObservationBlock& block) {
   EnvConfig config;
   observe(config, block.name);
   return config.observing == ObservationSettings();
 }
 
-/// Observations and rewards of `steps` steps under random actions, an ended episode followed by another.
+/// Records observations and rewards of `steps` steps under random actions, episode after episode.
 inline std::vector<double> record(QuadrupedEnv& env, Random& random, int steps) {
   std::vector<double> all, observation(env.observation_size());
   for (int i = 0; i < steps; ++i) {

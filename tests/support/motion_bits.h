@@ -30,7 +30,7 @@ inline bool same_bits(const Vector3& a, const Vector3& b) {
   return same_bits(a.x(), b.x()) && same_bits(a.y(), b.y()) && same_bits(a.z(), b.z());
 }
 
-/// Names of the members in which two motions differ, "" if in none. How long they took is left out.
+/// Names the members in which two motions differ, "" if in none. How long they took is left out.
 inline std::string differences(const MotionSummary& a, const MotionSummary& b) {
   std::string names;
   const auto note = [&names](bool same, std::string_view name) {
@@ -51,8 +51,8 @@ inline std::string differences(const MotionSummary& a, const MotionSummary& b) {
   return names;
 }
 
-/// Whether two control steps are the same to the last bit, as far as a trace of a walk and one of an episode
-/// hold the same.
+/// Tells whether two control steps are the same to the last bit, as far as a trace of a walk and one of an
+/// episode hold the same.
 inline bool identical(const TraceSample& a, const TraceSample& b) {
   const RobotState &x = a.state, &y = b.state;
   bool same = x.time == y.time && x.p_WB == y.p_WB && x.q_WB.coeffs() == y.q_WB.coeffs() &&

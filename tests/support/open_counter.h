@@ -22,7 +22,7 @@ class OpenCounter {
   OpenCounter(const OpenCounter&) = delete;
   OpenCounter& operator=(const OpenCounter&) = delete;
 
-  /// How often each file has been opened since the last call.
+  /// Returns how often each file has been opened since the last call.
   std::map<std::string, int> take() const {
     std::map<std::string, int> opened;
     alignas(inotify_event) std::array<char, 1 << 14> bytes{};

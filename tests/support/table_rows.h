@@ -10,8 +10,8 @@ namespace crossgait {
 
 using Cells = std::vector<std::string>;
 
-/// The rows of every table in `text`, and any other lines, cell by cell, without rules and empty lines. Cells
-/// are what stands apart by two spaces or more, so that empty ones are left out.
+/// Reads the rows of every table in `text`, and any other lines, cell by cell, without rules and empty lines.
+/// Cells are what stands apart by two spaces or more, so that empty ones are left out.
 inline std::vector<Cells> table_rows(const std::string& text) {
   std::vector<Cells> rows;
   std::istringstream lines(text);

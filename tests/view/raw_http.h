@@ -5,7 +5,7 @@
 
 namespace crossgait {
 
-/// A connection to 127.0.0.1. Reading gives up after a minute without a byte.
+/// Connects to 127.0.0.1. Reading gives up after a minute without a byte.
 class RawConnection {
  public:
   /// @param receive_bytes  of the system's buffer for what is not read; 0: its own choice
@@ -15,9 +15,9 @@ class RawConnection {
   RawConnection& operator=(const RawConnection&) = delete;
 
   void send(const std::string& text) const;
-  /// All up to the end of the connection.
+  /// Reads all up to the end of the connection.
   std::string read_all() const;
-  /// At least up to where `text` has come `times` times, or the end.
+  /// Reads at least up to where `text` has come `times` times, or the end.
   std::string read_until(const std::string& text, int times) const;
   /// Reads what is left; whether the server ended the connection, rather than left it open for a minute.
   bool ends() const;
@@ -27,7 +27,7 @@ class RawConnection {
   int socket_;
 };
 
-/// What a server answers.
+/// Holds what a server answers.
 struct RawAnswer {
   int status = 0;
   std::string head, body;
@@ -36,7 +36,7 @@ struct RawAnswer {
 /// Sends the request as it is and reads until the server ends the connection.
 RawAnswer ask(int port, const std::string& request);
 
-/// A GET or POST with these lines of headers beside Host and, of a body, its type and length.
+/// Writes a GET or POST with these lines of headers beside Host and, of a body, its type and length.
 std::string request_text(const std::string& method, const std::string& path, int port,
                          const std::string& body = {}, const std::string& headers = {});
 

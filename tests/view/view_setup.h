@@ -9,14 +9,14 @@
 
 namespace crossgait {
 
-/// Robots of scara_quadruped on flat ground, in engines of the registry.
+/// Makes robots of scara_quadruped on flat ground, in engines of the registry.
 std::unique_ptr<ViewSession> make_view_session(const std::vector<std::string>& engines);
 
-/// The same, driven by a policy of the environment.
+/// Makes a session driven by a policy of the environment.
 std::unique_ptr<ViewSession> make_policy_session(const std::vector<std::string>& engines,
                                                  const EnvConfig& config, const std::string& policy);
 
-/// As a viewer says it.
+/// Tells the session as a viewer says it.
 void tell(ViewSession& session, const std::string& command);
 
 /// Returns the state of the robot in the instance.

@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// The model that the MuJoCo engine builds, without anything of Crossgait around it.
+/// Steps the model that the MuJoCo engine builds, without anything of Crossgait around it.
 class BareMujoco {
  public:
   explicit BareMujoco(const WorldSpec& spec);
@@ -19,7 +19,7 @@ class BareMujoco {
 
   /// Starts at `state` and replays joint torques, one vector per physics step.
   void replay(const RobotState& state, const std::vector<JointVector>& torques);
-  /// Base position after the replay, W, m.
+  /// Returns the base position after the replay, W, m.
   Vector3 position() const;
 
  private:

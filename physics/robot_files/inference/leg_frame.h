@@ -11,14 +11,14 @@
 
 namespace crossgait {
 
-/// A leg that is not yet known to be one of the four.
+/// Describes a leg that is not yet known to be one of the four.
 struct FoundLeg {
   JointChain chain;
   LegJoints joints;
 };
 using FoundLegs = std::array<FoundLeg, kLegCount>;
 
-/// The direction across the plane that hips lie next to (bodies by their index), of either sign.
+/// Returns the direction across the plane that hips lie next to (bodies by their index), of either sign.
 Vector3 normal_of_hips(const JointTree& tree, const std::vector<int>& hips);
 
 struct PlacedLegs {

@@ -8,8 +8,8 @@
 
 namespace crossgait {
 
-/// The leg that a name says: FL, LF, front_left, HL, LH, rear_left, leg_front_l, LeftFront, hindRight...
-/// Nothing for a name that says none, or several.
+/// Returns the leg that a name says: FL, LF, front_left, HL, LH, rear_left, leg_front_l, LeftFront,
+/// hindRight... Nothing for a name that says none, or several.
 std::optional<Leg> leg_in_name(std::string_view name);
 
 }  // namespace crossgait

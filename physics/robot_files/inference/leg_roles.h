@@ -9,27 +9,27 @@
 
 namespace crossgait {
 
-/// The round thing that a joint without limits turns about its middle.
+/// Describes the round thing that a joint without limits turns about its middle.
 struct Wheel {
   Vector3 centre = Vector3::Zero();  ///< in its body's frame, m
   double radius = 0;                 ///< m
 };
 
-/// The wheel that a body is: its joint turns without limits, and its shapes are round about it, next to alike
-/// in all directions across. Nothing for any other body.
+/// Finds the wheel that a body is: its joint turns without limits, and its shapes are round about it, next to
+/// alike in all directions across. Nothing for any other body.
 std::optional<Wheel> wheel_of(const ParsedRobot& robot, int body);
 
-/// Joints of a leg by the bodies that they move.
+/// Names joints of a leg by the bodies that they move.
 struct LegJoints {
   LegLinkage linkage = LegLinkage::kSerial;
   std::vector<int> servos;  ///< along the chain: abduction (if any), hip, knee; or hip, abduction, knee
   std::vector<int> held;    ///< the others: wheels, ankles, a second joint of the hip
 };
 
-/// Hip and knee are the first two of the joints that are parallel (to 37 degrees): of several directions that
-/// of most joints, of two such that of joints in a row. The abduction is what turns them aside: the joint of
-/// another direction before the knee; of two that which turns least about the vertical of the hips, `up`.
-/// Whatever else there is, is held.
+/// Finds hip and knee: the first two of the joints that are parallel (to 37 degrees): of several directions
+/// that of most joints, of two such that of joints in a row. The abduction is what turns them aside: the
+/// joint of another direction before the knee; of two that which turns least about the vertical of the hips,
+/// `up`. Whatever else there is, is held.
 /// @returns nothing where no two joints are parallel, or more than two would be held
 std::optional<LegJoints> roles_of(const JointTree& tree, const JointChain& chain, const Vector3& up);
 

@@ -7,14 +7,14 @@
 
 namespace crossgait {
 
-/// Bodies in a row, each hanging on the one before.
+/// Lists bodies in a row, each hanging on the one before.
 struct JointChain {
   std::vector<int> bodies;  ///< in the file's order: the first hangs on `parent`
   int parent = 0;           ///< index of the body that it hangs on
   int tips = 1;             ///< bodies of it on which nothing hangs: of a chain one
 };
 
-/// Where the joints are and point, in the base frame of the file, all angles being zero.
+/// Says where the joints are and point, in the base frame of the file, all angles being zero.
 class JointTree {
  public:
   explicit JointTree(const ParsedRobot& robot);
@@ -25,9 +25,9 @@ class JointTree {
   Vector3 origin(int i) const { return poses_[static_cast<std::size_t>(i)].translation(); }
   Vector3 axis(int i) const { return poses_[static_cast<std::size_t>(i)].linear() * body(i).joint.axis; }
 
-  /// What hangs on the base, each with all that hangs on it: a chain only if it has one tip.
+  /// Returns what hangs on the base, each with all that hangs on it: a chain only if it has one tip.
   std::vector<JointChain> branches() const;
-  /// From each tip up to where something else branches off, or the base.
+  /// Returns chains from each tip up to where something else branches off, or the base.
   std::vector<JointChain> ends() const;
 
  private:

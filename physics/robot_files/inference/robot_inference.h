@@ -11,19 +11,19 @@
 
 namespace crossgait {
 
-/// One thing that was inferred, for people to check.
+/// Describes one thing that was inferred, for people to check.
 struct Inference {
   std::string what, value, reason;
 };
 
-/// The wheel at the end of a leg, which is held.
+/// Describes the wheel at the end of a leg, which is held.
 struct HeldWheel {
   std::string joint, link;
   Vector3 centre = Vector3::Zero();  ///< in the link's frame, m
   double radius = 0;                 ///< m
 };
 
-/// The joints of a leg by name.
+/// Names the joints of a leg.
 struct FoundChain {
   LegLinkage linkage = LegLinkage::kSerial;
   std::vector<std::string> joints;     ///< those with a role, from the base outwards
@@ -38,9 +38,9 @@ struct LegSearch {
   Matrix3 R_BA = Matrix3::Identity();
 };
 
-/// The legs are the four branches of the base that are alike: as many moving joints, in one chain each, their
-/// axes at the same angles to each other; or four such chains on two bodies, with a spine between them. Roles
-/// follow from axes (leg_roles.h), which leg is which from where they are and what they are called
+/// Finds the legs: the four branches of the base that are alike: as many moving joints, in one chain each,
+/// their axes at the same angles to each other; or four such chains on two bodies, with a spine between them.
+/// Roles follow from axes (leg_roles.h), which leg is which from where they are and what they are called
 /// (leg_frame.h). @param frame  forward, left and up if they are known
 /// @throws ConfigError (naming `source`) that says what was found instead: no four such branches; eight
 ///   chains of two joints, of which five-bars are made that only `loops` can say; legs of too many joints, or
@@ -48,11 +48,11 @@ struct LegSearch {
 LegSearch find_legs(const ParsedRobot& robot, const std::string& source, const std::optional<Matrix3>& frame,
                     std::vector<Inference>& inferred, std::vector<std::string>& warnings);
 
-/// Where a joint is held that is no servo: at the home pose of the file if that has one, else at zero; within
-/// its limits, rad.
+/// Returns where a joint is held that is no servo: at the home pose of the file if that has one, else at
+/// zero; within its limits, rad.
 double held_angle(const ParsedRobot& robot, const Joint& joint);
 
-/// A foot on the last link of a leg.
+/// Describes a foot on the last link of a leg.
 struct FootPlace {
   Vector3 p_BF = Vector3::Zero();  ///< centre in the body's frame, m
   double radius = 0;               ///< m
@@ -60,20 +60,20 @@ struct FootPlace {
   std::string reason;
 };
 
-/// The collision sphere farthest from the axis of the body's joint; without one, the end of a capsule that
-/// is, or a cylinder across the leg; without these, a small sphere at the farthest point of its shapes.
+/// Finds the collision sphere farthest from the axis of the body's joint; without one, the end of a capsule
+/// that is, or a cylinder across the leg; without these, a small sphere at the farthest point of its shapes.
 /// Nothing without shapes.
 std::optional<FootPlace> find_foot(const ParsedRobot& robot, const Body& body);
-/// The same by what the body looks like.
+/// Finds a foot likewise by what the body looks like.
 std::optional<FootPlace> find_seen_foot(const Body& body);
-/// The origin of the link fixed to a body that is farthest from its joint's axis, and a small radius.
+/// Finds the origin of the link fixed to a body that is farthest from its joint's axis, and a small radius.
 std::optional<FootPlace> find_foot_link(const ParsedRobot& robot, int body);
 
 /// Removes from a foot's body what would touch the ground along with the foot: meshes, and what lies within a
 /// radius around it. @param urdf  knows which shapes are meshes  @returns how many
 std::size_t leave_out_around(const ParsedRobot& urdf, const Vector3& p_BF, double radius, Body& body);
 
-/// Lengths of a serial leg and its share of them that it stands at.
+/// Holds lengths of a serial leg and its share of them that it stands at.
 struct LegLengths {
   double thigh = 0, shin = 0;  ///< m, across the hip's axis
   double sum() const { return thigh + shin; }
@@ -82,9 +82,9 @@ LegLengths leg_lengths(const RobotDescription& robot, Leg leg);
 
 inline constexpr double kStandingShare = 0.72;  ///< of thigh and shin: depth of a standing foot below the hip
 
-/// Angles of the servos with the foot at depth `height` (m) below the hip and all feet so far forward that
-/// their middle lies under the robot's centre of mass (at most 0.15 of the leg's length), and how far that
-/// is. Knees: the branch that lies inside the limits, backward if both do. Angles that stand already in
+/// Holds angles of the servos with the foot at depth `height` (m) below the hip and all feet so far forward
+/// that their middle lies under the robot's centre of mass (at most 0.15 of the leg's length), and how far
+/// that is. Knees: the branch that lies inside the limits, backward if both do. Angles that stand already in
 /// `robot.home` are not used. Requires serial legs. @throws ConfigError if neither branch fits
 struct HomePose {
   JointVector q;
@@ -92,17 +92,17 @@ struct HomePose {
 };
 HomePose find_home(const RobotDescription& robot, double height, std::vector<Inference>& inferred);
 
-/// Why serial legs cannot stand at these angles: beyond limits, feet not below their hips by a third of the
-/// leg or more, or not at one depth to a third of it. Empty if they can.
+/// Says why serial legs cannot stand at these angles: beyond limits, feet not below their hips by a third of
+/// the leg or more, or not at one depth to a third of it. Empty if they can.
 std::string problem_with_stance(const RobotDescription& robot, const JointVector& q);
-/// How far ahead of the hips the feet have to stand to be under the robot's centre of mass, at most 0.15 of
-/// the leg's length, m. Requires serial legs.
+/// Returns how far ahead of the hips the feet have to stand to be under the robot's centre of mass, at most
+/// 0.15 of the leg's length, m. Requires serial legs.
 double balanced_offset(const RobotDescription& robot, const JointVector& q);
 inline constexpr const char* kStanceOffsetReason =
     "the middle of the feet under the centre of mass of the robot, at most 0.15 of thigh and shin";
 
-/// Servo gains, rotor inertia and torque limit of joints whose file gives none, from mass (kg), standing
-/// height h and leg length (m).
+/// Estimates servo gains, rotor inertia and torque limit of joints whose file gives none, from mass (kg),
+/// standing height h and leg length (m).
 struct ServoRule {
   double kp = 0, kd = 0, armature = 0;  ///< N m/rad, N m s/rad, kg m^2
   double effort_limit = 0;              ///< N m, of a joint whose file has none, or no real one:

@@ -8,14 +8,14 @@
 
 namespace crossgait {
 
-/// The ends of a cylinder's axis, or of a capsule's, in the body's frame, m.
+/// Returns the ends of a cylinder's axis, or of a capsule's, in the body's frame, m.
 std::array<Vector3, 2> ends_of(const CollisionShape& shape);
 
-/// A mesh's or hull's vertices, a box's corners, the ends of the axis of a cylinder or capsule (a foot
-/// touches with its middle), a sphere's centre; in the body's frame, m.
+/// Returns a mesh's or hull's vertices, a box's corners, the ends of the axis of a cylinder or capsule (a
+/// foot touches with its middle), a sphere's centre; in the body's frame, m.
 std::vector<Vector3> outline_of(const ParsedRobot& robot, const CollisionShape& shape);
 
-/// How far a shape reaches from its outline: the radius of a sphere, cylinder or capsule, 0 of others, m.
+/// Says how far a shape reaches from its outline: a sphere's, cylinder's or capsule's radius, 0 of others, m.
 double rounding_of(const ParsedRobot& robot, const CollisionShape& shape);
 
 }  // namespace crossgait

@@ -24,7 +24,7 @@ bool is_mesh_format(const std::string& path);
 ///   coordinates that are no finite numbers
 std::vector<Vector3> read_mesh_vertices(const std::string& path);
 
-/// A surface: its corners, and triangles as indices of three corners each.
+/// Holds a surface: its corners, and triangles as indices of three corners each.
 struct TriangleMesh {
   std::vector<Vector3> vertices;
   std::vector<std::uint32_t> triangles;

@@ -18,17 +18,17 @@ class RobotMeshes {
   /// @param path  of the robot's file, for messages
   RobotMeshes(const std::string& path, ReaderWarnings& warnings) : path_(path), warnings_(warnings) {}
 
-  /// Vertices of a mesh file in its own frame and units, read once.
+  /// Returns vertices of a mesh file in its own frame and units, read once.
   const std::vector<Vector3>& vertices_of(const std::string& file);
   /// Makes a shape that has its name and pose of a mesh's vertices in its frame, m. @param where  for
   /// messages
   void set_vertices(std::vector<Vector3> vertices, const std::string& where, CollisionShape& shape);
 
-  /// Vertices of the meshes behind shapes, in the body's frame (m), by the name of the shape.
+  /// Returns vertices of the meshes behind shapes, in the body's frame (m), by the name of the shape.
   std::map<std::string, std::vector<Vector3>>& mesh_vertices() { return mesh_vertices_; }
 
  private:
-  /// The shape that stands for vertices, in their frame.
+  /// Returns the shape that stands for vertices, in their frame.
   const CollisionShape& fitted_to(const std::vector<Vector3>& vertices, const std::string& where);
 
   const std::string& path_;

@@ -21,8 +21,8 @@ enum class MjcfActuatorKind {
 
 using MjcfRange = std::array<double, 2>;
 
-/// What moves a joint, in units of its own: through a gear g, an angle q of the joint is a length g q, and a
-/// force f a torque g f (MuJoCo manual, "Actuation model").
+/// Describes what moves a joint, in units of its own: through a gear g, an angle q of the joint is a length g
+/// q, and a force f a torque g f (MuJoCo manual, "Actuation model").
 struct MjcfActuator {
   std::string name, joint;
   std::string place;  ///< for messages
@@ -36,7 +36,7 @@ struct MjcfActuator {
   double inherit = 0;           ///< share of the joint's range that the control has; 0: it says its own
   bool control_limited = true;  ///< false: an inherited range bounds nothing
 
-  /// Whether it holds its joint at an angle.
+  /// Tells whether it holds its joint at an angle.
   bool is_position() const { return kind == MjcfActuatorKind::kServo && bias[1] < 0; }
 };
 

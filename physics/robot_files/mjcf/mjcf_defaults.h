@@ -12,12 +12,12 @@
 
 namespace crossgait {
 
-/// Between `least` and `most` finite numbers of an attribute. @throws ConfigError naming the element
+/// Reads between `least` and `most` finite numbers of an attribute. @throws ConfigError naming the element
 std::vector<double> mjcf_numbers(const MjcfElement& element, std::string_view name, std::size_t least,
                                  std::size_t most);
 
-/// Attributes for which no compiler is asked: those that only newer ones know, and those that mean something
-/// to us alone. Independent of the document that it was made of, which may change.
+/// Resolves attributes for which no compiler is asked: those that only newer ones know, and those that mean
+/// something to us alone. Independent of the document that it was made of, which may change.
 class MjcfDefaults {
  public:
   explicit MjcfDefaults(const MjcfElement& root);
@@ -40,8 +40,8 @@ class MjcfDefaults {
     /// Who says an attribute last, by tag and attribute: files may have a class of very many elements.
     std::map<std::pair<std::string_view, std::string_view>, const MjcfElement*> says;
   };
-  /// The class of a name and those around it, no more than an XML may be deep: a file may call one its own
-  /// outer one. @param visit  is called with each, until it returns true
+  /// Visits the class of a name and those around it, no more than an XML may be deep: a file may call one its
+  /// own outer one. @param visit  is called with each, until it returns true
   template <typename Visit>
   void for_each_outwards(std::string_view name, const Visit& visit) const;
   void add(const MjcfElement& section, const std::string& name, const std::string& outer);

@@ -17,16 +17,16 @@ struct MjcfElement {
   const std::string* file = nullptr;  ///< that it stands in
   int line = 0;
 
-  /// The attribute of that name, or "".
+  /// Returns the attribute of that name, or "".
   std::string_view attribute(std::string_view name) const;
   bool has(std::string_view name) const;
   void set(std::string_view name, std::string value);
   void remove(std::string_view name);
 };
 
-/// "geom 'shin'", "geom".
+/// Labels an element: "geom 'shin'", "geom".
 std::string mjcf_label(const MjcfElement& element);
-/// "geom 'shin' (line 7)"; of an included file "(line 7 of legs.xml)".
+/// Says "geom 'shin' (line 7)"; of an included file "(line 7 of legs.xml)".
 std::string mjcf_place(const MjcfElement& element, const std::string& main_file);
 
 /// Throws ConfigError about an element of a file.
@@ -35,7 +35,7 @@ std::string mjcf_place(const MjcfElement& element, const std::string& main_file)
 /// Calls the function for an element and all below it, in the order of the file.
 void for_each_mjcf_element(MjcfElement& top, const std::function<void(MjcfElement&)>& function);
 
-/// Text of one line per element, and the element of each line, from line 1.
+/// Holds text of one line per element, and the element of each line, from line 1.
 struct MjcfPrint {
   std::string xml;
   std::vector<const MjcfElement*> lines;

@@ -11,13 +11,13 @@
 
 namespace crossgait {
 
-/// A file that the text names.
+/// Describes a file that the text names.
 struct MjcfFile {
   std::string name;  ///< as in the text, without a folder
   std::string bytes;
 };
 
-/// MJCF that stands by itself: includes are in it, and of files it names those below alone.
+/// Holds MJCF that stands by itself: includes are in it, and of files it names those below alone.
 struct MjcfText {
   std::string source;  ///< file it was made of, for messages
   std::string xml;     ///< bodies, joints, geoms and meshes all have names
@@ -65,7 +65,7 @@ struct MjcfGeom {
   std::vector<Vector3> vertices;
 };
 
-/// A point of one body held to a point of another.
+/// Holds a point of one body to a point of another.
 struct MjcfConnect {
   std::string name;
   int body_a = 0, body_b = 0;
@@ -89,7 +89,7 @@ struct MjcfModel {
 /// @throws std::runtime_error with the compiler's own words, ConfigError if there is no compiler
 using MjcfCompiler = MjcfModel (*)(const MjcfText&);
 
-/// The compiler of this program. A program that uses the engines' registry (backends/registry.h) has one
+/// Sets the compiler of this program. A program that uses the engines' registry (backends/registry.h) has one
 /// from its beginning; others have none. @returns the one before. Any thread may call it.
 MjcfCompiler set_mjcf_compiler(MjcfCompiler compiler) noexcept;
 /// @throws ConfigError naming `source` if the program has none

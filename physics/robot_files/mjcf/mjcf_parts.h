@@ -12,7 +12,7 @@
 
 namespace crossgait {
 
-/// A mesh of the file's assets: p = scale * R_ref^T (vertex - p_ref).
+/// Describes a mesh of the file's assets: p = scale * R_ref^T (vertex - p_ref).
 struct MjcfMesh {
   std::string written;  ///< the path as the file has it; empty: its vertices stand in the MJCF
   std::string file;     ///< that it is; empty: there is none
@@ -29,7 +29,7 @@ struct MjcfParts {
   std::map<std::pair<std::string, std::string>, MjcfElement*> with_names;  ///< by tag and name
   std::set<std::string> with_inertial;  ///< bodies whose mass does not follow from their geoms
 
-  /// A body, joint or geom. Freejoints are joints.
+  /// Returns a body, joint or geom. Freejoints are joints.
   const MjcfElement& element(const std::string& tag, const std::string& name) const;
 };
 

@@ -22,7 +22,7 @@ class MjcfShapes {
   /// @returns indices of its collision shapes @throws ConfigError naming the geom, or the mesh file
   std::vector<int> add(const MjcfGeom& geom, const Pose& X_BA, Body& body);
 
-  /// As RobotMeshes::mesh_vertices.
+  /// Does what RobotMeshes::mesh_vertices does.
   std::map<std::string, std::vector<Vector3>>& mesh_vertices() { return meshes_.mesh_vertices(); }
 
  private:

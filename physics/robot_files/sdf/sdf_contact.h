@@ -18,7 +18,7 @@ namespace crossgait {
 std::optional<ContactNumbers> read_contact(const SdfElement& collision, const std::string& main_file,
                                            ReaderWarnings& warnings);
 
-/// What a world says of steps and gravity.
+/// Reads what a world says of steps and gravity.
 ContactOfFile read_world(const SdfElement& world);
 
 }  // namespace crossgait

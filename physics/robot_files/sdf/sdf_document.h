@@ -14,13 +14,13 @@ class TiXmlElement;
 
 namespace crossgait {
 
-/// An attribute of an element. Whoever asks for it has read it.
+/// Holds an attribute of an element. Whoever asks for it has read it.
 struct SdfAttribute {
   std::string name, value;
   mutable bool is_read = false;
 };
 
-/// An element with what is in it. What nobody asks for is counted in the end (`count_unread`), so that
+/// Holds an element with what is in it. What nobody asks for is counted in the end (`count_unread`), so that
 /// nothing of a file is lost without a word.
 struct SdfElement {
   std::string tag;
@@ -32,11 +32,11 @@ struct SdfElement {
   int line = 0;
   mutable bool is_read = false;
 
-  /// The first child of that tag, or null. It counts as read.
+  /// Finds the first child of that tag, or null. It counts as read.
   const SdfElement* find(std::string_view child) const;
-  /// All children of that tag, which count as read.
+  /// Lists all children of that tag, which count as read.
   std::vector<const SdfElement*> all(std::string_view child) const;
-  /// The value of an attribute, or "". It counts as read.
+  /// Returns the value of an attribute, or "". It counts as read.
   std::string attribute(std::string_view name) const;
   /// Takes children of that tag for read, with all that is in them, if they say one of `texts`, or whatever
   /// they say if there are none.
@@ -45,7 +45,7 @@ struct SdfElement {
   void pass_over_all() const;
 };
 
-/// "joint 'knee', axis (line 7)", with the name of the file if it is not the main one.
+/// Says "joint 'knee', axis (line 7)", with the name of the file if it is not the main one.
 std::string sdf_place(const SdfElement& element, const std::string& main_file);
 
 /// @throws ConfigError naming file, line and place of the element

@@ -26,21 +26,21 @@ class SdfFrames {
   /// Says what a frame moves with.
   void attach(const std::string& name, const std::string& to);
 
-  /// Follows all of them once, so that none leads nowhere, whether it is asked for or not. @throws
-  /// ConfigError as below
+  /// Follows all frames once, so that none leads nowhere, whether it is asked for or not. @throws ConfigError
+  /// as below
   void check();
 
-  /// The pose in the frame of everything. @throws ConfigError naming the element of a frame whose base is
-  /// none, or is in it
+  /// Returns the pose in the frame of everything. @throws ConfigError naming the element of a frame whose
+  /// base is none, or is in it
   Pose pose(const std::string& name);
-  /// The same of a name in the file. @param at  where it stands
+  /// Returns the pose of a name in the file likewise. @param at  where it stands
   Pose pose(const std::string& name, const SdfElement& at);
-  /// The link that something moves with. @param at  where it is named @throws ConfigError as above
+  /// Returns the link that something moves with. @param at  where it is named @throws ConfigError as above
   std::string link_of(const std::string& name, const SdfElement& at);
 
  private:
   const SdfFrame& base(const SdfFrame& of) const;
-  /// The pose of the frame `name` in `ancestor`.
+  /// Returns the pose of the frame `name` in `ancestor`.
   Pose pose_below(const std::string& name, const std::string& ancestor) const;
 
   std::map<std::string, SdfFrame> frames_;

@@ -9,7 +9,7 @@
 
 namespace crossgait {
 
-/// Names of what is in a nested model begin with the model's and "::".
+/// Describes a link; names of what is in a nested model begin with the model's and "::".
 struct SdfLink {
   std::string name;
   const SdfElement* element;
@@ -29,7 +29,7 @@ struct SdfPlugin {
   const SdfElement* element;
 };
 
-/// All of a model and of what is nested in it, in the order of the file.
+/// Holds all of a model and of what is nested in it, in the order of the file.
 struct SdfModel {
   std::string name;
   std::vector<SdfLink> links;

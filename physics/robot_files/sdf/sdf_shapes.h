@@ -32,9 +32,9 @@ class SdfShapes {
   /// are passed over without a word.
   void add_visuals(const SdfElement& link, const Pose& X_BL, Body& body);
 
-  /// As RobotMeshes::mesh_vertices.
+  /// Does what RobotMeshes::mesh_vertices does.
   std::map<std::string, std::vector<Vector3>>& mesh_vertices() { return meshes_.mesh_vertices(); }
-  /// Contact settings of the shapes that say any, by their names.
+  /// Returns contact settings of the shapes that say any, by their names.
   std::map<std::string, ContactNumbers>& contacts() { return contacts_; }
 
  private:

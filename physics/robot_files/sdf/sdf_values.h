@@ -12,15 +12,15 @@ namespace crossgait {
 /// All throw ConfigError naming the element whose text is something else. The text of a child that is not
 /// there is `otherwise`.
 
-/// The child, which has to be there.
+/// Returns the child, which has to be there.
 const SdfElement& sdf_needed(const SdfElement& parent, std::string_view child);
-/// So many finite numbers.
+/// Reads as many finite numbers as `count`.
 std::vector<double> sdf_numbers(const SdfElement& element, std::size_t count);
 Vector3 sdf_vector(const SdfElement& parent, std::string_view child, const Vector3& otherwise);
 double sdf_number(const SdfElement& parent, std::string_view child, double otherwise);
-/// A number from 0 on.
+/// Reads a number from 0 on.
 double sdf_size(const SdfElement& parent, std::string_view child, double otherwise);
-/// A bound: "inf", "-inf" and numbers from 1e16 on, SDF's own words for none, are infinite.
+/// Reads a bound: "inf", "-inf" and numbers from 1e16 on, SDF's own words for none, are infinite.
 double sdf_bound(const SdfElement& parent, std::string_view child, double otherwise);
 bool sdf_flag(const SdfElement& parent, std::string_view child, bool otherwise);
 /// Reads a `<pose>`, wherever it is relative to: Euler angles, also in degrees, or a quaternion. Null and

@@ -10,9 +10,9 @@ class TiXmlElement;
 
 namespace crossgait {
 
-/// "link 'shin'".
+/// Labels an element: "link 'shin'".
 std::string urdf_label(const TiXmlElement& link_or_joint);
-/// "link 'shin' (line 7)".
+/// Says "link 'shin' (line 7)".
 std::string urdf_place(const TiXmlElement& link_or_joint, const TiXmlElement& at);
 
 /// Throws for one file.

@@ -7,9 +7,9 @@
 
 namespace crossgait {
 
-/// Supports revolute, continuous and fixed joints, a floating one below a massless root, and spheres, boxes,
-/// cylinders, capsules and meshes (mesh_shape.h); models/README.md says what becomes of the rest. Prints
-/// nothing. Reads numbers alike in every locale. May be called from several threads.
+/// Reads a URDF of revolute, continuous and fixed joints, a floating one below a massless root, and spheres,
+/// boxes, cylinders, capsules and meshes (mesh_shape.h); models/README.md says what becomes of the rest.
+/// Prints nothing. Reads numbers alike in every locale. May be called from several threads.
 /// @throws ConfigError naming the file (of the URDF or a mesh) and the line, link or joint
 ParsedRobot read_urdf(const std::string& path);
 

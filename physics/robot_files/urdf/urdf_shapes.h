@@ -25,7 +25,7 @@ class UrdfShapes {
   /// @throws ConfigError naming the link and collision for impossible sizes, or the mesh file
   std::vector<int> add(const urdf::Link& link, const Pose& X_BL, Body& body);
 
-  /// As RobotMeshes::mesh_vertices.
+  /// Does what RobotMeshes::mesh_vertices does.
   std::map<std::string, std::vector<Vector3>>& mesh_vertices() { return meshes_.mesh_vertices(); }
 
  private:

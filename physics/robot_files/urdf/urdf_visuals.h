@@ -12,9 +12,9 @@ class TiXmlElement;
 
 namespace crossgait {
 
-/// Shapes by link, in the link's frame. Looks make no file unfit: a `visual` without a shape, or with numbers
-/// that are none, is dropped and counted, as is a mesh whose file is not there. Colours are those of the
-/// `material`, which may stand in another visual, or in the robot, under the same name; textures are not
+/// Reads shapes by link, in the link's frame. Looks make no file unfit: a `visual` without a shape, or with
+/// numbers that are none, is dropped and counted, as is a mesh whose file is not there. Colours are those of
+/// the `material`, which may stand in another visual, or in the robot, under the same name; textures are not
 /// read.
 /// @param path  of the URDF
 std::map<std::string, std::vector<VisualShape>> read_urdf_visuals(const TiXmlElement& robot,

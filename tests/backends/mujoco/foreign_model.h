@@ -23,7 +23,7 @@ inline ModelPtr compile_text(const std::string& xml) {
   return model;
 }
 
-/// A sphere sunk into a height field, with or without a place for user data.
+/// Makes a sphere sunk into a height field, with or without a place for user data.
 inline ModelPtr foreign_model(int nuserdata) {
   ModelPtr m = compile_text("<mujoco><size nuserdata='" + std::to_string(nuserdata) +
                             "'/><asset><hfield name='h' nrow='5' ncol='5' size='1 1 0.1 0.1'/></asset>"
@@ -35,8 +35,8 @@ inline ModelPtr foreign_model(int nuserdata) {
 
 inline constexpr std::size_t kNumbersPerContact = 13;
 
-/// Distance, place and frame of every contact where the model begins. @param user_data  the first number of
-/// it
+/// Lists distance, place and frame of every contact where the model begins. @param user_data  the first
+/// number of it
 inline std::vector<double> contacts_of(const mjModel& m, double user_data = 0) {
   const DataPtr d(mj_makeData(&m));
   if (m.nuserdata > 0) d->userdata[0] = user_data;

@@ -7,7 +7,7 @@
 
 namespace crossgait {
 
-/// The ConfigError that `action` throws; a failure of the test if it throws none.
+/// Returns the ConfigError that `action` throws; a failure of the test if it throws none.
 template <typename Action>
 ConfigError config_error(const Action& action) {
   try {

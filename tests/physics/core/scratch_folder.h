@@ -12,7 +12,7 @@
 
 namespace crossgait {
 
-/// Fixture with an empty folder that is removed afterwards.
+/// Gives a test an empty folder that is removed afterwards.
 class ScratchFolder : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -12,7 +12,7 @@
 
 namespace crossgait {
 
-/// A joint of a leg and the way from it to the next one, or to the foot.
+/// Describes a joint of a leg and the way from it to the next one, or to the foot.
 struct ChainJoint {
   std::string name;
   Vector3 axis;
@@ -21,7 +21,7 @@ struct ChainJoint {
   bool is_continuous = false;
 };
 
-/// Hips 0.4 m apart along and 0.12 m across.
+/// Has hips 0.4 m apart along and 0.12 m across.
 struct ChainUrdf {
   std::function<std::vector<ChainJoint>(Leg)> joints = usual;
   std::function<std::string(Leg)> prefix = [](Leg leg) { return std::string(name(leg)); };
@@ -29,7 +29,7 @@ struct ChainUrdf {
   std::string foot = "<collision><geometry><sphere radius=\"0.02\"/></geometry></collision>";
   std::string more;
 
-  /// Abduction 0.07 m aside of the hip, thigh and shin of 0.2 m.
+  /// Puts an abduction 0.07 m aside of the hip, thigh and shin of 0.2 m.
   static std::vector<ChainJoint> usual(Leg leg) {
     return {{"abduction", Vector3::UnitX(), {0, 0.07 * side_sign(leg), 0}, -0.9, 0.9},
             {"hip", Vector3::UnitY(), {0, 0, -0.2}, -1.5, 2.5},

@@ -36,7 +36,7 @@ inline std::string text_stl(const std::vector<Vector3>& corners) {
   return text + "endsolid mesh\n";
 }
 
-/// Corners of a box of these edges around the origin, as an OBJ.
+/// Writes corners of a box of these edges around the origin, as an OBJ.
 inline std::string box_obj(const Vector3& edges) {
   std::string text;
   for (int corner = 0; corner < 8; ++corner) {

@@ -15,7 +15,7 @@ namespace crossgait {
 
 inline const std::string kRobotFolder = CROSSGAIT_SOURCE_DIR "/models/robots/scara_quadruped/";
 
-/// A folder with a copy of the default robot, named after the running test and removed with this object.
+/// Copies the default robot into a folder, named after the running test and removed with this object.
 class ScratchRobot {
  public:
   ScratchRobot() {
@@ -48,7 +48,7 @@ class ScratchRobot {
   std::filesystem::path folder_;
 };
 
-/// A body of 1 kg hanging on `parent` by a joint about y, its centre of mass `length` below the joint.
+/// Makes a body of 1 kg hanging on `parent` by a joint about y, its centre of mass `length` below the joint.
 inline Body pendulum_body(const std::string& name, int parent, const Vector3& p_PJ, double length) {
   Body body;
   body.name = name;
@@ -62,8 +62,8 @@ inline Body pendulum_body(const std::string& name, int parent, const Vector3& p_
   return body;
 }
 
-/// A base with `joints` pendulums, each hanging 0.5 m below the one before; centres of mass 0.3 m below the
-/// joints.
+/// Makes a base with `joints` pendulums, each hanging 0.5 m below the one before; centres of mass 0.3 m below
+/// the joints.
 inline RobotDescription pendulum_chain(int joints) {
   RobotDescription robot;
   robot.name = "pendulums";

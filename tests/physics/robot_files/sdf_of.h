@@ -11,7 +11,7 @@
 
 namespace crossgait {
 
-/// How poses are written: all in the model, or link on joint on link, as converters of URDF do.
+/// Says how poses are written: all in the model, or link on joint on link, as converters of URDF do.
 enum class SdfStyle { kInModel, kRelative };
 
 /// Writes what a ParsedRobot has of links, joints, masses and shapes but meshes, each number in full, drawn

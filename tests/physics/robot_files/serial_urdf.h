@@ -12,8 +12,8 @@
 
 namespace crossgait {
 
-/// Hips 0.4 m apart along and 0.1 m across, legs of 0.08 m aside and twice 0.2 m down, feet of radius 0.02 m;
-/// 1 kg a link and a trunk of 8 kg whose centre of mass is 0.03 m ahead.
+/// Has hips 0.4 m apart along and 0.1 m across, legs of 0.08 m aside and twice 0.2 m down, feet of radius
+/// 0.02 m; 1 kg a link and a trunk of 8 kg whose centre of mass is 0.03 m ahead.
 struct SerialUrdf {
   bool abduction = true;
   Vector3 abduction_axis = Vector3::UnitX(), hip_axis = Vector3::UnitY();

@@ -16,9 +16,9 @@ struct PngHeader {
   bool interlaced = false;
 };
 
-/// Four bytes, big-endian.
+/// Writes four bytes, big-endian.
 std::string big_endian(std::uint32_t value);
-/// Length, type, data and CRC.
+/// Writes length, type, data and CRC.
 std::string png_chunk(std::string_view type, std::string_view data);
 /// @param pixels  filter byte and samples of each line, as the PNG specification lays them out
 /// @param chunks  whole chunks between IHDR and IDAT
