@@ -3,7 +3,7 @@ import uPlot from "uplot";
 import type { Chart, Numbers, ReportDocument } from "./document";
 import { digits, h } from "./dom";
 import { saveButtons, savePng, saveSvg, type Legend, type SvgContext } from "./figure_file";
-import { AXIS, POWERS, short } from "./plots";
+import { AXIS, POWERS, short } from "./axes";
 import { theme } from "./theme";
 
 const HEIGHT = 240; // px
