@@ -7,13 +7,13 @@ from crossgait.studies.diagnosing import diagnose
 from crossgait.studies.episodes import course, rollout, transfer, tune
 from crossgait.studies.judging import verdict
 from crossgait.studies.measuring import bench, conformance
+from crossgait.studies.result import Result
 from crossgait.studies.results import (
     Bench,
     CompareResult,
     Conformance,
     CourseResult,
     Diagnosis,
-    Result,
     Rollout,
     Transfer,
     Tuning,

@@ -2,116 +2,18 @@
 
 from __future__ import annotations
 
-import html
-import json
-import os
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from crossgait.errors import ConfigError
-from crossgait.extras import needed_for
-from crossgait.files import written_whole
+from crossgait.studies.result import Answer, Json, Result, asked_for, flat
 from crossgait.studies.walk_numbers import WalkNumbers
 from crossgait.traces import Trace
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
     from crossgait._core import EnvironmentConfig
-
-Json = dict[str, Any]
-
-
-@dataclass(frozen=True, repr=False)
-class Result:
-    """One study's result. `str(result)` is the table that the command prints."""
-
-    document: Json  #: what `--json` writes
-    text: str
-
-    def to_dict(self) -> Json:
-        """Return a copy of the document, keys as in docs/schemas."""
-        copy: Json = json.loads(json.dumps(self.document))
-        return copy
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the document as JSON. The file appears whole or not at all."""
-        with written_whole(path) as beside, open(beside, "w") as file:
-            json.dump(self.document, file, indent=2)
-            file.write("\n")
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return the result's main table: columns are keys of the document, indices what tells its rows apart."""
-        with needed_for("tables", "frames"):
-            import pandas as pd
-
-        index = list(self._index)
-        rows = [{**dict.fromkeys(index), **row} for row in self._rows()]
-        return pd.DataFrame(rows, columns=None if rows else index).set_index(index)
-
-    def plot(self) -> Figure:
-        """Draw it with matplotlib."""
-        raise NotImplementedError
-
-    _index: ClassVar[tuple[str, ...]] = ("name",)
-
-    def _rows(self) -> list[Json]:
-        raise NotImplementedError
-
-    def _headline(self) -> str:
-        raise NotImplementedError
-
-    def __str__(self) -> str:
-        return self.text
-
-    def __repr__(self) -> str:
-        return f"<crossgait.{type(self).__name__}: {self._headline()}>"
-
-    def _repr_html_(self) -> str:
-        # The text begins with the answer, as the headline does: once is enough.
-        answer, _, rest = self.text.partition("\n\n")
-        if answer != self.document.get("summary"):
-            answer, rest = self._headline(), self.text
-        return f"<p><b>{html.escape(answer)}</b></p><pre>{html.escape(rest)}</pre>"
-
-
-def _flat(summary: Json) -> Json:
-    """One level of keys: `duty_factor.FL`."""
-    row: Json = {}
-    for key, value in summary.items():
-        if key in ("schema", "provenance"):
-            continue
-        if isinstance(value, dict):
-            row.update({f"{key}.{name}": item for name, item in value.items()})
-        elif isinstance(value, list):
-            row.update({f"{key}.{axis}": item for axis, item in zip("xyz", value, strict=False)})
-        else:
-            row[key] = value
-    return row
-
-
-Recorded = TypeVar("Recorded", Trace, dict[str, Trace])
-
-
-def _asked_for(recorded: Recorded | None, study: str) -> Recorded:
-    """Return what was recorded. Raises ConfigError if nothing was."""
-    if recorded is None or recorded == {}:
-        raise ConfigError(study, "trace", "trace=True when it was made", "none")
-    return recorded
-
-
-class Answer(Result):
-    """A result that begins with a sentence."""
-
-    @property
-    def summary(self) -> str:
-        """What came out, to repeat to a colleague."""
-        summary: str = self.document["summary"]
-        return summary
-
-    def _headline(self) -> str:
-        return self.summary
 
 
 @dataclass(frozen=True, repr=False)
@@ -125,7 +27,7 @@ class WalkResult(Answer, WalkNumbers):
     @property
     def trace(self) -> Trace:
         """Every control step. Raises ConfigError unless it was asked for."""
-        return _asked_for(self.recorded, "walk")
+        return asked_for(self.recorded, "walk")
 
     def __getattr__(self, name: str) -> Any:
         if not name.startswith("_") and name in self.document:
@@ -142,7 +44,7 @@ class WalkResult(Answer, WalkNumbers):
         return plots.plot_traces([self.trace], self._headline())
 
     def _rows(self) -> list[Json]:
-        return [_flat(self.document)]
+        return [flat(self.document)]
 
 
 @dataclass(frozen=True, repr=False)
@@ -156,7 +58,7 @@ class CompareResult(Answer):
     @property
     def traces(self) -> dict[str, Trace]:
         """Every control step, by engine. Raises ConfigError unless they were asked for."""
-        return _asked_for(self.recorded, "compare")
+        return asked_for(self.recorded, "compare")
 
     @property
     def engines(self) -> list[str]:
@@ -178,7 +80,7 @@ class CompareResult(Answer):
         return plots.plot_traces(list(self.traces.values()), title)
 
     def _rows(self) -> list[Json]:
-        return [_flat(run) for run in self.document["runs"]]
+        return [flat(run) for run in self.document["runs"]]
 
     @property
     def groups(self) -> list[Json]:
@@ -287,7 +189,7 @@ class Rollout(Answer):
     @property
     def traces(self) -> dict[str, Trace]:
         """Every step of each policy's first episode. Raises ConfigError unless they were asked for."""
-        return _asked_for(self.recorded, "rollout")
+        return asked_for(self.recorded, "rollout")
 
     def plot(self) -> Figure:
         """Draw speed and return of every episode."""
@@ -297,7 +199,7 @@ class Rollout(Answer):
 
     def _rows(self) -> list[Json]:
         return [
-            {"policy": run["policy"], "episode": number, **_flat(episode)}
+            {"policy": run["policy"], "episode": number, **flat(episode)}
             for run in self.document["policies"]
             for number, episode in enumerate(run["episodes"])
         ]
@@ -316,7 +218,7 @@ class Transfer(Result):
         return plots.plot_transfer(self.document)
 
     def _rows(self) -> list[Json]:
-        return [_flat(cell) for cell in self.document["cells"]]
+        return [flat(cell) for cell in self.document["cells"]]
 
     def _headline(self) -> str:
         engines = dict.fromkeys(cell["engine"] for cell in self.document["cells"])
@@ -344,7 +246,7 @@ class CourseResult(Answer):
 
     def _rows(self) -> list[Json]:
         return [
-            {"section": cell["section"]["name"], **_flat({k: v for k, v in cell.items() if k != "section"})}
+            {"section": cell["section"]["name"], **flat({k: v for k, v in cell.items() if k != "section"})}
             for cell in self.document["cells"]
         ]
 
@@ -426,7 +328,7 @@ class Bench(Result):
         return plots.plot_bench(self._rows())
 
     def _rows(self) -> list[Json]:
-        return [_flat(row) for row in self.document.get("speed", {}).get("scenes", [])]
+        return [flat(row) for row in self.document.get("speed", {}).get("scenes", [])]
 
     def _headline(self) -> str:
         return f"benchmark of {', '.join(b if isinstance(b, str) else b['name'] for b in self.document['engines'])}"

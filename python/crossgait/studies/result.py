@@ -1,0 +1,111 @@
+"""What every result of a study is: a document with its text, a table, a picture."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+from crossgait.errors import ConfigError
+from crossgait.extras import needed_for
+from crossgait.files import written_whole
+from crossgait.traces import Trace
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True, repr=False)
+class Result:
+    """One study's result. `str(result)` is the table that the command prints."""
+
+    document: Json  #: what `--json` writes
+    text: str
+
+    def to_dict(self) -> Json:
+        """Return a copy of the document, keys as in docs/schemas."""
+        copy: Json = json.loads(json.dumps(self.document))
+        return copy
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the document as JSON. The file appears whole or not at all."""
+        with written_whole(path) as beside, open(beside, "w") as file:
+            json.dump(self.document, file, indent=2)
+            file.write("\n")
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the result's main table: columns are keys of the document, indices what tells its rows apart."""
+        with needed_for("tables", "frames"):
+            import pandas as pd
+
+        index = list(self._index)
+        rows = [{**dict.fromkeys(index), **row} for row in self._rows()]
+        return pd.DataFrame(rows, columns=None if rows else index).set_index(index)
+
+    def plot(self) -> Figure:
+        """Draw it with matplotlib."""
+        raise NotImplementedError
+
+    _index: ClassVar[tuple[str, ...]] = ("name",)
+
+    def _rows(self) -> list[Json]:
+        raise NotImplementedError
+
+    def _headline(self) -> str:
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        return f"<crossgait.{type(self).__name__}: {self._headline()}>"
+
+    def _repr_html_(self) -> str:
+        # The text begins with the answer, as the headline does: once is enough.
+        answer, _, rest = self.text.partition("\n\n")
+        if answer != self.document.get("summary"):
+            answer, rest = self._headline(), self.text
+        return f"<p><b>{html.escape(answer)}</b></p><pre>{html.escape(rest)}</pre>"
+
+
+def flat(summary: Json) -> Json:
+    """One level of keys: `duty_factor.FL`."""
+    row: Json = {}
+    for key, value in summary.items():
+        if key in ("schema", "provenance"):
+            continue
+        if isinstance(value, dict):
+            row.update({f"{key}.{name}": item for name, item in value.items()})
+        elif isinstance(value, list):
+            row.update({f"{key}.{axis}": item for axis, item in zip("xyz", value, strict=False)})
+        else:
+            row[key] = value
+    return row
+
+
+Recorded = TypeVar("Recorded", Trace, dict[str, Trace])
+
+
+def asked_for(recorded: Recorded | None, study: str) -> Recorded:
+    """Return what was recorded. Raises ConfigError if nothing was."""
+    if recorded is None or recorded == {}:
+        raise ConfigError(study, "trace", "trace=True when it was made", "none")
+    return recorded
+
+
+class Answer(Result):
+    """A result that begins with a sentence."""
+
+    @property
+    def summary(self) -> str:
+        """What came out, to repeat to a colleague."""
+        summary: str = self.document["summary"]
+        return summary
+
+    def _headline(self) -> str:
+        return self.summary
