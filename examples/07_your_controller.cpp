@@ -35,6 +35,6 @@ int main() {
     const auto world = crossgait::make_world(engine, spec);
     const auto crawl = crossgait::make_feet_controller(Crawl(), spec);
     const crossgait::MotionSummary walk = run_walk(*world, crawl, {.seconds = 3});
-    std::printf("%-16s %.3f m\n", engine.c_str(), walk.distance);
+    std::printf("%-16s %.3f m\n", engine.c_str(), walk.distance_m);
   }
 }

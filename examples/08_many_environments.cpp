@@ -19,12 +19,12 @@ int main() {
   std::vector<double> actions(envs.size() * envs.action_size());
   std::mt19937 random(0);
   std::normal_distribution<double> normal(0, 0.1);
-  double total = 0;
   envs.reset(1, observations);
   for (int i = 0; i < 50; ++i) {
     for (double& action : actions) action = normal(random);
     envs.step(actions, {observations, rewards, terminated, truncated});
-    for (const double reward : rewards) total += reward;
   }
-  std::printf("return %.3f on average\n", total / static_cast<double>(envs.size()));
+  double way = 0;  // m, of the episodes that have just come to their end
+  for (std::size_t i = 0; i < envs.size(); ++i) way += envs.environment(i).info().distance;
+  std::printf("%zu robots: %.3f m on average\n", envs.size(), way / static_cast<double>(envs.size()));
 }
