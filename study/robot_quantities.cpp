@@ -140,6 +140,9 @@ class Quantities {
     row("solref", "s, -", solref.get(of_file), used("solref"));
     row("solimp", "-, -, m, -, -", List(numbers.solimp.begin(), numbers.solimp.end()), used("solimp"));
     row("condim", "", {numbers.condim}, used("condim"));
+    if (numbers.max_depenetration_velocity)
+      row("max_depenetration_velocity", "m/s", {*numbers.max_depenetration_velocity},
+          used("max_depenetration_velocity"));
     row("margin", "m", {numbers.margin}, {0});
     row("gap", "m", {numbers.gap}, {0});
   }

@@ -16,6 +16,7 @@ struct ContactNumbers {
   std::array<double, 2> solref{0.02, 1};             ///< time constant (s), damping ratio; or negative ones
   std::array<double, 5> solimp{0.9, 0.95, 0.001, 0.5, 2};  ///< impedances, width (m), midpoint, power
   double condim = 3, margin = 0, gap = 0;                  ///< -, m, m
+  std::optional<double> max_depenetration_velocity;        ///< of hard contact, m/s: MJCF has none
   std::set<std::string> stated;  ///< names of those that the file says; the others are MuJoCo's defaults
 };
 

@@ -29,11 +29,14 @@ ContactSettings settings_of(const ContactNumbers& numbers, const std::string& so
   set("condim", {slides ? 3 : numbers.condim});
   set("solref", {numbers.solref[0], numbers.solref[1]});
   set("solimp", bounded_solimp(numbers.solimp));
+  if (numbers.max_depenetration_velocity)
+    set("max_depenetration_velocity", {*numbers.max_depenetration_velocity});
   return settings;
 }
 
 bool is_alike(const ContactNumbers& a, const ContactNumbers& b) {
-  return a.friction == b.friction && a.solref == b.solref && a.solimp == b.solimp && a.condim == b.condim;
+  return a.friction == b.friction && a.solref == b.solref && a.solimp == b.solimp && a.condim == b.condim &&
+         a.max_depenetration_velocity == b.max_depenetration_velocity;
 }
 
 }  // namespace

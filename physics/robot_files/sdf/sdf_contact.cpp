@@ -45,6 +45,23 @@ void read_torsional(const SdfElement& torsional, const std::string& place, Conta
   numbers.stated.insert({"friction", "condim"});
 }
 
+// ODE's spring: its erp and cfm are those of kp and kd in steps of Gazebo's, and in none of ours.
+void read_depenetration(const SdfElement& ode, const std::string& place, ContactNumbers& numbers,
+                        ReaderWarnings& warnings) {
+  constexpr double kFastest = 100;  // m/s, as of ContactSpec
+  if (ode.find("max_vel") != nullptr) {
+    numbers.max_depenetration_velocity = std::min(sdf_size(ode, "max_vel", 0), kFastest);
+    numbers.stated.insert("max_depenetration_velocity");
+  }
+  for (const char* spring : {"kp", "kd", "soft_erp", "soft_cfm", "min_depth"})
+    if (ode.find(spring) != nullptr)
+      warnings.count("left out ",
+                     fmt::format(" <{}> of surfaces: a spring of ODE's (solref, solimp and erp are settings "
+                                 "of contact here)",
+                                 spring),
+                     place);
+}
+
 }  // namespace
 
 std::optional<ContactNumbers> read_contact(const SdfElement& collision, const std::string& main_file,
@@ -53,12 +70,9 @@ std::optional<ContactNumbers> read_contact(const SdfElement& collision, const st
   if (surface == nullptr) return std::nullopt;
   const std::string place = sdf_place(collision, main_file);
   ContactNumbers numbers;
-  if (surface->find("contact") != nullptr) {
-    warnings.count("left out ",
-                   " <contact> of surfaces: kp, kd, soft_cfm and the like are not of this contact law "
-                   "(solref and solimp are)",
-                   place);
-    surface->pass_over("contact");
+  if (const SdfElement* contact = surface->find("contact")) {
+    if (const SdfElement* ode = contact->find("ode")) read_depenetration(*ode, place, numbers, warnings);
+    contact->pass_over_all();
   }
   if (const SdfElement* friction = surface->find("friction")) {
     if (const SdfElement* ode = friction->find("ode")) read_sliding(*ode, place, numbers, warnings);

@@ -289,7 +289,8 @@ TEST(SdfReader, ReadsShapesAndHowTheyTouch) {
   const std::string rough =
       "<surface><friction><ode><mu>.8</mu><mu2>.5</mu2><fdir1>0 0 "
       "0</fdir1></ode><torsional><coefficient>2</coefficient>"
-      "<patch_radius>.01</patch_radius></torsional></friction><contact><ode><kp>1e6</kp></ode></contact></"
+      "<patch_radius>.01</patch_radius></torsional></friction><contact><ode><kp>1e6</kp><max_vel>.05</"
+      "max_vel></ode></contact></"
       "surface>";
   const ParsedRobot robot = read_text(two_links(
       collision("a", "<box><size>2 4 6</size></box>", rough) +
@@ -315,10 +316,11 @@ TEST(SdfReader, ReadsShapesAndHowTheyTouch) {
   EXPECT_EQ(contact.friction[0], 0.8);
   EXPECT_NEAR(contact.friction[1], 3 * std::numbers::pi / 16 * 0.02, 1e-15);
   EXPECT_EQ(contact.condim, 4);
+  EXPECT_EQ(contact.max_depenetration_velocity, 0.05);
   ASSERT_EQ(robot.bodies[1].visuals.size(), 1U);
   EXPECT_EQ(*robot.bodies[1].visuals[0].rgba, Eigen::Vector4d(1, 0, 0, 1));
   EXPECT_TRUE(warns(robot, "mu2 is 0.5"));
-  EXPECT_TRUE(warns(robot, "left out 1 <contact> of surfaces: kp, kd"));
+  EXPECT_TRUE(warns(robot, "left out 1 <kp> of surfaces: a spring of ODE's"));
   EXPECT_TRUE(warns(robot, "dropped 1 collision(s) that are no box"));
   EXPECT_TRUE(warns(robot, "dropped 1 <collision> without a shape"));
   EXPECT_TRUE(warns(robot, "dropped 1 <visual> without a shape or with numbers that are none"));
