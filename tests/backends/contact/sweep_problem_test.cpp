@@ -91,7 +91,7 @@ TEST(SweepProblem, SatisfiesTheLawItStates) {
   const Machine machine;
   std::mt19937 random(1);
   constexpr double kFriction = 0.5;
-  SweepProblem problem(Machine::kDofs, machine.coupled, kFriction);
+  SweepProblem problem(Machine::kDofs, machine.coupled, kFriction, 0);
   int sticking = 0, sliding = 0, apart = 0, between = 0, at_bound = 0;
   for (int n = 0; n < 600; ++n) {
     const Drawn drawn = draw(machine, random, 1 + n % 3, n % 4, n % 3 * 3, 3, problem);
@@ -137,7 +137,7 @@ TEST(SweepProblem, ConvergesToWhatSweepsOverImpulsesDo) {
   const Machine machine;
   std::mt19937 random(2);
   constexpr double kFriction = 0.7;
-  SweepProblem problem(Machine::kDofs, machine.coupled, kFriction);
+  SweepProblem problem(Machine::kDofs, machine.coupled, kFriction, 0);
   for (int n = 0; n < 100; ++n) {
     const Drawn drawn = draw(machine, random, 1 + n % 3, 0, n % 3 * 3, 3, problem);
     problem.converge(20000, 1e-14);
@@ -155,7 +155,7 @@ TEST(SweepProblem, ConvergesToWhatSweepsOverImpulsesDo) {
 TEST(SweepProblem, MakesNoMoreSweepsThanItMay) {
   const Machine machine;
   std::mt19937 random(3);
-  SweepProblem problem(Machine::kDofs, machine.coupled, 0.5);
+  SweepProblem problem(Machine::kDofs, machine.coupled, 0.5, 0);
   (void)draw(machine, random, 3, 2, 3, 0.01, problem);
   EXPECT_EQ(problem.sweep(7, 0), 7);
   (void)draw(machine, random, 3, 2, 3, 0.01, problem);
@@ -165,7 +165,7 @@ TEST(SweepProblem, MakesNoMoreSweepsThanItMay) {
 }
 
 TEST(SweepProblem, WhatNothingMovesGetsNoImpulse) {
-  SweepProblem problem(Machine::kDofs, Machine().coupled, 0.5);
+  SweepProblem problem(Machine::kDofs, Machine().coupled, 0.5, 0);
   const Eigen::MatrixXd no_loops(Machine::kDofs, 0);
   problem.begin(no_loops);
   problem.add_contact({}, PointJacobian::Zero(3, Machine::kDofs), Vector3::Zero(), {-1, 1, 0});
