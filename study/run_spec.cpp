@@ -168,7 +168,7 @@ const WorldSpec& LoadedBehaviour::world() const {
 Json describe_run(Json behaviour, const EngineInfo& engine, const Variation& v, std::size_t start,
                   double horizon) {
   Json run = std::move(behaviour);
-  run["schema"] = {{"name", "run"}, {"version", 4}};
+  run["schema"] = {{"name", "run"}, {"version", 5}};
   run["crossgait"] = crossgait_version();
   run["engine"] = engine.name;
   run["engine_version"] = engine.version;

@@ -40,7 +40,7 @@ def serial(runs: list[Run]) -> list[bytes]:
 def test_rows_are_the_cores_stored_runs(runs: list[Run], serial: list[bytes]) -> None:
     row = json.loads(serial[0])
     assert list(row) == ["hash", "run", "result"]
-    assert row["run"]["schema"] == {"name": "run", "version": 4}
+    assert row["run"]["schema"] == {"name": "run", "version": 5}
     assert {json.loads(line)["hash"] for line in serial} == {run.hash for run in runs}
     result = dict(row["result"])
     assert result.pop("outcome") == "walked"

@@ -31,7 +31,8 @@ TEST(RunSpec, HasOneTextThatStays) {
   EXPECT_EQ(
       json.dump(),
       R"({"behaviour":{"bands":[],"command":null,"compensation":true,)"
-      R"("contact":{"condim":[3.0],"cone":[0.0],"friction":[0.6],"impratio":[1.0],"rolling_friction":[0.0001],)"
+      R"("contact":{"cfm":[0.0],"condim":[3.0],"cone":[0.0],"erp":[0.2],"friction":[0.6],"impratio":[1.0],)"
+      R"("max_depenetration_velocity":[0.3],"rolling_friction":[0.0001],)"
       R"("solimp":[0.9,0.95,0.001,0.5,2.0],"solref":[0.02,1.0],"torsional_friction":[0.005]},)"
       R"("control_dt":0.002,)"
       R"("gait":"trot","heading_hold":true,)"
@@ -41,9 +42,9 @@ TEST(RunSpec, HasOneTextThatStays) {
       R"("physics_dt":0.001,)"
       R"("robot":{"description":"","name":"scara_quadruped"},"seconds":0.3,"settle_seconds":0.1,)"
       R"("terminations":["diverged","left_terrain"],"terrain":"rough:size_x=2,size_y=2","terrain_seed":0},"crossgait":"","engine":"mujoco","engine_version":"2.2.2",)"
-      R"("horizon_s":null,"schema":{"name":"run","version":4},"seed":3,"start":1,)"
+      R"("horizon_s":null,"schema":{"name":"run","version":5},"seed":3,"start":1,)"
       R"("starts":{"heading_rad":0.2,"position_m":0.1,"push_mps":0.02,"tilt_rad":0.02},)"
-      R"("variation":{"impratio":1.0,"iterations":1.0,"softness":1.0,"step":1.0}})");
+      R"("variation":{"erp":1.0,"impratio":1.0,"iterations":1.0,"softness":1.0,"step":1.0}})");
   EXPECT_EQ(canonical_json(walk_run()), canonical_json(walk_run()));
   EXPECT_EQ(run_hash(walk_run()), fnv1a_hex(canonical_json(walk_run())));
   EXPECT_EQ(fnv1a_hex("foobar"), "85944171f73967e8");  // of the authors' test vectors
