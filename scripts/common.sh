@@ -27,16 +27,17 @@ run_quietly() {
 # python_venv FOLDER LOCK...: a virtual environment with what these files of python/requirements/ lock; installs what has
 # changed. In the place of torch.lock it may take torch-cpu.lock.
 python_venv() {
-  local venv=$1 wanted lock from=()
+  local venv=$1 wanted lock locks=() from=()
   wanted=$(cd python/requirements && sha256sum "${@:2}")
   [[ ! -e $venv/installed || $(cat "$venv/installed") != "$wanted" ]] || return 0
   [[ -x $venv/bin/python ]] || run_quietly "making $venv" python3 -m venv "$venv"
   for lock in "${@:2}"; do
     [[ $lock != torch.lock ]] || lock=$(torch_lock "$venv/bin/python")
+    locks+=("$lock")
     from+=(--requirement "python/requirements/$lock")
   done
-  echo "Installing ${from[*]##*/} into $venv (a minute or two, the first time)"
-  run_quietly "installing ${from[*]}" "$venv/bin/python" -m pip install --quiet --only-binary :all: --require-hashes "${from[@]}"
+  echo "Installing ${locks[*]} into $venv (a minute or two, the first time)"
+  run_quietly "installing ${locks[*]}" "$venv/bin/python" -m pip install --quiet --only-binary :all: --require-hashes "${from[@]}"
   echo "$wanted" >"$venv/installed"
 }
 
