@@ -24,21 +24,40 @@ run_quietly() {
   rm -f "$log"
 }
 
-# python_venv FOLDER REQUIREMENTS: a virtual environment with these packages; installs what has changed.
+# python_venv FOLDER LOCK...: a virtual environment with what these files of python/requirements/ lock; installs what has
+# changed. In the place of torch.lock it may take torch-cpu.lock.
 python_venv() {
-  local venv=$1 requirements=$2 wanted
-  wanted=$(sha256sum python/*requirements.txt)
+  local venv=$1 wanted lock locks=() from=()
+  wanted=$(cd python/requirements && sha256sum "${@:2}")
   [[ ! -e $venv/installed || $(cat "$venv/installed") != "$wanted" ]] || return 0
   [[ -x $venv/bin/python ]] || run_quietly "making $venv" python3 -m venv "$venv"
-  echo "Installing $requirements into $venv (a minute or two, the first time)"
-  run_quietly "installing $requirements" "$venv/bin/python" -m pip install --quiet --requirement "$requirements"
+  for lock in "${@:2}"; do
+    [[ $lock != torch.lock ]] || lock=$(torch_lock "$venv/bin/python")
+    locks+=("$lock")
+    from+=(--requirement "python/requirements/$lock")
+  done
+  echo "Installing ${locks[*]} into $venv (a minute or two, the first time)"
+  run_quietly "installing ${locks[*]}" "$venv/bin/python" -m pip install --quiet --only-binary :all: --require-hashes "${from[@]}"
   echo "$wanted" >"$venv/installed"
+}
+
+# torch_lock PYTHON: PyTorch's build for processors alone where pip finds it, or else that of the public registry, which
+# comes with 3 GB for graphics cards.
+torch_lock() {
+  local log lock=torch-cpu.lock
+  log=$(mktemp)
+  if ! "$1" -m pip install --quiet --dry-run --no-deps --only-binary :all: --require-hashes --requirement "python/requirements/$lock" >"$log" 2>&1; then
+    lock=torch.lock
+    grep --quiet "No matching distribution found" "$log" || { cat "$log" >&2 && exit 1; }
+  fi
+  rm -f "$log"
+  echo "$lock"
 }
 
 # python_environment VENV: what the Python package and its tests take, without the package.
 python_environment() {
   scripts/install-dependencies --python
-  python_venv "$1" python/requirements.txt
+  python_venv "$1" package.lock torch.lock
 }
 
 # python_package VENV: Crossgait's Python package in this virtual environment, from this tree. Its extension is linked
@@ -47,6 +66,7 @@ python_package() {
   local venv=$1
   python_environment "$venv"
   build release apps/all
+  # No hashes: it is this tree, and takes nothing from a registry.
   run_quietly "building the Python package" "$venv/bin/python" -m pip install --quiet --no-build-isolation --no-deps \
     --config-settings build-dir=build/release --config-settings cmake.args=--preset=release \
     --config-settings cmake.define.CROSSGAIT_BUILD_TESTS=ON --config-settings cmake.define.CROSSGAIT_BUILD_BENCHMARKS=ON .

@@ -251,6 +251,31 @@ def test_legged_gym_classes_are_read_and_not_executed(tmp_path, observations):
     assert ("height_scan" in fields) == (observations == 235)
 
 
+class Planted:
+    """What a pickle may hold: unpickled, it makes a file."""
+
+    def __init__(self, file):
+        self.file = file
+
+    def __reduce__(self):
+        return os.mkdir, (self.file,)
+
+
+def test_checkpoints_are_read_and_not_executed(tmp_path):
+    torch = pytest.importorskip("torch")
+    made = tmp_path / "made"
+    torch.save({"model_state_dict": {}, "infos": Planted(str(made))}, tmp_path / "model.pt")
+    (tmp_path / "agent.yaml").write_text(published.AGENT_YAML)
+    (tmp_path / "env.yaml").write_text(published.ENV_YAML)
+    with pytest.raises(ConfigError, match="expected a checkpoint of tensors alone"):
+        crossgait.import_policy(
+            tmp_path / "model.pt", ROBOT, tmp_path / "walk", [tmp_path / "env.yaml", tmp_path / "agent.yaml"]
+        )
+    assert not made.exists()
+    torch.load(tmp_path / "model.pt", weights_only=False)
+    assert made.exists(), "whoever executes it would have made the folder"
+
+
 def test_legged_gym_of_other_sizes_wants_the_observation(tmp_path):
     network = published.actor(45)
     file = published.export_script(network, tmp_path / "policy.pt")

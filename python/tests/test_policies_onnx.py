@@ -575,6 +575,31 @@ def test_files_that_are_no_onnx(tmp_path):
             Policy.from_onnx(path, JOINTS)
 
 
+def test_weights_are_read_in_the_folder_of_the_file_alone(tmp_path):
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    weights = np.ones((ACTIONS, OBSERVATIONS), np.float32)
+    (tmp_path / "weights").write_bytes(weights.tobytes())
+    file = folder / "p.onnx"
+    for location in ("weights", "../weights", str(tmp_path / "weights")):
+        made = OnnxFile()
+        made.node("Gemm", ["obs", made.constant("w", weights)], "action", transB=1)
+        made.write(file)
+        model = onnx.load(file)
+        (initializer,) = model.graph.initializer
+        onnx.external_data_helper.set_external_data(initializer, location)
+        initializer.ClearField("raw_data")
+        file.write_bytes(model.SerializeToString())
+        if location == "weights":
+            (folder / "weights").write_bytes(weights.tobytes())
+            observation = np.linspace(-1, 1, OBSERVATIONS)
+            np.testing.assert_allclose(Policy.from_onnx(file, JOINTS).act(observation), observation.sum(), atol=1e-5)
+            (folder / "weights").unlink()
+            continue
+        with pytest.raises(crossgait.ConfigError, match=r"should be file inside|absolute"):
+            Policy.from_onnx(file, JOINTS)
+
+
 @pytest.mark.parametrize(
     ("op", "constants", "attributes"),
     [

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { networkInterfaces, tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { violations } from "./axe.mjs";
@@ -227,4 +227,17 @@ test("whoever has not the address gets nothing", async () => {
     body: "{}",
   });
   assert.equal(foreign.status, 403);
+});
+
+test("nobody is answered beyond the address of the loopback interface", async () => {
+  const { port, pathname } = new URL(address);
+  // The first is this machine's, too, and answers where a server listens on all addresses.
+  const outer = Object.values(networkInterfaces()).flat();
+  const hosts = ["127.0.0.2", ...outer.filter((at) => at.family === "IPv4" && !at.internal).map((at) => at.address)];
+  for (const host of hosts)
+    await assert.rejects(
+      fetch(`http://${host}:${port}${pathname}`),
+      (error) => error.cause.code === "ECONNREFUSED",
+      host,
+    );
 });
