@@ -100,6 +100,8 @@ std::vector<std::string> sections_of(const CourseResult& result);
 
 /// How much of the way it made in which engine, and on which section engines differ most.
 std::string summary(const CourseResult& result);
+/// What is doubtful of it: many actions that were clipped.
+std::vector<std::string> notes_on(const CourseResult& result);
 /// Keys as in docs/schemas/course.json.
 nlohmann::ordered_json to_json(const CourseResult& result);
 /// A row of every cell, section by section, then one of every engine over all sections.

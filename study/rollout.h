@@ -95,7 +95,10 @@ EnvFactory env_factory(const LoadedEnv& environment);
 
 /// How fast every policy went, and how its episodes ended.
 std::string summary(const Rollout& rollout);
+/// What is doubtful of it: many actions of a policy that were clipped.
+std::vector<std::string> notes_on(const Rollout& rollout);
 /// Keys as in docs/schemas.
+nlohmann::ordered_json to_json(const ClippedActions& actions);
 nlohmann::ordered_json to_json(const Evaluation& evaluation);
 nlohmann::ordered_json to_json(const EpisodeSummary& episode);
 nlohmann::ordered_json to_json(const Rollout& rollout);
