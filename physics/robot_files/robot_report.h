@@ -8,6 +8,7 @@
 
 #include "physics/robot/robot.h"
 #include "physics/robot_files/contact_of_file.h"
+#include "physics/robot_files/file_arguments.h"
 #include "physics/robot_files/inference/robot_inference.h"
 
 namespace crossgait {
@@ -16,6 +17,7 @@ struct RobotReport {
   std::vector<Inference> inferred;
   std::vector<std::string> warnings;     ///< of the reader and of the inference, each once
   std::string file;                      ///< of one of the formats (robot_formats.h)
+  FileArguments arguments;               ///< what that file was told
   std::map<std::string, double> locked;  ///< joints that are held, and at which angle, rad
   Matrix3 R_BA = Matrix3::Identity();    ///< columns: forward, left and up in the file's base frame
   /// Joints with the numbers of the robot's file alone, by name; 0 is not given.

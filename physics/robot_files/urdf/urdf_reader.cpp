@@ -164,8 +164,12 @@ class TreeBuilder {
 
 ParsedRobot read_urdf(const std::string& path) {
   ReaderWarnings warnings;
-  const CheckedUrdf checked = check_urdf(read_text_file(path, kUrdfBudget), path, warnings);
+  const CheckedUrdf checked = check_urdf(text, path, warnings);
   const urdf::ModelInterfaceSharedPtr model = parse(checked.text, path);
+  return read_urdf_text(read_text_file(path, kUrdfBudget), path);
+}
+
+ParsedRobot read_urdf_text(const std::string& text, const std::string& path) {
   ParsedRobot robot = TreeBuilder(path, checked.visuals, warnings).build(*model->getRoot());
   robot.name = model->getName();
   robot.coupled = checked.coupled;
