@@ -41,6 +41,7 @@ RobotBuilder::RobotBuilder(const std::string& file, const std::string& source, s
   report_.warnings = parsed_.warnings;
   for (const Body& body : parsed_.bodies) report_.joints_of_file[body.joint.name] = body.joint;
   report_.reasons = parsed_.reasons;
+  report_.velocity_limits = parsed_.velocity_limits;
   report_.contact = parsed_.contact;
 }
 
