@@ -7,10 +7,12 @@
 #include <unistd.h>
 
 #include "apps/interruption.h"
+#include "physics/core/consent.h"
 #include "physics/core/error.h"
 #include "physics/core/table.h"
 #include "physics/core/text.h"
 #include "physics/robot_files/data_path.h"
+#include "physics/robot_files/file_arguments.h"
 #include "physics/robot_files/robot_report.h"
 #include "study/robot_quantities.h"
 
@@ -32,14 +34,29 @@ RobotDescription load_robot_with_warnings(const std::string& robot) {
   return std::move(loaded.robot);
 }
 
-void add_robot_option(CLI::App& command, std::string& robot) {
-  command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file")
-      ->type_name("NAME|FILE.yaml|FILE.urdf|FILE.xml|FILE.sdf")
-      ->capture_default_str();
-  add_servos_option(command);
+namespace {
+
+void set_xacro_arguments(const std::vector<std::string>& texts) {
+  FileArguments arguments;
+  for (const std::string& text : texts) {
+    const std::size_t at = text.find(":=");
+    if (at == 0 || at == std::string::npos)
+      throw ConfigError("command line", "--xacro-arg", "NAME:=VALUE", fmt::format("'{}'", text));
+    arguments[text.substr(0, at)] = text.substr(at + 2);
+  }
+  set_given_file_arguments(std::move(arguments));
 }
 
-void add_servos_option(CLI::App& command) {
+}  // namespace
+
+void add_robot_option(CLI::App& command, std::string& robot) {
+  command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file")
+      ->type_name("NAME|FILE.yaml|FILE.urdf|FILE.xml|FILE.sdf|FILE.xacro")
+      ->capture_default_str();
+  add_robot_file_options(command);
+}
+
+void add_robot_file_options(CLI::App& command) {
   command
       .add_option_function<std::string>(
           "--servos",
@@ -50,6 +67,24 @@ void add_servos_option(CLI::App& command) {
           "(docs/robots.md)")
       ->check(CLI::IsMember({"file", "rule"}))
       ->type_name("file|rule");
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--xacro-arg", set_xacro_arguments,
+          "An argument of a robot's .xacro file, over its robot.yaml's; may be repeated")
+      ->type_name("NAME:=VALUE");
+  add_trust_option(command);
+}
+
+void add_trust_option(CLI::App& command) {
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--trust",
+          [](const std::vector<std::string>& folders) {
+            for (const std::string& folder : folders) trust_folder(folder, "command line");
+          },
+          "Files in this folder may run code: xacro, TorchScript, pickles (SECURITY.md); may be repeated")
+      ->type_name("FOLDER")
+      ->group(kExecution);  // whoever runs a command trusts, not the file that it is recorded in
 }
 
 std::string problem_with_seed(const std::string& text) {

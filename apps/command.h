@@ -62,11 +62,13 @@ void print_notes(const std::vector<std::string>& notes);
 /// @throws ConfigError
 RobotDescription load_robot_with_warnings(const std::string& robot);
 
-/// Adds an option with `--robot`'s meaning, a bundled robot's name or a file, and `--servos`.
+/// Adds `--robot`, a bundled robot's name or a file, and the options below.
 void add_robot_option(CLI::App& command, std::string& robot);
-/// Adds `--servos`, which sets where robots that are read from then on have their gains from. Part of
-/// `add_robot_option`.
-void add_servos_option(CLI::App& command);
+/// Adds what is said of robots that are read from then on: `--servos`, where they have their gains from,
+/// `--xacro-arg`, what their files are told, and `--trust`. Part of `add_robot_option`.
+void add_robot_file_options(CLI::App& command);
+/// Adds `--trust`: folders whose files may run code (`require_consent`).
+void add_trust_option(CLI::App& command);
 /// Says what is wrong with a seed; empty if nothing is.
 std::string problem_with_seed(const std::string& text);
 /// Adds an option for a whole number from 0 to 2^64 - 1; others are refused, instead of wrapping around.

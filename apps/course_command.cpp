@@ -116,6 +116,7 @@ void run(const CourseCommand& options) {
   if (options.page.asked() && !result.cells.empty())
     options.page.write(page_of(result, policy, method, course), provenance);
   options.json.emit(describe(result), to_json(result), provenance);
+  print_notes(notes_on(result));
   if (result.interrupted) {
     throw EndedEarly(fmt::format("{} of {} are finished, and written as asked", result.cells.size(),
                                  counted(course.sections.size() * engines.size(), "cell")));

@@ -44,7 +44,7 @@ void EnvOptions::add_to(CLI::App& command, EnvScope scope) {
     add_seed_option(command, "--terrain-seed", terrain_seed, "Seed of a random terrain");
   }
   command.add_option("--robot", robot, "A bundled robot's name (see `crossgait robots`) or a file");
-  add_servos_option(command);
+  add_robot_file_options(command);
   command.add_option("--gait", gait, "The gait, with its preferred parameters (see `crossgait gait --list`)");
   command
       .add_option("--set", settings,

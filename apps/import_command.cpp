@@ -66,6 +66,7 @@ void add_import_command(CLI::App& program, Invocation& invocation) {
   command->add_option("--joint-order", options->joint_order, "The convention of joints without names")
       ->type_name("NAME");
   command->add_option("--class", options->config_class, "Which class of Python files")->type_name("NAME");
+  add_trust_option(*command);
   options->json.add_to(*command, invocation);
   on_run(*command, [options] { run(*options); });
 }

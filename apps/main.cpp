@@ -14,11 +14,12 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/child_process.h"
 #include "apps/command.h"
 #include "apps/help.h"
 #include "apps/interruption.h"
+#include "apps/python_module.h"
 #include "apps/suggestion.h"
+#include "physics/core/consent.h"
 #include "physics/core/error.h"
 #include "physics/core/progress.h"
 #include "study/version.h"
@@ -109,6 +110,7 @@ int run(std::vector<std::string> arguments, Invocation& invocation) {
 int main_of(const std::vector<std::string>& arguments) {
   try {
     keep_standard_streams();
+    set_consent_notice([](const std::string& sentence) { print_notes({sentence}); });
     // Writing beyond a limit (`ulimit -f`) is an error like others, after which what is half written is
     // removed.
     std::signal(SIGXFSZ, SIG_IGN);

@@ -1,25 +1,19 @@
 #include "apps/python_module.h"
 
-#include <cstdlib>
-
 #include <fmt/format.h>
 
 #include "physics/core/error.h"
+#include "physics/core/python_program.h"
 
 namespace crossgait::apps {
 
-std::string python() {
-  const char* chosen = std::getenv("CROSSGAIT_PYTHON");
-  return chosen != nullptr ? chosen : "python3";
-}
-
 void require_python_module(const std::string& command, const std::string& module, const std::string& extra) {
-  const auto found = run_child({python(), "-c", "import " + module});
+  const auto found = run_child({python_program(), "-c", "import " + module});
   if (found && found->exit_code == 0) return;
   std::string why = found ? found->errors : "no such program";
   why.erase(why.find_last_not_of('\n') + 1);
   throw ConfigError(
-      command, python(),
+      command, python_program(),
       fmt::format(
           "a Python with Crossgait's package: pip install 'crossgait[{}]' (CROSSGAIT_PYTHON names it)",
           extra),
@@ -27,7 +21,7 @@ void require_python_module(const std::string& command, const std::string& module
 }
 
 ChildResult run_python_module(const std::string& module, const std::vector<std::string>& arguments) {
-  std::vector<std::string> command{python(), "-m", module};
+  std::vector<std::string> command{python_program(), "-m", module};
   command.insert(command.end(), arguments.begin(), arguments.end());
   auto done = run_child(command, ChildErrors::kShown);
   if (!done || done->exit_code != 0) throw ChildFailed{done ? done->exit_code : -1};

@@ -4,13 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "apps/child_process.h"
+#include "physics/core/child_process.h"
 
 namespace crossgait::apps {
 
-/// Returns the interpreter whose package is meant: CROSSGAIT_PYTHON, which the package's own program sets, or
-/// python3.
-std::string python();
+/// Is thrown where a child has said itself what went wrong: its exit code becomes this program's.
+struct ChildFailed {
+  int exit_code = 1;
+};
 
 /// Checks that `module` can be imported; call it before a command does anything. @param extra  of the
 /// package, which brings what the module takes

@@ -16,6 +16,7 @@
 #include "physics/core/error.h"
 #include "physics/core/files_read.h"
 #include "physics/core/text.h"
+#include "physics/robot_files/xacro/xacro_reader.h"
 #include "study/run_spec.h"
 
 namespace crossgait::apps {
@@ -65,6 +66,8 @@ std::map<std::string, std::string> files_now(const Json& recorded) {
   for (const auto& [shown, hash] : before.items()) {
     const std::string path = path_of_shown(shown);
     if (is_file(path)) files[shown] = file_sha256(path);
+    // Known once it is expanded again; another robot has another identity then.
+    if (shown.ends_with(kExpanded)) files[shown] = hash.get<std::string>();
   }
   return files;
 }

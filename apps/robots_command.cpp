@@ -326,7 +326,7 @@ void add_robots_command(CLI::App& program, Invocation& invocation) {
   command->add_flag("--check", options->check, "Walk it two seconds in every engine and say what is wrong")
       ->needs("--robot");
   command->add_flag("--yaml", options->yaml, "Print the whole robot.yaml instead")->needs("--robot");
-  add_servos_option(*command);
+  add_robot_file_options(*command);
   command
       ->add_option("--against", options->against,
                    "Hold it against another description of the same robot: what is unlike, and whether that "

@@ -70,6 +70,7 @@ void run(const RolloutCommand& options) {
   if (options.page.asked() && !rollout.policies.empty())
     options.page.write(page_of(rollout, environment, policies), provenance);
   options.json.emit(describe(rollout), to_json(rollout), provenance);
+  print_notes(notes_on(rollout));
   if (rollout.interrupted) throw EndedEarly(episodes_done(rollout, policies.size() * options.runs.episodes));
 }
 

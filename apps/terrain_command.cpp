@@ -9,7 +9,9 @@
 #include "physics/core/math.h"
 #include "physics/core/schema.h"
 #include "physics/core/table.h"
+#include "physics/robot_files/robot_formats.h"
 #include "physics/terrain/terrain.h"
+#include "study/scene_terrain.h"
 
 namespace crossgait::apps {
 namespace {
@@ -22,6 +24,7 @@ struct TerrainCommand {
   bool list = false;
   std::vector<std::string> samples;
   std::string ring, png, csv;
+  double cell = 0.025;  ///< m, of a scene's samples
   JsonOption json;
 };
 
@@ -132,15 +135,32 @@ void sample_ring_of(const TerrainCommand& options, const Terrain& terrain, std::
   text += "\n" + table.str();
 }
 
+bool is_scene(const std::string& file) {
+  const RobotFormat* const format = robot_format_of(file);
+  return format != nullptr && format->key == "mjcf";
+}
+
+/// The ground of a scene, with what is to be said of it.
+Terrain terrain_of_scene(const TerrainCommand& options, ordered_json& result) {
+  SceneTerrain scene = read_scene_terrain(options.terrain, options.cell);
+  print_notes(scene.warnings);
+  result["overhang_ratio"] = scene.overhang_ratio;
+  result["warnings"] = scene.warnings;
+  return {options.terrain, std::move(scene.field),
+          fmt::format("a sample every {:g} m (--cell)", options.cell)};
+}
+
 void run(const TerrainCommand& options) {
   if (options.list) return list_generators(options.json);
-  const Terrain terrain = make_terrain(options.terrain, options.seed);
+  ordered_json result;
+  const Terrain terrain = is_scene(options.terrain) ? terrain_of_scene(options, result)
+                                                    : make_terrain(options.terrain, options.seed);
   const HeightField* field = terrain.field();
   if (field == nullptr && !(options.png.empty() && options.csv.empty())) {
     throw ConfigError("command line", "--png or --csv", "a terrain that is a height field",
                       terrain.name() + ", an infinite plane");
   }
-  ordered_json result{{"terrain", terrain.name()}};
+  result["terrain"] = terrain.name();
   Table table({terrain.name(), field != nullptr ? "height field" : "infinite plane, z = 0"});
   if (field != nullptr) describe_field(*field, table, result);
   if (!terrain.scale().empty()) result["field"]["scale"] = terrain.scale();
@@ -171,9 +191,14 @@ void add_terrain_command(CLI::App& program, Invocation& invocation) {
       "  crossgait terrain rough:amplitude=.02 --seed 3 --png rough.png\n"
       "  crossgait terrain stairs --sample 0.5,0 --sample 1,0\n"
       "  crossgait terrain waves --ring 0,0,1.57\n"
-      "  crossgait terrain map.png:size_x=4,size_y=3,z_max=.08");
+      "  crossgait terrain map.png:size_x=4,size_y=3,z_max=.08\n"
+      "  crossgait terrain scene.xml --cell .02 --png ground.png");
   auto options = std::make_shared<TerrainCommand>();
-  command->add_option("terrain", options->terrain, "NAME[:key=value,...], FILE.png or FILE.csv")
+  command
+      ->add_option(
+          "terrain", options->terrain,
+          "NAME[:key=value,...], FILE.png or FILE.csv; or FILE.xml, an MJCF whose shapes fixed to the world "
+          "are sampled from above")
       ->capture_default_str();
   command->add_flag("--list", options->list, "List the generators and their parameters");
   add_seed_option(*command, "--seed", options->seed, "Seed of a random terrain")->capture_default_str();
@@ -181,6 +206,9 @@ void add_terrain_command(CLI::App& program, Invocation& invocation) {
       ->type_name("X,Y");
   command->add_option("--ring", options->ring, "Eight heights around a robot that stands there")
       ->type_name("X,Y,YAW");
+  command->add_option("--cell", options->cell, "Distance of samples of a FILE.xml, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   add_output_option(*command, "--png", options->png, "Write the height field as a 16-bit grey picture");
   add_output_option(*command, "--csv", options->csv, "Write the height field as rows of metres");
   options->json.add_to(*command, invocation);

@@ -40,6 +40,7 @@ EpisodeSummary run_episode(QuadrupedEnv& env, Policy& policy, std::uint64_t seed
     s.invalid_actions += info.invalid_actions;
     if (observer && !observer(env)) break;
   }
+  s.clipped_actions.add(policy.interface().action, policy.clipped(), s.steps);
   s.motion = env.summary();
   s.parameters = env.info().parameters;
   return s;
@@ -95,6 +96,7 @@ Evaluation sum_up(const std::vector<EpisodeSummary>& episodes) {
     all.simulated_seconds += e.motion.simulated_seconds;
     all.steps += e.steps;
     all.invalid_actions += e.invalid_actions;
+    all.clipped_actions.add(e.clipped_actions);
     ++all.outcomes[static_cast<std::size_t>(e.motion.outcome)];
   }
   return all;

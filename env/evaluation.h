@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "env/clipped_actions.h"
 #include "env/quadruped_env.h"
 #include "motion/motion_averages.h"
 #include "physics/core/progress.h"
@@ -19,6 +20,7 @@ struct EpisodeSummary {
   double total_reward = 0;
   RewardTerms reward_terms{};  ///< sums, weighted
   std::int64_t steps = 0, invalid_actions = 0;
+  ClippedActions clipped_actions;
   std::optional<GaitParameters> parameters;  ///< at the end, where actions adapt a gait
 };
 
@@ -45,9 +47,10 @@ struct Evaluation {
   std::size_t episodes = 0;
   MeanAndDeviation total_reward;
   MotionAverages motion;
-  RewardTerms reward_terms{};                     ///< means of the sums
-  double simulated_seconds = 0;                   ///< sum
-  std::int64_t steps = 0, invalid_actions = 0;    ///< sums
+  RewardTerms reward_terms{};                   ///< means of the sums
+  double simulated_seconds = 0;                 ///< sum
+  std::int64_t steps = 0, invalid_actions = 0;  ///< sums
+  ClippedActions clipped_actions;
   std::array<std::size_t, kOutcomes> outcomes{};  ///< episodes of each outcome
 
   std::size_t count(Outcome outcome) const noexcept { return outcomes[static_cast<std::size_t>(outcome)]; }

@@ -150,12 +150,13 @@ void QuadrupedEnv::take_action(std::span<const double> action) noexcept {
   Episode& e = episode_;
   std::swap(e.action, e.last_action);
   std::swap(e.parameters, e.last_parameters);
-  e.info.invalid_actions = 0;
+  e.info.invalid_actions = e.info.clipped_actions = 0;
   for (std::size_t i = 0; i < action.size(); ++i) {
     const bool finite = std::isfinite(action[i]);
     e.info.invalid_actions += finite ? 0 : 1;
     const LayoutEntry& entry = action_layout().entries[i];
     e.action[i] = finite ? std::clamp(action[i], entry.min, entry.max) : 0;
+    e.info.clipped_actions += finite && e.action[i] != action[i] ? 1 : 0;
   }
   if (auto* joints = std::get_if<JointControl>(&e.control)) {
     joints->apply(e.action, world_->state());

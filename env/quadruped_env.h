@@ -37,6 +37,7 @@ struct StepInfo {
   double limit_factor = 1;                   ///< share of the velocity command that the steps follow
   int ik_clamped = 0;                        ///< leg solutions of this step that were not exact
   int invalid_actions = 0;             ///< entries of the action that were not finite and counted as zero
+  int clipped_actions = 0;             ///< entries that were beyond their bounds
   Outcome outcome = Outcome::kWalked;  ///< the worst so far of those that are known at once
 };
 

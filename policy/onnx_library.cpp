@@ -11,20 +11,15 @@
 #include <fmt/ranges.h>
 
 #include "physics/core/error.h"
+#include "physics/core/python_program.h"
 
 namespace crossgait {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kFileVariable = "CROSSGAIT_ONNXRUNTIME";
-constexpr const char* kPythonVariable = "CROSSGAIT_PYTHON";
 constexpr std::uint32_t kApiVersion = 1;  // of the table's places that OrtFunction names
 constexpr int kLogErrors = 3;             // ORT_LOGGING_LEVEL_ERROR
-
-std::string& stated_python() {
-  static std::string executable;
-  return executable;
-}
 
 std::string variable(const char* name) {
   const char* value = std::getenv(name);
@@ -39,12 +34,13 @@ std::vector<std::string> split(const std::string& text) {
   return parts;
 }
 
+// The Python's file, a virtual environment's with its links unresolved; empty if it is not there.
 fs::path python() {
-  if (const std::string chosen = variable(kPythonVariable); !chosen.empty()) return chosen;
-  if (!stated_python().empty()) return stated_python();
+  const fs::path program = python_program();
+  if (program.has_parent_path()) return program;
   std::error_code error;
   for (const std::string& folder : split(variable("PATH"))) {
-    if (fs::exists(fs::path(folder) / "python3", error)) return fs::path(folder) / "python3";
+    if (fs::exists(folder / program, error)) return folder / program;
   }
   return {};
 }
@@ -93,8 +89,6 @@ struct ApiBase {
 };
 
 }  // namespace
-
-void set_python_of_onnxruntime(const std::string& executable) { stated_python() = executable; }
 
 OnnxLibrary::OnnxLibrary(const std::string& source) {
   void* library = nullptr;

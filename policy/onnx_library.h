@@ -6,11 +6,6 @@
 
 namespace crossgait {
 
-/// Says which Python has the package `onnxruntime`, whose library is looked for beside it; the environment
-/// variable CROSSGAIT_PYTHON comes first, and without either the python3 of PATH is taken. Call it before the
-/// first network is read.
-void set_python_of_onnxruntime(const std::string& executable);
-
 /// Names functions of ONNX Runtime's C interface, as places in its table. Source: struct OrtApi of
 /// onnxruntime_c_api.h, version 1, whose order is fixed for every later release (the table only grows).
 enum class OrtFunction : std::size_t {

@@ -51,7 +51,12 @@ PolicyFactory load_described(const std::string& path) {
 }  // namespace
 
 Policy::Policy(std::string name, PolicyInterface interface)
-    : name_(std::move(name)), interface_(std::move(interface)) {}
+    : name_(std::move(name)), interface_(std::move(interface)), clipped_(interface_.action.size(), 0) {}
+
+void Policy::reset(std::uint64_t seed) noexcept {
+  std::fill(clipped_.begin(), clipped_.end(), 0);
+  do_reset(seed);
+}
 
 void Policy::act(std::span<const double> observation, std::span<double> action) noexcept {
   const bool fits =
@@ -64,7 +69,9 @@ void Policy::act(std::span<const double> observation, std::span<double> action) 
   do_act(observation, action);
   for (std::size_t i = 0; i < action.size(); ++i) {
     const LayoutEntry& entry = interface_.action.entries[i];
-    action[i] = std::isfinite(action[i]) ? std::clamp(action[i], entry.min, entry.max) : 0;
+    const double asked = std::isfinite(action[i]) ? action[i] : 0;
+    action[i] = std::clamp(asked, entry.min, entry.max);
+    clipped_[i] += action[i] == asked ? 0 : 1;
   }
 }
 

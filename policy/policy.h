@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "gait/parameters.h"
 #include "policy/layout.h"
@@ -29,12 +30,15 @@ class Policy {
   Policy& operator=(Policy&&) = delete;
 
   /// Begins an episode. @param seed  of whatever the policy draws
-  void reset(std::uint64_t seed) noexcept { do_reset(seed); }
+  void reset(std::uint64_t seed) noexcept;
   /// @param observation  of interface().observation.size(), raw as the environment gives it
   /// @param action       of interface().action.size(), written within its layout's bounds whatever the
   /// observation
   ///                     holds
   void act(std::span<const double> observation, std::span<double> action) noexcept;
+
+  /// Counts how often each entry of the action was beyond its bounds, and clipped, since `reset`.
+  std::span<const std::int64_t> clipped() const noexcept { return clipped_; }
 
   const PolicyInterface& interface() const noexcept { return interface_; }
   /// Returns the policy's name in tables: "zero", "random", the file's name.
@@ -49,6 +53,7 @@ class Policy {
 
   std::string name_;
   PolicyInterface interface_;
+  std::vector<std::int64_t> clipped_;
 };
 
 /// Makes instances of one policy, which differ in nothing but their state. Reads no file, and may be called

@@ -100,6 +100,8 @@ std::vector<std::string> sections_of(const CourseResult& result);
 
 /// Says how much of the way it made in which engine, and on which section engines differ most.
 std::string summary(const CourseResult& result);
+/// Says what is doubtful of it: many actions that were clipped.
+std::vector<std::string> notes_on(const CourseResult& result);
 /// Writes keys as in docs/schemas/course.json.
 nlohmann::ordered_json to_json(const CourseResult& result);
 /// Tabulates every cell, section by section, then every engine over all sections, a row each.

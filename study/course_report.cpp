@@ -170,6 +170,13 @@ std::vector<std::string> describe_groups(const CourseResult& r) {
   return lines;
 }
 
+std::vector<std::string> notes_on(const CourseResult& r) {
+  ClippedActions all;
+  for (const CourseCell& cell : r.cells) all.add(cell.all.clipped_actions);
+  const std::string note = note_on_clipping(short_name(r.policy), all);
+  return note.empty() ? std::vector<std::string>() : std::vector{note};
+}
+
 nlohmann::ordered_json to_json(const CourseResult& r) {
   ordered_json json{{"summary", summary(r)}, {"groups", ordered_json::array()},
                     {"course", r.course},    {"policy", r.policy},
@@ -194,6 +201,7 @@ nlohmann::ordered_json to_json(const CourseResult& r) {
     const MeanAndDeviation s = r.score(engine);
     json["scores"].push_back({{"engine", engine}, {"mean", s.mean}, {"deviation", s.deviation}});
   }
+  json["notes"] = notes_on(r);
   if (r.interrupted) json["interrupted"] = true;
   return with_schema("course", json);
 }

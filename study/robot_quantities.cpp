@@ -81,6 +81,7 @@ class Quantities {
     if (joint.stiffness > 0)
       add(joint.name, "spring_reference", "rad", file.spring_reference, joint.spring_reference, kOfFile);
     add_limits(joint, file);
+    add_velocity_limit(joint);
     const Joint unlimited;
     if (joint.target_lower != unlimited.target_lower || joint.target_upper != unlimited.target_upper)
       add(joint.name, "target_range", "rad", List{file.target_lower, file.target_upper},
@@ -105,6 +106,17 @@ class Quantities {
     const Softness& of_file = file.limit_softness;
     row("limit_solref", "s, -", solref(of_file), solref(joint.limit_softness), solref({}));
     row("limit_solimp", "-, -, rad, -, -", solimp(of_file), solimp(joint.limit_softness), solimp({}));
+  }
+
+  /// What a drive's torque ends at is simulated in its place, where a robot.yaml says it.
+  void add_velocity_limit(const Joint& joint) {
+    const auto& limits = loaded_.report.velocity_limits;
+    const auto limit = limits.find(joint.name);
+    if (limit == limits.end()) return;
+    const bool has_drive = joint.no_load_speed > 0;
+    add(joint.name, "velocity_limit", "rad/s", limit->second, unless_zero(joint.no_load_speed),
+        has_drive ? "no_load_speed of the drive"
+                  : "not simulated; drives have no_load_speed (models/README.md)");
   }
 
   void add_foot(Leg leg) {

@@ -95,7 +95,10 @@ EnvFactory env_factory(const LoadedEnv& environment);
 
 /// Says how fast every policy went, and how its episodes ended.
 std::string summary(const Rollout& rollout);
+/// Says what is doubtful of it: many actions of a policy that were clipped.
+std::vector<std::string> notes_on(const Rollout& rollout);
 /// Writes keys as in docs/schemas.
+nlohmann::ordered_json to_json(const ClippedActions& actions);
 nlohmann::ordered_json to_json(const Evaluation& evaluation);
 nlohmann::ordered_json to_json(const EpisodeSummary& episode);
 nlohmann::ordered_json to_json(const Rollout& rollout);

@@ -96,6 +96,7 @@ nlohmann::ordered_json to_json(const Evaluation& e) {
   json["steps"] = e.steps;
   add_averages(e.motion, OverEpisodes::kSum, json);
   json["invalid_actions"] = e.invalid_actions;
+  json["clipped_actions"] = to_json(e.clipped_actions);
   return json;
 }
 
@@ -108,10 +109,26 @@ nlohmann::ordered_json to_json(const EpisodeSummary& e) {
                     {"total_reward", e.total_reward},
                     {"reward_terms", terms_to_json(e.reward_terms)},
                     {"steps", e.steps},
-                    {"invalid_actions", e.invalid_actions}};
+                    {"invalid_actions", e.invalid_actions},
+                    {"clipped_actions", to_json(e.clipped_actions)}};
   json.update(to_json(e.motion));
   json["parameters"] = parameters;
   return json;
+}
+
+nlohmann::ordered_json to_json(const ClippedActions& actions) {
+  const auto worst = actions.worst();
+  return {{"ratio", actions.ratio()},
+          {"worst", worst ? ordered_json(worst->name) : nullptr},
+          {"worst_ratio", worst ? worst->ratio : 0}};
+}
+
+std::vector<std::string> notes_on(const Rollout& r) {
+  std::vector<std::string> notes;
+  for (const PolicyEpisodes& run : r.policies)
+    notes.push_back(note_on_clipping(short_name(run.policy), run.all.clipped_actions));
+  std::erase(notes, "");
+  return notes;
 }
 
 std::string summary(const Rollout& r) {
@@ -136,6 +153,7 @@ nlohmann::ordered_json to_json(const Rollout& r) {
     for (const EpisodeSummary& episode : run.episodes) entry["episodes"].push_back(to_json(episode));
     json["policies"].push_back(entry);
   }
+  json["notes"] = notes_on(r);
   if (r.interrupted) json["interrupted"] = true;
   return with_schema("rollout", json);
 }

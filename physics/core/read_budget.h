@@ -23,6 +23,8 @@ inline constexpr ReadBudget kYamlBudget{kMebibyte, 100'000, 32};
 /// A link and its joint are some 20 elements, so these are 1,000 links; other programs' elements nest deeper
 /// than URDF's own six levels.
 inline constexpr ReadBudget kUrdfBudget{4 * kMebibyte, 20'000, 32};
+/// What xacro may take for one file: robots of several hundred macros take 1 s, beside other work a few.
+inline constexpr int kXacroSeconds = 30;
 /// Links of a URDF or an SDF, most of them fixed to one of at most kMaxJoints + 1 bodies: chains are followed
 /// by recursion, urdfdom's as ours.
 inline constexpr std::size_t kMaxUrdfLinks = 1000;

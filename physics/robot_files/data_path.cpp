@@ -75,9 +75,6 @@ bool is_robot_file(std::string_view text) {
 std::string find_robot(std::string_view text, std::string_view built_in) {
   const fs::path path(text);
   if (is_robot_file(text)) return path.string();
-  if (path.extension() == ".xacro") {
-    throw ConfigError(text, "file", fmt::format("an expanded URDF: xacro {} > robot.urdf", text), "xacro");
-  }
   const std::vector<std::string> names = robot_names(built_in);
   if (std::find(names.begin(), names.end(), text) == names.end()) {
     if (const auto installed = find_installed_robot(text)) return installed->file;

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "physics/robot_files/robot_formats.h"
+
 namespace crossgait {
 namespace {
 
@@ -27,7 +29,6 @@ constexpr std::array kPackages{
     PackageOfRobots{"pybullet_data", "pybullet"}};
 
 constexpr int kDeepest = 8;
-constexpr std::size_t kBeginning = 4096;  // bytes of an XML file in which its root stands
 
 std::string in_small_letters(std::string_view text) {
   std::string out(text);
@@ -105,19 +106,14 @@ std::vector<Place> places() {
   return all;
 }
 
-/// Whether an XML file is a MuJoCo model and no scene, which includes another.
-bool is_mjcf(const fs::path& file) {
+bool is_robot(const fs::path& file) {
+  const RobotFormat* const format = robot_format_of(file.string());
+  if (format == nullptr) return false;
   std::ifstream stream(file, std::ios::binary);
   std::string beginning(kBeginning, '\0');
   stream.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
   beginning.resize(static_cast<std::size_t>(stream.gcount()));
-  return beginning.find("<mujoco") != std::string::npos && beginning.find("<include") == std::string::npos &&
-         beginning.find("body") != std::string::npos;
-}
-
-bool is_robot(const fs::path& file) {
-  const std::string extension = file.extension().string();
-  return extension == ".urdf" || (extension == ".xml" && is_mjcf(file));
+  return format->is_robot(beginning);
 }
 
 std::vector<fs::path> robots_below(const fs::path& folder) {
@@ -134,14 +130,16 @@ std::vector<fs::path> robots_below(const fs::path& folder) {
   return files;
 }
 
-/// How well a robot's file is meant by a name; 0: not at all.
+/// How well a robot's file is meant by a name; 0: not at all. Of those that are meant alike, one that is read
+/// as it is comes before one that runs code (a xacro).
 int match(const InstalledRobot& robot, const std::string& name) {
-  if (in_small_letters(robot.name) == name) return 3;
+  const int plain = robot_format_of(robot.file)->has_arguments ? 0 : 1;
+  if (in_small_letters(robot.name) == name) return 6 + plain;
   int best = 0;
   for (const fs::path& part : fs::path(robot.file).parent_path()) {
     const std::string folder = in_small_letters(part.string());
-    if (folder == name || folder == name + "_description") best = std::max(best, 2);
-    if (folder.ends_with("_" + name)) best = std::max(best, 1);
+    if (folder == name || folder == name + "_description") best = std::max(best, 4 + plain);
+    if (folder.ends_with("_" + name)) best = std::max(best, 2 + plain);
   }
   return best;
 }
@@ -157,7 +155,7 @@ std::vector<InstalledRobot> installed_robots() {
     if (error || std::ranges::find(searched, folder) != searched.end()) continue;
     searched.push_back(folder);
     for (const fs::path& file : robots_below(folder))
-      robots.push_back({file.stem().string(), file.string(), place.name});
+      robots.push_back({name_of_robot_file(file.string()), file.string(), place.name});
   }
   return robots;
 }

@@ -29,4 +29,9 @@ void set_limits(double lower, double upper, std::string_view element, Joint& joi
   }
 }
 
+void keep_velocity_limit(double limit, const std::string& joint, std::map<std::string, double>& limits) {
+  constexpr double kPlaceholder = 1e9;  // kLargestGain's: beyond any number that a joint may have
+  if (limit > 0 && limit < kPlaceholder) limits[joint] = limit;
+}
+
 }  // namespace crossgait

@@ -1,6 +1,8 @@
 // Which of a file's joint limits are meant.
 #pragma once
 
+#include <map>
+#include <string>
 #include <string_view>
 
 #include "physics/robot/robot.h"
@@ -12,5 +14,9 @@ namespace crossgait {
 /// are, where they are missing, or lower >= upper, commanded targets alone are kept within +-pi.
 /// @param element  of the joint, for the warning
 void set_limits(double lower, double upper, std::string_view element, Joint& joint, ReaderWarnings& warnings);
+
+/// Keeps the speed that a file lets a joint have, rad/s; of 0 or less, and from 1e9 rad/s on (placeholders),
+/// there is none.
+void keep_velocity_limit(double limit, const std::string& joint, std::map<std::string, double>& limits);
 
 }  // namespace crossgait

@@ -41,6 +41,8 @@ struct ParsedRobot {
   std::string home_name;               ///< of the pose, for people
   /// Where a joint's numbers come from, by joint and number, where the number itself does not say it.
   std::map<std::string, std::map<std::string, std::string>> reasons;
+  /// Speeds that the file lets joints have, rad/s, by joint; nothing is simulated by them.
+  std::map<std::string, double> velocity_limits;
   /// Joints that something else moves, and what, by joint: "follows 'a' (...)".
   std::map<std::string, std::string> coupled;
   ContactOfFile contact;

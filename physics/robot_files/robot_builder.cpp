@@ -12,9 +12,26 @@
 
 namespace crossgait {
 
+namespace {
+
+/// What the file is told: by its robot.yaml, and by the program over that.
+FileArguments arguments_of(const std::string& file, const std::optional<YamlValue>& yaml) {
+  FileArguments arguments = given_file_arguments();
+  const auto said = yaml ? yaml->find("xacro_args") : std::nullopt;
+  if (!said) return arguments;
+  if (!robot_format_of_any(file).has_arguments)
+    said->fail("a robot's file that is a xacro", fmt::format("'{}'", file));
+  for (const auto& [name, value] : said->entries()) arguments.emplace(name, value.text());
+  return arguments;
+}
+
+}  // namespace
+
 RobotBuilder::RobotBuilder(const std::string& file, const std::string& source, std::optional<YamlValue> yaml,
                            ServoSource servos)
-    : yaml_(std::move(yaml)), servos_(servos), parsed_(read_robot_file(file)) {
+    : yaml_(std::move(yaml)), servos_(servos) {
+  report_.arguments = arguments_of(file, yaml_);
+  parsed_ = read_robot_file(file, report_.arguments);
   const auto name = find("name");
   robot_.name = name                   ? name->text()
                 : parsed_.name.empty() ? std::filesystem::path(file).stem().string()
@@ -24,6 +41,7 @@ RobotBuilder::RobotBuilder(const std::string& file, const std::string& source, s
   report_.warnings = parsed_.warnings;
   for (const Body& body : parsed_.bodies) report_.joints_of_file[body.joint.name] = body.joint;
   report_.reasons = parsed_.reasons;
+  report_.velocity_limits = parsed_.velocity_limits;
   report_.contact = parsed_.contact;
 }
 

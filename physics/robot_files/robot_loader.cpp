@@ -55,7 +55,7 @@ LoadedRobot load_yaml(const YamlValue& root, ServoSource servos) {
               "an environment");
   std::vector<std::string_view> keys{"name"};
   for (const RobotFormat& format : robot_formats()) keys.push_back(format.key);
-  keys.insert(keys.end(), {"frame", "locked", "armature", "servo", "drive", "joints", "contact",
+  keys.insert(keys.end(), {"xacro_args", "frame", "locked", "armature", "servo", "drive", "joints", "contact",
                            "loop_softness", "friction_softness", "limit_softness", "legs", "loops", "home",
                            "standing_height", "stance_offset"});
   root.allow_keys(keys);

@@ -8,6 +8,7 @@
 
 #include "physics/robot/robot.h"
 #include "physics/robot_files/contact_of_file.h"
+#include "physics/robot_files/file_arguments.h"
 #include "physics/robot_files/inference/robot_inference.h"
 
 namespace crossgait {
@@ -16,6 +17,7 @@ struct RobotReport {
   std::vector<Inference> inferred;
   std::vector<std::string> warnings;     ///< of the reader and of the inference, each once
   std::string file;                      ///< of one of the formats (robot_formats.h)
+  FileArguments arguments;               ///< what that file was told
   std::map<std::string, double> locked;  ///< joints that are held, and at which angle, rad
   Matrix3 R_BA = Matrix3::Identity();    ///< columns: forward, left and up in the file's base frame
   /// Joints with the numbers of the robot's file alone, by name; 0 is not given.
@@ -23,6 +25,7 @@ struct RobotReport {
   /// Why a joint has a number that it has, by joint and number (joint_numbers.h); of those that are not there
   /// the file says it.
   std::map<std::string, std::map<std::string, std::string>> reasons;
+  std::map<std::string, double> velocity_limits;  ///< of the file, by joint, rad/s; not simulated
   ContactOfFile contact;
   std::map<Leg, std::string> feet_of_file;  ///< the shape of the file nearest to a foot, where there is one
 };

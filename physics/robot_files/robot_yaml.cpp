@@ -125,6 +125,12 @@ std::string to_yaml(const LoadedRobot& loaded, const std::string& file) {
   const RobotReport& report = loaded.report;
   std::string out = fmt::format("# SI units, radians. Format: models/README.md.\nname: {}\n{}: {}\n",
                                 yaml_quoted(robot.name), robot_format_of_any(file).key, yaml_quoted(file));
+  if (!report.arguments.empty()) {
+    std::vector<std::string> arguments;
+    for (const auto& [argument, value] : report.arguments)
+      arguments.push_back(fmt::format("{}: {}", yaml_quoted(argument), yaml_quoted(value)));
+    out += fmt::format("xacro_args: {{{}}}\n", fmt::join(arguments, ", "));
+  }
   out += fmt::format("frame: {{forward: {}, up: {}}}  # in the base frame of that file\n",
                      yaml_vector(report.R_BA.col(0)), yaml_vector(report.R_BA.col(2)));
   std::vector<std::string> locked;

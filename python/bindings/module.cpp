@@ -1,6 +1,9 @@
 // crossgait._core: the C++ core as Python sees it.
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 
+#include "physics/core/consent.h"
+#include "physics/core/python_program.h"
 #include "python/bindings/bindings.h"
 #include "study/version.h"
 
@@ -9,6 +12,13 @@ NB_MODULE(_core, m) {
   m.doc() = "The C++ core of Crossgait. Use the package crossgait, which gives these names.";
   m.def(
       "version", [] { return std::string(crossgait::crossgait_version()); }, "Version of Crossgait.");
+  crossgait::set_python_program(nb::cast<std::string>(nb::module_::import_("sys").attr("executable")));
+  m.def("require_consent", &crossgait::require_consent, nb::arg("file"), nb::arg("runs"),
+        "Say that a file runs code. Raises ConfigError unless it is the user's own or trusted.");
+  m.def("trust_folder", &crossgait::trust_folder, nb::arg("folder"), nb::arg("source"),
+        "Trust the files of a folder in this process and those that it begins.");
+  m.def("trusted_folders", &crossgait::trusted_folders, "Folders whose files may run code, apart by colons.");
+  m.attr("TRUST_VARIABLE") = crossgait::kTrustVariable;
   bind_errors(m);
   bind_engines(m);
   bind_robot(m);

@@ -221,7 +221,6 @@ void bind_bundle(nb::module_& m) {
 }  // namespace
 
 void bind_policy(nb::module_& m) {
-  set_python_of_onnxruntime(nb::cast<std::string>(nb::module_::import_("sys").attr("executable")));
   bind_interface(m);
   bind_network(m);
   bind_bundle(m);

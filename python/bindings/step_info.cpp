@@ -25,6 +25,7 @@ struct Count {
 constexpr std::array kCounts{
     Count{"ik_clamped", [](const StepInfo& s) { return std::int64_t{s.ik_clamped}; }},
     Count{"invalid_actions", [](const StepInfo& s) { return std::int64_t{s.invalid_actions}; }},
+    Count{"clipped_actions", [](const StepInfo& s) { return std::int64_t{s.clipped_actions}; }},
 };
 
 // The keys and words as Python's strings, made once: a step makes none. They live as long as the process.

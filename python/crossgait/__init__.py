@@ -36,6 +36,7 @@ from crossgait._core import (
     robots,
     version,
 )
+from crossgait.consent import trust
 from crossgait.errors import ConfigError
 from crossgait.importing import Imported, import_policy
 from crossgait.policies import Policy
@@ -119,6 +120,7 @@ __all__ = [
     "robots",
     "rollout",
     "transfer",
+    "trust",
     "tune",
     "verdict",
     "walk",

@@ -20,3 +20,9 @@ def engine(request: pytest.FixtureRequest) -> str:
 @pytest.fixture(scope="session")
 def scara() -> crossgait.Robot:
     return crossgait.Robot.load("scara_quadruped")
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _scratch_is_trusted(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Tests load what they have written, which is not below the folder that they run in."""
+    crossgait.trust(tmp_path_factory.getbasetemp())

@@ -240,12 +240,14 @@ def test_infos_say_what_the_step_did(engine: str) -> None:
     assert info["outcome"] == "walked"
     assert (info["ik_clamped"], info["invalid_actions"]) == (0, 0)
     assert set(info) == {
-        *("time", "distance", "lateral", "power", "limit_factor", "ik_clamped", "invalid_actions"),
+        *("time", "distance", "lateral", "power", "limit_factor", "ik_clamped", "invalid_actions", "clipped_actions"),
         *("outcome", "out_of_bounds", "reward_terms"),
     }
     actions = np.zeros(16)
     actions[[0, 3]] = np.nan, np.inf
-    assert env.step(actions)[4]["invalid_actions"] == 2
+    actions[5:7] = 1.5, -1
+    info = env.step(actions)[4]
+    assert (info["invalid_actions"], info["clipped_actions"]) == (2, 1)
 
 
 def test_parameters_follow_the_actions() -> None:

@@ -231,3 +231,14 @@ def test_a_model_that_was_trained_with_other_statistics_is_refused(monkeypatch):
     monkeypatch.setattr(expression, "observation", lambda mean, std, clip=np.inf: right(mean, std))
     with pytest.raises(crossgait.ConfigError, match=r"what predict\(\) computes, .* the largest difference"):
         Policy.from_sb3(model, JOINTS)
+
+
+def test_pickles_take_consent(tmp_path, monkeypatch):
+    """What would run is not run: the file need not even be one."""
+    monkeypatch.delenv("CROSSGAIT_TRUST")
+    (tmp_path / "model.zip").write_bytes(b"")
+    (tmp_path / "normalise.pkl").write_bytes(b"")
+    with pytest.raises(crossgait.ConfigError, match="unpickles"):
+        Policy.from_sb3(tmp_path / "model.zip", JOINTS)
+    with pytest.raises(crossgait.ConfigError, match=r"normalise\.pkl.*unpickles"):
+        Policy.from_sb3(built(PPO), JOINTS, vecnormalize=tmp_path / "normalise.pkl")

@@ -299,3 +299,12 @@ def test_what_the_exporter_of_pytorch_writes(tmp_path):
     for layer, other in zip(a.layers, b.layers, strict=True):
         assert all(np.array_equal(x, y) for x, y in zip(layer, other, strict=True))
     np.testing.assert_allclose(a.normalisation, b.normalisation, rtol=1e-7)  # folded by either in single precision
+
+
+def test_torchscript_takes_consent(tmp_path, monkeypatch):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        torch.jit.save(torch.jit.script(nn.Linear(OBSERVATIONS, ACTIONS)), tmp_path / "policy.pt")
+    monkeypatch.delenv("CROSSGAIT_TRUST")
+    with pytest.raises(crossgait.ConfigError, match="PyTorch's interpreter runs TorchScript"):
+        Policy.from_torch(tmp_path / "policy.pt", JOINTS)

@@ -37,6 +37,52 @@ def test_a_urdf_is_inferred_and_its_yaml_infers_nothing(tmp_path: Path) -> None:
     assert np.allclose(stated.home, robot.home, atol=1e-15)  # a file's last digit
 
 
+def xacro_of(urdf: Path, folder: Path) -> Path:
+    """The robot as a xacro with an argument, whose legs are in a file of the package `walker`."""
+    pytest.importorskip("xacro")
+    begin = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="serial_quadruped">'
+    trunk, legs = urdf.read_text().split('<joint name="FL_abduction"')
+    trunk = trunk.replace('<robot name="serial_quadruped">', begin + '<xacro:arg name="mass" default="5.2"/>')
+    (folder / "walker").mkdir()
+    (folder / "walker" / "legs.xacro").write_text(f'{begin}<joint name="FL_abduction"{legs}')
+    file = folder / "robot.urdf.xacro"
+    file.write_text(
+        trunk.replace('<mass value="5.2"/>', '<mass value="${float($(arg mass)) * 1}"/>')
+        + '<xacro:include filename="$(find walker)/legs.xacro"/></robot>'
+    )
+    return file
+
+
+def test_a_xacro_is_expanded(tmp_path: Path) -> None:
+    urdf = next((Path(crossgait.models_dir()) / "robots" / "serial_quadruped").glob("*.urdf"))
+    file = xacro_of(urdf, tmp_path)
+    shutil.copy(urdf, tmp_path / "robot.urdf")
+    plain = Robot.load(tmp_path / "robot.urdf")
+    robot = Robot.load(file)
+    assert robot.mass_kg == pytest.approx(plain.mass_kg, rel=1e-15)
+    assert robot.joints == plain.joints
+    assert np.array_equal(robot.home, plain.home)
+    (tmp_path / "heavy.yaml").write_text("xacro: robot.urdf.xacro\nxacro_args: {mass: 7.2}\n")
+    heavy = Robot.load(tmp_path / "heavy.yaml")
+    assert heavy.mass_kg == pytest.approx(plain.mass_kg + 2, rel=1e-15)
+    assert "xacro_args: {'mass': '7.2'}" in heavy.to_yaml().replace('"', "'")
+    file.write_text(file.read_text().replace("$(arg mass)", "$(arg mess)"))
+    with pytest.raises(ConfigError) as caught:
+        Robot.load(file)
+    assert caught.value.source == str(file)
+    assert "mess" in caught.value.found
+
+
+def test_no_file_runs_code_without_consent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("CROSSGAIT_TRUST")
+    file = tmp_path / "robot.xacro"
+    file.write_text("<robot/>")
+    with pytest.raises(ConfigError, match="outside the current folder"):
+        Robot.load(file)
+    with pytest.raises(ConfigError, match="expected a folder"):
+        crossgait.trust(file)
+
+
 def test_a_missing_robot_says_what_there_is() -> None:
     with pytest.raises(ConfigError) as caught:
         Robot.load("dog")

@@ -1,4 +1,5 @@
 // Results say how they were made, and can be made again from that alone.
+#include <cstdlib>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -156,6 +157,35 @@ TEST_F(Provenances, DoNotHangOnWhereResultsGoOrOnThreads) {
   EXPECT_EQ(run_json(arguments + " --workers 1 --trace provenance_trace.csv")["provenance"],
             run_json(arguments + " --workers 2")["provenance"]);
   fs::remove("provenance_trace.csv");
+}
+
+TEST(RerunOfXacro, ExpandsItAgain) {
+  fs::create_directories("rerun_bin");
+  write_file("rerun_bin/xacro",
+             "#!/bin/sh\nexec cat " CROSSGAIT_SOURCE_DIR "/models/robots/serial_quadruped/robot.urdf\n");
+  fs::permissions("rerun_bin/xacro", fs::perms::owner_all);
+  write_file("rerun.urdf.xacro", "<robot/>");
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", ("./rerun_bin:" + path).c_str(), 1);
+  setenv("CROSSGAIT_PYTHON", "./no_such_python", 1);
+  ASSERT_EQ(run_program("walk --seconds .1 --robot rerun.urdf.xacro --json rerun_xacro.json").exit_code, 0);
+  EXPECT_TRUE(json::parse(read_file("rerun_xacro.json"))["provenance"]["files"].contains(
+      "rerun.urdf.xacro (expanded)"));
+  EXPECT_EQ(run_program("rerun rerun_xacro.json").exit_code, 0);
+  setenv("PATH", path.c_str(), 1);
+  unsetenv("CROSSGAIT_PYTHON");
+}
+
+TEST_F(Provenances, TrustNothing) {
+  json changed = result_;
+  for (const char* word : {"--trust", "--trust=/"}) {
+    changed["provenance"]["arguments"] = {"--seconds", ".1", word, "/"};
+    expect_refused(changed, {file_, "provenance.arguments", word});
+  }
+  write_file(file_, result_.dump());
+  EXPECT_EQ(run_program("rerun " + file_ + " --trust .").exit_code, 0);
+  const json trusting = json::parse(run_program("walk --seconds .1 --trust . --json -").out);
+  EXPECT_EQ(trusting["provenance"].dump().find("trust"), std::string::npos);
 }
 
 TEST_F(Provenances, RefuseWhatIsNoLongerThere) {

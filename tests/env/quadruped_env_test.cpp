@@ -161,7 +161,9 @@ TEST_P(Environment, ActionsAreClippedAndNonsenseCountsAsZero) {
     EXPECT_EQ(env.step(action, a).reward, clipped.step(tame, b).reward);
     EXPECT_EQ(a, b);
     EXPECT_EQ(env.info().invalid_actions, 2);
+    EXPECT_EQ(env.info().clipped_actions, 2);
     EXPECT_EQ(clipped.info().invalid_actions, 0);
+    EXPECT_EQ(clipped.info().clipped_actions, 0);
     for (const double x : a) EXPECT_TRUE(std::isfinite(x));
   }
 }

@@ -47,6 +47,18 @@ TEST(Policy, ClipsActionsAndZeroesWhatIsNotFinite) {
   EXPECT_EQ(act_on_four(broken), (std::vector<double>{0, 0, 0, 0.25}));
 }
 
+TEST(Policy, CountsWhatItClipsSinceTheReset) {
+  ConstantPolicy policy(small_interface(), {7, -1, 0.5, kNaN});
+  act_on_four(policy);
+  act_on_four(policy);
+  const auto counts = [&policy] {
+    return std::vector<std::int64_t>(policy.clipped().begin(), policy.clipped().end());
+  };
+  EXPECT_EQ(counts(), (std::vector<std::int64_t>{2, 0, 0, 0})) << "a bound is no clip, nor is what is no number";
+  policy.reset(0);
+  EXPECT_EQ(counts(), (std::vector<std::int64_t>(4, 0)));
+}
+
 TEST(Policy, WrongSizesGiveZeros) {
   ConstantPolicy policy(small_interface(), {1, 1, 1, 1});
   const std::vector<double> short_observation(3), observation(4);

@@ -47,6 +47,21 @@ TEST(RobotQuantities, EveryNumberOfAServoIsARowWithWhatIsUsed) {
   }
 }
 
+TEST(RobotQuantities, SpeedsOfTheFileAreShownBesideWhatTakesTheirPlace) {
+  LoadedRobot loaded = serial();
+  const std::string name = loaded.robot.joint(0).name;
+  const double limit = loaded.report.velocity_limits.at(name);
+  EXPECT_GT(limit, 0);
+  const auto row = [&] { return find(robot_quantities(loaded, {}), name, "velocity_limit"); };
+  EXPECT_EQ(std::get<double>(row().file), limit);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(row().used));
+  EXPECT_TRUE(row().why.starts_with("not simulated"));
+  loaded.robot.bodies[1].joint.no_load_speed = 20;
+  EXPECT_EQ(std::get<double>(row().used), 20);
+  loaded.report.velocity_limits.clear();
+  EXPECT_THROW(row(), std::runtime_error);
+}
+
 TEST(RobotQuantities, ContactThatTheFileSaysAndNothingSimulatesIsWarnedOfWithBothNumbers) {
   LoadedRobot loaded = serial();
   EXPECT_FALSE(any_holds(robot_warnings(loaded, {}), "not as the file says"));

@@ -40,6 +40,7 @@ Evaluation some_evaluation() {
   e.steps = 6250;
   e.motion.of(&M::ik_clamped) = 7;
   e.invalid_actions = 8;
+  e.clipped_actions = {{"joint.a", "joint.b"}, {1, 3}, 8};
   return e;
 }
 
@@ -145,7 +146,8 @@ TEST(RolloutReport, AsJsonHasEveryNumber) {
       {"simulated_seconds", 12.5},
       {"steps", 6250},
       {"ik_clamped", 7},
-      {"invalid_actions", 8}};
+      {"invalid_actions", 8},
+      {"clipped_actions", {{"ratio", 0.25}, {"worst", "joint.b"}, {"worst_ratio", 0.375}}}};
   EXPECT_EQ(json.dump(1), expected.dump(1));
 }
 
@@ -177,10 +179,17 @@ TEST(RolloutReport, AsJsonHasEveryPolicyAndEpisode) {
   EXPECT_EQ(one["reward_terms"], (ordered_json{{"alive", 2.5}}));
   EXPECT_EQ(one["steps"], 9);
   EXPECT_EQ(one["invalid_actions"], 4);
+  EXPECT_EQ(one["clipped_actions"], (ordered_json{{"ratio", 0.0}, {"worst", nullptr}, {"worst_ratio", 0}}));
   EXPECT_EQ(one["distance_m"], 0.75);
   EXPECT_EQ(one["outcome"], "walked");
   EXPECT_EQ(one["parameters"].size(), gait_parameters().size());
   EXPECT_EQ(one["parameters"]["step_length"], 0.0625);
+  const std::string note = json["notes"].at(0);
+  EXPECT_TRUE(note.starts_with("fast.safetensors: 25 % of its actions are beyond")) << note;
+  EXPECT_NE(note.find("(joint.b: in 38 % of the steps)"), std::string::npos) << note;
+  r.policies[0].all.clipped_actions = {{"joint.a"}, {4}, 100};
+  r.policies[1].all.clipped_actions = {};
+  EXPECT_TRUE(to_json(r)["notes"].empty()) << "4 % is not told";
   r.interrupted = true;
   EXPECT_EQ(to_json(r)["interrupted"], true);
 }

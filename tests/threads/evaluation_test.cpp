@@ -102,6 +102,7 @@ TEST(SumUp, IsMeansAndSampleDeviations) {
     episodes[i].reward_terms[0] = 3;
     episodes[i].steps = 10;
     episodes[i].invalid_actions = 2;
+    episodes[i].clipped_actions = {{"a", "b"}, {static_cast<std::int64_t>(i), 2}, 10};
     episodes[i].motion.ik_clamped = 5;
     episodes[i].motion.simulated_seconds = 1.5;
     episodes[i].motion.distance_m = 0.5;
@@ -128,6 +129,10 @@ TEST(SumUp, IsMeansAndSampleDeviations) {
   EXPECT_DOUBLE_EQ(all.reward_terms[0], 3);
   EXPECT_EQ(all.steps, 30);
   EXPECT_EQ(all.invalid_actions, 6);
+  EXPECT_EQ(all.clipped_actions.clipped, (std::vector<std::int64_t>{3, 6}));
+  EXPECT_EQ(all.clipped_actions.ratio(), 9. / 60);
+  EXPECT_EQ(all.clipped_actions.worst()->name, "b");
+  EXPECT_EQ(all.clipped_actions.worst()->ratio, 6. / 30);
   EXPECT_EQ(all.motion.of(&M::ik_clamped), 15);
   EXPECT_EQ(all.simulated_seconds, 4.5);
   EXPECT_EQ(all.motion.of(&M::distance_m).mean, 0.5);

@@ -148,6 +148,7 @@ void expect_same_info(const StepInfo& a, const StepInfo& b) {
   EXPECT_EQ(a.limit_factor, b.limit_factor);
   EXPECT_EQ(a.ik_clamped, b.ik_clamped);
   EXPECT_EQ(a.invalid_actions, b.invalid_actions);
+  EXPECT_EQ(a.clipped_actions, b.clipped_actions);
   EXPECT_EQ(a.outcome, b.outcome);
   for (const ParameterRow& row : gait_parameters())
     EXPECT_EQ((*a.parameters).*row.member, (*b.parameters).*row.member) << row.name;

@@ -1,11 +1,12 @@
 #include "physics/robot_files/mesh/mesh_path.h"
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
 #include <vector>
+
+#include "physics/core/text.h"
 
 namespace crossgait {
 namespace {
@@ -14,26 +15,11 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestPath = 4096;  // bytes, Linux's own
 
-/// The file's folder, those above it, and those of the environment.
-std::vector<fs::path> folders_to_search(const std::string& named_in) {
-  std::vector<fs::path> folders;
-  std::error_code error;
-  fs::path folder = fs::absolute(named_in, error).lexically_normal().parent_path();
-  for (;; folder = folder.parent_path()) {
-    folders.push_back(folder);
-    if (folder == folder.parent_path()) break;
-  }
-  for (const char* variable :
-       {"CROSSGAIT_PACKAGE_PATH", "ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH"}) {
-    const char* list = std::getenv(variable);
-    std::string_view rest = list == nullptr ? "" : list;
-    while (!rest.empty()) {
-      const std::size_t end = std::min(rest.find(':'), rest.size());
-      if (end > 0) folders.emplace_back(rest.substr(0, end));
-      rest.remove_prefix(std::min(end + 1, rest.size()));
-    }
-  }
-  return folders;
+/// Folders that a variable of the environment lists.
+void add_folders_of(const char* variable, std::string_view below, std::vector<std::string>& folders) {
+  const char* list = std::getenv(variable);
+  for (const std::string_view folder : parts_of(list == nullptr ? "" : list, ":"))
+    if (!folder.empty()) folders.push_back((fs::path(folder) / below).string());
 }
 
 bool is_file(const fs::path& path) {
@@ -42,6 +28,21 @@ bool is_file(const fs::path& path) {
 }
 
 }  // namespace
+
+std::vector<std::string> named_file_folders(const std::string& named_in) {
+  std::vector<std::string> folders;
+  std::error_code error;
+  fs::path folder = fs::absolute(named_in, error).lexically_normal().parent_path();
+  for (;; folder = folder.parent_path()) {
+    folders.push_back(folder.string());
+    if (folder == folder.parent_path()) break;
+  }
+  for (const char* variable :
+       {"CROSSGAIT_PACKAGE_PATH", "ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH"})
+    add_folders_of(variable, "", folders);
+  add_folders_of("AMENT_PREFIX_PATH", "share", folders);
+  return folders;
+}
 
 std::optional<std::string> find_named_file(const std::string& filename, const std::string& named_in) {
   if (filename.size() > kLongestPath) return std::nullopt;
@@ -59,7 +60,7 @@ std::optional<std::string> find_named_file(const std::string& filename, const st
   if (const std::size_t slash = path.find('/'); in_package && slash != std::string::npos) {
     wanted.push_back(path.substr(slash + 1));
   }
-  for (const fs::path& folder : folders_to_search(named_in)) {
+  for (const fs::path folder : named_file_folders(named_in)) {
     for (const std::string& name : wanted) {
       // Relative, whatever it begins with: a/ + /b would be /b.
       const fs::path candidate = folder / fs::path(name).relative_path();

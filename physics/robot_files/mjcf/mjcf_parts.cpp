@@ -25,6 +25,12 @@ bool is_one_of(std::string_view tag, const std::array<std::string_view, N>& tags
 }
 
 constexpr std::array<std::string_view, 4> kOfTheWorld{"option", "size", "visual", "statistic"};
+/// Attributes of <option> and its <flag> that change motion; what else the world's options say is read
+/// elsewhere, or says how to compute.
+constexpr std::array<std::string_view, 3> kOfTheAir{"density", "viscosity", "wind"};
+constexpr std::array<std::string_view, 11> kFlags{"constraint", "equality", "frictionloss", "limit",
+                                                  "contact",    "passive",  "spring",       "damper",
+                                                  "gravity",    "actuation", "clampctrl"};
 constexpr std::array<std::string_view, 6> kIgnoredSections{"sensor",     "tendon", "contact",
                                                            "deformable", "custom", "extension"};
 constexpr std::array<std::string_view, 3> kIgnoredInBodies{"site", "camera", "light"};
@@ -116,6 +122,8 @@ class Taker {
     if (is_one_of(section.tag, kIgnoredSections)) {
       for (const MjcfElement& child : section.children)
         count("ignored ", fmt::format(" element(s) of <{}>", section.tag), child);
+    } else if (section.tag == "option") {
+      read_option(section);
     } else if (section.tag == "compiler") {
       // The last one counts; meshdir before assetdir.
       for (const char* name : {"assetdir", "meshdir"}) {
@@ -124,6 +132,23 @@ class Taker {
       if (section.has("strippath")) strips_paths_ = section.attribute("strippath") == "true";
       if (section.has("inertiafromgeom")) from_geoms_ = section.attribute("inertiafromgeom") == "true";
       has_limits_ = has_limits_ || section.has("autolimits");
+    }
+  }
+
+  void read_option(const MjcfElement& option) {
+    const auto not_simulated = [this](const MjcfElement& element, std::string_view name) {
+      count("did not simulate ",
+            fmt::format(" attribute(s) {}=\"{}\" of <{}>", name, printable_text(element.attribute(name), 50),
+                        element.tag),
+            element);
+    };
+    for (const std::string_view name : kOfTheAir) {
+      if (option.attribute(name).find_first_of("123456789") != std::string_view::npos)
+        not_simulated(option, name);
+    }
+    for (const MjcfElement& flag : option.children) {
+      for (const std::string_view name : kFlags)
+        if (flag.attribute(name) == "disable") not_simulated(flag, name);
     }
   }
 

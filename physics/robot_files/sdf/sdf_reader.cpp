@@ -182,7 +182,7 @@ class SdfTreeBuilder {
     if (source.type == "revolute" && is_bounded) set_limits(lower, upper, place, joint, warnings_);
     const double effort = sdf_bound(limit, "effort", -1);
     joint.effort_limit = std::isfinite(effort) ? std::max(0.0, effort) : 0;
-    limit.pass_over("velocity", {"-1", "-1.0", "inf", "1e16", "1e+16"});
+    keep_velocity_limit(sdf_bound(limit, "velocity", -1), joint.name, robot_.velocity_limits);
     limit.pass_over("stiffness", {"1e8", "1e+08", "100000000"});
     limit.pass_over("dissipation", {"1", "1.0"});
   }

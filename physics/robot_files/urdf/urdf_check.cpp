@@ -20,10 +20,6 @@
 namespace crossgait {
 namespace {
 
-[[noreturn]] void fail_as_xacro(const std::string& source, std::string_view element, std::string_view found) {
-  throw ConfigError(source, element, fmt::format("an expanded URDF (xacro {} > robot.urdf)", source), found);
-}
-
 /// The first element that xacro would have expanded, or null.
 const TiXmlElement* find_xacro(const TiXmlElement& element) {
   if (element.ValueStr().starts_with("xacro:")) return &element;
@@ -181,13 +177,14 @@ class UrdfCheck {
 }  // namespace
 
 CheckedUrdf check_urdf(const std::string& text, const std::string& source, ReaderWarnings& warnings) {
-  if (source.ends_with(".xacro")) fail_as_xacro(source, "file", "a xacro file");
   TiXmlDocument document;
   parse_xml(text, kUrdfBudget, source, document);
   const TiXmlElement* robot = document.FirstChildElement("robot");
   if (robot == nullptr) throw ConfigError(source, "file", "a <robot> element", "none");
   if (const TiXmlElement* xacro = find_xacro(*robot)) {
-    fail_as_xacro(source, fmt::format("line {}", xacro->Row()), fmt::format("<{}>", xacro->Value()));
+    throw ConfigError(source, fmt::format("line {}", xacro->Row()),
+                      "an expanded URDF, or a file whose name ends in .xacro, which xacro expands",
+                      fmt::format("<{}>", xacro->Value()));
   }
   TiXmlDocument checked;
   UrdfCheck check(*robot, source, warnings);

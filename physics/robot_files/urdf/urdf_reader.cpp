@@ -144,7 +144,10 @@ class TreeBuilder {
     joint.axis = axis.normalized();
     if (source.type == urdf::Joint::REVOLUTE)
       set_limits(source.limits->lower, source.limits->upper, element, joint, warnings_);
-    if (source.limits) joint.effort_limit = std::max(0.0, source.limits->effort);
+    if (source.limits) {
+      joint.effort_limit = std::max(0.0, source.limits->effort);
+      keep_velocity_limit(source.limits->velocity, joint.name, robot_.velocity_limits);
+    }
     if (source.dynamics) {
       joint.damping = source.dynamics->damping;
       joint.friction = source.dynamics->friction;
@@ -163,8 +166,12 @@ class TreeBuilder {
 }  // namespace
 
 ParsedRobot read_urdf(const std::string& path) {
+  return read_urdf_text(read_text_file(path, kUrdfBudget), path);
+}
+
+ParsedRobot read_urdf_text(const std::string& text, const std::string& path) {
   ReaderWarnings warnings;
-  const CheckedUrdf checked = check_urdf(read_text_file(path, kUrdfBudget), path, warnings);
+  const CheckedUrdf checked = check_urdf(text, path, warnings);
   const urdf::ModelInterfaceSharedPtr model = parse(checked.text, path);
   ParsedRobot robot = TreeBuilder(path, checked.visuals, warnings).build(*model->getRoot());
   robot.name = model->getName();

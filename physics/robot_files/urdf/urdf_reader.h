@@ -12,5 +12,7 @@ namespace crossgait {
 /// Prints nothing. Reads numbers alike in every locale. May be called from several threads.
 /// @throws ConfigError naming the file (of the URDF or a mesh) and the line, link or joint
 ParsedRobot read_urdf(const std::string& path);
+/// The same of a text that stands in the place of the file `path`, which is not read.
+ParsedRobot read_urdf_text(const std::string& text, const std::string& path);
 
 }  // namespace crossgait

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from crossgait._core import MlpNetwork, PolicyInterface
+from crossgait.consent import require_consent
 from crossgait.layout import Layout
 from crossgait.policies import expression, torch_reader
 from crossgait.policies.expression import Affine, FloatArray
@@ -83,6 +84,7 @@ def _policy(model: Any, source: str) -> BasePolicy:
 
 def _from_zip(path: str) -> BasePolicy:
     """The policy alone, of whichever algorithm: weights and how it was built."""
+    require_consent(path, "Stable-Baselines3 unpickles it")
     try:
         data, parameters, _ = load_from_zip_file(path, device="cpu")
         assert data is not None
@@ -126,6 +128,7 @@ def _normalisation(
         return none, lambda observations: observations
     if isinstance(vecnormalize, (str, os.PathLike)):
         source = os.fspath(vecnormalize)
+        require_consent(source, "Stable-Baselines3 unpickles it")
         try:
             with open(source, "rb") as file:
                 vecnormalize = pickle.load(file)

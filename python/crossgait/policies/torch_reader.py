@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from crossgait._core import MlpNetwork
+from crossgait.consent import require_consent
 from crossgait.errors import ConfigError
 from crossgait.layout import Layout
 from crossgait.policies import expression
@@ -36,7 +37,9 @@ class TorchNetwork:
 
 
 def load_script(file: str | io.BytesIO) -> torch.nn.Module:
-    """A TorchScript file. Raises ConfigError."""
+    """A TorchScript file. Raises ConfigError, also without consent to what it runs."""
+    if isinstance(file, str):
+        require_consent(file, "PyTorch's interpreter runs TorchScript")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of TorchScript as such

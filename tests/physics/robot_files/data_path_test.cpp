@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "physics/core/error.h"
-#include "tests/physics/core/config_error.h"
 
 namespace crossgait {
 namespace {
@@ -72,12 +71,7 @@ TEST_F(DataPath, ANameIsARobotAndAFileIsItself) {
   EXPECT_EQ(find_robot("ant", models_.string()), (models_ / "robots" / "ant" / "robot.yaml").string());
   EXPECT_EQ(find_robot("some/where.urdf", models_.string()), "some/where.urdf");
   EXPECT_EQ(find_robot("ant.yaml", models_.string()), "ant.yaml");
-}
-
-TEST_F(DataPath, AXacroHasToBeExpandedFirst) {
-  const ConfigError error =
-      config_error([&] { (void)find_robot("some/robot.urdf.xacro", models_.string()); });
-  EXPECT_EQ(error.expected(), "an expanded URDF: xacro some/robot.urdf.xacro > robot.urdf");
+  EXPECT_EQ(find_robot("ant.urdf.xacro", models_.string()), "ant.urdf.xacro");
 }
 
 TEST_F(DataPath, AnUnknownRobotIsAnErrorThatListsTheKnown) {

@@ -48,5 +48,11 @@ TEST(RobotFormats, AreSaidInWords) {
   EXPECT_EQ(extensions_in_words(robot_formats()[1]), ".xml or .mjcf");
 }
 
+TEST(RobotFormats, NamesAreWithoutTheirExtensions) {
+  EXPECT_EQ(name_of_robot_file("robots/go2.urdf.xacro"), "go2");
+  EXPECT_EQ(name_of_robot_file("go2.xml"), "go2");
+  EXPECT_EQ(name_of_robot_file("v1.2.urdf"), "v1.2");
+}
+
 }  // namespace
 }  // namespace crossgait

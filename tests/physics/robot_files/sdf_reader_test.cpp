@@ -257,8 +257,7 @@ TEST(SdfReader, TakesWhatAJointSays) {
   EXPECT_EQ(joint.friction, 0.25);
   EXPECT_EQ(joint.stiffness, 2);
   EXPECT_EQ(joint.spring_reference, -0.5);
-  EXPECT_TRUE(
-      warns(robot, "ignored 1 <velocity> of <limit>, first in joint 'hinge', axis, limit, velocity (line"));
+  EXPECT_EQ(robot.velocity_limits, (std::map<std::string, double>{{"hinge", 3}}));
   EXPECT_TRUE(warns(robot, "ignored 1 <stiffness> of <limit>"));
   for (const char* none : {"-1e16", "-inf"}) {
     const ParsedRobot free = read_text(two_links(

@@ -405,18 +405,13 @@ TEST_F(UrdfTraps, MeshesTogetherHaveABudget) {
   EXPECT_EQ(refused(mesh(write("bad.stl", "none"))).source(), path("bad.stl"));
 }
 
-TEST_F(UrdfTraps, XacroHasToBeExpandedFirst) {
-  const auto refused = [&](const std::string& name, const std::string& text) {
-    const std::string file = write(name, text);
-    const ConfigError error = config_error([&] { read_urdf(file); });
-    EXPECT_EQ(error.expected(), "an expanded URDF (xacro " + file + " > robot.urdf)");
-    return error.found();
-  };
-  EXPECT_EQ(refused("robot.urdf.xacro", "<robot name='r'/>"), "a xacro file");
-  EXPECT_EQ(refused("robot.urdf",
-                    "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'>"
-                    "<link name='a'/><gazebo><xacro:if value='1'/></gazebo></robot>"),
-            "<xacro:if>");
+TEST_F(UrdfTraps, XacroIsKnownByTheNameOfTheFile) {
+  const std::string file = write("robot.urdf",
+                                 "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'>"
+                                 "<link name='a'/><gazebo><xacro:if value='1'/></gazebo></robot>");
+  const ConfigError error = config_error([&] { read_urdf(file); });
+  EXPECT_EQ(error.expected(), "an expanded URDF, or a file whose name ends in .xacro, which xacro expands");
+  EXPECT_EQ(error.found(), "<xacro:if>");
 }
 
 TEST_F(UrdfTraps, WarningsStayFew) {

@@ -1,16 +1,19 @@
-#include "apps/child_process.h"
+#include "physics/core/child_process.h"
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <system_error>
+#include <thread>
 
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace crossgait::apps {
+namespace crossgait {
 namespace {
 
 struct CloseFile {
@@ -58,9 +61,39 @@ class SpawnActions {
   posix_spawn_file_actions_t actions_{};
 };
 
+/// The processor's time and the size of files are limits of the child's own, which hold when this program is
+/// gone as well.
+void limit(pid_t child, const ChildLimits& limits) {
+  const rlimit time{static_cast<rlim_t>(limits.time.count()), static_cast<rlim_t>(limits.time.count())};
+  const rlimit bytes{limits.bytes, limits.bytes};
+  // Of a child that has ended already there is nothing to limit.
+  prlimit(child, RLIMIT_CPU, &time, nullptr);
+  prlimit(child, RLIMIT_FSIZE, &bytes, nullptr);
+}
+
+/// Waits for the end of a child. @returns its status, and whether it was ended here
+std::pair<int, bool> wait_for(pid_t child, const char* name, const std::optional<ChildLimits>& limits) {
+  const auto begin = std::chrono::steady_clock::now();
+  bool ended_here = false;
+  int status = 0;
+  for (;;) {
+    const pid_t done = waitpid(child, &status, limits && !ended_here ? WNOHANG : 0);
+    if (done == child) return {status, ended_here};
+    if (done < 0 && errno != EINTR) fail(name, errno);
+    if (done != 0) continue;
+    ended_here = std::chrono::steady_clock::now() - begin > limits->time;
+    if (ended_here) {
+      kill(child, SIGKILL);
+    } else {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+}
+
 }  // namespace
 
-std::optional<ChildResult> run_child(const std::vector<std::string>& command, ChildErrors errors) {
+std::optional<ChildResult> run_child(const std::vector<std::string>& command, ChildErrors errors,
+                                     std::optional<ChildLimits> limits) {
   const File in = nameless_file(), out = nameless_file(), complaints = nameless_file();
   SpawnActions actions;
   actions.connect(in.get(), STDIN_FILENO);
@@ -76,12 +109,14 @@ std::optional<ChildResult> run_child(const std::vector<std::string>& command, Ch
       posix_spawnp(&child, words.front().c_str(), actions.get(), nullptr, arguments.data(), environ);
   if (code == ENOENT) return std::nullopt;
   if (code != 0) fail(words.front().c_str(), code);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) fail(words.front().c_str(), errno);
-  }
-  return ChildResult{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_all(out.get()),
+  if (limits) limit(child, *limits);
+  const auto [status, ended_here] = wait_for(child, words.front().c_str(), limits);
+  ChildResult result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_all(out.get()),
                      read_all(complaints.get())};
+  const bool limited = WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGXFSZ);
+  // A program that ignores the signal finds its writes fail instead.
+  result.over_limit = limits && (ended_here || limited || result.out.size() >= limits->bytes);
+  return result;
 }
 
-}  // namespace crossgait::apps
+}  // namespace crossgait
