@@ -168,7 +168,7 @@ ParsedRobot read_urdf(const std::string& path) {
   const urdf::ModelInterfaceSharedPtr model = parse(checked.text, path);
   ParsedRobot robot = TreeBuilder(path, checked.visuals, warnings).build(*model->getRoot());
   robot.name = model->getName();
-  robot.coupled = checked.coupled;
+  robot.couplings = checked.couplings;
   return robot;
 }
 
