@@ -137,6 +137,7 @@ nlohmann::ordered_json to_json(const Card& card) {
                                        {"loop_law", engine.laws.loops},
                                        {"joint_friction_law", engine.laws.joint_friction},
                                        {"joint_limit_law", engine.laws.joint_limits},
+                                       {"coupling_law", engine.laws.couplings},
                                        {"precision", name_of(precision)}}},
                                      {"passed", card.count(Status::kPassed)},
                                      {"failed", card.count(Status::kFailed)},

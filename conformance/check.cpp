@@ -84,8 +84,8 @@ const std::vector<Check>& checks() {
   static const std::vector<Check> kChecks = [] {
     std::vector<Check> all;
     for (const auto topic : {model_checks, free_motion_checks, joint_checks, ground_checks, friction_checks,
-                             contact_checks, shape_checks, loop_checks, joint_friction_checks,
-                             joint_limit_checks, determinism_checks, parity_checks}) {
+                             contact_checks, shape_checks, loop_checks, coupling_checks,
+                             joint_friction_checks, joint_limit_checks, determinism_checks, parity_checks}) {
       for (Check& check : topic()) all.push_back(std::move(check));
     }
     return all;

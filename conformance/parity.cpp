@@ -122,6 +122,13 @@ std::vector<double> same_joint_friction(const Subject& subject) {
       subject, spec, [](RobotState&) {}, [&](double t) { return trot.targets(t); }, scenes::Trot::kStand + 1);
 }
 
+std::vector<double> same_couplings(const Subject& subject) {
+  const WorldSpec spec = scenes::world_of(scenes::with_coupled_hips(scenes::serial_quadruped()));
+  const scenes::Trot trot(*spec.robot);
+  return same_motion(
+      subject, spec, [](RobotState&) {}, [&](double t) { return trot.targets(t); }, scenes::Trot::kStand + 2);
+}
+
 std::vector<double> walks_as_far(const Subject& subject) {
   std::vector<double> values;
   for (const char* terrain : {"flat", "rough:seed=1,size_x=4,size_y=2"}) {
@@ -195,6 +202,14 @@ std::vector<Check> parity_checks() {
        same_sled, same},
       {"same_joint_friction", "Engines of the same laws trot alike with dry friction in their joints",
        same_requirements(), same_joint_friction, same},
+      {"same_couplings",
+       "Engines of the same laws trot alike with hips that are coupled across the robot",
+       same_requirements(),
+       same_couplings,
+       {"another engine declares the same Laws, with couplings",
+        [](const Subject& subject) {
+          return !subject.engine.info.laws.couplings.empty() && other_of_same_laws(subject) != nullptr;
+        }}},
       {"walks_as_far",
        "A trot is a trot: as far and as level as in the first engine of other laws",
        {between(0.92, 1.08, "way over the other's, plane", "", band),

@@ -17,6 +17,7 @@ std::vector<Check> friction_checks();
 std::vector<Check> contact_checks();
 std::vector<Check> shape_checks();
 std::vector<Check> loop_checks();
+std::vector<Check> coupling_checks();
 std::vector<Check> joint_friction_checks();
 std::vector<Check> joint_limit_checks();
 std::vector<Check> determinism_checks();

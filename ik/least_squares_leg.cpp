@@ -1,5 +1,6 @@
 #include "ik/least_squares_leg.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -17,9 +18,13 @@ std::size_t slot(int i) { return static_cast<std::size_t>(i); }
 
 /// Where the joints and the foot of a posture are, in the leg frame.
 struct PlacedChain {
-  std::array<Vector3, 3> origins, axes;
+  std::array<Vector3, 4> origins, axes;
   Vector3 foot;
 };
+
+/// The servo that moves a joint, and how many times as far.
+int variable_of(const LegLink& link, int i) { return link.leader == -1 ? i : link.leader; }
+double share_of(const LegLink& link) { return link.leader == -1 ? 1 : link.multiplier; }
 
 PlacedChain place_chain(const LeastSquaresLegGeometry& g, const LegJointAngles& q) {
   PlacedChain chain;
@@ -31,21 +36,33 @@ PlacedChain place_chain(const LeastSquaresLegGeometry& g, const LegJointAngles& 
     R = R * link.R;
     chain.origins[slot(i)] = p;
     chain.axes[slot(i)] = R * link.axis;
-    R = R * Eigen::AngleAxisd(q[i], link.axis).toRotationMatrix();
+    R = R * Eigen::AngleAxisd(g.angle(i, q), link.axis).toRotationMatrix();
   }
   chain.foot = p + R * g.p_foot;
   return chain;
 }
 
+/// d foot / d angle of each joint, whatever moves it.
+using JointColumns = std::array<Vector3, 4>;
+
+JointColumns columns_of(const LeastSquaresLegGeometry& g, const PlacedChain& chain) {
+  JointColumns columns;
+  for (int i = 0; i < g.count; ++i)
+    columns[slot(i)] = chain.axes[slot(i)].cross(chain.foot - chain.origins[slot(i)]);
+  return columns;
+}
+
 Matrix3 jacobian(const LeastSquaresLegGeometry& g, const PlacedChain& chain) {
+  const JointColumns columns = columns_of(g, chain);
   Matrix3 J = Matrix3::Zero();
-  for (int i = 0; i < g.count; ++i) J.col(i) = chain.axes[slot(i)].cross(chain.foot - chain.origins[slot(i)]);
+  for (int i = 0; i < g.count; ++i)
+    J.col(variable_of(g.links[slot(i)], i)) += share_of(g.links[slot(i)]) * columns[slot(i)];
   return J;
 }
 
 /// Which joint is the hip: of the two before the knee the one that is more nearly parallel to it at zero.
 int hip_of(const LeastSquaresLegGeometry& g) {
-  if (g.count == 2) return 0;
+  if (g.knee_place() == 1) return 0;
   const Matrix3 R_01 = g.links[1].R, R_12 = g.links[2].R;
   const Vector3 knee = R_01 * R_12 * g.links[2].axis;  // in the first joint's frame
   return std::abs(knee.dot(g.links[0].axis)) > std::abs(knee.dot(R_01 * g.links[1].axis)) ? 0 : 1;
@@ -54,16 +71,17 @@ int hip_of(const LeastSquaresLegGeometry& g) {
 /// +1 if the knee's axis points towards +y at zero angles, else -1.
 double knee_axis_sign(const LeastSquaresLegGeometry& g) {
   Matrix3 R = Matrix3::Identity();
-  for (int i = 0; i < g.count; ++i) R = R * g.links[slot(i)].R;
-  return std::copysign(1.0, (R * g.links[slot(g.count - 1)].axis).y());
+  for (int i = 0; i <= g.knee_place(); ++i) R = R * g.links[slot(i)].R;
+  return std::copysign(1.0, (R * g.links[slot(g.knee_place())].axis).y());
 }
 
-/// Angle from thigh to shin about the knee's axis, rad.
+/// Angle from thigh to shin about the knee's axis, rad: of a leg with an ankle the shin ends there, so that
+/// the bend is the knee's angle less a constant in every leg.
 double bend_about_axis(const LeastSquaresLegGeometry& g, const PlacedChain& chain) {
-  const auto knee = slot(g.count - 1);
+  const auto knee = slot(g.knee_place());
   const Vector3& axis = chain.axes[knee];
-  const Vector3 thigh = chain.origins[knee] - chain.origins[knee - 1],
-                shin = chain.foot - chain.origins[knee];
+  const Vector3 end = g.knee_place() + 1 < g.count ? chain.origins[knee + 1] : chain.foot;
+  const Vector3 thigh = chain.origins[knee] - chain.origins[knee - 1], shin = end - chain.origins[knee];
   const Vector3 across = axis.cross(thigh);  // thigh's part across the axis, turned by a right angle
   return std::atan2(across.dot(shin), across.cross(axis).dot(shin));
 }
@@ -76,7 +94,7 @@ constexpr JointLimits kUnlimited{-1e9, 1e9};  // rad; finite, so that nothing be
 Limits limits_of(const LeastSquaresLegGeometry& g) {
   constexpr double kWholeTurn = 2 * M_PI - 1e-9;
   Limits limits;
-  for (int i = 0; i < g.count; ++i) {
+  for (int i = 0; i < g.servos(); ++i) {
     const JointLimits& own = g.links[slot(i)].limits;
     limits[slot(i)] = own.upper - own.lower >= kWholeTurn ? kUnlimited : own;
   }
@@ -84,16 +102,20 @@ Limits limits_of(const LeastSquaresLegGeometry& g) {
 }
 
 LegJointAngles clamped(const LeastSquaresLegGeometry& g, const Limits& limits, LegJointAngles q) {
-  for (int i = 0; i < g.count; ++i) clamp_angle(q[i], limits[slot(i)]);
+  for (int i = 0; i < g.servos(); ++i) clamp_angle(q[i], limits[slot(i)]);
   return q;
 }
 
 /// `limits` with the knee kept on the side of `q`'s: its bend is its angle less a constant, and from straight
 /// to folded.
 Limits on_side(const LeastSquaresLegGeometry& g, Limits limits, const LegJointAngles& q, double side) {
-  const int knee = g.count - 1;
-  const double straight = q[knee] - bend_about_axis(g, place_chain(g, q)), folded = straight + side * M_PI;
-  JointLimits& own = limits[slot(knee)];
+  const LegLink& knee = g.links[slot(g.knee_place())];
+  const int moved_by = variable_of(knee, g.knee_place());
+  const double share = share_of(knee);
+  if (share == 0) return limits;
+  const double straight = q[moved_by] - bend_about_axis(g, place_chain(g, q)) / share,
+               folded = straight + side * M_PI / share;
+  JointLimits& own = limits[slot(moved_by)];
   own = {std::clamp(std::min(straight, folded), own.lower, own.upper),
          std::clamp(std::max(straight, folded), own.lower, own.upper)};
   return limits;
@@ -101,8 +123,8 @@ Limits on_side(const LeastSquaresLegGeometry& g, Limits limits, const LegJointAn
 
 /// Within the joints' limits, by whole turns where that does it; the third angle of two is zero.
 LegJointAngles fitted(const LeastSquaresLegGeometry& g, LegJointAngles q) {
-  for (int i = 0; i < g.count; ++i) fit_angle(q[i], g.links[slot(i)].limits);
-  if (g.count == 2) q[2] = 0;
+  for (int i = 0; i < g.servos(); ++i) fit_angle(q[i], g.links[slot(i)].limits);
+  if (g.servos() == 2) q[2] = 0;
   return q;
 }
 
@@ -128,16 +150,22 @@ Found look(const LeastSquaresLegGeometry& g, const Vector3& target, const LegJoi
 Vector3 damped_step(const LeastSquaresLegGeometry& g, const Limits& limits, const Vector3& target,
                     const Found& at, double lambda) {
   const Matrix3 J = jacobian(g, at.chain);
+  const JointColumns columns = columns_of(g, at.chain);
   const Vector3 error = target - at.chain.foot;
   Vector3 downhill = J.transpose() * error;
   Matrix3 gauss = J.transpose() * J, curvature = Matrix3::Zero();
   for (int i = 0; i < g.count; ++i) {
     for (int j = i; j < g.count; ++j) {
-      curvature(i, j) = curvature(j, i) = at.chain.axes[slot(i)].cross(J.col(j)).dot(error);
+      const LegLink &first = g.links[slot(i)], &second = g.links[slot(j)];
+      const int a = variable_of(first, i), b = variable_of(second, j);
+      const double part =
+          share_of(first) * share_of(second) * at.chain.axes[slot(i)].cross(columns[slot(j)]).dot(error);
+      curvature(a, b) += part;
+      if (i != j) curvature(b, a) += part;
     }
   }
   for (int i = 0; i < 3; ++i) {
-    const bool held = i >= g.count || (downhill[i] < 0 && at.q[i] <= limits[slot(i)].lower) ||
+    const bool held = i >= g.servos() || (downhill[i] < 0 && at.q[i] <= limits[slot(i)].lower) ||
                       (downhill[i] > 0 && at.q[i] >= limits[slot(i)].upper);
     if (!held) continue;
     downhill[i] = 0;
@@ -177,7 +205,9 @@ Found search(const LeastSquaresLegGeometry& g, const Limits& limits, const Vecto
 
 /// `q` with its knee bent by `bend` about its axis.
 LegJointAngles with_bend(const LeastSquaresLegGeometry& g, LegJointAngles q, double bend) {
-  q[g.count - 1] += bend - bend_about_axis(g, place_chain(g, q));
+  const LegLink& knee = g.links[slot(g.knee_place())];
+  if (share_of(knee) == 0) return q;
+  q[variable_of(knee, g.knee_place())] += (bend - bend_about_axis(g, place_chain(g, q))) / share_of(knee);
   return q;
 }
 
@@ -188,7 +218,8 @@ double side_of(const LeastSquaresLegGeometry& g, const LegJointAngles& q) {
   if (std::abs(bend) >= kStraight && std::abs(bend) <= M_PI - kStraight) return std::copysign(1.0, bend);
   const auto room = [&](double side) {
     const Limits limits = on_side(g, limits_of(g), q, side);
-    return limits[slot(g.count - 1)].upper - limits[slot(g.count - 1)].lower;
+    const JointLimits& own = limits[slot(variable_of(g.links[slot(g.knee_place())], g.knee_place()))];
+    return own.upper - own.lower;
   };
   const double least = room(1.0) - room(-1.0);
   return std::abs(least) > kStraight ? std::copysign(1.0, least) : std::copysign(1.0, bend);
@@ -205,9 +236,38 @@ IkStatus shortfall(const LeastSquaresLegGeometry& g, const Vector3& target, cons
   const Vector3 leg = chain.foot - chain.origins[slot(hip_of(g))];
   const double along = (target - chain.foot).dot(leg) / (unlimited.error * leg.norm());
   if (std::abs(along) > 0.5) return along > 0 ? IkStatus::kClampedTooFar : IkStatus::kClampedTooNear;
-  if (g.count == 2) return IkStatus::kClampedTooFar;  // beside the surface that the foot moves on
+  if (g.servos() == 2) return IkStatus::kClampedTooFar;  // beside the surface that the foot moves on
   const auto from_axis = [&](const Vector3& p) { return chain.axes[0].cross(p - chain.origins[0]).norm(); };
   return from_axis(target) < from_axis(chain.foot) ? IkStatus::kClampedTooNear : IkStatus::kClampedTooFar;
+}
+
+/// Makes a joint of the chain one that follows a servo of it, along what it follows, and keeps that servo
+/// where the joint is within its limits.
+void follow(const RobotDescription& robot, const LegFrames& frames, const SerialChain& chain, int i,
+            LeastSquaresLegGeometry& g) {
+  LegLink& link = g.links[slot(i)];
+  int joint = chain.joints[slot(i)];
+  const std::string& name = robot.joint(joint).name;
+  const auto servos_end = chain.joints.begin() + chain.servos;
+  for (std::size_t step = 0; std::find(chain.joints.begin(), servos_end, joint) == servos_end; ++step) {
+    const JointCoupling* coupling = robot.coupling_of(joint);
+    if (coupling == nullptr || step > robot.couplings.size())
+      frames.fail(name, "a joint that follows a servo of its leg", "another one");
+    // multiplier (c1 leader + c0) + offset
+    link.offset += link.multiplier * coupling->coefficients[0];
+    link.multiplier *= coupling->coefficients[1];
+    joint = coupling->leader;
+  }
+  link.leader = static_cast<int>(std::find(chain.joints.begin(), servos_end, joint) - chain.joints.begin());
+  if (link.multiplier == 0) return;
+  const double a = (link.limits.lower - link.offset) / link.multiplier,
+               b = (link.limits.upper - link.offset) / link.multiplier;
+  JointLimits& own = g.links[slot(link.leader)].limits;
+  own = {std::max(own.lower, std::min(a, b)), std::min(own.upper, std::max(a, b))};
+  if (!(own.lower < own.upper))
+    frames.fail(name,
+                fmt::format("limits that leave angles to '{}', which it follows", robot.joint(joint).name),
+                "none");
 }
 
 }  // namespace
@@ -224,8 +284,11 @@ LeastSquaresLegGeometry least_squares_leg_geometry(const RobotDescription& robot
   for (int i = 0; i < g.count; ++i) {
     const int joint = chain.joints[slot(i)];
     const Body& body = frames.at(joint + 1);
-    g.links[slot(i)] = {body.X_PB.linear(), body.X_PB.translation(), body.joint.axis, frames.limits(joint)};
+    g.links[slot(i)] = {
+        body.X_PB.linear(), body.X_PB.translation(), body.joint.axis, frames.limits(joint), -1, 1, 0};
+    if (i >= chain.servos) follow(robot, frames, chain, i, g);
   }
+  g.knee = joints.ankle == -1 ? -1 : g.count - 2;
   // The links are still placed in the base frame.
   const PlacedChain zero = place_chain(g, LegJointAngles::Zero());
   const auto hip = slot(chain.hip);
@@ -233,7 +296,7 @@ LeastSquaresLegGeometry least_squares_leg_geometry(const RobotDescription& robot
   g.links[0].p -= g.p_BL;
 
   const PlacedChain at_home = place_chain(g, home);
-  const auto knee = slot(g.count - 1);
+  const auto knee = slot(g.knee_place());
   if (!(zero.axes[knee].cross(zero.foot - zero.origins[knee]).norm() > 0)) {
     frames.fail("shin", "a foot off the axis of the knee", "a foot on it");
   }
@@ -252,7 +315,7 @@ LeastSquaresLegGeometry least_squares_leg_geometry(const RobotDescription& robot
 LeastSquaresSolution solve_least_squares(const LeastSquaresLegGeometry& g, const Vector3& target,
                                          const LegJointAngles& start) noexcept {
   LegJointAngles from = start;
-  for (int i = 0; i < g.count; ++i) {
+  for (int i = 0; i < g.servos(); ++i) {
     const JointLimits& own = g.links[slot(i)].limits;
     if (!std::isfinite(from[i])) from[i] = (own.lower + own.upper) / 2;
   }
@@ -292,7 +355,7 @@ Matrix3 least_squares_jacobian(const LeastSquaresLegGeometry& g, const LegJointA
 
 LegMargins least_squares_margins(const LeastSquaresLegGeometry& g, const LegJointAngles& q) noexcept {
   LegMargins margins{limit_margin(q[0], g.links[0].limits), 0, M_PI_2};
-  for (int i = 1; i < g.count; ++i) {
+  for (int i = 1; i < g.servos(); ++i) {
     margins.joint_limit = std::min(margins.joint_limit, limit_margin(q[i], g.links[slot(i)].limits));
   }
   const double bend = std::abs(bend_about_axis(g, place_chain(g, q)));

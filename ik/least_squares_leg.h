@@ -1,5 +1,5 @@
-// Kinematics of a serial leg of two or three joints about any axes, by damped least squares: for legs that
-// ik/serial_leg.h does not cover.
+// Kinematics of a serial leg of two or three servos about any axes, by damped least squares: for legs that
+// ik/serial_leg.h does not cover, of which joints may follow others as well.
 #pragma once
 
 #include <array>
@@ -13,23 +13,39 @@ struct LegLink {
   Matrix3 R = Matrix3::Identity();
   Vector3 p = Vector3::Zero();      ///< m
   Vector3 axis = Vector3::UnitZ();  ///< unit, in the joint's own frame
-  JointLimits limits;
+  JointLimits limits;               ///< of a servo: those of what follows it in them
+  int leader = -1;  ///< place in the chain of the servo that the joint follows; -1: it has one
+  double multiplier = 1, offset = 0;  ///< its angle is multiplier times the leader's plus offset, rad
 };
 
-/// Joint angles in the order of the chain: abduction, hip, knee; hip, abduction, knee; or hip, knee and a
-/// zero.
+/// Angles of the servos in the order of the chain: abduction, hip, knee; hip, abduction, knee; or two of them
+/// (hip, knee; or abduction, hip) and a zero.
 using LegJointAngles = Vector3;
 
 struct LeastSquaresLegGeometry {
   /// Origin of the leg frame in the base frame, m: the point of the hip axis nearest to the foot at zero
   /// angles. For legs that the closed form covers it is the same point.
   Vector3 p_BL = Vector3::Zero();
-  int count = 3;  ///< joints, 2 or 3
-  std::array<LegLink, 3> links;
+  int count = 3;  ///< joints, 2 to 4: servos, then those that follow
+  int knee = -1;  ///< place of the knee; -1: it is the last one
+  std::array<LegLink, 4> links;
   Vector3 p_foot = Vector3::Zero();  ///< foot centre in the last joint's frame, m
   /// A posture with its knee forward and one with its knee backward, from which solutions are sought; a side
   /// that the knee's limits forbid has a posture at its limit.
   std::array<LegJointAngles, 2> starts{LegJointAngles::Zero(), LegJointAngles::Zero()};
+
+  int knee_place() const { return knee == -1 ? count - 1 : knee; }
+  /// Counts the joints that have a servo, 2 or 3.
+  int servos() const {
+    int found = 0;
+    for (int i = 0; i < count; ++i) found += links[static_cast<std::size_t>(i)].leader == -1 ? 1 : 0;
+    return found;
+  }
+  /// Returns the angle of a joint, rad. @param q  of the servos
+  double angle(int i, const LegJointAngles& q) const {
+    const LegLink& link = links[static_cast<std::size_t>(i)];
+    return link.leader == -1 ? q[i] : link.multiplier * q[link.leader] + link.offset;
+  }
 
   const LegJointAngles& start(KneeBranch branch) const {
     return starts[branch == KneeBranch::kForward ? 0 : 1];
@@ -39,7 +55,8 @@ struct LeastSquaresLegGeometry {
 /// @param home  a posture of the leg with its knee bent; the other branch's start has it bent the other
 ///   way and, if it can, its foot where it is in `home`
 /// @throws ConfigError naming file, leg and joint if the joints do not hang on each other or on the base, the
-///   foot does not move with the knee, or the knee of `home` is straight to 0.05 rad, which tells no branch
+///   foot does not move with the knee, the knee of `home` is straight to 0.05 rad, which tells no branch, or
+///   a joint that follows leaves no angle to its servo
 LeastSquaresLegGeometry least_squares_leg_geometry(const RobotDescription& robot, Leg leg,
                                                    const SerialLegJoints& joints, const LegJointAngles& home);
 
@@ -80,12 +97,13 @@ inline constexpr double kConverged = 1e-10;
 [[nodiscard]] Vector3 forward_least_squares(const LeastSquaresLegGeometry& geometry,
                                             const LegJointAngles& q) noexcept;
 
-/// Computes d foot / d joint, m/rad, rows x, y, z of the leg frame: axis x (foot - joint). The last column of
-/// a leg of two joints is zero.
+/// Computes d foot / d servo, m/rad, rows x, y, z of the leg frame: axis x (foot - joint), and of what follows
+/// it as many times as it turns. The last column of a leg of two servos is zero.
 Matrix3 least_squares_jacobian(const LeastSquaresLegGeometry& geometry, const LegJointAngles& q) noexcept;
 
 /// Returns margins, of which `serial` is the bend of the knee from straight or folded, seen along its axis:
-/// between the hip's and the foot's directions from it. `parallel` is pi/2: there is no such singularity.
+/// between the hip's and the foot's directions from it (of a leg with an ankle the ankle's). `parallel` is
+/// pi/2: there is no such singularity.
 LegMargins least_squares_margins(const LeastSquaresLegGeometry& geometry, const LegJointAngles& q) noexcept;
 
 /// Returns the angle from thigh to shin about the knee's axis, counted from where +y lies on it: positive if

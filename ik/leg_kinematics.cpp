@@ -22,7 +22,8 @@ LegKinematics::LegKinematics(const FiveBarGeometry& geometry, const LegModel& mo
 LegKinematics::LegKinematics(const Kind& kind, const SerialLegJoints& joints, LegBranch home)
     : leg_(kind), home_(home) {
   const SerialChain chain = chain_of(joints);
-  servo_count_ = chain.count;
+  servo_count_ = chain.servos;
+  passive_count_ = chain.count - chain.servos;
   std::copy_n(chain.joints.begin(), chain.count, joints_.begin());
 }
 
@@ -48,7 +49,7 @@ LegKinematics make_leg_kinematics(const RobotDescription& robot, Leg leg, const 
   }
   LegJointAngles home = LegJointAngles::Zero();
   const SerialChain chain = chain_of(joints);
-  for (int i = 0; i < chain.count; ++i) home[i] = robot.home[chain.joints[static_cast<std::size_t>(i)]];
+  for (int i = 0; i < chain.servos; ++i) home[i] = robot.home[chain.joints[static_cast<std::size_t>(i)]];
   const LeastSquaresLegGeometry geometry = least_squares_leg_geometry(robot, leg, joints, home);
   return {geometry, joints, branch(knee_bend(geometry, home))};
 }

@@ -18,8 +18,8 @@ enum class LegKind { kFiveBar, kSerial, kLeastSquares };
 std::string_view name(LegKind kind) noexcept;
 
 /// Angles of the driven joints, in the order tilt, shoulder_left, shoulder_right or abduction (if any), hip,
-/// knee (hip, abduction, knee where the hip comes first), and of the passive ones, elbow_left and elbow_right
-/// or none; rad. Inline storage.
+/// knee (hip, abduction, knee where the hip comes first), and of the passive ones, elbow_left and
+/// elbow_right, the knee and ankle that follow, or none; rad. Inline storage.
 using ServoVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
 using PassiveVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1>;
 
@@ -109,6 +109,13 @@ class LegKinematics {
     return {servos[0], servos[1], servo_count_ == 3 ? servos[2] : 0};
   }
 
+  PassiveVector following_angles(const LegJointAngles& servos) const noexcept {
+    const auto& g = *as<LeastSquaresLegGeometry>();
+    PassiveVector angles(passive_count_);
+    for (int i = 0; i < passive_count_; ++i) angles[i] = g.angle(servo_count_ + i, servos);
+    return angles;
+  }
+
   Kind leg_;
   LegBranch home_;
   std::array<int, 5> joints_{0, 1, 2, 3, 4};  // servos, then passive joints
@@ -167,6 +174,7 @@ inline LegInverse LegKinematics::inverse(const Vector3& target, LegBranch branch
       const LeastSquaresSolution s = solve_least_squares(*as<LeastSquaresLegGeometry>(), target, branch.knee);
       result.status = s.status;
       servos = s.angles.head(servo_count_);
+      result.posture.passive = following_angles(s.angles);
       break;
     }
   }
@@ -189,6 +197,7 @@ inline LegForward LegKinematics::forward(const ServoVector& servos, LegBranch br
       break;
     case LegKind::kLeastSquares:
       result.foot = forward_least_squares(*as<LeastSquaresLegGeometry>(), joint_angles(servos));
+      result.passive = following_angles(joint_angles(servos));
       break;
   }
   return result;

@@ -40,14 +40,22 @@ SerialPosture posture(const SerialLegGeometry& g, const SerialAngles& q) {
 }  // namespace
 
 SerialLegJoints serial_leg_joints(const LegModel& model) {
-  return {model.joint("abduction"), model.joint("hip"), model.joint("knee"),
-          model.foot_body,          model.p_BF,         model.linkage == LegLinkage::kHipFirst};
+  return {model.joint("abduction"),
+          model.joint("hip"),
+          model.joint("knee"),
+          model.foot_body,
+          model.p_BF,
+          model.linkage == LegLinkage::kHipFirst,
+          model.joint("ankle"),
+          model.linkage == LegLinkage::kKneeFollows};
 }
 
 SerialChain chain_of(const SerialLegJoints& joints) {
-  if (joints.abduction == -1) return {{joints.hip, joints.knee, -1}, 2, 0};
-  if (joints.hip_first) return {{joints.hip, joints.abduction, joints.knee}, 3, 0};
-  return {{joints.abduction, joints.hip, joints.knee}, 3, 1};
+  const int ankles = joints.ankle == -1 ? 0 : 1;
+  if (joints.abduction == -1) return {{joints.hip, joints.knee, joints.ankle}, 2 + ankles, 0, 2};
+  if (joints.hip_first) return {{joints.hip, joints.abduction, joints.knee, joints.ankle}, 3 + ankles, 0, 3};
+  return {
+      {joints.abduction, joints.hip, joints.knee, joints.ankle}, 3 + ankles, 1, joints.knee_follows ? 2 : 3};
 }
 
 void validate(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints) {
@@ -62,8 +70,10 @@ void validate(const RobotDescription& robot, Leg leg, const SerialLegJoints& joi
     frames.require_parent(joint, parent);
     parent = joint + 1;
   }
-  if (joints.foot_body != joints.knee + 1) {
-    frames.fail("foot", "on the body that the knee moves, " + frames.at(joints.knee + 1).name,
+  if (joints.foot_body != parent) {
+    frames.fail("foot",
+                fmt::format("on the body that the {} moves, {}", joints.ankle == -1 ? "knee" : "ankle",
+                            frames.at(parent).name),
                 fmt::format("on body {}", joints.foot_body));
   }
 }
@@ -71,7 +81,7 @@ void validate(const RobotDescription& robot, Leg leg, const SerialLegJoints& joi
 bool is_serial_leg(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints, double tolerance) {
   validate(robot, leg, joints);
   const LegFrames frames(robot, leg, tolerance);
-  return !joints.hip_first &&
+  return !joints.hip_first && joints.ankle == -1 && !joints.knee_follows &&
          (joints.abduction == -1 || frames.is_along(joints.abduction, Vector3::UnitX())) &&
          frames.is_along(joints.hip, Vector3::UnitY()) && frames.is_along(joints.knee, Vector3::UnitY());
 }
@@ -81,6 +91,8 @@ SerialLegGeometry serial_leg_geometry(const RobotDescription& robot, Leg leg, co
   validate(robot, leg, joints);
   const LegFrames frames(robot, leg, tolerance);
   if (joints.hip_first) frames.fail("joints", "an abduction before the hip", "one behind it");
+  if (joints.ankle != -1 || joints.knee_follows)
+    frames.fail("joints", "a servo on each", "one that follows another");
   SerialLegGeometry g;
   g.side = side_sign(leg);
   g.has_abduction = joints.abduction != -1;

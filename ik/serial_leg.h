@@ -21,15 +21,18 @@ constexpr double knee_sign(KneeBranch branch) { return branch == KneeBranch::kFo
 struct SerialLegJoints {
   int abduction = -1;  ///< -1: none, the hip is on the base
   int hip = -1, knee = -1;
-  int foot_body = -1;              ///< index of the body that carries the foot: the knee's
+  int foot_body = -1;              ///< index of the body that carries the foot: the ankle's, else the knee's
   Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m
   bool hip_first = false;          ///< the abduction is between hip and knee
+  int ankle = -1;                  ///< one that follows another joint of the leg; -1: none
+  bool knee_follows = false;       ///< the knee has no servo and follows another joint of the leg
 };
 
-/// Holds the joints in a row from the base, two or three of them, and which of these is the hip.
+/// Holds the joints in a row from the base, two to four of them, which of these is the hip, and how many have
+/// a servo: the first ones.
 struct SerialChain {
-  std::array<int, 3> joints{-1, -1, -1};
-  int count = 0, hip = 0;
+  std::array<int, 4> joints{-1, -1, -1, -1};
+  int count = 0, hip = 0, servos = 0;
 };
 SerialChain chain_of(const SerialLegJoints& joints);
 
@@ -38,7 +41,7 @@ SerialLegJoints serial_leg_joints(const LegModel& model);
 
 /// @throws ConfigError naming file, leg and joint unless the joints are `robot`'s, hang on each other in
 /// their
-///   row, the first on the base, and the foot is on the knee's body
+///   row, the first on the base, and the foot is on the last one's body
 void validate(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints);
 
 /// Describes a serial leg; without an abduction joint its plane is y = 0 of the leg frame, and nothing but
@@ -56,8 +59,8 @@ struct SerialLegGeometry : TiltMount {
 inline constexpr double kSerialAlignment = 1e-4;
 
 /// Tells whether the axes of the joints are those of a serial leg, each within `tolerance` (rad): abduction
-/// along +-x, hip and knee along +-y of the base, at zero angles, and the abduction first. @throws
-/// ConfigError if they do not hang on each other
+/// along +-x, hip and knee along +-y of the base, at zero angles, the abduction first and no joint that
+/// follows. @throws ConfigError if they do not hang on each other
 bool is_serial_leg(const RobotDescription& robot, Leg leg, const SerialLegJoints& joints,
                    double tolerance = kSerialAlignment);
 

@@ -32,6 +32,12 @@ FootTargetTracker::FootTargetTracker(std::shared_ptr<const RobotDescription> des
   const std::vector<int> actuated = robot.actuated_joints();
   for (const Leg leg : kLegs) {
     const LegKinematics& kinematics = kinematics_[leg];
+    if ((*robot.legs)[leg].linkage == LegLinkage::kKneeFollows) {
+      throw ConfigError(robot.source, fmt::format("legs.{}", name(leg)),
+                        "a leg that can put its foot anywhere in its plane, to walk by feet",
+                        "a knee that follows: hip and knee move the foot along one line (joint targets still "
+                        "do)");
+    }
     LegServos& servos = servos_[leg];
     servos.stiffness.resize(kinematics.servo_count());
     for (std::size_t k = 0; k < kinematics.servo_joints().size(); ++k) {

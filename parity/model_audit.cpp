@@ -148,6 +148,10 @@ bool same_loops(const PhysicsBackend& a, const PhysicsBackend& b) {
   return a.robot().loops.empty() || a.info().laws.loops == b.info().laws.loops;
 }
 
+bool same_couplings(const PhysicsBackend& a, const PhysicsBackend& b) {
+  return a.robot().couplings.empty() || a.info().laws.couplings == b.info().laws.couplings;
+}
+
 void audit_ground(const PhysicsBackend& a, const PhysicsBackend& b, ModelAudit& audit) {
   const double eps = coarser_epsilon(a, b);
   Worst heights("height of the ground", "m", eps), diagonal("diagonal of the height field", "m", eps);
@@ -281,7 +285,7 @@ void audit_shapes(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
 }
 
 void audit_motion(PhysicsBackend& a, PhysicsBackend& b, ModelAudit& audit) {
-  if (!same_joint_friction(a, b) || !same_loops(a, b)) return;
+  if (!same_joint_friction(a, b) || !same_loops(a, b) || !same_couplings(a, b)) return;
   const double eps = coarser_epsilon(a, b);
   Worst motion("motion in the air", "m/s or rad/s", eps);
   const RobotState state = probes::swinging(a);

@@ -68,35 +68,56 @@ RobotPtr tumbling_body() {
   return finished(robot);
 }
 
+namespace {
+
+Body arm_body(const std::string& number, const ArmLink& link) {
+  // A slender body: its inertia about its long axis is small, and does not matter.
+  const Vector3 moments(link.inertia, link.inertia, 0.1 * link.inertia);
+  Body body = free_body("link" + number, {link.mass, {0, 0, -link.length}, moments.asDiagonal()});
+  Joint& joint = body.joint;
+  joint.name = "joint" + number;
+  joint.axis = Vector3::UnitY();
+  joint.damping = link.damping;
+  joint.friction = link.friction;
+  joint.armature = link.armature;
+  joint.actuated = link.servo;
+  joint.kp = link.kp;
+  joint.kd = link.kd;
+  joint.effort_limit = link.effort_limit;
+  joint.lower = -link.limit;
+  joint.upper = link.limit;
+  joint.limited = link.limited;
+  return body;
+}
+
+}  // namespace
+
 RobotPtr arm(const std::vector<ArmLink>& links) {
   RobotDescription robot;
   robot.name = "arm";
   robot.bodies.push_back(free_body("base", solid_box(1, {0.05, 0.05, 0.05})));
   double joint_depth = 0;
   for (std::size_t i = 0; i < links.size(); ++i) {
-    const ArmLink& link = links[i];
-    // A slender body: its inertia about its long axis is small, and does not matter.
-    const Vector3 moments(link.inertia, link.inertia, 0.1 * link.inertia);
-    Body body =
-        free_body("link" + std::to_string(i), {link.mass, {0, 0, -link.length}, moments.asDiagonal()});
+    Body body = arm_body(std::to_string(i), links[i]);
     body.parent = static_cast<int>(i);
     body.X_PB.translation().z() = -joint_depth;
-    joint_depth = 2 * link.length;
-    Joint& joint = body.joint;
-    joint.name = "joint" + std::to_string(i);
-    joint.axis = Vector3::UnitY();
-    joint.damping = link.damping;
-    joint.friction = link.friction;
-    joint.armature = link.armature;
-    joint.actuated = link.servo;
-    joint.kp = link.kp;
-    joint.kd = link.kd;
-    joint.effort_limit = link.effort_limit;
-    joint.lower = -link.limit;
-    joint.upper = link.limit;
-    joint.limited = link.limited;
+    joint_depth = 2 * links[i].length;
     robot.bodies.push_back(body);
   }
+  return finished(robot);
+}
+
+RobotPtr geared_pendulums(const ArmLink& leader, const ArmLink& follower, double ratio) {
+  RobotDescription robot;
+  robot.name = "geared_pendulums";
+  robot.bodies.push_back(free_body("base", solid_box(1, {0.05, 0.05, 0.05})));
+  for (const auto& [link, y] : {std::pair(leader, 0.1), std::pair(follower, -0.1)}) {
+    Body body = arm_body(std::to_string(robot.joint_count()), link);
+    body.parent = 0;
+    body.X_PB.translation().y() = y;
+    robot.bodies.push_back(body);
+  }
+  robot.couplings.push_back({.follower = 1, .leader = 0, .coefficients = {0, ratio}});
   return finished(robot);
 }
 
@@ -354,6 +375,22 @@ RobotPtr with_joint_friction(const RobotPtr& robot, double friction) {
   RobotDescription changed = *robot;
   for (std::size_t i = 1; i < changed.bodies.size(); ++i) changed.bodies[i].joint.friction = friction;
   return std::make_shared<const RobotDescription>(std::move(changed));
+}
+
+RobotPtr with_coupled_hips(const RobotPtr& robot) {
+  RobotDescription changed = *robot;
+  for (const auto& [hind, front] : {std::pair(Leg::RR, Leg::FL), std::pair(Leg::RL, Leg::FR)}) {
+    const auto hip = [&](Leg leg) { return (*changed.legs)[leg].servos[1]; };
+    const int follower = hip(hind), leader = hip(front);
+    const double sign = changed.joint(follower).axis.dot(changed.joint(leader).axis) < 0
+                            ? -1
+                            : 1;  // in one pose: hips at zero
+    changed.couplings.push_back(
+        {.follower = follower,
+         .leader = leader,
+         .coefficients = {changed.home[follower] - sign * changed.home[leader], sign}});
+  }
+  return finished(changed);
 }
 
 RobotPtr with_joint_limits(const RobotPtr& robot, double range) {

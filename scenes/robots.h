@@ -46,6 +46,10 @@ struct ArmLink {
 /// Makes links in series, the first on a base that is meant to be fixed. No shapes.
 RobotPtr arm(const std::vector<ArmLink>& links);
 
+/// Two pendulums side by side on a base that is meant to be fixed, of which the second turns `ratio` times as
+/// far as the first. No shapes.
+RobotPtr geared_pendulums(const ArmLink& leader, const ArmLink& follower, double ratio);
+
 /// One body of 1 kg on four spheres of radius `kSledRadius` whose centres are at the corners of a rectangle
 /// about the origin, where its centre of mass is too: it slides rather than tips.
 inline constexpr double kSledRadius = 0.02;
@@ -83,6 +87,9 @@ RobotPtr finished(RobotDescription robot);
 RobotPtr without_loops(const RobotPtr& robot);
 /// Returns the robot with this dry friction in every joint, N m.
 RobotPtr with_joint_friction(const RobotPtr& robot, double friction);
+/// Couples the hip (or left shoulder) of each hind leg of the robot to that of the front leg across from it,
+/// with which it moves in a trot.
+RobotPtr with_coupled_hips(const RobotPtr& robot);
 /// Returns the robot with every joint, and so its targets, kept within `range` rad of its home, either way.
 RobotPtr with_joint_limits(const RobotPtr& robot, double range);
 

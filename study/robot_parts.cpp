@@ -102,6 +102,11 @@ void copy_part(std::string_view part, const RobotDescription& from, RobotDescrip
   } else if (part == kSoftness) {
     to.loop_softness = from.loop_softness;
     to.friction_softness = from.friction_softness;
+    // Where both have the same joints coupled.
+    for (JointCoupling& coupling : to.couplings) {
+      const JointCoupling* other = from.coupling_of(coupling.follower);
+      if (other != nullptr) coupling.softness = other->softness;
+    }
     for (std::size_t i = 1; i < to.bodies.size(); ++i)
       to.bodies[i].joint.limit_softness = from.bodies[i].joint.limit_softness;
   } else {
@@ -145,6 +150,13 @@ RobotDescription in_order_of(const RobotDescription& a, const RobotDescription& 
   std::vector<int> now(place.size());  // where each body of b goes
   for (std::size_t i = 0; i < place.size(); ++i) now[place[i]] = static_cast<int>(i);
   const auto joint_now = [&now](int joint) { return now[static_cast<std::size_t>(joint) + 1] - 1; };
+  // Of couplings of `a` first, in its order.
+  const auto order = [&a](const JointCoupling& coupling) {
+    const JointCoupling* own = a.coupling_of(coupling.follower);
+    return std::pair(own == nullptr ? a.couplings.size() : static_cast<std::size_t>(own - a.couplings.data()),
+                     coupling.follower);
+  };
+  std::vector<bool> is_turned(static_cast<std::size_t>(b.joint_count()));
   RobotDescription robot = b;
   for (std::size_t i = 0; i < place.size(); ++i) {
     const Body& like = a.bodies[i];
@@ -160,8 +172,10 @@ RobotDescription in_order_of(const RobotDescription& a, const RobotDescription& 
     body.joint.name = like.joint.name;
     for (std::size_t k = 0; k < std::min(body.shapes.size(), like.shapes.size()); ++k)
       body.shapes[k].name = like.shapes[k].name;
-    if (i > 0 && body.joint.axis.dot(like.joint.axis) < 0 && b.home.size() == b.joint_count())
+    if (i > 0 && body.joint.axis.dot(like.joint.axis) < 0 && b.home.size() == b.joint_count()) {
       turn_around(body.joint, robot.home[static_cast<Eigen::Index>(i) - 1]);
+      is_turned[i - 1] = true;
+    }
   }
   for (std::size_t i = 0; i < robot.loops.size(); ++i) {
     LoopClosure& loop = robot.loops[i];
@@ -169,6 +183,19 @@ RobotDescription in_order_of(const RobotDescription& a, const RobotDescription& 
     loop.body_b = now[static_cast<std::size_t>(loop.body_b)];
     if (i < a.loops.size()) loop.name = a.loops[i].name;
   }
+  for (JointCoupling& coupling : robot.couplings) {
+    coupling.follower = joint_now(coupling.follower);
+    coupling.leader = joint_now(coupling.leader);
+    if (is_turned[static_cast<std::size_t>(coupling.leader)]) {
+      coupling.coefficients[1] = 0 - coupling.coefficients[1];
+      coupling.coefficients[3] = 0 - coupling.coefficients[3];
+    }
+    if (is_turned[static_cast<std::size_t>(coupling.follower)]) {
+      for (double& coefficient : coupling.coefficients) coefficient = 0 - coefficient;
+    }
+  }
+  std::sort(robot.couplings.begin(), robot.couplings.end(),
+            [&](const JointCoupling& x, const JointCoupling& y) { return order(x) < order(y); });
   if (robot.legs) {
     for (const Leg leg : kLegs) {
       LegModel& model = (*robot.legs)[leg];

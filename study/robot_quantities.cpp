@@ -82,6 +82,7 @@ class Quantities {
       add(joint.name, "spring_reference", "rad", file.spring_reference, joint.spring_reference, kOfFile);
     add_limits(joint, file);
     add_velocity_limit(joint);
+    add_coupling(joint);
     const Joint unlimited;
     if (joint.target_lower != unlimited.target_lower || joint.target_upper != unlimited.target_upper)
       add(joint.name, "target_range", "rad", List{file.target_lower, file.target_upper},
@@ -117,6 +118,35 @@ class Quantities {
     add(joint.name, "velocity_limit", "rad/s", limit->second, unless_zero(joint.no_load_speed),
         has_drive ? "no_load_speed of the drive"
                   : "not simulated; drives have no_load_speed (models/README.md)");
+  }
+
+  void add_coupling(const Joint& joint) {
+    const auto found = loaded_.report.couplings.find(joint.name);
+    if (found == loaded_.report.couplings.end()) return;
+    const NamedCoupling& of_file = found->second;
+    const JointCoupling* used = nullptr;
+    for (const JointCoupling& coupling : loaded_.robot.couplings) {
+      if (loaded_.robot.joint(coupling.follower).name == joint.name) used = &coupling;
+    }
+    if (used == nullptr) return;
+    const std::string leader = loaded_.robot.joint(used->leader).name;
+    add(joint.name, "follows", "", of_file.leader, leader, of_file.place);
+    const auto list = [](const std::array<double, 5>& numbers) {
+      std::size_t count = numbers.size();
+      while (count > 2 && numbers[count - 1] == 0) --count;
+      return List(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(count));
+    };
+    add(joint.name, "coupling", "rad, -, ...", list(of_file.coefficients), list(used->coefficients),
+        "offset, multiplier, and of higher powers of the leader's angle");
+    const auto solref = [](const Softness& s) { return List{s.time_constant, s.damping_ratio}; };
+    const auto solimp = [](const Softness& s) {
+      return List{s.impedance_min, s.impedance_max, s.impedance_width, s.impedance_midpoint,
+                  s.impedance_power};
+    };
+    add(joint.name, "coupling_solref", "s, -", solref(of_file.softness), solref(used->softness),
+        of_file.place);
+    add(joint.name, "coupling_solimp", "-, -, rad, -, -", solimp(of_file.softness), solimp(used->softness),
+        of_file.place);
   }
 
   void add_foot(Leg leg) {
@@ -227,6 +257,7 @@ std::string softness_warning(const RobotDescription& robot, const ContactSpec& c
   };
   look("contacts (solref)", contact.softness);
   if (!robot.loops.empty()) look("loops", robot.loop_softness);
+  for (const JointCoupling& coupling : robot.couplings) look("coupled joints", coupling.softness);
   if (robot.has_joint_friction()) look("dry friction in joints", robot.friction_softness);
   for (int i = 0; i < robot.joint_count(); ++i) {
     if (robot.joint(i).limited) look("limits of joints", robot.joint(i).limit_softness);

@@ -27,6 +27,7 @@ EngineInfo make_info(const ContactFactors& factors, bool own_code) {
                .loops = "mujoco",
                .joint_friction = factors.hard_joint_friction ? "hard" + way : "mujoco",
                .joint_limits = factors.hard_joint_limits ? "hard" + way : "mujoco",
+               .couplings = "mujoco",
                .contact_family = contact::family_name(factors)};
   if (!own_code) info.own_parts = contact::own_parts();
   if (own_code) {

@@ -68,7 +68,8 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
   pending_ = false;
   const DofVector after_dynamics = bullet_velocity();
   composite_.update(joints_.inertia());
-  joints_.solve(before_, after_dynamics, torque_);
+  for (int i = 0; i < model_.body().getNumLinks(); ++i) angles_[i] = model_.body().getJointPos(i);
+  joints_.solve(before_, after_dynamics, angles_, torque_);
   if (!joints_.velocity().allFinite()) {
     finite_ = false;
     set_velocity(DofVector::Zero(before_.size()));
@@ -81,7 +82,6 @@ void ConstraintSolver::solveMultiBodyGroup(btCollisionObject** bodies, int body_
     } else {
       finder_.find(bodies_, points_);
     }
-    for (int i = 0; i < model_.body().getNumLinks(); ++i) angles_[i] = model_.body().getJointPos(i);
     set_velocity(contacts_.solve(before_, angles_, points_));
     return;
   }

@@ -57,7 +57,7 @@ ContactStage::ContactStage(const WorldSpec& spec, const LawFactors& factors, con
       frictional_joints_(contact::frictional_joints(spec)),
       limited_joints_(contact::limited_joints(spec)),
       sweeps_(sweeps) {
-  loops_.setZero(joints_.inertia().dofs(), 3 * static_cast<Eigen::Index>(spec.robot->loops.size()));
+  loops_.setZero(joints_.inertia().dofs(), joints_.row_count());
   const bool hard = factors_.hard_normal || factors_.hard_friction ||
                     (factors_.hard_joint_friction && !frictional_joints_.empty()) ||
                     (factors_.hard_joint_limits && !limited_joints_.empty());

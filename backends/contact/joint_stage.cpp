@@ -21,7 +21,12 @@ JointStage::JointStage(const WorldSpec& spec, const BodyKinematics& bodies)
   if (loops_.size() > kMaxLoops) {
     throw ConfigError("robot", "loops", "at most 16 loop closures", std::to_string(loops_.size()));
   }
-  const Eigen::Index rows = 3 * static_cast<Eigen::Index>(loops_.size());
+  const JointVector joint_weights = joint_inverse_weights(*spec.robot, spec.fixed_base);
+  for (const JointCoupling& coupling : spec.robot->couplings) {
+    couplings_.push_back({coupling, SoftLaw(coupling.softness, spec.physics_dt),
+                          joint_weights[coupling.follower] + joint_weights[coupling.leader]});
+  }
+  const Eigen::Index rows = static_cast<Eigen::Index>(3 * loops_.size() + couplings_.size());
   Y_.setZero(inertia_.dofs(), rows);
   P_.setZero(rows, inertia_.dofs());
   regularization_.setZero(rows);
@@ -29,11 +34,13 @@ JointStage::JointStage(const WorldSpec& spec, const BodyKinematics& bodies)
   K_.setZero(rows, rows);
 }
 
-void JointStage::solve(const DofVector& before, const DofVector& free, const JointVector& torque) noexcept {
+void JointStage::solve(const DofVector& before, const DofVector& free, const JointVector& angles,
+                       const JointVector& torque) noexcept {
   solve_smooth(before, free, torque);
-  if (loops_.empty()) return;
+  if (row_count() == 0) return;
 
   assemble_loops(before);
+  assemble_couplings(before, angles);
   K_.noalias() = Y_.transpose() * Y_;
   K_.diagonal() += regularization_;
   Eigen::LLT<Eigen::Ref<LoopMatrix>> cholesky(K_);
@@ -78,8 +85,28 @@ void JointStage::assemble_loops(const DofVector& before) noexcept {
   }
 }
 
+// As mjEQ_JOINT of MuJoCo (engine_core_constraint.c, mj_instantiateEqual; weights: mj_diagApprox).
+void JointStage::assemble_couplings(const DofVector& before, const JointVector& angles) noexcept {
+  for (std::size_t i = 0; i < couplings_.size(); ++i) {
+    const auto& [coupling, law, inverse_weight] = couplings_[i];
+    const Eigen::Index row = static_cast<Eigen::Index>(3 * loops_.size() + i);
+    const double leader = angles[coupling.leader], slope = coupling.slope_at(leader);
+    const double violation = angles[coupling.follower] - coupling.follower_at(leader);
+    const Eigen::Index to = 6 + coupling.follower, from = 6 + coupling.leader;
+    const double imp = law.impedance(violation);
+    const double target = law.target_velocity(before[to] - slope * before[from], imp, violation);
+    rhs_[row] = target - (velocity_[to] - slope * velocity_[from]);
+    regularization_[row] = SoftLaw::regularization(imp, inverse_weight);
+    work_.setZero();
+    work_[to] = 1;
+    work_[from] = -slope;
+    inertia_.half_solve(work_);
+    Y_.col(row) = work_;
+  }
+}
+
 void JointStage::project(Eigen::Ref<DofVector> y) const noexcept {
-  if (loops_.empty()) return;
+  if (row_count() == 0) return;
   LoopVector response(P_.rows());
   response.noalias() = P_ * y;
   y.noalias() -= P_.transpose() * response;
@@ -95,6 +122,11 @@ std::vector<std::vector<int>> JointStage::coupled_dofs() const {
   for (const LoopPoints& loop : loops_) {
     sets.push_back(inertia_.dofs_of(loop.body_a));
     const std::vector<int> other = inertia_.dofs_of(loop.body_b);
+    sets.back().insert(sets.back().end(), other.begin(), other.end());
+  }
+  for (const CoupledJoints& joints : couplings_) {
+    sets.push_back(inertia_.dofs_of(joints.coupling.leader + 1));
+    const std::vector<int> other = inertia_.dofs_of(joints.coupling.follower + 1);
     sets.back().insert(sets.back().end(), other.begin(), other.end());
   }
   return sets;

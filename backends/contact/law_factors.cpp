@@ -64,7 +64,8 @@ HardContact hard_contact(const ContactSpec& contact, const LawFactors& factors) 
 std::string family_name(const LawFactors& factors) { return factors.hard_normal ? "rigid" : "compliant"; }
 
 std::vector<std::string> own_parts() {
-  return {"contact solver", "loop closures", "armature, damping and dry friction of joints"};
+  return {"contact solver", "loop closures and coupled joints",
+          "armature, damping and dry friction of joints"};
 }
 
 }  // namespace crossgait::contact

@@ -36,6 +36,7 @@ EngineInfo make_info(const DartFactors& factors) {
                .loops = "mujoco",
                .joint_friction = factors.hard_joint_friction ? "hard" : "mujoco",
                .joint_limits = factors.hard_joint_limits ? "hard" : "mujoco",
+               .couplings = "mujoco",
                .contact_family = contact::family_name(factors)};
   info.own_parts = contact::own_parts();
   if (factors == kMatched) {
@@ -119,7 +120,7 @@ class DartBackend final : public PhysicsBackend {
     free_ = v_;
     model_.free_velocity(h, base, free_);
     model_.bare_inertia(joints_.inertia());
-    joints_.solve(v_, free_, tau);
+    joints_.solve(v_, free_, q_, tau);
     if (!joints_.velocity().allFinite()) return StepStatus::kDiverged;
     points_.clear();
     finder_.find(bodies_, points_);

@@ -131,14 +131,20 @@ void add_body(Xml& xml, const WorldSpec& spec, int index) {
   xml.add("</body>");
 }
 
-void add_loops(Xml& xml, const RobotDescription& robot) {
-  if (robot.loops.empty()) return;
+void add_equalities(Xml& xml, const RobotDescription& robot) {
+  if (robot.loops.empty() && robot.couplings.empty()) return;
   xml.add("<equality>");
   for (std::size_t i = 0; i < robot.loops.size(); ++i) {
     const LoopClosure& loop = robot.loops[i];
     xml.add("<connect name='loop{}' body1='{}' body2='{}' anchor='{}' {}/>", i, body_name(loop.body_a),
             body_name(loop.body_b), numbers(loop.p_AP - body_origin(robot, loop.body_a)),
             softness(robot.loop_softness));
+  }
+  for (const JointCoupling& coupling : robot.couplings) {
+    const auto& c = coupling.coefficients;
+    xml.add("<joint joint1='{}' joint2='{}' polycoef='{:.17g} {:.17g} {:.17g} {:.17g} {:.17g}' {}/>",
+            joint_name(coupling.follower), joint_name(coupling.leader), c[0], c[1], c[2], c[3], c[4],
+            softness(coupling.softness));
   }
   xml.add("</equality>");
 }
@@ -179,12 +185,13 @@ std::string model_xml(const WorldSpec& spec) {
       solver_tolerance(spec.solver.tolerance), spec.contact.impratio);
   // As much room as can be needed (terrain_collision.h): MuJoCo's own memory grows with the square of the
   // rows.
-  const std::size_t loops = spec.robot->loops.size();
+  const std::size_t loops = spec.robot->loops.size(), couplings = spec.robot->couplings.size();
   const auto joints = static_cast<std::size_t>(spec.robot->joint_count());
   // An elliptic cone has a row for each dimension, a pyramid two for each direction of friction.
   const auto dims = static_cast<std::size_t>(spec.contact.condim);
   const std::size_t rows = spec.contact.cone == FrictionCone::kPyramidal ? 2 * (dims - 1) : dims;
-  xml.add("<size nconmax='{}' njmax='{}'/>", kMaxContacts, rows * kMaxContacts + 3 * loops + 2 * joints);
+  xml.add("<size nconmax='{}' njmax='{}'/>", kMaxContacts,
+          rows * kMaxContacts + 3 * loops + couplings + 2 * joints);
   if (const HeightField* field = spec.terrain.field()) {
     // The second figure is the depth of the solid below the lowest point.
     xml.add("<asset><hfield name='terrain' nrow='{}' ncol='{}' size='{:.17g} {:.17g} {:.17g} 0.1'/></asset>",
@@ -195,7 +202,7 @@ std::string model_xml(const WorldSpec& spec) {
   add_terrain(xml, spec);
   add_body(xml, spec, 0);
   xml.add("</worldbody>");
-  add_loops(xml, *spec.robot);
+  add_equalities(xml, *spec.robot);
   xml.add("</mujoco>");
   return xml.take();
 }

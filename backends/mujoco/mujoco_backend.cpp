@@ -34,6 +34,7 @@ EngineInfo make_info(bool loop_bias) {
            .loops = kHasLoopBias && loop_bias ? "mujoco with velocity bias" : "mujoco",
            .joint_friction = "mujoco",
            .joint_limits = "mujoco",
+           .couplings = "mujoco",
            .contact_family = "compliant"},
           {.soft_contact = true,
            .soft_friction = true,

@@ -17,11 +17,12 @@ EngineInfo make_info(const std::string& version) {
   info.version = version;
   info.mode = "hard contact, projected Gauss-Seidel, in plain code";
   // Names of one's own, unless the equations are exactly those of another engine: equal names are held to
-  // rounding. The loops are: loops.h.
+  // rounding. Loops and couplings are: loops.h.
   info.laws = {.contact = "skeleton",
                .loops = "mujoco",
                .joint_friction = "skeleton",
                .joint_limits = "",
+               .couplings = "mujoco",
                .contact_family = "rigid"};
   // Contact is hard; the ground is the description's own; no step allocates.
   info.capabilities = {.sweeps = true, .exact_field_query = true};
@@ -54,7 +55,7 @@ class SkeletonBackend final : public PhysicsBackend {
     b.head<3>() += h * base.force;
     b.segment<3>(3) += h * base.torque;
     b.tail(tau.size()) += h * tau;
-    loops_.add(dynamics_, A, b);
+    loops_.add(dynamics_, now_.q, A, b);
     if (spec().fixed_base) hold_base(A, b);
     response_.compute(A);
     if (response_.info() != Eigen::Success) return StepStatus::kDiverged;

@@ -84,6 +84,7 @@ consteval Text make_stamp() {
   text.add_type<Joint>("Joint");
   text.add_type<Body>("Body");
   text.add_type<LoopClosure>("LoopClosure");
+  text.add_type<JointCoupling>("JointCoupling");
   text.add_type<LegModel>("LegModel");
   text.add_type<RobotDescription>("RobotDescription");
   text.add_type<HeightField>("HeightField");

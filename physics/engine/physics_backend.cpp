@@ -97,6 +97,11 @@ RobotState PhysicsBackend::home_state() const {
 }
 
 void PhysicsBackend::reset(const RobotState& state) {
+  if (!robot().couplings.empty() && info().laws.couplings.empty()) {
+    throw ConfigError(robot().source.empty() ? robot().name : robot().source, "couplings",
+                      "a robot without coupled joints: `" + info().name + "` does not simulate them",
+                      fmt::format("{} of them", robot().couplings.size()));
+  }
   const int n = robot().joint_count();
   if (state.q.size() != n || state.qd.size() != n) {
     throw ConfigError("reset", "joint vectors", fmt::format("{} joints ({})", n, robot().name),

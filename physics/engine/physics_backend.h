@@ -50,6 +50,7 @@ struct Laws {
   std::string loops;           ///< of loop closures: "mujoco" (soft, with its reference acceleration)
   std::string joint_friction;  ///< dry friction in joints: "mujoco" (soft), "hard"; "" for none
   std::string joint_limits;    ///< of joints that are limited: "mujoco" (soft), "hard"; "" for none
+  std::string couplings;       ///< of coupled joints: "mujoco" (soft); "" for none: refuses robots with them
   /// What the law of contact is a relative of: "compliant" (forces from penetration) or "rigid" (impulses
   /// that end it). Relatives count as one opinion where they agree.
   std::string contact_family;
@@ -126,7 +127,7 @@ class PhysicsBackend {
 
   /// Puts the robot into `state` (time included) and forgets contacts, pending pushes and wrenches.
   /// @throws ConfigError if sizes differ from the robot's or a value is not finite or the quaternion is not
-  /// unit
+  /// unit, or if the robot has coupled joints and the engine no law of them
   void reset(const RobotState& state);
   /// Resets to `home_state()`.
   void reset() { reset(home_state()); }

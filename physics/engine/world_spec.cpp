@@ -24,6 +24,7 @@ void WorldSpec::lengthen_time_constants(double dt) {
   RobotDescription own = *robot;
   bool changed = lengthen(own.loop_softness);
   changed |= lengthen(own.friction_softness);
+  for (JointCoupling& coupling : own.couplings) changed |= lengthen(coupling.softness);
   for (Body& body : own.bodies) changed |= lengthen(body.joint.limit_softness);
   if (changed) robot = std::make_shared<const RobotDescription>(std::move(own));
 }

@@ -24,7 +24,7 @@ void add_point_jacobian(const RobotDescription& robot, const std::vector<Pose>& 
 
 void close_loops(const RobotDescription& robot, JointVector& q) {
   constexpr int kIterations = 20;  // convergence is quadratic: about five are enough from a tenth of a radian
-  const auto rows = static_cast<Eigen::Index>(3 * robot.loops.size());
+  const auto rows = static_cast<Eigen::Index>(3 * robot.loops.size() + robot.couplings.size());
   Eigen::VectorXd gaps(rows);
   Eigen::MatrixXd jacobian(rows, robot.joint_count());
   RobotState state;
@@ -41,6 +41,14 @@ void close_loops(const RobotDescription& robot, JointVector& q) {
       add_point_jacobian(robot, poses, loop.body_a, p_WA, 1, jacobian.middleRows<3>(row));
       add_point_jacobian(robot, poses, loop.body_b, p_WB, -1, jacobian.middleRows<3>(row));
       row += 3;
+    }
+    for (const JointCoupling& coupling : robot.couplings) {
+      // Between two servos there is nothing to be moved.
+      gaps[row] = q[coupling.follower] - coupling.follower_at(q[coupling.leader]);
+      if (!robot.joint(coupling.follower).actuated) jacobian(row, coupling.follower) = 1;
+      if (!robot.joint(coupling.leader).actuated)
+        jacobian(row, coupling.leader) = -coupling.slope_at(q[coupling.leader]);
+      ++row;
     }
     q -= jacobian.completeOrthogonalDecomposition().solve(gaps);
   }

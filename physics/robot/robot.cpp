@@ -13,17 +13,42 @@ constexpr std::array<LegRole, 5> kFiveBarRoles{{{"tilt", -1, true},
                                                 {"shoulder_right", 0, true},
                                                 {"elbow_left", 1, false},
                                                 {"elbow_right", 2, false}}};
-constexpr std::array<LegRole, 3> kSerialRoles{{{"abduction", -1, true}, {"hip", 0, true}, {"knee", 1, true}}};
-constexpr std::array<LegRole, 3> kHipFirstRoles{
-    {{"hip", -1, true}, {"abduction", 0, true}, {"knee", 1, true}}};
-constexpr std::array<LegRole, 2> kHipKneeRoles{{{"hip", -1, true}, {"knee", 0, true}}};
+// The ankle is there where a leg has one that follows.
+constexpr std::array<LegRole, 4> kSerialRoles{
+    {{"abduction", -1, true}, {"hip", 0, true}, {"knee", 1, true}, {"ankle", 2, false}}};
+constexpr std::array<LegRole, 4> kHipFirstRoles{
+    {{"hip", -1, true}, {"abduction", 0, true}, {"knee", 1, true}, {"ankle", 2, false}}};
+constexpr std::array<LegRole, 3> kHipKneeRoles{{{"hip", -1, true}, {"knee", 0, true}, {"ankle", 1, false}}};
+constexpr std::array<LegRole, 4> kKneeFollowsRoles{
+    {{"abduction", -1, true}, {"hip", 0, true}, {"knee", 1, false}, {"ankle", 2, false}}};
 
 }  // namespace
 
+double JointCoupling::follower_at(double angle) const noexcept {
+  double value = 0;
+  for (auto c = coefficients.rbegin(); c != coefficients.rend(); ++c) value = value * angle + *c;
+  return value;
+}
+
+double JointCoupling::slope_at(double angle) const noexcept {
+  double value = 0;
+  for (std::size_t power = coefficients.size() - 1; power > 0; --power)
+    value = value * angle + static_cast<double>(power) * coefficients[power];
+  return value;
+}
+
+bool JointCoupling::is_linear() const noexcept {
+  return std::all_of(coefficients.begin() + 2, coefficients.end(), [](double c) { return c == 0; });
+}
+
 std::span<const LegRole> LegModel::roles() const noexcept {
   if (linkage == LegLinkage::kFiveBar) return kFiveBarRoles;
-  if (linkage == LegLinkage::kHipFirst) return kHipFirstRoles;
-  return servos.size() == kHipKneeRoles.size() ? std::span<const LegRole>(kHipKneeRoles) : kSerialRoles;
+  if (linkage == LegLinkage::kKneeFollows)
+    return std::span(kKneeFollowsRoles).first(passive.size() > 1 ? 4 : 3);
+  const std::size_t ankles = passive.empty() ? 0 : 1;
+  if (linkage == LegLinkage::kHipFirst) return std::span(kHipFirstRoles).first(3 + ankles);
+  if (servos.size() == 2) return std::span(kHipKneeRoles).first(2 + ankles);
+  return std::span(kSerialRoles).first(3 + ankles);
 }
 
 std::vector<int> LegModel::joints() const {
@@ -62,6 +87,20 @@ bool RobotDescription::has_joint_friction() const noexcept {
 
 bool RobotDescription::has_joint_limits() const noexcept {
   return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.joint.limited; });
+}
+
+const JointCoupling* RobotDescription::coupling_of(int follower) const noexcept {
+  const auto found = std::find_if(couplings.begin(), couplings.end(),
+                                  [follower](const JointCoupling& c) { return c.follower == follower; });
+  return found == couplings.end() ? nullptr : &*found;
+}
+
+void RobotDescription::place_followers(JointVector& q) const noexcept {
+  // In a chain of n the last one is right after n rounds, in whichever order they are.
+  for (std::size_t round = 0; round < couplings.size(); ++round) {
+    for (const JointCoupling& coupling : couplings)
+      if (!joint(coupling.follower).actuated) q[coupling.follower] = coupling.follower_at(q[coupling.leader]);
+  }
 }
 
 void RobotDescription::validate() const {

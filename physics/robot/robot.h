@@ -112,11 +112,27 @@ struct LoopClosure {
   Vector3 p_AP = Vector3::Zero(), p_BP = Vector3::Zero();  ///< the point in either body's frame, m
 };
 
+/// Holds one joint by a soft row to where a polynomial of another joint's angle has it: a gear, a belt, a
+/// parallel linkage whose bars are left out.
+struct JointCoupling {
+  int follower = -1, leader = -1;  ///< indices of joints
+  /// Of the follower's angle (rad) in powers of the leader's, from the constant up.
+  std::array<double, 5> coefficients{0, 1, 0, 0, 0};
+  Softness softness{0.005, 1.0, 0.95, 0.99, 0.001};  ///< violations are in rad; as loops are unless files say
+
+  /// Returns where the follower belongs with its leader at `angle`, rad.
+  double follower_at(double angle) const noexcept;
+  /// Returns how far it moves per radian of the leader there.
+  double slope_at(double angle) const noexcept;
+  bool is_linear() const noexcept;
+};
+
 /// Says how the joints of a leg are arranged.
 enum class LegLinkage {
-  kFiveBar,   ///< two chains of shoulder and elbow on a tilt joint, joined at the foot by a loop
-  kSerial,    ///< hip and knee, on an abduction joint or on the base
-  kHipFirst,  ///< hip, abduction, knee: the abduction turns with the hip
+  kFiveBar,      ///< two chains of shoulder and elbow on a tilt joint, joined at the foot by a loop
+  kSerial,       ///< hip and knee, on an abduction joint or on the base
+  kHipFirst,     ///< hip, abduction, knee: the abduction turns with the hip
+  kKneeFollows,  ///< abduction and hip, and a knee that is coupled to one of them
 };
 
 /// Describes a joint of a leg: what it is called, and the role (its index) that it hangs on; -1: on the base.
@@ -130,8 +146,9 @@ struct LegRole {
 struct LegModel {
   LegLinkage linkage = LegLinkage::kFiveBar;
   std::vector<int> servos;         ///< tilt, shoulder_left, shoulder_right; or abduction (if any), hip, knee;
-                                   ///< or hip, abduction, knee
-  std::vector<int> passive;        ///< elbow_left, elbow_right; or none
+                                   ///< or hip, abduction, knee; or abduction, hip
+  std::vector<int> passive;        ///< elbow_left, elbow_right; or the knee that follows, and the ankle that
+                                   ///< does, of which a leg has both, one or none
   int foot_body = -1;              ///< index of the body that carries the foot
   Vector3 p_BF = Vector3::Zero();  ///< foot centre in that body's frame, m
   double foot_radius = 0;          ///< m
@@ -150,15 +167,17 @@ struct RobotDescription {
   std::string source;        ///< file it came from, for messages
   std::vector<Body> bodies;  ///< topological order, base first
   std::vector<LoopClosure> loops;
-  ContactSettings contact;  ///< what its files ask of contacts; a world may say otherwise
+  std::vector<JointCoupling> couplings;  ///< at most one for each follower, and none in a circle
+  ContactSettings contact;               ///< what its files ask of contacts; a world may say otherwise
   Softness loop_softness{0.005, 1.0, 0.95, 0.99, 0.001};
   /// Softens dry friction in joints, which engines with hard joint friction ignore; nothing is ever violated,
   /// so damping ratio and width do not count. Stiffer than MuJoCo's defaults, with which friction pushes a
   /// joint on that stops by itself, and stuck joints creep eight times as fast (docs/conventions.md).
   Softness friction_softness{0.005, 1.0, 0.95, 0.99, 0.001};
   std::optional<LegArray<LegModel>> legs;  ///< absent only for test bodies built in code
-  JointVector home;                        ///< joint angles of the home pose, loops closed, rad
-  double home_height = 0;                  ///< height of the base origin over flat ground in the home pose, m
+  JointVector home;        ///< joint angles of the home pose, loops closed and followers where
+                           ///< they belong, rad
+  double home_height = 0;  ///< height of the base origin over flat ground in the home pose, m
   /// h, m: how deep below hips or shoulders the feet of a standing leg are; gaits, ranges and limits are
   /// multiples of it and of sqrt(h / g) (gait/scale.h).
   double standing_height = 0;
@@ -173,9 +192,14 @@ struct RobotDescription {
   bool has_joint_friction() const noexcept;
   /// Tells whether any joint is limited.
   bool has_joint_limits() const noexcept;
+  /// Finds the coupling of which a joint is the follower, or null.
+  const JointCoupling* coupling_of(int follower) const noexcept;
+  /// Puts every follower without a servo where its leader's angle has it, along chains of them.
+  /// @param q  joint angles, rad
+  void place_followers(JointVector& q) const noexcept;
 
   /// Checks every invariant stated above (finite, positive masses, physical inertias, tree order, loops
-  /// closed at home, unique names). @throws ConfigError naming `source` and the element.
+  /// closed and couplings kept at home, unique names). @throws ConfigError naming `source` and the element.
   void validate() const;
 };
 

@@ -1,5 +1,6 @@
 #include "physics/robot/robot_check.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -98,6 +99,34 @@ void check_loops(const RobotDescription& robot) {
   }
 }
 
+void check_couplings(const RobotDescription& robot) {
+  const auto is_joint = [&](int i) { return i >= 0 && i < robot.joint_count(); };
+  std::set<int> followers;
+  for (const JointCoupling& coupling : robot.couplings) {
+    const bool has_joints =
+        is_joint(coupling.follower) && is_joint(coupling.leader) && coupling.follower != coupling.leader;
+    Reporter(source_of(robot), "couplings")
+        .require(has_joints, "a follower and another joint that leads it",
+                 fmt::format("joints {} and {}", coupling.follower, coupling.leader));
+    const std::string element = fmt::format("coupling of joint '{}'", robot.joint(coupling.follower).name);
+    const Reporter report(source_of(robot), element);
+    report.require(followers.insert(coupling.follower).second, "one joint that it follows", "a second one");
+    for (const double c : coupling.coefficients) {
+      report.require(std::isfinite(c), "finite coefficients", fmt::format("{}", c));
+      report.at_most(c, "coefficients", kLargestAngle);
+    }
+    validate_softness(coupling.softness, source_of(robot), element + ": softness");
+  }
+  for (const JointCoupling& coupling : robot.couplings) {
+    const JointCoupling* at = &coupling;
+    for (std::size_t i = 0; at != nullptr && i < robot.couplings.size(); ++i)
+      at = robot.coupling_of(at->leader);
+    Reporter(source_of(robot), fmt::format("coupling of joint '{}'", robot.joint(coupling.follower).name))
+        .require(at == nullptr, "a joint that leads and follows none in the end",
+                 fmt::format("'{}', which follows it in a circle", robot.joint(coupling.leader).name));
+  }
+}
+
 /// Name of a body, also of one that does not exist.
 std::string body_name(const RobotDescription& robot, int body) {
   const bool exists = body >= 0 && body <= robot.joint_count();
@@ -129,13 +158,33 @@ void check_roles(const RobotDescription& robot, Leg leg, std::set<int>& used) {
   }
 }
 
+/// What moves in a serial leg without a servo follows one of its servos, in proportion.
+void check_followers(const RobotDescription& robot, Leg leg) {
+  const LegModel& model = (*robot.legs)[leg];
+  for (std::size_t i = 0; i < model.passive.size(); ++i) {
+    const Reporter report(source_of(robot),
+                          fmt::format("legs.{}.{}", name(leg), model.roles()[model.servos.size() + i].name));
+    int at = model.passive[i];
+    for (std::size_t link = 0; link <= robot.couplings.size(); ++link) {
+      if (std::find(model.servos.begin(), model.servos.end(), at) != model.servos.end()) break;
+      const JointCoupling* coupling = robot.coupling_of(at);
+      report.require(coupling != nullptr, "a servo, or a joint that follows one of this leg",
+                     fmt::format("joint '{}'", robot.joint(at).name));
+      report.require(coupling->is_linear(), "a coupling of at most two coefficients in a leg",
+                     fmt::format("one of higher powers of '{}'", robot.joint(coupling->leader).name));
+      at = coupling->leader;
+    }
+  }
+}
+
 void check_leg(const RobotDescription& robot, Leg leg, std::set<int>& used) {
   check_roles(robot, leg, used);
   const LegModel& model = (*robot.legs)[leg];
   const std::string_view source = source_of(robot);
   const bool five_bar = model.linkage == LegLinkage::kFiveBar;
+  if (!five_bar) check_followers(robot, leg);
   // The last link of a serial leg, or either lower link of a five-bar.
-  const int right = (five_bar ? model.passive : model.servos).back() + 1;
+  const int right = model.joints().back() + 1;
   const int left = five_bar ? model.passive.front() + 1 : right;
   const Reporter foot(source, fmt::format("legs.{}.foot", name(leg)));
   foot.require(model.foot_body == left || model.foot_body == right, "a foot on a lower link of its leg",
@@ -222,6 +271,7 @@ void check_structure(const RobotDescription& robot) {
   report.require(!robot.bodies.empty(), "at least one body", "none");
   report.require(robot.joint_count() <= kMaxJoints, fmt::format("at most {} moving joints", kMaxJoints),
                  std::to_string(robot.joint_count()));
+  check_couplings(robot);
   // Legs before bodies: a joint in the wrong role also breaks the order of bodies, and its role says more.
   if (robot.legs) {
     std::set<int> used;
@@ -265,6 +315,14 @@ void check_home(const RobotDescription& robot) {
   const double gap = max_loop_gap(robot, poses);
   report.require(gap < kHomeLoopTolerance, fmt::format("loops closed to {} m", kHomeLoopTolerance),
                  fmt::format("a gap of {} m", gap));
+  for (const JointCoupling& coupling : robot.couplings) {
+    const double off = robot.home[coupling.follower] - coupling.follower_at(robot.home[coupling.leader]);
+    // Two servos of a coupling may pull against it.
+    report.require(robot.joint(coupling.follower).actuated || std::abs(off) < kHomeCouplingTolerance,
+                   fmt::format("joint '{}' where '{}' has it, to {} rad", robot.joint(coupling.follower).name,
+                               robot.joint(coupling.leader).name, kHomeCouplingTolerance),
+                   fmt::format("{} rad away", off));
+  }
 }
 
 }  // namespace crossgait

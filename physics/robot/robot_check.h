@@ -11,6 +11,8 @@ namespace crossgait {
 
 /// Loops count as closed at home when no gap exceeds this, m.
 inline constexpr double kHomeLoopTolerance = 1e-9;
+/// Likewise a follower where it belongs, rad.
+inline constexpr double kHomeCouplingTolerance = 1e-9;
 
 /// What a robot may be made of; beyond, engines' arithmetic breaks down long before anything walks, and a
 /// wrong unit or exponent is the likelier meaning.
@@ -32,7 +34,7 @@ void check_joint(const Joint& joint, std::string_view source);
 void check_finite(const RobotDescription& robot);
 /// Checks everything about a robot except its home pose.
 void check_structure(const RobotDescription& robot);
-/// Checks sizes, limits and loops of the home pose. Requires a checked structure.
+/// Checks sizes, limits, loops and couplings of the home pose. Requires a checked structure.
 void check_home(const RobotDescription& robot);
 
 }  // namespace crossgait

@@ -92,6 +92,13 @@ void for_each_member(T& loop, Visit&& visit) {
   visit("p_AP", p_AP), visit("p_BP", p_BP);
 }
 
+template <MaybeConst<JointCoupling> T, typename Visit>
+void for_each_member(T& coupling, Visit&& visit) {
+  auto& [follower, leader, coefficients, softness] = coupling;
+  visit("follower", follower), visit("leader", leader), visit("coefficients", coefficients);
+  visit("softness", softness);
+}
+
 template <MaybeConst<LegModel> T, typename Visit>
 void for_each_member(T& leg, Visit&& visit) {
   auto& [linkage, servos, passive, foot_body, p_BF, foot_radius] = leg;
@@ -118,10 +125,10 @@ void for_each_member(T& contact, Visit&& visit) {
 
 template <MaybeConst<RobotDescription> T, typename Visit>
 void for_each_member(T& robot, Visit&& visit) {
-  auto& [name, source, bodies, loops, contact, loop_softness, friction_softness, legs, home, home_height,
-         standing_height, stance_offset] = robot;
+  auto& [name, source, bodies, loops, couplings, contact, loop_softness, friction_softness, legs, home,
+         home_height, standing_height, stance_offset] = robot;
   visit("name", name), visit("source", source), visit("bodies", bodies), visit("loops", loops);
-  visit("contact", contact), visit("loop_softness", loop_softness),
+  visit("couplings", couplings), visit("contact", contact), visit("loop_softness", loop_softness),
       visit("friction_softness", friction_softness), visit("legs", legs);
   visit("home", home), visit("home_height", home_height), visit("standing_height", standing_height);
   visit("stance_offset", stance_offset);

@@ -1,6 +1,7 @@
 // A robot's file as a tree of moving bodies, and changes of that tree before a robot is made of it.
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -23,6 +24,15 @@ struct LinkLoop {
   Vector3 p_a = Vector3::Zero(), p_b = Vector3::Zero();  ///< each in its link's frame, m
 };
 
+/// Describes a joint that follows another one (JointCoupling), by their names.
+struct NamedCoupling {
+  std::string follower, leader;
+  std::array<double, 5> coefficients{0, 1, 0, 0, 0};
+  Softness softness = JointCoupling().softness;
+  bool is_driven = false;  ///< the follower has a servo of its own as well
+  std::string place;       ///< where the file says it, for messages: "mimic (line 7)"
+};
+
 /// Holds what a file says, of whichever format (robot_formats.h); bodies of an MJCF are links here.
 struct ParsedRobot {
   std::string name;  ///< of the robot; empty if it has none
@@ -43,7 +53,8 @@ struct ParsedRobot {
   std::map<std::string, std::map<std::string, std::string>> reasons;
   /// Speeds that the file lets joints have, rad/s, by joint; nothing is simulated by them.
   std::map<std::string, double> velocity_limits;
-  /// Joints that something else moves, and what, by joint: "follows 'a' (...)".
+  std::vector<NamedCoupling> couplings;
+  /// Joints that something else moves in ways that are not simulated, by joint: "is driven by ...".
   std::map<std::string, std::string> coupled;
   ContactOfFile contact;
 };

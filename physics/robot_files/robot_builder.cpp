@@ -46,7 +46,9 @@ RobotBuilder::RobotBuilder(const std::string& file, const std::string& source, s
 }
 
 LoadedRobot RobotBuilder::load() {
+  read_couplings();
   read_frame_and_legs();
+  take_couplings();
   read_loops();
   read_softness("loop_softness", robot_.loop_softness);
   read_softness("friction_softness", robot_.friction_softness);
@@ -101,13 +103,15 @@ void RobotBuilder::read_loops() {
 }
 
 void RobotBuilder::read_softness(std::string_view key, Softness& softness) {
-  const auto values = find(key);
-  if (!values) return;
+  if (const auto values = find(key)) read_softness(*values, softness);
+}
+
+void RobotBuilder::read_softness(const YamlValue& values, Softness& softness) {
   std::vector<std::string_view> names;
   for_each_member(softness, [&](std::string_view name, double&) { names.push_back(name); });
-  values->allow_keys(names);
+  values.allow_keys(names);
   for_each_member(softness, [&](std::string_view name, double& member) {
-    if (const auto value = values->find(name)) member = value->number();
+    if (const auto value = values.find(name)) member = value->number();
   });
 }
 

@@ -49,12 +49,23 @@ class RobotBuilder {
   void read_legs(const YamlValue& legs);
   /// Tells whether the abduction of a leg hangs on its hip.
   bool is_hip_first(const YamlValue& leg) const;
+  /// Tells whether a joint moves with another one and has no servo of its own.
+  bool follows(const std::string& joint) const;
   /// Orders bodies: those of the legs first, leg by leg and role by role, then the rest in the file's order.
   void order_bodies(LegArray<LegModel> models, const LegArray<std::vector<int>>& legs);
   void name_servos();
 
+  // robot_couplings.cpp
+  /// Reads the couplings: those of a robot.yaml override all of the file's.
+  void read_couplings();
+  /// Takes away the couplings of joints that are held, both of them, where they belong.
+  /// @throws ConfigError where one of them moves, or is held elsewhere
+  void settle_held(const std::map<std::string, double>& held);
+  void take_couplings();
+
   void read_loops();
   void read_softness(std::string_view key, Softness& softness);
+  static void read_softness(const YamlValue& values, Softness& softness);
 
   // robot_feet.cpp
   void read_feet();
@@ -75,7 +86,8 @@ class RobotBuilder {
   void infer_home(bool has_height);
   /// Takes the pose that the robot's file calls its home, if it has one and serial legs can stand in it.
   bool take_home_of_file();
-  /// Moves passive joints until the loops are closed. @returns whether they were nearly so
+  /// Moves passive joints until the loops are closed and followers where they belong. @returns whether they
+  /// were nearly so
   bool close_home();
   /// Reads angles per role, for every leg or each; passive joints' are refined until the loops are closed.
   void read_home(const YamlValue& home);

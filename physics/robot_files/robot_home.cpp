@@ -18,7 +18,8 @@ namespace {
 /// A stated home angle may be this far from the one that closes the loops, rad: rounding, not another working
 /// mode.
 constexpr double kHomeAngleTolerance = 0.1;
-constexpr const char* kClosedHome = "angles within 0.1 rad of closed loops";
+constexpr const char* kClosedHome = "angles within 0.1 rad of closed loops and of where followers belong";
+constexpr const char* kOpen = "loops that stay open, or followers elsewhere";
 
 }  // namespace
 
@@ -85,7 +86,7 @@ bool RobotBuilder::take_home_of_file() {
   }
   robot_.home = std::move(q);
   if (!close_home()) {
-    throw ConfigError(report_.file, parsed_.home_name, kClosedHome, "loops that stay open");
+    throw ConfigError(report_.file, parsed_.home_name, kClosedHome, kOpen);
   }
   infer("home", fmt::format("the angles of {}", parsed_.home_name), "the file has it");
   if (!is_serial) return true;
@@ -95,7 +96,7 @@ bool RobotBuilder::take_home_of_file() {
 }
 
 bool RobotBuilder::close_home() {
-  if (robot_.loops.empty()) return true;
+  if (robot_.loops.empty() && robot_.couplings.empty()) return true;
   const JointVector stated = robot_.home;
   close_loops(robot_, robot_.home);
   return (robot_.home - stated).cwiseAbs().maxCoeff() < kHomeAngleTolerance;
@@ -104,6 +105,7 @@ bool RobotBuilder::close_home() {
 void RobotBuilder::read_home(const YamlValue& home) {
   robot_.home = JointVector::Zero(robot_.joint_count());
   const bool by_leg = home.find(name(Leg::FL)).has_value();
+  std::set<int> said;
   if (by_leg) home.allow_keys({name(Leg::FL), name(Leg::FR), name(Leg::RL), name(Leg::RR)});
   for (const Leg leg : kLegs) {
     const LegModel& model = (*robot_.legs)[leg];
@@ -111,13 +113,23 @@ void RobotBuilder::read_home(const YamlValue& home) {
     if (model.linkage == LegLinkage::kFiveBar) {
       values.allow_keys({"tilt", "shoulder_left", "shoulder_right", "elbow_left", "elbow_right"});
     } else {
-      values.allow_keys({"abduction", "hip", "knee"});
+      values.allow_keys({"abduction", "hip", "knee", "ankle"});
     }
     for (const LegRole& role : model.roles()) {
-      robot_.home[model.joint(role.name)] = values.at(role.name).number();
+      const int i = model.joint(role.name);
+      const bool is_left_to_leader = !role.actuated && robot_.coupling_of(i) && !values.find(role.name);
+      if (is_left_to_leader) continue;
+      robot_.home[i] = values.at(role.name).number();
+      said.insert(i);
     }
   }
-  if (!close_home()) home.fail(kClosedHome, "loops that stay open");
+  // Followers are where their leaders have them; what is said has to be.
+  JointVector placed = robot_.home;
+  robot_.place_followers(placed);
+  for (int i = 0; i < robot_.joint_count(); ++i) {
+    if (!said.contains(i)) robot_.home[i] = placed[i];
+  }
+  if (!close_home()) home.fail(kClosedHome, kOpen);
 }
 
 std::vector<Pose> RobotBuilder::home_poses() const {

@@ -1,4 +1,5 @@
 // Which joints of a file are the robot's legs.
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -14,7 +15,10 @@ namespace crossgait {
 void RobotBuilder::read_frame_and_legs() {
   const auto legs = find("legs"), frame = find("frame"), locked = find("locked");
   if (frame) report_.R_BA = read_frame(*frame);
-  if (locked) lock(read_locked(*locked));
+  if (locked) {
+    settle_held(read_locked(*locked));
+    lock(read_locked(*locked));
+  }
   LegSearch search;
   if (!legs) {
     search = find_legs(parsed_, robot_.source, frame ? std::optional(report_.R_BA) : std::nullopt,
@@ -23,6 +27,7 @@ void RobotBuilder::read_frame_and_legs() {
     // Who says what is locked says it of all joints but those that a leg has beyond its roles.
     if (locked) search.locked.clear();
     for (const FoundChain& leg : search.legs) search.locked.insert(leg.held.begin(), leg.held.end());
+    settle_held(search.locked);
     lock(search.locked);
   }
   if (!report_.R_BA.isIdentity(0)) parsed_ = turn_base(std::move(parsed_), report_.R_BA);
@@ -96,7 +101,8 @@ void RobotBuilder::take_legs(const LegArray<FoundChain>& chains) {
   LegArray<LegModel> models;
   for (const Leg leg : kLegs) {
     models[leg].linkage = chains[leg].linkage;
-    models[leg].servos.resize(chains[leg].joints.size(), -1);
+    models[leg].passive.resize(chains[leg].followers, -1);
+    models[leg].servos.resize(chains[leg].joints.size() - chains[leg].followers, -1);
     for (const std::string& joint : chains[leg].joints) bodies[leg].push_back(moved_body(joint));
   }
   order_bodies(std::move(models), bodies);
@@ -107,6 +113,12 @@ bool RobotBuilder::is_hip_first(const YamlValue& leg) const {
   if (!abduction || !hip) return false;
   const int body = moved_body(*abduction, abduction->text());
   return parsed_.bodies[static_cast<std::size_t>(body)].parent == moved_body(*hip, hip->text());
+}
+
+bool RobotBuilder::follows(const std::string& joint) const {
+  return std::ranges::any_of(parsed_.couplings, [&](const NamedCoupling& coupling) {
+    return coupling.follower == joint && !coupling.is_driven;
+  });
 }
 
 void RobotBuilder::read_legs(const YamlValue& legs) {
@@ -122,10 +134,16 @@ void RobotBuilder::read_legs(const YamlValue& legs) {
       model.servos.resize(3, -1);
       model.passive.resize(2, -1);
     } else {
-      values.allow_keys({"abduction", "hip", "knee", "foot"});
+      values.allow_keys({"abduction", "hip", "knee", "ankle", "foot"});
       model.linkage = LegLinkage::kSerial;
       model.servos.resize(values.find("abduction") ? 3 : 2, -1);
+      model.passive.resize(values.find("ankle") ? 1 : 0, -1);
       if (is_hip_first(values)) model.linkage = LegLinkage::kHipFirst;
+      if (follows(values.at("knee").text())) {
+        model.linkage = LegLinkage::kKneeFollows;
+        model.servos.resize(2, -1);
+        model.passive.resize(values.find("ankle") ? 2 : 1, -1);
+      }
     }
     for (const LegRole& role : model.roles()) {
       const YamlValue value = values.at(role.name);
@@ -172,10 +190,18 @@ void RobotBuilder::name_servos() {
       const auto coupled = parsed_.coupled.find(joint(i).name);
       if (coupled == parsed_.coupled.end()) continue;
       throw ConfigError(report_.file, fmt::format("joint '{}' of a leg", joint(i).name),
-                        "a joint that moves by itself: couplings of joints are not simulated",
+                        "a joint that a servo or another joint moves: no other coupling is simulated",
                         fmt::format("one that {}", coupled->second));
     }
-    for (const int i : leg.servos) joint(i).actuated = true;
+    for (const int i : leg.servos) {
+      if (follows(joint(i).name))
+        throw ConfigError(
+            report_.file, fmt::format("joint '{}' of a leg", joint(i).name),
+            "a servo: of a leg its knee and its ankle may follow",
+            fmt::format("one that follows '{}' ({})", report_.couplings.at(joint(i).name).leader,
+                        report_.couplings.at(joint(i).name).place));
+      joint(i).actuated = true;
+    }
   }
 }
 

@@ -56,8 +56,8 @@ LoadedRobot load_yaml(const YamlValue& root, ServoSource servos) {
   std::vector<std::string_view> keys{"name"};
   for (const RobotFormat& format : robot_formats()) keys.push_back(format.key);
   keys.insert(keys.end(), {"xacro_args", "frame", "locked", "armature", "servo", "drive", "joints", "contact",
-                           "loop_softness", "friction_softness", "limit_softness", "legs", "loops", "home",
-                           "standing_height", "stance_offset"});
+                           "loop_softness", "friction_softness", "limit_softness", "legs", "loops",
+                           "couplings", "home", "standing_height", "stance_offset"});
   root.allow_keys(keys);
   const fs::path file = fs::path(root.source()).parent_path() / named_file(root).text();
   return RobotBuilder(file.string(), root.source(), root, servos).load();

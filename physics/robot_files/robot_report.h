@@ -10,6 +10,7 @@
 #include "physics/robot_files/contact_of_file.h"
 #include "physics/robot_files/file_arguments.h"
 #include "physics/robot_files/inference/robot_inference.h"
+#include "physics/robot_files/parsed_robot.h"
 
 namespace crossgait {
 
@@ -26,6 +27,7 @@ struct RobotReport {
   /// the file says it.
   std::map<std::string, std::map<std::string, std::string>> reasons;
   std::map<std::string, double> velocity_limits;  ///< of the file, by joint, rad/s; not simulated
+  std::map<std::string, NamedCoupling> couplings;  ///< those that are simulated, by their follower
   ContactOfFile contact;
   std::map<Leg, std::string> feet_of_file;  ///< the shape of the file nearest to a foot, where there is one
 };

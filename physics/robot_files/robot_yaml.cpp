@@ -29,12 +29,16 @@ std::string yaml_legs(const RobotDescription& robot) {
   return out;
 }
 
-std::string yaml_softness(std::string_view key, const Softness& softness) {
+std::string yaml_softness_of(std::string_view key, const Softness& softness) {
   std::vector<std::string> values;
   for_each_member(softness, [&values](std::string_view name, double value) {
     values.push_back(fmt::format("{}: {}", name, value));
   });
-  return fmt::format("{}: {{{}}}\n", key, fmt::join(values, ", "));
+  return fmt::format("{}: {{{}}}", key, fmt::join(values, ", "));
+}
+
+std::string yaml_softness(std::string_view key, const Softness& softness) {
+  return yaml_softness_of(key, softness) + "\n";
 }
 
 /// If all joints have one that is not the usual one: else it is their file's.
@@ -58,6 +62,20 @@ std::string yaml_loops(const RobotDescription& robot) {
                        yaml_vector(loop.p_BP));
   }
   return out + yaml_softness("loop_softness", robot.loop_softness);
+}
+
+std::string yaml_couplings(const LoadedRobot& loaded) {
+  const RobotDescription& robot = loaded.robot;
+  if (robot.couplings.empty()) return "";
+  std::string out = "couplings:  # follower = sum of coefficient times leader^power, rad\n";
+  for (const JointCoupling& coupling : robot.couplings) {
+    out +=
+        fmt::format("  - {{follower: {}, leader: {}, coefficients: [{}], servo: {}, {}}}\n",
+                    yaml_quoted(robot.joint(coupling.follower).name),
+                    yaml_quoted(robot.joint(coupling.leader).name), fmt::join(coupling.coefficients, ", "),
+                    robot.joint(coupling.follower).actuated, yaml_softness_of("softness", coupling.softness));
+  }
+  return out;
 }
 
 /// `KEY: {...}  # units`, of the numbers of one kind.
@@ -139,7 +157,8 @@ std::string to_yaml(const LoadedRobot& loaded, const std::string& file) {
   out += fmt::format("locked: {{{}}}  # joints that are held, rad\n", fmt::join(locked, ", "));
   if (!robot.contact.is_empty()) out += fmt::format("contact: {}\n", yaml_of(robot.contact));
   out += yaml_joints(robot) + yaml_softness("friction_softness", robot.friction_softness) +
-         yaml_limit_softness(robot) + yaml_legs(robot) + yaml_loops(robot) + yaml_home(robot);
+         yaml_limit_softness(robot) + yaml_legs(robot) + yaml_loops(robot) + yaml_couplings(loaded) +
+         yaml_home(robot);
   return out + fmt::format(
                    "standing_height: {}  # m, of hips or shoulders above the feet: the scale of gaits\n"
                    "stance_offset: {}  # m, of the feet ahead of the hips\n",

@@ -13,6 +13,7 @@ nb::dict laws(const EngineInfo& info) {
   result["loops"] = info.laws.loops;
   result["joint_friction"] = info.laws.joint_friction;
   result["joint_limits"] = info.laws.joint_limits;
+  result["couplings"] = info.laws.couplings;
   result["contact_family"] = info.laws.contact_family;
   return result;
 }

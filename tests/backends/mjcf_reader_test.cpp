@@ -371,6 +371,59 @@ TEST_F(MjcfReader, ConnectedBodiesAreALoop) {
   EXPECT_TRUE(warns(robot.warnings, "ignored 1 <weld> in <equality>"));
 }
 
+TEST_F(MjcfReader, JointsThatFollowAreCouplingsWithTheirSoftness) {
+  MadeMjcf mjcf;
+  mjcf.compiler = R"(<compiler angle="radian"/>)";
+  mjcf.defaults =
+      R"(<equality solimp=".8 .9 .002"/><default class="stiff"><equality solref=".004 1.5"/></default>)";
+  mjcf.hip_joint = R"(ref="0.1")";
+  mjcf.sections = R"(<equality><joint class="stiff" joint1="FL_knee" joint2="FL_hip" polycoef="0.3 -2 0.5"/>
+                     <joint joint1="RL_hip" joint2="RL_knee"/>
+                     <joint joint1="RR_knee" joint2="RR_hip" active="false"/></equality>
+                     <actuator><motor joint="RL_hip"/></actuator>)";
+  const ParsedRobot robot = tree(mjcf);
+  ASSERT_EQ(robot.couplings.size(), 2U);
+  const NamedCoupling& knee = robot.couplings[0];
+  EXPECT_EQ(knee.follower, "FL_knee");
+  EXPECT_EQ(knee.leader, "FL_hip");
+  EXPECT_FALSE(knee.is_driven);
+  // knee = 0.3 - 2 (hip - 0.1) + 0.5 (hip - 0.1)^2
+  const double hip = 0.7, off = hip - 0.1;
+  EXPECT_NEAR(JointCoupling{.coefficients = knee.coefficients}.follower_at(hip),
+              0.3 - 2 * off + 0.5 * off * off, 1e-15);
+  EXPECT_EQ(knee.softness.time_constant, 0.004);
+  EXPECT_EQ(knee.softness.damping_ratio, 1.5);
+  EXPECT_EQ(knee.softness.impedance_min, 0.8);
+  EXPECT_EQ(knee.softness.impedance_width, 0.002);
+  EXPECT_EQ(knee.softness.impedance_power, 2);  // MuJoCo's
+  EXPECT_TRUE(robot.couplings[1].is_driven);
+  EXPECT_NEAR(robot.couplings[1].coefficients[0], 0.1, 1e-15);  // hip - 0.1 = knee
+  EXPECT_EQ(robot.couplings[1].softness.time_constant, 0.02);
+  EXPECT_FALSE(warns(robot.warnings, "equality"));
+}
+
+TEST_F(MjcfReader, AFollowerOfNothingIsRefused) {
+  MadeMjcf mjcf;
+  mjcf.sections = R"(<equality><joint joint1="FL_knee" joint2="FL_elbow"/></equality>)";
+  EXPECT_EQ(refusal(mjcf).found(), "'FL_elbow'");
+  mjcf.sections = R"(<equality><joint joint1="FL_knee" joint2="FL_hip" polycoef="one"/></equality>)";
+  EXPECT_EQ(refusal(mjcf).expected(), "1 to 5 finite number(s) in polycoef");
+}
+
+// Two servos that are coupled both act, as MuJoCo has it.
+TEST_F(MjcfReader, AServoThatFollowsKeepsItsServoWithAWarning) {
+  MadeMjcf mjcf;
+  mjcf.sections = R"(<equality><joint joint1="FL_knee" joint2="FR_knee"/></equality><actuator>)";
+  for (const Leg leg : kLegs)
+    mjcf.sections +=
+        fmt::format(R"(<position joint="{0}_hip" kp="60"/><position joint="{0}_knee" kp="60"/>)", name(leg));
+  mjcf.sections += "</actuator>";
+  const LoadedRobot loaded = load_robot_with_report(file(mjcf));
+  EXPECT_EQ(loaded.robot.actuated_joints().size(), 8U);
+  ASSERT_EQ(loaded.robot.couplings.size(), 1U);
+  EXPECT_TRUE(warns(loaded.report.warnings, "have a servo of their own"));
+}
+
 TEST_F(MjcfReader, WhatChangesMotionAndIsNotSimulatedIsCounted) {
   MadeMjcf mjcf;
   mjcf.trunk += R"(<geom name="egg" type="ellipsoid" size=".1 .2 .3"/>)";

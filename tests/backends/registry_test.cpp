@@ -91,6 +91,7 @@ TEST(Registry, FamiliesLeadFromOneEndToTheOther) {
                    .loops = "mujoco",
                    .joint_friction = "mujoco",
                    .joint_limits = "mujoco",
+                   .couplings = "mujoco",
                    .contact_family = "compliant"};
   for (const std::string& name : own_engines()) {
     const bool is_end = std::any_of(engine_families().begin(), engine_families().end(),

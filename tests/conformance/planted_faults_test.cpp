@@ -34,6 +34,12 @@ Change of_bodies(const std::function<void(Body&)>& change) {
   });
 }
 
+Change of_couplings(const std::function<void(JointCoupling&)>& change) {
+  return of_robot([change](RobotDescription& robot) {
+    for (JointCoupling& coupling : robot.couplings) change(coupling);
+  });
+}
+
 Change of_joints(double Joint::*member, double factor) {
   return of_bodies([=](Body& body) { body.joint.*member *= factor; });
 }
@@ -146,6 +152,9 @@ std::vector<Planted> of_contact() {
        [loop_softness, count = std::make_shared<int>(0)](WorldSpec& spec) {
          if (++*count % 2 == 0) loop_softness(spec);
        }},
+      {"coupled_pendulums", of_couplings([](JointCoupling& c) { c.coefficients[1] *= 1.01; })},
+      {"coupling_momentum", of_couplings([](JointCoupling& c) { c.coefficients[1] *= 1.01; })},
+      {"coupling_softness", of_couplings([](JointCoupling& c) { c.softness.time_constant *= 1.1; })},
       {"joint_friction_pendulum", of_joints(&Joint::friction, 0.9)},
       {"joint_friction_coasting", of_joints(&Joint::friction, 0.9)},
       {"joint_friction_holding", of_joints(&Joint::friction, 0.9)},
@@ -165,6 +174,7 @@ std::vector<Planted> of_contact() {
       {"same_trot_rough", of_joints(&Joint::armature, 1.01)},
       {"same_sled", of_friction(1.01)},
       {"same_joint_friction", of_joints(&Joint::friction, 0.9)},
+      {"same_couplings", of_couplings([](JointCoupling& c) { c.coefficients[1] *= 1.01; })},
       {"walks_as_far", [](WorldSpec& spec) { spec.contact.friction = 0.05; }},
   };
 }

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "physics/core/across_axis.h"
 #include "physics/core/error.h"
 #include "physics/robot/multibody.h"
+#include "physics/robot_files/inference/following_leg.h"
 #include "physics/robot_files/inference/robot_inference.h"
 
 namespace crossgait {
@@ -55,6 +57,7 @@ class PlanarLeg {
   }
 
   double hip_x() const { return X_.translation().x(); }
+  double abduction() const { return abduction_; }
   LegLengths lengths() const { return {thigh_.norm(), shin_.norm()}; }
 
   /// Angles in the order of the leg's servos with the foot `depth` below and `forward` of the hip.
@@ -118,6 +121,27 @@ class PlanarLeg {
   double hip_sign_ = 1, knee_sign_ = 1;
 };
 
+/// A serial leg of either kind, as far as standing goes.
+class StandingLeg {
+ public:
+  StandingLeg(const RobotDescription& robot, Leg leg) : planar_(robot, leg) {
+    if (!(*robot.legs)[leg].passive.empty()) following_.emplace(robot, leg, planar_.abduction());
+  }
+  double hip_x() const { return following_ ? following_->hip_x() : planar_.hip_x(); }
+  LegLengths lengths() const { return following_ ? following_->lengths() : planar_.lengths(); }
+  std::optional<std::vector<double>> stand(double depth, double forward, int bend) {
+    return following_ ? following_->stand(depth, forward, bend) : planar_.stand(depth, forward, bend);
+  }
+  /// How far ahead of the hip the foot is at the angles of `stand`, m. @param asked  `forward` of it
+  double forward_at(const std::vector<double>& angles, double asked) {
+    return following_ ? following_->forward_at(angles) : asked;
+  }
+
+ private:
+  PlanarLeg planar_;
+  std::optional<FollowingLeg> following_;
+};
+
 double centre_of_mass_x(const RobotDescription& robot, const JointVector& q) {
   RobotState state;
   state.q = q;
@@ -137,7 +161,7 @@ void set_leg(const LegModel& model, const std::vector<double>& angles, JointVect
 
 [[noreturn]] void fail_to_stand(const RobotDescription& robot, Leg leg, double height) {
   std::vector<std::string> limits;
-  for (const int joint : (*robot.legs)[leg].servos)
+  for (const int joint : (*robot.legs)[leg].joints())
     limits.push_back(fmt::format("'{}' {:.3g}..{:.3g}", robot.joint(joint).name, robot.joint(joint).lower,
                                  robot.joint(joint).upper));
   throw ConfigError(
@@ -150,29 +174,34 @@ void set_leg(const LegModel& model, const std::vector<double>& angles, JointVect
 
 }  // namespace
 
-LegLengths leg_lengths(const RobotDescription& robot, Leg leg) { return PlanarLeg(robot, leg).lengths(); }
+LegLengths leg_lengths(const RobotDescription& robot, Leg leg) { return StandingLeg(robot, leg).lengths(); }
 
 HomePose find_home(const RobotDescription& robot, double height, std::vector<Inference>& inferred) {
   HomePose home;
   home.q = JointVector::Zero(robot.joint_count());
   LegArray<int> bends{};
-  const auto stand = [&](Leg leg, const PlanarLeg& planar) {
+  LegArray<double> forward{};  // of the feet, which legs of which the knee follows do not choose
+  const auto stand = [&](Leg leg) {
+    StandingLeg standing(robot, leg);
     for (const int bend : {-1, 1}) {
-      const auto angles = planar.stand(height, home.forward, bend);
+      const auto angles = standing.stand(height, home.forward, bend);
       if (!angles) continue;
       bends[leg] = bend;
       set_leg((*robot.legs)[leg], *angles, home.q);
+      robot.place_followers(home.q);
+      forward[leg] = standing.forward_at(*angles, home.forward);
       return;
     }
     fail_to_stand(robot, leg, height);
   };
-  for (const Leg leg : kLegs) stand(leg, PlanarLeg(robot, leg));
+  for (const Leg leg : kLegs) stand(leg);
   // The legs' own masses move a little with the feet: it settles to less than a micrometre.
   constexpr int kRounds = 10;
   for (int i = 0; i < kRounds; ++i) {
     home.forward = balanced_offset(robot, home.q);
-    for (const Leg leg : kLegs) stand(leg, PlanarLeg(robot, leg));
+    for (const Leg leg : kLegs) stand(leg);
   }
+  home.forward = std::accumulate(forward.begin(), forward.end(), 0.0) / kLegCount;
   std::vector<std::string> knees;
   for (const Leg leg : kLegs)
     knees.push_back(fmt::format("{} {}", name(leg), bends[leg] > 0 ? "forward" : "backward"));
@@ -186,7 +215,7 @@ HomePose find_home(const RobotDescription& robot, double height, std::vector<Inf
 double balanced_offset(const RobotDescription& robot, const JointVector& q) {
   double hips = 0, length = 0;
   for (const Leg leg : kLegs) {
-    const PlanarLeg planar(robot, leg);
+    const StandingLeg planar(robot, leg);
     hips += planar.hip_x() / kLegCount;
     length += planar.lengths().sum() / kLegCount;
   }

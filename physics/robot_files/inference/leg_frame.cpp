@@ -43,9 +43,9 @@ class FrameOfLegs {
       hips_.push_back(tree.origin(leg.joints.servos.front()));
       first_axes_.push_back(tree.axis(leg.joints.servos.front()));
       hips_middle_ += hips_.back() / kLegCount;
-      knees_middle_ += tree.origin(leg.joints.servos.back()) / kLegCount;
+      knees_middle_ += tree.origin(leg.joints.knee()) / kLegCount;
       // The mean of the knees' axes: legs may be turned out a little, each to its side.
-      const Vector3 knee = tree.axis(leg.joints.servos.back());
+      const Vector3 knee = tree.axis(leg.joints.knee());
       lateral_ += knee.dot(lateral_) < 0 ? Vector3(-knee) : knee;
     }
     lateral_.normalize();
@@ -108,9 +108,9 @@ std::array<Leg, kLegCount> quadrants(const JointTree& tree, const FoundLegs& leg
   Vector3 middle = Vector3::Zero();
   for (std::size_t i = 0; i < legs.size(); ++i) {
     // Along by where the leg begins, for thighs point ahead or back at zero; across by its plane.
-    const std::vector<int>& servos = legs[i].joints.servos;
-    const Vector3 first = R_BA.transpose() * tree.origin(servos.front());
-    places[i] = {first.x(), (R_BA.transpose() * tree.origin(servos.back())).y(), 0};
+    const LegJoints& joints = legs[i].joints;
+    const Vector3 first = R_BA.transpose() * tree.origin(joints.servos.front());
+    places[i] = {first.x(), (R_BA.transpose() * tree.origin(joints.knee())).y(), 0};
     middle += places[i] / kLegCount;
   }
   std::array<Leg, kLegCount> all{};

@@ -85,11 +85,18 @@ std::optional<LegJoints> roles_of(const JointTree& tree, const JointChain& chain
     const auto about_up = [&](int j) { return std::abs(tree.axis(j).dot(up)); };
     if (abduction < 0 || about_up(joint) < about_up(abduction)) abduction = joint;
   }
+  const bool knee_follows = abduction >= 0 && tree.follows(knee);
+  bool has_ankle = false, is_behind = false;
   for (const int joint : joints) {
     const bool has_role = joint == hip || joint == knee || joint == abduction;
-    (has_role ? leg.servos : leg.held).push_back(joint);
+    const bool is_ankle = is_behind && !has_ankle && tree.follows(joint);
+    const bool follows = is_ankle || (joint == knee && knee_follows);
+    (follows ? leg.followers : has_role ? leg.servos : leg.held).push_back(joint);
+    has_ankle |= is_ankle;
+    is_behind |= joint == knee;
   }
   if (abduction >= 0 && leg.servos.front() == hip) leg.linkage = LegLinkage::kHipFirst;
+  if (knee_follows) leg.linkage = LegLinkage::kKneeFollows;
   return leg.held.size() > kMostHeld ? std::nullopt : std::optional(leg);
 }
 

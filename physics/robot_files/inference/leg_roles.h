@@ -22,14 +22,18 @@ std::optional<Wheel> wheel_of(const ParsedRobot& robot, int body);
 /// Names joints of a leg by the bodies that they move.
 struct LegJoints {
   LegLinkage linkage = LegLinkage::kSerial;
-  std::vector<int> servos;  ///< along the chain: abduction (if any), hip, knee; or hip, abduction, knee
-  std::vector<int> held;    ///< the others: wheels, ankles, a second joint of the hip
+  std::vector<int> servos;     ///< along the chain: abduction (if any), hip, knee; or hip, abduction, knee
+  std::vector<int> followers;  ///< a knee that follows, and the joint behind the knee that does
+  std::vector<int> held;       ///< the others: wheels, ankles, a second joint of the hip
+
+  int knee() const { return linkage == LegLinkage::kKneeFollows ? followers.front() : servos.back(); }
 };
 
 /// Finds hip and knee: the first two of the joints that are parallel (to 37 degrees): of several directions
 /// that of most joints, of two such that of joints in a row. The abduction is what turns them aside: the
 /// joint of another direction before the knee; of two that which turns least about the vertical of the hips,
-/// `up`. Whatever else there is, is held.
+/// `up`. The first joint behind the knee that follows another one moves along with it. Whatever else there
+/// is, is held.
 /// @returns nothing where no two joints are parallel, or more than two would be held
 std::optional<LegJoints> roles_of(const JointTree& tree, const JointChain& chain, const Vector3& up);
 

@@ -215,6 +215,23 @@ void warn_of_held(const LegSearch& search, std::vector<std::string>& warnings) {
                                    names_and_angles(ankles)));
 }
 
+/// Followers are held where their leaders have them, and not at all where these move. In a chain of n the
+/// last one is settled after n rounds.
+void place_held(const ParsedRobot& robot, LegSearch& search) {
+  for (std::size_t round = 0; round < robot.couplings.size(); ++round) {
+    for (const NamedCoupling& coupling : robot.couplings) {
+      const auto follower = search.locked.find(coupling.follower);
+      if (follower == search.locked.end()) continue;
+      const auto leader = search.locked.find(coupling.leader);
+      if (leader == search.locked.end()) {
+        search.locked.erase(follower);
+      } else {
+        follower->second = JointCoupling{.coefficients = coupling.coefficients}.follower_at(leader->second);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 double held_angle(const ParsedRobot& robot, const Joint& joint) {
@@ -235,13 +252,17 @@ LegSearch find_legs(const ParsedRobot& robot, const std::string& source, const s
     FoundChain& chain = search.legs[leg];
     chain.linkage = joints.linkage;
     for (const int body : joints.servos) chain.joints.push_back(tree.joint(body).name);
+    for (const int body : joints.followers) chain.joints.push_back(tree.joint(body).name);
+    chain.followers = joints.followers.size();
     used.insert(chain.joints.begin(), chain.joints.end());
     for (const int body : joints.held) {
       chain.held[tree.joint(body).name] = held_angle(robot, tree.joint(body));
       used.insert(tree.joint(body).name);
     }
     const int last = placed.legs[leg]->chain.bodies.back();
-    const auto wheel = joints.servos.back() == last ? std::nullopt : wheel_of(robot, last);
+    const bool has_role =
+        joints.servos.back() == last || (!joints.followers.empty() && joints.followers.back() == last);
+    const auto wheel = has_role ? std::nullopt : wheel_of(robot, last);
     if (wheel) chain.wheel = {tree.joint(last).name, tree.body(last).name, wheel->centre, wheel->radius};
     inferred.push_back({fmt::format("legs.{}", name(leg)), fmt::format("{}", fmt::join(chain.joints, ", ")),
                         chain.linkage == LegLinkage::kHipFirst
@@ -254,6 +275,7 @@ LegSearch find_legs(const ParsedRobot& robot, const std::string& source, const s
     const Joint& joint = robot.bodies[i].joint;
     if (!used.contains(joint.name)) search.locked[joint.name] = held_angle(robot, joint);
   }
+  place_held(robot, search);
   if (!search.locked.empty()) {
     inferred.push_back(
         {"locked", names_and_angles(search.locked),

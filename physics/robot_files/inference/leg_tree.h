@@ -14,7 +14,8 @@ struct JointChain {
   int tips = 1;             ///< bodies of it on which nothing hangs: of a chain one
 };
 
-/// Says where the joints are and point, in the base frame of the file, all angles being zero.
+/// Says where the joints are and point, twigs (bodies that hang on a chain beside its next one and follow its
+/// joints) being left out of branches and ends, in the base frame of the file, all angles being zero.
 class JointTree {
  public:
   explicit JointTree(const ParsedRobot& robot);
@@ -25,6 +26,9 @@ class JointTree {
   Vector3 origin(int i) const { return poses_[static_cast<std::size_t>(i)].translation(); }
   Vector3 axis(int i) const { return poses_[static_cast<std::size_t>(i)].linear() * body(i).joint.axis; }
 
+  /// Tells whether a body's joint moves with another one and has no servo of its own.
+  bool follows(int i) const { return follows_[static_cast<std::size_t>(i)]; }
+
   /// Returns what hangs on the base, each with all that hangs on it: a chain only if it has one tip.
   std::vector<JointChain> branches() const;
   /// Returns chains from each tip up to where something else branches off, or the base.
@@ -32,9 +36,12 @@ class JointTree {
 
  private:
   std::size_t children_of(int body) const;
+  void find_twigs();
 
   const ParsedRobot& robot_;
   std::vector<Pose> poses_;
+  std::vector<bool> follows_;
+  std::vector<bool> is_twig_;  ///< bodies beside a chain that only move along with it: bars of a linkage
 };
 
 }  // namespace crossgait

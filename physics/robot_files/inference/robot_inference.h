@@ -26,14 +26,16 @@ struct HeldWheel {
 /// Names the joints of a leg.
 struct FoundChain {
   LegLinkage linkage = LegLinkage::kSerial;
-  std::vector<std::string> joints;     ///< those with a role, from the base outwards
+  std::vector<std::string> joints;     ///< those with a role, servos from the base outwards, then followers
+  std::size_t followers = 0;           ///< how many of them follow: a knee, an ankle
   std::map<std::string, double> held;  ///< the others, and at which angle, rad
   std::optional<HeldWheel> wheel;
 };
 
 struct LegSearch {
   LegArray<FoundChain> legs;
-  std::map<std::string, double> locked;  ///< every moving joint of no leg, and at which angle it is held, rad
+  /// Every moving joint of no leg that follows none that moves, and at which angle it is held, rad.
+  std::map<std::string, double> locked;
   /// Columns: forward, left and up of the robot in the file's base frame.
   Matrix3 R_BA = Matrix3::Identity();
 };

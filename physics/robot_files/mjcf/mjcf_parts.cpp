@@ -205,6 +205,9 @@ class Taker {
   }
 
   void trim_equality(MjcfElement& equality) {
+    // Joints that follow others are read before (mjcf_couplings.h).
+    std::erase_if(equality.children,
+                  [](const MjcfElement& e) { return e.tag == "joint" && e.has("joint2"); });
     keep(equality, [](const MjcfElement& e) { return e.tag == "connect" && e.has("body1"); });
   }
 

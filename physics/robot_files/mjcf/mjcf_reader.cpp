@@ -319,13 +319,19 @@ ParsedRobot read_mjcf(const std::string& path) {
   MjcfDocument document(path);
   const MjcfDefaults defaults(document.root());
   const MjcfContact contact(document.root(), defaults);
-  std::map<std::string, std::string> coupled = find_couplings(document, defaults);
+  MjcfCouplings couplings = find_couplings(document, defaults);
   const std::vector<MjcfActuator> actuators = take_actuators(document, defaults, warnings);
   MjcfParts parts = take_parts(document, warnings);
   const MjcfJointForces forces = take_newer(document, defaults, warnings);
   const MjcfModel model = compile_parts(document, parts, warnings);
   ParsedRobot robot = MjcfTree(path, parts, model, warnings).build();
-  robot.coupled = std::move(coupled);
+  robot.coupled = std::move(couplings.others);
+  robot.couplings = std::move(couplings.followers);
+  std::map<std::string, double> references;
+  for (const MjcfJoint& joint : model.joints) {
+    if (joint.type == MjcfJointType::kHinge) references[joint.name] = joint.reference;
+  }
+  for (NamedCoupling& coupling : robot.couplings) refer_to_zero(coupling, references, path);
   robot.contact = contact.read(document.root());
   drive_joints(actuators, forces, model, path, robot, warnings);
   robot = merge_play(std::move(robot), warnings);

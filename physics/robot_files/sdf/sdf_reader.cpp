@@ -165,14 +165,31 @@ class SdfTreeBuilder {
         joint.spring_reference = joint.stiffness != 0 ? reference : 0;
       }
       if (const SdfElement* mimic = axis->find("mimic")) {
-        const std::string other = printable_text(mimic->attribute("joint"), 200);
-        robot_.coupled[joint.name] = fmt::format("mimics '{}' (line {})", other, mimic->line);
-        warnings_.count("ignored ", " <mimic> (couplings are not simulated)", place);
-        axis->pass_over("mimic");
+        read_mimic(*mimic, joint.name);
       }
     }
     check_joint(joint, path_);
     return joint;
+  }
+
+  /// Angle = multiplier (leader's - reference) + offset (SDF 1.11).
+  void read_mimic(const SdfElement& mimic, const std::string& follower) {
+    NamedCoupling coupling;
+    coupling.follower = follower;
+    coupling.leader = mimic.attribute("joint");
+    if (const std::string axis = mimic.attribute("axis"); !axis.empty() && axis != "axis")
+      fail_at(mimic, "the one axis of its joint", fmt::format("axis '{}'", printable_text(axis, 200)));
+    const bool is_moving = std::ranges::any_of(model_.joints, [&](const SdfJoint& other) {
+      return other.name == coupling.leader && other.name != follower && other.type != "fixed";
+    });
+    if (!is_moving)
+      fail_at(mimic, "another joint of this model that moves",
+              fmt::format("'{}'", printable_text(coupling.leader, 200)));
+    const double multiplier = sdf_number(mimic, "multiplier", 1);
+    coupling.coefficients = {sdf_number(mimic, "offset", 0) - multiplier * sdf_number(mimic, "reference", 0),
+                             multiplier};
+    coupling.place = fmt::format("mimic (line {})", mimic.line);
+    robot_.couplings.push_back(std::move(coupling));
   }
 
   void read_limits(const SdfElement& limit, const SdfJoint& source, const std::string& place, Joint& joint) {
@@ -274,6 +291,11 @@ ParsedRobot read_sdf(const std::string& path) {
   }
   robot.contact.ground = "any ground, as the lesser mu is Gazebo's";
   read_servos_of(model, path, robot, warnings);
+  for (NamedCoupling& coupling : robot.couplings) {
+    coupling.is_driven = std::ranges::any_of(robot.bodies, [&](const Body& body) {
+      return body.joint.name == coupling.follower && body.joint.kp > 0;
+    });
+  }
   count_unread(*found.model, path, warnings);
   robot.warnings = warnings.sentences();
   return robot;

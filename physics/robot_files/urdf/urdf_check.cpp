@@ -64,10 +64,15 @@ class UrdfCheck {
       add_coupling(joint);
       if (attribute_of(joint, "type") == "floating") floating_.emplace_back(&joint, &copied);
     });
+    check_couplings();
     free_base(find_root(), copy);
   }
 
-  const std::map<std::string, std::string>& coupled() const { return coupled_; }
+  std::vector<NamedCoupling> couplings() const {
+    std::vector<NamedCoupling> found;
+    for (const auto& [mimic, coupling] : couplings_) found.push_back(coupling);
+    return found;
+  }
 
  private:
   template <typename Function>
@@ -119,9 +124,34 @@ class UrdfCheck {
 
   void add_coupling(const TiXmlElement& joint) {
     const TiXmlElement* mimic = joint.FirstChildElement("mimic");
+    const std::string type = attribute_of(joint, "type");
+    if (type == "revolute" || type == "continuous") moving_.insert(name_of(joint));
     if (mimic == nullptr) return;
-    coupled_[name_of(joint)] = fmt::format("mimics '{}' (line {})",
-                                           printable_text(attribute_of(*mimic, "joint"), 200), mimic->Row());
+    const auto number = [&](const char* name, double usual) {
+      if (mimic->Attribute(name) == nullptr) return usual;
+      const auto value = parse_number(attribute_of(*mimic, name));
+      if (!value)
+        errors_.fail(*mimic, fmt::format("joint '{}', mimic, {}", name_of(joint), name), "1 finite number",
+                     fmt::format("'{}'", printable_text(attribute_of(*mimic, name), 200)));
+      return *value;
+    };
+    NamedCoupling coupling;
+    coupling.follower = name_of(joint);
+    coupling.leader = attribute_of(*mimic, "joint");
+    coupling.coefficients = {number("offset", 0), number("multiplier", 1)};
+    coupling.place = fmt::format("mimic (line {})", mimic->Row());
+    couplings_.emplace_back(mimic, std::move(coupling));
+  }
+
+  /// Of what is fixed a `<mimic>` means nothing.
+  void check_couplings() {
+    for (const auto& [mimic, coupling] : couplings_) {
+      if (moving_.contains(coupling.follower) && !moving_.contains(coupling.leader))
+        errors_.fail(*mimic, fmt::format("joint '{}', mimic, joint", coupling.follower),
+                     "a joint of this file that moves",
+                     fmt::format("'{}'", printable_text(coupling.leader, 200)));
+    }
+    std::erase_if(couplings_, [this](const auto& c) { return !moving_.contains(c.second.follower); });
   }
 
   std::string find_root() const {
@@ -171,7 +201,8 @@ class UrdfCheck {
   std::map<std::string, TiXmlElement*> links_;  ///< their copies
   std::map<std::string, std::string> parents_;
   std::vector<std::pair<const TiXmlElement*, TiXmlElement*>> floating_;  ///< joints and their copies
-  std::map<std::string, std::string> coupled_;
+  std::set<std::string> moving_;                                         ///< joints
+  std::vector<std::pair<const TiXmlElement*, NamedCoupling>> couplings_;
 };
 
 }  // namespace
@@ -192,7 +223,7 @@ CheckedUrdf check_urdf(const std::string& text, const std::string& source, Reade
   TiXmlPrinter printer;
   printer.SetStreamPrinting();
   checked.Accept(&printer);
-  return {printer.Str(), read_urdf_visuals(*robot, source, warnings), check.coupled()};
+  return {printer.Str(), read_urdf_visuals(*robot, source, warnings), check.couplings()};
 }
 
 }  // namespace crossgait

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "physics/robot/robot.h"
+#include "physics/robot_files/parsed_robot.h"
 #include "physics/robot_files/reader_warnings.h"
 
 namespace crossgait {
@@ -14,7 +15,7 @@ namespace crossgait {
 struct CheckedUrdf {
   std::string text;                                         ///< a URDF of what is left, which urdfdom takes
   std::map<std::string, std::vector<VisualShape>> visuals;  ///< see `read_urdf_visuals`
-  std::map<std::string, std::string> coupled;               ///< joints with `<mimic>` (ParsedRobot::coupled)
+  std::vector<NamedCoupling> couplings;                     ///< of joints with `<mimic>`
 };
 
 /// Checks that `text` is well-formed XML holding a URDF whose links and joints have finite numbers, joint
@@ -23,6 +24,7 @@ struct CheckedUrdf {
 ///    warnings. Elements of `robot` other than `link` and `joint` are other programs' business and are
 ///    skipped.
 ///  - A massless root on which nothing but a floating joint hangs is taken away: its child is the free base.
+///  - A `<mimic>` has to name another joint that moves, and counts on a joint that does.
 /// @throws ConfigError naming `source`, the line and the link or joint
 CheckedUrdf check_urdf(const std::string& text, const std::string& source, ReaderWarnings& warnings);
 

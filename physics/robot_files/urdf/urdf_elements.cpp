@@ -91,7 +91,8 @@ class ElementCopy {
     std::set<std::string> seen;
     for (auto* c = from.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
       const std::string& tag = c->ValueStr();
-      if (tag == "visual") continue;  // urdf_visuals.h
+      if (tag == "visual") continue;                               // urdf_visuals.h
+      if (tag == "mimic" && from.ValueStr() == "joint") continue;  // urdf_check.cpp
       if (std::find(rule.children.begin(), rule.children.end(), tag) == rule.children.end()) {
         ignore(*c);
       } else if (tag != "collision" && (!seen.insert(tag).second || (is_geometry && seen.size() > 1))) {
@@ -111,9 +112,7 @@ class ElementCopy {
   }
 
   void ignore(const TiXmlElement& unknown) {
-    const std::string& tag = unknown.ValueStr();
-    const bool mimic = tag == "mimic" && &top_ == unknown.Parent();
-    count("ignored ", fmt::format(" <{}>{}", tag, mimic ? " (couplings are not simulated)" : ""), unknown);
+    count("ignored ", fmt::format(" <{}>", unknown.ValueStr()), unknown);
   }
 
   void copy_attributes(const TiXmlElement& from, const ElementRule& rule, const std::string& path,

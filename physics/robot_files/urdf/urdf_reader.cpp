@@ -175,7 +175,7 @@ ParsedRobot read_urdf_text(const std::string& text, const std::string& path) {
   const urdf::ModelInterfaceSharedPtr model = parse(checked.text, path);
   ParsedRobot robot = TreeBuilder(path, checked.visuals, warnings).build(*model->getRoot());
   robot.name = model->getName();
-  robot.coupled = checked.coupled;
+  robot.couplings = checked.couplings;
   return robot;
 }
 

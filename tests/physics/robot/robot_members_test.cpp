@@ -19,7 +19,7 @@
 namespace crossgait {
 namespace {
 
-/// A robot that has everything: visuals, a hull, loops, legs.
+/// A robot that has everything: visuals, a hull, loops, couplings, legs.
 RobotDescription full_robot() {
   RobotDescription robot = load_robot(find_robot("scara_quadruped"));
   CollisionShape hull;
@@ -31,6 +31,8 @@ RobotDescription full_robot() {
   visual.mesh = "trunk.stl";
   visual.rgba = Eigen::Vector4d(.1, .2, .3, 1);
   robot.bodies[0].visuals.push_back(visual);
+  const auto shoulder = [&robot](Leg leg) { return (*robot.legs)[leg].joint("shoulder_left"); };
+  robot.couplings.push_back({.follower = shoulder(Leg::RR), .leader = shoulder(Leg::FL)});
   robot.contact = all_settings(ContactSpec());
   robot.validate();
   return robot;
@@ -142,6 +144,7 @@ TEST(RobotMembers, AreAllVisited) {
   expect_whole<Joint>("Joint");
   expect_whole<Body>("Body");
   expect_whole<LoopClosure>("LoopClosure");
+  expect_whole<JointCoupling>("JointCoupling");
   expect_whole<LegModel>("LegModel");
   expect_whole<Softness>("Softness");
   expect_whole<ContactSettings>("ContactSettings");

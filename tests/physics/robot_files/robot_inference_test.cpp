@@ -333,15 +333,6 @@ TEST_F(Inferred, AnEnvironmentBesideARobotIsNotItsRobotYaml) {
   EXPECT_THROW((void)load_robot(file), ConfigError);
 }
 
-TEST_F(Inferred, LegsThatMimicAreRefused) {
-  std::string text = SerialUrdf().text();
-  const std::string limit = R"(<limit lower="-2.6" upper="-0.5" effort="30" velocity="1"/>)";
-  text.insert(text.find(limit), R"(<mimic joint="FL_pitch" multiplier="-2"/>)");
-  const ConfigError error = refusal(text);
-  EXPECT_EQ(error.element(), "joint 'FL_knee' of a leg");
-  EXPECT_NE(error.found().find("mimics 'FL_pitch'"), std::string::npos) << error.what();
-}
-
 struct Refusal {
   const char* name;
   std::function<std::string()> text;

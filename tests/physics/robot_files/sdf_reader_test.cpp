@@ -174,6 +174,25 @@ TEST(SdfReader, TakesABallJointForTheLoopWhereverItStands) {
   EXPECT_EQ(robot.loops[0].p_b, Vector3::Zero());
 }
 
+TEST(SdfReader, AJointThatMimicsFollowsFromItsReference) {
+  const std::string crank =
+      "<link "
+      "name=\"crank\"><inertial><mass>1</mass><inertia><ixx>.1</ixx><iyy>.1</iyy><izz>.1</izz></inertia>"
+      "</inertial></link><joint name=\"drive\" type=\"continuous\"><parent>base</parent><child>crank</child>"
+      "<axis><mimic joint=\"hinge\"><multiplier>-2</multiplier><offset>.3</offset><reference>.1</reference>"
+      "</mimic></axis></joint>";
+  const ParsedRobot robot = read_text(two_links("", "", crank), "1.11");
+  ASSERT_EQ(robot.couplings.size(), 1U);
+  EXPECT_EQ(robot.couplings[0].follower, "drive");
+  EXPECT_EQ(robot.couplings[0].leader, "hinge");
+  EXPECT_DOUBLE_EQ(robot.couplings[0].coefficients[0], 0.5);  // -2 (q - 0.1) + 0.3
+  EXPECT_DOUBLE_EQ(robot.couplings[0].coefficients[1], -2);
+  EXPECT_FALSE(warns(robot, "mimic"));
+  std::string other = crank;
+  other.replace(other.find("joint=\"hinge\""), 13, "joint=\"drive\"");
+  EXPECT_THROW((void)read_text(two_links("", "", other), "1.11"), ConfigError);
+}
+
 TEST(SdfReader, PutsABodyAtItsJoint) {
   const ParsedRobot robot = read_text(two_links(
       "<pose>.5 0 -.25 0 0 1.5707963267948966</pose><collision name=\"tip\"><pose>0 0 -.5 0 0 0</pose>"

@@ -19,8 +19,10 @@ struct SerialUrdf {
   Vector3 abduction_axis = Vector3::UnitX(), hip_axis = Vector3::UnitY();
   std::string knee_limits = R"(lower="-2.6" upper="-0.5" effort="30" velocity="1")";
   std::string foot_shape = R"(<sphere radius="0.02"/>)";  ///< empty: none
-  Vector3 foot_at = {0, 0, -0.2};                         ///< from the knee, m
-  std::string more;                                       ///< before </robot>
+  Vector3 foot_at = {0, 0, -0.2};                         ///< from the knee, or the ankle, m
+  /// Attributes of `<mimic>` of knees, and of ankles, which there are none without them; {0} is the prefix.
+  std::string knee_mimic, ankle_mimic;
+  std::string more;  ///< before </robot>
   /// Names of the legs' joints begin with it.
   std::function<std::string(Leg)> prefix = [](Leg leg) { return std::string(name(leg)); };
   /// Columns: the robot's forward, left and up in the file's axes.
@@ -66,12 +68,26 @@ struct SerialUrdf {
       out += joint(p + "_pitch", "trunk", p + "_thigh", hip + aside, hip_axis, usual);
     }
     const Vector3 foot = R * foot_at;
+    const std::string shape = foot_shape.empty()
+                                  ? ""
+                                  : fmt::format("<origin xyz=\"{} {} {}\"/><geometry>{}</geometry>", foot.x(),
+                                                foot.y(), foot.z(), foot_shape);
     out += link(p + "_thigh", 1, {0, 0, -0.1}, "");
-    out += link(p + "_shin", 1, {0, 0, -0.1},
-                foot_shape.empty() ? ""
-                                   : fmt::format("<origin xyz=\"{} {} {}\"/><geometry>{}</geometry>",
-                                                 foot.x(), foot.y(), foot.z(), foot_shape));
-    return out + joint(p + "_knee", p + "_thigh", p + "_shin", {0, 0, -0.2}, Vector3::UnitY(), knee_limits);
+    out += link(p + "_shin", 1, {0, 0, -0.1}, ankle_mimic.empty() ? shape : "");
+    out +=
+        mimicking(joint(p + "_knee", p + "_thigh", p + "_shin", {0, 0, -0.2}, Vector3::UnitY(), knee_limits),
+                  knee_mimic, p);
+    if (ankle_mimic.empty()) return out;
+    out += link(p + "_toe", 0.2, {0, 0, -0.05}, shape);
+    return out +
+           mimicking(joint(p + "_ankle", p + "_shin", p + "_toe", {0, 0, -0.2}, Vector3::UnitY(), usual),
+                     ankle_mimic, p);
+  }
+
+  static std::string mimicking(std::string joint, const std::string& attributes, const std::string& prefix) {
+    if (attributes.empty()) return joint;
+    const std::string mimic = fmt::format("<mimic {}/>", fmt::format(fmt::runtime(attributes), prefix));
+    return joint.insert(joint.rfind("</joint>"), mimic);
   }
 };
 
