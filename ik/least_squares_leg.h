@@ -97,8 +97,8 @@ inline constexpr double kConverged = 1e-10;
 [[nodiscard]] Vector3 forward_least_squares(const LeastSquaresLegGeometry& geometry,
                                             const LegJointAngles& q) noexcept;
 
-/// Computes d foot / d servo, m/rad, rows x, y, z of the leg frame: axis x (foot - joint), and of what follows
-/// it as many times as it turns. The last column of a leg of two servos is zero.
+/// Computes d foot / d servo, m/rad, rows x, y, z of the leg frame: axis x (foot - joint), and of what
+/// follows it as many times as it turns. The last column of a leg of two servos is zero.
 Matrix3 least_squares_jacobian(const LeastSquaresLegGeometry& geometry, const LegJointAngles& q) noexcept;
 
 /// Returns margins, of which `serial` is the bend of the knee from straight or folded, seen along its axis:

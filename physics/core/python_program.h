@@ -5,9 +5,9 @@
 
 namespace crossgait {
 
-/// Names the interpreter: what the environment variable CROSSGAIT_PYTHON names, which the package's own program
-/// sets; else the one that was said by `set_python_program`; else "python3", to be looked for as a shell
-/// does.
+/// Names the interpreter: what the environment variable CROSSGAIT_PYTHON names, which the package's own
+/// program sets; else the one that was said by `set_python_program`; else "python3", to be looked for as a
+/// shell does.
 std::string python_program();
 
 /// Says in which interpreter this library runs. Call it before anything else does anything.

@@ -26,7 +26,7 @@ struct RobotReport {
   /// Why a joint has a number that it has, by joint and number (joint_numbers.h); of those that are not there
   /// the file says it.
   std::map<std::string, std::map<std::string, std::string>> reasons;
-  std::map<std::string, double> velocity_limits;  ///< of the file, by joint, rad/s; not simulated
+  std::map<std::string, double> velocity_limits;   ///< of the file, by joint, rad/s; not simulated
   std::map<std::string, NamedCoupling> couplings;  ///< those that are simulated, by their follower
   ContactOfFile contact;
   std::map<Leg, std::string> feet_of_file;  ///< the shape of the file nearest to a foot, where there is one

@@ -64,8 +64,8 @@ TEST(CompareWalks, JudgesOneEngineOfEachSetOfLaws) {
   ASSERT_TRUE(verdict.has_value());
   ASSERT_EQ(verdict->verdicts.pairs.size(), 1U);
   EXPECT_EQ(verdict->verdicts.pairs[0].a + " " + verdict->verdicts.pairs[0].b, "mujoco bullet");
-  // As asked and at half the step in both, two settings of soft contact in the one, sweeps and error reduction
-  // in the other; four starts: one report per run.
+  // As asked and at half the step in both, two settings of soft contact in the one, sweeps and error
+  // reduction in the other; four starts: one report per run.
   EXPECT_EQ(judging, 4U * (2 + 2 + 2 + 2));
   EXPECT_FALSE(compare_walks(config, {"mujoco", "bullet:matched"}, options).verdict.has_value());
 }

@@ -19,9 +19,9 @@ class FollowingLeg {
   double hip_x() const;
   /// Measures the links; the shin by both of its links, where there is an ankle.
   LegLengths lengths() const;
-  /// Returns angles in the order of the leg's servos with the foot `depth` below the hip and `forward` of it; where
-  /// the knee follows, as far forward as it comes. @param bend  +1: knee ahead of the line from hip to foot,
-  /// -1: behind it  @returns nothing if a limit forbids it, of a servo or of a follower
+  /// Returns angles in the order of the leg's servos with the foot `depth` below the hip and `forward` of it;
+  /// where the knee follows, as far forward as it comes. @param bend  +1: knee ahead of the line from hip to
+  /// foot, -1: behind it  @returns nothing if a limit forbids it, of a servo or of a follower
   std::optional<std::vector<double>> stand(double depth, double forward, int bend);
   /// Returns how far ahead of the hip the foot is at the angles of `stand`, m.
   double forward_at(const std::vector<double>& angles);
