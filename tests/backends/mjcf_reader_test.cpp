@@ -539,7 +539,8 @@ TEST_F(MjcfReader, SaysWhatOfMotionIsNotSimulated) {
       "<option density=\"1.2\" viscosity=\"0.0\" wind=\"0 0 0\"><flag frictionloss=\"disable\" "
       "gravity=\"enable\" warmstart=\"disable\"/></option>";
   const std::vector<std::string> warnings = tree(mjcf).warnings;
-  EXPECT_TRUE(warns(warnings, "did not simulate 1 attribute(s) density=\"1.2\" of <option>, first in option"));
+  EXPECT_TRUE(
+      warns(warnings, "did not simulate 1 attribute(s) density=\"1.2\" of <option>, first in option"));
   EXPECT_TRUE(warns(warnings, "did not simulate 1 attribute(s) frictionloss=\"disable\" of <flag>"));
   for (const char* neutral : {"viscosity", "wind", "gravity", "warmstart"})
     EXPECT_FALSE(warns(warnings, neutral)) << neutral;

@@ -54,7 +54,8 @@ TEST(Policy, CountsWhatItClipsSinceTheReset) {
   const auto counts = [&policy] {
     return std::vector<std::int64_t>(policy.clipped().begin(), policy.clipped().end());
   };
-  EXPECT_EQ(counts(), (std::vector<std::int64_t>{2, 0, 0, 0})) << "a bound is no clip, nor is what is no number";
+  EXPECT_EQ(counts(), (std::vector<std::int64_t>{2, 0, 0, 0}))
+      << "a bound is no clip, nor is what is no number";
   policy.reset(0);
   EXPECT_EQ(counts(), (std::vector<std::int64_t>(4, 0)));
 }

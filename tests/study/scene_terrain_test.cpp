@@ -32,9 +32,10 @@ class Scenes : public ScratchFolder {
 constexpr const char* kPlane = "<geom type='plane' size='0 0 1'/>";
 
 TEST_F(Scenes, BoxesStandOnThePlane) {
-  const SceneTerrain scene = read(std::string(kPlane) +
-                                  "<geom type='box' size='.2 .1 .05' pos='.3 0 .05'/>"
-                                  "<body pos='-.3 0 0' quat='0 0 0 1'><geom type='box' size='.1 .1 .2'/></body>");
+  const SceneTerrain scene =
+      read(std::string(kPlane) +
+           "<geom type='box' size='.2 .1 .05' pos='.3 0 .05'/>"
+           "<body pos='-.3 0 0' quat='0 0 0 1'><geom type='box' size='.1 .1 .2'/></body>");
   const HeightField& field = *scene.field;
   EXPECT_EQ(field.columns(), 11);  // as far as the box does, the same both ways: +-0.5 m
   EXPECT_EQ(field.rows(), 3);
@@ -53,11 +54,12 @@ TEST_F(Scenes, RoundAndTiltedShapesAreAsHighAsGeometrySays) {
   const HeightField dome = *read(std::string(kPlane) + "<geom type='sphere' size='.5'/>").field;
   const HeightField log =
       *read(std::string(kPlane) + "<geom type='capsule' size='.2' fromto='-.5 0 0 .5 0 0'/>").field;
-  const HeightField ramp = *read("<geom type='plane' size='1 1 1' euler='0 -20 0'/><geom type='box' size='.5 .5 .01' "
-                                 "pos='0 0 -9'/>")
-                                .field;
-  const HeightField tilted =
-      *read("<geom type='box' size='1 .3 .1' euler='0 -20 0'/>", 0.05).field;
+  const HeightField ramp =
+      *read(
+           "<geom type='plane' size='1 1 1' euler='0 -20 0'/><geom type='box' size='.5 .5 .01' "
+           "pos='0 0 -9'/>")
+           .field;
+  const HeightField tilted = *read("<geom type='box' size='1 .3 .1' euler='0 -20 0'/>", 0.05).field;
   const double slope = std::tan(20 * std::numbers::pi / 180), cosine = std::cos(20 * std::numbers::pi / 180);
   for (int i = -4; i <= 4; ++i) {
     const double x = 0.1 * i;
@@ -73,7 +75,8 @@ TEST_F(Scenes, RoundAndTiltedShapesAreAsHighAsGeometrySays) {
 TEST_F(Scenes, MeshesAreTheirHulls) {
   const HeightField roof =
       *read(std::string(kPlane) + "<body pos='0 0 1'><geom type='mesh' mesh='roof'/></body>", 0.1,
-            "<compiler inertiafromgeom='false'/><asset><mesh name='roof' vertex='-1 -1 0 -1 1 0 1 -1 0 1 1 0 0 -1 1 0 1 1'/>"
+            "<compiler inertiafromgeom='false'/><asset><mesh name='roof' vertex='-1 -1 0 -1 1 0 1 -1 0 1 1 0 "
+            "0 -1 1 0 1 1'/>"
             "</asset>")
            .field;
   // Of a mesh without a file the compiler moves the vertices to its own axes, and the geom with them.
@@ -100,8 +103,9 @@ TEST_F(Scenes, OverhangsAreSaidWithTheirShare) {
   EXPECT_EQ(table.overhang_ratio, 1);
   ASSERT_EQ(table.warnings.size(), 1U);
   EXPECT_TRUE(table.warnings[0].starts_with("100 % of the samples overhang")) << table.warnings[0];
-  const SceneTerrain stack = read(std::string(kPlane) + "<geom type='box' size='.5 .5 .05' pos='0 0 .05'/>"
-                                                        "<geom type='box' size='.2 .2 .05' pos='0 0 .15'/>");
+  const SceneTerrain stack = read(std::string(kPlane) +
+                                  "<geom type='box' size='.5 .5 .05' pos='0 0 .05'/>"
+                                  "<geom type='box' size='.2 .2 .05' pos='0 0 .15'/>");
   EXPECT_EQ(stack.overhang_ratio, 0);
   EXPECT_NEAR(stack.field->height(0, 0), 0.2, kRounding);
 }
@@ -131,7 +135,8 @@ TEST_F(Scenes, WhatIsNoHeightFieldIsRefused) {
 }
 
 TEST_F(Scenes, WhatHasNothingBelowIsAsHighAsTheLowest) {
-  const SceneTerrain scene = read("<geom type='box' size='.1 .1 .3'/><geom type='box' size='.1 .1 .1' pos='.5 0 0'/>");
+  const SceneTerrain scene =
+      read("<geom type='box' size='.1 .1 .3'/><geom type='box' size='.1 .1 .1' pos='.5 0 0'/>");
   EXPECT_NEAR(scene.field->height(-0.5, 0), 0.1, kRounding);
   ASSERT_EQ(scene.warnings.size(), 1U);
   EXPECT_NE(scene.warnings[0].find("nothing below them"), std::string::npos);
