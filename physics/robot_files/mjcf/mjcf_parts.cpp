@@ -28,8 +28,8 @@ constexpr std::array<std::string_view, 4> kOfTheWorld{"option", "size", "visual"
 /// Attributes of <option> and its <flag> that change motion; what else the world's options say is read
 /// elsewhere, or says how to compute.
 constexpr std::array<std::string_view, 3> kOfTheAir{"density", "viscosity", "wind"};
-constexpr std::array<std::string_view, 11> kFlags{"constraint", "equality", "frictionloss", "limit",
-                                                  "contact",    "passive",  "spring",       "damper",
+constexpr std::array<std::string_view, 11> kFlags{"constraint", "equality",  "frictionloss", "limit",
+                                                  "contact",    "passive",   "spring",       "damper",
                                                   "gravity",    "actuation", "clampctrl"};
 constexpr std::array<std::string_view, 6> kIgnoredSections{"sensor",     "tendon", "contact",
                                                            "deformable", "custom", "extension"};
