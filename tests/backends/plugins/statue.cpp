@@ -59,8 +59,8 @@ Engine engine(const std::string& name, const std::string& version) {
   info.library = "Statue";
   info.version = version;
   info.mode = "touches nothing";
-  info.laws = {
-      .contact = "none", .loops = "rigid", .joint_friction = "", .joint_limits = "", .contact_family = ""};
+  info.laws.contact = "none";
+  info.laws.loops = "rigid";
   return {info, [info](const WorldSpec& spec) { return std::make_unique<StatueBackend>(spec, info); }};
 }
 
