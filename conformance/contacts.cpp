@@ -40,7 +40,7 @@ std::vector<double> standing(const Subject& subject) {
   const auto slope = subject.make(world_on(kSlope, scenes::quadruped()));
   const Vector3 weight(0, 0, slope->robot().total_mass() * kGravity);
   const double on_slope = (mean_force(*slope) - weight).norm() / weight.z();
-  const double left = residual_speed(subject);
+  const double left = residual_speed(subject.engine.info);
   return {upright, sideways, least, std::max(0.0, slip - left), std::max(0.0, speed - left), on_slope};
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "conformance/contact_forces.h"
 #include "conformance/topics.h"
 #include "scenes/incline.h"
 
@@ -13,7 +14,7 @@ namespace {
 /// the creep of a body whose four runners carry a quarter of its weight each. Hard contact does not creep:
 /// what is left is the tolerance that its solver stops at, or where it stops after a few iterations.
 double allowed_creep(const Subject& subject) {
-  if (!is_soft(subject)) return 1e-5 + residual_speed(subject);
+  if (!is_soft(subject)) return 1e-5 + residual_speed(subject.engine.info);
   const Softness soft;
   const double load = kGravity * std::sin(scenes::incline_angle(scenes::kJustInside)) / 4;  // per mass
   const double R = (1 - soft.impedance_min) / soft.impedance_min,
@@ -91,7 +92,7 @@ std::vector<double> slip_speed(const Subject& subject) {
   double worst = 0;
   for (const Contact& c : world->contacts()) worst = std::max(worst, std::abs(c.slip_speed - 0.5));
   // At rest otherwise.
-  const double allowed = 1e-9 + 100 * epsilon(subject.precision()) + residual_speed(subject);
+  const double allowed = 1e-9 + 100 * epsilon(subject.precision()) + residual_speed(subject.engine.info);
   return {worst / allowed, static_cast<double>(world->contacts().count)};
 }
 

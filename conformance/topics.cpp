@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "conformance/contact_forces.h"
 #include "physics/robot/multibody.h"
 
 namespace crossgait::conformance {
@@ -48,8 +49,8 @@ double convergence(double fine, double coarse, double expected, double rounding)
   return expected + std::copysign(std::max(0.0, std::abs(off) - (1 + expected) * rounding), off) / coarse;
 }
 
-double residual_speed(const Subject& subject) {
-  const bool stops_early = subject.engine.info.laws.contact.find("/temporal") != std::string::npos;
+double residual_speed(const EngineInfo& engine) {
+  const bool stops_early = engine.laws.contact.find("/temporal") != std::string::npos;
   return stops_early ? kGravity * 1e-3 / 5 : 0;
 }
 

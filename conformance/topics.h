@@ -12,6 +12,7 @@ namespace crossgait::conformance {
 std::vector<Check> model_checks();
 std::vector<Check> free_motion_checks();
 std::vector<Check> joint_checks();
+std::vector<Check> implicit_servo_checks();
 std::vector<Check> ground_checks();
 std::vector<Check> friction_checks();
 std::vector<Check> contact_checks();
@@ -46,11 +47,6 @@ double relative_difference(const JointVector& found, const JointVector& expected
 /// Returns the ratio of two errors, of a fine step over a coarse one, as near to what is `expected` of it as
 /// the rounding of both, at most `rounding`, leaves open.
 double convergence(double fine, double coarse, double expected, double rounding);
-
-/// Returns how fast what rests may be moved by the way in which the engine solves its law of contact, m/s. A
-/// solver that stops after a few iterations, whether it has converged or not ("/temporal" in Laws::contact),
-/// leaves a fifth of what gravity adds in a step of 1 ms.
-double residual_speed(const Subject& subject);
 
 /// Tells whether contact is soft by declaration.
 bool is_soft(const Subject& subject);

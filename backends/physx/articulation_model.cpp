@@ -144,7 +144,8 @@ void ArticulationModel::set_state(const RobotState& state) {
 void ArticulationModel::get_state(RobotState& state) const {
   const px::PxArticulationRootLinkData& root = *cache()->rootLinkData;
   const Pose& X_BP = X_BP_.front();
-  state.q_WB = quaternion(root.transform.q) * Quaternion(X_BP.linear()).conjugate();
+  // Its floats are a unit quaternion to their rounding alone.
+  state.q_WB = (quaternion(root.transform.q) * Quaternion(X_BP.linear()).conjugate()).normalized();
   const Vector3 p_BC_W = state.q_WB * Vector3(X_BP.translation());
   state.p_WB = vector(root.transform.p) - p_BC_W;
   state.w_WB = vector(root.worldAngVel);

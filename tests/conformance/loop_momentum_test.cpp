@@ -38,10 +38,12 @@ class InFlight : public EngineTest {
 CROSSGAIT_FOR_EVERY_BACKEND(InFlight);
 
 TEST_P(InFlight, SoftLoopsCostAngularMomentumAndNotMuch) {
+  const bool soft = find_engine(GetParam()).info.laws.loops.starts_with("mujoco");
   WorldSpec spec = scenes::world_of(scenes::quadruped());
   const double whole = change(spec);
   measured("angular momentum lost by swinging legs in 2 s, share", whole);
   EXPECT_LT(whole, 2e-3);  // twice what was measured
+  if (!soft) GTEST_SKIP() << "hard loops, which are no further apart than the solver leaves them";
   // A loop pulls at two points, which its softness lets be apart, so that the two forces are not along one
   // line: stiffer loops lose less. The rest is the integrator's, of first order in the step.
   spec.physics_dt = 5e-4;

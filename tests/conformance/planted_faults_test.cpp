@@ -68,7 +68,7 @@ Change of_friction(double factor) {
 /// Every other world is pulled a little harder: no two are alike.
 Change of_every_other_world() {
   return [count = std::make_shared<int>(0)](WorldSpec& spec) {
-    if (++*count % 2 == 0) spec.gravity *= 1 + 1e-5;
+    if (++*count % 2 == 0) spec.gravity *= 1 + 1e-3;
   };
 }
 

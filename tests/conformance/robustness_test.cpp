@@ -1,6 +1,9 @@
 // Bad input and worlds that explode: reported at once, never carried on, and gone after a reset.
+#include <algorithm>
 #include <cmath>
 #include <functional>
+
+#include <malloc.h>
 
 #include "physics/core/error.h"
 #include "tests/support/constants.h"
@@ -50,7 +53,7 @@ TEST_P(BadInput, TargetsOfTheWrongSizeOrNotFiniteChangeNothing) {
 
 TEST_P(BadInput, StatesAreRefusedByName) {
   const auto world = make(scenes::quadruped());
-  const RobotState good = world->home_state();
+  const RobotState good = world->home_state(), before = world->state();
   const std::vector<std::pair<const char*, std::function<void(RobotState&)>>> faults{
       {"joint vectors", [](RobotState& s) { s.q.resize(3); }},
       {"joint vectors", [](RobotState& s) { s.qd.resize(0); }},
@@ -68,7 +71,7 @@ TEST_P(BadInput, StatesAreRefusedByName) {
     RobotState bad = good;
     spoil(bad);
     EXPECT_NE(refusal([&] { world->reset(bad); }).find(element), std::string::npos) << element;
-    EXPECT_TRUE(identical(world->state(), good));
+    EXPECT_TRUE(identical(world->state(), before));
   }
 }
 
@@ -196,6 +199,41 @@ TEST_P(Instances, DoNotDisturbEachOther) {
     }
   }
   EXPECT_TRUE(identical(first->state(), alone->state()));
+}
+
+// Worlds give back what they take: what they leave behind would grow with every hundred of them. An engine
+// may keep a stock of its own, which the first fifty fill.
+TEST_P(Instances, LeaveNoMemoryBehind) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizers have an allocator of their own";
+#endif
+  const auto used = [] {
+    const struct mallinfo2 info = ::mallinfo2();
+    return static_cast<double>(info.uordblks + info.hblkhd);
+  };
+  const WorldSpec spec = scenes::world_of(scenes::quadruped());
+  const JointTargets home = scenes::home_targets(*spec.robot);
+  const auto make_and_forget = [&](int worlds) {
+    for (int i = 0; i < worlds; ++i) {
+      const auto world = make(spec);
+      EXPECT_EQ(world->step(home, 5), StepStatus::kOk);
+    }
+  };
+  make_and_forget(50);
+  constexpr int kWorlds = 100;
+  double left = kInfinity, before = used();
+  for (int block = 0; block < 3; ++block) {
+    make_and_forget(kWorlds);
+    const double now = used();
+    left = std::min(left, (now - before) / kWorlds);
+    before = now;
+  }
+  measured("memory that a world leaves behind, bytes", left);
+  EXPECT_LT(left, 16);  // no object is smaller
+
+  std::vector<std::unique_ptr<PhysicsBackend>> worlds;
+  for (int i = 0; i < 20; ++i) worlds.push_back(make(spec));
+  measured("memory of a world, kB", (used() - before) / 20 / 1024);
 }
 
 class StartsInTheGround : public EngineTest {};
