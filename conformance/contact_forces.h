@@ -16,9 +16,9 @@ inline double sinking(double force, double inverse_weight) {
   return R * force / (K * soft.impedance_min);
 }
 
-/// How fast what rests may be moved by the way in which an engine solves its law of contact, m/s. A solver
-/// that stops after a few iterations, whether it has converged or not ("/temporal" in Laws::contact), leaves
-/// a fifth of what gravity adds in a step of 1 ms.
+/// Returns how fast what rests may be moved by the way in which an engine solves its law of contact, m/s. A
+/// solver that stops after a few iterations, whether it has converged or not ("/temporal" in Laws::contact),
+/// leaves a fifth of what gravity adds in a step of 1 ms.
 double residual_speed(const EngineInfo& engine);
 
 inline Vector3 total_force(const PhysicsBackend& world) {

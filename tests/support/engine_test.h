@@ -23,7 +23,7 @@ class EngineTest : public ::testing::TestWithParam<std::string> {
   }
   /// Returns what the world declares: the only thing that a test may skip or choose by.
   static Capabilities capabilities() { return find_engine(GetParam()).info.capabilities; }
-  /// From 1 to the next number that the engine steps with: what bounds of rounding are multiples of.
+  /// Returns the distance from 1 to the engine's next number: what bounds of rounding are multiples of.
   static double eps() { return epsilon(capabilities().precision); }
 };
 
