@@ -6,6 +6,7 @@
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 
 #include "backends/bullet/convert.h"
+#include "backends/contact/joint_limit.h"
 
 namespace crossgait::bullet {
 namespace {
@@ -33,9 +34,10 @@ CollisionWorld::CollisionWorld(const WorldSpec& spec, const ContactFactors& fact
   btContactSolverInfo& info = world_.getSolverInfo();
   info.m_numIterations = spec.solver.iterations;
   info.m_leastSquaresResidualThreshold = spec.solver.tolerance * spec.solver.tolerance;
-  info.m_globalCfm = 0;  // ConstraintSolver adds the world's
-  info.m_erp2 = spec.contact.erp;
-  info.m_splitImpulse = 0;  // has no effect on multibodies
+  info.m_globalCfm = 0;                   // ConstraintSolver adds the world's
+  info.m_erp2 = spec.contact.erp;         // of contacts
+  info.m_erp = contact::kLimitReduction;  // of limits, where impulses are not split
+  info.m_splitImpulse = 0;                // has no effect on multibodies
   // No warm starting and no random order, which would make a restored run differ; both friction directions.
   info.m_solverMode = SOLVER_SIMD | SOLVER_USE_2_FRICTION_DIRECTIONS;
   add_terrain();

@@ -80,14 +80,12 @@ btScalar ConstraintSolver::solveGroupCacheFriendlySetup(btCollisionObject** bodi
   return result;
 }
 
-// Has a row undo `share` of its violation (m or rad) in the step, at the speed `fastest` at most. Bullet
-// undoes the share of contacts of all rows alike.
+// Takes from a row, which undoes `share` of its violation (m or rad) in the step, what is beyond the speed
+// `fastest`.
 void ConstraintSolver::bound_correction(btMultiBodySolverConstraint& row, double violation, double share,
                                         double fastest) const noexcept {
-  if (violation <= 0) return;
-  const double undone = spec_.contact.erp * violation / spec_.physics_dt;
-  const double wanted = std::min(share * violation / spec_.physics_dt, fastest);
-  row.m_rhs -= (undone - wanted) * row.m_jacDiagABInv;
+  const double excess = share * violation / spec_.physics_dt - fastest;
+  if (excess > 0) row.m_rhs -= excess * row.m_jacDiagABInv;
 }
 
 // Bullet iterates  dlambda = rhs - lambda cfm - (J dv) / (d + C)  with d = J M0^-1 J'. Replaces M0^-1 J' by

@@ -29,7 +29,7 @@ TEST(SkeletonEngine, IsAskedNearlyEverything) {
     if (check.precondition.is_met != nullptr && !check.precondition.is_met(subject))
       left_out.insert(check.name);
   EXPECT_EQ(left_out,
-            (std::set<std::string>{"soft_friction", "turning_friction", "joint_limit_rest",
+            (std::set<std::string>{"soft_friction", "turning_friction", "error_reduction", "joint_limit_rest",
                                    "joint_limit_stop", "joint_limit_return", "joint_limit_none",
                                    "joint_limits_reported", "same_swing", "same_trot_flat", "same_trot_rough",
                                    "same_sled", "same_joint_friction", "same_couplings"}));

@@ -32,6 +32,7 @@ WorldSpec with_everything() {
     joint.lag = 0.01;
     joint.sensor_noise = 1e-3;
   }
+  world.contact.cfm = 0.01;
   world.robot = std::make_shared<const RobotDescription>(robot);
   world.validate();
   return world;
