@@ -201,7 +201,7 @@ class Choices(Spaces):
         (lambda: built(PPO, Spaces(actions=13)), "expected 12 actions, found 13, the last 1 after target"),
         (lambda: built(PPO, policy_kwargs={"activation_fn": torch.nn.GELU}), "GELU"),
         (lambda: built(SAC, use_sde=True), "Hardtanh"),
-        (lambda: "absent.zip", "a zip of Stable-Baselines3's `save`"),
+        (lambda: "absent.zip", "a readable file"),
         (lambda: torch.nn.Linear(2, 2), "a model of Stable-Baselines3, its policy or a zip, found Linear"),
     ],
 )
@@ -211,6 +211,12 @@ def test_what_no_bundle_can_say_is_refused(make, words):
         model = make()
     with pytest.raises(crossgait.ConfigError, match=words):
         Policy.from_sb3(model, JOINTS)
+
+
+def test_a_file_that_is_no_zip_is_refused(tmp_path):
+    (tmp_path / "model.zip").write_text("no zip")
+    with pytest.raises(crossgait.ConfigError, match="a zip of Stable-Baselines3's `save`"):
+        Policy.from_sb3(tmp_path / "model.zip", JOINTS)
 
 
 def test_what_is_no_vecnormalize(tmp_path):

@@ -111,8 +111,10 @@ def test_variations_that_do_not_concern_an_engine_are_left_out(tmp_path: Path, e
     names = [run.variation for run in study(tmp_path, text).runs()]
     assert names[:3] == _core._variations()[:3] == ["as asked", "half the time step", "a quarter of the time step"]
     sweeps = any(e.name == engine and "sweeps" in e.laws["contact"] for e in _core.engines())
-    assert ("a fifth of the sweeps" in names) == sweeps
-    assert ("ten times the impratio" in names) == (engine in ("mujoco", "bullet:matched", "dart:matched"))
+    assert ("a tenth of the sweeps" in names) == sweeps
+    soft = engine in ("mujoco", "bullet:matched", "dart:matched")
+    assert ("ten times the impratio" in names) == soft
+    assert ("twice the error reduction" in names) == (engine in ("bullet", "dart"))
 
 
 @pytest.mark.parametrize(
