@@ -378,7 +378,7 @@ class Scene {
 
   void sample_row(double y, double cell, int columns, std::vector<float>& heights) {
     std::vector<std::vector<HeightRange>> over(static_cast<std::size_t>(columns));
-    const double first = -(columns - 1) / 2 * cell;
+    const double first = -0.5 * (columns - 1) * cell;
     for (const Solid& solid : solids_) {
       if (y < solid.y_min - kOnBorder || y > solid.y_max + kOnBorder) continue;
       const int from = std::max(0, static_cast<int>(std::floor((solid.x_min - first) / cell)));

@@ -28,6 +28,6 @@ void trust_folder(const std::string& folder, const std::string& source);
 std::string trusted_folders();
 
 /// Says where `require_consent` says that a file runs code.
-void set_consent_notice(std::function<void(const std::string& sentence)> notice);
+void set_consent_notice(std::function<void(const std::string& sentence)> say);
 
 }  // namespace crossgait
