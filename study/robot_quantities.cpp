@@ -34,6 +34,11 @@ std::string value_text(const QuantityValue& value) {
 
 bool is_nothing(const QuantityValue& value) { return std::holds_alternative<std::monostate>(value); }
 
+List solref(const Softness& s) { return {s.time_constant, s.damping_ratio}; }
+List solimp(const Softness& s) {
+  return {s.impedance_min, s.impedance_max, s.impedance_width, s.impedance_midpoint, s.impedance_power};
+}
+
 QuantityValue unless_zero(double number) { return number == 0 ? QuantityValue() : QuantityValue(number); }
 
 class Quantities {
@@ -94,11 +99,6 @@ class Quantities {
         joint.limited ? "targets are clipped to them, and engines keep the angle within them"
                       : "targets are clipped to them; the file has the joint turn on");
     if (!joint.limited) return;
-    const auto solref = [](const Softness& s) { return List{s.time_constant, s.damping_ratio}; };
-    const auto solimp = [](const Softness& s) {
-      return List{s.impedance_min, s.impedance_max, s.impedance_width, s.impedance_midpoint,
-                  s.impedance_power};
-    };
     const auto row = [&](const char* name, const char* unit, const List& says, const List& used,
                          const List& usual) {
       if (says == usual && used == usual) return;
@@ -138,11 +138,6 @@ class Quantities {
     };
     add(joint.name, "coupling", "rad, -, ...", list(of_file.coefficients), list(used->coefficients),
         "offset, multiplier, and of higher powers of the leader's angle");
-    const auto solref = [](const Softness& s) { return List{s.time_constant, s.damping_ratio}; };
-    const auto solimp = [](const Softness& s) {
-      return List{s.impedance_min, s.impedance_max, s.impedance_width, s.impedance_midpoint,
-                  s.impedance_power};
-    };
     add(joint.name, "coupling_solref", "s, -", solref(of_file.softness), solref(used->softness),
         of_file.place);
     add(joint.name, "coupling_solimp", "-, -, rad, -, -", solimp(of_file.softness), solimp(used->softness),
@@ -177,9 +172,9 @@ class Quantities {
     if (numbers.condim > 4) row("rolling_friction", "m", {numbers.friction[2]}, used("rolling_friction"));
     // As it is simulated: the direct form of solref is a time constant and a ratio like any other.
     ContactSpec of_file;
-    const ContactSetting& solref = find_contact_setting("solref", "world");
-    solref.set(of_file, numbers.solref);
-    row("solref", "s, -", solref.get(of_file), used("solref"));
+    const ContactSetting& setting = find_contact_setting("solref", "world");
+    setting.set(of_file, numbers.solref);
+    row("solref", "s, -", setting.get(of_file), used("solref"));
     row("solimp", "-, -, m, -, -", List(numbers.solimp.begin(), numbers.solimp.end()), used("solimp"));
     row("condim", "", {numbers.condim}, used("condim"));
     if (numbers.max_depenetration_velocity)

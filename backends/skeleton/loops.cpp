@@ -19,7 +19,7 @@ Loops::Loops(const WorldSpec& spec) : spec_(spec) {
 }
 
 Loops::Law Loops::law_of(const Softness& soft, double inverse_weight) const {
-  const double time_constant = std::max(soft.time_constant, 2 * spec_.physics_dt);
+  const double time_constant = time_constant_in_steps(soft.time_constant, spec_.physics_dt);
   return {soft, 1 / std::pow(soft.impedance_max * time_constant * soft.damping_ratio, 2),
           2 / (soft.impedance_max * time_constant), inverse_weight};
 }

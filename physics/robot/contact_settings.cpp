@@ -18,13 +18,17 @@ using Numbers = std::span<const double>;
 
 constexpr std::array<std::string_view, 2> kCones{"elliptic", "pyramidal"};
 
+/// Makes the row of a setting that is one number.
 template <double ContactSpec::*member>
-std::vector<double> get_number(const ContactSpec& contact) {
-  return {contact.*member};
-}
-template <double ContactSpec::*member>
-void set_number(ContactSpec& contact, Numbers numbers) {
-  contact.*member = numbers[0];
+constexpr ContactSetting number(std::string_view name, std::string_view unit, std::string_view help) {
+  return {name,
+          unit,
+          help,
+          1,
+          1,
+          {},
+          [](const ContactSpec& contact) { return std::vector{contact.*member}; },
+          [](ContactSpec& contact, Numbers numbers) { contact.*member = numbers[0]; }};
 }
 
 std::vector<double> get_solref(const ContactSpec& c) {
@@ -55,30 +59,10 @@ void take_solimp(Softness& softness, Numbers n) {
 void set_solimp(ContactSpec& c, Numbers n) { take_solimp(c.softness, n); }
 
 const ContactSetting kSettings[] = {
-    {"friction",
-     "-",
-     "Coulomb coefficient between robot and ground, 0 to 10",
-     1,
-     1,
-     {},
-     get_number<&ContactSpec::friction>,
-     set_number<&ContactSpec::friction>},
-    {"torsional_friction",
-     "m",
-     "against turning about the normal, from condim 4 on",
-     1,
-     1,
-     {},
-     get_number<&ContactSpec::torsional_friction>,
-     set_number<&ContactSpec::torsional_friction>},
-    {"rolling_friction",
-     "m",
-     "against rolling, from condim 6 on",
-     1,
-     1,
-     {},
-     get_number<&ContactSpec::rolling_friction>,
-     set_number<&ContactSpec::rolling_friction>},
+    number<&ContactSpec::friction>("friction", "-", "Coulomb coefficient between robot and ground, 0 to 10"),
+    number<&ContactSpec::torsional_friction>("torsional_friction", "m",
+                                             "against turning about the normal, from condim 4 on"),
+    number<&ContactSpec::rolling_friction>("rolling_friction", "m", "against rolling, from condim 6 on"),
     {"condim",
      "-",
      "dimensions of a contact: 3, 4 (with torsion) or 6 (and rolling)",
@@ -87,14 +71,8 @@ const ContactSetting kSettings[] = {
      {},
      [](const ContactSpec& c) { return std::vector<double>{static_cast<double>(c.condim)}; },
      [](ContactSpec& c, Numbers n) { c.condim = static_cast<int>(n[0]); }},
-    {"impratio",
-     "-",
-     "ratio of frictional to normal impedance, above 0, up to 1000",
-     1,
-     1,
-     {},
-     get_number<&ContactSpec::impratio>,
-     set_number<&ContactSpec::impratio>},
+    number<&ContactSpec::impratio>("impratio", "-",
+                                   "ratio of frictional to normal impedance, above 0, up to 1000"),
     {"cone", "-", "what bounds soft friction", 1, 1, kCones,
      [](const ContactSpec& c) { return std::vector<double>{static_cast<double>(c.cone)}; },
      [](ContactSpec& c, Numbers n) { c.cone = static_cast<FrictionCone>(static_cast<int>(n[0])); }},
@@ -107,30 +85,13 @@ const ContactSetting kSettings[] = {
      get_solref,
      set_solref},
     {"solimp", "-, -, m, -, -", "impedances, width, midpoint, power", 1, 5, {}, get_solimp, set_solimp},
-    {"erp",
-     "-",
-     "share of a penetration that hard contact undoes in a step, 0 to 1",
-     1,
-     1,
-     {},
-     get_number<&ContactSpec::erp>,
-     set_number<&ContactSpec::erp>},
-    {"max_depenetration_velocity",
-     "m/s",
-     "speed at which it is undone at most, 0 to 100",
-     1,
-     1,
-     {},
-     get_number<&ContactSpec::max_depenetration_velocity>,
-     set_number<&ContactSpec::max_depenetration_velocity>},
-    {"cfm",
-     "-",
-     "constraint force mixing of hard contact, as a share of each row's response to itself, 0 to 1",
-     1,
-     1,
-     {},
-     get_number<&ContactSpec::cfm>,
-     set_number<&ContactSpec::cfm>},
+    number<&ContactSpec::erp>("erp", "-",
+                              "share of a penetration that hard contact undoes in a step, 0 to 1"),
+    number<&ContactSpec::max_depenetration_velocity>("max_depenetration_velocity", "m/s",
+                                                     "speed at which it is undone at most, 0 to 100"),
+    number<&ContactSpec::cfm>(
+        "cfm", "-",
+        "constraint force mixing of hard contact, as a share of each row's response to itself, 0 to 1"),
 };
 
 // From how many dimensions on a setting makes a difference.
