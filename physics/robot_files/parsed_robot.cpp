@@ -1,5 +1,6 @@
 #include "physics/robot_files/parsed_robot.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,12 @@ void move_vertices(ParsedRobot& robot, const std::string& shape, const Pose& X) 
 }
 
 }  // namespace
+
+bool follows(const ParsedRobot& robot, const std::string& joint) {
+  return std::ranges::any_of(robot.couplings, [&joint](const NamedCoupling& coupling) {
+    return coupling.follower == joint && !coupling.is_driven;
+  });
+}
 
 ParsedRobot lock_joints(ParsedRobot robot, const std::map<std::string, double>& joints) {
   std::vector<int> index(robot.bodies.size(), 0);                // of the body that each becomes part of

@@ -59,6 +59,9 @@ struct ParsedRobot {
   ContactOfFile contact;
 };
 
+/// Tells whether a joint of `robot` moves with another one and has no servo of its own.
+bool follows(const ParsedRobot& robot, const std::string& joint);
+
 /// Fixes joints: what they move becomes part of what they hang on. @param joints  by name, the angle of each,
 /// rad
 ParsedRobot lock_joints(ParsedRobot robot, const std::map<std::string, double>& joints);

@@ -49,8 +49,6 @@ class RobotBuilder {
   void read_legs(const YamlValue& legs);
   /// Tells whether the abduction of a leg hangs on its hip.
   bool is_hip_first(const YamlValue& leg) const;
-  /// Tells whether a joint moves with another one and has no servo of its own.
-  bool follows(const std::string& joint) const;
   /// Orders bodies: those of the legs first, leg by leg and role by role, then the rest in the file's order.
   void order_bodies(LegArray<LegModel> models, const LegArray<std::vector<int>>& legs);
   void name_servos();

@@ -16,8 +16,9 @@ void RobotBuilder::read_frame_and_legs() {
   const auto legs = find("legs"), frame = find("frame"), locked = find("locked");
   if (frame) report_.R_BA = read_frame(*frame);
   if (locked) {
-    settle_held(read_locked(*locked));
-    lock(read_locked(*locked));
+    const auto held = read_locked(*locked);
+    settle_held(held);
+    lock(held);
   }
   LegSearch search;
   if (!legs) {
@@ -115,12 +116,6 @@ bool RobotBuilder::is_hip_first(const YamlValue& leg) const {
   return parsed_.bodies[static_cast<std::size_t>(body)].parent == moved_body(*hip, hip->text());
 }
 
-bool RobotBuilder::follows(const std::string& joint) const {
-  return std::ranges::any_of(parsed_.couplings, [&](const NamedCoupling& coupling) {
-    return coupling.follower == joint && !coupling.is_driven;
-  });
-}
-
 void RobotBuilder::read_legs(const YamlValue& legs) {
   legs.allow_keys({name(Leg::FL), name(Leg::FR), name(Leg::RL), name(Leg::RR)});
   LegArray<std::vector<int>> bodies;
@@ -139,7 +134,7 @@ void RobotBuilder::read_legs(const YamlValue& legs) {
       model.servos.resize(values.find("abduction") ? 3 : 2, -1);
       model.passive.resize(values.find("ankle") ? 1 : 0, -1);
       if (is_hip_first(values)) model.linkage = LegLinkage::kHipFirst;
-      if (follows(values.at("knee").text())) {
+      if (follows(parsed_, values.at("knee").text())) {
         model.linkage = LegLinkage::kKneeFollows;
         model.servos.resize(2, -1);
         model.passive.resize(values.find("ankle") ? 2 : 1, -1);
@@ -194,7 +189,7 @@ void RobotBuilder::name_servos() {
                         fmt::format("one that {}", coupled->second));
     }
     for (const int i : leg.servos) {
-      if (follows(joint(i).name))
+      if (follows(parsed_, joint(i).name))
         throw ConfigError(
             report_.file, fmt::format("joint '{}' of a leg", joint(i).name),
             "a servo: of a leg its knee and its ankle may follow",

@@ -71,9 +71,8 @@ bool FollowingLeg::is_within_limits() const {
   });
 }
 
-Eigen::Vector2d FollowingLeg::error(const Eigen::Vector2d& angles, double depth, double forward) {
-  const Vector3 foot = place(angles).foot;
-  return {foot.z() + depth, count_ == 1 ? 0 : foot.x() - forward};
+Eigen::Vector2d FollowingLeg::error(const Placed& placed, double depth, double forward) const {
+  return {placed.foot.z() + depth, count_ == 1 ? 0 : placed.foot.x() - forward};
 }
 
 std::optional<Eigen::Vector2d> FollowingLeg::best_start(double depth, double forward, int bend) {
@@ -87,8 +86,9 @@ std::optional<Eigen::Vector2d> FollowingLeg::best_start(double depth, double for
   for (int i = 0; i < kGrid; ++i) {
     for (int k = 0; k < (count_ == 1 ? 1 : kGrid); ++k) {
       const Eigen::Vector2d angles(at(0, i), count_ == 1 ? 0 : at(1, k));
-      const double off = error(angles, depth, forward).norm();
-      if (!is_within_limits() || bend_of(place(angles)) != bend || (best && off >= least)) continue;
+      const Placed placed = place(angles);
+      const double off = error(placed, depth, forward).norm();
+      if (!is_within_limits() || bend_of(placed) != bend || (best && off >= least)) continue;
       best = angles;
       least = off;
     }
@@ -101,18 +101,19 @@ std::optional<std::vector<double>> FollowingLeg::stand(double depth, double forw
   if (!start) return std::nullopt;
   Eigen::Vector2d angles = *start;
   for (int i = 0; i < kIterations; ++i) {
-    const Eigen::Vector2d off = error(angles, depth, forward);
+    const Eigen::Vector2d off = error(place(angles), depth, forward);
     if (off.norm() < kReached / 10) break;
     Eigen::Matrix2d J = Eigen::Matrix2d::Zero();
     for (int k = 0; k < count_; ++k) {
       const Eigen::Vector2d step = kDifference * Eigen::Vector2d::Unit(k);
-      J.col(k) =
-          (error(angles + step, depth, forward) - error(angles - step, depth, forward)) / (2 * kDifference);
+      J.col(k) = (error(place(angles + step), depth, forward) - error(place(angles - step), depth, forward)) /
+                 (2 * kDifference);
     }
     angles -= J.completeOrthogonalDecomposition().solve(off);
   }
-  if (!angles.allFinite() || !(error(angles, depth, forward).norm() < kReached)) return std::nullopt;
+  if (!angles.allFinite()) return std::nullopt;
   const Placed placed = place(angles);
+  if (!(error(placed, depth, forward).norm() < kReached)) return std::nullopt;
   if (!is_within_limits() || bend_of(placed) != bend) return std::nullopt;
   std::vector<double> servos;
   for (const int i : model_.servos) servos.push_back(state_.q[i]);

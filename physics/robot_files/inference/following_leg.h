@@ -32,7 +32,7 @@ class FollowingLeg {
     Vector3 foot, knee;
   };
   Placed place(const Eigen::Vector2d& angles);
-  Eigen::Vector2d error(const Eigen::Vector2d& angles, double depth, double forward);
+  Eigen::Vector2d error(const Placed& placed, double depth, double forward) const;
   int bend_of(const Placed& placed) const;
   bool is_within_limits() const;
   std::optional<Eigen::Vector2d> best_start(double depth, double forward, int bend);

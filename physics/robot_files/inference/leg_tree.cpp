@@ -8,11 +8,7 @@ JointTree::JointTree(const ParsedRobot& robot)
     : robot_(robot), poses_(robot.bodies.size(), Pose::Identity()) {
   for (std::size_t i = 1; i < robot.bodies.size(); ++i)
     poses_[i] = poses_[static_cast<std::size_t>(robot.bodies[i].parent)] * robot.bodies[i].X_PB;
-  for (const Body& body : robot.bodies) {
-    follows_.push_back(std::ranges::any_of(robot.couplings, [&body](const NamedCoupling& coupling) {
-      return coupling.follower == body.joint.name && !coupling.is_driven;
-    }));
-  }
+  for (const Body& body : robot.bodies) follows_.push_back(crossgait::follows(robot, body.joint.name));
   find_twigs();
 }
 
