@@ -6,6 +6,11 @@
 set(_crossgait_common <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <fmt/ranges.h> <algorithm> <array> <cmath> <functional>
                       <limits> <map> <memory> <optional> <set> <span> <string> <string_view> <utility> <vector>)
 
+# ccache sees what a file reads only where g++ names the precompiled header among it; without, nothing is found again.
+if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  add_compile_options(-fpch-preprocess)
+endif()
+
 function(crossgait_precompiled_headers kind)
   set(_source ${PROJECT_BINARY_DIR}/precompiled_${kind}.cpp)
   file(GENERATE OUTPUT ${_source} CONTENT "// Carries the precompiled headers of the kind '${kind}'.\n")
