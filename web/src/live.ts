@@ -7,7 +7,8 @@ import { Driver, Pusher } from "./live_drive";
 import { Link, type LiveFrame, type LiveOptions, type LiveScene } from "./live_link";
 import { LiveRun } from "./live_run";
 import { theme } from "./theme";
-import { PRESETS, View } from "./view";
+import { View } from "./view";
+import { PRESETS } from "./viewpoint";
 
 const KEYS: [string, string][] = [
   ["\u2191 \u2193", "faster, slower"],
@@ -126,7 +127,7 @@ export class LivePage {
       this.clock,
     );
     const views = PRESETS.map(([preset, label, k]) =>
-      button(label, `View: ${preset} (${k})`, () => this.view?.look(preset)),
+      button(label, `View: ${preset} (${k})`, () => this.view?.viewpoint.look(preset)),
     );
     const shows = [
       toggle("forces", "Forces on the feet", true, (on) => this.view && ((this.view.forces = on), this.view.paint())),
@@ -189,7 +190,7 @@ export class LivePage {
 
   /** Another ground or other engines: robots and ground anew, seen from where they were. */
   private rebuild(frame: LiveFrame): void {
-    const before = this.view?.camera.position.clone().sub(this.view.controls.target);
+    const before = this.view?.viewpoint.camera.position.clone().sub(this.view.viewpoint.controls.target);
     this.view?.dispose();
     const { scene, numbers } = this.scene!;
     this.runs = frame.robots.map((robot, i) => new LiveRun(i, robot));
@@ -219,8 +220,8 @@ export class LivePage {
     view.show(0, true);
     this.arrange();
     if (before) {
-      view.camera.position.copy(view.controls.target).add(before);
-      view.controls.update();
+      view.viewpoint.camera.position.copy(view.viewpoint.controls.target).add(before);
+      view.viewpoint.controls.update();
     }
     new Pusher(
       view,
@@ -234,7 +235,7 @@ export class LivePage {
     if (!this.view) return;
     this.view.sideBySide = !this.sideBySide.hidden && this.sideBySide.querySelector("input")!.checked;
     this.view.paint();
-    this.view.look("quarter");
+    this.view.viewpoint.look("quarter");
   }
 
   /** In the directions of the robot, seen from above. */
@@ -281,13 +282,13 @@ export class LivePage {
       t: () => theme.toggle(),
       f: () => this.follow.querySelector("input")!.click(),
       b: () => this.sideBySide.hidden || this.sideBySide.querySelector("input")!.click(),
-      a: () => view?.turn(-0.15, 0, 1),
-      d: () => view?.turn(0.15, 0, 1),
-      w: () => view?.turn(0, 0.1, 1),
-      s: () => view?.turn(0, -0.1, 1),
-      "+": () => view?.turn(0, 0, 1.2),
-      "-": () => view?.turn(0, 0, 1 / 1.2),
-      ...Object.fromEntries(PRESETS.map(([preset, , k]) => [k, () => view?.look(preset)])),
+      a: () => view?.viewpoint.turn(-0.15, 0, 1),
+      d: () => view?.viewpoint.turn(0.15, 0, 1),
+      w: () => view?.viewpoint.turn(0, 0.1, 1),
+      s: () => view?.viewpoint.turn(0, -0.1, 1),
+      "+": () => view?.viewpoint.turn(0, 0, 1.2),
+      "-": () => view?.viewpoint.turn(0, 0, 1 / 1.2),
+      ...Object.fromEntries(PRESETS.map(([preset, , k]) => [k, () => view?.viewpoint.look(preset)])),
     };
     if (!(event.key in actions)) return;
     actions[event.key]!();

@@ -97,7 +97,7 @@ export class Pusher {
     const box = this.view.canvas.getBoundingClientRect();
     this.ray.setFromCamera(
       new Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height),
-      this.view.camera,
+      this.view.viewpoint.camera,
     );
   }
   private begin(event: PointerEvent): void {
@@ -110,7 +110,7 @@ export class Pusher {
     if (!hit) return;
     this.from = hit.point.clone();
     this.to.copy(hit.point);
-    this.view.controls.enabled = false;
+    this.view.viewpoint.controls.enabled = false;
     this.view.canvas.setPointerCapture(event.pointerId);
   }
   private move(event: PointerEvent): void {
@@ -132,7 +132,7 @@ export class Pusher {
     if (!this.from) return;
     const impulse = this.impulse();
     this.from = null;
-    this.view.controls.enabled = true;
+    this.view.viewpoint.controls.enabled = true;
     this.show("");
     if (done && impulse.length() > 0.02 * this.most) this.push([impulse.x, impulse.y, 0]);
   }

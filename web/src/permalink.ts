@@ -22,7 +22,7 @@ export class Permalink {
     addEventListener("hashchange", () => this.read(), { signal: end });
     end.addEventListener("abort", () => clearTimeout(this.waiting));
     player.onChange(() => player.playing || this.write());
-    if (stage.view) stage.view.onLook = () => this.write();
+    if (stage.view) stage.view.viewpoint.onLook = () => this.write();
   }
 
   private read(): void {
@@ -44,7 +44,7 @@ export class Permalink {
       this.player.seek(this.player.begin + time);
     }
     const direction = said.get("view");
-    if (view && direction) view.direction = direction;
+    if (view && direction) view.viewpoint.direction = direction;
   }
 
   private write(): void {
@@ -54,7 +54,7 @@ export class Permalink {
       const parts = [`t=${+this.player.since(this.player.time).toFixed(3)}`];
       if (this.replay) parts.push(`replay=${encodeURIComponent(this.replay)}`);
       if (view) {
-        parts.push(`view=${view.direction}`);
+        parts.push(`view=${view.viewpoint.direction}`);
         if (!view.shown.every(Boolean)) {
           const shown = this.runs.filter((_, i) => view.shown[i]).map((run) => encodeURIComponent(run.name));
           parts.push(`engines=${shown.join(",")}`);

@@ -4,7 +4,8 @@ import { Numbers, Run, type Motion } from "./document";
 import { button, h, toggle } from "./dom";
 import type { Player } from "./player";
 import { theme } from "./theme";
-import { PRESETS, View } from "./view";
+import { View } from "./view";
+import { PRESETS } from "./viewpoint";
 
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 4];
 
@@ -146,7 +147,7 @@ export class Stage {
       const label = toggle(words, `Show ${words}`, true, (on) => {
         view.shown[i] = on;
         view.paint();
-        view.onLook();
+        view.viewpoint.onLook();
       });
       label.classList.add("engine");
       label.dataset.run = run.name;
@@ -174,7 +175,7 @@ export class Stage {
         "span",
         {},
         ...PRESETS.map(([preset, label, k]) =>
-          button(label, `${label}: view ${preset} (${k})`, () => view.look(preset)),
+          button(label, `${label}: view ${preset} (${k})`, () => view.viewpoint.look(preset)),
         ),
         h("label", { title: "The camera goes along (f)" }, this.follow, "follow"),
         button("picture", "picture: save it as PNG", () => {
@@ -217,13 +218,13 @@ export class Stage {
       f: () => this.follow.click(),
       b: () => this.element.querySelector<HTMLInputElement>("#layout input")?.click(),
       p: () => this.element.querySelector<HTMLButtonElement>(".parted button")?.click(),
-      a: () => this.view?.turn(-0.15, 0, 1),
-      d: () => this.view?.turn(0.15, 0, 1),
-      w: () => this.view?.turn(0, 0.1, 1),
-      s: () => this.view?.turn(0, -0.1, 1),
-      "+": () => this.view?.turn(0, 0, 1.2),
-      "-": () => this.view?.turn(0, 0, 1 / 1.2),
-      ...Object.fromEntries(PRESETS.map(([preset, , k]) => [k, () => this.view?.look(preset)])),
+      a: () => this.view?.viewpoint.turn(-0.15, 0, 1),
+      d: () => this.view?.viewpoint.turn(0.15, 0, 1),
+      w: () => this.view?.viewpoint.turn(0, 0.1, 1),
+      s: () => this.view?.viewpoint.turn(0, -0.1, 1),
+      "+": () => this.view?.viewpoint.turn(0, 0, 1.2),
+      "-": () => this.view?.viewpoint.turn(0, 0, 1 / 1.2),
+      ...Object.fromEntries(PRESETS.map(([preset, , k]) => [k, () => this.view?.viewpoint.look(preset)])),
     };
     actions[name]?.();
     return name in actions;

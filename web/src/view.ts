@@ -1,4 +1,4 @@
-// The robots in 3D: ground, light, camera, and what of them is shown.
+// The robots in 3D: ground, light, and what of them is shown.
 import {
   Box3,
   BufferAttribute,
@@ -11,38 +11,17 @@ import {
   LineSegments,
   Mesh,
   MeshLambertMaterial,
-  PerspectiveCamera,
   PlaneGeometry,
   Scene as ThreeScene,
   Vector3,
   WebGLRenderer,
 } from "three";
-import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Live, Motion, Numbers, Run } from "./document";
 import { fieldGeometry, fieldGrid, gridGeometry } from "./ground";
 import { RobotParts, RobotView } from "./robot";
 import { Tags, type Tagged } from "./tags";
 import { theme } from "./theme";
-
-export type Preset = "quarter" | "side" | "front" | "top";
-/** Name, label and key. */
-export const PRESETS: [Preset, string, string][] = [
-  ["quarter", "\u00be", "1"],
-  ["side", "side", "2"],
-  ["front", "front", "3"],
-  ["top", "top", "4"],
-];
-const DIRECTIONS: Record<Preset, [number, number, number]> = {
-  quarter: [0.72, -1, 0.62],
-  side: [0, -1, 0.16],
-  front: [1, 0, 0.22],
-  top: [-0.001, -0.001, 1],
-};
-
-/** Of the box around them. */
-function middleOf(places: Vector3[]): Vector3 {
-  return new Box3().setFromPoints(places).getCenter(new Vector3());
-}
+import { middleOf, Viewpoint } from "./viewpoint";
 
 const SMOOTH = 0.3; // s, either way: about a stride
 /** Mean height of the base around a frame. */
@@ -59,9 +38,8 @@ function smoothHeight(run: Run, frame: number): number {
 
 export class View {
   readonly three = new ThreeScene();
-  readonly camera = new PerspectiveCamera(36, 1, 0.01, 500);
   readonly robots: RobotView[] = [];
-  readonly controls: OrbitControls;
+  readonly viewpoint: Viewpoint;
   follow = true;
   sideBySide = false;
   forces = true;
@@ -85,14 +63,8 @@ export class View {
   private readonly sky = new HemisphereLight(0xffffff, 0x8d8a80, 1.5);
   private readonly tags = new Tags();
   private readonly ghosts: boolean[] = [];
-  private readonly room: number;
-  private watched: Vector3[] = [];
   private time = 0;
   private lit = 0;
-  /** The last that was asked for, until the view is turned by hand. */
-  preset: Preset | null = "quarter";
-  /** Called when the view is turned by hand, or looks elsewhere. */
-  onLook: () => void = () => {};
   private pending = false;
   private disposed = false;
   private readonly endings: (() => void)[] = [];
@@ -109,24 +81,25 @@ export class View {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
     this.renderer.shadowMap.enabled = true;
     this.renderer.debug.checkShaderErrors = false; // asking waits until they are compiled
-    this.camera.up.set(0, 0, 1);
     this.build();
-    this.room = this.radius();
-    this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.addEventListener("change", () => this.draw());
-    this.controls.addEventListener("start", () => (this.preset = null));
-    this.controls.addEventListener("end", () => this.onLook());
+    const room = this.radius();
+    this.viewpoint = new Viewpoint(
+      canvas,
+      () => this.places(),
+      this.size,
+      room,
+      () => this.draw(),
+    );
     canvas.parentElement!.append(this.tags.element);
     this.paint();
-    this.watched = this.places();
     this.resize();
-    this.look("quarter");
+    this.viewpoint.look("quarter");
     const observer = new ResizeObserver(() => this.resize());
     observer.observe(canvas.parentElement!);
     this.endings.push(
       theme.onChange(() => this.paint()),
       () => observer.disconnect(),
-      () => this.controls.dispose(),
+      () => this.viewpoint.controls.dispose(),
       () => this.tags.element.remove(),
     );
   }
@@ -297,8 +270,8 @@ export class View {
     if (this.inStrips && this.motion.live) this.moveStrips();
     const places = this.places();
     const base = middleOf(places);
-    if (this.follow) this.goAlong(places);
-    this.watched = places;
+    if (this.follow) this.viewpoint.goAlong(places);
+    else this.viewpoint.letGo(places);
     if (this.motion.endless) this.carryGround(base);
     this.light(base, places);
     const several = this.runs.length > 1;
@@ -310,30 +283,6 @@ export class View {
     this.draw();
   }
 
-  /** With the robots, and back as they part, so that all are in the picture. */
-  private goAlong(places: Vector3[]): void {
-    const [before, now] = [middleOf(this.watched), middleOf(places)];
-    const further = this.distanceFor(places) / this.distanceFor(this.watched);
-    const offset = this.camera.position.clone().sub(this.controls.target).multiplyScalar(further);
-    this.controls.target.add(now.sub(before));
-    this.camera.position.copy(this.controls.target).add(offset);
-    this.camera.updateMatrixWorld();
-  }
-  /** How far from their middle the camera sees all robots, m, in the direction that it looks in. */
-  private distanceFor(places: Vector3[]): number {
-    const middle = middleOf(places);
-    const turned = this.camera.quaternion.clone().invert();
-    let [wide, high, deep] = [0, 0, 0];
-    for (const place of places) {
-      const seen = place.clone().sub(middle).applyQuaternion(turned);
-      wide = Math.max(wide, Math.abs(seen.x));
-      high = Math.max(high, Math.abs(seen.y));
-      deep = Math.max(deep, Math.abs(seen.z));
-    }
-    const slope = Math.tan((this.camera.fov * Math.PI) / 360);
-    const { room } = this;
-    return deep + Math.max(11 * this.size, (wide + room) / (slope * this.camera.aspect), (high + room) / slope);
-  }
   /** Shadows reach as far as the robots do. */
   private light(base: Vector3, places: Vector3[]): void {
     const reach = 6 * this.size + Math.max(0, ...places.map((place) => place.distanceTo(base)));
@@ -355,59 +304,8 @@ export class View {
   stand(beside: boolean): void {
     this.sideBySide = beside;
     this.paint();
-    this.look("quarter");
+    this.viewpoint.look("quarter");
   }
-  look(preset: Preset): void {
-    this.lookFrom(new Vector3(...DIRECTIONS[preset]).normalize(), 1);
-    this.preset = preset;
-    this.onLook();
-  }
-  /** @param direction  to the camera, of length one  @param nearer  than where all robots are in the picture */
-  private lookFrom(direction: Vector3, nearer: number): void {
-    const places = this.places();
-    const target = middleOf(places).sub(new Vector3(0, 0, 0.35 * this.size));
-    this.controls.target.copy(target);
-    this.camera.position.copy(target).add(direction);
-    this.camera.lookAt(target);
-    this.camera.position.copy(target).addScaledVector(direction, this.distanceFor(places) / nearer);
-    this.watched = places;
-    this.controls.update();
-    this.draw();
-  }
-  /** As `look` or by hand: a preset, or azimuth and elevation, deg, and how much nearer. */
-  get direction(): string {
-    if (this.preset) return this.preset;
-    const offset = this.camera.position.clone().sub(this.controls.target);
-    const [azimuth, elevation] = [Math.atan2(offset.y, offset.x), Math.asin(offset.z / offset.length())];
-    const degrees = [azimuth, elevation].map((angle) => Math.round((180 / Math.PI) * angle));
-    return [...degrees, (this.distanceFor(this.places()) / offset.length()).toFixed(2)].join(",");
-  }
-  set direction(words: string) {
-    const preset = PRESETS.find(([name]) => name === words)?.[0];
-    if (preset) {
-      this.look(preset);
-      return;
-    }
-    const [azimuth, elevation, nearer] = words.split(",").map(Number);
-    if (![azimuth, elevation, nearer].every(Number.isFinite) || nearer! <= 0) return;
-    const [a, e] = [(Math.PI / 180) * azimuth!, (Math.PI / 180) * Math.min(89, Math.max(-5, elevation!))];
-    this.lookFrom(new Vector3(Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)), nearer!);
-    this.preset = null;
-  }
-  /** By angles (rad) around the robot, and nearer by a factor. */
-  turn(azimuth: number, elevation: number, nearer: number): void {
-    const offset = this.camera.position.clone().sub(this.controls.target);
-    const radius = offset.length() / nearer;
-    const heading = Math.atan2(offset.y, offset.x) + azimuth;
-    const height = Math.min(1.55, Math.max(-0.1, Math.asin(offset.z / offset.length()) + elevation));
-    offset.set(Math.cos(height) * Math.cos(heading), Math.cos(height) * Math.sin(heading), Math.sin(height));
-    this.camera.position.copy(this.controls.target).addScaledVector(offset, radius);
-    this.controls.update();
-    this.preset = null;
-    this.onLook();
-    this.draw();
-  }
-
   /** Once, however often it is asked for before the next picture. */
   draw(): void {
     if (this.pending || this.disposed) return;
@@ -419,8 +317,9 @@ export class View {
     });
   }
   drawNow(): void {
-    this.renderer.render(this.three, this.camera);
-    this.outside = this.tags.show(this.tagged(), this.camera, this.canvas.clientWidth, this.canvas.clientHeight);
+    const { camera } = this.viewpoint;
+    this.renderer.render(this.three, camera);
+    this.outside = this.tags.show(this.tagged(), camera, this.canvas.clientWidth, this.canvas.clientHeight);
   }
   /** Robots that are out of sight. */
   outside = 0;
@@ -458,13 +357,7 @@ export class View {
     if (box.width === 0 || box.height === 0) return;
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.renderer.setSize(box.width, box.height, false);
-    const was = this.distanceFor(this.watched);
-    this.camera.aspect = box.width / box.height;
-    this.camera.updateProjectionMatrix();
-    // Whoever was in the picture stays in it: a narrower one is seen from further off.
-    const { target } = this.controls;
-    const offset = this.camera.position.clone().sub(target);
-    this.camera.position.copy(target).addScaledVector(offset, this.distanceFor(this.watched) / was);
+    this.viewpoint.resize(box.width / box.height);
     this.drawNow();
   }
 }

@@ -167,8 +167,10 @@ test("sliders set parameters, and pulling at the robot pushes it", async () => {
   page.on("request", (request) => request.method() === "POST" && posts.push(request.postDataJSON()));
   const place = await page.evaluate(() => {
     const { view } = window.crossgait;
-    view.camera.updateMatrixWorld();
-    const at = view.robots[0].bodies[0].getWorldPosition(view.camera.position.clone()).project(view.camera);
+    view.viewpoint.camera.updateMatrixWorld();
+    const at = view.robots[0].bodies[0]
+      .getWorldPosition(view.viewpoint.camera.position.clone())
+      .project(view.viewpoint.camera);
     const box = view.canvas.getBoundingClientRect();
     return [box.left + ((at.x + 1) / 2) * box.width, box.top + ((1 - at.y) / 2) * box.height];
   });

@@ -248,7 +248,7 @@ test("keys alone reach everything, and turn and part the view", async () => {
       ).length,
   );
   assert.equal(unnamed, 0, "every control has a name");
-  const place = () => page.evaluate(() => window.crossgait.view.camera.position.toArray());
+  const place = () => page.evaluate(() => window.crossgait.view.viewpoint.camera.position.toArray());
   const first = await place();
   await page.keyboard.press("d");
   assert.notDeepEqual(await place(), first);
@@ -292,11 +292,11 @@ const placesInPicture = (page) =>
   page.evaluate(() => {
     const { view } = window.crossgait;
     view.drawNow();
-    view.camera.updateMatrixWorld();
+    view.viewpoint.camera.updateMatrixWorld();
     return view.robots
       .filter((robot) => robot.parent.visible)
       .map((robot) => {
-        const at = robot.bodies[0].getWorldPosition(robot.position.clone()).project(view.camera);
+        const at = robot.bodies[0].getWorldPosition(robot.position.clone()).project(view.viewpoint.camera);
         return [at.x, at.y];
       });
   });
@@ -328,10 +328,10 @@ test("every robot stays in the picture, up a slope and down it, with its name", 
   await page.getByLabel("follow").uncheck();
   await page.evaluate(() => {
     const { view } = window.crossgait;
-    view.camera.position.y -= 100;
-    view.controls.target.y -= 100;
-    view.camera.lookAt(view.controls.target);
-    view.camera.updateMatrixWorld();
+    view.viewpoint.camera.position.y -= 100;
+    view.viewpoint.controls.target.y -= 100;
+    view.viewpoint.camera.lookAt(view.viewpoint.controls.target);
+    view.viewpoint.camera.updateMatrixWorld();
     view.drawNow();
   });
   assert.equal(await page.locator(".tag.out").count(), 2);
@@ -381,19 +381,19 @@ test("a link leads to the same moment, view and engines", async () => {
   await page.waitForFunction(() => location.hash.includes("engines="));
   const hash = await page.evaluate(() => location.hash);
   assert.equal(hash, "#t=2.3&view=side&engines=mujoco,bullet%3Amatched");
-  const camera = await page.evaluate(() => window.crossgait.view.camera.position.toArray());
+  const camera = await page.evaluate(() => window.crossgait.view.viewpoint.camera.position.toArray());
   await page.close();
   const again = await browser.open(`file://${join(pages, "compare.html")}${hash}`);
   assert.ok(Math.abs((await time(again.page)) - 2.8) < 0.01, "0.5 s of standing, and 2.3");
   assert.deepEqual(await again.page.evaluate(() => window.crossgait.view.shown), [true, true, false]);
-  const there = await again.page.evaluate(() => window.crossgait.view.camera.position.toArray());
+  const there = await again.page.evaluate(() => window.crossgait.view.viewpoint.camera.position.toArray());
   // A picture of the same shape, whose height may be a line of words more.
   there.forEach((at, i) => assert.ok(Math.abs(at - camera[i]) < 0.02, `${there}, before ${camera}`));
   // By hand, too.
   await again.page.keyboard.press("d");
   await again.page.waitForFunction(() => /view=-?\d+,-?\d+,[\d.]+/.test(location.hash));
   await again.page.evaluate(() => (location.hash = "#t=1&view=top"));
-  await again.page.waitForFunction(() => window.crossgait.view.preset === "top");
+  await again.page.waitForFunction(() => window.crossgait.view.viewpoint.preset === "top");
   assert.deepEqual([...problems, ...again.problems], []);
   await again.page.close();
 });
