@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -114,43 +115,78 @@ HeightFunction waves(const TerrainValues& values, std::uint64_t /*seed*/) {
 
 /// Gradient noise in [-1, 1] with lattice spacing 1, zero at lattice points (Perlin, Improving Noise,
 /// SIGGRAPH 2002, in two dimensions). Gradients have length sqrt(2), which puts the extremes, in the middle
-/// of a cell, at +-1.
-double gradient_noise(std::uint64_t seed, double x, double y) {
-  constexpr double kRoot = std::numbers::sqrt2;
-  constexpr std::array<std::array<double, 2>, 8> kGradients{
-      {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}, {kRoot, 0}, {-kRoot, 0}, {0, kRoot}, {0, -kRoot}}};
-  const double column = std::floor(x);
-  const double row = std::floor(y);
-  const double u = x - column;
-  const double v = y - row;
-  const auto corner = [&](double i, double j) {
-    const auto& gradient = kGradients.at(lattice_bits(seed, column + i, row + j) >> 61U);
-    return gradient[0] * (u - i) + gradient[1] * (v - j);
-  };
-  const auto fade = [](double t) { return t * t * t * (t * (t * 6 - 15) + 10); };
-  const double low = corner(0, 0) + fade(u) * (corner(1, 0) - corner(0, 0));
-  const double high = corner(0, 1) + fade(u) * (corner(1, 1) - corner(0, 1));
-  return low + fade(v) * (high - low);
+/// of a cell, at +-1. Keeps the gradients around the last point: the next one mostly lies in the same cell.
+class GradientNoise {
+ public:
+  explicit GradientNoise(std::uint64_t seed) : seed_(seed) {}
+
+  double operator()(double x, double y) {
+    const double column = std::floor(x);
+    const double row = std::floor(y);
+    if (column != column_ || row != row_) enter(column, row);
+    const double u = x - column;
+    const double v = y - row;
+    const auto corner = [&](int i, int j) {
+      const Gradient& gradient = corners_[static_cast<std::size_t>(2 * j + i)];
+      return gradient[0] * (u - i) + gradient[1] * (v - j);
+    };
+    const auto fade = [](double t) { return t * t * t * (t * (t * 6 - 15) + 10); };
+    const double low = corner(0, 0) + fade(u) * (corner(1, 0) - corner(0, 0));
+    const double high = corner(0, 1) + fade(u) * (corner(1, 1) - corner(0, 1));
+    return low + fade(v) * (high - low);
+  }
+
+ private:
+  using Gradient = std::array<double, 2>;
+
+  void enter(double column, double row) {
+    constexpr double kRoot = std::numbers::sqrt2;
+    constexpr std::array<Gradient, 8> kGradients{
+        {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}, {kRoot, 0}, {-kRoot, 0}, {0, kRoot}, {0, -kRoot}}};
+    column_ = column, row_ = row;
+    for (int corner = 0; corner < 4; ++corner) {
+      const std::uint64_t bits = lattice_bits(seed_, column + corner % 2, row + corner / 2);
+      corners_[static_cast<std::size_t>(corner)] = kGradients.at(bits >> 61U);
+    }
+  }
+
+  std::uint64_t seed_;
+  double column_ = std::numeric_limits<double>::quiet_NaN(), row_ = column_;  ///< of no cell yet
+  std::array<Gradient, 4> corners_{};
+};
+
+/// One of the noises that rough ground is a sum of. Each is shifted by its own part of a cell, or all would
+/// be zero together on the coarsest lattice.
+struct Octave {
+  GradientNoise noise;
+  double shift_x, shift_y;
+  double frequency;  ///< cells per m
+  double height;     ///< of the largest octave's
+};
+
+Octave make_octave(std::uint64_t seed, int octave, double length) {
+  const std::uint64_t own_seed = mix(mix(seed) + static_cast<std::uint64_t>(octave));
+  return {GradientNoise(own_seed), uniform(lattice_bits(own_seed, 0.0, 1e9)),
+          uniform(lattice_bits(own_seed, 1e9, 0.0)), std::ldexp(1 / length, octave),
+          std::ldexp(1.0, -octave)};
 }
 
 /// Octaves of halving length and height, scaled so that their sum stays within +-amplitude.
 HeightFunction rough(const TerrainValues& values, std::uint64_t seed) {
   const double length = resolved(values, "length");
-  const int octaves = static_cast<int>(values["octaves"]);
-  const double amplitude = values["amplitude"] / (2 - std::ldexp(2.0, -octaves));
-  return with_start_area(values["flat_radius"], [=](double x, double y) {
-    double sum = 0;
-    for (int octave = 0; octave < octaves; ++octave) {
-      const std::uint64_t own_seed = mix(mix(seed) + static_cast<std::uint64_t>(octave));
-      // Each octave is shifted by its own part of a cell, or all would be zero together on the coarsest
-      // lattice.
-      const double shift_x = uniform(lattice_bits(own_seed, 0.0, 1e9));
-      const double shift_y = uniform(lattice_bits(own_seed, 1e9, 0.0));
-      const double frequency = std::ldexp(1 / length, octave);
-      sum += std::ldexp(gradient_noise(own_seed, x * frequency + shift_x, y * frequency + shift_y), -octave);
-    }
-    return amplitude * sum;
-  });
+  const int count = static_cast<int>(values["octaves"]);
+  const double amplitude = values["amplitude"] / (2 - std::ldexp(2.0, -count));
+  std::vector<Octave> octaves;
+  octaves.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) octaves.push_back(make_octave(seed, i, length));
+  return with_start_area(values["flat_radius"],
+                         [amplitude, octaves = std::move(octaves)](double x, double y) mutable {
+                           double sum = 0;
+                           for (Octave& o : octaves)
+                             sum += o.height *
+                                    o.noise(x * o.frequency + o.shift_x, y * o.frequency + o.shift_y);
+                           return amplitude * sum;
+                         });
 }
 
 /// The parameters of one generator, followed by those of the grid that every field has.
