@@ -1,5 +1,6 @@
-# crossgait_library(NAME [INTERNAL] SOURCES ... [PUBLIC targets] [PRIVATE targets]): one static library per folder,
-# exported as crossgait::NAME unless it is internal.
+# crossgait_library(NAME [INTERNAL] [AROUND_STEPS] SOURCES ... [PUBLIC targets] [PRIVATE targets]): one static library per
+# folder, exported as crossgait::NAME unless it is internal. AROUND_STEPS: it begins motions and tells what came of them, and no
+# physics step runs through it, so it builds fast instead of running fast.
 #
 # In the tree an include is the header's path from the root, "physics/robot/leg.h", so that it is found on a bare checkout.
 # The compiler looks in a folder of the build that has a link to each folder of code and to nothing else: "docs/x.h" or
@@ -30,7 +31,7 @@ if(CROSSGAIT_SANITIZE)
 endif()
 
 function(crossgait_library name)
-  cmake_parse_arguments(ARG "INTERNAL" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL;AROUND_STEPS" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(target crossgait_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(crossgait::${name} ALIAS ${target})
@@ -40,7 +41,12 @@ function(crossgait_library name)
                                               $<BUILD_INTERFACE:${CROSSGAIT_INCLUDES}>
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:crossgait_options>)
-  crossgait_precompiled(${target} library)
+  if(ARG_AROUND_STEPS)
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:crossgait_study_options>)
+    crossgait_precompiled(${target} study)
+  else()
+    crossgait_precompiled(${target} library)
+  endif()
   if(NOT ARG_INTERNAL)
     install(TARGETS ${target} EXPORT crossgait-targets)
     set_property(GLOBAL APPEND PROPERTY CROSSGAIT_LIBRARIES ${target})

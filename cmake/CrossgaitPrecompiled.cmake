@@ -1,10 +1,11 @@
 # Precompiled headers: third-party and standard ones that most files read, so that a change of ours never rebuilds
 # them. One per kind of compilation, which all targets of that kind share: crossgait_precompiled(TARGET KIND).
 #   library   position-independent code of the libraries
+#   study     that of the libraries around the steps, less optimised
 #   program   the commands (CLI11 alone takes six seconds to read)
 #   test      the tests, which are built with less optimisation
-set(_crossgait_common <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <fmt/ranges.h> <algorithm> <array> <cmath> <functional>
-                      <limits> <map> <memory> <optional> <set> <span> <string> <string_view> <utility> <vector>)
+set(_crossgait_common <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <fmt/ranges.h> <nlohmann/json.hpp> <algorithm> <array> <cmath>
+                      <filesystem> <functional> <limits> <map> <memory> <optional> <set> <span> <string> <string_view> <utility> <vector>)
 
 # ccache sees what a file reads only where g++ names the precompiled header among it; without, nothing is found again.
 if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -22,6 +23,12 @@ function(crossgait_precompiled target kind)
   target_precompile_headers(${target} REUSE_FROM crossgait_precompiled_${kind})
 endfunction()
 
-crossgait_precompiled_headers(library ${_crossgait_common})
-target_link_libraries(crossgait_precompiled_library PRIVATE crossgait_options Eigen3::Eigen fmt::fmt)
-set_target_properties(crossgait_precompiled_library PROPERTIES POSITION_INDEPENDENT_CODE ON)
+# A precompiled header holds the level of optimisation that it was made with, whatever the command of a file says.
+add_library(crossgait_study_options INTERFACE)
+target_compile_options(crossgait_study_options INTERFACE $<$<CONFIG:Release>:-O1>)
+foreach(_kind library study)
+  crossgait_precompiled_headers(${_kind} ${_crossgait_common})
+  target_link_libraries(crossgait_precompiled_${_kind} PRIVATE crossgait_options Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json)
+  set_target_properties(crossgait_precompiled_${_kind} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+endforeach()
+target_link_libraries(crossgait_precompiled_study PRIVATE crossgait_study_options)
