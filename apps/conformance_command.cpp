@@ -23,7 +23,7 @@ struct ConformanceCommand {
 
 void run(const ConformanceCommand& options) {
   if (options.list) {
-    print(conformance::markdown_of_checks());
+    print(conformance::markdown_of_checks(conformance::topics()));
     return;
   }
   if (options.engine.empty())
@@ -45,7 +45,7 @@ void add_conformance_command(CLI::App& program, Invocation& invocation) {
       program.add_subcommand("conformance", "Check an engine: analytic truth, contacts, determinism, parity");
   command->footer(
       "\nEvery number that is measured is shown with its bound; a check is skipped only for what the engine\n"
-      "declares. Exit code 1 if one fails. docs/adding-an-engine.md says what each proves.\n"
+      "declares. Exit code 1 if one fails. docs/generated/checks-*.md say what each proves.\n"
       "\nExamples:\n"
       "  crossgait conformance --engine bullet\n"
       "  CROSSGAIT_ENGINE_PATH=build crossgait conformance --engine skeleton --only free_fall,tumbling\n"
@@ -57,7 +57,7 @@ void add_conformance_command(CLI::App& program, Invocation& invocation) {
       command->add_option("--only", options->only, "Only these checks, comma-separated or repeated")
           ->delimiter(',');
   command
-      ->add_flag("--list", options->list, "Check nothing: print what the checks are, as a table in Markdown")
+      ->add_flag("--list", options->list, "Check nothing: print what the checks are, as tables in Markdown")
       ->excludes(engine)
       ->excludes(only);
   options->json.add_to(*command, invocation);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -60,6 +61,7 @@ nlohmann::ordered_json to_json(const Outcome& outcome, Precision precision) {
                             {"holds", requirement.holds(outcome.values[i], precision)}});
   }
   return {{"name", check.name},
+          {"topic", check.topic},
           {"statement", check.statement},
           {"precondition", check.precondition.what},
           {"status", name(outcome.status)},
@@ -86,6 +88,17 @@ std::string cell(const std::string& text) {
   std::string result;
   for (const char c : text) result += c == '|' ? std::string("\\|") : std::string(1, c);
   return result;
+}
+
+std::string rows_of(const Check& check) {
+  const std::string precondition =
+      check.precondition.what.empty() ? "" : fmt::format(" Needs: {}.", check.precondition.what);
+  std::string rows =
+      fmt::format("| `{}` | **{}.**{} | | |\n", check.name, cell(check.statement), cell(precondition));
+  for (const Requirement& requirement : check.requirements)
+    rows += fmt::format("| | {} | {} | {} |\n", cell(with_unit(requirement)), requirement.bound(),
+                        cell(requirement.reason));
+  return rows;
 }
 
 }  // namespace
@@ -145,16 +158,21 @@ nlohmann::ordered_json to_json(const Card& card) {
                                      {"checks", std::move(checks)}});
 }
 
-std::string markdown_of_checks() {
-  std::string text =
-      "| check | what it proves; what is demanded | bound | why just there |\n|---|---|---|---|\n";
-  for (const Check& check : checks()) {
-    const std::string precondition =
-        check.precondition.what.empty() ? "" : fmt::format(" Needs: {}.", check.precondition.what);
-    text += fmt::format("| `{}` | **{}.**{} | | |\n", check.name, cell(check.statement), cell(precondition));
-    for (const Requirement& requirement : check.requirements)
-      text += fmt::format("| | {} | {} | {} |\n", cell(with_unit(requirement)), requirement.bound(),
-                          cell(requirement.reason));
+std::vector<std::string> topics() {
+  std::vector<std::string> found;
+  for (const Check& check : checks())
+    if (found.empty() || found.back() != check.topic) found.push_back(check.topic);
+  return found;
+}
+
+std::string markdown_of_checks(const std::vector<std::string>& topics) {
+  std::string text;
+  for (const std::string& topic : topics) {
+    text += text.empty() ? "" : "\n";
+    text += fmt::format("## {}{}\n\n", static_cast<char>(std::toupper(topic.front())), topic.substr(1));
+    text += "| check | what it proves; what is demanded | bound | why just there |\n|---|---|---|---|\n";
+    for (const Check& check : checks())
+      if (check.topic == topic) text += rows_of(check);
   }
   return text;
 }

@@ -33,7 +33,10 @@ std::string describe(const Card& card);
 /// Writes a card as docs/schemas/conformance.json describes it.
 nlohmann::ordered_json to_json(const Card& card);
 
-/// Tabulates all checks with proof, requirement and precondition, as in docs/adding-an-engine.md.
-std::string markdown_of_checks();
+/// Lists the topics of all checks, in their order.
+std::vector<std::string> topics();
+/// Tabulates the checks of these topics with proof, requirement and precondition, each topic under a heading, as
+/// in docs/generated/checks-*.md.
+std::string markdown_of_checks(const std::vector<std::string>& topics);
 
 }  // namespace crossgait::conformance

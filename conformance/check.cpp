@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -82,11 +83,26 @@ Requirement between(double low, double high, std::string what, std::string unit,
 
 const std::vector<Check>& checks() {
   static const std::vector<Check> kChecks = [] {
+    using Checks = std::vector<Check> (*)();
+    const std::pair<const char*, Checks> topics[] = {{"model", model_checks},
+                                                     {"free motion", free_motion_checks},
+                                                     {"joints", joint_checks},
+                                                     {"ground", ground_checks},
+                                                     {"friction", friction_checks},
+                                                     {"contacts", contact_checks},
+                                                     {"shapes", shape_checks},
+                                                     {"loops", loop_checks},
+                                                     {"couplings", coupling_checks},
+                                                     {"joint friction", joint_friction_checks},
+                                                     {"joint limits", joint_limit_checks},
+                                                     {"determinism", determinism_checks},
+                                                     {"parity", parity_checks}};
     std::vector<Check> all;
-    for (const auto topic : {model_checks, free_motion_checks, joint_checks, ground_checks, friction_checks,
-                             contact_checks, shape_checks, loop_checks, coupling_checks,
-                             joint_friction_checks, joint_limit_checks, determinism_checks, parity_checks}) {
-      for (Check& check : topic()) all.push_back(std::move(check));
+    for (const auto& [topic, checks_of_topic] : topics) {
+      for (Check& check : checks_of_topic()) {
+        check.topic = topic;
+        all.push_back(std::move(check));
+      }
     }
     return all;
   }();

@@ -10,7 +10,7 @@
 
 #include "physics/engine/engine.h"
 
-/// Checks of engines through nothing but the public interface; docs/adding-an-engine.md lists them.
+/// Checks of engines through nothing but the public interface; docs/generated/checks-*.md list them.
 namespace crossgait::conformance {
 
 /// Holds the engine that is asked, and those that it may be compared with.
@@ -72,6 +72,7 @@ struct Check {
   /// Measures one value for each requirement, in their order. Throws if the engine diverges or refuses.
   std::function<std::vector<double>(const Subject&)> measure;
   Precondition precondition = {};
+  std::string topic = {};  ///< what it is about: "joint friction"; set by checks()
 };
 
 /// Lists all checks in an order in which a fault shows first where its cause is.

@@ -24,10 +24,10 @@ constexpr GaitParameters guide(double duty_factor, double cycle_time) {
   return p;
 }
 
-// What stiff serial legs walk with, at the table's size (docs/gaits.md): swings of 0.28 h, for they do not
+// What stiff serial legs walk with, at the table's size (docs/gaits-measured.md): swings of 0.28 h, for they do not
 // sag like soft five-bars, a load share above 1, for what gives way beside the servos is the ground, and
 // cycles of 2.45 sqrt(h / g). The trot sets its feet down with less speed forward (swing_shape) than the
-// others: hard contact takes what speed a landing foot has (docs/gaits.md).
+// others: hard contact takes what speed a landing foot has (docs/gaits-measured.md).
 constexpr GaitParameters serial(double cycle_time, double duty_factor, double step_length,
                                 double swing_shape = 0.6) {
   return {.step_height = 0.0174,
@@ -46,7 +46,7 @@ constexpr Phases kWalkPhases{{{"rl_swing", 0}, {"fl_swing", 0.25}, {"rr_swing", 
 constexpr Phases kEndPhases{
     {{"front_swing", 0}, {"front_stance", 0.25}, {"rear_swing", 0.5}, {"rear_stance", 0.75}}};
 
-// Preferred parameters were searched for on scara_quadruped (docs/gaits.md has what was measured). Where both
+// Preferred parameters were searched for on scara_quadruped (docs/gaits-measured.md). Where both
 // legs of an end or a side swing together nothing but speed keeps the body from tipping over them: those
 // gaits swing for a twentieth of a second. The bound's feet stand forward for the speed that it loses in hard
 // contact, and so for its own speed alone.

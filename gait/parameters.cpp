@@ -16,7 +16,7 @@ namespace {
 
 using P = GaitParameters;
 
-// Ranges around what walks (docs/gaits.md); the guide's are `guide_ranges`.
+// Ranges around what walks (docs/gaits-measured.md); the guide's are `guide_ranges`.
 constexpr std::array kTable{
     ParameterRow{"step_height", "m", "lift of a swinging foot", &P::step_height, 0.015, 0.055, 0.004},
     ParameterRow{"step_length", "m", "way of the body over a foot's stance", &P::step_length, 0.0, 0.12,

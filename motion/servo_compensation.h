@@ -10,7 +10,7 @@ namespace crossgait {
 /// elbows, which turn twice as fast as the shoulders, drag as much again, and a standing leg gives way under
 /// its load (13 mm under half of scara_quadruped's weight). Dry friction of servos and elbows holds them
 /// back, too. All of it is known in advance, so targets lead by as much: q* = q + tau / kp. Of the load a
-/// share, GaitParameters::load_share. Measured effects: docs/gaits.md.
+/// share, GaitParameters::load_share. Measured effects: docs/gaits-measured.md.
 struct ServoCompensation {
   bool lag = true;            ///< lead by servo damping, dry friction and elbow drag
   double max_lead = 0.5;      ///< rad, bound of the lag correction of one joint

@@ -11,7 +11,7 @@
 
 namespace crossgait {
 
-/// Writes keys as documented in docs/command-line.md; numbers in SI units.
+/// Writes keys as in docs/command-line-engines.md; numbers in SI units.
 nlohmann::ordered_json to_json(const MotionSummary& motion);
 nlohmann::ordered_json to_json(const WalkRun& run);
 nlohmann::ordered_json to_json(const Comparison& comparison);

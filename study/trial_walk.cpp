@@ -17,7 +17,7 @@
 namespace crossgait {
 namespace {
 
-// What is worth a failure: two seconds of a good trot are far inside all of them (docs/robots.md).
+// What is worth a failure: two seconds of a good trot are far inside all of them (docs/robots-measured.md).
 constexpr double kLeastSpeed = 0.7, kMostSpeed = 1.3;  // of the commanded one
 constexpr double kMostTilt = 5, kMostTurn = 10;        // deg, RMS and largest
 constexpr double kMostSwingContact = 0.2, kMostSaturation = 0.1;

@@ -1,5 +1,5 @@
 // What an engine's plug-in (libcrossgait_engine_<name>.so) exports, and what a program checks before it uses
-// one. See docs/architecture.md, "Engines are plug-ins".
+// one. See docs/engine-plugins.md.
 #pragma once
 
 #include <array>

@@ -20,9 +20,14 @@ class ConfigError(ValueError):
         return f"{self.source}: {self.element}: expected {self.expected}, found {self.found}"
 
 
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the one of `known` that a mistyped name may have meant; None if none is near."""
+    return next(iter(difflib.get_close_matches(name, list(known), n=1, cutoff=0.7)), None)
+
+
 def unknown_key(source: str, element: str, key: str, known: Iterable[str]) -> ConfigError:
     """Make the error of a key that is none of `known`, with the one that may have been meant."""
     names = list(known)
-    near = difflib.get_close_matches(key, names, n=1, cutoff=0.7)
-    found = f"unknown key '{key}'" + (f" (did you mean {near[0]}?)" if near else "")
+    near = nearest(key, names)
+    found = f"unknown key '{key}'" + (f" (did you mean {near}?)" if near else "")
     return ConfigError(source, element, f"one of the keys {', '.join(names)}", found)

@@ -23,8 +23,11 @@ ROOT = Path(__file__).parents[2]
 PROGRAM = str(Path(sys.executable).with_name("crossgait"))
 EXTRAS = metadata("crossgait").get_all("Provides-Extra") or []
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
-TRAINING = ROOT / "docs/training.md"  # its descriptions and commands: test_training_document.py
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "models/README.md"]
+TRAINING = [ROOT / "docs/training.md", ROOT / "docs/training-file.md"]  # in test_training_document.py
+PAGES = [
+    *(ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "models/README.md"),
+    *sorted((ROOT / "docs").rglob("*.md")),
+]
 
 
 def blocks(language: str) -> list[tuple[Path, str]]:
@@ -114,7 +117,7 @@ def write_policy(path: Path, environment: Path) -> None:
     Policy.from_network(MlpNetwork([(np.zeros((rows, columns)), np.zeros(rows))]), config).save(path)
 
 
-@pytest.mark.parametrize(("page", "block"), [p for p in parameters("yaml") if p.values[0] != TRAINING])
+@pytest.mark.parametrize(("page", "block"), [p for p in parameters("yaml") if p.values[0] not in TRAINING])
 def test_descriptions_in_documents_are_read(page: Path, block: str, tmp_path: Path) -> None:
     """Environments and policies by a run of one step, studies by their grid."""
     urdf = (ROOT / "models/robots/serial_quadruped/robot.urdf").read_text()
@@ -160,7 +163,7 @@ def commands(page: Path) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "page", [page for page in PAGES if commands(page) and page != TRAINING], ids=lambda page: page.stem
+    "page", [page for page in PAGES if commands(page) and page not in TRAINING], ids=lambda page: page.stem
 )
 def test_commands_of_documents_run(page: Path, tmp_path: Path) -> None:
     """Runs a page's commands in one folder, one by one: minutes, so at night (`scripts/quality/nightly documents`).

@@ -267,6 +267,30 @@ def test_keywords_of_a_walk_are_those_of_every_function_that_walks() -> None:
     assert Walk(**walk.to_dict()) == walk
 
 
+def test_a_speed_is_a_command_straight_ahead() -> None:
+    ahead, said = crossgait.walk(speed=0.2, seconds=0.2), crossgait.walk(command=(0.2, 0, 0), seconds=0.2)
+    assert (ahead.distance_m, ahead.mean_speed_mps) == (said.distance_m, said.mean_speed_mps)
+    with pytest.raises(ConfigError, match=r"walk: speed: expected a speed or a command, found both"):
+        crossgait.walk(speed=0.2, command=(0.2, 0, 0))
+    with pytest.raises(ConfigError, match=r"compare: speed: expected a number, m/s, found 'fast'"):
+        crossgait.compare(speed="fast")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="a Walk says itself what speed"):
+        crossgait.verdict(Walk("trot"), speed=0.2)
+
+
+def test_a_mistyped_keyword_is_told_what_it_may_mean() -> None:
+    for call, key, meant in (
+        (crossgait.walk, "terain", "terrain"),
+        (crossgait.verdict, "engine", "engines"),
+        (crossgait.course, "section", "sections"),
+        (crossgait.conformance, "onyl", "only"),
+    ):
+        with pytest.raises(TypeError, match=rf"{call.__name__}\(\) has no keyword '{key}': did you mean '{meant}'\?"):
+            call(**{key: 1})  # type: ignore[operator]
+    with pytest.raises(TypeError, match=r"walk\(\) has no keyword 'abacus'$"):
+        crossgait.walk(abacus=1)  # type: ignore[call-arg]
+
+
 def controller() -> Any:
     return lambda state: np.zeros(12)
 

@@ -1,4 +1,4 @@
-"""docs/training.md as it stands: its commands run, its keys are all there, and what it trains beats the gait alone."""
+"""docs/training.md and training-file.md: commands run, keys are all there, and what is trained beats the gait alone."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from crossgait.train import Plan, presets
 from crossgait.train.compare_policies import compare_policies
 from crossgait.train.keys import TABLE
 
-PAGE = (Path(__file__).parents[2] / "docs/training.md").read_text()
+DOCUMENTS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCUMENTS / "training.md").read_text() + (DOCUMENTS / "training-file.md").read_text()
 
 
 def blocks(language: str) -> list[str]:

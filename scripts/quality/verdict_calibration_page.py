@@ -1,11 +1,11 @@
-"""docs/verdict-calibration.md and its picture, of what scripts/quality/calibrate-verdict found."""
+"""docs/generated/verdict-calibration.md, and verdict-power.md with its picture, of what scripts/quality/calibrate-verdict found."""
 SEEN = 0.8  # a share of trials
 COLOURS = {6: "#E69F00", 12: "#0072B2", 24: "#009E73"}
 
-HEAD = """# How often a verdict is wrong, and what it sees
+HEAD = """# How often a verdict is wrong
 
 Measured on runs of real engines by `scripts/quality/calibrate-verdict` (a step of `scripts/quality/nightly`), which wrote this page; seed {seed}. What the words
-mean: [the rule](verdict-rule.md); what was found with them: [the evidence](verdict-evidence.md).
+mean: [the rule](../verdict-rule.md); what was found with them: [the evidence](../verdict-evidence.md); what they see: [planted differences](verdict-power.md).
 
 Limits are one-sided at 95 % (Clopper and Pearson 1934). *Pools* are runs of `mujoco` and `bullet` from many starts, 3 s each; a trial draws 6, 12 or 24 of
 them with replacement, so that the truth behind it, the pool, is known exactly, and is judged by the program's own rule. Trials of one pool share its runs: they
@@ -13,6 +13,11 @@ say how the rule does on such data, and not how other behaviours do.
 
 ## Bounds
 
+"""
+POWER_HEAD = """# What a verdict sees
+
+Differences that are planted in one of two worlds of a real engine, by `scripts/quality/calibrate-verdict`, which wrote this page; seed {seed}. Pools and trials
+are as in [how often a verdict is wrong](verdict-calibration.md).
 """
 
 
@@ -30,13 +35,16 @@ def sentence(bound):
 
 def write(result, starts, folder):
     found = result["found"]
-    parts = [HEAD.format(seed=result["seed"]) + _bounds(result["bounds"])]
-    for key, section in (("same-law", _same_law), ("halves", _halves), ("margin", _margin), ("coverage", _coverage), ("power", _power), ("pushes", _pushes)):
-        if found.get(key):
-            parts.append(section(found[key], starts))
+
+    def sections(by_part):
+        return [section(found[part], starts) for part, section in by_part.items() if found.get(part)]
+
+    wrong = [HEAD.format(seed=result["seed"]) + _bounds(result["bounds"]), *sections({"same-law": _same_law, "halves": _halves, "margin": _margin, "coverage": _coverage})]
+    seen = [POWER_HEAD.format(seed=result["seed"]), *sections({"power": _power, "pushes": _pushes})]
     if found.get("power"):
-        write_whole(folder / "pictures" / "verdict-power.svg", picture(found["power"], starts))
-    write_whole(folder / "verdict-calibration.md", "\n".join(parts))
+        write_whole(folder / "verdict-power.svg", picture(found["power"], starts))
+    write_whole(folder / "verdict-calibration.md", "\n".join(wrong))
+    write_whole(folder / "verdict-power.md", "\n".join(seen))
 
 
 def write_whole(path, text):
@@ -114,7 +122,7 @@ def _margin(rows, starts):
                  f"intervals alone would\nhold less often than promised: {'; '.join(irregular)}.\n")
     if unseen:
         text += ("\nShares of runs that fail are another matter. Where no start fails in one engine alone the row agrees and says what so many starts exclude, "
-                 "22 % with 12\n([rule](verdict-rule.md#failures-and-other-outcomes)). So with the margin at the true difference of a few per cent *agrees* comes "
+                 "22 % with 12\n([rule](../verdict-rule.md#failures-and-other-outcomes)). So with the margin at the true difference of a few per cent *agrees* comes "
                  "as often as nothing is seen: it is that sentence\nthat holds, and not the margin.\n\n" + table(["pool: failures agree", *(f"{n} starts" for n in starts)], unseen))
     return text
 
@@ -133,7 +141,7 @@ def _coverage(rows, starts):
         lines.append([row["pool"], f"{row['cut']} of {row['starts']}", str(row["trials"]), *cells])
     return ("## Coverage\n\nHow often all intervals of a verdict together hold the true gaps (the mean or the median of the pool, as the trial judges; of a trial in "
             "which no run ends early, of its pairs in which none does), and how often those of regular\ndifferences do; in brackets the statistic that is missed most often. "
-            "Of medians of fewer starts than their test needs nothing is claimed ([rule](verdict-rule.md#estimand)), and nothing counted. A bound that the trials cannot tell from "
+            "Of medians of fewer starts than their test needs nothing is claimed ([rule](../verdict-rule.md#estimand)), and nothing counted. A bound that the trials cannot tell from "
             "93 % is not excluded: single pools may lie\nfurther below.\n\n" + table(["pool", "pairs that end early", "trials", *(f"{n} starts" for n in starts)], lines))
 
 
@@ -170,7 +178,7 @@ def _power(rows, starts):
             f"of {', '.join(map(str, pool))} starts; sizes beyond one that 6 starts see in 99 % are not run), against the margins as they are: what "
             "changes no statistic by more is not meant to be seen. 2 s each; where starts hardly differ, on the plane, more of them see no more.\n\n"
             + table(["", *(f"{b}: {n}" for b in behaviours for n in starts), "most often in"], lines)
-            + "\n![Share of trials that are found to differ, over the size of what is planted](pictures/verdict-power.svg)\n")
+            + "\n![Share of trials that are found to differ, over the size of what is planted](verdict-power.svg)\n")
 
 
 def _pushes(rows, starts):

@@ -9,7 +9,7 @@ namespace {
 class RandomActions : public EngineTest {};
 CROSSGAIT_FOR_EVERY_BACKEND(RandomActions);
 
-// A part of the 10^6 steps per engine and terrain of docs/environment.md, which take minutes.
+// A part of the 10^6 steps per engine and terrain of docs/environment-measured.md, which take minutes.
 TEST_P(RandomActions, LeaveEverythingFinite) {
   for (const char* terrain : {"flat", "rough"}) {
     EnvConfig config;

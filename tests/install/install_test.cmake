@@ -73,13 +73,20 @@ if(NOT OUTPUT STREQUAL _models)
   message(FATAL_ERROR "modelsdir: expected '${_models}', found '${OUTPUT}'")
 endif()
 
-# An engine built elsewhere: the console block of docs/adding-an-engine.md, as it stands.
-file(STRINGS ${ROOT}/docs/adding-an-engine.md lines REGEX "^\\$ ")
+# The manual, where `man` looks for it.
+if(NOT MAN)
+  message(FATAL_ERROR "man was not found (Debian: man-db)")
+endif()
+run("man crossgait-walk" ${CMAKE_COMMAND} -E env MANPATH=${prefix}/${MANDIR} MANWIDTH=80 ${MAN} crossgait-walk)
+expect_in_output("crossgait walk --engine bullet")
+
+# An engine built elsewhere: the console block of docs/your-engine.md, as it stands.
+file(STRINGS ${ROOT}/docs/your-engine.md lines REGEX "^\\$ ")
 list(TRANSFORM lines REPLACE "^\\$ " "")
 list(JOIN lines "\n" script)
 file(MAKE_DIRECTORY ${SCRATCH}/guide)
 file(WRITE ${SCRATCH}/guide.sh "set -e\ncd '${SCRATCH}/guide'\n${script}\n")
-run("what docs/adding-an-engine.md says" ${CMAKE_COMMAND} -E env CROSSGAIT=${ROOT} PREFIX=${prefix} CXX=${CXX}
+run("what docs/your-engine.md says" ${CMAKE_COMMAND} -E env CROSSGAIT=${ROOT} PREFIX=${prefix} CXX=${CXX}
     "CXXFLAGS=${flags} -Wall -Wextra -Wpedantic -Wshadow -Werror" CMAKE_GENERATOR=${GENERATOR} CMAKE_BUILD_TYPE=${BUILD_TYPE}
     sh ${SCRATCH}/guide.sh)
 expect_in_output("checks passed, 0 failed")

@@ -24,12 +24,17 @@ class Cards(unittest.TestCase):
             script = ROOT / "scripts/cards/engine-cards"
             subprocess.run([script, "--program", PROGRAM, "--out", folder, "bullet"], check=True, capture_output=True)
             card = (Path(folder) / "engine-cards.md").read_text()
-            numbers = (Path(folder) / "engine-cards-numbers.md").read_text()
+            numbers = {file.stem: file.read_text() for file in (Path(folder) / "engine-numbers").iterdir()}
         self.assertIn("| `bullet` | Bullet ", card)
         self.assertIn("hard/sweeps", card)
         self.assertIn("\nNone.\n", card)  # beyond their bounds
-        for check in ("mass_properties", "friction_cone_plane", "joint_limit_stop"):
-            self.assertIn(f"\n## {check}\n", numbers)
+        for topic, check in (
+            ("model", "mass_properties"),
+            ("friction", "friction_cone_plane"),
+            ("joint-limits", "joint_limit_stop"),
+        ):
+            self.assertIn(f"\n## {check}\n", numbers[topic])
+            self.assertIn(f"]({f'engine-numbers/{topic}.md'})", card)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +62,7 @@ def subject_of(subject: Any, environment: Any, said: Mapping[str, Any], study: s
     Args:
         subject: a `Subject`.
         environment: of a policy; its own if None.
-        said: arguments of the call, those of `WALK_KEYWORDS` among them; None is not said.
+        said: arguments of the call, those of `WALK_KEYWORDS` and `speed` among them; None is not said.
         study: the function that asks, for messages.
 
     Raises:
@@ -69,20 +70,32 @@ def subject_of(subject: Any, environment: Any, said: Mapping[str, Any], study: s
         TypeError: for keywords beside a `Walk` or `Controller`, which says all of them itself.
 
     """
-    options = {key: said[key] for key in WALK_KEYWORDS if said.get(key) is not None}
+    options = {key: said[key] for key in (*WALK_KEYWORDS, "speed") if said.get(key) is not None}
     if _is_policy(subject, environment):
         config = environment_for(environment, subject, source=study)
-        return PolicyWalk(as_policy(subject, study), _with_options(config, options, study))
+        return PolicyWalk(as_policy(subject, study), _with_options(config, _with_command(options, study), study))
     if environment is not None:
         raise ConfigError(study, "environment", "none beside a gait, a Walk or a Controller", "one")
     if isinstance(subject, str):
-        return _walk_of(subject, options, study)
+        return _walk_of(subject, _with_command(options, study), study)
     if not isinstance(subject, (Walk, Controller)):
         expected = "a gait's name, a Walk, a Controller, or a policy (a name, a file, a Policy or a FunctionPolicy)"
         raise ConfigError(study, "subject", expected, type(subject).__name__)
     if options:
         raise TypeError(f"a {type(subject).__name__} says itself what {', '.join(options)} are")
     return subject
+
+
+def _with_command(options: Mapping[str, Any], study: str) -> Mapping[str, Any]:
+    """Return the options with the command, straight ahead, that a speed stands for."""
+    if "speed" not in options:
+        return options
+    speed = options["speed"]
+    if "command" in options:
+        raise ConfigError(study, "speed", "a speed or a command", "both")
+    if isinstance(speed, bool) or not isinstance(speed, Real):
+        raise ConfigError(study, "speed", "a number, m/s", repr(speed))
+    return {key: value for key, value in options.items() if key != "speed"} | {"command": (float(speed), 0.0, 0.0)}
 
 
 def _is_policy(subject: Any, environment: Any) -> bool:

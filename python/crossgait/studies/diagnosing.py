@@ -21,9 +21,11 @@ from crossgait.inputs import (
 )
 from crossgait.progress import Progress
 from crossgait.studies.choices import ProgressShown, worker_count
+from crossgait.studies.keywords import suggesting
 from crossgait.studies.results import Diagnosis
 
 
+@suggesting
 def diagnose(
     policy: PolicyLike,
     environment: EnvironmentLike | None = None,

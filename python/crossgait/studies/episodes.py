@@ -21,10 +21,12 @@ from crossgait.inputs import (
 )
 from crossgait.progress import Progress
 from crossgait.studies.choices import ProgressShown, all_engines, worker_count
+from crossgait.studies.keywords import suggesting
 from crossgait.studies.results import CourseResult, Rollout, Transfer, Tuning
 from crossgait.studies.walks import traces_of
 
 
+@suggesting
 def rollout(
     policies: PolicyLike | Sequence[PolicyLike] = "zero",
     environment: EnvironmentLike | None = None,
@@ -56,6 +58,7 @@ def rollout(
     return Rollout(document, text, traces_of(recorded, [run["policy"] for run in document["policies"]]))
 
 
+@suggesting
 def transfer(
     policy: PolicyLike,
     environment: EnvironmentLike | None = None,
@@ -90,6 +93,7 @@ def transfer(
     return Transfer(document, text)
 
 
+@suggesting
 def course(
     policy: PolicyLike = "zero",
     environment: EnvironmentLike | None = None,
@@ -126,6 +130,7 @@ def course(
     return CourseResult(document, text)
 
 
+@suggesting
 def tune(
     environment: EnvironmentLike | None = None,
     *,

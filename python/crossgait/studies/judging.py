@@ -18,6 +18,7 @@ from crossgait.studies.choices import (
     subject_of,
     worker_count,
 )
+from crossgait.studies.keywords import suggesting
 from crossgait.studies.results import Verdict
 
 
@@ -37,6 +38,7 @@ def _setup_text(against: str | Mapping[str, str | float | Sequence[float]] | Non
     return ",".join(f"{name}={value_text(value)}" for name, value in against.items())
 
 
+@suggesting
 def verdict(
     subject: Subject = "trot",
     *,
@@ -54,6 +56,7 @@ def verdict(
     runs: str | os.PathLike[str] = "",
     progress: Progress | bool | None = None,
     command: Sequence[float] | None = None,
+    speed: float | None = None,
     parameters: Mapping[str, float | str] | None = None,
     robot: RobotLike | None = None,
     terrain: TerrainLike | None = None,
@@ -88,6 +91,7 @@ def verdict(
         runs: a file of runs to take and to add to; "": none.
         progress: as `walk`.
         command: forward m/s, left m/s, yaw rate rad/s.
+        speed: straight ahead, m/s, in the place of a command.
         parameters: of the gait.
         robot: that walks.
         terrain: that it walks on.

@@ -8,9 +8,11 @@ from crossgait import _core
 from crossgait.inputs import EngineLike, EnginesLike, as_engine, as_names
 from crossgait.progress import Progress
 from crossgait.studies.choices import ProgressShown, all_engines
+from crossgait.studies.keywords import suggesting
 from crossgait.studies.results import Bench, Conformance
 
 
+@suggesting
 def bench(
     *,
     engines: EnginesLike | None = None,
@@ -25,6 +27,7 @@ def bench(
     return Bench(document, text)
 
 
+@suggesting
 def conformance(
     engine: EngineLike, *, only: str | Sequence[str] = (), progress: Progress | bool | None = None
 ) -> Conformance:

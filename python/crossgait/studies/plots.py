@@ -40,12 +40,12 @@ def _from_zero(ax: Axes) -> None:
 
 
 def roll_pitch_yaw(trace: Trace) -> Numbers:
-    """Attitude of the base, N x 3, degrees (Z-Y-X convention)."""
+    """Attitude of the base, N x 3, degrees (Z-Y-X convention); roll and yaw go on beyond 180."""
     w, x, y, z = (trace[f"q_WB.{axis}"] for axis in "wxyz")
     roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
     pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1, 1))
     yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    attitude: Numbers = np.degrees(np.stack([roll, pitch, np.unwrap(yaw)], axis=1))
+    attitude: Numbers = np.degrees(np.stack([np.unwrap(roll), pitch, np.unwrap(yaw)], axis=1))
     return attitude
 
 

@@ -10,10 +10,12 @@ from crossgait.errors import ConfigError
 from crossgait.inputs import EngineLike, EnginesLike, EnvironmentLike, RobotLike, TerrainLike, as_engine
 from crossgait.progress import Progress
 from crossgait.studies.choices import PolicyWalk, ProgressShown, Subject, all_engines, default_engine, subject_of
+from crossgait.studies.keywords import suggesting
 from crossgait.studies.results import CompareResult, WalkResult
 from crossgait.traces import Trace
 
 
+@suggesting
 def walk(
     subject: Subject = "trot",
     *,
@@ -22,6 +24,7 @@ def walk(
     trace: bool = False,
     progress: Progress | bool | None = None,
     command: Sequence[float] | None = None,
+    speed: float | None = None,
     parameters: Mapping[str, float | str] | None = None,
     robot: RobotLike | None = None,
     terrain: TerrainLike | None = None,
@@ -46,6 +49,7 @@ def walk(
         trace: also keep every control step, or every step of the policy.
         progress: a function, False, True or None (a bar where somebody is looking).
         command: forward m/s, left m/s, yaw rate rad/s.
+        speed: straight ahead, m/s, in the place of a command.
         parameters: of the gait, by name, in the place of its own.
         robot: a name, a file or a `Robot`.
         terrain: a name, a file or a `Terrain`.
@@ -76,6 +80,7 @@ def walk(
     return WalkResult(document, text, traces_of(recorded, [name]).get(name))
 
 
+@suggesting
 def compare(
     subject: Subject = "trot",
     *,
@@ -87,6 +92,7 @@ def compare(
     attitude_tolerance: float = 1e-2,
     progress: Progress | bool | None = None,
     command: Sequence[float] | None = None,
+    speed: float | None = None,
     parameters: Mapping[str, float | str] | None = None,
     robot: RobotLike | None = None,
     terrain: TerrainLike | None = None,
@@ -113,6 +119,7 @@ def compare(
         attitude_tolerance: the same for orientation, rad.
         progress: as `walk`.
         command: forward m/s, left m/s, yaw rate rad/s.
+        speed: straight ahead, m/s, in the place of a command.
         parameters: of the gait.
         robot: that walks.
         terrain: that it walks on.

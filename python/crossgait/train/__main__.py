@@ -20,7 +20,7 @@ DESCRIPTION = """\
 Train a policy with PPO (Stable-Baselines3) in one engine or several, and evaluate it in all of them. Every rollout
 ends in a checkpoint: stop it, kill it, and --resume goes on as if it had never been stopped.
 
-Defaults: see --print-config. All keys: docs/training.md.
+Defaults: see --print-config. All keys: docs/training-file.md.
 """
 
 EXAMPLES = """\

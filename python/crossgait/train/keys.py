@@ -1,4 +1,4 @@
-"""What the keys of a training file may hold, and their defaults: one table (docs/training.md explains each)."""
+"""What the keys of a training file may hold, and their defaults: one table (docs/training-file.md explains each)."""
 
 from __future__ import annotations
 
