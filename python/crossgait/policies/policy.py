@@ -304,21 +304,31 @@ class Policy:
             return Policy.load, (self._text, self.environment)
         if self.environment is None:
             raise TypeError(f"policy {self.name} cannot be pickled: it was made for an interface, not an environment")
-        with TemporaryDirectory(prefix="crossgait-") as folder:
-            file = Path(folder) / f"policy{_BUNDLE}"
-            self._bundle.write(file)
-            return _unpickled, (file.read_bytes(), self.name, self.environment)
+        return _unpickled, (bytes_of(self._bundle), self.name, self.environment)
 
     def __repr__(self) -> str:
         return f"<Policy {self.name}: {len(self.layout.observation)} -> {len(self.layout.action)}>"
 
 
-def _unpickled(bundle: bytes, name: str, environment: EnvironmentConfig) -> Policy:
-    """A network in memory, of the bytes of its bundle."""
+def bytes_of(bundle: PolicyBundle) -> bytes:
+    """Return what the bundle's file would hold."""
     with TemporaryDirectory(prefix="crossgait-") as folder:
         file = Path(folder) / f"policy{_BUNDLE}"
-        file.write_bytes(bundle)
-        read = PolicyBundle.read(file)
+        bundle.write(file)
+        return file.read_bytes()
+
+
+def bundle_of(content: bytes) -> PolicyBundle:
+    """Return the bundle of a file's bytes. Raises ConfigError for those of another file."""
+    with TemporaryDirectory(prefix="crossgait-") as folder:
+        file = Path(folder) / f"policy{_BUNDLE}"
+        file.write_bytes(content)
+        return PolicyBundle.read(file)
+
+
+def _unpickled(bundle: bytes, name: str, environment: EnvironmentConfig) -> Policy:
+    """A network in memory, of the bytes of its bundle."""
+    read = bundle_of(bundle)
     return Policy(_core.Policy.of_bundle(read, name, PolicyInterface(environment)), read, environment=environment)
 
 
