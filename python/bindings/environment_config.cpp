@@ -134,24 +134,30 @@ nb::object attribute(const EnvConfig& config, const Key& key) {
   return to_python(nlohmann::ordered_json::parse(key.otherwise));
 }
 
-// The keywords, as type checkers see them.
-constexpr const char* kConstructor =
-    "def __init__(self, *, preset: str | None = None, engine: str | Engine | None = None, robot: str | "
-    "os.PathLike[str] | Robot | None = None, terrain: str | os.PathLike[str] | Terrain | None = None, "
-    "terrain_seed: int | None "
-    "= None, friction: float | None = None, contact: collections.abc.Mapping[str, typing.Any] | None = None, "
-    "servos: collections.abc.Mapping[str, typing.Any] | None = None, "
-    "action: str | None = None, joints: collections.abc.Mapping[str, typing.Any] | None = None, gait: str | "
-    "None = None, parameters: collections.abc.Mapping[str, float | str] | None = None, adapt: "
-    "collections.abc.Sequence[str] | None = None, ranges: collections.abc.Mapping[str, "
-    "collections.abc.Sequence[float]] | None = None, delta_scales: collections.abc.Mapping[str, float] | "
-    "None = None, residual_scale: float | None = None, heading_hold: bool | None = None, command: "
-    "collections.abc.Mapping[str, float] | None = None, observation: collections.abc.Sequence[typing.Any] | "
-    "None = None, reward: collections.abc.Mapping[str, float] | None = None, physics_dt: float | None = "
-    "None, control_dt: float | None = None, policy_dt: float | None = None, episode_seconds: float | None = "
-    "None, settle_seconds: float | None = None, tilt_limit_deg: float | None = None, terminations: "
+// The keywords, as type checkers see them: of both, and of one. A configuration's action stays as it is.
+const std::string kKeywords =
+    "engine: str | Engine | None = None, robot: str | os.PathLike[str] | Robot | None = None, terrain: "
+    "str | os.PathLike[str] | Terrain | None = None, terrain_seed: int | None = None, friction: float | "
+    "None = None, contact: collections.abc.Mapping[str, typing.Any] | None = None, servos: "
+    "collections.abc.Mapping[str, typing.Any] | None = None, joints: collections.abc.Mapping[str, "
+    "typing.Any] | None = None, gait: str | None = None, parameters: collections.abc.Mapping[str, float "
+    "| str] | None = None, adapt: collections.abc.Sequence[str] | None = None, ranges: "
+    "collections.abc.Mapping[str, collections.abc.Sequence[float]] | None = None, delta_scales: "
+    "collections.abc.Mapping[str, float] | None = None, residual_scale: float | None = None, "
+    "heading_hold: bool | None = None, command: collections.abc.Mapping[str, float] | None = None, "
+    "observation: collections.abc.Sequence[typing.Any] | None = None, reward: "
+    "collections.abc.Mapping[str, float] | None = None, physics_dt: float | None = None, control_dt: "
+    "float | None = None, policy_dt: float | None = None, episode_seconds: float | None = None, "
+    "settle_seconds: float | None = None, tilt_limit_deg: float | None = None, terminations: "
     "collections.abc.Sequence[str] | None = None, randomisation: collections.abc.Mapping[str, "
-    "collections.abc.Sequence[float]] | None = None) -> None";
+    "collections.abc.Sequence[float]] | None = None";
+
+const std::string kConstructor =
+    "def __init__(self, *, preset: str | None = None, action: str | None = None, " + kKeywords + ") -> None";
+const std::string kUpdated =
+    "def updated(self, changes: str | collections.abc.Mapping[str, typing.Any] = '', source: str = "
+    "'environment', *, " +
+    kKeywords + ") -> EnvironmentConfig";
 
 void bind_making(nb::class_<EnvConfig>& c) {
   c.def(
@@ -159,7 +165,7 @@ void bind_making(nb::class_<EnvConfig>& c) {
        [](EnvConfig* self, const nb::kwargs& keys) {
          new (self) EnvConfig(parse_env_config(json_text(given(keys)), "EnvironmentConfig"));
        },
-       nb::sig(kConstructor),
+       nb::sig(kConstructor.c_str()),
        "Of keywords, each a key; without any the default. None leaves a key as it is. `action=\"joints\"` "
        "begins "
        "with what policies that command joints use, `preset=\"guide\"` with the guide's environment. Raises "
@@ -188,8 +194,7 @@ void bind_making(nb::class_<EnvConfig>& c) {
           "Of a mapping of its keys: of text, numbers (NumPy's as well), paths, lists and mappings. Raises "
           "ConfigError.")
       .def("updated", &updated, nb::arg("changes") = "", nb::arg("source") = "environment", nb::arg("keys"),
-           nb::sig("def updated(self, changes: str | collections.abc.Mapping[str, typing.Any] = '', source: "
-                   "str = 'environment', **keys: typing.Any) -> EnvironmentConfig"),
+           nb::sig(kUpdated.c_str()),
            "With what `changes` (YAML, JSON or a mapping) and keywords say in the place of its own, key by "
            "key. Raises ConfigError.");
 }

@@ -33,6 +33,11 @@ JointVector joint_vector(const nb::object& given, const char* what) {
   return values;
 }
 
+/// Numbers that NumPy makes an array of; what they are in signatures.
+class ArrayLike : public nb::object {
+  NB_OBJECT_DEFAULT(ArrayLike, nb::object, "numpy.typing.ArrayLike", [](const PyObject*) { return true; })
+};
+
 Vector3 vector3(const nb::object& given, const char* what) {
   const auto array = numbers_of(given);
   if (array.size() != 3) throw ConfigError("world", what, "3 numbers", std::to_string(array.size()));
@@ -42,7 +47,7 @@ Vector3 vector3(const nb::object& given, const char* what) {
 std::unique_ptr<PhysicsBackend> make_world(const RobotChoice& chosen, const TerrainChoice& ground,
                                            const std::string& engine, std::optional<double> friction,
                                            const std::string& contact, double physics_dt,
-                                           const nb::object& gravity, bool fixed_base) {
+                                           const ArrayLike& gravity, bool fixed_base) {
   WorldSpec spec;
   const Robot robot = robot_of(chosen);
   spec.robot = robot.description;
@@ -98,7 +103,7 @@ Eigen::MatrixXd jacobian(const PhysicsBackend& world, const std::variant<int, st
   return point_jacobian(world.robot(), poses, index, point_of(world, index, point));
 }
 
-const char* step(PhysicsBackend& world, const nb::object& targets, int substeps) {
+const char* step(PhysicsBackend& world, const ArrayLike& targets, int substeps) {
   if (substeps < 1) throw ConfigError("world", "substeps", "at least 1", std::to_string(substeps));
   const JointTargets joints{joint_vector(targets, "targets")};
   StepStatus status = StepStatus::kOk;
@@ -299,7 +304,7 @@ void bind_world(nb::module_& m) {
            "fixed base).")
       .def("terrain_height", guarded(&PhysicsBackend::terrain_height), nb::arg("x"), nb::arg("y"),
            "Height of the engine's own ground under a point, m; NaN where there is none.")
-      .def("push", guarded([](PhysicsBackend& w, const nb::object& impulse) {
+      .def("push", guarded([](PhysicsBackend& w, const ArrayLike& impulse) {
              w.apply_push(vector3(impulse, "push"));
            }),
            nb::arg("impulse"),

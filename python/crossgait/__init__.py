@@ -7,6 +7,7 @@ True
 
 from __future__ import annotations
 
+from crossgait import _core
 from crossgait._core import (
     Batch,
     Contact,
@@ -40,6 +41,7 @@ from crossgait.consent import trust
 from crossgait.errors import ConfigError
 from crossgait.importing import Imported, import_policy
 from crossgait.policies import Policy
+from crossgait.signatures import tell_signatures
 from crossgait.studies import (
     Bench,
     CompareResult,
@@ -67,6 +69,7 @@ from crossgait.terms import Terms, with_terms
 from crossgait.traces import Trace
 
 __version__ = version()
+tell_signatures(_core)
 
 __all__ = [
     "Batch",

@@ -40,9 +40,27 @@ class PolicyObject(Protocol):
         """Write its network. Raises ConfigError if it is none."""
 
 
+class MadeEnvironment(Protocol):
+    """An environment of Gymnasium's, single or vector, which stands for its configuration."""
+
+    @property
+    def unwrapped(self) -> Any:
+        """What wrappers are around; its `config` is what is taken."""
+
+
 #: The path of a YAML file, its keys as a mapping, what was made of either, or a walk that the zero policy makes.
 #: An environment that was made (Gymnasium's, or of the core) stands for its configuration.
-EnvironmentLike = str | os.PathLike[str] | Mapping[str, Any] | EnvironmentConfig | Walk
+EnvironmentLike = (
+    str
+    | os.PathLike[str]
+    | Mapping[str, Any]
+    | EnvironmentConfig
+    | Walk
+    | MadeEnvironment
+    | _core.Environment
+    | _core.VectorEnvironment
+)
+InterfaceLike = EnvironmentLike | _core.PolicyInterface  #: what a policy runs on
 EngineLike = str | Engine
 EnginesLike = str | Engine | Sequence[str | Engine]
 RobotLike = str | os.PathLike[str] | Robot

@@ -5,12 +5,29 @@ from __future__ import annotations
 import difflib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
+Entries = Sequence[tuple[str, str, float, float, float, float]]  #: name, unit, min, max, low, high of each number
+
+
+class HasLayouts(Protocol):
+    """What environments of the core say of their numbers."""
+
+    @property
+    def observation_layout(self) -> Entries:
+        """Of an observation."""
+
+    @property
+    def action_layout(self) -> Entries:
+        """Of an action."""
+
+    @property
+    def layout_hash(self) -> str:
+        """Of both."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +48,7 @@ class Layout:
     box: tuple[FloatArray, FloatArray] = field(compare=False)
 
     @classmethod
-    def of(cls, entries: Sequence[tuple[str, str, float, float, float, float]]) -> Layout:
+    def of(cls, entries: Entries) -> Layout:
         """Of (name, unit, min, max, low, high), as the core has them."""
         bounds = np.array([entry[2:] for entry in entries], np.float64).reshape(-1, 4).T.copy()
         bounds.flags.writeable = False
@@ -59,7 +76,7 @@ class EnvironmentLayout:
     hash: str
 
     @classmethod
-    def of(cls, environment: Any) -> EnvironmentLayout:
+    def of(cls, environment: HasLayouts) -> EnvironmentLayout:
         """Of an environment of the core, `_core.Environment` or `_core.EnvironmentView`."""
         return cls(
             Layout.of(environment.observation_layout),

@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +25,11 @@ from crossgait.envs.quadruped_vector_env import same_step_vector
 from crossgait.envs.termed_vector import TermedVectorEnvironment
 from crossgait.inputs import as_environment
 from crossgait.terms import TerminationTerm, Terms
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from crossgait.envs.keywords import VectorKeywords
 
 _TIME_OUT = "episode_length"  #: name of the term that ends episodes
 
@@ -49,7 +54,7 @@ class VecEnv(NotCopyable, RslVecEnv):  # type: ignore[misc]  # untyped
         *,
         seed: int = 0,
         device: str = "cpu",
-        **settings: Any,
+        **settings: Unpack[VectorKeywords],
     ) -> None:
         """Build the environments and begin an episode in each.
 
@@ -65,20 +70,11 @@ class VecEnv(NotCopyable, RslVecEnv):  # type: ignore[misc]  # untyped
 
         """
         # Episodes end by a term too: lengths are the runner's to set.
-        mine = settings.pop("terms", None) or _terms_of(settings.get("config")) or Terms()
+        mine = settings.get("terms") or _terms_of(settings.get("config")) or Terms()
         timed = TerminationTerm(self._is_over, time_out=True)
-        self.vector = vector = same_step_vector(
-            env_id,
-            num_envs,
-            terms=Terms(
-                mine.rewards,
-                mine.observations,
-                {**mine.terminations, _TIME_OUT: timed},
-                mine.events,
-                mine.curriculum,
-            ),
-            **settings,
-        )
+        terminations = {**mine.terminations, _TIME_OUT: timed}
+        settings["terms"] = Terms(mine.rewards, mine.observations, terminations, mine.events, mine.curriculum)
+        self.vector = vector = same_step_vector(env_id, num_envs, **settings)
         self._core = cast(TermedVectorEnvironment, vector.core)
         config = vector.config
         self.num_envs = num_envs

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import gymnasium
 import numpy as np
@@ -25,6 +25,11 @@ from crossgait import _core
 from crossgait.envs.not_copyable import NotCopyable
 from crossgait.envs.quadruped_vector_env import same_step_vector
 from crossgait.layout import EnvironmentLayout
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from crossgait.envs.keywords import VectorKeywords
 
 
 class SubEnvironment:
@@ -60,7 +65,9 @@ class CrossgaitVecEnv(NotCopyable, VecEnv):
 
     """
 
-    def __init__(self, env_id: str = "Crossgait/AdaptiveGait-v0", num_envs: int = 1, **settings: Any) -> None:
+    def __init__(
+        self, env_id: str = "Crossgait/AdaptiveGait-v0", num_envs: int = 1, **settings: Unpack[VectorKeywords]
+    ) -> None:
         """Build the environments.
 
         Args:

@@ -86,6 +86,35 @@ policies:
     assert "terrain: 'rough'" in runs[0].subject.environment
 
 
+def test_policies_environments_and_engines_go_by_name(tmp_path: Path) -> None:
+    folder = Path(crossgait.models_dir()) / "policies/serial_joints"
+
+    def made(block: str) -> tuple[str, str]:
+        (run,) = study(
+            tmp_path, f"engines: '{ENGINES[0]}'\npolicies: [{{{block}, set: {{episode_seconds: 0.2}}}}]\n"
+        ).runs()
+        return run.hash, run.subject.environment
+
+    hashed, environment = made("policy: serial_joints")
+    assert "serial_quadruped" in environment  # its own
+    file, beside = folder / "serial_joints.safetensors", folder / "environment.yaml"
+    for block in (
+        f"policy: '{folder}'",
+        f"policy: '{file}'",
+        f"policy: '{file}', environment: '{beside}'",
+        "policy: serial_joints, environment: serial_joints",
+    ):
+        assert made(block) == (hashed, environment)
+    assert made("policy: zero, environment: serial_joints")[1] == environment
+    assert "terrain: 'rough'" in made("policy: zero, environment: {terrain: rough}")[1]
+    assert "scara_quadruped" in made("policy: zero")[1]
+    (tmp_path / "alone.safetensors").write_bytes(file.read_bytes())
+    with pytest.raises(ConfigError, match=r"policies\[0\], .*safetensors: environment: expected environment=, or"):
+        made("policy: alone.safetensors")
+    two = ENGINES[:2]
+    assert study(tmp_path, f"engines: '{', '.join(two)}'\nwalks: [{{}}]\n").document["engines"] == two
+
+
 def test_files_are_found_from_the_studys_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     heights = "0,0,0,0\n" * 4
     (tmp_path / "ground.csv").write_text(heights)

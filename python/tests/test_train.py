@@ -150,6 +150,21 @@ def test_presets_are_what_their_names_say() -> None:
     assert changed["environment"]["friction"] == 0.1
 
 
+def test_engines_and_environments_go_by_name() -> None:
+    for engines in (TWO, ",".join(TWO), ", ".join(TWO)):
+        assert plan(engines=engines).engines == plan(engines=dict.fromkeys(TWO, 1)).engines
+    said = training.SMALL["evaluation"]
+    assert plan(evaluation=said | {"engines": ",".join(TWO)}).evaluation_engines == TWO
+    beside = Path(crossgait.models_dir()) / "policies/serial_joints/environment.yaml"
+    seeds = {"terrain_seed": [0, 5]}  # its own are those of evaluations
+    by_name, by_file = (plan(environment=text, randomisation=seeds) for text in ("serial_joints", str(beside)))
+    assert by_name.document == by_file.document
+    assert by_name.stages[0].environment.robot == "serial_quadruped"
+    for engines in ([], "", [3], {"mujoco": 0}):
+        with pytest.raises(ConfigError, match="engines: expected engines by name, or with shares above zero"):
+            plan(engines=engines)
+
+
 def test_environments_are_shared_out() -> None:
     shares = {"mujoco": 0.5, "bullet": 0.25, "bullet:matched": 0.25}
     made = [name for name in shares if name in crossgait.available_engines()]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -18,6 +18,11 @@ from crossgait.envs.spaces import action_space, observation_dtype, observation_s
 from crossgait.inputs import EngineLike, TerrainLike
 from crossgait.layout import EnvironmentLayout
 from crossgait.terms import Terms
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from crossgait.envs.keywords import EnvironmentKeys
 
 Observation = npt.NDArray[np.float64] | npt.NDArray[np.float32]
 
@@ -53,7 +58,7 @@ class QuadrupedEnv(NotCopyable, Drawn, gymnasium.Env[Any, Any]):
         width: int = 640,
         height: int = 480,
         camera: Mapping[str, Any] | None = None,
-        **keys: Any,
+        **keys: Unpack[EnvironmentKeys],
     ) -> None:
         """Read the configuration and build the world; nothing moves before `reset`.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -24,6 +24,12 @@ from crossgait.errors import ConfigError
 from crossgait.inputs import EngineLike, TerrainLike
 from crossgait.layout import EnvironmentLayout
 from crossgait.terms import Terms
+from crossgait.terms.configuration import group_width
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from crossgait.envs.keywords import EnvironmentKeys, VectorKeywords
 
 Flags = npt.NDArray[np.bool_]
 
@@ -75,7 +81,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         width: int = 640,
         height: int = 480,
         camera: Mapping[str, Any] | None = None,
-        **keys: Any,
+        **keys: Unpack[EnvironmentKeys],
     ) -> None:
         """Build `num_envs` worlds; nothing moves before `reset`.
 
@@ -129,6 +135,8 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         self.render_mode = known_render_mode(render_mode, self.metadata["render_modes"])
         self._frame_size = (width, height)
         self._camera = known_camera(camera)
+        self._critic_width = group_width(made, "critic")
+        self._last: npt.NDArray[np.float64] | None = None
 
     @property
     def config(self) -> _core.EnvironmentConfig:
@@ -156,7 +164,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         self._check_open()
         super().reset(seed=seed)
         refuse_options(options)
-        observations = self.core.reset(episode_seed(seed, self.np_random))
+        self._last = observations = self.core.reset(episode_seed(seed, self.np_random))
         return self._seen(observations), self.core.infos()
 
     def step(self, actions: npt.ArrayLike) -> tuple[Observation, npt.NDArray[np.float64], Flags, Flags, dict[str, Any]]:
@@ -168,6 +176,7 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         if not isinstance(actions, np.ndarray):
             actions = np.asarray(actions, dtype=np.float64)
         observations, rewards, terminated, truncated, final = self.core.step(actions)
+        self._last = observations
         infos = self.core.infos()
         if final is not None:
             ended = terminated | truncated
@@ -201,24 +210,43 @@ class QuadrupedVectorEnv(NotCopyable, Drawn, VectorEnv[Any, Any, npt.NDArray[Any
         draw = renderer.depth if self.render_mode == "depth_array" else renderer.frame
         return tuple(draw(self.core.environment(i)) for i in range(self.num_envs))
 
+    @property
+    def state_space(self) -> gymnasium.spaces.Box | None:
+        """Of `state` of one environment; None where no term observes for `critic`. skrl looks for both."""
+        if self._critic_width == 0:
+            return None
+        shape = (len(self.layout.observation) + self._critic_width,)
+        return gymnasium.spaces.Box(-np.inf, np.inf, shape, np.float32)
+
+    def state(self) -> npt.NDArray[np.float32]:
+        """What critics may see, (num_envs, n): the last observations, and those for `critic` behind them.
+
+        Raises ConfigError where no term observes for it, and before the first reset.
+        """
+        if self._critic_width == 0 or self._last is None:
+            raise ConfigError("vector environment", "state", "terms that observe for critic, and a reset", "none")
+        assert isinstance(self.core, TermedVectorEnvironment)
+        return np.concatenate([self._last, self.core.group("critic")], axis=1, dtype=np.float32)
+
     def close_extras(self, **kwargs: Any) -> None:
         """Close the renderer."""
         self._close_renderer()
 
 
-class AdaptiveGaitVectorEnv(QuadrupedVectorEnv):
+# VectorEnv is named again for libraries that look at the bases of a class alone, as skrl does.
+class AdaptiveGaitVectorEnv(QuadrupedVectorEnv, VectorEnv[Any, Any, npt.NDArray[Any]]):
     """Of `AdaptiveGaitEnv`."""
 
     action = "gait"
 
 
-class JointControlVectorEnv(QuadrupedVectorEnv):
+class JointControlVectorEnv(QuadrupedVectorEnv, VectorEnv[Any, Any, npt.NDArray[Any]]):
     """Of `JointControlEnv`."""
 
     action = "joints"
 
 
-def same_step_vector(env_id: str, num_envs: int, **settings: Any) -> QuadrupedVectorEnv:
+def same_step_vector(env_id: str, num_envs: int, **settings: Unpack[VectorKeywords]) -> QuadrupedVectorEnv:
     """Make what the wrappers for learners step: observations of float32, episodes begun in the step that ends them.
 
     Raises ConfigError for what is wrong, naming the key.

@@ -9,12 +9,13 @@ from crossgait import _core
 from crossgait._core import EnvironmentConfig
 from crossgait.errors import ConfigError
 from crossgait.inputs import ENVIRONMENT as ENVIRONMENT
+from crossgait.inputs import as_environment
 
 
 def environment_of(policies: Sequence[str], given: str | None) -> EnvironmentConfig:
-    """Of the file `given`, or the one beside the first policy that is a file. Raises ConfigError."""
+    """Of the file or the policy's name `given`, or the one of the first policy that has one. Raises ConfigError."""
     if given is not None:
-        return EnvironmentConfig.load(given)
+        return as_environment(given, "--environment")
     for policy in policies:
         own = _core.environment_of_policy(policy)
         if own is not None:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from crossgait import _core
 from crossgait._core import EnvironmentConfig, MlpNetwork, PolicyBundle, PolicyInterface
 from crossgait.errors import ConfigError
-from crossgait.inputs import as_environment, environment_for
+from crossgait.inputs import InterfaceLike, as_environment, environment_for
 from crossgait.layout import EnvironmentLayout, Layout
 from crossgait.policies import agreement, expression
 
@@ -27,7 +27,7 @@ Normalisation = tuple[npt.ArrayLike, npt.ArrayLike]
 _BUNDLE = ".safetensors"
 
 
-def interface_of(environment: Any) -> PolicyInterface:
+def interface_of(environment: InterfaceLike) -> PolicyInterface:
     """What a policy runs on.
 
     Args:
@@ -41,7 +41,7 @@ def interface_of(environment: Any) -> PolicyInterface:
     return _home_of(environment)[0]
 
 
-def _home_of(environment: Any) -> tuple[PolicyInterface, EnvironmentConfig | None]:
+def _home_of(environment: InterfaceLike) -> tuple[PolicyInterface, EnvironmentConfig | None]:
     """The interface, and the configuration that it is of, where that is known."""
     if isinstance(environment, PolicyInterface):
         return environment, None
@@ -69,7 +69,7 @@ class Policy:
         self.environment = environment  #: that it was made for; None if only its interface was named
 
     @classmethod
-    def load(cls, policy: str | os.PathLike[str], environment: Any = None) -> Policy:
+    def load(cls, policy: str | os.PathLike[str], environment: InterfaceLike | None = None) -> Policy:
         """A policy by name or file.
 
         Args:
@@ -95,7 +95,7 @@ class Policy:
     def from_network(
         cls,
         network: MlpNetwork,
-        environment: Any,
+        environment: InterfaceLike,
         *,
         name: str = "network",
     ) -> Policy:
@@ -107,7 +107,7 @@ class Policy:
     def from_sb3(
         cls,
         model: Any,
-        environment: Any,
+        environment: InterfaceLike,
         vecnormalize: Any = None,
         *,
         observations: npt.ArrayLike | None = None,
@@ -139,7 +139,7 @@ class Policy:
     def from_torch(
         cls,
         module: torch.nn.Module | str | os.PathLike[str],
-        environment: Any,
+        environment: InterfaceLike,
         *,
         normalisation: Normalisation | None = None,
         clip: float | None = None,
@@ -178,7 +178,7 @@ class Policy:
     def from_onnx(
         cls,
         file: str | os.PathLike[str],
-        environment: Any,
+        environment: InterfaceLike,
         *,
         normalisation: Normalisation | None = None,
         clip: float | None = None,
@@ -247,7 +247,7 @@ class Policy:
         """The network with its layout and golden pairs; None for policies that are no network."""
         return self._bundle
 
-    def made_for(self, environment: Any) -> Policy:
+    def made_for(self, environment: InterfaceLike) -> Policy:
         """The same for an environment, as `interface_of` takes it: an instance of its own. Raises ConfigError."""
         if self._text is not None:
             return Policy.load(self._text, environment)
@@ -304,21 +304,31 @@ class Policy:
             return Policy.load, (self._text, self.environment)
         if self.environment is None:
             raise TypeError(f"policy {self.name} cannot be pickled: it was made for an interface, not an environment")
-        with TemporaryDirectory(prefix="crossgait-") as folder:
-            file = Path(folder) / f"policy{_BUNDLE}"
-            self._bundle.write(file)
-            return _unpickled, (file.read_bytes(), self.name, self.environment)
+        return _unpickled, (bytes_of(self._bundle), self.name, self.environment)
 
     def __repr__(self) -> str:
         return f"<Policy {self.name}: {len(self.layout.observation)} -> {len(self.layout.action)}>"
 
 
-def _unpickled(bundle: bytes, name: str, environment: EnvironmentConfig) -> Policy:
-    """A network in memory, of the bytes of its bundle."""
+def bytes_of(bundle: PolicyBundle) -> bytes:
+    """Return what the bundle's file would hold."""
     with TemporaryDirectory(prefix="crossgait-") as folder:
         file = Path(folder) / f"policy{_BUNDLE}"
-        file.write_bytes(bundle)
-        read = PolicyBundle.read(file)
+        bundle.write(file)
+        return file.read_bytes()
+
+
+def bundle_of(content: bytes) -> PolicyBundle:
+    """Return the bundle of a file's bytes. Raises ConfigError for those of another file."""
+    with TemporaryDirectory(prefix="crossgait-") as folder:
+        file = Path(folder) / f"policy{_BUNDLE}"
+        file.write_bytes(content)
+        return PolicyBundle.read(file)
+
+
+def _unpickled(bundle: bytes, name: str, environment: EnvironmentConfig) -> Policy:
+    """A network in memory, of the bytes of its bundle."""
+    read = bundle_of(bundle)
     return Policy(_core.Policy.of_bundle(read, name, PolicyInterface(environment)), read, environment=environment)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 import time
 from collections.abc import Sequence
@@ -14,9 +13,10 @@ from crossgait.commands import INTERRUPTED, exit_code, say
 from crossgait.files import written_whole
 from crossgait.sweep.cluster import RayCluster
 from crossgait.sweep.executors import Executor
-from crossgait.sweep.pool import ProcessPool
+from crossgait.sweep.pool import ProcessPool, usable_cores
 from crossgait.sweep.rows import write_sorted
 from crossgait.sweep.runner import Summary, sweep
+from crossgait.sweep.runs import Run
 from crossgait.sweep.study import Study
 
 SHOWN_RUNS = 10  #: of a dry run
@@ -142,10 +142,10 @@ def _run(options: argparse.Namespace) -> int:
     rows = Path(options.runs) if options.runs else Path(options.study).with_suffix(".jsonl")
     runs = study.runs()
 
-    def executor() -> Executor:
+    def executor() -> Executor[Run, str]:
         if options.ray is not None:
             return RayCluster(options.ray, options.workers)
-        return ProcessPool(options.workers or len(os.sched_getaffinity(0)))
+        return ProcessPool(options.workers or usable_cores())
 
     line = _Line() if sys.stderr.isatty() else None
     try:

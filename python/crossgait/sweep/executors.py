@@ -1,39 +1,44 @@
-"""Where runs are made: what the pool of processes and Ray have in common."""
+"""Where tasks are made: what the pool of processes and Ray have in common."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Any, Generic, Literal, Protocol, TypeVar
 
-from crossgait.sweep.runs import Run
+Task = TypeVar("Task")
+Made = TypeVar("Made")
 
-Make = Callable[[Run], str]  #: gives the row of a run; `row_of`
+#: Makes a task elsewhere, a run's row of a run; behind the task comes what was shared, if anything was.
+Make = Callable[..., Made]
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What became of one run that was handed out."""
+class Outcome(Generic[Task, Made]):
+    """What became of one task that was handed out."""
 
-    run: Run
-    #: `made`: there is a row; `crashed`: its process died of it; `lost`: its process died of something else
+    task: Task
+    #: `made`: it is there; `crashed`: its process died of it; `lost`: its process died of something else
     kind: Literal["made", "crashed", "lost"]
-    row: str = ""
+    made: Made | None = None
     detail: str = ""  #: of a crash
 
 
-class Executor(Protocol):
-    """Makes runs elsewhere. Used by one thread."""
+class Executor(Protocol[Task, Made]):
+    """Makes tasks elsewhere. Used by one thread."""
 
-    workers: int  #: that make runs at this moment
+    workers: int  #: that make tasks at this moment
+
+    def share(self, value: Any) -> None:
+        """Hand `value` to `make` with every task that is handed out from now on; it goes to each worker once."""
 
     def has_room(self) -> bool:
-        """Whether to hand out another run: a few wait, so that no worker does."""
+        """Whether to hand out another task: a few wait, so that no worker does."""
 
-    def submit(self, run: Run) -> None:
-        """Hand out a run."""
+    def submit(self, task: Task) -> None:
+        """Hand out a task."""
 
-    def wait(self, seconds: float) -> list[Outcome]:
+    def wait(self, seconds: float) -> list[Outcome[Task, Made]]:
         """What has come back, as soon as something has, or after this time."""
 
     def close(self) -> None:

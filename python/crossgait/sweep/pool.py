@@ -1,33 +1,46 @@
-"""Runs in processes of this machine."""
+"""Tasks in processes of this machine."""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
 import queue
 import signal
 import threading
 from collections import deque
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
-from typing import Any
+from typing import Any, Generic
 
-from crossgait.sweep.executors import Make, Outcome
-from crossgait.sweep.runs import Run, row_of
+from crossgait.errors import ConfigError
+from crossgait.sweep.executors import Made, Make, Outcome, Task
+from crossgait.sweep.runs import row_of
 
-AHEAD = 2  #: runs that a worker has at a time: one to make, one to go on with
-READY = "ready"
+AHEAD = 2  #: tasks that a worker has at a time: one to make, one to go on with
+READY = "ready"  #: what a worker says first
+SHARED, TASK = "shared", "task"  #: kinds of what it is sent
 
 
-def _serve(connection: Connection, make: Make) -> None:
-    """A worker's life. It ends when the other end of the connection does, also in the middle of a run."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's Ctrl-C is for the sweep
-    todo: queue.SimpleQueue[Run] = queue.SimpleQueue()
+def usable_cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def _serve(connection: Connection, make: Make[Any]) -> None:
+    """A worker's life. It ends when the other end of the connection does, also in the middle of a task."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's Ctrl-C is for the process that hands out
+    todo: queue.SimpleQueue[tuple[Any, ...]] = queue.SimpleQueue()
 
     def listen() -> None:
+        shared: tuple[Any, ...] = ()
         try:
             while True:
-                todo.put(connection.recv())
+                kind, value = connection.recv()
+                if kind == SHARED:
+                    shared = (value,)
+                else:
+                    todo.put((value, *shared))
         except (EOFError, OSError):
             os._exit(0)
 
@@ -35,19 +48,20 @@ def _serve(connection: Connection, make: Make) -> None:
     try:
         connection.send(READY)
         while True:
-            connection.send(make(todo.get()))
+            connection.send(make(*todo.get()))
     except OSError:
         os._exit(0)
 
 
-class _Worker:
-    def __init__(self, context: multiprocessing.context.SpawnContext, make: Make) -> None:
+class _Worker(Generic[Task]):
+    def __init__(self, context: multiprocessing.context.SpawnContext, make: Make[Any]) -> None:
         self.connection, theirs = context.Pipe()
-        self.process = context.Process(target=_serve, args=(theirs, make), daemon=True, name="crossgait-sweep")
+        self.process = context.Process(target=_serve, args=(theirs, make), daemon=True, name="crossgait-worker")
         self.process.start()
         theirs.close()
-        self.runs: deque[Run] = deque()
+        self.tasks: deque[Task] = deque()
         self.ready = False
+        self.shared: object = None  #: what it was sent last
 
     def end(self) -> int | None:
         """End the process; returns its exit code, negative for the signal that it died of."""
@@ -59,16 +73,17 @@ class _Worker:
         return code
 
 
-class ProcessPool:
+class ProcessPool(Generic[Task, Made]):
     """An `Executor` of processes; one that dies is replaced."""
 
-    def __init__(self, workers: int, make: Make = row_of) -> None:
-        """Start them. `make`, a function of a module, gives the row of a run."""
+    def __init__(self, workers: int, make: Make[Made] = row_of) -> None:  # type: ignore[assignment]  # of runs
+        """Start them. `make`, a function of a module, makes a task; by default the row of a run."""
         self._make = make
         # Spawned, not forked: engines and interpreters have threads.
         self._context = multiprocessing.get_context("spawn")
         self.workers = workers
-        self._all: list[_Worker] = []
+        self._all: list[_Worker[Task]] = []
+        self._shared: Any = None  # as it is sent
         try:
             for _ in range(workers):
                 self._all.append(_Worker(self._context, self._make))
@@ -76,46 +91,57 @@ class ProcessPool:
             self.close()
             raise
 
+    def share(self, value: Any) -> None:
+        """As `Executor`. Raises ConfigError for what cannot be sent to a process, such as a function within another."""
+        try:
+            self._shared = pickle.dumps((SHARED, value))
+        except (pickle.PicklingError, AttributeError, TypeError) as error:
+            raise ConfigError("processes", "shared", "values and functions of modules", str(error)) from error
+
     def has_room(self) -> bool:
         """As `Executor`."""
-        return any(len(worker.runs) < AHEAD for worker in self._all)
+        return any(len(worker.tasks) < AHEAD for worker in self._all)
 
-    def submit(self, run: Run) -> None:
+    def submit(self, task: Task) -> None:
         """As `Executor`."""
-        worker = min(self._all, key=lambda worker: len(worker.runs))
-        worker.runs.append(run)
+        worker = min(self._all, key=lambda worker: len(worker.tasks))
+        worker.tasks.append(task)
         with suppress(OSError):  # it has died, which `wait` sees
-            worker.connection.send(run)
+            if worker.shared is not self._shared:
+                worker.connection.send_bytes(self._shared)
+                worker.shared = self._shared
+            worker.connection.send((TASK, task))
 
-    def wait(self, seconds: float) -> list[Outcome]:
+    def wait(self, seconds: float) -> list[Outcome[Task, Made]]:
         """As `Executor`."""
-        by_connection: dict[Any, _Worker] = {worker.connection: worker for worker in self._all}
-        outcomes: list[Outcome] = []
+        by_connection: dict[Any, _Worker[Task]] = {worker.connection: worker for worker in self._all}
+        outcomes: list[Outcome[Task, Made]] = []
         for connection in wait(list(by_connection), seconds):
             worker = by_connection[connection]
             try:
-                message: str = worker.connection.recv()
+                message: Any = worker.connection.recv()
             except (EOFError, OSError):
                 outcomes += self._buried(worker)
                 continue
-            if message == READY:
+            if not worker.ready:  # its first message is READY
                 worker.ready = True
             else:
-                outcomes.append(Outcome(worker.runs.popleft(), "made", message))
+                outcomes.append(Outcome(worker.tasks.popleft(), "made", message))
         return outcomes
 
-    def _buried(self, worker: _Worker) -> list[Outcome]:
-        """What a worker that died leaves behind: the first of its runs killed it."""
+    def _buried(self, worker: _Worker[Task]) -> list[Outcome[Task, Made]]:
+        """What a worker that died leaves behind: the first of its tasks killed it."""
         worker.process.join(1)
         code = worker.process.exitcode
         worker.end()
         if not worker.ready:
             self._all.remove(worker)
-            raise RuntimeError(f"a worker process ended before its first run ({_cause(code)})")
+            raise RuntimeError(f"a worker process ended before its first task ({_cause(code)})")
         self._all[self._all.index(worker)] = _Worker(self._context, self._make)
-        first, *others = worker.runs or [None]
-        crashed = [Outcome(first, "crashed", detail=_cause(code))] if first is not None else []
-        return crashed + [Outcome(run, "lost") for run in others if run is not None]
+        outcomes: list[Outcome[Task, Made]] = [Outcome(task, "lost") for task in worker.tasks]
+        if outcomes:
+            outcomes[0] = Outcome(worker.tasks[0], "crashed", detail=_cause(code))
+        return outcomes
 
     def close(self) -> None:
         """As `Executor`."""

@@ -82,7 +82,7 @@ class _Stop:
 def sweep(
     runs: Sequence[Run],
     rows: str | os.PathLike[str],
-    executor: Callable[[], Executor],
+    executor: Callable[[], Executor[Run, str]],
     *,
     retry_failed: bool = False,
     listener: Listener | None = None,
@@ -117,7 +117,12 @@ def sweep(
 
 
 def _make(
-    todo: deque[Run], file: RowFile, workers: Executor, stop: _Stop, summary: Summary, listener: Listener | None
+    todo: deque[Run],
+    file: RowFile,
+    workers: Executor[Run, str],
+    stop: _Stop,
+    summary: Summary,
+    listener: Listener | None,
 ) -> None:
     begin = time.monotonic()
     crashes: Counter[str] = Counter()
@@ -129,11 +134,11 @@ def _make(
         for outcome in workers.wait(LOOK_SECONDS):
             in_flight -= 1
             if (row := _row(outcome, crashes, summary)) is None:
-                todo.appendleft(outcome.run)
+                todo.appendleft(outcome.task)
             else:
                 file.add(row)
                 summary.made += 1
-                summary.failed += file.failed[outcome.run.hash]
+                summary.failed += file.failed[outcome.task.hash]
         summary.seconds = time.monotonic() - begin
         summary.workers = workers.workers
         if listener is not None:
@@ -141,15 +146,15 @@ def _make(
     summary.interrupted = bool(todo or in_flight)
 
 
-def _row(outcome: Outcome, crashes: Counter[str], summary: Summary) -> str | None:
+def _row(outcome: Outcome[Run, str], crashes: Counter[str], summary: Summary) -> str | None:
     """The row that it comes to; None: to be made again."""
     if outcome.kind == "made":
-        return outcome.row
+        return outcome.made
     if outcome.kind == "lost":
         summary.lost += 1
         return None
     summary.crashes += 1
-    crashes[outcome.run.hash] += 1
-    if crashes[outcome.run.hash] < CRASHES:
+    crashes[outcome.task.hash] += 1
+    if crashes[outcome.task.hash] < CRASHES:
         return None
-    return failed_row(outcome.run, f"the process that made it crashed, {CRASHES} times: {outcome.detail}")
+    return failed_row(outcome.task, f"the process that made it crashed, {CRASHES} times: {outcome.detail}")

@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from crossgait import _core
-from crossgait._core import EnvironmentConfig, StartRanges, Terrain, Walk
+from crossgait._core import StartRanges, Terrain, Walk
 from crossgait.errors import ConfigError, unknown_key
+from crossgait.inputs import ANYWHERE, as_engines, environment_for
 from crossgait.sweep.runs import Run, Subject, maker_of, run_of
 from crossgait.sweep.strict_yaml import read_yaml, write_yaml
 
@@ -49,6 +50,7 @@ _COMMAND = _Kind("[forward m/s, left m/s, yaw rate rad/s] or null", _is_command)
 _NAMES = _Kind("a list of names", lambda v: isinstance(v, list) and all(isinstance(name, str) for name in v))
 _SETTING = _Kind("a finite number or text", lambda v: _is_number(v) or isinstance(v, str))
 _ANYTHING = _Kind("a value", lambda v: not isinstance(v, list))
+_ENVIRONMENT = _Kind("a file, a policy's name or a mapping of keys", lambda v: isinstance(v, (str, dict)))
 _OPTIONAL = _Kind("a finite number or null", lambda v: v is None or _is_number(v))
 
 #: Keys of a walk, in the order of the grid: the last one changes first. `parameters` maps settings.
@@ -68,7 +70,7 @@ _WALK: dict[str, _Kind | None] = {
     "heading_hold": _FLAG,
     "terminations": _NAMES,
 }
-_POLICY: dict[str, _Kind | None] = {"environment": _TEXT, "set": None, "policy": _TEXT}
+_POLICY: dict[str, _Kind | None] = {"environment": _ENVIRONMENT, "set": None, "policy": _TEXT}
 _STUDY = ("engines", "variations", "starts", "seeds", "start_ranges", "walks", "policies")
 _RANGES = ("position_m", "heading_rad", "push_mps")
 
@@ -133,8 +135,8 @@ class Study:
                     yield Subject(self._walk(options, seed, f"walks[{i}]"), "", "", ranges, seed), _said(options)
         for i, block in enumerate(self.document["policies"]):
             for options in self._grid(block, _POLICY, f"policies[{i}]"):
-                environment = self._environment(options, f"policies[{i}]")
                 policy = self._policy(options["policy"], f"policies[{i}].policy")
+                environment = self._environment(options, policy, f"policies[{i}]")
                 for seed in self.document["seeds"]:
                     yield Subject("", environment, policy, ranges, seed), _said(options)
 
@@ -196,22 +198,33 @@ class Study:
             raise self._error(where, error) from error
         return json.dumps(own)
 
-    def _environment(self, options: Json, where: str) -> str:
+    def _environment(self, options: Json, policy: str, where: str) -> str:
+        """What a block says, or else the policy's own, with what is set over it."""
         named = options["environment"]
         try:
-            config = EnvironmentConfig.load(self._beside(named)) if named else EnvironmentConfig()
-            own = {
-                key: self._beside(value) if key in ("robot", "terrain") and isinstance(value, str) else value
-                for key, value in options["set"].items()
-            }
-            return config.updated(own, f"{where}.set").to_yaml()
+            given = self._with_files(named) if isinstance(named, dict) else self._found(named) or None
+            config = environment_for(given, policy, source=f"{where}.environment")
+            return config.updated(self._with_files(options["set"]), f"{where}.set").to_yaml()
         except ConfigError as error:
             raise self._error(where, error) from error
 
+    def _with_files(self, keys: Json) -> Json:
+        """Keys of an environment, those that name files from the study's folder."""
+        return {
+            key: self._beside(value) if key in ("robot", "terrain") and isinstance(value, str) else value
+            for key, value in keys.items()
+        }
+
+    def _found(self, text: str) -> str:
+        """A policy's name as it is, and any other file or folder from the study's folder."""
+        place = Path(self.source).resolve().parent / text
+        return str(place) if text and text not in _core.policy_names() and place.exists() else text
+
     def _policy(self, text: str, where: str) -> str:
-        found = self._beside(text)
-        if found not in ("zero", "random") and not Path(found).is_file():
-            raise ConfigError(self.source, where, "zero, random, or a policy's file", text)
+        if text in (known := (*ANYWHERE, *_core.policy_names())):
+            return text
+        if (found := self._found(text)) == text and not Path(text).is_absolute():
+            raise ConfigError(self.source, where, f"{', '.join(known)}, a policy's file or folder", text)
         return found
 
 
@@ -316,7 +329,7 @@ def _with_defaults(source: str, given: Any) -> Json:
     variations = _core._variations() if variations == "all" else variations
     available = _core.available_engines()
     document: Json = {
-        "engines": _names(source, given.get("engines", available), available, "engines"),
+        "engines": _names(source, _engines(given.get("engines", available)), available, "engines"),
         "variations": _names(source, variations, _core._variations(), "variations"),
         "starts": _starts(source, given.get("starts", 1)),
         "seeds": _choices(source, given.get("seeds", 0), _COUNT, "seeds"),
@@ -328,6 +341,11 @@ def _with_defaults(source: str, given: Any) -> Json:
     defaults = {"environment": "", "set": {}, "policy": "zero"}
     document["policies"] = _blocks(source, given.get("policies", []), defaults, "policies")
     return document
+
+
+def _engines(value: Any) -> Any:
+    """One text with commas as the list that it is, as everywhere."""
+    return as_engines(value) if isinstance(value, str) else value
 
 
 def _names(source: str, value: Any, known: list[str], where: str) -> list[str]:

@@ -38,3 +38,13 @@ def with_terms(environment: EnvironmentLike, terms: Terms) -> EnvironmentConfig:
             entries += [(number, unit, -term.clip, term.clip) for number in numbers]
     make = partial(EpisodeTerms, terms)
     return config._with_terms(terms, make, terms.names, list(terms.rewards), entries)
+
+
+def group_width(config: EnvironmentConfig, group: str) -> int:
+    """How many numbers the terms of an observation group show; 0 without any. Raises ConfigError."""
+    terms: Terms | None = config.terms
+    if terms is None or not terms.observations.get(group):
+        return 0
+    core = _core.Environment(config._without_terms())
+    core.reset(0)
+    return sum(widths(terms, core.batch())[group].values())

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from collections.abc import Sequence
 
 from crossgait._core import Terrain
 from crossgait.inputs import RobotLike, TerrainLike, as_terrain
+from crossgait.progress import Progress
 from crossgait.traces import scene
 from crossgait.traces.table import TraceTable
 
@@ -49,9 +50,36 @@ class Trace(TraceTable):
         rerun.write(self, path, scene.the_robot(self, robot), _ground(terrain))
 
     def to_video(
-        self, path: str | os.PathLike[str], robot: RobotLike, terrain: TerrainLike | None = None, **how: Any
+        self,
+        path: str | os.PathLike[str],
+        robot: RobotLike,
+        terrain: TerrainLike | None = None,
+        *,
+        fps: float = 30,
+        slow: float = 1,
+        width: int = 640,
+        height: int = 480,
+        azimuth: float = 130,
+        elevation: float = -20,
+        distance: float | None = None,
+        look_at: Sequence[float] | None = None,
+        progress: Progress | bool | None = None,
     ) -> None:
-        """Write FILE.mp4, FILE.gif or FILE.webp: see `crossgait.traces.video.write` for the rest of the arguments.
+        """Write a film.
+
+        Args:
+            path: FILE.mp4 (H.264), FILE.gif or FILE.webp; appears whole or not at all.
+            robot: that walked: a name, a file or a `Robot`.
+            terrain: that it walked on: a name, a file or a `Terrain`; flat by default.
+            fps: frames per second.
+            slow: times slower than it happened.
+            width: pixels, made even.
+            height: pixels, made even.
+            azimuth: direction of the camera's look, deg: 90 is along the world's y.
+            elevation: of the camera's look, deg.
+            distance: of the camera from what it looks at, m; by the robot's size if None.
+            look_at: what a camera that stands still looks at, m; None for one that goes along.
+            progress: as `crossgait.walk` takes it.
 
         Raises:
             ConfigError: if it was another robot, or for another ending.
@@ -60,4 +88,18 @@ class Trace(TraceTable):
         """
         from crossgait.traces import video
 
-        video.write([self], path, scene.the_robot(self, robot), _ground(terrain), **how)
+        video.write(
+            [self],
+            path,
+            scene.the_robot(self, robot),
+            _ground(terrain),
+            fps=fps,
+            slow=slow,
+            width=width,
+            height=height,
+            azimuth=azimuth,
+            elevation=elevation,
+            distance=distance,
+            look_at=look_at,
+            progress=progress,
+        )

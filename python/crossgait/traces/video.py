@@ -14,7 +14,7 @@ from crossgait import _core
 from crossgait.commands import say
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
-from crossgait.progress import ProgressBar, shown
+from crossgait.progress import Progress, ProgressBar, shown
 from crossgait.traces.scene import the_robot
 from crossgait.traces.table import Numbers, TraceTable
 from crossgait.viewing import film
@@ -46,7 +46,7 @@ def write(
     distance: float | None = None,
     look_at: Sequence[float] | None = None,
     shared_camera: bool = False,
-    progress: Any = None,
+    progress: Progress | bool | None = None,
 ) -> None:
     """Write walks as a film, one panel a trace, each with its name and how far it came.
 

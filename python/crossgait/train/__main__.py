@@ -5,15 +5,19 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from crossgait.commands import INTERRUPTED, exit_code, say
 from crossgait.errors import ConfigError
 from crossgait.extras import needed_for
+from crossgait.sweep.cluster import RayCluster
+from crossgait.sweep.pool import ProcessPool
 from crossgait.train.plan import Plan, presets
 
 if TYPE_CHECKING:
+    from crossgait.train.remote_envs import Workers
     from crossgait.train.trainer import Trained
 
 DESCRIPTION = """\
@@ -49,6 +53,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="over the file's; KEY.KEY too")
     parser.add_argument("--seed", metavar="N", type=int)
     parser.add_argument("--steps", metavar="N", type=int, help="policy steps of all environments together")
+    parser.add_argument("--processes", metavar="N", type=int, help="that collect rollouts, where the file says `block`")
+    parser.add_argument("--ray", metavar="ADDRESS", help="collect them on this Ray cluster: HOST:PORT, or auto")
     parser.add_argument("--print-config", action="store_true", help="print all keys with their values, and end")
     parser.add_argument("--progress", action=argparse.BooleanOptionalAction, help="default: on a terminal")
     return parser
@@ -100,12 +106,23 @@ def _run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _workers(options: argparse.Namespace) -> Workers | None:
+    """Who collects rollouts; None: as the trainer does by itself. Raises ConfigError."""
+    if options.ray is None and options.processes is None:
+        return None
+    if options.processes is not None and options.processes < 1:
+        raise ConfigError("train", "--processes", "at least 1", str(options.processes))
+    if options.ray is not None:
+        return partial(RayCluster, options.ray, options.processes)
+    return partial(ProcessPool, options.processes)
+
+
 def _trained(plan: Plan, folder: Path, options: argparse.Namespace) -> list[Trained]:
     with needed_for("runs of training", "train"):
         from crossgait.train import hierarchy
         from crossgait.train.trainer import Trainer
 
-    settings = {"resume": options.resume, "progress": options.progress}
+    settings = {"resume": options.resume, "progress": options.progress, "workers": _workers(options)}
     if plan.parts:
         return hierarchy.train(plan, folder, **settings)
     trainer = Trainer(plan, folder, **settings)

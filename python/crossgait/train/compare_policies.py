@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,8 +14,18 @@ from crossgait import _core
 from crossgait.commands import exit_code, say
 from crossgait.errors import ConfigError
 from crossgait.files import written_whole
-from crossgait.inputs import EnginesLike, EnvironmentLike, TerrainLike, as_engines, as_environment, terrain_texts
-from crossgait.policies.environment import ENVIRONMENT, environment_of
+from crossgait.inputs import (
+    EnginesLike,
+    EnvironmentLike,
+    PolicyLike,
+    TerrainLike,
+    as_engines,
+    as_policies,
+    as_policy,
+    environment_for,
+    terrain_texts,
+)
+from crossgait.policies.environment import environment_of
 from crossgait.train.evaluation import evaluate, failures
 
 Json = dict[str, Any]
@@ -29,8 +38,8 @@ examples:
 
 
 def compare_policies(
-    policies: Sequence[str | os.PathLike[str]],
-    environment: EnvironmentLike,
+    policies: PolicyLike | Sequence[PolicyLike],
+    environment: EnvironmentLike | None = None,
     *,
     engines: EnginesLike | None = None,
     terrains: TerrainLike | Sequence[TerrainLike] | None = None,
@@ -41,8 +50,8 @@ def compare_policies(
     """Run all policies on the same episodes, in every engine on every ground.
 
     Args:
-        policies: bundles, descriptions, zero, random.
-        environment: whose randomisation spreads the episodes.
+        policies: one or several, as `crossgait.rollout` takes them, each of another name.
+        environment: whose randomisation spreads the episodes; the first policy's own by default.
         engines: all that are available by default.
         terrains: the environment's own by default.
         episodes: of each policy, engine and ground.
@@ -59,19 +68,25 @@ def compare_policies(
     """
     if episodes < 1:
         raise ConfigError("compare_policies", "episodes", "at least 1", str(episodes))
-    asked = as_environment(environment, "compare_policies")
-    names = list(dict.fromkeys(os.fspath(policy) for policy in policies))
+    chosen = as_policies(policies, "compare_policies")
+    asked = environment_for(environment, *chosen, source="compare_policies")
+    by_name = {_name_of(policy): policy for policy in chosen}
     where = as_engines(engines, "compare_policies") if engines else _core.available_engines()
     cells = []
     for terrain in terrain_texts(terrains, "compare_policies") if terrains else [asked.terrain]:
         config = asked.updated({"terrain": terrain}, "terrain")
-        done = evaluate(names, config, where, episodes, seed, workers, progress=None)
+        done = evaluate(by_name, config, where, episodes, seed, workers, progress=None)
         cells += [
             {"engine": engine, "terrain": terrain, "policy": policy, "all": done[policy][engine]}
             for engine in where
-            for policy in names
+            for policy in by_name
         ]
     return {"episodes": episodes, "seed": seed, "cells": cells}
+
+
+def _name_of(policy: Any) -> str:
+    known = as_policy(policy, "compare_policies")
+    return known if isinstance(known, str) else str(policy.name)
 
 
 def table(document: Json) -> str:
@@ -117,8 +132,8 @@ def _parser() -> argparse.ArgumentParser:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("policies", metavar="POLICY", nargs="+", help="FILE.safetensors, FILE.yaml, zero, random")
-    parser.add_argument("--environment", metavar="FILE", help=f"(default: {ENVIRONMENT} beside the first policy)")
+    parser.add_argument("policies", metavar="POLICY", nargs="+", help="a name, a file or folder, zero, random")
+    parser.add_argument("--environment", metavar="FILE", help="or a policy's name (default: the first policy's own)")
     parser.add_argument("--engines", metavar="A,B", help="(default: all that are available)")
     parser.add_argument("--terrain", metavar="TERRAIN", action="append", help="again for more; the environment's")
     parser.add_argument("--episodes", metavar="N", type=int, default=10, help="(default: 10)")

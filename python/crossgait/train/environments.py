@@ -19,6 +19,9 @@ from crossgait.train.keys import COMMAND
 from crossgait.train.plan import Plan, Share, Stage
 from crossgait.train.tally import Tally
 
+#: Engine, what environments meet, and how many there are.
+Dealt = Sequence[tuple[str, Share, int]]
+
 _IDS = {"gait": "Crossgait/AdaptiveGait-v0", "joints": "Crossgait/JointControl-v0"}
 _COMMANDS_SEED = 2**32  #: index of the seed that commands are drawn by, beyond any engine's
 
@@ -34,12 +37,19 @@ class TrainingEnvs(NotCopyable, VecEnv):
 
     """
 
-    def __init__(self, plan: Plan) -> None:
-        """Build the worlds of the first stage. Raises ConfigError."""
-        self._plan = plan
+    def __init__(self, plan: Plan, stage: Stage | None = None, dealt: Dealt | None = None) -> None:
+        """Build the worlds of `stage`, the first by default. Raises ConfigError.
+
+        Args:
+            plan: of the run.
+            stage: whose worlds.
+            dealt: of them those, and no others later; all by default.
+
+        """
+        self._plan, self._dealt = plan, dealt
         self._seed = 0
         self._core_seconds = 0.0  # of vector environments of former stages
-        self._enter(plan.stages[0])
+        self._enter(stage or plan.stages[0])
         first = self._parts[0]
         count = sum(part.num_envs for part in self._parts)
         self.tally = Tally(count)
@@ -48,7 +58,8 @@ class TrainingEnvs(NotCopyable, VecEnv):
     def _enter(self, stage: Stage) -> None:
         self._is_closed = False
         self._stage = stage
-        name, workers, dealt = _IDS[stage.environment.action], self._plan["workers"], self._plan.shared_out(stage)
+        name, workers = _IDS[stage.environment.action], self._plan["workers"]
+        dealt = self._dealt or self._plan.shared_out(stage)
         self._parts = [
             CrossgaitVecEnv(name, count, config=share.environment, engine=engine, workers=workers)
             for engine, share, count in dealt

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import statistics
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from crossgait import studies
 from crossgait._core import EnvironmentConfig
+from crossgait.inputs import PolicyLike
 from crossgait.train.plan import Plan
 
 Json = dict[str, Any]
@@ -26,7 +27,7 @@ SHOWN = {
 
 
 def evaluate(
-    policies: Sequence[str],
+    policies: Sequence[str] | Mapping[str, PolicyLike],
     environment: EnvironmentConfig,
     engines: Sequence[str],
     episodes: int,
@@ -38,12 +39,14 @@ def evaluate(
 
     All policies and engines meet the same episodes. `progress` is as of `crossgait.rollout`.
     """
-    results: dict[str, dict[str, Json]] = {policy: {} for policy in policies}
+    by_name = policies if isinstance(policies, Mapping) else {name: name for name in policies}
+    results: dict[str, dict[str, Json]] = {name: {} for name in by_name}
+    run = list(by_name.values())
     for engine in engines:
         config = environment.updated({"engine": engine}, "engine")
-        done = studies.rollout(list(policies), config, episodes=episodes, seed=seed, workers=workers, progress=progress)
-        for policy, said in zip(policies, done.document["policies"], strict=True):
-            results[policy][engine] = said["all"]
+        done = studies.rollout(run, config, episodes=episodes, seed=seed, workers=workers, progress=progress)
+        for name, said in zip(by_name, done.document["policies"], strict=True):
+            results[name][engine] = said["all"]
     return results
 
 

@@ -14,6 +14,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 import crossgait
 from crossgait._core import LAYOUT_VERSION, PolicyBundle, PolicyInterface
 from crossgait.files import written_whole
+from crossgait.policies.policy import bundle_of, bytes_of
 from crossgait.sweep.strict_yaml import read_yaml, write_yaml
 from crossgait.train import checkpoint, ppo
 from crossgait.train.keys import PLANNER, RESIDUAL
@@ -21,6 +22,7 @@ from crossgait.train.learner import Learner, seen
 from crossgait.train.members import Member, MemberEnvs, TwoPaceEnvs
 from crossgait.train.plan import Plan
 from crossgait.train.ppo import TimedPPO
+from crossgait.train.remote_envs import Workers
 from crossgait.train.trainer import BEST, Trained, Trainer
 from crossgait.train.two_pace_policy import Normalised, Start, TwoPacePolicy, linear_layers
 
@@ -34,6 +36,7 @@ class Hierarchy:
     planner: Member
     residual: Member
     period: int
+    plan: Plan  #: that says so
 
     @staticmethod
     def of(plan: Plan) -> Hierarchy:
@@ -42,7 +45,10 @@ class Hierarchy:
         whole, fine = PolicyInterface(environment), environment.policy_dt
         period = round(said["planner_dt"] / fine)
         planner = Member.of(whole, PLANNER, said["planner"]["observation"], said["planner_dt"])
-        return Hierarchy(planner, Member.of(whole, RESIDUAL, said["residual"]["observation"], fine), period)
+        return Hierarchy(planner, Member.of(whole, RESIDUAL, said["residual"]["observation"], fine), period, plan)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Hierarchy.of, (self.plan,)
 
     def write(
         self, folder: Path, name: str, steps: int, planner: crossgait.Policy, residual: crossgait.Policy | None
@@ -110,6 +116,9 @@ class ResidualUnderPlanner:
     def __init__(self, hierarchy: Hierarchy, planner: PolicyBundle) -> None:
         self._hierarchy, self._bundle = hierarchy, planner
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _residual_under, (self._hierarchy, bytes_of(self._bundle))
+
     def environments(self, envs: VecEnv) -> VecEnv:
         """The residual policy's part of them."""
         h = self._hierarchy
@@ -127,12 +136,17 @@ class ResidualUnderPlanner:
         return h.write(folder, name, model.num_timesteps, planner, residual)
 
 
+def _residual_under(hierarchy: Hierarchy, planner: bytes) -> ResidualUnderPlanner:
+    return ResidualUnderPlanner(hierarchy, bundle_of(planner))
+
+
 class BothTogether:
     """Both members go on from where they are, as one policy of PPO; the critic is the residual policy's."""
 
     def __init__(self, hierarchy: Hierarchy, planner: Path, residual: Path) -> None:
         """Of the folders that the members were trained in."""
-        self._hierarchy, self._folders = hierarchy, (planner, residual)
+        # By whole paths: workers find them from elsewhere.
+        self._hierarchy, self._folders = hierarchy, (planner.resolve(), residual.resolve())
 
     def environments(self, envs: VecEnv) -> VecEnv:
         """All of them, and whether a plan is due."""
@@ -200,7 +214,9 @@ def _critic(state: Json, member: Member, bundle: PolicyBundle, epsilon: float) -
     return Normalised(layers, member.observation, mean, std, bundle.network.clip)
 
 
-def train(plan: Plan, folder: Path, *, resume: bool, progress: bool | None = None) -> list[Trained]:
+def train(
+    plan: Plan, folder: Path, *, resume: bool, progress: bool | None = None, workers: Workers | None = None
+) -> list[Trained]:
     """All parts of `plan` in order, each in a folder of its own; those that are done are not done again.
 
     Afterwards `best.yaml` in `folder` is the best of all parts' best.
@@ -209,7 +225,8 @@ def train(plan: Plan, folder: Path, *, resume: bool, progress: bool | None = Non
     for name, learner in _learners(plan, folder):
         part = folder / name
         part.mkdir(exist_ok=True)
-        trainer = Trainer(plan.parts[name], part, resume=resume, progress=progress, learner=learner, title=name)
+        how: Json = {"resume": resume, "progress": progress, "workers": workers}
+        trainer = Trainer(plan.parts[name], part, learner=learner, title=name, **how)
         trainer.run()
         done.append(trainer.trained)
     best = max(done, key=lambda part: float(part.state["best"]["score"])).best

@@ -61,6 +61,8 @@ def _is_rate(value: Any) -> bool:
 
 
 def _is_shares(value: Any) -> bool:
+    if isinstance(value, (str, list)):
+        return _is_names(value)
     return isinstance(value, dict) and bool(value) and all(is_number(v) and v > 0 for v in value.values())
 
 
@@ -69,17 +71,19 @@ def _is_sizes(value: Any) -> bool:
 
 
 def _is_names(value: Any) -> bool:
-    return value is None or (isinstance(value, list) and bool(value) and all(isinstance(v, str) for v in value))
+    names = [value] if isinstance(value, str) else value
+    return isinstance(names, list) and bool(names) and all(isinstance(name, str) and name for name in names)
 
 
 _SEEDS = Key([1_000_000, 1_000_999], "[first, last] seed", is_range)
 
 #: Every key with its default; a mapping is a section.
 TABLE: dict[str, Key | dict[str, Key]] = {
-    "environment": Key({}, "a file or a mapping of its keys", lambda v: isinstance(v, (str, dict))),
-    "engines": Key({"mujoco": 1.0}, "engines with shares above zero", _is_shares),
+    "environment": Key({}, "a file, a policy's name or a mapping of keys", lambda v: isinstance(v, (str, dict))),
+    "engines": Key({"mujoco": 1.0}, "engines by name, or with shares above zero", _is_shares),
     "environments": _whole(16, 1),
     "workers": _whole(None, 1, optional=True),
+    "block": _whole(None, 1, optional=True),
     "threads": _whole(1, 1),
     "steps": _whole(1_000_000, 1),
     "seed": _whole(0, 0),
@@ -112,7 +116,7 @@ TABLE: dict[str, Key | dict[str, Key]] = {
     "randomisation": Key({}, "a mapping as of an environment", lambda v: isinstance(v, dict)),
     "curriculum": Key([], "a list of stages", lambda v: isinstance(v, list)),
     "evaluation": {
-        "engines": Key(None, "a list of engines or null", _is_names),
+        "engines": _maybe(Key(None, "names of engines", _is_names), optional=True),
         "every": _whole(100_000, 1),
         "episodes": _whole(4, 1),
         "final_episodes": _whole(20, 1),

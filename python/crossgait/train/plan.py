@@ -13,6 +13,7 @@ from typing import Any
 from crossgait import _core
 from crossgait._core import EnvironmentConfig, PolicyInterface
 from crossgait.errors import ConfigError
+from crossgait.inputs import as_engines, as_environment
 from crossgait.sweep.strict_yaml import parse_yaml, read_yaml, write_yaml
 from crossgait.terms import Terms, with_terms
 from crossgait.train.keys import (
@@ -95,6 +96,10 @@ class Plan:
         for change in changes:
             _apply_change(given, change)
         document = filled(source, given, TABLE)
+        if not isinstance(document["engines"], dict):  # names alone: equal shares
+            document["engines"] = dict.fromkeys(as_engines(document["engines"]), 1.0)
+        if isinstance(document["evaluation"]["engines"], str):
+            document["evaluation"]["engines"] = as_engines(document["evaluation"]["engines"])
         base = _base_environment(source, document, folder or Path())
         stages = tuple(_stages(source, document, base, folder or Path()))
         _resolve_files(document["evaluation"]["set"], source, "evaluation.set", folder or Path())
@@ -111,16 +116,27 @@ class Plan:
         """
         if self.parts:
             raise ConfigError(self.source, "terms", "none of a hierarchical policy", "some")
+        changed = self._with_environments(lambda environment: with_terms(environment, terms))
+        return replace(changed, document=self.document | {"terms": terms.names})
+
+    def without_terms(self) -> tuple[Plan, Terms | None]:
+        """Return the plan as its file has it, which can be pickled, and the terms that it was given."""
+        if self.evaluated.terms is None:
+            return self, None
+        document = {key: value for key, value in self.document.items() if key != "terms"}
+        plain = self._with_environments(lambda environment: environment._without_terms())
+        return replace(plain, document=document), self.evaluated.terms
+
+    def _with_environments(self, change: Callable[[EnvironmentConfig], EnvironmentConfig]) -> Plan:
         stages = tuple(
             replace(
                 stage,
-                environment=with_terms(stage.environment, terms),
-                mix=tuple(replace(share, environment=with_terms(share.environment, terms)) for share in stage.mix),
+                environment=change(stage.environment),
+                mix=tuple(replace(share, environment=change(share.environment)) for share in stage.mix),
             )
             for stage in self.stages
         )
-        document = self.document | {"terms": terms.names}
-        return replace(self, document=document, stages=stages, evaluated=with_terms(self.evaluated, terms))
+        return replace(self, stages=stages, evaluated=change(self.evaluated))
 
     def to_yaml(self) -> str:
         """The whole, with every default."""
@@ -214,7 +230,8 @@ def _apply_change(document: Json, change: str) -> None:
 def _base_environment(source: str, document: Json, folder: Path) -> EnvironmentConfig:
     given = document["environment"]
     if isinstance(given, str):
-        config = EnvironmentConfig.load(os.fspath(folder / given))
+        file = folder / given
+        config = as_environment(file if file.is_file() else given, f"{source}: environment")
     else:
         _resolve_files(given, source, "environment", folder)
         config = _read_config(EnvironmentConfig.from_dict, given, f"{source}: environment")

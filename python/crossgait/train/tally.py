@@ -44,6 +44,22 @@ class Tally:
             outcome = info["outcome"]
             self.failures[outcome] = self.failures.get(outcome, 0) + 1
 
+    @staticmethod
+    def sum_of(parts: Sequence[Tally]) -> Tally:
+        """Return the tally of the environments of all `parts`, one after the other."""
+        whole = Tally(0)
+        for part in parts:
+            whole.steps += part.steps
+            whole.episodes += part.episodes
+            whole._reward += part._reward
+            whole._way += part._way
+            whole._time += part._time
+            whole._now += part._now
+            for mine, theirs in ((whole.failures, part.failures), (whole._terms, part._terms)):
+                for name, value in theirs.items():
+                    mine[name] = mine.get(name, 0) + value  # type: ignore[assignment]  # of counts a count
+        return whole
+
     def numbers(self) -> Numbers:
         """Means per step, m/s, and counts of episodes."""
         steps = max(1, self.steps)

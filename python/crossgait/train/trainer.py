@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import torch
 from stable_baselines3.common.utils import set_random_seed
-from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
 from crossgait._core import derived_seed
+from crossgait.errors import ConfigError
+from crossgait.sweep.pool import ProcessPool, usable_cores
 from crossgait.train import checkpoint, evaluation, record
 from crossgait.train.environments import TrainingEnvs
 from crossgait.train.learner import Learner, WholePolicy
 from crossgait.train.plan import Plan
+from crossgait.train.remote_envs import RemoteEnvs, Workers
+from crossgait.train.rollouts import normalised
 from crossgait.train.tally import of_environments
 
 Json = dict[str, Any]
@@ -70,18 +74,30 @@ class Trainer:
         progress: bool | None = None,
         learner: Learner | None = None,
         title: str = "",
+        workers: Workers | None = None,
     ) -> None:
         """Build environments and model; with `resume` as the folder's checkpoint, if it has one, says.
 
         `learner` is what is trained, one policy for the whole action by default; `title` begins the line of progress.
-        Raises ConfigError.
+        `workers` collect rollouts where the plan says `block`, by default processes of this machine.
+
+        Raises:
+            ConfigError: for what cannot be made, or workers without a `block`.
+
         """
         self.plan, self.folder, self._title = plan, folder, title
         self.learner = learner or WholePolicy(plan)
         torch.set_num_threads(plan["threads"])
         set_random_seed(plan["seed"])
-        self.envs = TrainingEnvs(plan)
-        self.normalise = _normalised(self.learner.environments(self.envs), plan)
+        self.envs: TrainingEnvs | RemoteEnvs
+        if plan["block"] is None:
+            if workers is not None:
+                expected = "a number of environments, where workers collect rollouts"
+                raise ConfigError(plan.source, "block", expected, "null")
+            self.envs = TrainingEnvs(plan)
+        else:
+            self.envs = RemoteEnvs(plan, self.learner, workers or partial(ProcessPool, usable_cores()))
+        self.normalise = normalised(self.learner.environments(self.envs), plan)
         self.model = self.learner.model(plan, self.normalise)
         self.model.lr_schedule = self._learning_rate
         self.state: Json = {"rollout": 0, "best": None, "evaluated": -1, "zero": None, "spent": {}}
@@ -130,9 +146,13 @@ class Trainer:
         begin, core, forward = time.perf_counter(), self.envs.core_seconds, self._forward.seconds
         stage = self.plan.stage(self.steps)
         self.envs.begin(stage, derived_seed(self.plan["seed"], self.state["rollout"]))
-        self.model._last_obs = None  # so that `learn` begins with new episodes
         learner = -self.model.seconds
-        self.model.learn(self.model.n_steps * self.model.n_envs, reset_num_timesteps=False)
+        if isinstance(self.envs, RemoteEnvs):
+            self.envs.collect(self.model, self.normalise)
+            self.model.train()
+        else:
+            self.model._last_obs = None  # so that `learn` begins with new episodes
+            self.model.learn(self.model.n_steps * self.model.n_envs, reset_num_timesteps=False)
         learner += self.model.seconds
         self.state["rollout"] += 1
         row = self._row(stage.index)
@@ -198,15 +218,3 @@ class _ForwardTime:
 
     def _after(self, *_: Any) -> None:
         self.seconds += time.perf_counter() - self._begin
-
-
-def _normalised(envs: VecEnv, plan: Plan) -> VecNormalize:
-    asked = plan["normalise"]
-    return VecNormalize(
-        envs,
-        norm_obs=asked["observation"],
-        norm_reward=asked["reward"],
-        clip_obs=float(asked["clip_observation"]),
-        clip_reward=float(asked["clip_reward"]),
-        gamma=plan["algorithm"]["gamma"],
-    )

@@ -14,7 +14,7 @@ from crossgait.errors import ConfigError
 from crossgait.files import written_whole
 from crossgait.inputs import EngineLike, EnvironmentLike, as_engine, environment_for
 from crossgait.policies import Policy
-from crossgait.policies.environment import ENVIRONMENT, environment_of
+from crossgait.policies.environment import environment_of
 from crossgait.viewing import film
 
 FRAME_RATE = 25  #: of videos, at most, 1/s
@@ -99,8 +99,8 @@ def _parser() -> argparse.ArgumentParser:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("policy", metavar="POLICY", help="FILE.safetensors, FILE.yaml, zero, random")
-    parser.add_argument("--environment", metavar="FILE", help=f"(default: {ENVIRONMENT} beside the policy)")
+    parser.add_argument("policy", metavar="POLICY", help="a name, a file or folder, zero, random")
+    parser.add_argument("--environment", metavar="FILE", help="or a policy's name (default: the policy's own)")
     parser.add_argument("--video", metavar="FILE", help=".mp4 or .gif; without it a window")
     parser.add_argument("--engine", metavar="NAME")
     parser.add_argument("--terrain", metavar="TERRAIN")

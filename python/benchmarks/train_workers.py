@@ -1,0 +1,147 @@
+"""Training by workers: the same bits with 1, 2 and 3 of them and after losses, and what a rollout takes.
+
+    python python/benchmarks/train_workers.py [--ray] [--rollouts 6] [--json FILE]
+
+Each run trains the same plan in a folder of its own. Runs with a loss lose a process, or a node of a cluster of two on
+this machine, in the middle of every second rollout. Fails if any policy differs in a bit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import signal
+import statistics
+import sys
+import tempfile
+import threading
+import time
+import warnings
+from collections.abc import Callable
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from crossgait.sweep import ProcessPool, RayCluster
+from crossgait.train import Plan
+from crossgait.train.folder import locked
+from crossgait.train.remote_envs import RemoteEnvs
+from crossgait.train.trainer import Trainer
+
+NODE = {"num_cpus": 1, "object_store_memory": 80 * 2**20, "include_dashboard": False}
+
+
+def plan(rollouts: int) -> Plan:
+    """Joints on flat ground, 24 environments in six blocks."""
+    steps = 24 * 100 * rollouts
+    changes = [
+        *("environments=24", "block=4", f"steps={steps}", "algorithm.n_steps=100", "algorithm.batch_size=600"),
+        *("algorithm.n_epochs=2", "evaluation.episodes=1", f"evaluation.every={10 * steps}"),
+        *("evaluation.engines=mujoco", "curriculum=[]", "environment.terrain=flat", "environment.episode_seconds=1"),
+    ]
+    return Plan.preset("joints", changes)
+
+
+def run(rollouts: int, workers: Any, lose: Callable[[RemoteEnvs], None] | None = None) -> dict[str, Any]:
+    """Train, and say what came of it: the policy's hash, and the wall time of each rollout's collection, s."""
+    with tempfile.TemporaryDirectory() as folder, locked(Path(folder)):
+        trainer = Trainer(plan(rollouts), Path(folder), resume=False, progress=False, workers=workers)
+        envs = trainer.envs
+        assert isinstance(envs, RemoteEnvs)
+        collect, seconds = envs.collect, []
+
+        def measured(*arguments: Any) -> None:
+            timer = None
+            if lose is not None and len(seconds) % 2 == 1:
+                timer = threading.Timer(0.5 * statistics.median(seconds[:1]), lose, (envs,))
+                timer.start()
+            begin = time.perf_counter()
+            collect(*arguments)
+            seconds.append(time.perf_counter() - begin)
+            if timer is not None:
+                timer.join()
+
+        envs.collect = measured  # type: ignore[method-assign]
+        trainer.run()
+        policy = (Path(folder) / "last.safetensors").read_bytes()
+    return {"policy": hashlib.sha256(policy).hexdigest(), "seconds": seconds, "lost": envs.lost}
+
+
+def lose_process(envs: RemoteEnvs) -> None:
+    """Kill -9 of the first process of a pool."""
+    pool = envs._workers
+    assert isinstance(pool, ProcessPool)
+    os.kill(pool._all[0].process.pid, signal.SIGKILL)
+
+
+@contextmanager
+def two_nodes() -> Any:
+    """A Ray cluster of two nodes on this machine."""
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    import ray
+    from ray.cluster_utils import Cluster
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        cluster = Cluster(initialize_head=True, head_node_args=NODE)
+        cluster.add_node(**NODE)
+        cluster.wait_for_nodes()
+        try:
+            yield cluster
+        finally:
+            ray.shutdown()
+            cluster.shutdown()
+
+
+def lose_node(cluster: Any, _: RemoteEnvs) -> None:
+    """End the second node at once, and let another join."""
+    (second, *_others) = cluster.worker_nodes
+    cluster.remove_node(second, allow_graceful=False)
+    cluster.add_node(**NODE)
+
+
+def main() -> int:
+    """Measure, and compare bits."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rollouts", type=int, default=6)
+    parser.add_argument("--ray", action="store_true", help="also on two nodes of a Ray cluster on this machine")
+    parser.add_argument("--json", metavar="FILE")
+    options = parser.parse_args()
+    done: dict[str, dict[str, Any]] = {}
+
+    def measure(name: str, workers: Any, lose: Callable[[RemoteEnvs], None] | None = None) -> None:
+        said = done[name] = run(options.rollouts, workers, lose)
+        later = said["seconds"][1:]  # the first starts processes
+        print(
+            f"{name}: {statistics.median(later):.2f} s a rollout ({min(later):.2f} to {max(later):.2f}), "
+            f"{said['lost']} blocks made again, policy {said['policy'][:12]}",
+            flush=True,
+        )
+
+    for count in (1, 2, 3):
+        measure(f"{count} processes", partial(ProcessPool, count))
+    measure("2 processes, one killed in every second rollout", partial(ProcessPool, 2), lose_process)
+    if options.ray:
+        with two_nodes() as cluster:
+            measure("2 nodes of Ray", partial(RayCluster, cluster.address, None))
+            measure(
+                "2 nodes of Ray, one lost in every second rollout",
+                partial(RayCluster, cluster.address, None),
+                partial(lose_node, cluster),
+            )
+    if options.json:
+        Path(options.json).write_text(json.dumps(done, indent=2) + "\n")
+    policies = {said["policy"] for said in done.values()}
+    lost = [said["lost"] for name, said in done.items() if "every" in name]
+    if len(policies) > 1 or 0 in lost:
+        print("FAILED: " + ("policies differ" if len(policies) > 1 else "nothing was lost"))
+        return 1
+    print(f"the same policy, to the bit, of {len(done)} runs")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
