@@ -63,7 +63,7 @@ TEST(CoupledLegs, WhoseKneesFollowAreAsHighAndAsFarAsideAsAskedFor) {
   SerialUrdf urdf;
   urdf.knee_mimic = R"(joint="{0}_pitch" multiplier="-1.6")";
   const scenes::RobotPtr robot = load(urdf);
-  FootTargetTracker tracker(robot);
+  FootTargetTracker tracker(robot, ServoCompensation::none());
   LegArray<Vector3> feet;
   for (const Leg leg : kLegs)
     feet[leg] = {0.05, 0.03 * side_sign(leg),
